@@ -1,0 +1,39 @@
+# Install and export: libraries, headers, the program, scenes and tools, and a package that `find_package(burrhole)` reads.
+include(CMakePackageConfigHelpers)
+
+set(BURRHOLE_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/burrhole")
+
+# Options may leave a folder out, so whatever libraries exist are installed.
+set(burrhole_installed "")
+foreach(name core haptics volumes engine render report lab)
+  if(TARGET burrhole_${name})
+    list(APPEND burrhole_installed burrhole_${name})
+  endif()
+endforeach()
+install(TARGETS ${burrhole_installed} EXPORT burrholeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(TARGET burrhole)
+  install(TARGETS burrhole RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+
+# Headers keep their folders: #include "core/base/geometry.h" reads the same in the tree and in a client. The wrapper round toml++
+# stays home.
+foreach(folder core haptics volumes app/engine app/render app/report app/lab)
+  if(EXISTS "${PROJECT_SOURCE_DIR}/${folder}")
+    install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/burrhole/${folder}"
+      FILES_MATCHING PATTERN "*.h" PATTERN "toml_parsed.h" EXCLUDE)
+  endif()
+endforeach()
+foreach(folder scenes tools)
+  if(EXISTS "${PROJECT_SOURCE_DIR}/app/${folder}")
+    install(DIRECTORY "${PROJECT_SOURCE_DIR}/app/${folder}" DESTINATION "${CMAKE_INSTALL_DATADIR}/burrhole"
+      FILES_MATCHING PATTERN "*.toml")
+  endif()
+endforeach()
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+install(EXPORT burrholeTargets NAMESPACE burrhole:: DESTINATION ${BURRHOLE_PACKAGE_DIR})
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/burrholeConfig.cmake.in" "${PROJECT_BINARY_DIR}/burrholeConfig.cmake"
+  INSTALL_DESTINATION ${BURRHOLE_PACKAGE_DIR})
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/burrholeConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/burrholeConfig.cmake" "${PROJECT_BINARY_DIR}/burrholeConfigVersion.cmake"
+  DESTINATION ${BURRHOLE_PACKAGE_DIR})
