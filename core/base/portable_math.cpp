@@ -1,0 +1,91 @@
+#include "core/base/portable_math.h"
+
+#include <cmath>
+#include <limits>
+
+namespace burrhole {
+namespace {
+
+// ln 2 and pi/2 split so that k * high part is exact for the k that occur (Cody & Waite argument reduction).
+constexpr double kLn2High = 6.93147180369123816490e-01;
+constexpr double kLn2Low = 1.90821492927058770002e-10;
+constexpr double kInvLn2 = 1.44269504088896338700e+00;
+constexpr double kPiHalf1 = 1.57079632673412561417e+00;
+constexpr double kPiHalf2 = 6.07710050630396597660e-11;
+constexpr double kPiHalf3 = 2.02226624879595063154e-21;
+constexpr double kTwoOverPi = 6.36619772367581382433e-01;
+
+/// An argument reduced to |r| <= pi/4: the angle is r + tail, tail the part that r has no digits for.
+struct Reduced {
+  double r;
+  double tail;
+  int quadrant;
+};
+
+// Taylor series on |r| <= pi/4: the first term left out is below 2^-55 of the result; the tail enters to first order.
+double sin_series(double r, double tail) noexcept {
+  const double r2 = r * r;
+  double sum = 0.0;
+  for (int n = 17; n >= 3; n -= 2) sum = (1.0 + sum) * (-r2 / static_cast<double>(n * (n - 1)));
+  return r + (r * sum + tail * (1.0 - 0.5 * r2));
+}
+
+double cos_series(double r, double tail) noexcept {
+  const double r2 = r * r;
+  double sum = 0.0;
+  for (int n = 18; n >= 2; n -= 2) sum = (1.0 + sum) * (-r2 / static_cast<double>(n * (n - 1)));
+  return 1.0 + (sum - tail * r);
+}
+
+/// a - b with what rounding lost (Knuth's two-sum: exact whichever is larger).
+struct Difference {
+  double value;
+  double lost;
+};
+
+Difference exact_difference(double a, double b) noexcept {
+  const double value = a - b;
+  const double part = value - a;
+  return {value, (a - (value - part)) - (b + part)};
+}
+
+Reduced reduce(double x) noexcept {
+  const double k = std::nearbyint(x * kTwoOverPi);
+  const auto [w, lost] =
+      exact_difference(x - k * kPiHalf1, k * kPiHalf2);  // both products and the first difference are exact for |x| <= 1e6
+  const double low = lost - k * kPiHalf3;
+  const double r = w + low;
+  return {r, (w - r) + low, static_cast<int>(static_cast<long long>(k) & 3)};
+}
+
+}  // namespace
+
+double portable_exp(double x) noexcept {
+  if (std::isnan(x)) return x;
+  if (x < -745.2) return 0.0;
+  if (x > 709.79) return std::numeric_limits<double>::infinity();
+  const double k = std::nearbyint(x * kInvLn2);
+  const double r = (x - k * kLn2High) - k * kLn2Low;  // |r| <= ln2/2
+  // e^r by Horner on 1/n!; the first term left out (n = 14) is below 2^-57 of the result.
+  static constexpr double kInverseFactorial[] = {1.0 / 6227020800.0, 1.0 / 479001600.0, 1.0 / 39916800.0, 1.0 / 3628800.0,
+                                                 1.0 / 362880.0,     1.0 / 40320.0,     1.0 / 5040.0,     1.0 / 720.0,
+                                                 1.0 / 120.0,        1.0 / 24.0,        1.0 / 6.0,        0.5};
+  double sum = 0.0;
+  for (const double c : kInverseFactorial) sum = sum * r + c;
+  const double fraction = 1.0 + (r + r * r * sum);
+  return std::ldexp(fraction, static_cast<int>(k));
+}
+
+double portable_sin(double x) noexcept {
+  const auto [r, tail, quadrant] = reduce(x);
+  const double value = (quadrant & 1) != 0 ? cos_series(r, tail) : sin_series(r, tail);
+  return (quadrant & 2) != 0 ? -value : value;
+}
+
+double portable_cos(double x) noexcept {
+  const auto [r, tail, quadrant] = reduce(x);
+  const double value = (quadrant & 1) != 0 ? sin_series(r, tail) : cos_series(r, tail);
+  return (quadrant == 1 || quadrant == 2) ? -value : value;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,14 @@
+/// core/base/portable_math.h: exp, sin and cos with the same bits on every x86-64 CPU.
+/// glibc picks FMA and non-FMA variants of these at run time, whose last bits differ; a replay must not depend on the CPU.
+/// Only +, -, *, / and exact scaling are used; built with -ffp-contract=off. Error at most 2 ulp (tested against long double).
+#pragma once
+
+namespace burrhole {
+
+/// e^x; 0 below -745, +inf above 709.78. NaN in, NaN out.
+[[nodiscard]] double portable_exp(double x) noexcept;
+/// Sine of x [rad], |x| <= 1e6 (larger arguments lose accuracy, not determinism).
+[[nodiscard]] double portable_sin(double x) noexcept;
+[[nodiscard]] double portable_cos(double x) noexcept;
+
+}  // namespace burrhole

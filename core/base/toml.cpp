@@ -1,0 +1,339 @@
+#include "core/base/toml.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+#include <tuple>
+#include <utility>
+
+#include "core/base/toml_messages.h"
+#include "core/base/toml_parsed.h"
+
+namespace burrhole {
+
+using namespace toml_wrapper;
+
+namespace {
+
+/// A value as a message quotes it.
+std::string value_text(const toml::node& node) {
+  if (const auto* text = node.as_string()) return '"' + one_line(text->get(), 60) + '"';
+  if (const auto* whole = node.as_integer()) return fmt::format("{}", whole->get());
+  if (const auto* real = node.as_floating_point()) return number_text(real->get());
+  if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+  if (node.is_table()) return "{table}";
+  if (node.is_array()) return "[array]";
+  return "a date or time";
+}
+
+std::optional<double> as_number(const toml::node& node) {
+  if (const auto* real = node.as_floating_point()) return real->get();
+  if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
+  return std::nullopt;
+}
+
+}  // namespace
+
+// ---- TableReader ----
+
+struct TableReader::State {
+  std::shared_ptr<const ParsedFile> parsed;
+  const toml::table* table = nullptr;
+  std::string path;  ///< dotted, array elements as name[0]
+  std::string place;
+  Issues* issues = nullptr;
+  std::vector<std::string> asked;           ///< names in the order of asking: the known keys
+  std::set<std::string, std::less<>> told;  ///< keys that already have an issue about their name
+  std::map<std::string, std::shared_ptr<State>, std::less<>> children;
+
+  const toml::node* ask(std::string_view key) {
+    if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.emplace_back(key);
+    return table->get(key);
+  }
+  std::string place_of(std::string_view key) const {
+    const auto it = table->find(key);
+    return it == table->end() ? place : place_at(*parsed, join(path, key), it->first.source());
+  }
+  void push(ErrorCode code, std::string message, std::string where) { issues->push_back({code, std::move(message), std::move(where)}); }
+  /// "tool.radius_mm = -5 must ...", at the key.
+  void refuse(std::string_view key, const toml::node& node, const std::string& what, ErrorCode code = ErrorCode::bad_input) {
+    push(code, fmt::format("{} = {} {}", join(path, key), value_text(node), what), place_of(key));
+  }
+  void missing(std::string_view key, std::string_view about);
+  std::optional<double> checked(const toml::node& node, const NumberRule& rule, const std::string& name, const std::string& where);
+  std::shared_ptr<State> child(const std::string& name, const toml::table& sub, const std::string& where);
+  void unknown(const std::string& key, const toml::node& node);
+};
+
+void TableReader::State::missing(std::string_view key, std::string_view about) {
+  const auto bare = without_unit(key);
+  if (bare && table->contains(*bare)) {
+    push(ErrorCode::bad_input, fmt::format("{} lacks its unit: write \"{}\"", join(path, *bare), key), place_of(*bare));
+    told.emplace(*bare);
+    return;
+  }
+  const std::string why = about.empty() ? std::string() : fmt::format(" ({})", about);
+  push(ErrorCode::bad_input, fmt::format("{} is missing{}", join(path, key), why), place);
+}
+
+/// The number as written when it obeys the rule, else an issue.
+std::optional<double> TableReader::State::checked(const toml::node& node, const NumberRule& rule, const std::string& name,
+                                                  const std::string& where) {
+  const auto refuse_with = [&](ErrorCode code, const std::string& what) {
+    push(code, fmt::format("{} = {} {}", name, value_text(node), what), where);
+    return std::nullopt;
+  };
+  const auto written = as_number(node);
+  if (!written) return refuse_with(ErrorCode::bad_input, "must be a number");
+  if (!std::isfinite(*written)) return refuse_with(ErrorCode::out_of_range, "must be a finite number");
+  if (!within(*written, rule)) return refuse_with(ErrorCode::out_of_range, range_text(rule));
+  return written;
+}
+
+std::shared_ptr<TableReader::State> TableReader::State::child(const std::string& name, const toml::table& sub, const std::string& where) {
+  auto& slot = children[name];
+  if (!slot) {
+    slot = std::make_shared<State>();
+    slot->parsed = parsed;
+    slot->table = &sub;
+    slot->path = name;
+    slot->place = where;
+    slot->issues = issues;
+  }
+  return slot;
+}
+
+void TableReader::State::unknown(const std::string& key, const toml::node& node) {
+  if (const auto full = with_unit(key, asked)) {
+    push(ErrorCode::bad_input, fmt::format("{} lacks its unit: write \"{}\"", join(path, key), *full), place_of(key));
+    return;
+  }
+  const auto near = nearest_name(key, asked);
+  std::string message;
+  if (node.is_table() || node.is_array_of_tables()) {
+    message = fmt::format("unknown table [{}]", join(path, key));
+    if (near) message += fmt::format("; did you mean [{}]?", join(path, *near));
+  } else {
+    message = fmt::format("unknown key \"{}\"", one_line(key));
+    if (!path.empty()) message += fmt::format(" in [{}]", path);
+    if (near) message += fmt::format("; did you mean \"{}\"?", *near);
+  }
+  push(ErrorCode::bad_input, message, place_of(key));
+}
+
+TableReader::TableReader(std::shared_ptr<State> state) : state_(std::move(state)) {}
+
+bool TableReader::has(std::string_view key) const { return state_->ask(key) != nullptr; }
+std::string TableReader::name() const { return state_->path; }
+std::string TableReader::place() const { return state_->place; }
+std::string TableReader::place_of(std::string_view key) const { return state_->place_of(key); }
+
+double TableReader::number(std::string_view key, const NumberRule& rule, std::string_view about) {
+  const toml::node* node = state_->ask(key);
+  if (node == nullptr && !rule.fallback) state_->missing(key, about);
+  if (node == nullptr) return (rule.fallback ? *rule.fallback : value_inside(rule)) * rule.to_si;
+  const auto written = state_->checked(*node, rule, join(state_->path, key), place_of(key));
+  return (written ? *written : value_inside(rule)) * rule.to_si;
+}
+
+std::int64_t TableReader::integer(std::string_view key, std::optional<std::int64_t> fallback, std::int64_t min, std::int64_t max,
+                                  std::string_view about) {
+  const toml::node* node = state_->ask(key);
+  const std::int64_t instead = fallback.value_or(min);
+  if (node == nullptr) {
+    if (!fallback) state_->missing(key, about);
+    return instead;
+  }
+  const auto* whole = node->as_integer();
+  if (whole != nullptr && whole->get() >= min && whole->get() <= max) return whole->get();
+  if (whole == nullptr)
+    state_->refuse(key, *node, "must be a whole number");
+  else
+    state_->refuse(key, *node, fmt::format("must be a whole number in [{}, {}]", min, max), ErrorCode::out_of_range);
+  return instead;
+}
+
+bool TableReader::boolean(std::string_view key, bool fallback, std::string_view) {
+  const toml::node* node = state_->ask(key);
+  if (node == nullptr) return fallback;
+  if (const auto* flag = node->as_boolean()) return flag->get();
+  state_->refuse(key, *node, "must be true or false");
+  return fallback;
+}
+
+std::string TableReader::text(std::string_view key, std::optional<std::string> fallback, std::string_view about) {
+  const toml::node* node = state_->ask(key);
+  if (node != nullptr) {
+    if (const auto* text = node->as_string()) return text->get();
+    state_->refuse(key, *node, "must be text in quotes");
+  } else if (!fallback) {
+    state_->missing(key, about);
+  }
+  return fallback.value_or("");
+}
+
+std::string TableReader::choice(std::string_view key, std::optional<std::string> fallback, const std::vector<std::string>& allowed,
+                                std::string_view about, const std::vector<std::string>& later) {
+  const std::string instead = fallback ? *fallback : allowed.empty() ? std::string() : allowed.front();
+  const toml::node* node = state_->ask(key);
+  if (node == nullptr) {
+    if (!fallback) state_->missing(key, about);
+    return instead;
+  }
+  const auto* text = node->as_string();
+  if (text == nullptr) {
+    state_->refuse(key, *node, "must be text in quotes");
+    return instead;
+  }
+  const std::string& word = text->get();
+  if (std::find(allowed.begin(), allowed.end(), word) != allowed.end()) return word;
+  if (std::find(later.begin(), later.end(), word) != later.end()) {
+    state_->refuse(key, *node, fmt::format("is not in this version; it knows \"{}\"", fmt::join(allowed, "\", \"")));
+    return instead;
+  }
+  std::string what = fmt::format("must be one of \"{}\"", fmt::join(allowed, "\", \""));
+  if (const auto near = nearest_name(word, allowed)) what += fmt::format("; did you mean \"{}\"?", *near);
+  state_->refuse(key, *node, what);
+  return instead;
+}
+
+std::vector<double> TableReader::numbers(std::string_view key, std::optional<std::vector<double>> fallback, std::size_t count,
+                                         const NumberRule& rule, std::string_view about) {
+  std::vector<double> values = fallback.value_or(std::vector<double>(count, value_inside(rule)));
+  const toml::node* node = state_->ask(key);
+  if (node == nullptr) {
+    if (!fallback) state_->missing(key, about);
+  } else if (const toml::array* array = node->as_array(); array != nullptr && array->size() == count) {
+    values.resize(count, value_inside(rule));
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string name = fmt::format("{}[{}]", join(state_->path, key), i);
+      const auto written = state_->checked(*array->get(i), rule, name, place_at(*state_->parsed, name, array->get(i)->source()));
+      if (written) values[i] = *written;
+    }
+  } else {
+    state_->refuse(key, *node, fmt::format("must be an array of {} numbers", count));
+  }
+  for (double& value : values) value *= rule.to_si;
+  return values;
+}
+
+Vec3 TableReader::vector(std::string_view key, std::optional<Vec3> fallback, const NumberRule& rule, std::string_view about) {
+  std::optional<std::vector<double>> three;
+  if (fallback) three = {fallback->x, fallback->y, fallback->z};
+  const std::vector<double> v = numbers(key, three, 3, rule, about);
+  return {v[0], v[1], v[2]};
+}
+
+std::optional<TableReader> TableReader::table(std::string_view key, std::string_view) {
+  const toml::node* node = state_->ask(key);
+  if (node == nullptr) return std::nullopt;
+  const toml::table* sub = node->as_table();
+  const std::string path = join(state_->path, key);
+  if (sub == nullptr) {
+    state_->refuse(key, *node, fmt::format("must be a table: [{}]", path));
+    return std::nullopt;
+  }
+  return TableReader(state_->child(path, *sub, place_of(key)));
+}
+
+std::vector<TableReader> TableReader::tables(std::string_view key, std::string_view) {
+  std::vector<TableReader> readers;
+  const toml::node* node = state_->ask(key);
+  if (node == nullptr) return readers;
+  const toml::array* array = node->as_array();
+  const std::string path = join(state_->path, key);
+  if (array == nullptr || (!array->empty() && !array->is_array_of_tables())) {
+    state_->refuse(key, *node, fmt::format("must be an array of tables: [[{}]]", path));
+    return readers;
+  }
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const std::string element = fmt::format("{}[{}]", path, i);
+    const toml::table& sub = *array->get(i)->as_table();
+    readers.push_back(TableReader(state_->child(element, sub, place_at(*state_->parsed, element, sub.source()))));
+  }
+  return readers;
+}
+
+std::vector<std::string> TableReader::keys() const {
+  using Entry = std::tuple<std::uint32_t, std::uint32_t, std::string>;
+  std::vector<Entry> entries;
+  for (const auto& [key, node] : *state_->table) {
+    const auto begin = key.source().begin;  // a key that an assignment made has no line and comes last
+    entries.emplace_back(begin.line > 0 ? begin.line : ~std::uint32_t{0}, begin.column, std::string(key.str()));
+  }
+  std::sort(entries.begin(), entries.end());
+  std::vector<std::string> names;
+  for (Entry& entry : entries) names.push_back(std::move(std::get<2>(entry)));
+  return names;
+}
+
+void TableReader::fault(std::string_view key, const std::string& message) {
+  const toml::node* node = state_->ask(key);
+  const bool quote = node != nullptr && !node->is_table() && !node->is_array();
+  const std::string value = quote ? " = " + value_text(*node) : std::string();
+  state_->push(ErrorCode::bad_input, fmt::format("{}{} {}", join(state_->path, key), value, message), place_of(key));
+}
+
+void TableReader::finish() {
+  for (const std::string& key : keys()) {
+    const bool known = std::find(state_->asked.begin(), state_->asked.end(), key) != state_->asked.end();
+    if (!known && state_->told.insert(key).second) state_->unknown(key, *state_->table->get(key));
+  }
+}
+
+// ---- TomlDocument ----
+
+struct TomlDocument::State {
+  std::shared_ptr<const ParsedFile> parsed;
+};
+
+TomlDocument::TomlDocument(std::shared_ptr<State> state) : state_(std::move(state)) {}
+
+Result<TomlDocument> TomlDocument::load(const std::string& path) {
+  const Result<std::string> text = read_text(path);
+  if (!text) return text.error();
+  return parse(text.value(), path);
+}
+
+Result<TomlDocument> TomlDocument::parse(std::string_view text, const std::string& file_name) {
+  Result<toml::table> root = parse_table(text, file_name);
+  if (!root) return root.error();
+  auto parsed = std::make_shared<ParsedFile>(ParsedFile{file_name, std::string(text), {}, {}, std::move(root).value()});
+  return TomlDocument(std::make_shared<State>(State{std::move(parsed)}));
+}
+
+Status TomlDocument::set(std::string_view assignment) {
+  // Copying a toml::table drops its line numbers, and readers or other documents may share this one: parse the text afresh instead.
+  const ParsedFile& old = *state_->parsed;
+  Result<toml::table> root = parse_table(old.text, old.file);
+  if (!root) return root.error();
+  auto next = std::make_shared<ParsedFile>(ParsedFile{old.file, old.text, {}, {}, std::move(root).value()});
+  for (const std::string& earlier : old.assignments)
+    if (Status status = assign(*next, earlier); !status) return status;
+  if (Status status = assign(*next, assignment); !status) return status;
+  state_ = std::make_shared<State>(State{std::move(next)});
+  return {};
+}
+
+TableReader TomlDocument::root(Issues& issues) const {
+  auto state = std::make_shared<TableReader::State>();
+  state->parsed = state_->parsed;
+  state->table = &state_->parsed->root;
+  state->place = state_->parsed->file;
+  state->issues = &issues;
+  return TableReader(std::move(state));
+}
+
+const std::string& TomlDocument::file_name() const { return state_->parsed->file; }
+
+std::string TomlDocument::to_text() const {
+  std::ostringstream out;
+  out << toml::toml_formatter(state_->parsed->root) << '\n';
+  return std::move(out).str();
+}
+
+}  // namespace burrhole

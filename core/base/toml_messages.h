@@ -1,0 +1,34 @@
+/// core/base/toml_messages.h: the words of located TOML faults; knows strings and numbers, not toml++.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/toml.h"
+
+namespace burrhole {
+
+/// Text safe to print on one line: control bytes and bytes that are no UTF-8 become '?', long text is cut with "...".
+[[nodiscard]] std::string one_line(std::string_view text, std::size_t max_bytes = 80);
+
+/// Shortest text that reads back as the same number: -5, 0.25, nan.
+[[nodiscard]] std::string number_text(double value);
+
+/// What the rule demands of a number as written: "must be in (0, 20]", "must be > 0", "must be at least 1".
+[[nodiscard]] std::string range_text(const NumberRule& rule);
+
+/// Whether a finite number as written obeys the rule.
+[[nodiscard]] bool within(double written, const NumberRule& rule) noexcept;
+
+/// A number as written that obeys the rule: the fallback, else the middle of the range, else something next to its finite end.
+[[nodiscard]] double value_inside(const NumberRule& rule) noexcept;
+
+/// The name in `known` that is `word` plus a unit suffix ("radius" -> "radius_mm"), if there is one.
+[[nodiscard]] std::optional<std::string> with_unit(std::string_view word, const std::vector<std::string>& known);
+
+/// `key` without its unit suffix ("radius_mm" -> "radius"), or nothing when it wears none.
+[[nodiscard]] std::optional<std::string_view> without_unit(std::string_view key);
+
+}  // namespace burrhole

@@ -1,0 +1,28 @@
+/// core/base/triple_buffer.h: latest-wins mailbox for plain values between one writer and one reader, wait-free on both sides.
+#pragma once
+
+#include <type_traits>
+
+#include "core/base/snapshot_buffer.h"
+
+namespace burrhole {
+
+template <class T>
+class TripleBuffer {
+  static_assert(std::is_trivially_copyable_v<T>, "a mailbox carries plain values only");
+
+ public:
+  explicit TripleBuffer(const T& initial = {}) { buffer_.slots().fill(initial); }
+  /// Writer: hands over a new value; an older one not yet taken is dropped.
+  void publish(const T& value) noexcept BH_REALTIME {
+    buffer_.back() = value;
+    buffer_.publish();
+  }
+  /// Reader: the newest value; the reference stays good until the next call.
+  [[nodiscard]] const T& latest() noexcept BH_REALTIME { return buffer_.latest(); }
+
+ private:
+  SnapshotBuffer<T> buffer_;
+};
+
+}  // namespace burrhole
