@@ -1,0 +1,86 @@
+#include "core/tool/erosion_points.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace burrhole {
+namespace {
+
+/// Widest cutting radius at height z [m]; 0 where nothing cuts.
+double cutting_radius(const ToolSpec& spec, double z) noexcept {
+  double widest = 0.0;
+  for (const RegionSpec& region : spec.regions)
+    if (region.erosion.base > 0.0) widest = std::max(widest, region.solid.squared_radius(z));
+  return std::sqrt(widest);
+}
+
+double cutting_height(const ToolSpec& spec) noexcept {
+  double top = 0.0;
+  for (const RegionSpec& region : spec.regions)
+    if (region.erosion.base > 0.0) top = std::max(top, region.solid.z_high);
+  return top;
+}
+
+/// Calls f(p, factor) for each cell that cuts, k, j, i with i fastest, until f returns false.
+template <class F>
+void for_each_cell(const ToolSpec& spec, double pitch, F&& f) {
+  const auto layers = static_cast<long long>(std::ceil(cutting_height(spec) / pitch));
+  for (long long k = 0; k < layers; ++k) {
+    const double z = (static_cast<double>(k) + 0.5) * pitch;
+    const auto half = static_cast<long long>(std::ceil(cutting_radius(spec, z) / pitch));
+    for (long long j = -half; j < half; ++j)
+      for (long long i = -half; i < half; ++i) {
+        const Vec3 p((static_cast<double>(i) + 0.5) * pitch, (static_cast<double>(j) + 0.5) * pitch, z);
+        const double factor = erosion_factor_at(spec, p);
+        if (factor > 0.0 && !f(p, factor)) return;
+      }
+  }
+}
+
+Error too_many(double pitch) {
+  return {
+      ErrorCode::out_of_range,
+      fmt::format("an erosion pitch of {:g} mm makes more than {} erosion points: take a coarser pitch", pitch * 1e3, kMaxErosionPoints),
+      {}};
+}
+
+}  // namespace
+
+double erosion_factor_at(const ToolSpec& spec, const Vec3& p) noexcept {
+  const auto owner = spec.region_at(p);
+  if (!owner) return 0.0;
+  const RegionSpec& region = spec.regions[*owner];
+  const ErosionRule& law = region.erosion;
+  if (law.base <= 0.0) return 0.0;
+  const double r = std::sqrt(p.x * p.x + p.y * p.y);
+  const double radial = law.axis + (law.rim - law.axis) * (r / region.solid.largest_radius());
+  if (!law.needs_depth()) return law.base * radial * law.interior;  // every face has the interior's factor: the distance does not matter
+  const NearestPiece near = find_nearest(spec.outline, {r, p.z});
+  return law.base * radial * (near.distance < law.skin ? law.of_face(spec.outline[near.piece].face) : law.interior);
+}
+
+Result<ErosionPoints> make_erosion_points(const ToolSpec& spec, double pitch) {
+  if (!std::isfinite(pitch) || pitch <= 0.0)
+    return Error{ErrorCode::out_of_range, fmt::format("erosion pitch = {:g} mm must be > 0", pitch * 1e3), {}};
+  double volume = 0.0;  // of cutting regions, overlaps counted twice
+  for (const RegionSpec& region : spec.regions) volume += region.erosion.base > 0.0 ? region.solid.volume() : 0.0;
+  // Ten times the limit cannot be an overlap's doing; the exact count below decides the rest. This keeps the loop short, its indices small.
+  if (volume / (pitch * pitch * pitch) > 10.0 * static_cast<double>(kMaxErosionPoints)) return too_many(pitch);
+  std::size_t count = 0;
+  for_each_cell(spec, pitch, [&](const Vec3&, double) { return ++count <= kMaxErosionPoints; });
+  if (count > kMaxErosionPoints) return too_many(pitch);
+  ErosionPoints points;
+  points.pitch = pitch;
+  points.positions.reserve(count);
+  points.factors.reserve(count);
+  for_each_cell(spec, pitch, [&](const Vec3& p, double factor) {
+    points.positions.push_back(p);
+    points.factors.push_back(static_cast<float>(factor));
+    return true;
+  });
+  return points;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,23 @@
+/// core/tool/make_tool.h: from a tool file to a Tool ready for use.
+///   Frame  tool frame.   Units  SI.   Errors  every fault of the file, in one go, as Issues with file:line:column.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/base/toml.h"
+#include "core/tool/tool.h"
+
+namespace burrhole {
+
+struct ToolOptions {
+  double erosion_pitch = 0.25e-3;  ///< [m] > 0; half a voxel of the bone is the usual choice
+};
+
+/// @returns nothing when any issue was pushed. Allocates; not for the servo path.
+[[nodiscard]] std::optional<Tool> make_tool(const TomlDocument& document, const ToolOptions& options, Issues& issues);
+
+/// Reads the file at `path` and makes the tool. A file that cannot be read or parsed is an issue too.
+[[nodiscard]] std::optional<Tool> load_tool(const std::string& path, const ToolOptions& options, Issues& issues);
+
+}  // namespace burrhole

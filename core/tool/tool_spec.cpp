@@ -1,0 +1,138 @@
+#include "core/tool/tool_spec.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "core/base/units.h"
+
+namespace burrhole {
+namespace {
+
+constexpr double kMaxDiameter_mm = 100.0;
+constexpr double kMaxHeight_mm = 200.0;
+
+NumberRule length_mm(double max, std::optional<double> fallback = std::nullopt) {
+  return {.fallback = fallback, .min = 0.0, .max = max, .min_open = true, .to_si = kMillimetre};
+}
+
+NumberRule length_or_zero_mm(double max, std::optional<double> fallback = std::nullopt) {
+  return {.fallback = fallback, .min = 0.0, .max = max, .to_si = kMillimetre};
+}
+
+Solid read_solid(TableReader& region) {
+  const std::string shape = region.choice("shape", std::nullopt, {"cylinder", "cone", "frustum", "sphere", "ellipsoid"}, "the primitive");
+  const double z = region.number("z_mm", length_or_zero_mm(kMaxHeight_mm), "height of the region's lower end above the tip");
+  if (shape == "frustum") {
+    const double low = region.number("bottom_diameter_mm", length_or_zero_mm(kMaxDiameter_mm), "diameter at the lower end");
+    const double high = region.number("top_diameter_mm", length_or_zero_mm(kMaxDiameter_mm), "diameter at the upper end");
+    const double height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region");
+    if (low <= 0.0 && high <= 0.0) region.fault("top_diameter_mm", "must be > 0 when bottom_diameter_mm is 0");
+    return make_frustum({.z_low = z, .height = height, .low_radius = 0.5 * low, .high_radius = 0.5 * high});
+  }
+  const double radius = 0.5 * region.number("diameter_mm", length_mm(kMaxDiameter_mm), "largest diameter");
+  if (shape == "sphere") return make_sphere(z, radius);
+  const double height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region");
+  if (shape == "ellipsoid") return make_ellipsoid(z, height, radius);
+  return shape == "cone" ? make_cone(z, height, radius) : make_cylinder(z, height, radius);
+}
+
+ErosionRule read_erosion(TableReader& region, SolidKind kind) {
+  const auto multiplier = [&](const char* key) {
+    return region.number(key, {.fallback = 1.0, .min = 0.0, .max = 100.0}, "multiplies erosion_factor");
+  };
+  ErosionRule law;
+  law.base = region.number("erosion_factor", {.min = 0.0, .max = 100.0}, "bone removed a revolution; 0 for a region that does not cut");
+  law.axis = multiplier("axis_factor");
+  law.rim = multiplier("rim_factor");
+  law.interior = multiplier("interior_factor");
+  law.side = multiplier("side_factor");
+  if (kind == SolidKind::frustum) {
+    law.bottom = multiplier("bottom_factor");
+    law.top = multiplier("top_factor");
+  }
+  law.skin = region.number("skin_mm", length_or_zero_mm(kMaxDiameter_mm, 0.5), "depth to which a face's factor reaches");
+  return law;
+}
+
+ShellSampling read_sampling(TableReader& region, double default_pitch) {
+  ShellSampling shell;
+  shell.stacks = static_cast<int>(region.integer("stacks", 0, 1, 1000, "rows of points along the side"));
+  shell.slices = static_cast<int>(region.integer("slices", 0, 4, 4000, "points round the widest ring"));
+  const bool pitched = region.has("pitch_mm");
+  shell.voxel = region.number("voxel_mm", length_mm(20.0, 0.0), "largest gap between rings of flat faces");
+  shell.pitch = region.number("pitch_mm", {.fallback = default_pitch / kMillimetre, .min = 0.01, .max = 20.0, .to_si = kMillimetre},
+                              "largest gap between shell points");
+  const bool stacked = region.has("stacks");
+  if (stacked != region.has("slices")) region.fault(stacked ? "stacks" : "slices", stacked ? "needs slices too" : "needs stacks too");
+  if (stacked && pitched) region.fault("pitch_mm", "cannot stand beside stacks and slices");
+  if (!stacked && region.has("voxel_mm")) region.fault("voxel_mm", "needs stacks and slices");
+  if (!stacked && !pitched && default_pitch <= 0.0)
+    region.fault("pitch_mm", "is missing: give it here or in [shell], or give stacks and slices");
+  return shell;
+}
+
+double read_default_pitch(TableReader& root) {
+  double pitch = 0.0;
+  if (auto shell = root.table("shell", "sampling of the point shell")) {
+    pitch = shell->number("pitch_mm", {.min = 0.01, .max = 20.0, .to_si = kMillimetre}, "largest gap between shell points");
+    shell->finish();
+  }
+  return pitch;
+}
+
+/// Faults of the regions as a whole; fills the outline.
+void assemble(ToolSpec& spec, TableReader& root, std::vector<TableReader>& readers) {
+  const auto lowest = std::min_element(spec.regions.begin(), spec.regions.end(),
+                                       [](const RegionSpec& a, const RegionSpec& b) { return a.solid.z_low < b.solid.z_low; });
+  if (lowest->solid.z_low != 0.0) {
+    readers[static_cast<std::size_t>(lowest - spec.regions.begin())].fault("z_mm",
+                                                                           "must be 0 for the lowest region: the tip is the origin");
+    return;
+  }
+  Result<std::vector<OutlinePiece>> outline = make_outline(spec.solids());
+  if (outline)
+    spec.outline = std::move(outline).value();
+  else
+    root.fault("region", "is no single body: " + outline.error().message);
+}
+
+}  // namespace
+
+std::vector<Solid> ToolSpec::solids() const {
+  std::vector<Solid> all;
+  for (const RegionSpec& region : regions) all.push_back(region.solid);
+  return all;
+}
+
+std::optional<std::size_t> ToolSpec::region_at(const Vec3& p) const noexcept {
+  for (std::size_t i = 0; i < regions.size(); ++i)
+    if (regions[i].solid.contains(p)) return i;
+  return std::nullopt;
+}
+
+std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& issues) {
+  const std::size_t before = issues.size();
+  TableReader root = document.root(issues);
+  ToolSpec spec;
+  spec.name = std::filesystem::path(document.file_name()).stem().string();
+  spec.title = root.text("title", std::nullopt, "what the tool is, one line");
+  const double default_pitch = read_default_pitch(root);
+  std::vector<TableReader> readers = root.tables("region", "primitives, listed first wins where they overlap");
+  for (TableReader& reader : readers) {
+    RegionSpec region;
+    region.name = reader.text("name", "region " + std::to_string(spec.regions.size() + 1), "what the region is");
+    region.solid = read_solid(reader);
+    region.erosion = read_erosion(reader, region.solid.kind);
+    region.shell = read_sampling(reader, default_pitch);
+    reader.finish();
+    spec.regions.push_back(std::move(region));
+  }
+  if (readers.empty() && !root.has("region")) root.fault("region", "is missing: a tool needs at least one [[region]]");
+  root.finish();
+  if (issues.size() == before && !spec.regions.empty()) assemble(spec, root, readers);
+  if (issues.size() == before && spec.regions.empty()) root.fault("region", "is empty: a tool needs at least one [[region]]");
+  return issues.size() == before ? std::optional<ToolSpec>(std::move(spec)) : std::nullopt;
+}
+
+}  // namespace burrhole
