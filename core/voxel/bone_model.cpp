@@ -1,0 +1,83 @@
+#include "core/voxel/bone_model.h"
+
+#include <cmath>
+
+#include "core/voxel/vdb_grids.h"
+
+namespace burrhole {
+
+struct BoneModel::Grids {
+  FloatVdb occupancy{"occupancy", 0.0f};
+  FloatVdb hardness{"hardness", 0.0f};
+  FloatVdb soft{"soft", 0.0f};
+  FloatVdb labels{"labels", 0.0f};  // small integers, exact in float: one grid type keeps OpenVDB in few files
+};
+
+namespace {
+
+Status check_field(const std::vector<float>& field, std::size_t count, const char* name) {
+  if (field.size() != count) return bad_input(std::string(name) + " holds " + std::to_string(field.size()) + " voxels, dims ask for " + std::to_string(count));
+  for (const float value : field)
+    if (!(value >= 0.0f && value <= 1.0f)) return bad_input(std::string(name) + " holds a value outside 0..1 or not finite");
+  return {};
+}
+
+}  // namespace
+
+BoneModel::BoneModel(const Vec3i& dims, const Affine& bone_from_index, std::unique_ptr<Grids> grids)
+    : dims_(dims), bone_from_index_(bone_from_index), grids_(std::move(grids)) {
+  grids_->occupancy.for_each_sorted([this](const Vec3i&, float value) { bone_voxels_ += value >= 0.5f ? 1 : 0; });
+}
+BoneModel::~BoneModel() = default;
+
+Result<std::shared_ptr<const BoneModel>> BoneModel::create(const DenseBone& dense) {
+  const VoxelBox box{Vec3i(0), dense.dims};
+  if (box.empty()) return bad_input("the volume has no voxels");
+  const double volume = dense.bone_from_index.cell_volume();
+  if (!std::isfinite(volume) || volume <= 0.0) return bad_input("the voxel-to-bone map is singular");
+  for (const auto& [field, name] : {std::pair{&dense.occupancy, "occupancy"}, std::pair{&dense.hardness, "hardness"}})
+    if (const Status status = check_field(*field, box.count(), name); !status) return status.error();
+  if (!dense.soft.empty())
+    if (const Status status = check_field(dense.soft, box.count(), "soft"); !status) return status.error();
+  if (!dense.labels.empty() && dense.labels.size() != box.count()) return bad_input("labels and dims disagree");
+
+  auto grids = std::make_unique<Grids>();
+  grids->occupancy.write_box(box, dense.occupancy);
+  grids->hardness.write_box(box, dense.hardness);
+  if (!dense.soft.empty()) grids->soft.write_box(box, dense.soft);
+  if (!dense.labels.empty()) {
+    const std::vector<float> labels(dense.labels.begin(), dense.labels.end());
+    grids->labels.write_box(box, labels);
+  }
+  return std::shared_ptr<const BoneModel>(new BoneModel(dense.dims, dense.bone_from_index, std::move(grids)));
+}
+
+Result<std::shared_ptr<const BoneModel>> BoneModel::load(const std::string& path) {
+  auto content = read_vdb(path);
+  if (!content) return content.error();
+  auto grids = std::make_unique<Grids>();
+  int found = 0;
+  for (FloatVdb& grid : content->grids) {
+    for (FloatVdb* slot : {&grids->occupancy, &grids->hardness, &grids->soft, &grids->labels}) {
+      if (grid.name() != slot->name()) continue;
+      *slot = std::move(grid);
+      ++found;
+      break;
+    }
+  }
+  if (found != 4 || VoxelBox{Vec3i(0), content->dims}.empty()) return bad_input("is not a bone model: grids occupancy, hardness, soft and labels are needed", path);
+  return std::shared_ptr<const BoneModel>(new BoneModel(content->dims, content->bone_from_index, std::move(grids)));
+}
+
+std::size_t BoneModel::bytes() const {
+  return grids_->occupancy.bytes() + grids_->hardness.bytes() + grids_->soft.bytes() + grids_->labels.bytes();
+}
+void BoneModel::read_occupancy(const VoxelBox& box, std::span<float> out) const { grids_->occupancy.read_box(box, out); }
+void BoneModel::read_hardness(const VoxelBox& box, std::span<float> out) const { grids_->hardness.read_box(box, out); }
+void BoneModel::read_soft(const VoxelBox& box, std::span<float> out) const { grids_->soft.read_box(box, out); }
+void BoneModel::read_labels(const VoxelBox& box, std::span<float> out) const { grids_->labels.read_box(box, out); }
+VoxelLabel BoneModel::label(const Vec3i& v) const { return static_cast<VoxelLabel>(static_cast<int>(grids_->labels.value(v))); }
+float BoneModel::occupancy(const Vec3i& v) const { return grids_->occupancy.value(v); }
+std::vector<const FloatVdb*> BoneModel::grids() const { return {&grids_->occupancy, &grids_->hardness, &grids_->soft, &grids_->labels}; }
+
+}  // namespace burrhole

@@ -1,0 +1,58 @@
+/// core/voxel/vdb_grids.h: the only wrapper of OpenVDB's storage: a sparse float grid with a background, and .vdb files of them.
+/// OpenVDB types stay in the .cpp. Index space as everywhere: voxel centres at integers. One owner, no internal locking.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/base/result.h"
+
+namespace burrhole {
+
+class FloatVdb {
+ public:
+  explicit FloatVdb(std::string name, float background);
+  FloatVdb(FloatVdb&&) noexcept;
+  FloatVdb& operator=(FloatVdb&&) noexcept;
+  ~FloatVdb();
+
+  [[nodiscard]] FloatVdb clone() const;
+  [[nodiscard]] const std::string& name() const noexcept;
+  [[nodiscard]] float background() const noexcept;
+  [[nodiscard]] float value(const Vec3i& v) const;
+  /// Dense copy of a box, i fastest; out.size() == box.count().
+  void read_box(const VoxelBox& box, std::span<float> out) const;
+  /// Leaf by leaf; values equal to the background become inactive and cost nothing.
+  void write_box(const VoxelBox& box, std::span<const float> in);
+  /// Calls f(voxel, value) for each voxel that differs from the background, sorted by k, j, i.
+  void for_each_sorted(const std::function<void(const Vec3i&, float)>& f) const;
+  [[nodiscard]] VoxelBox active_bounds() const;
+  [[nodiscard]] std::size_t bytes() const;
+  void clear();
+
+  struct Impl;
+  [[nodiscard]] Impl& impl() noexcept { return *impl_; }
+  [[nodiscard]] const Impl& impl() const noexcept { return *impl_; }
+
+ private:
+  explicit FloatVdb(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// What a .vdb file of ours holds: named float grids on one index space.
+struct VdbFileContent {
+  Vec3i dims{0};
+  Affine bone_from_index;
+  std::vector<FloatVdb> grids;
+};
+
+/// Writes to a temporary name and renames. bad_input when the place cannot be written.
+[[nodiscard]] Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index, std::span<const FloatVdb* const> grids);
+/// Reads without delayed loading. bad_input when missing, foreign or damaged.
+[[nodiscard]] Result<VdbFileContent> read_vdb(const std::string& path);
+
+}  // namespace burrhole
