@@ -1,0 +1,68 @@
+/// core/contact/contact_view.h: what a contact model may ask of bone: density and gradient per voxel, the 0.5 surface between them.
+///   Frame  world for points that go in or out, index where said.   Units SI; density 0..1.   Thread contact, one reader a view.
+#pragma once
+
+#include <optional>
+
+#include "core/base/geometry.h"
+#include "core/voxel/contact_window.h"
+#include "core/voxel/vdb_contact_grids.h"
+
+namespace burrhole {
+
+/// The felt, drawn, meshed and measured surface: this level of occupancy x remaining.
+inline constexpr float kSurfaceLevel = 0.5f;
+
+/// A point of the 0.5 surface with its outward unit normal, world frame.
+struct SurfacePoint {
+  Vec3 position;
+  Vec3 normal;
+};
+
+class ContactView {
+ public:
+  /// The dense window; `window` must outlive the view.
+  ContactView(const ContactWindow& window, const Affine& bone_from_index, const Pose& world_from_bone);
+  /// The paper's storage; bone is known everywhere, not only in a window.
+  ContactView(const VdbContactGrids& grids, const Affine& bone_from_index, const Pose& world_from_bone);
+
+  [[nodiscard]] Vec3 index_of(const Vec3& world) const noexcept { return index_from_world_ * world; }
+  [[nodiscard]] Vec3 world_of(const Vec3& index) const noexcept { return world_from_index_ * index; }
+  /// Direction in index axes of a world direction (not normalised).
+  [[nodiscard]] Vec3 index_direction(const Vec3& world) const noexcept { return index_from_world_.linear * world; }
+  /// Outward world normal for a density gradient in index axes: a gradient is a covector, so it maps by the transposed inverse.
+  [[nodiscard]] Vec3 outward_normal(const Vec3& index_gradient) const noexcept;
+  [[nodiscard]] double voxel_edge() const noexcept { return voxel_edge_; }
+
+  /// True where density and gradient are both known.
+  [[nodiscard]] bool knows(const Vec3i& v) const noexcept { return grids_ != nullptr || valid_.contains(v); }
+  /// 0 outside what is known.
+  [[nodiscard]] float density(const Vec3i& v) const noexcept {
+    if (grids_ != nullptr) return grids_->density(v);
+    return valid_.contains(v) ? density_[box_.offset_of(v)] : 0.0f;
+  }
+  [[nodiscard]] Vec3f gradient(const Vec3i& v) const noexcept {
+    if (grids_ != nullptr) return grids_->gradient(v);
+    return valid_.contains(v) ? gradient_[box_.offset_of(v)] : Vec3f(0.0f);
+  }
+  /// Trilinear density at a point in index coordinates.
+  [[nodiscard]] double sample(const Vec3& index) const noexcept;
+  /// Trilinear gradient [1/voxel], index axes.
+  [[nodiscard]] Vec3 sample_gradient(const Vec3& index) const noexcept;
+
+  /// First crossing of the 0.5 level on the way from a point inside bone along `direction` (unit, world), at most `reach` [m]; refined by
+  /// three steps of false position (below 0.002 voxel on smooth fields, tested). Nothing when the way stays in bone.
+  [[nodiscard]] std::optional<SurfacePoint> leave_bone(const Vec3& from, const Vec3& direction, double reach) const noexcept;
+
+ private:
+  void set_frames(const Affine& bone_from_index, const Pose& world_from_bone);
+
+  Affine world_from_index_, index_from_world_;
+  double voxel_edge_ = 0.0;
+  VoxelBox box_, valid_;
+  const float* density_ = nullptr;
+  const Vec3f* gradient_ = nullptr;
+  const VdbContactGrids* grids_ = nullptr;
+};
+
+}  // namespace burrhole

@@ -1,0 +1,38 @@
+/// core/contact/gradient_plane.h: penalty contact by the modified voxmap point-shell of Acosta & Liu.
+///   Source  [AcostaLiu07] section 2: surface search by tool vector, then gradient; tangent plane on an exposed facet or through the voxel
+///           centre (figure 5); eqs. 1 and 2; the resultant is the average of the colliding points' forces.
+#pragma once
+
+#include "core/base/result.h"
+#include "core/contact/contact_model.h"
+
+namespace burrhole {
+
+struct GradientPlaneConfig {
+  double stiffness = 2000.0;   ///< [N/m] k of eq. 2, > 0
+  bool paper_mode = false;     ///< true: any non-zero density collides and counts as bone; false: the 0.5 surface
+  int max_march = 64;          ///< [voxels] along the tool vector
+  int max_ascent = 64;         ///< [voxels] along the gradient
+};
+
+/// Departures from the paper, each needed to make its text definite: N = -grad/|grad| points out of bone; a start in an empty voxel (only
+/// possible in the default mode, where the trilinear density decides) begins at the densest corner of its cell; marches are capped; where the surface voxel has no gradient the tool vector stands in.
+class GradientPlane final : public ContactModel {
+ public:
+  /// out_of_range when stiffness is not finite and positive, the shell is empty or too large, or a limit is not positive.
+  [[nodiscard]] static Result<std::unique_ptr<ContactModel>> create(const GradientPlaneConfig& config, PointShell shell);
+  void evaluate(const ContactView& bone, const Pose& world_from_tool, ContactResult& out) const noexcept BH_REALTIME override;
+  [[nodiscard]] const PointShell& shell() const noexcept override { return shell_; }
+
+ private:
+  GradientPlane(const GradientPlaneConfig& config, PointShell shell) : config_(config), shell_(std::move(shell)) {}
+  struct Surface;
+  [[nodiscard]] bool solid(const ContactView& bone, const Vec3i& v) const noexcept;
+  [[nodiscard]] bool collides(const ContactView& bone, const Vec3& index) const noexcept;
+  [[nodiscard]] bool find_surface(const ContactView& bone, const Vec3& index, const Vec3& index_tool_vector, Surface& found) const noexcept;
+
+  GradientPlaneConfig config_;
+  PointShell shell_;
+};
+
+}  // namespace burrhole
