@@ -1,0 +1,76 @@
+#include "app/render/gl_target.h"
+
+#include <algorithm>
+#include <string>
+
+#include "core/base/assert.h"
+
+namespace burrhole {
+namespace {
+
+/// OpenGL's row 0 is the bottom one.
+template <class T>
+void flip_rows(std::vector<T>& pixels, int width, int height) {
+  for (int row = 0; row < height / 2; ++row) {
+    const auto top = pixels.begin() + static_cast<std::ptrdiff_t>(row) * width;
+    const auto bottom = pixels.begin() + static_cast<std::ptrdiff_t>(height - 1 - row) * width;
+    std::swap_ranges(top, top + width, bottom);
+  }
+}
+
+}  // namespace
+
+Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height, bool with_probe) {
+  GLint limit = 0;
+  gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &limit);
+  if (width < 1 || height < 1 || width > limit || height > limit)
+    return Error{ErrorCode::out_of_range, "a picture must be 1 to " + std::to_string(limit) + " pixels wide and high", {}};
+  GlTarget target;
+  target.gl_ = &gl;
+  target.width_ = width;
+  target.height_ = height;
+  target.framebuffer_ = make_framebuffer(gl);
+  target.color_ = make_renderbuffer(gl, GL_RGBA8, width, height);
+  target.depth_ = make_renderbuffer(gl, GL_DEPTH_COMPONENT32F, width, height);
+  const GLuint framebuffer = target.framebuffer_.name();
+  gl.NamedFramebufferRenderbuffer(framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color_.name());
+  gl.NamedFramebufferRenderbuffer(framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth_.name());
+  const GLenum outputs[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  if (with_probe) {
+    target.probe_ = make_renderbuffer(gl, GL_RGBA32F, width, height);
+    gl.NamedFramebufferRenderbuffer(framebuffer, GL_COLOR_ATTACHMENT1, GL_RENDERBUFFER, target.probe_.name());
+  }
+  gl.NamedFramebufferDrawBuffers(framebuffer, with_probe ? 2 : 1, outputs);
+  if (gl.CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || gl.GetError() != GL_NO_ERROR)
+    return Error{ErrorCode::unavailable, "the driver cannot draw a picture of this size", {}};
+  return target;
+}
+
+bool GlTarget::fits(int width, int height, bool with_probe) const noexcept {
+  return framebuffer_ && width == width_ && height == height_ && with_probe == static_cast<bool>(probe_);
+}
+
+void GlTarget::bind() const {
+  gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  gl_->Viewport(0, 0, width_, height_);
+}
+
+Image GlTarget::read_picture() const {
+  Image image{width_, height_, {}};
+  image.pixels.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  gl_->NamedFramebufferReadBuffer(framebuffer_.name(), GL_COLOR_ATTACHMENT0);
+  gl_->ReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
+  flip_rows(image.pixels, width_, height_);
+  return image;
+}
+
+std::vector<glm::fvec4> GlTarget::read_probe() const {
+  BH_ASSERT(probe_);
+  std::vector<glm::fvec4> values(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  gl_->NamedFramebufferReadBuffer(framebuffer_.name(), GL_COLOR_ATTACHMENT1);
+  gl_->ReadPixels(0, 0, width_, height_, GL_RGBA, GL_FLOAT, values.data());
+  flip_rows(values, width_, height_);
+  return values;
+}
+
+}  // namespace burrhole

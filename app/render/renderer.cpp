@@ -1,0 +1,288 @@
+#include "app/render/renderer.h"
+
+#include <optional>
+
+#include "app/render/frame_block.h"
+#include "app/render/gl_context.h"
+#include "app/render/gl_target.h"
+#include "app/render/shader_program.h"
+#include "app/render/tool_mesh.h"
+#include "app/render/volume_texture.h"
+#include "core/base/assert.h"
+
+namespace burrhole {
+namespace {
+
+constexpr int kMaxSide = 16384;  ///< [pixels] beyond any driver's limit, which GlTarget asks for; keeps products in range
+
+Error out_of_range(std::string why) { return {ErrorCode::out_of_range, std::move(why), {}}; }
+
+Vec4f vec4(const Vec3& v, double w = 0.0) { return Vec4f(glm::dvec4(v, w)); }
+
+Status check_options(const RenderOptions& options) {
+  if (!(options.step_voxels > 0.0 && options.step_voxels <= 1.0)) return out_of_range("the ray step must be in (0, 1] voxels");
+  if (options.bisections < 0 || options.bisections > 16) return out_of_range("bisections must be in 0..16");
+  if (options.supersample < 1 || options.supersample > 4) return out_of_range("supersampling must be in 1..4");
+  return {};
+}
+
+/// What can be checked before any drawing; the camera checks itself.
+Status check_view(const FrameView& view) {
+  const LightView& light = view.light;
+  if (!is_finite(light.direction_to_light) || glm::length(light.direction_to_light) == 0.0)
+    return out_of_range("the light has no direction");
+  for (const double term : {light.ambient, light.diffuse, light.fill})
+    if (!(term >= 0.0 && term <= 100.0)) return out_of_range("the terms of the light must be in 0..100");
+  if (view.cut && (!is_finite(view.cut->normal) || glm::length(view.cut->normal) == 0.0)) return out_of_range("the cut has no direction");
+  return {};
+}
+
+/// Means of blocks of n x n pixels, rounded to nearest.
+Image shrink(const Image& large, int n) {
+  if (n == 1) return large;
+  Image image{large.width / n, large.height / n, {}};
+  image.pixels.reserve(large.pixels.size() / static_cast<std::size_t>(n * n));
+  const auto mean = [n](int sum) { return static_cast<std::uint8_t>((sum + n * n / 2) / (n * n)); };
+  for (int row = 0; row < image.height; ++row)
+    for (int column = 0; column < image.width; ++column) {
+      glm::ivec3 sum(0);
+      for (int part = 0; part < n * n; ++part) {
+        const int y = row * n + part / n, x = column * n + part % n;
+        const Rgba8& p = large.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(large.width) + static_cast<std::size_t>(x)];
+        sum += glm::ivec3(p.r, p.g, p.b);
+      }
+      image.pixels.push_back({mean(sum.x), mean(sum.y), mean(sum.z), 255});
+    }
+  return image;
+}
+
+/// Corners of the box of all voxel cells, which is what rays are clipped to, in world coordinates.
+void append_corners(const VolumeTexture& volume, const Affine& world_from_index, std::vector<Vec3>& points) {
+  const Vec3 dims(volume.dims());
+  for (unsigned c = 0; c < 8; ++c) {
+    const Vec3 corner((c & 1u) != 0 ? dims.x : 0.0, (c & 2u) != 0 ? dims.y : 0.0, (c & 4u) != 0 ? dims.z : 0.0);
+    points.push_back(world_from_index * (corner - 0.5));
+  }
+}
+
+void fill_camera(FrameBlock& block, const CameraRays& rays) {
+  block.eye_world = vec4(rays.eye);
+  block.forward_world = vec4(rays.forward);
+  block.right_world = vec4(rays.right);
+  block.up_world = vec4(rays.up);
+}
+
+void fill_volume(FrameBlock& block, const CameraRays& rays, const VolumeTexture& volume, const Affine& world_from_index) {
+  const Affine index_from_world = world_from_index.inverse();
+  block.eye_index = vec4(index_from_world * rays.eye);
+  block.forward_index = vec4(index_from_world.linear * rays.forward);
+  block.right_index = vec4(index_from_world.linear * rays.right);
+  block.up_index = vec4(index_from_world.linear * rays.up);
+  const Mat3 rows = glm::transpose(index_from_world.linear);
+  for (int axis = 0; axis < 3; ++axis) block.index_rows[axis] = vec4(rows[axis]);
+  block.dims = vec4(Vec3(volume.dims()));
+  const Mat3& cell = world_from_index.linear;
+  block.edges = vec4({glm::length(cell[0]), glm::length(cell[1]), glm::length(cell[2])}, world_from_index.longest_edge());
+}
+
+void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
+  block.light = vec4(glm::normalize(view.light.direction_to_light));
+  block.light_terms = vec4({view.light.ambient, view.light.diffuse, view.light.fill});
+  if (!view.cut) return;
+  const double length = glm::length(view.cut->normal);
+  block.cut = vec4(view.cut->normal / length, view.cut->offset / length);
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  RenderOptions options;
+  GlContext context;
+  const GladGLContext& gl;
+  ProgramCache programs;
+  RenderCounters counters;
+  GlObject no_vertices, frame_buffer;
+  GlTarget target;
+  std::optional<VolumeTexture> volume;
+  std::optional<ToolMesh> tool;
+
+  Impl(const RenderOptions& chosen, GlContext made, ShaderFiles files)
+      : options(chosen), context(std::move(made)), gl(context.functions()), programs(gl, std::move(files)) {
+    no_vertices = make_vertex_array(gl);
+    frame_buffer = make_buffer(gl);
+    gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() { static_cast<void>(context.make_current()); }  // the members delete their names in it
+
+  [[nodiscard]] RaycastChoice choice(bool cut, bool probe) const {
+    return {.cut = cut, .soft = volume && volume->has_soft(), .skip = options.skip_empty, .finish = options.finish, .probe = probe};
+  }
+  Result<FrameBlock> make_block(const FrameView& view, int width, int height) const;
+  Status render(const FrameView& view, int width, int height, bool probe);
+};
+
+Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, int height) const {
+  const Status valid = check_view(view);
+  if (!valid) return valid.error();
+  const auto rays = make_camera_rays(view.camera, static_cast<double>(width) / static_cast<double>(height));
+  if (!rays) return rays.error();
+  FrameBlock block;
+  std::vector<Vec3> points;
+  fill_camera(block, rays.value());
+  fill_light_and_cut(block, view);
+  const Mat3 rotation = glm::mat3_cast(view.world_from_bone.rotation);
+  for (int axis = 0; axis < 3; ++axis) block.world_from_bone[axis] = vec4(rotation[axis]);
+  if (volume) {
+    const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
+    append_corners(*volume, world_from_index, points);
+    fill_volume(block, rays.value(), *volume, world_from_index);
+  }
+  block.dims.w = static_cast<float>(options.step_voxels);
+  block.light.w = static_cast<float>(options.bisections);
+  const bool with_tool = tool && view.world_from_tool;
+  if (with_tool)
+    for (const Vec3& corner : tool->corners()) points.push_back(*view.world_from_tool * corner);
+  const DepthRange range = fit_depth_range(rays.value(), points);
+  block.lens = Vec4f(glm::dvec4(range.near_plane, range.far_plane, width, height));
+  if (with_tool) {
+    glm::dmat4 world_from_tool(glm::mat3_cast(view.world_from_tool->rotation));
+    world_from_tool[3] = glm::dvec4(view.world_from_tool->translation, 1.0);
+    block.world_from_tool = glm::fmat4(world_from_tool);
+    block.clip_from_tool = glm::fmat4(clip_from_world(rays.value(), range) * world_from_tool);
+  }
+  return block;
+}
+
+Status Renderer::Impl::render(const FrameView& view, int width, int height, bool probe) {
+  const Status current = context.make_current();
+  if (!current) return current;
+  if (!target.fits(width, height, probe)) {
+    auto made = GlTarget::create(gl, width, height, probe);
+    if (!made) return made.error();
+    target = std::move(made).value();
+  }
+  const auto block = make_block(view, width, height);
+  if (!block) return block.error();
+  const auto scene = programs.find_or_link(volume ? raycast_variant(choice(view.cut.has_value(), probe)) : background_variant());
+  if (!scene) return scene.error();
+  const auto steel = programs.find_or_link(tool_variant(probe));
+  if (!steel) return steel.error();
+
+  gl.NamedBufferSubData(frame_buffer.name(), 0, sizeof(FrameBlock), &block.value());
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer.name());
+  target.bind();
+  gl.ClearDepth(1.0);
+  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LEQUAL);
+  gl.UseProgram(scene.value());
+  if (volume) volume->bind();
+  gl.BindVertexArray(no_vertices.name());
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  if (tool && view.world_from_tool) {
+    gl.UseProgram(steel.value());
+    tool->draw();
+  }
+  ++counters.frames;
+  if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
+  return {};
+}
+
+Result<Renderer> Renderer::create(const RenderOptions& options) {
+  const Status valid = check_options(options);
+  if (!valid) return valid.error();
+  ShaderFiles files = embedded_shaders();
+  if (!options.shader_folder.empty()) {
+    auto read = read_shader_folder(options.shader_folder);
+    if (!read) return read.error();
+    files = std::move(read).value();
+  }
+  auto context = GlContext::create(16, 16);
+  if (!context) return context.error();
+  auto impl = std::make_unique<Impl>(options, std::move(context).value(), std::move(files));
+  // A faulty shader is found here and not at the first frame.
+  for (const ShaderVariant& variant : {background_variant(), tool_variant(false), raycast_variant(impl->choice(false, false))}) {
+    const auto linked = impl->programs.find_or_link(variant);
+    if (!linked) return linked.error();
+  }
+  return Renderer(std::move(impl));
+}
+
+Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+Renderer::~Renderer() = default;
+
+Status Renderer::set_volume(const VolumeView& view) {
+  const Status current = impl_->context.make_current();
+  if (!current) return current;
+  auto made = VolumeTexture::create(impl_->gl, view, impl_->options.skip_empty);
+  if (!made) return made.error();
+  impl_->volume = std::move(made).value();
+  impl_->counters.volume_bytes = impl_->volume->initial_bytes().texels;
+  impl_->counters.skip_map_bytes += impl_->volume->initial_bytes().skip_map;
+  return {};
+}
+
+void Renderer::update(const TexelBox& texels) {
+  BH_ASSERT(impl_->volume.has_value());
+  const Status current = impl_->context.make_current();
+  BH_ASSERT(current.ok());
+  static_cast<void>(current);
+  const UploadedBytes sent = impl_->volume->update(texels);
+  impl_->counters.update_bytes += sent.texels;
+  impl_->counters.skip_map_bytes += sent.skip_map;
+  ++impl_->counters.update_boxes;
+}
+
+Status Renderer::set_tool(const TriangleMesh& mesh) {
+  const Status current = impl_->context.make_current();
+  if (!current) return current;
+  auto made = ToolMesh::create(impl_->gl, mesh);
+  if (!made) return made.error();
+  impl_->tool = std::move(made).value();
+  return {};
+}
+
+Result<Image> Renderer::draw(const FrameView& view, int width, int height) {
+  const int n = impl_->options.supersample;
+  if (width < 1 || height < 1 || width > kMaxSide / n || height > kMaxSide / n)
+    return out_of_range("a picture must be 1 to " + std::to_string(kMaxSide / n) + " pixels wide and high");
+  const Status drawn = impl_->render(view, n * width, n * height, false);
+  if (!drawn) return drawn.error();
+  return shrink(impl_->target.read_picture(), n);
+}
+
+Result<FrameProbe> Renderer::probe(const FrameView& view, int width, int height) {
+  if (!impl_->volume) return bad_input("a probe needs a volume");
+  const Status drawn = impl_->render(view, width, height, true);
+  if (!drawn) return drawn.error();
+  FrameProbe probe;
+  probe.image = impl_->target.read_picture();
+  impl_->counters.probe_samples = 0;
+  for (const Vec4f& pixel : impl_->target.read_probe()) {
+    probe.hit_index.emplace_back(pixel.x, pixel.y, pixel.z);
+    probe.hit.push_back(pixel.w > 0.0f ? 1 : 0);
+    probe.samples.push_back(static_cast<int>(pixel.w < 0.0f ? -pixel.w : pixel.w));
+    impl_->counters.probe_samples += static_cast<std::uint64_t>(probe.samples.back());
+  }
+  return probe;
+}
+
+Status Renderer::link_every_variant() {
+  const Status current = impl_->context.make_current();
+  if (!current) return current;
+  for (const ShaderVariant& variant : all_shader_variants()) {
+    const auto linked = impl_->programs.find_or_link(variant);
+    if (!linked) return linked.error();
+  }
+  return {};
+}
+
+const RenderCounters& Renderer::counters() const noexcept { return impl_->counters; }
+
+std::string Renderer::driver() const { return impl_->context.version() + ", " + impl_->context.renderer(); }
+
+}  // namespace burrhole

@@ -1,0 +1,79 @@
+/// app/render/renderer.h: draws the volume and the tool offscreen. The only folder that knows OpenGL; no GL type shows here.
+///   Frame  world, but for what FrameView says.   Units  SI; images: row 0 is the top, RGBA8, alpha 255.
+///   Source [AcostaLiu07] section 4: textures, eq. 5 and 6, the light. Ray casting in place of its slices is our own.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/engine/view.h"
+#include "core/base/result.h"
+#include "core/tool/tool.h"
+
+namespace burrhole {
+
+/// What a picture costs and how it is finished; choices that are off are not in the shader.
+struct RenderOptions {
+  double step_voxels = 0.5;               ///< (0, 1] distance of samples along a ray, in index coordinates
+  int bisections = 5;                     ///< 0..16, each halves the error of the hit
+  bool skip_empty = true;                 ///< same picture, fewer samples
+  bool finish = true;                     ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
+  int supersample = 1;                    ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
+  std::filesystem::path shader_folder{};  ///< empty: the shaders as built in
+};
+
+/// Counted, never timed.
+struct RenderCounters {
+  std::uint64_t volume_bytes = 0;  ///< texels and colours sent by set_volume, last call
+  std::uint64_t update_bytes = 0;  ///< texels sent by update, all calls
+  std::uint64_t update_boxes = 0;
+  std::uint64_t skip_map_bytes = 0;  ///< for empty space skipping: at set_volume, and where bone grew
+  std::uint64_t frames = 0;
+  std::uint64_t probe_samples = 0;  ///< volume samples before the hit, all rays of the last probe()
+};
+
+/// A frame with its measurements; one value a pixel, row 0 at the top.
+struct FrameProbe {
+  Image image;
+  std::vector<Vec3f> hit_index;   ///< where the ray met the volume, index coordinates; meaningful where hit is 1
+  std::vector<std::uint8_t> hit;  ///< 1 where the volume is what the pixel shows
+  std::vector<int> samples;       ///< taken before the hit or the end of the ray; 0 where the tool is in front
+};
+
+/// Owns its context. One thread at a time.
+class Renderer {
+ public:
+  /// @returns ErrorCode::unavailable without OpenGL, ErrorCode::out_of_range for an option, ErrorCode::bad_input for a faulty shader.
+  [[nodiscard]] static Result<Renderer> create(const RenderOptions& options);
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+  ~Renderer();
+
+  /// Replaces the volume. @returns ErrorCode::bad_input, out_of_range or unavailable with the reason; the old volume stays then.
+  [[nodiscard]] Status set_volume(const VolumeView& view);
+  /// Sends exactly the texels of the box, before the next frame is drawn. A volume is set and holds the box.
+  void update(const TexelBox& texels);
+  /// Replaces the tool. @returns ErrorCode::bad_input for a faulty mesh; the old one stays then.
+  [[nodiscard]] Status set_tool(const TriangleMesh& mesh);
+
+  /// One picture of what is set; without a volume the background and the tool. Same view, same bytes.
+  /// @returns ErrorCode::out_of_range for a size, camera or light out of range.
+  [[nodiscard]] Result<Image> draw(const FrameView& view, int width, int height);
+  /// The same picture with hit positions and sample counts; slower.
+  [[nodiscard]] Result<FrameProbe> probe(const FrameView& view, int width, int height);
+
+  /// Compiles and links every shader variant there is. @returns the first fault.
+  [[nodiscard]] Status link_every_variant();
+  [[nodiscard]] const RenderCounters& counters() const noexcept;
+  [[nodiscard]] std::string driver() const;  ///< OpenGL version and renderer as the driver states them
+
+ private:
+  struct Impl;
+  explicit Renderer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace burrhole

@@ -1,0 +1,97 @@
+#include "app/render/shader_source.h"
+
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+namespace burrhole {
+namespace {
+
+constexpr int kMaxIncludeDepth = 8;
+
+/// Appends `file`, includes replaced; #line keeps the compiler's line numbers those of the file on disk.
+Status append_expanded(const ShaderFiles& files, std::string_view file, const std::string& asked_from, int depth, std::string& out) {
+  const auto found = files.find(file);
+  if (found == files.end()) return bad_input("no shader file \"" + std::string(file) + "\"", asked_from);
+  if (depth > kMaxIncludeDepth) return bad_input("shader includes nest deeper than 8: does a file include itself?", asked_from);
+  std::istringstream lines(found->second);
+  constexpr std::string_view kInclude = "#include \"";
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (!line.starts_with(kInclude)) {
+      out += line + '\n';
+      continue;
+    }
+    const std::size_t end = line.find('"', kInclude.size());
+    const std::string name = line.substr(kInclude.size(), end - kInclude.size());
+    out += "#line 1\n";
+    const Status included = append_expanded(files, name, std::string(file) + ":" + std::to_string(number), depth + 1, out);
+    if (!included) return included;
+    out += "#line " + std::to_string(number + 1) + "\n";
+  }
+  return {};
+}
+
+}  // namespace
+
+ShaderVariant raycast_variant(const RaycastChoice& choice) {
+  ShaderVariant variant{"raycast", "screen.vert", "raycast.frag", {}};
+  const auto add = [&variant](bool on, const char* define, const char* suffix) {
+    if (!on) return;
+    variant.defines.emplace_back(define);
+    variant.name += suffix;
+  };
+  add(choice.cut, "CUT", "_cut");
+  add(choice.soft, "SOFT", "_soft");
+  add(choice.skip, "SKIP", "_skip");
+  add(choice.finish, "FINISH", "_finish");
+  add(choice.probe, "PROBE", "_probe");
+  return variant;
+}
+
+ShaderVariant tool_variant(bool probe) {
+  if (probe) return {"tool_probe", "tool.vert", "tool.frag", {"PROBE"}};
+  return {"tool", "tool.vert", "tool.frag", {}};
+}
+
+ShaderVariant background_variant() { return {"background", "screen.vert", "background.frag", {}}; }
+
+std::vector<ShaderVariant> all_shader_variants() {
+  std::vector<ShaderVariant> variants{background_variant(), tool_variant(false), tool_variant(true)};
+  for (unsigned bits = 0; bits < 32; ++bits)
+    variants.push_back(raycast_variant({.cut = (bits & 1u) != 0,
+                                        .soft = (bits & 2u) != 0,
+                                        .skip = (bits & 4u) != 0,
+                                        .finish = (bits & 8u) != 0,
+                                        .probe = (bits & 16u) != 0}));
+  return variants;
+}
+
+Result<std::string> expand_shader(const ShaderFiles& files, std::string_view file, const std::vector<std::string>& defines) {
+  std::string out = "#version 450 core\n";
+  for (const std::string& name : defines) out += "#define " + name + " 1\n";
+  out += "#line 1\n";
+  const Status done = append_expanded(files, file, "", 0, out);
+  if (!done) return done.error();
+  return out;
+}
+
+Result<ShaderFiles> read_shader_folder(const std::filesystem::path& folder) {
+  std::error_code failed;
+  std::filesystem::directory_iterator entries(folder, failed);
+  if (failed) return bad_input("cannot read the shader folder: " + failed.message(), folder.string());
+  ShaderFiles files;
+  for (const auto& entry : entries) {
+    const std::string extension = entry.path().extension().string();
+    if (extension != ".glsl" && extension != ".vert" && extension != ".frag") continue;
+    std::ifstream in(entry.path(), std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    if (!in) return bad_input("cannot read the shader", entry.path().string());
+    files.emplace(entry.path().filename().string(), std::move(text).str());
+  }
+  if (files.empty()) return bad_input("holds no shader (*.glsl, *.vert, *.frag)", folder.string());
+  return files;
+}
+
+}  // namespace burrhole

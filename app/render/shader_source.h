@@ -1,0 +1,50 @@
+/// app/render/shader_source.h: shader texts, the include and define expander, and the list of every variant that may be linked.
+///   No OpenGL here: the build-time tool and the driver both use this file, so what was validated is what runs.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace burrhole {
+
+/// Text of each file of shaders/, by file name.
+using ShaderFiles = std::map<std::string, std::string, std::less<>>;
+
+/// One program: its two stages and the names that are defined while they are expanded.
+struct ShaderVariant {
+  std::string name;
+  std::string vertex;
+  std::string fragment;
+  std::vector<std::string> defines;
+};
+
+/// What a picture of a volume calls for; each choice that is off is compiled out.
+struct RaycastChoice {
+  bool cut = false;     ///< part of the volume is cut away
+  bool soft = false;    ///< the volume holds dura or brain
+  bool skip = false;    ///< empty space is skipped by the distance map
+  bool finish = false;  ///< ambient occlusion and grain
+  bool probe = false;   ///< hit positions and sample counts come beside the picture
+};
+
+[[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
+[[nodiscard]] ShaderVariant tool_variant(bool probe);
+[[nodiscard]] ShaderVariant background_variant();
+/// Every variant that draw() or probe() can ask for; the build validates and a test links each.
+[[nodiscard]] std::vector<ShaderVariant> all_shader_variants();
+
+/// The text the driver gets: #version 450, one #define a name, then `file` with each `#include "name"` line replaced by that file.
+/// @returns ErrorCode::bad_input with file and line when a file is missing or includes itself.
+[[nodiscard]] Result<std::string> expand_shader(const ShaderFiles& files, std::string_view file, const std::vector<std::string>& defines);
+
+/// The shaders as built in.
+[[nodiscard]] const ShaderFiles& embedded_shaders();
+/// Shaders from a folder (*.glsl, *.vert, *.frag). @returns ErrorCode::bad_input when it cannot be read or holds none.
+[[nodiscard]] Result<ShaderFiles> read_shader_folder(const std::filesystem::path& folder);
+
+}  // namespace burrhole

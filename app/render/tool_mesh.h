@@ -1,0 +1,28 @@
+/// app/render/tool_mesh.h: a triangle mesh on the card. Internal: only app/render's sources include it.
+#pragma once
+
+#include <array>
+
+#include "app/render/gl_object.h"
+#include "core/base/result.h"
+#include "core/tool/tool.h"
+
+namespace burrhole {
+
+class ToolMesh {
+ public:
+  ToolMesh() = default;
+  /// @returns ErrorCode::bad_input for a mesh that is empty, has no normal a vertex, or an index beyond its vertices.
+  [[nodiscard]] static Result<ToolMesh> create(const GladGLContext& gl, const TriangleMesh& mesh);
+  void draw() const;
+  /// Corners of its bounding box, tool frame [m].
+  [[nodiscard]] const std::array<Vec3, 8>& corners() const noexcept { return corners_; }
+
+ private:
+  const GladGLContext* gl_ = nullptr;
+  GlObject array_, positions_, normals_, indices_;
+  GLsizei index_count_ = 0;
+  std::array<Vec3, 8> corners_{};
+};
+
+}  // namespace burrhole

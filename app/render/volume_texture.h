@@ -1,0 +1,46 @@
+/// app/render/volume_texture.h: the paper's two 3D textures and the skip map on the card. Internal: only app/render's sources include it.
+///   Source [AcostaLiu07] section 4: normals and opacity in one RGBA texture, colours in a second, partial updates by sub-texture.
+#pragma once
+
+#include <cstdint>
+
+#include "app/engine/view.h"
+#include "app/render/gl_object.h"
+#include "app/render/skip_map.h"
+#include "core/base/result.h"
+
+namespace burrhole {
+
+/// Bytes that one change sent to the card.
+struct UploadedBytes {
+  std::uint64_t texels = 0;
+  std::uint64_t skip_map = 0;
+};
+
+class VolumeTexture {
+ public:
+  VolumeTexture() = default;
+  /// @returns ErrorCode::bad_input when sizes disagree or the affine is singular, ErrorCode::out_of_range beyond the driver's limit,
+  /// ErrorCode::unavailable when the driver has no memory for it.
+  [[nodiscard]] static Result<VolumeTexture> create(const GladGLContext& gl, const VolumeView& view, bool with_skip_map);
+
+  /// Replaces exactly the texels of the box. @returns what was sent; the box lies inside the volume (ours to see to).
+  UploadedBytes update(const TexelBox& texels);
+  void bind() const;  ///< texture units 0, 1 and, with a skip map, 2
+
+  [[nodiscard]] const Vec3i& dims() const noexcept { return dims_; }
+  [[nodiscard]] const Affine& bone_from_index() const noexcept { return bone_from_index_; }
+  [[nodiscard]] bool has_soft() const noexcept { return has_soft_; }
+  [[nodiscard]] bool has_skip_map() const noexcept { return static_cast<bool>(skip_texture_); }
+  [[nodiscard]] UploadedBytes initial_bytes() const noexcept;
+
+ private:
+  const GladGLContext* gl_ = nullptr;
+  Vec3i dims_{0};
+  Affine bone_from_index_;
+  bool has_soft_ = false;
+  GlObject normal_opacity_, color_soft_, skip_texture_;
+  SkipMap skip_map_;
+};
+
+}  // namespace burrhole

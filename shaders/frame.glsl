@@ -1,0 +1,21 @@
+// What one frame needs; mirrors FrameBlock in app/render/frame_block.h (std140, vec4 only, so that no padding rule matters).
+layout(std140, binding = 0) uniform Frame {
+  vec4 eye_index;              // camera in index coordinates
+  vec4 forward_index;          // index displacement per metre of view depth
+  vec4 right_index;            // and per unit of normalised device x, y at view depth 1 m
+  vec4 up_index;
+  vec4 eye_world;              // the same camera in world coordinates [m]
+  vec4 forward_world;
+  vec4 right_world;
+  vec4 up_world;
+  vec4 index_rows[3];          // row a: gradient of index coordinate a in world [1/m]
+  vec4 world_from_bone[3];     // columns of the rotation
+  vec4 dims;                   // xyz voxels; w: step [voxels]
+  vec4 light;                  // xyz towards the light, unit length, world; w: bisections
+  vec4 light_terms;            // ambient, diffuse, headlight fill, 0
+  vec4 cut;                    // xyz normal (world, unit length), w offset [m]; points with dot(normal, p) > offset are cut away
+  vec4 lens;                   // near [m], far [m], width, height [pixels]
+  vec4 edges;                  // voxel edges [m], longest in w
+  mat4 clip_from_tool;
+  mat4 world_from_tool;
+};

@@ -1,0 +1,29 @@
+// Brushed steel: the grey of a simple room (bright above, dark horizon) as the metal mirrors it, and the glint of the light.
+#include "frame.glsl"
+layout(location = 0) in vec3 world_normal;
+layout(location = 1) in vec3 world_position;
+layout(location = 0) out vec4 picture;
+#ifdef PROBE
+layout(location = 1) out vec4 probe;   // the tool is no hit of the volume
+#endif
+
+vec3 room(vec3 d) {
+  float up = dot(d, light.xyz);
+  vec3 grey = mix(vec3(0.40, 0.42, 0.45), vec3(0.93, 0.95, 0.97), smoothstep(-0.6, 0.7, up));
+  return grey - 0.22 * smoothstep(0.22, 0.0, abs(up + 0.12));   // the dark line where floor and wall meet
+}
+
+void main() {
+  vec3 to_eye = normalize(eye_world.xyz - world_position);
+  vec3 n = normalize(world_normal);
+  n = dot(n, to_eye) < 0.0 ? -n : n;
+  vec3 mirrored = reflect(-to_eye, n);
+  float direct = light_terms.y * max(dot(n, light.xyz), 0.0);
+  float glint = light_terms.y * pow(max(dot(mirrored, light.xyz), 0.0), 32.0);
+  float rim = pow(1.0 - max(dot(n, to_eye), 0.0), 4.0);
+  vec3 steel = vec3(0.70, 0.72, 0.75);
+  picture = vec4(steel * (0.35 * light_terms.x + 0.40 * direct + 0.65 * room(mirrored)) + 0.4 * glint + 0.12 * rim, 1.0);
+#ifdef PROBE
+  probe = vec4(0.0);
+#endif
+}

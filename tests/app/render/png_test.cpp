@@ -1,0 +1,65 @@
+#include "app/render/png.h"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+
+using namespace burrhole;
+
+namespace {
+
+std::filesystem::path scratch(const char* name) {
+  const std::filesystem::path folder = std::filesystem::path(BH_BINARY_DIR) / "test-png";
+  std::filesystem::create_directories(folder);
+  return folder / name;
+}
+
+Image gradient() {
+  Image image{5, 3, {}};
+  for (int n = 0; n < 15; ++n) image.pixels.push_back({static_cast<std::uint8_t>(17 * n), 200, static_cast<std::uint8_t>(255 - n), 255});
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("png: what is written is what is read, and no part file stays") {
+  const auto path = scratch("gradient.png");
+  REQUIRE(write_png(path, gradient()).ok());
+  const auto read = read_png(path);
+  REQUIRE(read.ok());
+  CHECK(read.value().width == 5);
+  CHECK(read.value().height == 3);
+  CHECK(read.value().pixels == gradient().pixels);
+  CHECK_FALSE(std::filesystem::exists(path.string() + ".part"));
+}
+
+TEST_CASE("png: a place that cannot be written is named with the reason") {
+  const Status written = write_png("/nonexistent/folder/picture.png", gradient());
+  REQUIRE_FALSE(written.ok());
+  CHECK(written.error().text().starts_with("/nonexistent/folder/picture.png: cannot write the picture: "));
+  const auto folder = scratch("a-folder.png");
+  std::filesystem::create_directories(folder / "kept");
+  CHECK_FALSE(write_png(folder, gradient()).ok());
+  CHECK_FALSE(std::filesystem::exists(folder.string() + ".part"));
+}
+
+TEST_CASE("png: an empty picture and one whose size lies are refused") {
+  CHECK_FALSE(write_png(scratch("empty.png"), {}).ok());
+  Image wrong = gradient();
+  wrong.width = 6;
+  CHECK_FALSE(write_png(scratch("wrong.png"), wrong).ok());
+}
+
+TEST_CASE("png: a failed write leaves the old picture") {
+  const auto path = scratch("old.png");
+  REQUIRE(write_png(path, gradient()).ok());
+  CHECK_FALSE(write_png(path, {}).ok());
+  CHECK(read_png(path).ok());
+}
+
+TEST_CASE("png: what is no picture is refused") {
+  CHECK_FALSE(read_png(scratch("missing.png")).ok());
+  std::ofstream(scratch("text.png")) << "no picture";
+  CHECK_FALSE(read_png(scratch("text.png")).ok());
+}

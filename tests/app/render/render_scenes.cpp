@@ -1,0 +1,91 @@
+#include "tests/app/render/render_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+
+namespace burrhole::test {
+namespace {
+
+std::uint8_t ramp(double distance, double edge) {
+  return static_cast<std::uint8_t>(std::floor(255.0 * std::clamp(0.5 + distance / (2.0 * edge), 0.0, 1.0) + 0.5));
+}
+
+Vec3 downhill(const Distance& distance, const Vec3& p) {
+  constexpr double kStep = 1e-5;
+  Vec3 g(0.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 d(0.0);
+    d[axis] = kStep;
+    g[axis] = distance(p - d) - distance(p + d);
+  }
+  const double size = glm::length(g);
+  return size > 0.0 ? g / size : Vec3(0.0);
+}
+
+}  // namespace
+
+VolumeView make_volume(const VolumeRecipe& recipe) {
+  VolumeView view;
+  view.dims = recipe.dims;
+  view.bone_from_index = recipe.bone_from_index;
+  const double edge = recipe.bone_from_index.mean_edge();
+  for_each_voxel({Vec3i(0), recipe.dims}, [&](const Vec3i& v) {
+    const Vec3 p = recipe.bone_from_index * Vec3(v);
+    view.normal_opacity.push_back(encode_normal(downhill(recipe.bone, p), ramp(recipe.bone(p), edge)));
+    Rgba8 color = recipe.color ? recipe.color(p) : Rgba8{200, 184, 160, 0};
+    color.a = recipe.soft ? ramp(recipe.soft(p), edge) : std::uint8_t{0};
+    view.color.push_back(color);
+  });
+  return view;
+}
+
+Affine half_millimetre_cube(const Vec3i& dims) { return Affine::scaling(0.5e-3, -0.25e-3 * Vec3(dims - 1)); }
+
+VolumeView ball_on_plate() {
+  const auto distance = [](const Vec3& p) {
+    const double ball = 8e-3 - glm::length(p - Vec3(1e-3, 0.0, 2e-3));
+    const double plate = std::min(-6e-3 - p.z, p.z + 11e-3);
+    return std::max(ball, plate);
+  };
+  return make_volume({.dims = Vec3i(64), .bone_from_index = half_millimetre_cube(), .bone = distance, .soft = {}, .color = {}});
+}
+
+FrameView oblique_view() {
+  FrameView view;
+  view.camera = {.eye = {0.05, -0.09, 0.07}, .target = {0.0, 0.0, 0.0}, .up = {0.0, 0.0, 1.0}, .vertical_fov = 0.4};
+  return view;
+}
+
+TriangleMesh square(double half, double z) {
+  const auto h = static_cast<float>(half);
+  const auto height = static_cast<float>(z);
+  TriangleMesh mesh;
+  mesh.positions = {{-h, -h, height}, {h, -h, height}, {h, h, height}, {-h, h, height}};
+  mesh.normals.assign(4, Vec3f(0, 0, 1));
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+Renderer require_renderer(const RenderOptions& options) {
+  auto renderer = Renderer::create(options);
+  if (!renderer && renderer.error().code == ErrorCode::unavailable) {
+    std::cerr << "skipped: " << renderer.error().text() << '\n';
+    std::exit(77);
+  }
+  if (!renderer) {
+    std::cerr << renderer.error().text() << '\n';
+    std::abort();
+  }
+  return std::move(renderer).value();
+}
+
+TexelBox texels_of(const VolumeView& volume, const VoxelBox& box) {
+  const VoxelBox all{Vec3i(0), volume.dims};
+  TexelBox texels{box, {}};
+  for_each_voxel(box, [&](const Vec3i& v) { texels.normal_opacity.push_back(volume.normal_opacity[all.offset_of(v)]); });
+  return texels;
+}
+
+}  // namespace burrhole::test

@@ -1,0 +1,44 @@
+/// tests/app/render/render_scenes.h: small volumes with a closed form, and renderers for tests.
+#pragma once
+
+#include <functional>
+
+#include "app/engine/view.h"
+#include "app/render/renderer.h"
+
+namespace burrhole::test {
+
+/// Signed distance [m] of a point in the bone frame, positive inside.
+using Distance = std::function<double(const Vec3&)>;
+using Coloring = std::function<Rgba8(const Vec3&)>;
+
+struct VolumeRecipe {
+  Vec3i dims{64};
+  Affine bone_from_index;
+  Distance bone;
+  Distance soft;   ///< empty: none
+  Coloring color;  ///< empty: ivory
+};
+
+/// Occupancy is a ramp two voxel edges wide whose 0.5 level is the zero of the distance; normals are its exact downhill directions.
+[[nodiscard]] VolumeView make_volume(const VolumeRecipe& recipe);
+
+/// Cube of 64^3 voxels of 0.5 mm round the origin of the bone frame.
+[[nodiscard]] Affine half_millimetre_cube(const Vec3i& dims = Vec3i(64));
+
+/// A ball of 8 mm over a plate, as one body.
+[[nodiscard]] VolumeView ball_on_plate();
+
+/// Camera 0.12 m away that sees the whole cube.
+[[nodiscard]] FrameView oblique_view();
+
+/// Square of edge 2 * half, facing +z and -z, at height z in the tool frame.
+[[nodiscard]] TriangleMesh square(double half, double z);
+
+/// A renderer, or the end of the program with 77 (skipped) where no OpenGL context can be made.
+[[nodiscard]] Renderer require_renderer(const RenderOptions& options = {.finish = false});
+
+/// The texels of a box, as update() takes them.
+[[nodiscard]] TexelBox texels_of(const VolumeView& volume, const VoxelBox& box);
+
+}  // namespace burrhole::test

@@ -1,0 +1,136 @@
+// Parts of the volume sent later, what they cost, and skipping empty space: all must leave the picture as a full upload gives it.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "app/render/shader_source.h"
+#include "tests/app/render/render_scenes.h"
+#include "tests/support/image_compare.h"
+
+using namespace burrhole;
+using namespace burrhole::test;
+
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+
+Image drawn(Renderer& renderer, const FrameView& view = oblique_view()) {
+  auto image = renderer.draw(view, kWidth, kHeight);
+  REQUIRE(image.ok());
+  return std::move(image).value();
+}
+
+/// The ball on its plate with the texels of `box` replaced by ones of that opacity.
+VolumeView changed(const VoxelBox& box, std::uint8_t opacity) {
+  VolumeView volume = ball_on_plate();
+  const VoxelBox all{Vec3i(0), volume.dims};
+  for_each_voxel(box, [&](const Vec3i& v) { volume.normal_opacity[all.offset_of(v)] = {128, 128, 255, opacity}; });
+  return volume;
+}
+
+}  // namespace
+
+TEST_CASE("update: a partial upload draws the same bytes as a full one") {
+  const VoxelBox box{{22, 24, 30}, {42, 44, 50}};
+  const VolumeView after = changed(box, 0);
+  Renderer partly = require_renderer();
+  REQUIRE(partly.set_volume(ball_on_plate()).ok());
+  const Image before = drawn(partly);
+  partly.update(texels_of(after, box));
+  Renderer fully = require_renderer();
+  REQUIRE(fully.set_volume(after).ok());
+  CHECK(pictures_agree("partial-update", drawn(partly), drawn(fully), {}));
+  CHECK(compare_pictures(drawn(partly), before, 0).differing_share > 0.005);
+}
+
+TEST_CASE("update: a box of 20^3 sends 20^3 texels of four bytes and nothing else") {
+  Renderer renderer = require_renderer({.finish = false});
+  const VolumeView volume = ball_on_plate();
+  REQUIRE(renderer.set_volume(volume).ok());
+  CHECK(renderer.counters().volume_bytes == 2u * 4u * 64u * 64u * 64u);
+  const std::uint64_t skip_map = renderer.counters().skip_map_bytes;
+  CHECK(skip_map == 64u * 64u * 64u);
+  const VoxelBox box{{22, 24, 30}, {42, 44, 50}};
+  renderer.update(texels_of(changed(box, 0), box));
+  CHECK(renderer.counters().update_bytes == 20u * 20u * 20u * 4u);
+  CHECK(renderer.counters().update_boxes == 1u);
+  CHECK(renderer.counters().skip_map_bytes == skip_map);
+}
+
+TEST_CASE("update: bone that grows in empty space appears, though that space was being skipped") {
+  const VoxelBox box{{4, 5, 50}, {12, 14, 60}};
+  const VolumeView grown = changed(box, 255);
+  Renderer skipping = require_renderer();
+  REQUIRE(skipping.set_volume(ball_on_plate()).ok());
+  skipping.update(texels_of(grown, box));
+  Renderer plain = require_renderer({.skip_empty = false, .finish = false});
+  REQUIRE(plain.set_volume(grown).ok());
+  CHECK(pictures_agree("grown", drawn(skipping), drawn(plain), {}));
+}
+
+TEST_CASE("skipping: the same bytes with and without, at a fraction of the samples") {
+  Renderer skipping = require_renderer({.skip_empty = true, .finish = false});
+  Renderer plain = require_renderer({.skip_empty = false, .finish = false});
+  REQUIRE(skipping.set_volume(ball_on_plate()).ok());
+  REQUIRE(plain.set_volume(ball_on_plate()).ok());
+  CHECK(pictures_agree("skipping", drawn(skipping), drawn(plain), {}));
+  REQUIRE(skipping.probe(oblique_view(), kWidth, kHeight).ok());
+  REQUIRE(plain.probe(oblique_view(), kWidth, kHeight).ok());
+  CHECK(plain.counters().probe_samples > 100'000u);
+  CHECK(3 * skipping.counters().probe_samples < plain.counters().probe_samples);
+}
+
+TEST_CASE("drawing: the same view gives the same bytes, again and in another renderer") {
+  Renderer first = require_renderer({.finish = true});
+  Renderer second = require_renderer({.finish = true});
+  for (Renderer* renderer : {&first, &second}) REQUIRE(renderer->set_volume(ball_on_plate()).ok());
+  const Image once = drawn(first);
+  CHECK(pictures_agree("again", drawn(first), once, {}));
+  CHECK(pictures_agree("other-renderer", drawn(second), once, {}));
+}
+
+TEST_CASE("drawing: the probe's picture is the picture") {
+  Renderer renderer = require_renderer();
+  REQUIRE(renderer.set_volume(ball_on_plate()).ok());
+  const auto probe = renderer.probe(oblique_view(), kWidth, kHeight);
+  REQUIRE(probe.ok());
+  CHECK(pictures_agree("probe", probe.value().image, drawn(renderer), {}));
+}
+
+TEST_CASE("drawing: two rays along each side of a pixel give the mean of the picture drawn twice as large") {
+  Renderer fine = require_renderer({.finish = false, .supersample = 2});
+  Renderer large = require_renderer();
+  for (Renderer* renderer : {&fine, &large}) REQUIRE(renderer->set_volume(ball_on_plate()).ok());
+  const Image small = drawn(fine);
+  const auto twice = large.draw(oblique_view(), 2 * kWidth, 2 * kHeight);
+  REQUIRE(twice.ok());
+  Image mean{kWidth, kHeight, {}};
+  for (int row = 0; row < kHeight; ++row)
+    for (int column = 0; column < kWidth; ++column) {
+      const auto at = [&](int y, int x) {
+        return twice.value().pixels[static_cast<std::size_t>((2 * row + y) * 2 * kWidth + 2 * column + x)];
+      };
+      const Rgba8 p[] = {at(0, 0), at(0, 1), at(1, 0), at(1, 1)};
+      const auto channel = [&](auto member) {
+        return static_cast<std::uint8_t>((p[0].*member + p[1].*member + p[2].*member + p[3].*member + 2) / 4);
+      };
+      mean.pixels.push_back({channel(&Rgba8::r), channel(&Rgba8::g), channel(&Rgba8::b), 255});
+    }
+  CHECK(pictures_agree("supersampled", small, mean, {}));
+}
+
+TEST_CASE("drawing: row 0 is the top of the picture and every pixel is opaque") {
+  Renderer renderer = require_renderer();
+  const Image image = drawn(renderer);  // no volume, no tool: the background, darker at the top
+  CHECK(image.width == kWidth);
+  CHECK(image.pixels.size() == std::size_t{kWidth} * kHeight);
+  CHECK(image.pixels.front().b < image.pixels.back().b);
+  for (const Rgba8& pixel : image.pixels) REQUIRE(pixel.a == 255);
+}
+
+TEST_CASE("shaders: every variant compiles and links in the driver") {
+  Renderer renderer = require_renderer();
+  const Status linked = renderer.link_every_variant();
+  CHECK_MESSAGE(linked.ok(), (linked.ok() ? "" : linked.error().text()));
+  CHECK(all_shader_variants().size() == 35);
+}
