@@ -1,0 +1,134 @@
+#include "app/report/drill_report.h"
+
+#include <fmt/format.h>
+
+#include "app/report/file.h"
+#include "app/report/html.h"
+#include "app/report/plot.h"
+
+namespace burrhole {
+namespace {
+
+/// Appends a tile for a value that applies.
+void add_tile(std::vector<HtmlTile>& tiles, const char* name, const std::optional<double>& value, int decimals, const char* unit,
+              bool alert = false) {
+  if (value) tiles.push_back({name, fmt::format("{:.{}f}", *value, decimals), unit, alert});
+}
+
+std::vector<HtmlTile> key_figures(const DrillReport& report) {
+  const bool plunged = report.plunge_mm.value_or(0.0) > report.plunge_limit_mm;
+  std::vector<HtmlTile> tiles;
+  add_tile(tiles, "Plunge beyond the bone", report.plunge_mm, 2, "mm", plunged);
+  add_tile(tiles, "Breakthrough", report.breakthrough_s, 2, "s");
+  add_tile(tiles, "Depth at breakthrough", report.depth_mm_at_breakthrough, 2, "mm");
+  add_tile(tiles, "Bone thickness", report.thickness_mm, 2, "mm");
+  add_tile(tiles, "Peak force", report.peak_force_N, 2, "N");
+  add_tile(tiles, "Angle to the surface normal", report.angle_deg, 1, "°");
+  add_tile(tiles, "Hole, outside", report.hole_diameter_mm, 2, "mm");
+  add_tile(tiles, "Hole, inside", report.inner_diameter_mm, 2, "mm");
+  add_tile(tiles, "Bone removed", report.removed_mm3, 1, "mm³");
+  add_tile(tiles, "Bone removed, by mass", report.removed_mass_mm3, 1, "mm³");
+  add_tile(tiles, "Duration", report.duration_s, 2, "s");
+  return tiles;
+}
+
+/// One sentence on how the run ended.
+std::string verdict(const DrillReport& report) {
+  if (!report.breakthrough_s) return "The run ended before the bone was drilled through.";
+  std::string out = fmt::format("The bone was drilled through after {:.2f} s", *report.breakthrough_s);
+  if (!report.plunge_mm) return out + ".";
+  if (*report.plunge_mm > report.plunge_limit_mm)
+    return out +
+           fmt::format("; the tip then went {:.2f} mm beyond it, which is more than {:.2f} mm.", *report.plunge_mm, report.plunge_limit_mm);
+  return out + fmt::format("; the tip went {:.2f} mm beyond it, within {:.2f} mm.", *report.plunge_mm, report.plunge_limit_mm);
+}
+
+Plot make_plot(const DrillReport& report) {
+  Plot plot;
+  plot.x_label = "Time (s)";
+  const auto add_panel = [&](const char* y_label, const char* name, const std::vector<double>& y) -> PlotPanel* {
+    if (y.size() != report.time_s.size() || y.empty()) return nullptr;
+    plot.panels.push_back({.y_label = y_label, .series = {{name, report.time_s, y}}, .bands = {}});
+    return &plot.panels.back();
+  };
+  if (PlotPanel* force = add_panel("Force (N)", "force", report.force_N)) force->from_zero = true;
+  if (PlotPanel* depth = add_panel("Depth (mm)", "depth of the tip", report.depth_mm)) {
+    depth->y_down = true;
+    for (const DrillReport::Layer& layer : report.layers) depth->bands.push_back({layer.name, layer.from_mm, layer.to_mm});
+  }
+  if (PlotPanel* speed = add_panel("Speed (mm/s)", "speed of the tip", report.speed_mm_s)) speed->from_zero = true;
+  for (const DrillReport::Event& event : report.events) plot.events.push_back({event.time_s, event.text});
+  return plot;
+}
+
+Status add_plot(const DrillReport& report, HtmlPage& page) {
+  const Plot plot = make_plot(report);
+  if (plot.panels.empty()) return {};
+  page.heading("Course");
+  const Result<std::string> svg = draw_svg(plot);
+  if (svg) {
+    page.svg(*svg, report.layers.empty()
+                       ? ""
+                       : "Depth is that of the tip along the axis, from the entry; the shaded layers are the bone as loaded.");
+    return {};
+  }
+  // A page without its plot is still worth having; anything but a missing program is our bug.
+  if (svg.error().code != ErrorCode::unavailable) return svg.error();
+  page.paragraph("No plot: " + svg.error().message + ".");
+  return {};
+}
+
+Status add_pictures(const DrillReport& report, HtmlPage& page) {
+  if (report.pictures.empty()) return {};
+  page.heading("Pictures");
+  page.begin_pictures();
+  for (const DrillReport::Picture& picture : report.pictures)
+    if (const Status added = page.picture(picture.png_path, picture.caption); !added) return added;
+  page.end_pictures();
+  return {};
+}
+
+void add_tables(const DrillReport& report, HtmlPage& page) {
+  if (!report.events.empty()) {
+    page.heading("Events");
+    std::vector<std::vector<std::string>> rows;
+    for (const DrillReport::Event& event : report.events) rows.push_back({event.text, fmt::format("{:.3f}", event.time_s)});
+    page.table({"Event", "Time (s)"}, rows);
+  }
+  if (!report.timing.empty()) {
+    page.heading("Time taken by the steps");
+    std::vector<std::vector<std::string>> rows;
+    for (const DrillReport::Timing& step : report.timing) {
+      rows.push_back({step.name, std::to_string(step.count), fmt::format("{:.1f}", step.p50_us), fmt::format("{:.1f}", step.p99_us),
+                      fmt::format("{:.1f}", step.p999_us), fmt::format("{:.1f}", step.max_us)});
+    }
+    page.table({"Step", "Calls", "Median (µs)", "99 % (µs)", "99.9 % (µs)", "Longest (µs)"}, rows);
+    page.paragraph(fmt::format("Late ticks: {}.", report.missed));
+  }
+  if (!report.hashes.empty()) {
+    page.heading("Fingerprints");
+    std::vector<std::vector<std::string>> rows;
+    for (const DrillReport::Hash& hash : report.hashes) rows.push_back({hash.name, hash.value});
+    page.table({"Of", "Hash"}, rows);
+  }
+}
+
+}  // namespace
+
+Result<std::string> make_drill_report(const DrillReport& report) {
+  HtmlPage page(report.title, report.tool + " · " + report.scene);
+  page.paragraph(verdict(report));
+  page.tiles(key_figures(report));
+  if (const Status added = add_plot(report, page); !added) return added.error();
+  if (const Status added = add_pictures(report, page); !added) return added.error();
+  add_tables(report, page);
+  return page.text();
+}
+
+Status write_drill_report(const DrillReport& report, const std::string& path) {
+  const Result<std::string> page = make_drill_report(report);
+  if (!page) return page.error();
+  return write_file(path, *page);
+}
+
+}  // namespace burrhole

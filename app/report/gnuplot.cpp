@@ -1,0 +1,81 @@
+#include "app/report/gnuplot.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "app/report/file.h"
+
+extern char** environ;
+
+namespace burrhole {
+namespace {
+
+/// A folder of our own that goes with its owner.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::error_code fault;
+    std::string name = (std::filesystem::temp_directory_path(fault) / "burrhole-plot-XXXXXX").string();
+    if (!fault && ::mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] bool ok() const noexcept { return !path_.empty(); }
+  [[nodiscard]] std::string file(const char* name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
+/// Starts `program script` with its streams on files, so neither side can wait for a full pipe. @returns the errno of the start;
+/// `status` is then that of waitpid.
+int run_on_files(const std::string& program, const std::string& script, const std::string& out, const std::string& complaint, int& status) {
+  posix_spawn_file_actions_t streams;
+  posix_spawn_file_actions_init(&streams);
+  posix_spawn_file_actions_addopen(&streams, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&streams, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  posix_spawn_file_actions_addopen(&streams, STDERR_FILENO, complaint.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  std::string words[] = {program, script};
+  char* arguments[] = {words[0].data(), words[1].data(), nullptr};
+  pid_t child = 0;
+  const int code = ::posix_spawnp(&child, program.c_str(), &streams, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&streams);
+  if (code != 0) return code;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  return 0;
+}
+
+std::string first_line(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \n");
+  return begin == std::string::npos ? "no reason given" : text.substr(begin, text.find('\n', begin) - begin);
+}
+
+}  // namespace
+
+Result<std::string> run_gnuplot(std::string_view script, const std::string& program) {
+  const TemporaryFolder folder;
+  if (!folder.ok())
+    return Error{ErrorCode::unavailable, "no temporary folder can be made for plots: " + std::string(std::strerror(errno)), {}};
+  if (const Status written = write_file(folder.file("plot.gp"), script); !written) return written.error();
+  int status = 0;
+  const int code = run_on_files(program, folder.file("plot.gp"), folder.file("out"), folder.file("complaint"), status);
+  if (code != 0) return Error{ErrorCode::unavailable, program + " cannot be run (" + std::strerror(code) + "); plots need gnuplot", {}};
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    const Result<std::string> complaint = read_file(folder.file("complaint"));
+    return Error{ErrorCode::internal, program + " refused a plot: " + first_line(complaint ? *complaint : ""), {}};
+  }
+  return read_file(folder.file("out"));
+}
+
+}  // namespace burrhole

@@ -1,0 +1,81 @@
+#include "app/report/drill_report.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+#include "app/report/file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace burrhole {
+namespace {
+
+DrillReport make_report() {
+  DrillReport report;
+  report.title = "Parietal <burrhole>";
+  report.scene = "parietal.toml";
+  report.tool = "perforator";
+  for (int i = 0; i < 4000; ++i) {
+    report.time_s.push_back(0.001 * i);
+    report.force_N.push_back(2.0);
+    report.depth_mm.push_back(0.002 * i);
+    report.speed_mm_s.push_back(2.0);
+  }
+  report.layers = {{"outer table", 0.0, 2.4}, {"diploe", 2.4, 5.3}, {"inner table", 5.3, 7.0}};
+  report.events = {{0.1, "contact"}, {3.5, "breakthrough"}};
+  report.breakthrough_s = 3.5;
+  report.plunge_mm = 1.25;
+  report.hashes = {{"voxels", "0123456789abcdef"}};
+  return report;
+}
+
+bool contains(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
+
+TEST_CASE("drill report: shows what applies, escaped, and nothing that does not") {
+  const Result<std::string> page = make_drill_report(make_report());
+  REQUIRE(page);
+  for (const char* part :
+       {"Parietal &lt;burrhole&gt;", "inner table", "Force (N)", "Depth (mm)", "Speed (mm/s)", "0123456789abcdef", "1.25"})
+    CHECK_MESSAGE(contains(*page, part), std::string(part));
+  CHECK_FALSE(contains(*page, "Peak force"));
+  CHECK_FALSE(contains(*page, "Time taken by the steps"));
+}
+
+TEST_CASE("drill report: a plunge beyond the limit is shown as a fault, one within it is not") {
+  DrillReport report = make_report();
+  CHECK(contains(*make_drill_report(report), "class=\"tile alert\""));
+  report.plunge_mm = 0.2;
+  CHECK_FALSE(contains(*make_drill_report(report), "class=\"tile alert\""));
+}
+
+TEST_CASE("drill report: a run that did not break through says so") {
+  DrillReport report = make_report();
+  report.breakthrough_s.reset();
+  CHECK(contains(*make_drill_report(report), "ended before the bone was drilled through"));
+}
+
+TEST_CASE("drill report: without gnuplot there is a page that says why it has no plot") {
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", "/nonexistent", 1);
+  const Result<std::string> page = make_drill_report(make_report());
+  ::setenv("PATH", path.c_str(), 1);
+  REQUIRE(page);
+  CHECK(contains(*page, "No plot: gnuplot cannot be run"));
+  CHECK_FALSE(contains(*page, "<svg"));
+}
+
+TEST_CASE("drill report: a missing picture or an unwritable path is an error that names it") {
+  const TemporaryFolder folder;
+  DrillReport report = make_report();
+  report.pictures = {{folder.file("none.png"), "start"}};
+  const Result<std::string> page = make_drill_report(report);
+  REQUIRE_FALSE(page);
+  CHECK(contains(page.error().text(), "none.png"));
+  REQUIRE(write_file(folder.file("plain"), ""));
+  const Status status = write_drill_report(make_report(), folder.file("plain/report.html"));
+  REQUIRE_FALSE(status);
+  CHECK(status.error().code == ErrorCode::bad_input);
+}
+
+}  // namespace
+}  // namespace burrhole

@@ -1,0 +1,90 @@
+#include "app/report/plot.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "app/report/file.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/xml_check.h"
+
+namespace burrhole {
+namespace {
+
+Plot make_plot() {
+  Plot plot;
+  plot.x_label = "Time (s)";
+  PlotSeries force{"force", {}, {}}, limit{"limit", {}, {}};
+  for (int i = 0; i < 5000; ++i) {
+    force.x.push_back(0.001 * i);
+    force.y.push_back(i == 2500 ? std::numeric_limits<double>::quiet_NaN() : 0.002 * (i % 1000));
+    limit.x.push_back(0.001 * i);
+    limit.y.push_back(3.0);
+  }
+  plot.panels.push_back({.y_label = "Force (N)", .series = {force, limit}, .bands = {}, .from_zero = true});
+  plot.panels.push_back(
+      {.y_label = "Depth (mm)", .series = {force}, .bands = {{"outer table", 0.0, 1.0}, {"a \"b\" <c>", 1.0, 1.1}}, .y_down = true});
+  plot.events = {{1.0, "contact"}, {1.05, "breakthrough"}};
+  return plot;
+}
+
+TEST_CASE("plot: the SVG is well-formed and carries every label") {
+  const Result<std::string> svg = draw_svg(make_plot());
+  REQUIRE_MESSAGE(svg.ok(), (svg ? "" : svg.error().text()));
+  CHECK(xml_fault(*svg) == "");
+  for (const char* label : {"Force (N)", "Depth (mm)", "Time (s)", "outer table", "contact", "breakthrough", "limit", "a \"b\" &lt;c>"})
+    CHECK_MESSAGE(svg->find(label) != std::string::npos, std::string(label));
+}
+
+TEST_CASE("xml_fault: finds a tag left open, so that well-formed means something") {
+  CHECK(xml_fault("<svg><g></g></svg>") == "");
+  CHECK(xml_fault("<svg><g></svg>") != "");
+  CHECK(xml_fault("<svg>") != "");
+  CHECK(xml_fault("") != "");
+}
+
+TEST_CASE("plot: the same plot gives the same script") { CHECK(plot_script(make_plot()) == plot_script(make_plot())); }
+
+TEST_CASE("plot: a label cannot leave its quotes and become a command") {
+  Plot plot = make_plot();
+  plot.x_label = "\"; system \"touch /tmp/evil\nset output \\";
+  const std::string script = plot_script(plot);
+  CHECK(script.find("set xlabel \"\\\"; system \\\"touch /tmp/evil set output \\\\\" offset") != std::string::npos);
+}
+
+TEST_CASE("plot: series without a point, or with none that is finite, still draw their axes") {
+  Plot plot;
+  plot.x_label = "Time (s)";
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  plot.panels.push_back({.y_label = "Empty", .series = {{"none", {}, {}}}, .bands = {}});
+  plot.panels.push_back({.y_label = "Gaps", .series = {{"nan", {0.0, 1.0}, {nan, nan}}}, .bands = {}});
+  plot.panels.push_back({.y_label = "Point", .series = {{"one", {0.5}, {2.0}}}, .bands = {}});
+  const Result<std::string> svg = draw_svg(plot);
+  REQUIRE_MESSAGE(svg.ok(), (svg ? "" : svg.error().text()));
+  CHECK(svg->find("Gaps") != std::string::npos);
+}
+
+TEST_CASE("plot: without gnuplot the error says what lacks") {
+  const Result<std::string> svg = draw_svg(make_plot(), "no-such-gnuplot");
+  REQUIRE_FALSE(svg);
+  CHECK(svg.error().code == ErrorCode::unavailable);
+  CHECK(svg.error().message.find("no-such-gnuplot cannot be run") != std::string::npos);
+}
+
+TEST_CASE("plot: a program that fails is an error with its words, or says that there were none") {
+  const Result<std::string> svg = draw_svg(make_plot(), "false");
+  REQUIRE_FALSE(svg);
+  CHECK(svg.error().message.find("no reason given") != std::string::npos);
+}
+
+TEST_CASE("plot: an unwritable path is bad input with the path") {
+  const TemporaryFolder folder;
+  REQUIRE(write_file(folder.file("plain"), ""));
+  const Status status = write_svg(make_plot(), folder.file("plain/plot.svg"));
+  REQUIRE_FALSE(status);
+  CHECK(status.error().code == ErrorCode::bad_input);
+}
+
+}  // namespace
+}  // namespace burrhole
