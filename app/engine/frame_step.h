@@ -1,0 +1,54 @@
+/// app/engine/frame_step.h: hands the display what changed and asks it for the pictures of a run. Knows no OpenGL.
+#pragma once
+
+#include <string>
+
+#include "app/engine/approach.h"
+#include "app/engine/scene.h"
+#include "app/engine/step_timer.h"
+#include "app/engine/view.h"
+#include "core/voxel/voxmap.h"
+
+namespace burrhole {
+
+/// A display, as the engine sees it. Errors stop the run.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  [[nodiscard]] virtual Status start(const VolumeView& volume, const TriangleMesh& tool) = 0;
+  virtual void update(const TexelBox& texels) = 0;
+  /// Draws and keeps one picture; `hash` takes its pixels.
+  [[nodiscard]] virtual Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) = 0;
+};
+
+struct FrameStepTimers {
+  StepTimer upload, frame;
+};
+
+class FrameStep {
+ public:
+  /// Sends the whole volume once.
+  [[nodiscard]] static Result<FrameStep> create(const Scene& scene, const Approach& approach, const Tool& tool, Voxmap& voxmap, FrameSink& sink);
+  /// Sends the boxes changed since the last call, then draws. `tool`: nothing when it is out of the picture; `cut` opens the bone.
+  [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);
+  [[nodiscard]] FrameStepTimers& timers() noexcept { return timers_; }
+  [[nodiscard]] std::uint64_t image_hash() const noexcept { return hash_.value(); }
+  [[nodiscard]] std::uint64_t texels_sent() const noexcept { return texels_sent_; }
+
+ private:
+  FrameStep(const Scene& scene, const Approach& approach, Voxmap& voxmap, FrameSink& sink);
+  DisplayScene display_;
+  Pose world_from_bone_, world_from_approach_;
+  double thickness_;
+  Voxmap* voxmap_;
+  FrameSink* sink_;
+  std::size_t listener_;
+  Hash64 hash_;
+  std::uint64_t texels_sent_ = 0;
+  FrameStepTimers timers_;
+};
+
+/// The scene's camera: round the entry, turned about the axis. `cut`: lower and from the open side.
+[[nodiscard]] FrameView make_frame_view(const DisplayScene& display, const Pose& world_from_bone, const Pose& world_from_approach, double thickness, bool cut);
+
+}  // namespace burrhole

@@ -1,0 +1,223 @@
+#include "app/engine/scene.h"
+
+#include <filesystem>
+
+#include "app/engine/effect_names.h"
+#include "core/base/portable_math.h"
+#include "core/base/units.h"
+
+namespace burrhole {
+namespace {
+
+namespace fs = std::filesystem;
+
+NumberRule at_least_zero(double fallback, double to_si = 1.0, double max = 1e9) {
+  return {.fallback = fallback, .min = 0.0, .max = max, .to_si = to_si};
+}
+NumberRule above_zero(double fallback, double to_si = 1.0, double max = 1e9) {
+  return {.fallback = fallback, .min = 0.0, .max = max, .min_open = true, .to_si = to_si};
+}
+
+std::string beside(const std::string& scene_file, const std::string& path) {
+  const fs::path p(path);
+  return p.is_absolute() ? path : (fs::path(scene_file).parent_path() / p).string();
+}
+
+/// Rotation by `angle` about a coordinate axis, with the same bits on every machine.
+Quat turn_about(std::size_t axis, double angle) {
+  Vec3 v(0.0);
+  v[axis] = portable_sin(0.5 * angle);
+  return {portable_cos(0.5 * angle), v.x, v.y, v.z};
+}
+
+VolumeScene read_volume(TableReader table, const std::string& file) {
+  VolumeScene out;
+  const std::string source = table.text("source", std::nullopt, "phantom:NAME, or the path of a .vdb saved by this program");
+  constexpr std::string_view kPhantom = "phantom:";
+  if (source.starts_with(kPhantom)) {
+    out.phantom = read_phantom(table, std::string_view(source).substr(kPhantom.size()));
+  } else if (!source.empty()) {
+    out.vdb_path = beside(file, source);
+    if (fs::path(source).extension() != ".vdb") table.fault("source", "is neither \"phantom:NAME\" nor a .vdb file; other formats are not read by this version");
+    else if (!fs::exists(out.vdb_path)) table.fault("source", "\"" + source + "\" is not there: " + out.vdb_path);
+  }
+  const NumberRule length{.fallback = 0.0, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
+  const NumberRule angle{.fallback = 0.0, .min = -360.0, .max = 360.0, .to_si = kDegree};
+  const Vec3 turn = table.vector("turn_deg", Vec3(0.0), angle, "turn of the bone about x, then y, then z");
+  const Quat rotation = turn_about(2, turn.z) * turn_about(1, turn.y) * turn_about(0, turn.x);
+  out.world_from_bone = {rotation, table.vector("position_mm", Vec3(0.0), length, "shift of the bone in the world")};
+  out.gradient_dead_zone =
+      table.number("gradient_dead_zone", {.fallback = 0.08, .min = 0.0, .max = 0.49}, "density gradients shorter than this [1/voxel] count as zero");
+  table.finish();
+  return out;
+}
+
+std::optional<std::string> find_tool(const std::string& name, const std::string& scene_file, const SceneContext& context) {
+  std::vector<std::string> places;
+  const bool is_path = name.ends_with(".toml") || name.find('/') != std::string::npos;
+  if (is_path) {
+    places.push_back(beside(scene_file, name));
+  } else {
+    places.push_back(beside(scene_file, name + ".toml"));
+    for (const std::string& folder : context.tool_folders) places.push_back((fs::path(folder) / (name + ".toml")).string());
+  }
+  for (const std::string& place : places)
+    if (fs::is_regular_file(place)) return place;
+  return std::nullopt;
+}
+
+std::vector<std::string> tool_names(const SceneContext& context) {
+  std::vector<std::string> names;
+  for (const std::string& folder : context.tool_folders) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+      if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  return names;
+}
+
+ToolScene read_tool(TableReader table, const std::string& file, const SceneContext& context) {
+  ToolScene out;
+  out.place = table.place_of("name");
+  const std::string name = table.text("name", std::nullopt, "name of a shipped tool, or path of a tool file");
+  if (!name.empty()) {
+    if (const auto path = find_tool(name, file, context)) {
+      out.path = *path;
+    } else {
+      const auto near = nearest_name(name, tool_names(context));
+      table.fault("name", "no tool \"" + name + "\"" + (near ? "; did you mean \"" + *near + "\"?" : " (burrhole tools lists them)"));
+    }
+  }
+  out.spin = table.number("spin_rpm", {.fallback = std::nullopt, .min = 0.0, .max = 200e3, .to_si = kRevPerMinute}, "speed of the spindle");
+  out.erosion_scale = table.number("erosion_scale", at_least_zero(1.0, 1.0, 1e6), "multiplies every erosion factor of the tool");
+  table.finish();
+  return out;
+}
+
+ApproachScene read_approach(TableReader table) {
+  ApproachScene out;
+  out.place = table.place_of("entry_mm");
+  const NumberRule length{.fallback = std::nullopt, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
+  out.entry = table.vector("entry_mm", std::nullopt, length, "point near the outer surface, bone frame");
+  const Vec3 axis = table.vector("axis", Vec3(0, 0, -1), {.fallback = 0.0, .min = -1e6, .max = 1e6}, "direction into bone, any length");
+  if (glm::length(axis) < 1e-9) table.fault("axis", "has no length");
+  else out.axis = glm::normalize(axis);
+  table.finish();
+  return out;
+}
+
+HandConfig read_hand(TableReader table, Issues& issues) {
+  HandConfig out;
+  const std::size_t before = issues.size();
+  const std::string kind = table.text("kind", "script", "who holds the drill: \"script\"");
+  if (kind == "device") {
+    issues.push_back({ErrorCode::unavailable, "hand.kind = \"device\" needs a force device; this version knows none, only \"script\"", table.place_of("kind")});
+  } else if (issues.size() == before) {
+    (void)table.choice("kind", "script", {"script"}, "who holds the drill", {"mouse", "replay"});
+  }
+  out.dynamics.mass = table.number("mass_kg", above_zero(out.dynamics.mass, 1.0, 10.0), "of hands and drill");
+  out.dynamics.damping = table.number("damping_N_s_per_m", at_least_zero(out.dynamics.damping, 1.0, 1e4), "of the arm");
+  out.dynamics.stiffness = table.number("stiffness_N_per_m", at_least_zero(out.dynamics.stiffness, 1.0, 1e5), "of the arm");
+  out.feed = table.number("feed_mm_per_s", above_zero(5.0, kMillimetre, 1e3), "speed of approach; withdrawal is twice as fast");
+  out.push = table.number("push_N", at_least_zero(out.push, 1.0, 500.0), "thrust while leaning on the drill");
+  out.ramp = table.number("ramp_s", at_least_zero(out.ramp, 1.0, 60.0), "from contact to full thrust");
+  out.reaction = table.number("reaction_ms", at_least_zero(150.0, 1e-3, 1e4), "from feeling the give to letting go");
+  out.contact_force = table.number("contact_N", above_zero(out.contact_force, 1.0, 100.0), "felt force that counts as contact");
+  out.give_speed = table.number("give_mm_per_s", above_zero(8.0, kMillimetre, 1e3), "advance that feels like breaking through");
+  out.follow_time = table.number("follow_s", above_zero(out.follow_time, 1.0, 60.0), "how fast the arm's rest position follows the drill");
+  out.standoff = table.number("standoff_mm", above_zero(3.0, kMillimetre, 100.0), "height above the entry at start and end");
+  out.tremor_amplitude = table.number("tremor_mm", at_least_zero(0.04, kMillimetre, 5.0), "lateral tremor, peak");
+  out.tremor_frequency = table.number("tremor_hz", at_least_zero(9.0, 1.0, 50.0), "of the tremor");
+  out.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, INT64_MAX, "of the tremor's phases"));
+  out.feels = table.boolean("feels", true, "false: the force does not reach the hand (for comparison)");
+  table.finish();
+  return out;
+}
+
+ContactScene read_contact(TableReader table) {
+  ContactScene out;
+  (void)table.choice("model", "gradient-plane", {"gradient-plane"}, "contact model", {"voxmap", "surface", "mesh"});
+  out.model.paper_mode = table.choice("mode", "surface", {"surface", "paper"}, "what collides: the 0.5 surface, or any density") == "paper";
+  out.model.stiffness = table.number("stiffness_N_per_m", above_zero(out.model.stiffness, 1.0, 1e7), "k of the penalty force");
+  out.storage = table.choice("storage", "window", {"window", "vdb"}, "dense window, or the paper's grids") == "vdb" ? ContactStorage::vdb : ContactStorage::window;
+  out.constrained = table.choice("tool", "constrained", {"constrained", "device"}, "held back by bone, or where the hand is") == "constrained";
+  out.tool.coupling_stiffness = table.number("coupling_N_per_m", above_zero(out.tool.coupling_stiffness, 1.0, 1e6), "spring from hand to tool");
+  out.tool.coupling_damping = table.number("coupling_N_s_per_m", at_least_zero(out.tool.coupling_damping, 1.0, 1e4), "damper from hand to tool");
+  out.tool.cutting_stiffness = table.number("cutting_N_per_m", above_zero(out.tool.cutting_stiffness, 1.0, 1e9), "thrust over engaged depth while spinning");
+  out.rate_hz = static_cast<int>(table.integer("rate_hz", 1000, 20, 20000, "evaluations a second; divides servo_hz"));
+  out.latency_ticks = static_cast<int>(table.integer("latency_ticks", -1, -1, 1000, "servo ticks from motion to force; -1: one contact period"));
+  table.finish();
+  return out;
+}
+
+ErosionScene read_erosion(TableReader table, double& pitch_voxels) {
+  ErosionScene out;
+  out.config.law = table.choice("law", "rate", {"rate", "per-update"}, "continuous, or eq. 4 as printed") == "rate" ? ErosionLaw::rate : ErosionLaw::per_update;
+  out.config.minimum_density = static_cast<float>(table.number("minimum_density", {.fallback = 0.05, .min = 0.0, .max = 0.5, .max_open = true}, "density below becomes 0"));
+  out.config.longest_substep = table.number("substep_voxels", {.fallback = 0.5, .min = 0.0, .max = 1.0, .min_open = true}, "longest path between two applications");
+  out.rate_hz = static_cast<int>(table.integer("rate_hz", 100, 1, 20000, "steps a second; divides servo_hz"));
+  pitch_voxels = table.number("point_pitch_voxels", {.fallback = 0.5, .min = 0.1, .max = 1.0}, "distance of erosion points");
+  table.finish();
+  return out;
+}
+
+DisplayScene read_display(TableReader table) {
+  DisplayScene out;
+  out.method = table.choice("method", "raycast", {"raycast"}, "how bone is drawn", {"slices", "mesh"});
+  const auto size = table.numbers("size", std::vector<double>{1200, 900}, 2, {.min = 16, .max = 8192}, "pixels: width, height");
+  out.width = static_cast<int>(size[0]);
+  out.height = static_cast<int>(size[1]);
+  out.azimuth = table.number("azimuth_deg", {.fallback = 35.0, .min = -360, .max = 360, .to_si = kDegree}, "of the camera round the axis");
+  out.elevation = table.number("elevation_deg", {.fallback = 42.0, .min = -89, .max = 89, .to_si = kDegree}, "of the camera above the entry's tangent plane");
+  out.distance = table.number("distance_mm", above_zero(62.0, kMillimetre, 5000.0), "of the camera from the entry");
+  table.finish();
+  return out;
+}
+
+/// Rates must divide the servo rate: every step then falls on a tick.
+void check_rates(const Scene& scene, TableReader& root) {
+  const auto check = [&](const char* name, int rate) {
+    auto table = root.table(name, "");
+    if (table && scene.servo_hz % rate != 0) table->fault("rate_hz", "= " + std::to_string(rate) + " must divide servo_hz = " + std::to_string(scene.servo_hz));
+  };
+  if (scene.contact) check("contact", scene.contact->rate_hz);
+  if (scene.erosion) check("erosion", scene.erosion->rate_hz);
+}
+
+}  // namespace
+
+std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext& context, Issues& issues) {
+  const std::size_t before = issues.size();
+  Scene scene;
+  scene.file = document.file_name();
+  scene.text = document.to_text();
+  TableReader root = document.root(issues);
+  scene.title = root.text("title", "", "of the scene");
+  scene.duration = root.number("duration_s", above_zero(120.0, 1.0, 3600.0), "simulated time at most");
+  scene.servo_hz = static_cast<int>(root.integer("servo_hz", 1000, 100, 20000, "ticks a second"));
+
+  const auto required = [&](const char* name, const char* about) {
+    auto table = root.table(name, about);
+    if (!table) root.fault(name, std::string("table [") + name + "] is missing");
+    return table;
+  };
+  if (auto table = required("volume", "the bone")) scene.volume = read_volume(*table, scene.file);
+  if (auto table = required("tool", "the bit")) scene.tool = read_tool(*table, scene.file, context);
+  if (auto table = required("approach", "where and which way")) scene.approach = read_approach(*table);
+  if (auto table = required("hand", "who holds the drill")) scene.hand = read_hand(*table, issues);
+  if (auto table = root.table("contact", "force feedback")) scene.contact = read_contact(*table);
+  if (auto table = root.table("erosion", "drilling")) scene.erosion = read_erosion(*table, scene.tool.erosion_pitch_voxels);
+  if (auto table = root.table("display", "pictures")) scene.display = read_display(*table);
+  if (auto table = root.table("record", "session file")) {
+    scene.record = RecordScene{table->text("path", "session.sqlite", "relative to the output folder")};
+    table->finish();
+  }
+  for (const std::string_view later : kLaterEffects)
+    if (root.table(later, "")) root.fault(later, "[" + std::string(later) + "] is not in this version");
+  check_rates(scene, root);
+  root.finish();
+  if (issues.size() != before) return std::nullopt;
+  return scene;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,98 @@
+/// app/engine/scene.h: a scene file as plain values. An effect exists if, and only if, its table is there.
+///   Units SI; keys in the file carry their unit and are converted here and nowhere else.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/toml.h"
+#include "core/contact/constrained_tool.h"
+#include "core/contact/gradient_plane.h"
+#include "core/drill/erosion.h"
+#include "haptics/hand/simulated_hand.h"
+#include "volumes/phantom/phantom_spec.h"
+
+namespace burrhole {
+
+/// [volume]: a phantom, or a .vdb saved earlier.
+struct VolumeScene {
+  std::optional<PhantomSpec> phantom;
+  std::string vdb_path;              ///< when no phantom
+  Pose world_from_bone;              ///< keys position_mm, turn_deg (about x, then y, then z)
+  double gradient_dead_zone = 0.08;  ///< [density/voxel]
+};
+
+/// [tool]
+struct ToolScene {
+  std::string path;                  ///< of the tool file, resolved
+  std::string place;                 ///< of the name, for faults found later
+  double spin = 0.0;                 ///< [rev/s] key spin_rpm
+  double erosion_pitch_voxels = 0.5; ///< key point_pitch_voxels of [erosion]
+  double erosion_scale = 1.0;        ///< key erosion_scale: multiplies every erosion factor (tuning, tests)
+};
+
+/// [approach]: bone frame.
+struct ApproachScene {
+  Vec3 entry{0.0};                   ///< [m] near the outer surface; moved onto it along the axis
+  Vec3 axis{0.0, 0.0, -1.0};         ///< unit, into bone
+  std::string place;                 ///< of the table, for faults found later
+};
+
+/// [contact]
+enum class ContactStorage { window, vdb };
+struct ContactScene {
+  GradientPlaneConfig model;         ///< model = "gradient-plane"; mode = "paper" collides on any density
+  ContactStorage storage = ContactStorage::window;
+  bool constrained = true;           ///< tool = "constrained" | "device" (tool pose = hand pose, the paper's form)
+  ConstrainedToolConfig tool;
+  int rate_hz = 1000;
+  int latency_ticks = -1;            ///< servo ticks between a motion and its force; -1: one contact period
+};
+
+/// [erosion]
+struct ErosionScene {
+  ErosionConfig config;
+  int rate_hz = 100;
+};
+
+/// [display]
+struct DisplayScene {
+  std::string method = "raycast";
+  int width = 1200, height = 900;
+  double azimuth = 0.6;              ///< [rad] of the camera round the axis, from the patient's -y
+  double elevation = 0.75;           ///< [rad] above the tangent plane
+  double distance = 0.055;           ///< [m] from the entry
+};
+
+/// [record]
+struct RecordScene {
+  std::string path = "session.sqlite";  ///< relative to the output folder
+};
+
+struct Scene {
+  std::string file;
+  std::string text;                  ///< with overrides applied
+  std::string title;
+  double duration = 120.0;           ///< [s] of simulated time at most; key duration_s
+  int servo_hz = 1000;               ///< key servo_hz
+  VolumeScene volume;
+  ToolScene tool;
+  ApproachScene approach;
+  HandConfig hand;
+  std::optional<ContactScene> contact;
+  std::optional<ErosionScene> erosion;
+  std::optional<DisplayScene> display;
+  std::optional<RecordScene> record;
+};
+
+/// Where names of tools are looked up, in order, after the scene's own folder.
+struct SceneContext {
+  std::vector<std::string> tool_folders;
+};
+
+/// @returns nothing when any issue was pushed; all faults of the file are pushed. An issue with code `unavailable` means exit code 4.
+[[nodiscard]] std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext& context, Issues& issues);
+
+}  // namespace burrhole

@@ -1,0 +1,85 @@
+#include "app/engine/texels.h"
+
+#include <cmath>
+
+namespace burrhole {
+namespace {
+
+std::uint8_t to_byte(double unit) { return static_cast<std::uint8_t>(std::clamp(unit * 255.0 + 0.5, 0.0, 255.0)); }
+
+struct Tint {
+  double r, g, b;
+};
+
+/// Fresh bone: ivory tables; diploe redder and darker the more of it is marrow; dura greyish pink, brain pink.
+Tint tint_of(VoxelLabel label, float hardness) {
+  const auto mix = [](const Tint& a, const Tint& b, double t) { return Tint{a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t}; };
+  constexpr Tint kIvory{0.93, 0.88, 0.76}, kMarrow{0.55, 0.20, 0.14}, kSpongy{0.86, 0.70, 0.55}, kDura{0.80, 0.62, 0.60}, kBrain{0.84, 0.55, 0.53};
+  switch (label) {
+    case VoxelLabel::diploe: return mix(kMarrow, kSpongy, std::clamp((static_cast<double>(hardness) - 0.1) / 0.35, 0.0, 1.0));
+    case VoxelLabel::dura: return kDura;
+    case VoxelLabel::brain: return kBrain;
+    case VoxelLabel::forbidden: return {0.85, 0.15, 0.15};
+    case VoxelLabel::none:
+    case VoxelLabel::bone:
+    case VoxelLabel::outer_table:
+    case VoxelLabel::inner_table: return kIvory;
+  }
+  return kIvory;
+}
+
+/// Calls f(part) for slabs of the box that keep the scratch memory small.
+template <class F>
+void for_each_slab(const VoxelBox& box, F&& f) {
+  constexpr int kSlab = 16;
+  for (int k = box.lo.z; k < box.hi.z; k += kSlab) f(VoxelBox{{box.lo.x, box.lo.y, k}, {box.hi.x, box.hi.y, std::min(k + kSlab, box.hi.z)}});
+}
+
+void encode_slab(Voxmap& voxmap, const VoxelBox& part, const Mat3& normal_map, std::vector<Rgba8>& out) {
+  std::vector<float> density(part.count());
+  std::vector<Vec3f> gradient(part.count());
+  voxmap.read_density(part, density);
+  voxmap.read_gradient(part, gradient);
+  for (std::size_t n = 0; n < density.size(); ++n) out.push_back(encode_texel(normal_map, gradient[n], density[n]));
+}
+
+}  // namespace
+
+Rgba8 encode_texel(const Mat3& normal_map, const Vec3f& index_gradient, float density) {
+  Vec3 normal = -(normal_map * Vec3(index_gradient));
+  const double length = glm::length(normal);
+  normal = length > 0.0 ? normal / length : Vec3(0.0);
+  return {to_byte(0.5 * normal.x + 0.5), to_byte(0.5 * normal.y + 0.5), to_byte(0.5 * normal.z + 0.5), to_byte(static_cast<double>(density))};
+}
+
+TexelBox make_texels(Voxmap& voxmap, const VoxelBox& box) {
+  TexelBox out;
+  out.box = box.intersect(voxmap.bone().bounds());
+  if (out.box.empty()) return {};
+  out.normal_opacity.reserve(out.box.count());
+  const Mat3 normal_map = glm::transpose(glm::inverse(voxmap.bone().bone_from_index().linear));
+  for_each_slab(out.box, [&](const VoxelBox& part) { encode_slab(voxmap, part, normal_map, out.normal_opacity); });
+  return out;
+}
+
+VolumeView make_volume_view(Voxmap& voxmap) {
+  const BoneModel& bone = voxmap.bone();
+  VolumeView out;
+  out.dims = bone.dims();
+  out.bone_from_index = bone.bone_from_index();
+  out.normal_opacity = make_texels(voxmap, bone.bounds()).normal_opacity;
+  out.color.reserve(bone.bounds().count());
+  for_each_slab(bone.bounds(), [&](const VoxelBox& part) {
+    std::vector<float> hardness(part.count()), soft(part.count()), labels(part.count());
+    bone.read_hardness(part, hardness);
+    bone.read_soft(part, soft);
+    bone.read_labels(part, labels);
+    for (std::size_t n = 0; n < hardness.size(); ++n) {
+      const Tint tint = tint_of(static_cast<VoxelLabel>(static_cast<int>(labels[n])), hardness[n]);
+      out.color.push_back({to_byte(tint.r), to_byte(tint.g), to_byte(tint.b), to_byte(static_cast<double>(soft[n]))});
+    }
+  });
+  return out;
+}
+
+}  // namespace burrhole

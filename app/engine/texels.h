@@ -1,0 +1,20 @@
+/// app/engine/texels.h: voxels as the display wants them: normals and opacity in one RGBA8, colour beside it.
+///   Source [AcostaLiu07] section 4, eq. 5. Colours are our own, from labels and hardness.
+#pragma once
+
+#include "app/engine/view.h"
+#include "core/voxel/voxmap.h"
+
+namespace burrhole {
+
+/// Eq. 5 on the outward unit normal (bone frame) of a density gradient in index axes; 128,128,128 for no gradient. `normal_map` is the
+/// transposed inverse of bone_from_index.linear.
+[[nodiscard]] Rgba8 encode_texel(const Mat3& normal_map, const Vec3f& index_gradient, float density);
+
+/// Texels of a box as the bone is now; the box is cut to the volume. @returns an empty box when nothing of it lies inside.
+[[nodiscard]] TexelBox make_texels(Voxmap& voxmap, const VoxelBox& box);
+
+/// The whole volume with colours.
+[[nodiscard]] VolumeView make_volume_view(Voxmap& voxmap);
+
+}  // namespace burrhole

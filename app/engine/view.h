@@ -1,0 +1,83 @@
+/// app/engine/view.h: plain structs between the engine and a display; no OpenGL here.
+///   Frame  world frame (LPS) unless said; Units SI; images: row 0 is the top, RGBA8, sRGB values as stored.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/tool/tool.h"
+
+namespace burrhole {
+
+struct Rgba8 {
+  std::uint8_t r = 0, g = 0, b = 0, a = 0;
+  friend bool operator==(const Rgba8&, const Rgba8&) = default;
+};
+
+/// [AcostaLiu07] eq. 5, C = 0.5 N + 0.5, rounded to 8 bits; each component of `normal` in -1..1.
+[[nodiscard]] inline Rgba8 encode_normal(const Vec3& normal, std::uint8_t opacity) noexcept {
+  const auto code = [](double n) { return static_cast<std::uint8_t>(std::floor(std::clamp(0.5 * n + 0.5, 0.0, 1.0) * 255.0 + 0.5)); };
+  return {code(normal.x), code(normal.y), code(normal.z), opacity};
+}
+
+/// [AcostaLiu07] eq. 6, N = 2 (C - 0.5); within 1/255 a component of what was encoded, not renormalised.
+[[nodiscard]] inline Vec3 decode_normal(const Rgba8& texel) noexcept {
+  return 2.0 * (Vec3(texel.r, texel.g, texel.b) / 255.0 - 0.5);
+}
+
+/// A box of texels, i fastest: RGB = 0.5 N + 0.5 ([AcostaLiu07] eq. 5; N is the outward unit normal in index axes scaled to world
+/// metric, bone frame), A = occupancy x remaining. An unknown normal is stored as 0.5, 0.5, 0.5.
+struct TexelBox {
+  VoxelBox box;
+  std::vector<Rgba8> normal_opacity;
+};
+
+/// The volume as first sent: every texel and its colour. Alpha of `color` is the occupancy of soft tissue (dura, brain), 0..255: its 0.5
+/// level is a surface too, seen but not felt.
+struct VolumeView {
+  Vec3i dims{0};
+  Affine bone_from_index;          ///< [m]
+  std::vector<Rgba8> normal_opacity;
+  std::vector<Rgba8> color;
+};
+
+/// Perspective camera.
+struct CameraView {
+  Vec3 eye{0.0, -0.1, 0.1};
+  Vec3 target{0.0};
+  Vec3 up{0.0, 0.0, 1.0};
+  double vertical_fov = 0.6;       ///< [rad] in (0, 3)
+};
+
+/// Light of [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); `fill` adds a weak headlight, fill Cv max(N.V, 0), 0 for the paper's own.
+struct LightView {
+  double ambient = 0.35;
+  double diffuse = 0.75;
+  double fill = 0.12;
+  Vec3 direction_to_light{0.3, -0.5, 0.8};   ///< world; normalised on use
+};
+
+/// Everything one frame shows.
+struct FrameView {
+  CameraView camera;
+  LightView light;
+  Pose world_from_bone;
+  std::optional<Pose> world_from_tool;       ///< nothing: the tool is not drawn
+  /// Half space cut away from the picture: points with dot(normal, p_world) > offset are not drawn (bone, dura and brain; not the tool).
+  struct Cut {
+    Vec3 normal{0.0, -1.0, 0.0};
+    double offset = 0.0;                     ///< [m]
+  };
+  std::optional<Cut> cut;
+};
+
+struct Image {
+  int width = 0, height = 0;
+  std::vector<Rgba8> pixels;
+};
+
+}  // namespace burrhole
