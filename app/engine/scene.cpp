@@ -80,7 +80,7 @@ ToolScene read_tool(TableReader table, const std::string& file, const SceneConte
   ToolScene out;
   out.place = table.place_of("name");
   const std::string name = table.text("name", std::nullopt, "name of a shipped tool, or path of a tool file");
-  if (!name.empty()) {
+  if (!name.empty() && !context.tool_given) {
     if (const auto path = find_tool(name, file, context)) {
       out.path = *path;
     } else {
@@ -122,6 +122,7 @@ HandConfig read_hand(TableReader table, Issues& issues) {
   out.push = table.number("push_N", at_least_zero(out.push, 1.0, 500.0), "thrust while leaning on the drill");
   out.ramp = table.number("ramp_s", at_least_zero(out.ramp, 1.0, 60.0), "from contact to full thrust");
   out.reaction = table.number("reaction_ms", at_least_zero(150.0, 1e-3, 1e4), "from feeling the give to letting go");
+  out.release = table.number("release_s", at_least_zero(out.release, 1.0, 60.0), "over which the thrust then falls to nothing");
   out.contact_force = table.number("contact_N", above_zero(out.contact_force, 1.0, 100.0), "felt force that counts as contact");
   out.give_speed = table.number("give_mm_per_s", above_zero(8.0, kMillimetre, 1e3), "advance that feels like breaking through");
   out.follow_time = table.number("follow_s", above_zero(out.follow_time, 1.0, 60.0), "how fast the arm's rest position follows the drill");
@@ -169,7 +170,7 @@ DisplayScene read_display(TableReader table) {
   out.height = static_cast<int>(size[1]);
   out.azimuth = table.number("azimuth_deg", {.fallback = 35.0, .min = -360, .max = 360, .to_si = kDegree}, "of the camera round the axis");
   out.elevation = table.number("elevation_deg", {.fallback = 42.0, .min = -89, .max = 89, .to_si = kDegree}, "of the camera above the entry's tangent plane");
-  out.distance = table.number("distance_mm", above_zero(62.0, kMillimetre, 5000.0), "of the camera from the entry");
+  out.distance = table.number("distance_mm", above_zero(68.0, kMillimetre, 5000.0), "of the camera from the entry");
   table.finish();
   return out;
 }

@@ -61,9 +61,9 @@ struct ErosionScene {
 struct DisplayScene {
   std::string method = "raycast";
   int width = 1200, height = 900;
-  double azimuth = 0.6;              ///< [rad] of the camera round the axis, from the patient's -y
+  double azimuth = 0.61;             ///< [rad] of the camera round the axis, from the patient's -y
   double elevation = 0.75;           ///< [rad] above the tangent plane
-  double distance = 0.055;           ///< [m] from the entry
+  double distance = 0.068;           ///< [m] from the entry
 };
 
 /// [record]
@@ -90,6 +90,7 @@ struct Scene {
 /// Where names of tools are looked up, in order, after the scene's own folder.
 struct SceneContext {
   std::vector<std::string> tool_folders;
+  bool tool_given = false;           ///< the tool's text is at hand (replay): its file is not looked for
 };
 
 /// @returns nothing when any issue was pushed; all faults of the file are pushed. An issue with code `unavailable` means exit code 4.

@@ -1,7 +1,5 @@
 #include "app/engine/simulation.h"
 
-#include <array>
-
 namespace burrhole {
 namespace {
 
@@ -12,6 +10,7 @@ const char* name_of(HandPhase phase) {
     case HandPhase::approach: return "approach";
     case HandPhase::lean: return "lean";
     case HandPhase::give_felt: return "give felt";
+    case HandPhase::release: return "release";
     case HandPhase::withdraw: return "withdraw";
     case HandPhase::done: return "done";
   }
@@ -20,11 +19,15 @@ const char* name_of(HandPhase phase) {
 
 }  // namespace
 
-std::vector<SessionColumn> session_columns() {
-  return {{"hand_x", "m"},   {"hand_y", "m"},   {"hand_z", "m"},   {"hand_vx", "m/s"}, {"hand_vy", "m/s"}, {"hand_vz", "m/s"},
-          {"thrust", "N"},   {"phase", ""},     {"hand_tick", ""}, {"tool_x", "m"},    {"tool_y", "m"},    {"tool_z", "m"},
-          {"force_x", "N"},  {"force_y", "N"},  {"force_z", "N"},  {"torque_x", "N m"}, {"torque_y", "N m"}, {"torque_z", "N m"},
-          {"engagement", "m"}, {"removed_mass", "m^3"}, {"flags", ""}};
+std::vector<SessionColumn> session_columns(const Scene& scene) {
+  std::vector<SessionColumn> columns{{"hand_x", "m"},   {"hand_y", "m"},   {"hand_z", "m"},   {"hand_vx", "m/s"}, {"hand_vy", "m/s"},
+                                     {"hand_vz", "m/s"}, {"hand_qw", ""},   {"hand_qx", ""},   {"hand_qy", ""},    {"hand_qz", ""},
+                                     {"thrust", "N"},   {"phase", ""},     {"hand_tick", ""}};
+  if (scene.contact)
+    columns.insert(columns.end(), {{"tool_x", "m"}, {"tool_y", "m"}, {"tool_z", "m"}, {"force_x", "N"}, {"force_y", "N"}, {"force_z", "N"},
+                                   {"torque_x", "N m"}, {"torque_y", "N m"}, {"torque_z", "N m"}, {"engagement", "m"}, {"flags", ""}});
+  if (scene.erosion) columns.push_back({"removed_mass", "m^3"});
+  return columns;
 }
 
 Simulation::Simulation(const Scene& scene, const Tool& tool, const SimulationOptions& options) : scene_(scene), tool_(&tool), options_(options) {}
@@ -141,7 +144,8 @@ bool Simulation::finished() {
 }
 
 Status Simulation::after_tick() {
-  if (Status recorded = record_row(); !recorded) return recorded;
+  if (options_.session != nullptr)
+    if (Status recorded = timers_.record([&] { return record_row(); }); !recorded) return recorded;
   if (servo_now_.hand.phase != phase_seen_) {
     phase_seen_ = servo_now_.hand.phase;
     if (Status noted = note("hand", name_of(phase_seen_)); !noted) return noted;
@@ -160,15 +164,18 @@ Status Simulation::after_tick() {
 }
 
 Status Simulation::record_row() {
-  if (options_.session == nullptr) return {};
   const HandState& hand = servo_now_.hand;
   const Vec3& h = hand.world_from_hand.translation;
   const Vec3& t = contact_now_.world_from_tool.translation;
   const Wrench& w = contact_now_.on_hand;
-  const std::array<double, 21> row{h.x, h.y, h.z, hand.velocity.x, hand.velocity.y, hand.velocity.z, hand.thrust, static_cast<double>(hand.phase),
-                                   static_cast<double>(hand.tick), t.x, t.y, t.z, w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z,
-                                   contact_now_.engagement, bone_->removed_mass(), static_cast<double>(contact_now_.flags)};
-  return options_.session->append(row);
+  const Quat& q = hand.world_from_hand.rotation;
+  row_ = {h.x, h.y, h.z, hand.velocity.x, hand.velocity.y, hand.velocity.z, q.w, q.x, q.y, q.z, hand.thrust, static_cast<double>(hand.phase),
+          static_cast<double>(hand.tick)};
+  if (contact_)
+    row_.insert(row_.end(), {t.x, t.y, t.z, w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z, contact_now_.engagement,
+                             static_cast<double>(contact_now_.flags)});
+  if (scene_.erosion) row_.push_back(bone_->removed_mass());
+  return options_.session->append(row_);
 }
 
 Status Simulation::note(const std::string& kind, const std::string& text) {

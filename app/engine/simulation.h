@@ -25,7 +25,7 @@ namespace burrhole {
 struct SimulationOptions {
   FrameSink* sink = nullptr;                       ///< needed when the scene has [display] and pictures are wanted
   HandSource* hand = nullptr;                      ///< a recorded hand; nothing: the scene's own
-  SessionWriter* session = nullptr;                ///< opened with session_columns()
+  SessionWriter* session = nullptr;                ///< opened with session_columns(scene)
   std::string restore_path;                        ///< checkpoint to start from
   const std::atomic<bool>* stop = nullptr;         ///< set from a signal handler: end cleanly after this tick
   std::function<void(double time, const DrillProgress&)> progress;  ///< called ten times a simulated second
@@ -41,11 +41,11 @@ struct RunSample {
 };
 
 struct RunTimers {
-  StepTimer servo, contact;
+  StepTimer servo, contact, record;
 };
 
-/// Columns of a session row, one row a servo tick: what the tick took (hand) and gave (tool, force).
-[[nodiscard]] std::vector<SessionColumn> session_columns();
+/// Columns of a session row, one row a servo tick: what the tick took (hand) and gave (tool, force, loss), of the effects in the scene only.
+[[nodiscard]] std::vector<SessionColumn> session_columns(const Scene& scene);
 
 class Simulation {
  public:
@@ -54,6 +54,8 @@ class Simulation {
                                                           const SimulationOptions& options, Issues& issues);
   ~Simulation();
 
+  /// For a session opened after everything else was found sound; before run().
+  void set_session(SessionWriter* session) noexcept { options_.session = session; }
   /// Runs to the end of the script, of duration_s, or until stopped. An error (display, session file) ends it; what was done stays.
   [[nodiscard]] Status run();
 
@@ -109,6 +111,7 @@ class Simulation {
   ServoOutput servo_now_;
   Hash64 force_hash_;
   std::vector<RunSample> samples_;
+  std::vector<double> row_;                    // scratch of record_row
   std::uint32_t flags_seen_ = 0;
   HandPhase phase_seen_ = HandPhase::approach;
   bool drew_half_ = false, drew_breakthrough_ = false;

@@ -9,7 +9,7 @@
 
 namespace burrhole {
 
-enum class HandPhase : std::uint32_t { approach, lean, give_felt, withdraw, done };
+enum class HandPhase : std::uint32_t { approach, lean, give_felt, release, withdraw, done };
 
 /// What the hand does now; goes to contact through a TripleBuffer.
 struct HandState {

@@ -22,7 +22,7 @@ SimulatedHand::SimulatedHand(const HandConfig& config, const Pose& world_from_ap
 }
 
 Result<SimulatedHand> SimulatedHand::create(const HandConfig& config, const Pose& world_from_approach, double period) {
-  for (const double value : {config.feed, config.push, config.ramp, config.reaction, config.contact_force, config.give_speed, config.standoff,
+  for (const double value : {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force, config.give_speed, config.standoff,
                              config.tremor_amplitude, config.tremor_frequency})
     if (!(std::isfinite(value) && value >= 0.0)) return Error{ErrorCode::out_of_range, "a value of the hand's script is negative or not finite", {}};
   if (!(config.follow_time > 0.0)) return Error{ErrorCode::out_of_range, "the hand's follow time must be above 0", {}};
@@ -74,10 +74,18 @@ void SimulatedHand::follow_script(double felt) noexcept {
         give_tick_ = tick;
       }
       if (state_.phase == HandPhase::give_felt && seconds_since(give_tick_) >= config_.reaction) {
-        state_.phase = HandPhase::withdraw;
-        state_.thrust = 0.0;
-        goal_height_ = position_.z;
+        state_.phase = HandPhase::release;
+        release_tick_ = tick;
+        release_thrust_ = state_.thrust;
       }
+      break;
+    }
+    case HandPhase::release: {
+      // The arm stays where it is while the muscles let go: dropped at once, the springs of arm and drill would throw the bit out.
+      const double left = config_.release > 0.0 ? 1.0 - seconds_since(release_tick_) / config_.release : 0.0;
+      state_.thrust = release_thrust_ * std::max(0.0, left);
+      goal_height_ += (position_.z - goal_height_) * std::min(1.0, period_ / config_.follow_time);
+      if (left <= 0.0) state_.phase = HandPhase::withdraw;
       break;
     }
     case HandPhase::withdraw:

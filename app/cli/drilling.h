@@ -1,0 +1,25 @@
+/// app/cli/drilling.h: one run from a loaded scene to its files; shared by drill, explain --measure and replay.
+#pragma once
+
+#include <atomic>
+#include <string>
+
+#include "app/cli/picture_sink.h"
+#include "app/engine/load.h"
+#include "app/engine/summary.h"
+
+namespace burrhole::cli {
+
+/// Set by SIGINT and SIGTERM once catch_signals() was called: runs end cleanly after the tick.
+[[nodiscard]] const std::atomic<bool>& stop_requested();
+void catch_signals();
+
+struct DrillingFiles {
+  std::string folder;          ///< empty: nothing is written
+  std::string restore_path;    ///< checkpoint to start from; empty: bone as loaded
+};
+
+/// Runs and writes pictures, session, bone.vdb, summary.json and report.html. @returns the summary; faults are printed by the caller.
+[[nodiscard]] Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet, Issues& issues);
+
+}  // namespace burrhole::cli

@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include "app/cli/drilling.h"
+#include "app/cli/front.h"
+
+namespace burrhole::cli {
+namespace {
+
+std::string size_text(std::uint64_t bytes) {
+  if (bytes >= 10'000'000) return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
+  if (bytes >= 10'000) return fmt::format("{:.1f} kB", static_cast<double>(bytes) * 1e-3);
+  return fmt::format("{} B", bytes);
+}
+
+std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSummary* measured) {
+  std::string out = fmt::format("{}: {}\n\n", loaded.scene.file, loaded.scene.title);
+  out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}\n", "effect", "clock", "rate", "bytes", measured != nullptr ? "time" : "", "what");
+  for (std::size_t n = 0; n < plan.rows.size(); ++n) {
+    const PlanRow& row = plan.rows[n];
+    const std::string rate = row.rate_hz > 0.0 ? fmt::format("{:.0f} Hz", row.rate_hz) : "events";
+    const std::string time = measured != nullptr ? fmt::format("{:.2f} s", measured->effects[n].time_us * 1e-6) : "";
+    out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}; {}\n", row.effect.table, name_of(row.effect.clock), rate, size_text(row.bytes), time,
+                       row.effect.step, row.detail);
+  }
+  out += fmt::format("\nnot built: {}\n", fmt::join(plan.not_built, ", "));
+  for (const std::string& warning : plan.warnings) out += "warning: " + warning + "\n";
+  return out;
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app, int& exit_code) {
+  struct Options {
+    SceneOption scene;
+    bool json = false, measure = false;
+  };
+  CLI::App* command = app.add_subcommand("explain", "What will run, in which order, at which rate, with how many bytes, and what is not built.");
+  auto option = std::make_shared<Options>();
+  option->scene.add_to(*command);
+  command->add_flag("--measure", option->measure, "run the scene, writing nothing, and add the time of each row");
+  command->add_flag("--json", option->json, "print JSON on stdout, and nothing else there");
+  command->callback([option, &exit_code] {
+    const auto document = option->scene.document();
+    if (!document) {
+      exit_code = report(document.error());
+      return;
+    }
+    Issues issues;
+    const auto loaded = load_scene(*document, scene_context(), issues);
+    if (!loaded) {
+      exit_code = report(issues);
+      return;
+    }
+    const Plan plan = make_plan(*loaded);
+    std::optional<RunSummary> measured;
+    if (option->measure) {
+      catch_signals();
+      auto summary = drill_scene(*loaded, {}, false, issues);
+      if (!summary) {
+        exit_code = report(summary.error());
+        return;
+      }
+      measured = std::move(summary).value();
+    }
+    const RunSummary* figures = measured ? &*measured : nullptr;
+    print(option->json ? plan_json(*loaded, plan, figures) : table_text(*loaded, plan, figures));
+    exit_code = measured && measured->end == "stopped" ? kInterrupted : kDone;
+  });
+}
+
+}  // namespace burrhole::cli

@@ -1,0 +1,71 @@
+#include "app/cli/front.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+namespace burrhole::cli {
+
+namespace fs = std::filesystem;
+
+int exit_code_of(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::bad_input:
+    case ErrorCode::out_of_range: return kBadInput;
+    case ErrorCode::check_failed: return kCheckFailed;
+    case ErrorCode::unavailable: return kUnavailable;
+    case ErrorCode::internal: return kOurBug;
+  }
+  return kOurBug;
+}
+
+int report(const Error& error) {
+  std::fprintf(stderr, "%s\n", error.text().c_str());
+  return exit_code_of(error);
+}
+
+int report(const Issues& issues) {
+  int code = kDone;
+  for (const Error& issue : issues) {
+    const int own = report(issue);
+    // What the user can mend comes first: a fault in the input outweighs something that is not available.
+    if (code == kDone || code == kUnavailable) code = own;
+  }
+  return code;
+}
+
+std::string share_folder() {
+  std::error_code ignored;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
+  const fs::path installed = program.parent_path().parent_path() / "share" / "burrhole";
+  return fs::is_directory(installed / "tools", ignored) ? installed.string() : std::string(BH_SHARE_FALLBACK);
+}
+
+SceneContext scene_context() { return {{(fs::path(share_folder()) / "tools").string()}}; }
+
+std::string find_scene(const std::string& scene) {
+  if (fs::exists(scene) || scene.find('/') != std::string::npos) return scene;
+  const std::string file = scene.ends_with(".toml") ? scene : scene + ".toml";
+  const fs::path shipped = fs::path(share_folder()) / "scenes" / file;
+  return fs::exists(shipped) ? shipped.string() : scene;
+}
+
+void SceneOption::add_to(CLI::App& command) {
+  command.add_option("scene", scene, "scene file (TOML), or the name of a shipped scene")->required();
+  command.add_option("--set", sets, "override a key, e.g. --set tool.spin_rpm=800 (repeatable)")->type_name("TABLE.KEY=VALUE")->allow_extra_args(false);
+}
+
+Result<TomlDocument> SceneOption::document() const {
+  auto document = TomlDocument::load(find_scene(scene));
+  if (!document) return document.error();
+  for (const std::string& assignment : sets)
+    if (Status applied = document->set(assignment); !applied) return applied.error();
+  return document;
+}
+
+void print(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  std::fflush(stdout);
+}
+
+}  // namespace burrhole::cli

@@ -1,0 +1,48 @@
+/// app/cli/front.h: what every command shares: where shipped files lie, how faults are printed, which exit code follows.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/engine/load.h"
+#include "core/base/toml.h"
+
+namespace burrhole::cli {
+
+/// 0 done, 1 our bug, 2 input or usage, 3 a check or bound failed, 4 no usable device, display or GL, 130 interrupted.
+enum ExitCode : int { kDone = 0, kOurBug = 1, kBadInput = 2, kCheckFailed = 3, kUnavailable = 4, kInterrupted = 130 };
+
+[[nodiscard]] int exit_code_of(const Error& error);
+/// Prints one line a fault to stderr. @returns the exit code: 2, or 4 when every fault is that something is not available.
+int report(const Issues& issues);
+int report(const Error& error);
+
+/// <program>/../share/burrhole when installed, the source tree's app folder otherwise.
+[[nodiscard]] std::string share_folder();
+[[nodiscard]] SceneContext scene_context();
+/// The path as given; or, for a bare name, the shipped scene of that name.
+[[nodiscard]] std::string find_scene(const std::string& scene);
+
+/// A scene argument with its overrides.
+struct SceneOption {
+  std::string scene;
+  std::vector<std::string> sets;
+  void add_to(CLI::App& command);
+  /// Parses and applies overrides.
+  [[nodiscard]] Result<TomlDocument> document() const;
+};
+
+/// Prints to stdout, unbuffered by anything else.
+void print(const std::string& text);
+
+// One function a command: registers it; its run function sets the exit code.
+void add_drill(CLI::App& app, int& exit_code);
+void add_render(CLI::App& app, int& exit_code);
+void add_check(CLI::App& app, int& exit_code);
+void add_explain(CLI::App& app, int& exit_code);
+void add_tools(CLI::App& app, int& exit_code);
+void add_replay(CLI::App& app, int& exit_code);
+
+}  // namespace burrhole::cli

@@ -1,0 +1,31 @@
+// app/cli/main.cpp: burrhole COMMAND. Parses, calls, reports.
+
+#include <cstdio>
+#include <exception>
+
+#include "app/cli/front.h"
+
+int main(int argc, char** argv) {
+  using namespace burrhole::cli;
+  CLI::App app{"burrhole: drills craniotomy burrholes through a voxel skull that is felt, eroded and drawn.", "burrhole"};
+  app.set_version_flag("--version", BH_VERSION);
+  app.require_subcommand(1);
+  app.footer("Exit: 0 done, 1 a bug of ours, 2 input or usage, 3 a check failed, 4 no usable device, display or GL, 130 interrupted.");
+  int exit_code = kDone;
+  add_drill(app, exit_code);
+  add_render(app, exit_code);
+  add_check(app, exit_code);
+  add_explain(app, exit_code);
+  add_tools(app, exit_code);
+  add_replay(app, exit_code);
+  try {
+    app.parse(argc, argv);
+    return exit_code;
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? kDone : kBadInput;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "burrhole: our bug: %s\n", error.what());
+    return kOurBug;
+  }
+}

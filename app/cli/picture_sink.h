@@ -1,0 +1,21 @@
+/// app/cli/picture_sink.h: the engine's display made of the offscreen renderer: pictures as PNG files of one folder.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/engine/frame_step.h"
+
+namespace burrhole::cli {
+
+/// A sink that also tells which files it wrote. `folder` empty: draws and counts, writes nothing.
+class PictureSink : public FrameSink {
+ public:
+  [[nodiscard]] virtual const std::vector<std::string>& files() const = 0;
+};
+
+/// @returns ErrorCode::unavailable where no OpenGL can be had or the program was built without the renderer.
+[[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder);
+
+}  // namespace burrhole::cli

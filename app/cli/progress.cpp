@@ -1,0 +1,30 @@
+#include "app/cli/progress.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace burrhole::cli {
+
+Progress::Progress(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  if (drawn_) std::fputc('\n', stderr);
+}
+
+void Progress::show(double share, const std::string& text) {
+  if (quiet_) return;
+  share = std::clamp(share, 0.0, 1.0);
+  if (terminal_) {
+    constexpr int kWidth = 30;
+    const int full = static_cast<int>(share * kWidth);
+    std::fprintf(stderr, "\r[%.*s%*s] %s\033[K", full, "##############################", kWidth - full, "", text.c_str());
+    drawn_ = true;
+  } else if (const int tenth = static_cast<int>(share * 10.0); tenth > last_tenth_) {
+    last_tenth_ = tenth;
+    std::fprintf(stderr, "%3d %% %s\n", tenth * 10, text.c_str());
+  }
+}
+
+}  // namespace burrhole::cli

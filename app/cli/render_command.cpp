@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/cli/front.h"
+#include "app/cli/picture_sink.h"
+#include "app/engine/simulation.h"
+#include "core/base/units.h"
+
+namespace burrhole::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  SceneOption scene;
+  std::string image = "burrhole.png", size, camera, restore;
+  bool cut = false, no_tool = false;
+};
+
+/// "AxB" or "A,B,C" as numbers; nothing when it is not exactly `count` numbers.
+std::optional<std::vector<double>> numbers_of(const std::string& text, char separator, std::size_t count) {
+  std::vector<double> out;
+  std::size_t start = 0;
+  while (start <= text.size()) {
+    const std::size_t end = std::min(text.find(separator, start), text.size());
+    try {
+      std::size_t used = 0;
+      const std::string word = text.substr(start, end - start);
+      out.push_back(std::stod(word, &used));
+      if (used != word.size()) return std::nullopt;
+    } catch (const std::exception&) {
+      return std::nullopt;
+    }
+    start = end + 1;
+  }
+  return out.size() == count ? std::optional(out) : std::nullopt;
+}
+
+Status apply_view(const Options& option, DisplayScene& display) {
+  if (!option.size.empty()) {
+    const auto size = numbers_of(option.size, 'x', 2);
+    if (!size || !((*size)[0] >= 16 && (*size)[0] <= 8192 && (*size)[1] >= 16 && (*size)[1] <= 8192))
+      return bad_input("--size " + option.size + " must be WIDTHxHEIGHT, each in [16, 8192]");
+    display.width = static_cast<int>((*size)[0]);
+    display.height = static_cast<int>((*size)[1]);
+  }
+  if (!option.camera.empty()) {
+    const auto camera = numbers_of(option.camera, ',', 3);
+    if (!camera || !((*camera)[2] > 0.0) || !(std::abs((*camera)[1]) < 90.0)) return bad_input("--camera " + option.camera + " must be AZIMUTH,ELEVATION,DISTANCE in degrees and mm");
+    display.azimuth = (*camera)[0] * kDegree;
+    display.elevation = (*camera)[1] * kDegree;
+    display.distance = (*camera)[2] * kMillimetre;
+  }
+  return {};
+}
+
+Status draw_scene(const Options& option, LoadedScene& loaded) {
+  if (!loaded.scene.display) loaded.scene.display.emplace();
+  if (Status applied = apply_view(option, *loaded.scene.display); !applied) return applied;
+  const fs::path image(option.image);
+  if (image.extension() != ".png") return bad_input("--image " + option.image + " must end in .png");
+  auto sink = make_picture_sink(image.has_parent_path() ? image.parent_path().string() : ".");
+  if (!sink) return sink.error();
+  SimulationOptions options;
+  options.sink = sink->get();
+  options.restore_path = option.restore;
+  Issues issues;
+  auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
+  if (!simulation) return issues.front();
+  const std::optional<Pose> tool = option.no_tool ? std::nullopt : std::optional(simulation->contact_state().world_from_tool);
+  return simulation->frame_step()->draw(image.stem().string(), tool, option.cut);
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("render", "One picture of a scene, offscreen; with --restore of the bone an earlier run left.");
+  auto option = std::make_shared<Options>();
+  option->scene.add_to(*command);
+  command->add_option("--image", option->image, "PNG file")->capture_default_str();
+  command->add_option("--size", option->size, "WIDTHxHEIGHT in pixels (the scene's)");
+  command->add_option("--camera", option->camera, "AZIMUTH,ELEVATION,DISTANCE: degrees round and above the entry, mm away (the scene's)");
+  command->add_option("--restore", option->restore, "checkpoint: the bone.vdb of a drill")->type_name("FILE");
+  command->add_flag("--cut", option->cut, "cut open through the axis");
+  command->add_flag("--no-tool", option->no_tool, "without the bit");
+  command->callback([option, &exit_code] {
+    const auto document = option->scene.document();
+    if (!document) {
+      exit_code = report(document.error());
+      return;
+    }
+    Issues issues;
+    auto loaded = load_scene(*document, scene_context(), issues);
+    if (!loaded) {
+      exit_code = report(issues);
+      return;
+    }
+    const Status drawn = draw_scene(*option, *loaded);
+    exit_code = drawn ? kDone : report(drawn.error());
+  });
+}
+
+}  // namespace burrhole::cli

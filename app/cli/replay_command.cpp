@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "app/cli/drilling.h"
+#include "app/cli/front.h"
+#include "app/cli/progress.h"
+#include "app/engine/recorded_hand.h"
+#include "app/engine/simulation.h"
+#include "app/report/file.h"
+
+namespace burrhole::cli {
+namespace {
+
+std::string recorded_hash(const SessionReader& session, const std::string& kind) {
+  for (const SessionHash& hash : session.hashes())
+    if (hash.kind == kind) return hash.value;
+  return {};
+}
+
+/// A checkpoint travels in the session; OpenVDB reads files only.
+class CheckpointFile {
+ public:
+  [[nodiscard]] Status write(const std::string& bytes) {
+    path_ = (std::filesystem::temp_directory_path() / fmt::format("burrhole-replay-{}.vdb", getpid())).string();
+    return write_file(path_, bytes);
+  }
+  ~CheckpointFile() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove(path_, ignored);
+  }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, Issues& issues) {
+  auto document = TomlDocument::parse(session.meta().scene, session.meta().scene_path);
+  if (!document) return document.error();
+  auto loaded = load_scene(*document, scene_context(), issues, session.meta().tool);
+  if (!loaded) return issues.front();
+  loaded->scene.display.reset();  // pictures are no part of the promise: voxels and forces are
+  loaded->scene.duration = static_cast<double>(ticks) / loaded->scene.servo_hz;
+  return std::move(*loaded);
+}
+
+struct Comparison {
+  std::string name, recorded, replayed;
+  [[nodiscard]] bool same() const { return recorded == replayed; }
+};
+
+Result<std::vector<Comparison>> replay(const std::string& path, bool quiet) {
+  auto session = SessionReader::open(path);
+  if (!session) return session.error();
+  auto hand = RecordedHand::create(*session);
+  if (!hand) return Error{hand.error().code, hand.error().message, path};
+  Issues issues;
+  auto loaded = load_recorded(*session, hand->ticks(), issues);
+  if (!loaded) return loaded.error();
+
+  SimulationOptions options;
+  options.hand = &*hand;
+  options.stop = &stop_requested();
+  Progress progress(quiet);
+  options.progress = [&](double time, const DrillProgress& p) {
+    progress.show(time / loaded->scene.duration, fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
+  };
+  CheckpointFile checkpoint;
+  for (const SessionEvent& event : session->events()) {
+    if (event.kind != "restore") continue;
+    if (Status written = checkpoint.write(event.data); !written) return written.error();
+    options.restore_path = checkpoint.path();
+  }
+  auto simulation = Simulation::create(loaded->scene, loaded->bone, loaded->tool, options, issues);
+  if (!simulation) return issues.front();
+  if (Status ran = simulation->run(); !ran) return ran.error();
+  const auto hex = [](std::uint64_t value) { return fmt::format("{:016x}", value); };
+  return std::vector<Comparison>{{"voxels", recorded_hash(*session, "voxels"), hex(simulation->voxmap().hash())},
+                                 {"forces", recorded_hash(*session, "forces"), hex(simulation->force_hash())}};
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, int& exit_code) {
+  struct Options {
+    std::string session;
+    bool quiet = false;
+  };
+  CLI::App* command = app.add_subcommand("replay", "Feeds a recorded hand to the same steps and compares voxels and forces bit for bit (exit 3 if they differ).");
+  auto option = std::make_shared<Options>();
+  command->add_option("session", option->session, "session file of an earlier drill")->required();
+  command->add_flag("--quiet", option->quiet, "no progress on stderr");
+  command->callback([option, &exit_code] {
+    catch_signals();
+    const auto rows = replay(option->session, option->quiet);
+    if (!rows) {
+      exit_code = report(rows.error());
+      return;
+    }
+    if (stop_requested().load()) {
+      exit_code = kInterrupted;
+      return;
+    }
+    exit_code = kDone;
+    for (const Comparison& row : *rows) {
+      const bool known = !row.recorded.empty();
+      print(fmt::format("{:<7} recorded {}  replayed {}  {}\n", row.name, known ? row.recorded : "(none: the run was cut short)", row.replayed,
+                        !known ? "not comparable" : row.same() ? "same" : "DIFFERENT"));
+      if (known && !row.same()) exit_code = kCheckFailed;
+    }
+  });
+}
+
+}  // namespace burrhole::cli

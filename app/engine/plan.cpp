@@ -1,0 +1,114 @@
+#include "app/engine/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/engine/bone_step.h"
+#include "app/engine/effect_names.h"
+#include "app/engine/simulation.h"
+
+namespace burrhole {
+namespace {
+
+std::uint64_t window_voxels(const LoadedScene& loaded) {
+  const BoneModel& bone = *loaded.bone;
+  const Vec3 up = -loaded.scene.approach.axis;
+  const Pose bone_from_tool{rotation_from_z(up), loaded.scene.approach.entry};
+  return tool_box(loaded.tool, bone.bone_from_index().inverse() * Affine::from_pose(bone_from_tool), kWindowReach).count();
+}
+
+PlanRow hand_row(const EffectInfo& effect, const LoadedScene& loaded) {
+  return {effect, static_cast<double>(loaded.scene.servo_hz), 0, fmt::format("{:.0f} N, {:.2f} kg, {:.0f} N/m", loaded.scene.hand.push,
+                                                                             loaded.scene.hand.dynamics.mass, loaded.scene.hand.dynamics.stiffness)};
+}
+
+PlanRow volume_row(const EffectInfo& effect, const LoadedScene& loaded) {
+  const Vec3i d = loaded.bone->dims();
+  const std::uint64_t bytes = loaded.bone->bytes() + window_voxels(loaded) * (4 * sizeof(float) + sizeof(Vec3f));
+  return {effect, 0.0, bytes, fmt::format("{} x {} x {} voxels of {:.3g} mm", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge())};
+}
+
+PlanRow contact_row(const EffectInfo& effect, const LoadedScene& loaded) {
+  const ContactScene& contact = *loaded.scene.contact;
+  const std::uint64_t copies = 3 * window_voxels(loaded) * (sizeof(float) + sizeof(Vec3f));
+  const std::uint64_t shell = loaded.tool.shell.size() * (2 * sizeof(Vec3) + 1 + sizeof(Contact));
+  return {effect, static_cast<double>(contact.rate_hz), copies + shell,
+          fmt::format("{} points, gradient-plane, {} mode, {}", loaded.tool.shell.size(), contact.model.paper_mode ? "paper" : "surface",
+                      contact.constrained ? "tool held back by bone" : "tool where the hand is")};
+}
+
+PlanRow erosion_row(const EffectInfo& effect, const LoadedScene& loaded) {
+  const std::uint64_t points = loaded.tool.erosion.size() * (sizeof(Vec3) + sizeof(float));
+  return {effect, static_cast<double>(loaded.scene.erosion->rate_hz), points + window_voxels(loaded) * sizeof(float),
+          fmt::format("{} points, law {}", loaded.tool.erosion.size(), loaded.scene.erosion->config.law == ErosionLaw::rate ? "rate" : "per-update")};
+}
+
+PlanRow display_row(const EffectInfo& effect, const LoadedScene& loaded) {
+  const std::uint64_t texels = 2 * loaded.bone->bounds().count() * 4;
+  return {effect, 0.0, texels, fmt::format("{}, {} x {} pixels, at events", loaded.scene.display->method, loaded.scene.display->width, loaded.scene.display->height)};
+}
+
+PlanRow record_row(const EffectInfo& effect, const LoadedScene& loaded) {
+  const std::uint64_t per_second = session_columns(loaded.scene).size() * sizeof(double) * static_cast<std::uint64_t>(loaded.scene.servo_hz);
+  return {effect, static_cast<double>(loaded.scene.servo_hz), per_second, "bytes of one second, committed every second"};
+}
+
+void warn(const LoadedScene& loaded, Plan& plan) {
+  const Scene& scene = loaded.scene;
+  if (scene.contact && scene.contact->constrained && scene.erosion && scene.tool.spin > 0.0) {
+    const double engaged = scene.hand.push / scene.contact->tool.cutting_stiffness;
+    const double edge = loaded.bone->bone_from_index().mean_edge();
+    if (engaged < edge)
+      plan.warnings.push_back(fmt::format("engaged depth push_N / cutting_N_per_m = {:.3f} mm is under a voxel ({:.3f} mm): little will be cut", 1e3 * engaged, 1e3 * edge));
+  }
+  if (scene.erosion && !scene.contact) plan.warnings.push_back("no [contact]: the hand feels nothing and the tool goes where the script goes");
+}
+
+}  // namespace
+
+const std::vector<EffectInfo>& known_effects() {
+  static const std::vector<EffectInfo> effects{
+      {"volume", Clock::simulation, "master window: slide, write back", "bone model", "window, store of record", false},
+      {"hand", Clock::servo, "hand integrated exactly over a tick under the latest force", "contact state", "hand motion", false},
+      {"contact", Clock::contact, "point shell against the window copy", "window copy, hand motion", "contact state", true},
+      {"erosion", Clock::simulation, "erosion points along the tool's path, gradients, publishing", "window, contact state", "window copy, changed boxes", true},
+      {"display", Clock::frame, "changed boxes to the texture, one picture", "changed boxes, tool pose", "pictures", true},
+      {"record", Clock::frame, "session row", "everything above", "session file", true},
+  };
+  return effects;
+}
+
+const char* name_of(Clock clock) {
+  switch (clock) {
+    case Clock::servo: return "servo";
+    case Clock::contact: return "contact";
+    case Clock::simulation: return "simulation";
+    case Clock::frame: return "frame";
+  }
+  return "";
+}
+
+Plan make_plan(const LoadedScene& loaded) {
+  using MakeRow = PlanRow (*)(const EffectInfo&, const LoadedScene&);
+  const Scene& scene = loaded.scene;
+  const auto row_maker = [&](const std::string& table) -> MakeRow {
+    if (table == "volume") return volume_row;
+    if (table == "hand") return hand_row;
+    if (table == "contact" && scene.contact) return contact_row;
+    if (table == "erosion" && scene.erosion) return erosion_row;
+    if (table == "display" && scene.display) return display_row;
+    if (table == "record" && scene.record) return record_row;
+    return nullptr;
+  };
+  Plan plan;
+  for (const EffectInfo& effect : known_effects()) {
+    if (const MakeRow make = row_maker(effect.table)) plan.rows.push_back(make(effect, loaded));
+    else plan.not_built.push_back(effect.table);
+  }
+  for (const std::string_view later : kLaterEffects) plan.not_built.emplace_back(later);
+  warn(loaded, plan);
+  return plan;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,44 @@
+#include "app/engine/recorded_hand.h"
+
+#include <algorithm>
+#include <array>
+
+namespace burrhole {
+
+Result<RecordedHand> RecordedHand::create(const SessionReader& session) {
+  static constexpr std::array<const char*, 13> kNeeded{"hand_x",  "hand_y",  "hand_z",  "hand_vx", "hand_vy", "hand_vz",  "hand_qw",
+                                                       "hand_qx", "hand_qy", "hand_qz", "thrust",  "phase",   "hand_tick"};
+  std::array<std::size_t, kNeeded.size()> at{};
+  for (std::size_t n = 0; n < kNeeded.size(); ++n) {
+    const auto found = std::find_if(session.columns().begin(), session.columns().end(), [&](const SessionColumn& c) { return c.name == kNeeded[n]; });
+    if (found == session.columns().end()) return bad_input(std::string("the session has no column ") + kNeeded[n]);
+    at[n] = static_cast<std::size_t>(found - session.columns().begin());
+  }
+  const auto rows = session.rows(0, session.row_count());
+  if (!rows) return rows.error();
+  const std::size_t width = session.columns().size();
+  if (rows->empty()) return bad_input("the session holds no tick");
+  std::vector<HandState> states;
+  states.reserve(rows->size() / width);
+  for (std::size_t start = 0; start + width <= rows->size(); start += width) {
+    const auto value = [&](std::size_t n) { return (*rows)[start + at[n]]; };
+    const double phase = value(11);
+    if (!(phase >= 0.0 && phase <= static_cast<double>(HandPhase::done))) return bad_input("the session holds an unknown phase of the hand");
+    HandState state;
+    state.world_from_hand = {Quat(value(6), value(7), value(8), value(9)), {value(0), value(1), value(2)}};
+    state.velocity = {value(3), value(4), value(5)};
+    state.thrust = value(10);
+    state.phase = static_cast<HandPhase>(static_cast<std::uint32_t>(phase));
+    state.tick = static_cast<std::uint64_t>(std::max(0.0, value(12)));
+    states.push_back(state);
+  }
+  return RecordedHand(std::move(states));
+}
+
+const HandState& RecordedHand::step(const Vec3&) noexcept {
+  const std::size_t now = std::min(next_, states_.size() - 1);
+  ++next_;
+  return states_[now];
+}
+
+}  // namespace burrhole

@@ -1,0 +1,170 @@
+#include "app/engine/summary.h"
+
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/base/units.h"
+
+namespace burrhole {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string hex(std::uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+std::uint64_t peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+Json optional_number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+const char* end_name(RunEnd end) {
+  switch (end) {
+    case RunEnd::done: return "done";
+    case RunEnd::duration: return "duration";
+    case RunEnd::stopped: return "stopped";
+  }
+  return "";
+}
+
+void add_drilling(RunSummary& out, Simulation& simulation) {
+  constexpr double kMm = 1e3, kMm3 = 1e9;
+  const DrillProgress& progress = simulation.progress();
+  const HoleMeasure hole = measure_hole(simulation.voxmap(), simulation.approach());
+  const auto in_mm = [&](const std::optional<double>& metres) { return metres ? std::optional(*metres * kMm) : std::nullopt; };
+  out.removed_mm3 = hole.removed * kMm3;
+  out.removed_mass_mm3 = simulation.bone_step().removed_mass() * kMm3;
+  out.hole_diameter_mm = in_mm(hole.outer_diameter);
+  out.inner_diameter_mm = in_mm(hole.inner_diameter);
+  out.thickness_mm = simulation.approach().thickness * kMm;
+  out.angle_deg = simulation.approach().angle / kDegree;
+  out.peak_force_N = progress.peak_force;
+  out.depth_mm = in_mm(progress.breakthrough_depth);
+  out.breakthrough_s = progress.breakthrough_time;
+  if (progress.breakthrough_depth) {
+    out.plunge_mm = (progress.deepest - *progress.breakthrough_depth) * kMm;
+    out.removed_at_breakthrough = progress.removed_at_breakthrough;
+  }
+  if (progress.largest_ahead > -1.0) out.largest_ahead_mm = progress.largest_ahead * kMm;
+}
+
+void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
+  BoneStepTimers& bone = simulation.bone_step().timers();
+  out.timing = {{"servo", simulation.timers().servo.timing()}, {"contact", simulation.timers().contact.timing()},
+                {"erosion", bone.erosion.timing()},            {"gradient", bone.gradient.timing()},
+                {"publish", bone.publish.timing()},            {"upload", {}},
+                {"frame", {}},                                 {"record", simulation.timers().record.timing()}};
+  if (FrameStep* frame = simulation.frame_step()) {
+    out.timing[5].second = frame->timers().upload.timing();
+    out.timing[6].second = frame->timers().frame.timing();
+    out.uploaded_texels = frame->texels_sent();
+  }
+  const auto total = [&](std::initializer_list<std::size_t> which) {
+    double sum = 0.0;
+    for (const std::size_t n : which) sum += out.timing[n].second.total_us;
+    return sum;
+  };
+  for (const PlanRow& row : plan.rows) {
+    double time = 0.0;
+    if (row.effect.table == "hand") time = total({0});
+    if (row.effect.table == "contact") time = total({1});
+    if (row.effect.table == "erosion") time = total({2, 3, 4});
+    if (row.effect.table == "display") time = total({5, 6});
+    if (row.effect.table == "record") time = total({7});
+    out.effects.push_back({row.effect.table, row.effect.step, time, row.bytes});
+  }
+}
+
+}  // namespace
+
+RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const Plan& plan, double wall_s) {
+  RunSummary out;
+  out.scene = loaded.scene.file;
+  out.title = loaded.scene.title;
+  out.tool = loaded.tool.name;
+  out.end = end_name(simulation.end());
+  out.dims = loaded.bone->dims();
+  out.spacing_mm = loaded.bone->bone_from_index().mean_edge() / kMillimetre;
+  out.bone_voxels = loaded.bone->bone_voxels();
+  out.volume_bytes = simulation.voxmap().bytes();
+  out.haptic_points = simulation.contact_points();
+  out.erosion_points = loaded.scene.erosion ? loaded.tool.erosion.size() : 0;
+  out.duration_s = simulation.time();
+  out.wall_s = wall_s;
+  add_drilling(out, simulation);
+  add_costs(out, simulation, plan);
+  out.points_outside = simulation.bone_step().points_outside();
+  out.contact_flags = simulation.contact_flags();
+  out.voxel_hash = hex(simulation.voxmap().hash());
+  out.force_hash = hex(simulation.force_hash());
+  if (const auto image = simulation.image_hash()) out.image_hash = hex(*image);
+  out.peak_bytes = peak_bytes();
+  return out;
+}
+
+std::string summary_json(const RunSummary& s) {
+  Json json;
+  json["schema"] = kSummarySchema;
+  json["scene"] = s.scene;
+  json["title"] = s.title;
+  json["end"] = s.end;
+  json["duration_s"] = s.duration_s;
+  json["wall_s"] = s.wall_s;
+  json["volume"] = {{"dims", {s.dims.x, s.dims.y, s.dims.z}}, {"spacing_mm", s.spacing_mm}, {"bone_voxels", s.bone_voxels}, {"bytes", s.volume_bytes}};
+  json["tool"] = {{"name", s.tool}, {"haptic_points", s.haptic_points}, {"erosion_points", s.erosion_points}};
+  json["drilling"] = {{"removed_mm3", s.removed_mm3},
+                      {"removed_mass_mm3", s.removed_mass_mm3},
+                      {"hole_diameter_mm", optional_number(s.hole_diameter_mm)},
+                      {"inner_diameter_mm", optional_number(s.inner_diameter_mm)},
+                      {"depth_mm", optional_number(s.depth_mm)},
+                      {"thickness_mm", s.thickness_mm},
+                      {"breakthrough_s", optional_number(s.breakthrough_s)},
+                      {"plunge_mm", optional_number(s.plunge_mm)},
+                      {"peak_force_N", s.peak_force_N},
+                      {"angle_deg", s.angle_deg},
+                      {"axis_removed_at_breakthrough", optional_number(s.removed_at_breakthrough)},
+                      {"largest_ahead_of_engagement_mm", optional_number(s.largest_ahead_mm)}};
+  for (const auto& [name, t] : s.timing)
+    json["timing"][name] = {{"count", t.count}, {"p50_us", t.p50_us}, {"p99_us", t.p99_us}, {"p999_us", t.p999_us}, {"max_us", t.max_us}};
+  json["timing"]["missed"] = s.missed;
+  json["memory"] = {{"peak_bytes", s.peak_bytes}};
+  json["effects"] = Json::array();
+  for (const RunSummary::EffectCost& effect : s.effects)
+    json["effects"].push_back({{"name", effect.name}, {"steps", {effect.step}}, {"time_us", effect.time_us}, {"bytes", effect.bytes}});
+  json["counters"] = {{"uploaded_texels", s.uploaded_texels}, {"erosion_points_outside", s.points_outside}, {"contact_flags", s.contact_flags}};
+  json["hash"] = {{"voxels", s.voxel_hash}, {"forces", s.force_hash}, {"image", text_or_null(s.image_hash)}};
+  return json.dump(2) + "\n";
+}
+
+std::string plan_json(const LoadedScene& loaded, const Plan& plan, const RunSummary* measured) {
+  Json json;
+  json["schema"] = kSummarySchema;
+  json["scene"] = loaded.scene.file;
+  json["effects"] = Json::array();
+  for (std::size_t n = 0; n < plan.rows.size(); ++n) {
+    const PlanRow& row = plan.rows[n];
+    json["effects"].push_back({{"name", row.effect.table},
+                               {"steps", {row.effect.step}},
+                               {"clock", name_of(row.effect.clock)},
+                               {"rate_hz", row.rate_hz > 0.0 ? Json(row.rate_hz) : Json(nullptr)},
+                               {"needs", row.effect.needs},
+                               {"gives", row.effect.gives},
+                               {"detail", row.detail},
+                               {"time_us", measured != nullptr ? Json(measured->effects[n].time_us) : Json(nullptr)},
+                               {"bytes", row.bytes}});
+  }
+  json["not_built"] = plan.not_built;
+  json["warnings"] = plan.warnings;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace burrhole

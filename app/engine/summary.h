@@ -1,0 +1,46 @@
+/// app/engine/summary.h: what a run came to, as summary.json says it. Units in the names; what does not apply is null.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/engine/load.h"
+#include "app/engine/plan.h"
+#include "app/engine/simulation.h"
+
+namespace burrhole {
+
+inline constexpr int kSummarySchema = 1;
+
+/// Figures of one finished (or interrupted) run.
+struct RunSummary {
+  std::string scene, title, tool, end;
+  Vec3i dims{0};
+  double spacing_mm = 0.0;
+  std::uint64_t bone_voxels = 0, volume_bytes = 0, haptic_points = 0, erosion_points = 0;
+  double duration_s = 0.0, wall_s = 0.0;
+  double removed_mm3 = 0.0, removed_mass_mm3 = 0.0, thickness_mm = 0.0, angle_deg = 0.0, peak_force_N = 0.0;
+  std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, plunge_mm, removed_at_breakthrough, largest_ahead_mm;
+  std::vector<std::pair<std::string, StepTiming>> timing;   ///< servo, contact, erosion, gradient, upload, frame
+  std::uint64_t missed = 0;                                 ///< lockstep misses none
+  std::uint64_t peak_bytes = 0;
+  std::uint64_t uploaded_texels = 0, points_outside = 0;
+  std::uint32_t contact_flags = 0;
+  struct EffectCost {
+    std::string name, step;
+    double time_us = 0.0;
+    std::uint64_t bytes = 0;
+  };
+  std::vector<EffectCost> effects;
+  std::string voxel_hash, force_hash, image_hash;
+};
+
+/// Measures the hole too; `wall_s` is the caller's.
+[[nodiscard]] RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const Plan& plan, double wall_s);
+[[nodiscard]] std::string summary_json(const RunSummary& summary);
+/// {schema, scene, effects[{name, steps, clock, rate_hz, bytes, time_us}], not_built[], warnings[]}; time_us null when not measured.
+[[nodiscard]] std::string plan_json(const LoadedScene& loaded, const Plan& plan, const RunSummary* measured);
+
+}  // namespace burrhole
