@@ -28,6 +28,7 @@ SEES = {
     "app/engine": CORE + ["haptics", "volumes", "app/engine/view.h"],
     "app/render": CORE + ["app/engine/view.h"],
     "app/report": CORE,
+    "app/bench": CORE + ["haptics", "volumes", "app/render", "app/report"] + ENGINE,
     "app/lab": CORE + ["haptics", "volumes", "app/render", "app/report"] + ENGINE,
     "app/cli": CORE + ["haptics", "volumes", "app/render", "app/report", "app/lab"] + ENGINE,
     "app/window": CORE + ["haptics", "volumes", "app/render", "app/report", "app/lab"] + ENGINE,
@@ -38,7 +39,7 @@ MAX_OPENVDB_FILES = 6
 
 # Library header, or our own that exposes one (pattern on the path as included), its name, and the only places that may include it.
 WRAPPED = [
-    (r"(openvdb|nanovdb)/", "OpenVDB", ["core/voxel/", "volumes/"]),
+    (r"(openvdb|nanovdb)/", "OpenVDB", ["core/voxel/", "volumes/", "app/bench/vdb_baselines.cpp"]),
     (r"(glad|GL|EGL|GLES\d?)/", "OpenGL", ["app/render/"]),
     (r"toml\+\+/|toml\.hpp$", "toml++", ["core/base/toml_parsed.h"]),
     (r"core/base/toml_parsed\.h$", "toml++", ["core/base/toml"]),

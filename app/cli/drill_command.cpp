@@ -140,6 +140,13 @@ Status make_folder(const std::string& folder) {
   return {};
 }
 
+/// A picture of an earlier run must not pass for one of this run, which may not come as far.
+void remove_old_pictures(const std::string& folder) {
+  if (folder.empty()) return;
+  std::error_code ignored;
+  for (const char* name : {"before.png", "during.png", "breakthrough.png", "after.png", "cutaway.png"}) fs::remove(fs::path(folder) / name, ignored);
+}
+
 Status write_results(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary, const std::vector<std::string>& pictures,
                      const std::string& folder) {
   const auto in_folder = [&](const char* name) { return (fs::path(folder) / name).string(); };
@@ -191,6 +198,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
     return first;
   }
   if (Status made = make_folder(files.folder); !made) return made.error();
+  remove_old_pictures(files.folder);
   auto session = open_session(loaded, files);
   if (!session) return session.error();
   if (*session) simulation->set_session(&**session);

@@ -22,8 +22,9 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return exit_code;
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? kDone : kBadInput;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    std::fprintf(stderr, "burrhole: %s (--help tells more)\n", error.what());
+    return kBadInput;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "burrhole: our bug: %s\n", error.what());
     return kOurBug;

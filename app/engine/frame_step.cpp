@@ -13,9 +13,9 @@ FrameView make_frame_view(const DisplayScene& display, const Pose& world_from_bo
   const double elevation = cut ? 0.45 * display.elevation : display.elevation;
   const double azimuth = cut ? 0.35 * display.azimuth : display.azimuth;
   const Vec3 direction(std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation), std::sin(elevation));
-  const Vec3 middle(0.0, 0.0, cut ? -0.6 * thickness : -0.4 * thickness);
+  const Vec3 middle(0.0, 0.0, cut ? -0.6 * thickness : -0.8 * thickness);
   view.camera.target = world_from_approach * middle;
-  view.camera.eye = world_from_approach * (middle + direction * (cut ? 0.8 : 1.0) * display.distance);
+  view.camera.eye = world_from_approach * (middle + direction * (cut ? 0.68 : 1.0) * display.distance);
   view.camera.up = world_from_approach.rotate(Vec3(0, 0, 1));
   view.camera.vertical_fov = 0.6;
   view.light.direction_to_light = world_from_approach.rotate(Vec3(-0.45, -0.35, 0.8));

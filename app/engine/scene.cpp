@@ -85,7 +85,7 @@ ToolScene read_tool(TableReader table, const std::string& file, const SceneConte
       out.path = *path;
     } else {
       const auto near = nearest_name(name, tool_names(context));
-      table.fault("name", "no tool \"" + name + "\"" + (near ? "; did you mean \"" + *near + "\"?" : " (burrhole tools lists them)"));
+      table.fault("name", std::string("is no tool") + (near ? "; did you mean \"" + *near + "\"?" : " (burrhole tools lists them)"));
     }
   }
   out.spin = table.number("spin_rpm", {.fallback = std::nullopt, .min = 0.0, .max = 200e3, .to_si = kRevPerMinute}, "speed of the spindle");
@@ -170,7 +170,7 @@ DisplayScene read_display(TableReader table) {
   out.height = static_cast<int>(size[1]);
   out.azimuth = table.number("azimuth_deg", {.fallback = 35.0, .min = -360, .max = 360, .to_si = kDegree}, "of the camera round the axis");
   out.elevation = table.number("elevation_deg", {.fallback = 42.0, .min = -89, .max = 89, .to_si = kDegree}, "of the camera above the entry's tangent plane");
-  out.distance = table.number("distance_mm", above_zero(68.0, kMillimetre, 5000.0), "of the camera from the entry");
+  out.distance = table.number("distance_mm", above_zero(74.0, kMillimetre, 5000.0), "of the camera from the entry");
   table.finish();
   return out;
 }
@@ -179,7 +179,7 @@ DisplayScene read_display(TableReader table) {
 void check_rates(const Scene& scene, TableReader& root) {
   const auto check = [&](const char* name, int rate) {
     auto table = root.table(name, "");
-    if (table && scene.servo_hz % rate != 0) table->fault("rate_hz", "= " + std::to_string(rate) + " must divide servo_hz = " + std::to_string(scene.servo_hz));
+    if (table && scene.servo_hz % rate != 0) table->fault("rate_hz", "must divide servo_hz = " + std::to_string(scene.servo_hz));
   };
   if (scene.contact) check("contact", scene.contact->rate_hz);
   if (scene.erosion) check("erosion", scene.erosion->rate_hz);
@@ -214,7 +214,7 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
     table->finish();
   }
   for (const std::string_view later : kLaterEffects)
-    if (root.table(later, "")) root.fault(later, "[" + std::string(later) + "] is not in this version");
+    if (root.table(later, "")) root.fault(later, "is an effect that is not in this version");
   check_rates(scene, root);
   root.finish();
   if (issues.size() != before) return std::nullopt;

@@ -63,7 +63,7 @@ struct DisplayScene {
   int width = 1200, height = 900;
   double azimuth = 0.61;             ///< [rad] of the camera round the axis, from the patient's -y
   double elevation = 0.75;           ///< [rad] above the tangent plane
-  double distance = 0.068;           ///< [m] from the entry
+  double distance = 0.074;           ///< [m] from the entry
 };
 
 /// [record]

@@ -35,6 +35,42 @@ void for_each_slab(const VoxelBox& box, F&& f) {
   for (int k = box.lo.z; k < box.hi.z; k += kSlab) f(VoxelBox{{box.lo.x, box.lo.y, k}, {box.hi.x, box.hi.y, std::min(k + kSlab, box.hi.z)}});
 }
 
+/// Fades colours over a voxel along one axis ([1 2 1] / 4): tissue borders are no stairs, as partial volume makes them in a scan.
+void fade(std::vector<Vec3f>& colors, const Vec3i& dims, std::size_t axis) {
+  const VoxelBox box{Vec3i(0), dims};
+  Vec3i step(0);
+  step[axis] = 1;
+  std::vector<Vec3f> out(colors.size());
+  for_each_voxel(box, [&](const Vec3i& v) {
+    const Vec3i before = glm::max(v - step, Vec3i(0)), after = glm::min(v + step, dims - 1);
+    const std::size_t n = box.offset_of(v);
+    out[n] = 0.25f * (colors[box.offset_of(before)] + 2.0f * colors[n] + colors[box.offset_of(after)]);
+  });
+  colors = std::move(out);
+}
+
+/// Tissue colours of the whole volume; alpha is the soft tissue's occupancy.
+std::vector<Rgba8> make_colors(const BoneModel& bone) {
+  const VoxelBox box = bone.bounds();
+  std::vector<float> hardness(box.count()), soft(box.count()), labels(box.count());
+  bone.read_hardness(box, hardness);
+  bone.read_soft(box, soft);
+  bone.read_labels(box, labels);
+  std::vector<Vec3f> colors(box.count());
+  for (std::size_t n = 0; n < colors.size(); ++n) {
+    const Tint tint = tint_of(static_cast<VoxelLabel>(static_cast<int>(labels[n])), hardness[n]);
+    colors[n] = Vec3f(Vec3(tint.r, tint.g, tint.b));
+  }
+  for (const std::size_t axis : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) fade(colors, bone.dims(), axis);
+  std::vector<Rgba8> out;
+  out.reserve(colors.size());
+  for (std::size_t n = 0; n < colors.size(); ++n) {
+    const Vec3 c(colors[n]);
+    out.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z), to_byte(static_cast<double>(soft[n]))});
+  }
+  return out;
+}
+
 void encode_slab(Voxmap& voxmap, const VoxelBox& part, const Mat3& normal_map, std::vector<Rgba8>& out) {
   std::vector<float> density(part.count());
   std::vector<Vec3f> gradient(part.count());
@@ -68,17 +104,7 @@ VolumeView make_volume_view(Voxmap& voxmap) {
   out.dims = bone.dims();
   out.bone_from_index = bone.bone_from_index();
   out.normal_opacity = make_texels(voxmap, bone.bounds()).normal_opacity;
-  out.color.reserve(bone.bounds().count());
-  for_each_slab(bone.bounds(), [&](const VoxelBox& part) {
-    std::vector<float> hardness(part.count()), soft(part.count()), labels(part.count());
-    bone.read_hardness(part, hardness);
-    bone.read_soft(part, soft);
-    bone.read_labels(part, labels);
-    for (std::size_t n = 0; n < hardness.size(); ++n) {
-      const Tint tint = tint_of(static_cast<VoxelLabel>(static_cast<int>(labels[n])), hardness[n]);
-      out.color.push_back({to_byte(tint.r), to_byte(tint.g), to_byte(tint.b), to_byte(static_cast<double>(soft[n]))});
-    }
-  });
+  out.color = make_colors(bone);
   return out;
 }
 
