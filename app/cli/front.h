@@ -43,6 +43,7 @@ void add_render(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);
 void add_tools(CLI::App& app, int& exit_code);
+void add_cost(CLI::App& app, int& exit_code);
 void add_replay(CLI::App& app, int& exit_code);
 
 }  // namespace burrhole::cli

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   add_explain(app, exit_code);
   add_tools(app, exit_code);
   add_replay(app, exit_code);
+  add_cost(app, exit_code);
   try {
     app.parse(argc, argv);
     return exit_code;

@@ -36,8 +36,10 @@ struct Pose {
 
 /// Shortest rotation that turns +z into `axis` (unit length).
 [[nodiscard]] inline Quat rotation_from_z(const Vec3& axis) noexcept {
-  if (axis.z < -0.999999) return Quat(0.0, 1.0, 0.0, 0.0);
-  const Quat q(1.0 + axis.z, -axis.y, axis.x, 0.0);
+  // 1 + z cancels near -z; there it is (x^2 + y^2) / (1 - z), which does not.
+  const double across2 = axis.x * axis.x + axis.y * axis.y;
+  if (axis.z < 0.0 && across2 == 0.0) return Quat(0.0, 1.0, 0.0, 0.0);
+  const Quat q(axis.z < -0.5 ? across2 / (1.0 - axis.z) : 1.0 + axis.z, -axis.y, axis.x, 0.0);
   return glm::normalize(q);
 }
 

@@ -25,7 +25,7 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
                                  std::unique_ptr<ContactModel> detector)
     : config_(config), shell_(shell), margin_(margin), detector_(std::move(detector)) {
   contacts_.contacts.reserve(shell_.size());
-  touched_.resize(shell_.size());
+  held_.assign(shell_.size(), kFree);
 }
 
 Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge,
@@ -45,6 +45,7 @@ void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
   state_ = {};
   state_.world_from_tool = world_from_tool;
   plane_count_ = 0;
+  held_.assign(held_.size(), kFree);
 }
 
 void ConstrainedTool::add_plane(const HoldPlane& plane, const Vec3& arm) noexcept {
@@ -69,17 +70,24 @@ void ConstrainedTool::add_plane(const HoldPlane& plane, const Vec3& arm) noexcep
 }
 
 void ConstrainedTool::add_bone_behind(const ContactView& bone, const Pose& pose) noexcept {
-  touched_.assign(touched_.size(), 0);
-  for (const Contact& contact : contacts_.contacts) touched_[contact.point] = 1;
+  // A point can only have bone behind it if it was held a moment ago: moves are shorter than half a voxel.
   const double edge = bone.voxel_edge();
+  for (const Contact& contact : contacts_.contacts) held_[contact.point] = kTouching;
   for (std::size_t n = 0; n < shell_.size(); ++n) {
-    if (touched_[n] != 0 || shell_.cutting[n] == 0) continue;
+    if (held_[n] == kTouching) {
+      held_[n] = kHeld;
+      continue;
+    }
+    if (held_[n] == kFree) continue;
+    held_[n] = kFree;
+    if (shell_.cutting[n] == 0) continue;
     const Vec3 inward = pose.rotate(shell_.inward_normals[n]);
     const Vec3 probe = pose * shell_.positions[n] - inward * margin_;
     for (const double voxels : {0.75, 1.5, 2.25}) {
       const Vec3 inside = probe + inward * (voxels * edge);
       if (bone.sample(bone.index_of(inside)) < kSurfaceLevel) continue;
       contacts_.contacts.push_back({static_cast<std::uint32_t>(n), inside, inside, inward, 0.0});
+      held_[n] = kHeld;
       break;
     }
   }
@@ -88,7 +96,7 @@ void ConstrainedTool::add_bone_behind(const ContactView& bone, const Pose& pose)
 void ConstrainedTool::find_planes(const ContactView& bone, const Pose& pose, bool spinning) noexcept {
   detector_->evaluate(bone, pose, contacts_);
   state_.flags |= contacts_.flags;
-  if (spinning) add_bone_behind(bone, pose);
+  add_bone_behind(bone, pose);
   plane_count_ = 0;
   deepest_ = 0.0;
   for (const Contact& contact : contacts_.contacts) {
@@ -115,8 +123,12 @@ const ConstrainedToolState& ConstrainedTool::step(const ContactView& bone, const
   const Vec3 target = (config_.coupling_stiffness * hand.world_from_hand.translation +
                        damping * (before + hand.velocity * dt)) / stiffness;
   Pose pose{hand.world_from_hand.rotation, before};
-  state_.flags = is_finite(target) ? 0u : static_cast<std::uint32_t>(kContactNotFinite);
-  if (state_.flags != 0) return state_;
+  const Quat& turn = pose.rotation;
+  state_.flags = is_finite(target) && std::isfinite(turn.w + turn.x + turn.y + turn.z) ? 0u : static_cast<std::uint32_t>(kContactNotFinite);
+  if (state_.flags != 0) {
+    state_.on_hand = {};  // no force from motion that means nothing; the tool stays where it was
+    return state_;
+  }
 
   const double settled = 0.02 * margin_;   // a hundredth of a voxel
   const double allowed = 0.8 * margin_;    // swept: no move is longer than what the grown shell sees ahead, so nothing is passed unseen

@@ -70,7 +70,8 @@ class ConstrainedTool {
   double margin_ = 0.0;
   std::unique_ptr<ContactModel> detector_;
   ContactResult contacts_;
-  std::vector<std::uint8_t> touched_;  // scratch: shell points that the model found
+  static constexpr std::uint8_t kFree = 0, kHeld = 1, kTouching = 2;
+  std::vector<std::uint8_t> held_;  // per shell point: was it held at the last look
   std::array<HoldPlane, kMaxHoldPlanes> planes_{};
   std::array<Vec3, kMaxHoldPlanes> arms_{};
   std::size_t plane_count_ = 0;

@@ -32,6 +32,12 @@ bool GradientPlane::collides(const ContactView& bone, const Vec3& index) const n
 
 namespace {
 
+/// Whether an index fits an int with room for a march: a device may report any place, and a cast beyond int has no meaning.
+bool holds_index(const Vec3& index) noexcept {
+  constexpr double kLargest = 1e9;
+  return std::abs(index.x) < kLargest && std::abs(index.y) < kLargest && std::abs(index.z) < kLargest;
+}
+
 Vec3 densest_corner(const ContactView& bone, const Vec3& index) {
   const Vec3i base = floor_int(index);
   Vec3i best = base;
@@ -96,7 +102,8 @@ void GradientPlane::evaluate(const ContactView& bone, const Pose& world_from_too
   out.force_gradient = Mat3(0.0);
   out.contacts.clear();
   out.flags = 0;
-  if (!is_finite(world_from_tool.translation)) {
+  const Quat& turn = world_from_tool.rotation;
+  if (!is_finite(world_from_tool.translation) || !std::isfinite(turn.w + turn.x + turn.y + turn.z)) {
     out.flags = kContactNotFinite;
     return;
   }
@@ -104,7 +111,7 @@ void GradientPlane::evaluate(const ContactView& bone, const Pose& world_from_too
   for (std::size_t n = 0; n < shell_.size(); ++n) {
     const Vec3 position = rotation * shell_.positions[n] + world_from_tool.translation;  // P_h
     const Vec3 index = bone.index_of(position);
-    if (!bone.knows(voxel_of(index))) {
+    if (!holds_index(index) || !bone.knows(voxel_of(index))) {
       out.flags |= kContactOutsideWindow;
       continue;
     }

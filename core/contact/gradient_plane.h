@@ -16,7 +16,8 @@ struct GradientPlaneConfig {
 };
 
 /// Departures from the paper, each needed to make its text definite: N = -grad/|grad| points out of bone; a start in an empty voxel (only
-/// possible in the default mode, where the trilinear density decides) begins at the densest corner of its cell; marches are capped; where the surface voxel has no gradient the tool vector stands in.
+/// possible in the default mode, where the trilinear density decides) begins at the densest corner of its cell; marches are capped; where
+/// the surface voxel has no gradient the tool vector stands in.
 class GradientPlane final : public ContactModel {
  public:
   /// out_of_range when stiffness is not finite and positive, the shell is empty or too large, or a limit is not positive.

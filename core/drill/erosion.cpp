@@ -45,7 +45,7 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
   if (!(config.minimum_density >= 0.0f && config.minimum_density < 0.5f)) return refuse("minimum density must be in [0, 0.5)");
   if (!(config.longest_substep > 0.0 && config.longest_substep <= 1.0)) return refuse("the longest sub-step must be in (0, 1] voxels");
   if (points.size() > kMaxErosionPoints || points.factors.size() != points.size()) return refuse("erosion points and factors disagree");
-  if (points.size() > 0 && !(points.pitch > 0.0)) return refuse("the pitch of erosion points must be above 0");
+  if (points.size() > 0 && !(points.pitch > 0.0 && std::isfinite(points.pitch))) return refuse("the pitch of erosion points must be a number above 0");
   for (std::size_t n = 0; n < points.size(); ++n)
     if (!is_finite(points.positions[n]) || !(points.factors[n] >= 0.0f) || !std::isfinite(points.factors[n]))
       return refuse("an erosion point is not finite or its factor is negative");

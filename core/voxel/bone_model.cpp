@@ -15,6 +15,14 @@ struct BoneModel::Grids {
 
 namespace {
 
+/// Coplanar edges leave a determinant of rounding, not 0: the volume is judged against that of the box with the same edges.
+bool is_usable(const Affine& bone_from_index) {
+  constexpr double kFlattest = 1e-9;
+  const Mat3& edges = bone_from_index.linear;
+  const double box = glm::length(edges[0]) * glm::length(edges[1]) * glm::length(edges[2]);
+  return std::isfinite(box) && is_finite(bone_from_index.offset) && bone_from_index.cell_volume() > kFlattest * box;
+}
+
 Status check_field(const std::vector<float>& field, std::size_t count, const char* name) {
   if (field.size() != count) return bad_input(std::string(name) + " holds " + std::to_string(field.size()) + " voxels, dims ask for " + std::to_string(count));
   for (const float value : field)
@@ -33,8 +41,7 @@ BoneModel::~BoneModel() = default;
 Result<std::shared_ptr<const BoneModel>> BoneModel::create(const DenseBone& dense) {
   const VoxelBox box{Vec3i(0), dense.dims};
   if (box.empty()) return bad_input("the volume has no voxels");
-  const double volume = dense.bone_from_index.cell_volume();
-  if (!std::isfinite(volume) || volume <= 0.0) return bad_input("the voxel-to-bone map is singular");
+  if (!is_usable(dense.bone_from_index)) return bad_input("the voxel-to-bone map is singular or not finite");
   for (const auto& [field, name] : {std::pair{&dense.occupancy, "occupancy"}, std::pair{&dense.hardness, "hardness"}})
     if (const Status status = check_field(*field, box.count(), name); !status) return status.error();
   if (!dense.soft.empty())

@@ -15,6 +15,8 @@ namespace {
 using Grid = openvdb::FloatGrid;
 using Leaf = Grid::TreeType::LeafNodeType;
 
+constexpr const char* kAffineKey = "burrhole_bone_from_index";
+
 void start_openvdb() {
   static std::once_flag once;
   std::call_once(once, [] { openvdb::initialize(); });
@@ -141,11 +143,15 @@ VoxelBox FloatVdb::active_bounds() const {
 
 Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index, std::span<const FloatVdb* const> grids) {
   const std::string temporary = path + ".tmp";
+  // The transform is for other programs. It takes edges for equal, and shear for none, below an absolute 5e-7, and edges below 1.4e-5 for
+  // singular, so it is given in mm; the exact map is kept beside it.
+  const Affine in_millimetres{bone_from_index.linear * 1e3, bone_from_index.offset * 1e3};
   try {
     openvdb::GridCPtrVec out;
     for (const FloatVdb* grid : grids) {
       Grid::Ptr copy = grid->impl().grid->copy();  // shares the tree, owns transform and metadata
-      copy->setTransform(openvdb::math::Transform::createLinearTransform(matrix_of(bone_from_index)));
+      copy->setTransform(openvdb::math::Transform::createLinearTransform(matrix_of(in_millimetres)));
+      copy->insertMeta(kAffineKey, openvdb::Mat4DMetadata(matrix_of(bone_from_index)));
       copy->insertMeta("burrhole_dims", openvdb::Vec3IMetadata(openvdb::Vec3i(dims.x, dims.y, dims.z)));
       copy->setSaveFloatAsHalf(false);
       out.push_back(copy);
@@ -168,10 +174,11 @@ Result<VdbFileContent> read_vdb(const std::string& path) {
     openvdb::io::File file(path);
     file.open(false);
     VdbFileContent content;
-    for (const auto& base : *file.getGrids()) {
+    const openvdb::GridPtrVecPtr grids = file.getGrids();  // held: a range-for does not keep what a dereferenced temporary points to
+    for (const auto& base : *grids) {
       const Grid::Ptr grid = openvdb::gridPtrCast<Grid>(base);
       if (!grid) continue;
-      content.bone_from_index = affine_of(grid->transform().baseMap()->getAffineMap()->getMat4());
+      if (const auto affine = grid->getMetadata<openvdb::Mat4DMetadata>(kAffineKey)) content.bone_from_index = affine_of(affine->value());
       if (const auto dims = grid->getMetadata<openvdb::Vec3IMetadata>("burrhole_dims")) {
         const openvdb::Vec3i d = dims->value();
         content.dims = {d.x(), d.y(), d.z()};

@@ -1,0 +1,234 @@
+#include "app/lab/contact_accuracy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "app/lab/contact_reference.h"
+#include "app/lab/contact_rig.h"
+#include "core/base/portable_math.h"
+#include "core/base/random.h"
+#include "core/base/units.h"
+#include "core/tool/make_tool.h"
+
+namespace burrhole {
+namespace {
+
+struct LabTool {
+  std::string name;
+  PointShell shell;
+  std::unique_ptr<ContactModel> model;
+};
+
+Result<std::vector<LabTool>> load_tools(const ContactAccuracyOptions& options) {
+  std::vector<LabTool> tools;
+  for (const std::string& name : options.tools) {
+    Issues issues;
+    // Erosion points are not used here: coarse ones are quick to make.
+    auto tool = load_tool(options.tool_folder + "/" + name + ".toml", {.erosion_pitch = 1e-3}, issues);
+    if (!tool) return issues.front();
+    auto model = GradientPlane::create(options.model, tool->shell);
+    if (!model) return model.error();
+    tools.push_back({name, std::move(tool->shell), std::move(model).value()});
+  }
+  return tools;
+}
+
+/// A bone to press on, and the way out of it.
+struct LabBone {
+  std::string name;
+  PhantomSpec spec;
+  Vec3 out{0.0, 0.0, 1.0};
+};
+
+std::vector<LabBone> bones_of(const ContactAccuracyOptions& options) {
+  PhantomSpec base;
+  base.kind = PhantomKind::plate;
+  base.pitch = options.pitch;
+  base.seed = options.seed;
+  base.extent = Vec3(22.0, 22.0, 15.0) * kMillimetre;                         // the 14 mm bit, tilted by 45 degrees
+  base.above = std::ceil(6.0 * kMillimetre / options.pitch) * options.pitch;  // voxel faces on the surface of a level plate
+  base.thickness = 4.0 * kMillimetre;
+  std::vector<LabBone> bones{{"plate, level", base}};
+  bones.push_back({"plate, level, 0.3 voxel off the grid", base});
+  bones.back().spec.above += 0.3 * options.pitch;
+  for (const int degrees : {10, 25, 45}) {
+    const Vec3 out(portable_sin(degrees * kDegree), 0.0, portable_cos(degrees * kDegree));
+    bones.push_back({fmt::format("plate, tilted {} deg", degrees), base, out});
+    bones.back().spec.plate_normal = out;
+  }
+  for (const auto& [name, kind] : {std::pair{"sphere of 8 mm", PhantomKind::sphere}, {"wedge of 90 deg", PhantomKind::wedge}}) {
+    bones.push_back({name, base});
+    bones.back().spec.kind = kind;
+    bones.back().spec.sphere_radius = 8.0 * kMillimetre;
+  }
+  const std::size_t clean = bones.size();
+  for (std::size_t n = 0; n < clean && options.noise > 0.0; ++n) {
+    bones.push_back(bones[n]);
+    bones.back().name += fmt::format(", noise {:g} %", 100.0 * options.noise);
+    bones.back().spec.noise = options.noise;
+  }
+  return bones;
+}
+
+/// The tool's axis along the way out, turned about it, up to half a voxel aside, the tip `depth` [m] under the surface.
+Pose placed(const LabBone& bone, const ContactAccuracyOptions& options, double depth, int placement) {
+  const auto seed = static_cast<std::uint64_t>(options.seed);
+  const auto at = 3 * static_cast<std::uint64_t>(placement);
+  const double half_turn = 0.5 * std::numbers::pi * uniform11(seed, at);
+  const Quat to_surface = rotation_from_z(bone.out);
+  const Quat about_axis(portable_cos(half_turn), 0.0, 0.0, portable_sin(half_turn));
+  const Vec3 aside = to_surface * (0.5 * options.pitch * Vec3(uniform11(seed, at + 1), uniform11(seed, at + 2), 0.0));
+  return {to_surface * about_axis, aside - depth * bone.out};
+}
+
+double at_share(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+/// What one setting gave, one value a placement (times: one an evaluation).
+struct Samples {
+  std::vector<double> own_law, translation;  // [%] of the reference force
+  std::vector<double> own_law_voxel;         // force difference over stiffness, as a length
+  std::vector<double> time_us;
+};
+
+Samples sample(const LabBone& bone, const ContactRig& rig, const ContactView& view, const LabTool& tool, double depth,
+               const ContactAccuracyOptions& options) {
+  Samples out;
+  ContactResult result;
+  result.contacts.reserve(tool.shell.size());
+  for (int n = 0; n < options.placements; ++n) {
+    const Pose pose = placed(bone, options, depth, n);
+    for (int repeat = 0; repeat < options.repeats; ++repeat) {
+      const auto start = std::chrono::steady_clock::now();
+      tool.model->evaluate(view, pose, result);
+      out.time_us.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
+    }
+    const double k = options.model.stiffness;
+    const Vec3 law = exact_average_force(rig.truth(), tool.shell, pose, k);
+    const Vec3 translation = bone.out * (k * exact_way_out(rig.truth(), tool.shell, pose, bone.out));
+    if (law == Vec3(0.0)) continue;  // aside of the wedge's edge the tip may be in air
+    const double off_law = glm::length(result.wrench.force - law);
+    out.own_law.push_back(100.0 * off_law / glm::length(law));
+    out.own_law_voxel.push_back(off_law / (k * options.pitch));
+    out.translation.push_back(100.0 * glm::length(result.wrench.force - translation) / glm::length(translation));
+  }
+  return out;
+}
+
+constexpr const char* kLawReference = "average over colliding points of closed-form depths";
+constexpr const char* kWayReference = "k x closed-form way out along the push";
+
+void add_rows(std::vector<CostRow>& rows, CostRow row, const Samples& samples) {
+  if (samples.own_law.empty()) return;
+  row.median_us = at_share(samples.time_us, 0.5);
+  row.p99_us = at_share(samples.time_us, 0.99);
+  const auto add = [&](const char* name, const std::vector<double>& errors, double share, const char* unit, const char* reference) {
+    row.error_name = name;
+    row.error = at_share(errors, share);
+    row.unit = unit;
+    row.reference = reference;
+    rows.push_back(row);
+  };
+  add("own_law_median", samples.own_law, 0.5, "%", kLawReference);
+  add("own_law_worst", samples.own_law, 1.0, "%", kLawReference);
+  add("own_law_worst_length", samples.own_law_voxel, 1.0, "voxel", kLawReference);
+  add("translation_median", samples.translation, 0.5, "%", kWayReference);
+  add("translation_worst", samples.translation, 1.0, "%", kWayReference);
+}
+
+Status measure_bone(const LabBone& bone, const std::vector<LabTool>& tools, const ContactAccuracyOptions& options,
+                    std::vector<CostRow>& rows) {
+  auto rig = ContactRig::create(bone.spec);
+  if (!rig) return rig.error();
+  for (const LabTool& tool : tools)
+    for (const double depth : options.depths_voxel)
+      for (const bool vdb : {false, true}) {
+        CostRow common;
+        common.subject = tool.name + " on " + bone.name;
+        common.model = vdb ? "gradient-plane, vdb" : "gradient-plane, window";
+        common.knob = "depth_voxel";
+        common.setting = depth;
+        if (!vdb) common.bytes = rig->window_bytes();
+        add_rows(rows, common, sample(bone, *rig, vdb ? rig->vdb_view() : rig->window_view(), tool, depth * options.pitch, options));
+      }
+  return {};
+}
+
+Status check(const ContactAccuracyOptions& options) {
+  if (options.placements < 1 || options.repeats < 1) return Error{ErrorCode::out_of_range, "placements and repeats must be at least 1", {}};
+  if (options.tools.empty() || options.depths_voxel.empty())
+    return Error{ErrorCode::out_of_range, "contact accuracy needs a tool and a depth", {}};
+  for (const double depth : options.depths_voxel)
+    if (!(depth > 0.0 && depth * options.pitch < 2.0 * kMillimetre))
+      return Error{ErrorCode::out_of_range, "a depth must be above 0 and under 2 mm, half the plate", {}};
+  return {};
+}
+
+}  // namespace
+
+double largest_loss_percent(const std::vector<double>& force) noexcept {
+  double highest = 0.0, loss = 0.0;
+  for (const double f : force) {
+    highest = std::max(highest, f);
+    if (highest > 0.0) loss = std::max(loss, 100.0 * (highest - f) / highest);
+  }
+  return loss;
+}
+
+Result<std::vector<ForceCurve>> measure_force_curves(const ContactAccuracyOptions& options) {
+  auto tools = load_tools(options);
+  if (!tools) return tools.error();
+  const LabBone level = bones_of(options).front();
+  auto rig = ContactRig::create(level.spec);
+  if (!rig) return rig.error();
+  std::vector<ForceCurve> curves;
+  for (const LabTool& tool : *tools) {
+    ForceCurve curve{tool.name, {}, {}, {}, {}};
+    ContactResult result;
+    for (int step = 1; step <= 380; ++step) {  // to 1.9 mm, just short of the middle of the plate
+      const double depth = step * 0.005 * kMillimetre;
+      const Pose pose = placed(level, options, depth, 0);
+      tool.model->evaluate(rig->window_view(), pose, result);
+      const double k = options.model.stiffness;
+      curve.depth_mm.push_back(depth / kMillimetre);
+      curve.model_N.push_back(glm::dot(result.wrench.force, level.out));
+      curve.law_N.push_back(glm::dot(exact_average_force(rig->truth(), tool.shell, pose, k), level.out));
+      curve.translation_N.push_back(k * exact_way_out(rig->truth(), tool.shell, pose, level.out));
+    }
+    curves.push_back(std::move(curve));
+  }
+  return curves;
+}
+
+Result<std::vector<CostRow>> measure_contact_accuracy(const ContactAccuracyOptions& options) {
+  if (const Status ok = check(options); !ok) return ok.error();
+  auto tools = load_tools(options);
+  if (!tools) return tools.error();
+  std::vector<CostRow> rows;
+  for (const LabBone& bone : bones_of(options))
+    if (const Status measured = measure_bone(bone, *tools, options, rows); !measured) return measured.error();
+  auto curves = measure_force_curves(options);
+  if (!curves) return curves.error();
+  for (const ForceCurve& curve : *curves)
+    for (const auto& [model, force] : {std::pair{"gradient-plane, window", &curve.model_N}, {"exact average", &curve.law_N}}) {
+      CostRow row;
+      row.subject = curve.tool + " pressed into plate, level";
+      row.model = model;
+      row.knob = "depth_mm";
+      row.setting = curve.depth_mm.back();
+      row.error_name = "force_lost";
+      row.error = largest_loss_percent(*force);
+      row.unit = "%";
+      row.reference = "largest force at a lesser depth";
+      rows.push_back(row);
+    }
+  return rows;
+}
+
+}  // namespace burrhole
