@@ -1,0 +1,43 @@
+/// app/bench/bench_scene.h: the shipped parietal scene, as loaded and drilled half way by the shipped steps.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "app/engine/load.h"
+#include "app/engine/simulation.h"
+
+namespace burrhole {
+
+/// app/scenes/parietal.toml with overrides ("table.key=value").
+[[nodiscard]] Result<std::unique_ptr<LoadedScene>> load_parietal_scene(const std::vector<std::string>& overrides);
+/// A tool file of app/tools. @param erosion_pitch [m].
+[[nodiscard]] Result<Tool> load_shipped_tool(const std::string& name, double erosion_pitch);
+
+/// Stands for the scene's own hand and keeps what it did.
+class KeepingHand final : public HandSource {
+ public:
+  explicit KeepingHand(SimulatedHand hand) : hand_(std::move(hand)) {}
+  const HandState& step(const Vec3& force_on_hand) noexcept override {
+    states_.push_back(hand_.step(force_on_hand));
+    return states_.back();
+  }
+  [[nodiscard]] const std::vector<HandState>& states() const noexcept { return states_; }
+
+ private:
+  SimulatedHand hand_;
+  std::vector<HandState> states_;
+};
+
+struct DrilledScene {
+  std::unique_ptr<LoadedScene> loaded;
+  std::unique_ptr<KeepingHand> hand;
+  std::unique_ptr<std::atomic<bool>> stop;
+  std::unique_ptr<Simulation> simulation;  ///< stopped once the tip was past half the thickness of the bone
+};
+
+/// `quick`: a sharper tool, so that the run is short.
+[[nodiscard]] Result<DrilledScene> drill_parietal_half_way(bool quick);
+
+}  // namespace burrhole

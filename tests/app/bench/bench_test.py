@@ -1,0 +1,77 @@
+"""burrhole_bench, run short: bench.json has the rows and keys that are promised, results agree, and a result that differs is found.
+
+  bench_test.py PROGRAM        exit 77 where there is no OpenGL
+"""
+import json
+import math
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+KEYS = ["area", "name", "value", "unit", "baseline", "ratio", "ship", "aim", "lower_is_better"]
+PROGRAM = sys.argv.pop(1)
+
+
+def run(*arguments, out):
+    """@returns (exit status, lines of stderr, rows or None) of one short run."""
+    done = subprocess.run([PROGRAM, *arguments, "--out", out], capture_output=True, text=True)
+    file = Path(out) / "bench.json"
+    return done.returncode, done.stderr.splitlines(), json.loads(file.read_text()) if file.exists() else None
+
+
+class Bench(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = folder.name
+
+    def test_every_row_has_the_keys_and_no_result_differs(self):
+        status, errors, rows = run("--quick", out=self.out)
+        self.assertEqual(status, 0, errors)
+        self.assertEqual({row["area"] for row in rows}, AREAS)
+        self.assertEqual(len({(row["area"], row["name"]) for row in rows}), len(rows), "two rows have one name")
+        for row in rows:
+            with self.subTest(row=row["name"]):
+                self.assertEqual(list(row), KEYS)
+                for key in ["value", "baseline", "ratio"]:
+                    self.assertTrue(math.isfinite(row[key]) and row[key] > 0.0, row)
+                for key in ["ship", "aim"]:
+                    self.assertTrue(row[key] is None or row[key] > 0.0, row)
+                self.assertIsInstance(row["lower_is_better"], bool)
+                over = row["value"] / row["baseline"]
+                # Six digits: the three numbers are rounded apart, if at all. An absolute row has baseline 1 and ratio = value.
+                expected = over if row["lower_is_better"] or row["baseline"] == 1.0 else 1.0 / over
+                self.assertAlmostEqual(row["ratio"] / expected, 1.0, places=6)
+
+    def test_one_flipped_bit_in_any_result_is_named_and_its_row_left_out(self):
+        status, errors, rows = run("--quick", "--sabotage", out=self.out)
+        self.assertEqual(status, 3, errors)
+        compared = [row for row in rows if row["baseline"] != 1.0]
+        self.assertEqual(compared, [], "a row was kept although what it compares was broken")
+        for area in AREAS:
+            self.assertTrue(any(line.startswith(f"bench: {area}: ") and "differ" in line for line in errors), (area, errors))
+
+    def test_an_area_may_be_asked_for_alone(self):
+        status, _, rows = run("--quick", "erosion", out=self.out)
+        self.assertEqual((status, {row["area"] for row in rows}), (0, {"erosion"}))
+
+    def test_an_unknown_area_is_one_line_and_exit_2(self):
+        status, errors, rows = run("kontact", out=self.out)
+        self.assertEqual((status, len(errors), rows), (2, 1, None))
+        self.assertIn("kontact", errors[0])
+        self.assertIn("contact", errors[0].replace("kontact", ""))
+
+
+def areas_of_this_build():
+    """The program names them when it refuses one."""
+    return set(subprocess.run([PROGRAM, "?"], capture_output=True, text=True).stderr.strip().split("has ")[-1].split(", "))
+
+
+AREAS = areas_of_this_build()
+if "render" in AREAS:
+    with tempfile.TemporaryDirectory() as probe:
+        if run("--quick", "render", out=probe)[0] == 4:
+            sys.exit(77)
+unittest.main()
