@@ -160,8 +160,19 @@ std::string event_commands(const Plot& plot, const std::vector<Flag>& flags, boo
   return out;
 }
 
+/// Rows of a panel's legend: columns of three.
+std::size_t legend_rows(const PlotPanel& panel) { return panel.series.size() > 1 ? std::min<std::size_t>(panel.series.size(), 3) : 0; }
+
+/// The legend gets room of its own above the data, so that it never covers a line.
+Range with_legend_room(const Range& y, const PlotPanel& panel, int panel_height_px) {
+  constexpr double kLegendRow = 19.0;
+  const double taken = kLegendRow * static_cast<double>(legend_rows(panel));
+  const double room = (y.hi - y.lo) * taken / (panel_height_px - taken);
+  return panel.y_down ? Range{y.lo - room, y.hi} : Range{y.lo, y.hi + room};
+}
+
 std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
-  std::string out = panel.series.size() > 1 ? "set key top left horizontal samplen 2\n" : "unset key\n";
+  std::string out = legend_rows(panel) > 0 ? "set key top left Left reverse vertical maxrows 3 samplen 2\n" : "unset key\n";
   out += "plot ";
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     out += fmt::format("{}$p{}_{} using 1:2 with lines linewidth 1.6 linecolor rgb \"{}\" title {}", i > 0 ? ", \\\n     " : "",
@@ -172,7 +183,7 @@ std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
 
 std::string panel_commands(const Plot& plot, std::size_t index, const std::vector<Flag>& flags, const Place& place, int height_px) {
   const PlotPanel& panel = plot.panels[index];
-  const Range y = y_range(panel);
+  const Range y = with_legend_room(y_range(panel), panel, plot.panel_height_px);
   const bool last = index + 1 == plot.panels.size();
   std::string out = fmt::format("unset object\nunset label\nunset arrow\nset bmargin at screen {:.5f}\nset tmargin at screen {:.5f}\n",
                                 place.bottom / height_px, place.top / height_px);
