@@ -1,0 +1,265 @@
+"""The built program as its users meet it: exit codes, one-line faults, files, stdout that is JSON and nothing else.
+
+Run by ctest with the program's path in BURRHOLE_PROGRAM; exits 77 when it cannot draw here.
+"""
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import sqlite3
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAM = os.path.abspath(os.environ["BURRHOLE_PROGRAM"])
+SOURCE = pathlib.Path(__file__).resolve().parents[3]
+SCENES = SOURCE / "tests" / "data" / "scenes"
+QUICK = SCENES / "quick_plate.toml"
+PLACE = re.compile(r"^(?P<file>[^:]+):(?P<line>\d+):(?P<column>\d+): .+")
+
+
+def run(*arguments, **options):
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options)
+
+
+def lines(text):
+    return [line for line in text.splitlines() if line.strip()]
+
+
+class WithFolder(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="burrhole-program-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def scene(self, text, name="scene.toml"):
+        shutil.copy(SCENES / "pin_2mm.toml", self.folder)
+        path = self.folder / name
+        path.write_text(text)
+        return path
+
+    def quick(self, replace=(), append=""):
+        text = QUICK.read_text()
+        for old, new in replace:
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        return self.scene(text + append)
+
+
+class Drill(WithFolder):
+    def test_a_drill_leaves_every_file_and_twice_the_same_hashes(self):
+        summaries = []
+        for turn in ("a", "b"):
+            out = self.folder / turn
+            result = run("drill", QUICK, "--out", out, "--json", "--quiet")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(result.stderr, "")
+            on_stdout = json.loads(result.stdout)  # one object and nothing else
+            self.assertEqual(on_stdout, json.loads((out / "summary.json").read_text()))
+            summaries.append(on_stdout)
+            for name in ("before", "during", "breakthrough", "after", "cutaway"):
+                head = (out / f"{name}.png").read_bytes()[:24]
+                self.assertEqual(struct.unpack(">II", head[16:24]), (160, 120))
+            for name in ("session.sqlite", "bone.vdb", "report.html"):
+                self.assertGreater((out / name).stat().st_size, 0, name)
+            self.assertFalse([p for p in out.iterdir() if p.suffix == ".tmp"])
+        self.assertEqual(summaries[0]["hash"], summaries[1]["hash"])
+        self.assertGreater(summaries[0]["drilling"]["removed_mm3"], 1.0)
+        replayed = run("replay", self.folder / "a" / "session.sqlite", "--quiet")
+        self.assertEqual(replayed.returncode, 0, replayed.stderr)
+        self.assertEqual(replayed.stdout.count(" same"), 2, replayed.stdout)
+
+    def test_one_core_gives_the_same_hashes(self):
+        everywhere = run("drill", QUICK, "--out", self.folder / "all", "--json", "--quiet")
+        one = run("drill", QUICK, "--out", self.folder / "one", "--json", "--quiet",
+                  preexec_fn=lambda: os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}))
+        self.assertEqual(json.loads(everywhere.stdout)["hash"], json.loads(one.stdout)["hash"])
+
+    def test_another_seed_is_another_run(self):
+        hashes = [json.loads(run("drill", QUICK, "--out", self.folder / str(seed), "--json", "--quiet", "--set", f"hand.seed={seed}").stdout)["hash"]
+                  for seed in (1, 2)]
+        self.assertNotEqual(hashes[0]["forces"], hashes[1]["forces"])
+
+    def test_a_checkpoint_goes_on_where_the_bone_was_left(self):
+        first = json.loads(run("drill", QUICK, "--out", self.folder / "a", "--set", "duration_s=0.6", "--json", "--quiet").stdout)
+        second = run("drill", QUICK, "--out", self.folder / "b", "--restore", self.folder / "a" / "bone.vdb", "--set", "duration_s=0.05", "--json", "--quiet")
+        self.assertEqual(second.returncode, 0, second.stderr)
+        self.assertGreater(first["drilling"]["removed_mm3"], 0.1)
+        self.assertGreaterEqual(json.loads(second.stdout)["drilling"]["removed_mm3"], first["drilling"]["removed_mm3"])
+        replayed = run("replay", self.folder / "b" / "session.sqlite", "--quiet")
+        self.assertEqual(replayed.returncode, 0, replayed.stdout + replayed.stderr)
+
+    def test_an_interrupt_ends_cleanly_with_what_was_done(self):
+        out = self.folder / "out"
+        process = subprocess.Popen([PROGRAM, "drill", str(QUICK), "--out", str(out), "--set", "duration_s=3000", "--set", "tool.spin_rpm=0"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        deadline = time.monotonic() + 60
+        while not (out / "before.png").exists() and time.monotonic() < deadline:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 130, errors)
+        summary = json.loads((out / "summary.json").read_text())
+        self.assertEqual(summary["end"], "stopped")
+        self.assertTrue((out / "report.html").exists())
+        replayed = run("replay", out / "session.sqlite", "--quiet")
+        self.assertEqual(replayed.returncode, 0, replayed.stdout + replayed.stderr)
+
+    def test_what_a_scene_does_not_name_does_not_exist(self):
+        scene = self.scene(QUICK.read_text().replace("[display]\nsize = [160, 120]\n", "").replace("[record]\n", "").replace("[erosion]\n", ""))
+        out = self.folder / "out"
+        summary = json.loads(run("drill", scene, "--out", out, "--set", "duration_s=0.3", "--json", "--quiet").stdout)
+        self.assertEqual([e["name"] for e in summary["effects"]], ["volume", "hand", "contact"])
+        self.assertIsNone(summary["hash"]["image"])
+        self.assertEqual(summary["timing"]["erosion"]["count"], 0)
+        self.assertEqual(summary["timing"]["frame"]["count"], 0)
+        self.assertEqual(summary["drilling"]["removed_mass_mm3"], 0)
+        self.assertEqual(sorted(p.name for p in out.iterdir()), ["bone.vdb", "report.html", "summary.json"])
+
+
+class BadInput(WithFolder):
+    def refused(self, scene, code, *needles, sets=()):
+        out = self.folder / "never"
+        for command in ("check", "drill"):
+            extra = ["--out", out] if command == "drill" else []
+            result = run(command, scene, *extra, *[a for s in sets for a in ("--set", s)])
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertEqual(result.stdout, "")
+            for needle in needles:
+                self.assertTrue(any(needle in line for line in lines(result.stderr)), f"{needle!r} not in {result.stderr!r}")
+            self.assertFalse(out.exists(), "nothing may be written")
+        return lines(result.stderr)
+
+    def test_faults_have_a_place_and_a_remedy(self):
+        cases = [
+            ([("spacing_mm = 0.2", "spacng_mm = 0.2")], "unknown key \"spacng_mm\" in [volume]; did you mean \"spacing_mm\"?"),
+            ([("spacing_mm = 0.2", "spacing = 0.2")], "write \"spacing_mm\""),
+            ([("spacing_mm = 0.2", "spacing_mm = -1")], "must be"),
+            ([("push_N = 20", "push_N = nan")], "must be a finite number"),
+            ([("push_N = 20", "push_N = \"hard\"")], "push_N"),
+            ([("[erosion]", "[erosoin]")], "did you mean [erosion]?"),
+            ([("name = \"pin_2mm\"", "name = \"pin_3mm\"")], "is no tool"),
+            ([("[contact]", "[contact]\nmodel = \"surface\"")], "is not in this version"),
+            ([("size = [160, 120]", "method = \"mesh\"")], "is not in this version"),
+            ([("[contact]", "[heat]\n[contact]")], "is an effect that is not in this version"),
+            ([("[contact]", "[contact]\nrate_hz = 333")], "must divide servo_hz"),
+            ([("title = \"Quick plate\"", "title = \"Quick plate")], "scene.toml:1:"),
+        ]
+        for replace, needle in cases:
+            with self.subTest(needle=needle, replace=replace):
+                for line in self.refused(self.quick(replace), 2, needle):
+                    self.assertRegex(line, PLACE)
+
+    def test_a_tool_larger_than_the_window_is_refused_with_the_numbers(self):
+        scene = self.quick()
+        tool = self.folder / "pin_2mm.toml"
+        tool.write_text(tool.read_text().replace("height_mm = 2", "height_mm = 60"))
+        found = self.refused(scene, 2, "too large for this bone's voxels", "each edge must be in [5, 256]")
+        self.assertRegex(found[0], PLACE)
+
+    def test_a_device_is_not_there_and_that_is_exit_code_4(self):
+        found = self.refused(self.quick([("push_N = 20", "kind = \"device\"")]), 4, "needs a force device")
+        self.assertEqual(len(found), 1)
+        self.assertRegex(found[0], PLACE)
+
+    def test_check_prints_every_fault(self):
+        scene = self.quick([("spacing_mm = 0.2", "spacing = 0.2"), ("push_N = 20", "push_N = -1"), ("[record]", "[recrod]")])
+        self.assertEqual(len(self.refused(scene, 2)), 3)
+
+    def test_missing_files(self):
+        result = run("drill", self.folder / "none.toml", "--out", self.folder / "never")
+        self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1))
+        result = run("drill", QUICK, "--restore", self.folder / "none.vdb", "--out", self.folder / "never")
+        self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1), result.stderr)
+        self.assertFalse((self.folder / "never").exists())
+        self.assertEqual(run("replay", self.folder / "none.sqlite").returncode, 2)
+
+    def test_an_axis_that_misses_bone(self):
+        self.refused(self.quick([("entry_mm = [0, 0, 0]", "entry_mm = [40, 0, 0]")]), 2, "meets no bone")
+
+    def test_an_output_that_cannot_be_written(self):
+        blocker = self.folder / "file"
+        blocker.write_text("a file where a folder is asked for")
+        result = run("drill", QUICK, "--out", blocker / "out", "--quiet")
+        self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1), result.stderr)
+        self.assertIn(str(blocker), result.stderr)
+
+    def test_faulty_tools_are_named_with_their_place(self):
+        cases = [("diameter_mm = 2", "diameter_mm = -2", "diameter_mm"), ("diameter_mm = 2", "diameter = 2", "diameter_mm"),
+                 ("erosion_factor = 0.05", "erosion_factor = nan", "erosion_factor"), ("shape = \"cylinder\"", "shape = \"cilinder\"", "cylinder")]
+        for old, new, needle in cases:
+            with self.subTest(new=new):
+                scene = self.quick()
+                tool = self.folder / "pin_2mm.toml"
+                tool.write_text(tool.read_text().replace(old, new))
+                for line in self.refused(scene, 2, needle):
+                    self.assertTrue(line.startswith(str(tool)), line)
+                    self.assertRegex(line, PLACE)
+
+    def test_usage(self):
+        for arguments in ([], ["dril"], ["drill"], ["drill", QUICK, "--no-such-option"], ["render", QUICK, "--size", "big", "--image", self.folder / "x.png"]):
+            result = run(*arguments)
+            self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1), result.stderr)
+        self.assertFalse((self.folder / "x.png").exists())
+
+
+class OtherCommands(WithFolder):
+    def test_explain_tells_what_runs_and_what_does_not(self):
+        plan = json.loads(run("explain", QUICK, "--json").stdout)
+        self.assertEqual([e["name"] for e in plan["effects"]], ["volume", "hand", "contact", "erosion", "display", "record"])
+        self.assertIn("heat", plan["not_built"])
+        self.assertTrue(all(e["time_us"] is None for e in plan["effects"]))
+        measured = run("explain", QUICK, "--json", "--measure", cwd=self.folder)
+        costs = {e["name"]: e["time_us"] for e in json.loads(measured.stdout)["effects"]}
+        self.assertGreater(costs["contact"], 0)
+        self.assertEqual(list(self.folder.iterdir()), [], "measuring writes nothing")
+        self.assertIn("under a voxel", " ".join(json.loads(run("explain", QUICK, "--json", "--set", "contact.cutting_N_per_m=1e7").stdout)["warnings"]))
+
+    def test_render_draws_the_size_asked_for(self):
+        image = self.folder / "sub" / "picture.png"
+        image.parent.mkdir()
+        result = run("render", QUICK, "--image", image, "--size", "64x48", "--cut")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(struct.unpack(">II", image.read_bytes()[16:24]), (64, 48))
+
+    def test_tools_lists_and_tells(self):
+        listed = run("tools").stdout
+        for name in ("perforator_14_11", "round_burr_4mm", "acosta_liu_round"):
+            self.assertIn(name, listed)
+        self.assertEqual({t["name"]: t["haptic_points"] for t in json.loads(run("tools", "--json").stdout)}["acosta_liu_perforator"], 316)
+        self.assertIn("inner drill", run("tools", "perforator_14_11").stdout)
+        wrong = run("tools", "perforator_14_12")
+        self.assertEqual(wrong.returncode, 2)
+        self.assertIn("perforator_14_11", wrong.stderr)
+
+    def test_a_tampered_session_does_not_replay(self):
+        run("drill", QUICK, "--out", self.folder, "--set", "duration_s=0.8", "--quiet")
+        session = self.folder / "session.sqlite"
+        with sqlite3.connect(session) as connection:
+            first, data = connection.execute("select first_row, data from ticks order by first_row desc limit 1").fetchone()
+            hand_z_of_row = 8 * 2
+            row = 8 * connection.execute("select count(*) from columns").fetchone()[0]
+            at = len(data) // row // 2 * row + hand_z_of_row  # half way through the last block: bone is felt there
+            changed = bytearray(data)
+            changed[at:at + 8] = struct.pack("<d", struct.unpack("<d", data[at:at + 8])[0] + 1e-3)
+            connection.execute("update ticks set data = ? where first_row = ?", (bytes(changed), first))
+        result = run("replay", session, "--quiet")
+        self.assertEqual(result.returncode, 3, result.stdout + result.stderr)
+        self.assertIn("DIFFERENT", result.stdout)
+
+    def test_every_command_has_help(self):
+        for command in ("drill", "render", "check", "explain", "tools", "replay", "cost"):
+            result = run(command, "--help")
+            self.assertEqual(result.returncode, 0)
+            self.assertIn("Usage", result.stdout)
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as probe:
+        if run("render", QUICK, "--image", os.path.join(probe, "probe.png"), "--size", "16x16").returncode == 4:
+            sys.exit(77)
+    unittest.main(verbosity=2)
