@@ -3,6 +3,7 @@
 namespace burrhole {
 
 const ServoOutput& ServoStep::operator()() noexcept {
+  faults_ &= kServoForceNotFinite;  // all that is latched
   Vec3 force = contact_in_->latest().on_hand.force;
   if (!is_finite(force)) faults_ |= kServoForceNotFinite;
   if ((faults_ & kServoForceNotFinite) != 0) force = Vec3(0.0);

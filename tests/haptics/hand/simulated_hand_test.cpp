@@ -1,0 +1,240 @@
+#include "haptics/hand/simulated_hand.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+using namespace burrhole;
+
+namespace {
+
+constexpr double kPeriod = 1e-3;  // [s]
+constexpr double kWall = 6000.0;  // [N/m], a third of the grip's stability limit 2 b / T
+const Pose kLevel{};
+
+SimulatedHand make(const HandConfig& config, const Pose& world_from_approach = kLevel) {
+  auto hand = SimulatedHand::create(config, world_from_approach, kPeriod);
+  REQUIRE(hand.ok());
+  return *hand;
+}
+
+/// A stiff wall at height 0 of the approach frame that is gone from tick `opens` on.
+struct Wall {
+  std::uint64_t opens = 0;
+  Pose world_from_approach = kLevel;
+  [[nodiscard]] Vec3 force(const HandState& state) const {
+    const double height = (world_from_approach.inverse() * state.world_from_hand.translation).z;
+    const double push = state.tick < opens && height < 0.0 ? -kWall * height : 0.0;
+    return world_from_approach.rotate({0.0, 0.0, push});
+  }
+};
+
+std::vector<HandState> run(SimulatedHand& hand, const Wall& wall, int ticks) {
+  std::vector<HandState> states{hand.state()};
+  for (int n = 0; n < ticks; ++n) states.push_back(hand.step(wall.force(states.back())));
+  return states;
+}
+
+/// First tick in that phase; 0 when it never comes.
+std::uint64_t first_in(const std::vector<HandState>& states, HandPhase phase) {
+  for (const HandState& state : states)
+    if (state.phase == phase) return state.tick;
+  return 0;
+}
+
+constexpr std::uint64_t kOpens = 4000;
+constexpr int kTicks = 9000;
+
+}  // namespace
+
+TEST_CASE(
+    "SimulatedHand: against a wall that gives way it goes through every phase of the script once, in order, and ends where it began") {
+  HandConfig config;
+  SimulatedHand hand = make(config);
+  const auto states = run(hand, {.opens = kOpens}, kTicks);
+  for (std::size_t n = 1; n < states.size(); ++n) {
+    REQUIRE(states[n].tick == n);
+    REQUIRE(static_cast<int>(states[n].phase) >= static_cast<int>(states[n - 1].phase));
+    REQUIRE(static_cast<int>(states[n].phase) <= static_cast<int>(states[n - 1].phase) + 1);
+  }
+  REQUIRE(states.back().phase == HandPhase::done);
+  CHECK(std::abs(states.back().world_from_hand.translation.z - config.standoff) < 0.15 * config.standoff);
+  CHECK(std::abs(states.back().thrust) == 0.0);
+  // It comes down from the standoff at the feed; to press with the contact force the arm's rest position goes on below the surface by that
+  // force over its stiffness. The rest is the arm's lag, b/k = 10 ms, and the wall's give.
+  const double contact = static_cast<double>(first_in(states, HandPhase::lean)) * kPeriod;
+  const double earliest = config.standoff / config.feed, pressing = config.contact_force / config.dynamics.stiffness / config.feed;
+  CHECK(contact > earliest);
+  CHECK(contact < earliest + pressing + 0.05);
+}
+
+TEST_CASE("SimulatedHand: thrust rises linearly to push over the ramp and the wall then carries it, whatever the wall's give") {
+  HandConfig config;
+  config.tremor_amplitude = 0.0;
+  SimulatedHand hand = make(config);
+  const Wall wall{.opens = 2 * kOpens};
+  const auto states = run(hand, wall, static_cast<int>(kOpens));
+  const std::uint64_t lean = first_in(states, HandPhase::lean);
+  REQUIRE(lean > 0);
+  for (const HandState& state : states) {
+    const double since = (static_cast<double>(state.tick) - static_cast<double>(lean)) * kPeriod;
+    const double expected = config.push * std::clamp(since / config.ramp, 0.0, 1.0);
+    REQUIRE(std::abs(state.thrust - expected) < 1.01 * config.push * kPeriod / config.ramp);  // counted from the same tick, to one tick
+  }
+  CHECK(states.back().thrust == config.push);
+  // The arm's rest position follows the drill with time constant 0.25 s, so that after 2 s and more the spring carries 3e-4 of the thrust.
+  CHECK(std::abs(wall.force(states.back()).z - config.push) < 1e-3 * config.push);
+}
+
+TEST_CASE("SimulatedHand: lets go `reaction` after it feels the give, and feels it soon after the wall is gone") {
+  for (const double reaction : {0.0, 0.15, 0.4}) {
+    CAPTURE(reaction);
+    HandConfig config;
+    config.reaction = reaction;
+    SimulatedHand hand = make(config);
+    const auto states = run(hand, {.opens = kOpens}, kTicks);
+    const std::uint64_t lean = first_in(states, HandPhase::lean), felt = first_in(states, HandPhase::give_felt);
+    const std::uint64_t lets_go = first_in(states, HandPhase::release);
+    REQUIRE(lets_go > lean);
+    if (felt > 0) {
+      CHECK(felt >= kOpens);  // not before, while leaning on the wall
+      CHECK(felt <= kOpens + 30);
+    }
+    const auto due = static_cast<std::int64_t>(std::llround(reaction / kPeriod));
+    const std::int64_t waited = static_cast<std::int64_t>(lets_go) - static_cast<std::int64_t>(felt > 0 ? felt : lets_go);
+    CHECK(std::abs(waited - due) <= 1);  // rounding of a tick
+    for (const HandState& state : states)
+      if (state.tick >= kOpens && state.tick < lets_go) REQUIRE(state.thrust == config.push);
+  }
+}
+
+TEST_CASE("SimulatedHand: letting go takes the thrust to nothing over `release` and never raises it") {
+  for (const double release : {0.0, 0.1, 0.5}) {
+    CAPTURE(release);
+    HandConfig config;
+    config.release = release;
+    SimulatedHand hand = make(config);
+    const auto states = run(hand, {.opens = kOpens}, kTicks);
+    const std::uint64_t lets_go = first_in(states, HandPhase::release), empty = first_in(states, HandPhase::withdraw);
+    REQUIRE(lets_go > 0);
+    REQUIRE(empty > lets_go);
+    CHECK(std::abs(static_cast<double>(empty - lets_go) - release / kPeriod) <= 2.0);
+    for (std::size_t n = lets_go + 1; n < states.size(); ++n) {
+      REQUIRE(states[n].thrust <= states[n - 1].thrust);
+      REQUIRE(states[n].thrust >= 0.0);
+      if (states[n].tick > empty) REQUIRE(states[n].thrust == 0.0);
+    }
+  }
+}
+
+TEST_CASE("SimulatedHand: while the wall stands it neither feels a give nor lets go") {
+  SimulatedHand hand = make({});
+  const auto states = run(hand, {.opens = std::numeric_limits<std::uint64_t>::max()}, 20000);
+  CHECK(states.back().phase == HandPhase::lean);
+  CHECK(first_in(states, HandPhase::give_felt) == 0);
+}
+
+TEST_CASE("SimulatedHand: with feels = false force changes nothing, so the wall is pushed through") {
+  HandConfig config;
+  config.feels = false;
+  SimulatedHand numb = make(config), alone = make(config);
+  const auto against_wall = run(numb, {.opens = kOpens}, 3000), in_air = run(alone, {.opens = 0}, 3000);
+  for (std::size_t n = 0; n < in_air.size(); ++n)
+    REQUIRE(against_wall[n].world_from_hand.translation == in_air[n].world_from_hand.translation);
+  CHECK(against_wall.back().world_from_hand.translation.z < -0.005);
+  config.feels = true;
+  SimulatedHand feeling = make(config);
+  CHECK(run(feeling, {.opens = kOpens}, 3000).back().world_from_hand.translation.z > -0.006);
+}
+
+TEST_CASE("SimulatedHand: tremor stays below the amplitude times the arm's largest gain, and settles at the arm's gain at its rate") {
+  HandConfig config;
+  config.contact_force = 1e9;  // never leans
+  config.feed = 0.0;
+  SimulatedHand hand = make(config);
+  const auto states = run(hand, {.opens = 0}, 6000);
+  const double m = config.dynamics.mass, b = config.dynamics.damping, k = config.dynamics.stiffness;
+  // Any input of that amplitude stays below amplitude times the integral of the impulse response's magnitude: (1 + q) / (1 - q) with
+  // q = exp(-pi zeta / sqrt(1 - zeta^2)) for an under-damped oscillator.
+  const double zeta = 0.5 * b / std::sqrt(k * m), q = std::exp(-std::acos(-1.0) * zeta / std::sqrt(1.0 - zeta * zeta));
+  const double bound = config.tremor_amplitude * (1.0 + q) / (1.0 - q);
+  double largest = 0.0, settled_x = 0.0, settled_y = 0.0;
+  for (const HandState& state : states) {
+    const Vec3 p = state.world_from_hand.translation;
+    largest = std::max({largest, std::abs(p.x), std::abs(p.y)});
+    if (state.tick < 3000) continue;
+    settled_x = std::max(settled_x, std::abs(p.x));
+    settled_y = std::max(settled_y, std::abs(p.y));
+  }
+  const auto gain = [&](double frequency) {
+    const double w = 2.0 * std::acos(-1.0) * frequency;
+    return k / std::hypot(k - m * w * w, b * w);
+  };
+  MESSAGE("tremor at most " << largest * 1e6 << " um, bound " << bound * 1e6 << ", settled " << settled_x * 1e6 << " and "
+                            << settled_y * 1e6);
+  CHECK(largest < bound);
+  // 1 %: the held input lags by half a tick, which changes no amplitude, and peaks are sampled 110 times a period.
+  CHECK(std::abs(settled_x / (config.tremor_amplitude * gain(config.tremor_frequency)) - 1.0) < 0.01);
+  CHECK(std::abs(settled_y / (config.tremor_amplitude * gain(1.13 * config.tremor_frequency)) - 1.0) < 0.01);
+}
+
+TEST_CASE("SimulatedHand: one seed gives the same bits again, another seed another tremor, and no tremor no lateral motion") {
+  HandConfig config, other = config, still = config;
+  other.seed = 2;
+  still.tremor_amplitude = 0.0;
+  SimulatedHand a = make(config), b = make(config), c = make(other), d = make(still);
+  const Wall wall{.opens = kOpens};
+  const auto first = run(a, wall, 5000), again = run(b, wall, 5000), different = run(c, wall, 5000), straight = run(d, wall, 5000);
+  double apart = 0.0;
+  for (std::size_t n = 0; n < first.size(); ++n) {
+    REQUIRE(first[n].world_from_hand.translation == again[n].world_from_hand.translation);
+    REQUIRE(first[n].velocity == again[n].velocity);
+    REQUIRE(straight[n].world_from_hand.translation.x == 0.0);
+    REQUIRE(straight[n].world_from_hand.translation.y == 0.0);
+    apart = std::max(apart, glm::length(first[n].world_from_hand.translation - different[n].world_from_hand.translation));
+  }
+  CHECK(apart > 0.2 * config.tremor_amplitude);
+}
+
+TEST_CASE("SimulatedHand: the script runs in the approach frame, a turned and moved one gives the same motion in it") {
+  const Pose turned{rotation_from_z(glm::normalize(Vec3(0.4, -0.7, 0.3))), Vec3(0.05, -0.11, 0.2)};
+  SimulatedHand level = make({}), oblique = make({}, turned);
+  const auto a = run(level, {.opens = kOpens}, 3000), b = run(oblique, {.opens = kOpens, .world_from_approach = turned}, 3000);
+  double worst = 0.0;
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    worst = std::max(worst, glm::length(turned.inverse() * b[n].world_from_hand.translation - a[n].world_from_hand.translation));
+    REQUIRE(a[n].phase == b[n].phase);
+    REQUIRE(b[n].world_from_hand.rotation == turned.rotation);
+  }
+  // Roundings of positions of 0.2 m, 3e-17 m a tick, through a wall that does not amplify them.
+  CHECK(worst < 1e-12);
+}
+
+TEST_CASE("SimulatedHand: create refuses script values that are negative or not finite, and the body's own") {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const auto refuses = [](const HandConfig& config, double period = kPeriod) {
+    const auto hand = SimulatedHand::create(config, kLevel, period);
+    return !hand.ok() && hand.error().code == ErrorCode::out_of_range;
+  };
+  for (double HandConfig::*value :
+       {&HandConfig::feed, &HandConfig::push, &HandConfig::ramp, &HandConfig::reaction, &HandConfig::release, &HandConfig::contact_force,
+        &HandConfig::give_speed, &HandConfig::standoff, &HandConfig::tremor_amplitude, &HandConfig::tremor_frequency})
+    for (const double bad : {-1e-9, nan, infinity}) {
+      HandConfig config;
+      config.*value = bad;
+      CHECK(refuses(config));
+    }
+  for (const double bad : {0.0, -0.1, nan}) {
+    HandConfig config;
+    config.follow_time = bad;
+    CHECK(refuses(config));
+    CHECK(refuses({}, bad));
+    config = {};
+    config.dynamics.mass = bad;
+    CHECK(refuses(config));
+  }
+  CHECK_FALSE(refuses({}));
+}

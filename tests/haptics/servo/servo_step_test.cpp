@@ -1,0 +1,98 @@
+#include "haptics/servo/servo_step.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+using namespace burrhole;
+
+namespace {
+
+/// A hand that records the force it was given.
+class RecordingHand final : public HandSource {
+ public:
+  const HandState& step(const Vec3& force_on_hand) noexcept override {
+    force = force_on_hand;
+    ++state_.tick;
+    state_.world_from_hand.translation.x = static_cast<double>(state_.tick);
+    return state_;
+  }
+  Vec3 force{-1.0};
+
+ private:
+  HandState state_;
+};
+
+struct Bench {
+  RecordingHand hand;
+  TripleBuffer<ContactState> contact;
+  TripleBuffer<HandState> out;
+  ServoStep servo{ServoConfig{.largest_force = 50.0}, hand, contact, out};
+
+  const ServoOutput& tick(const Vec3& force) {
+    ContactState state;
+    state.on_hand.force = force;
+    contact.publish(state);
+    return servo();
+  }
+};
+
+}  // namespace
+
+TEST_CASE("ServoStep: a sound force reaches the hand unchanged, and the hand's new state is published") {
+  Bench bench;
+  const Vec3 force(1.0, -2.0, 30.0);
+  const ServoOutput& output = bench.tick(force);
+  CHECK(output.force == force);
+  CHECK(bench.hand.force == force);
+  CHECK(output.faults == 0);
+  CHECK(output.hand.tick == 1);
+  CHECK(bench.out.latest().tick == 1);
+  CHECK(bench.out.latest().world_from_hand.translation.x == 1.0);
+  static_cast<void>(bench.servo());  // no newer contact: the last force is held
+  CHECK(bench.hand.force == force);
+  CHECK(bench.out.latest().tick == 2);
+}
+
+TEST_CASE("ServoStep: a force that is not finite in any component becomes zero, at once and for good") {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()})
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Bench bench;
+      static_cast<void>(bench.tick({0.0, 0.0, 5.0}));
+      Vec3 force(1.0, 2.0, 3.0);
+      force[axis] = bad;
+      CHECK(bench.tick(force).force == Vec3(0.0));
+      CHECK(bench.hand.force == Vec3(0.0));
+      CHECK((bench.servo.faults() & kServoForceNotFinite) != 0);
+      CHECK(bench.tick({0.0, 0.0, 5.0}).force == Vec3(0.0));
+      CHECK(bench.hand.force == Vec3(0.0));
+      CHECK((bench.servo.faults() & kServoForceNotFinite) != 0);
+    }
+}
+
+TEST_CASE("ServoStep: the cap limits the magnitude, keeps the direction, and is told") {
+  Bench bench;
+  const Vec3 force = 1000.0 * glm::normalize(Vec3(1.0, -2.0, 2.0));
+  const ServoOutput& output = bench.tick(force);
+  CHECK(std::abs(glm::length(output.force) - 50.0) < 50.0 * 1e-15);
+  CHECK(glm::length(glm::cross(output.force, force)) < 1e-10);
+  CHECK(glm::dot(output.force, force) > 0.0);
+  CHECK(output.faults == kServoForceCapped);
+  CHECK(bench.hand.force == output.force);
+  CHECK(bench.tick({0.0, 0.0, 49.9}).force == Vec3(0.0, 0.0, 49.9));  // not latched as a limit
+}
+
+TEST_CASE("ServoStep: a finite force whose square overflows is capped, never turned into a direction of its own") {
+  Bench bench;
+  const Vec3 applied = bench.tick({0.0, 0.0, 1e200}).force;
+  CHECK(is_finite(applied));
+  CHECK(glm::length(applied) <= 50.0 * (1.0 + 1e-15));
+}
+
+TEST_CASE("ServoStep: the cap's own flag says the tick that it limited") {
+  Bench bench;
+  CHECK((bench.tick({0.0, 0.0, 60.0}).faults & kServoForceCapped) != 0);
+  CHECK((bench.tick({0.0, 0.0, 10.0}).faults & kServoForceCapped) == 0);
+}
