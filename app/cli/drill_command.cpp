@@ -174,7 +174,7 @@ void catch_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet, Issues& issues) {
+Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet) {
   SimulationOptions options;
   options.restore_path = files.restore_path;
   options.stop = &stop_flag;
@@ -191,12 +191,9 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
     const double thickness = loaded.scene.volume.phantom ? loaded.scene.volume.phantom->thickness : 0.007;
     progress.show(std::max(p.deepest / thickness * 0.95, time / loaded.scene.duration), fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
   };
+  Issues issues;
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
-  if (!simulation) {
-    const Error first = issues.front();
-    issues.erase(issues.begin());
-    return first;
-  }
+  if (!simulation) return issues.front();
   if (Status made = make_folder(files.folder); !made) return made.error();
   remove_old_pictures(files.folder);
   auto session = open_session(loaded, files);
@@ -229,19 +226,10 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->add_flag("--json", option->json, "print summary.json on stdout, and nothing else there");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
-    const auto document = option->scene.document();
-    if (!document) {
-      exit_code = report(document.error());
-      return;
-    }
-    Issues issues;
-    const auto loaded = load_scene(*document, scene_context(), issues);
-    if (!loaded) {
-      exit_code = report(issues);
-      return;
-    }
+    const auto loaded = load_or_report(option->scene, exit_code);
+    if (!loaded) return;
     catch_signals();
-    const auto summary = drill_scene(*loaded, option->files, option->quiet, issues);
+    const auto summary = drill_scene(*loaded, option->files, option->quiet);
     if (!summary) {
       exit_code = report(summary.error());
       return;

@@ -40,22 +40,13 @@ void add_explain(CLI::App& app, int& exit_code) {
   command->add_flag("--measure", option->measure, "run the scene, writing nothing, and add the time of each row");
   command->add_flag("--json", option->json, "print JSON on stdout, and nothing else there");
   command->callback([option, &exit_code] {
-    const auto document = option->scene.document();
-    if (!document) {
-      exit_code = report(document.error());
-      return;
-    }
-    Issues issues;
-    const auto loaded = load_scene(*document, scene_context(), issues);
-    if (!loaded) {
-      exit_code = report(issues);
-      return;
-    }
+    const auto loaded = load_or_report(option->scene, exit_code);
+    if (!loaded) return;
     const Plan plan = make_plan(*loaded);
     std::optional<RunSummary> measured;
     if (option->measure) {
       catch_signals();
-      auto summary = drill_scene(*loaded, {}, false, issues);
+      auto summary = drill_scene(*loaded, {}, false);
       if (!summary) {
         exit_code = report(summary.error());
         return;

@@ -63,6 +63,18 @@ Result<TomlDocument> SceneOption::document() const {
   return document;
 }
 
+std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code) {
+  const auto document = option.document();
+  if (!document) {
+    exit_code = report(document.error());
+    return std::nullopt;
+  }
+  Issues issues;
+  auto loaded = load_scene(*document, scene_context(), issues);
+  if (!loaded) exit_code = report(issues);
+  return loaded;
+}
+
 void print(const std::string& text) {
   std::fwrite(text.data(), 1, text.size(), stdout);
   std::fflush(stdout);

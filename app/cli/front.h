@@ -34,6 +34,9 @@ struct SceneOption {
   [[nodiscard]] Result<TomlDocument> document() const;
 };
 
+/// Document, scene, bone and tool in one go. Nothing when something was at fault: it is then printed and `exit_code` set.
+[[nodiscard]] std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code);
+
 /// Prints to stdout, unbuffered by anything else.
 void print(const std::string& text);
 

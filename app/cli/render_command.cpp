@@ -85,17 +85,8 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_flag("--cut", option->cut, "cut open through the axis");
   command->add_flag("--no-tool", option->no_tool, "without the bit");
   command->callback([option, &exit_code] {
-    const auto document = option->scene.document();
-    if (!document) {
-      exit_code = report(document.error());
-      return;
-    }
-    Issues issues;
-    auto loaded = load_scene(*document, scene_context(), issues);
-    if (!loaded) {
-      exit_code = report(issues);
-      return;
-    }
+    auto loaded = load_or_report(option->scene, exit_code);
+    if (!loaded) return;
     const Status drawn = draw_scene(*option, *loaded);
     exit_code = drawn ? kDone : report(drawn.error());
   });
