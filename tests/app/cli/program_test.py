@@ -120,6 +120,17 @@ class Drill(WithFolder):
         self.assertEqual(summary["drilling"]["removed_mass_mm3"], 0)
         self.assertEqual(sorted(p.name for p in out.iterdir()), ["bone.vdb", "report.html", "summary.json"])
 
+    def test_quiet_says_nothing_and_stdout_stays_empty_without_json(self):
+        result = run("drill", QUICK, "--out", self.folder, "--set", "duration_s=0.1", "--quiet")
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+
+    def test_a_picture_of_an_earlier_run_does_not_stay(self):
+        for name in ("breakthrough.png", "notes.png"):
+            (self.folder / name).write_text("of another day")
+        self.assertEqual(run("drill", QUICK, "--out", self.folder, "--set", "duration_s=0.1", "--quiet").returncode, 0)
+        self.assertFalse((self.folder / "breakthrough.png").exists())
+        self.assertTrue((self.folder / "notes.png").exists(), "only pictures of a run are ours to remove")
+
 
 class BadInput(WithFolder):
     def refused(self, scene, code, *needles, sets=()):
@@ -166,6 +177,14 @@ class BadInput(WithFolder):
         self.assertEqual(len(found), 1)
         self.assertRegex(found[0], PLACE)
 
+    def test_a_fault_of_the_input_outweighs_a_device_that_is_not_there(self):
+        self.assertEqual(len(self.refused(self.quick([("push_N = 20", "kind = \"device\"\npush_N = -1")]), 2, "needs a force device", "push_N = -1")), 2)
+
+    def test_the_shipped_scene_is_sound(self):
+        result = run("check", "parietal")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertTrue(result.stdout.endswith("parietal.toml: ok\n"), result.stdout)
+
     def test_check_prints_every_fault(self):
         scene = self.quick([("spacing_mm = 0.2", "spacing = 0.2"), ("push_N = 20", "push_N = -1"), ("[record]", "[recrod]")])
         self.assertEqual(len(self.refused(scene, 2)), 3)
@@ -187,6 +206,9 @@ class BadInput(WithFolder):
         result = run("drill", QUICK, "--out", blocker / "out", "--quiet")
         self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1), result.stderr)
         self.assertIn(str(blocker), result.stderr)
+        result = run("drill", QUICK, "--out", "/proc/no_such_place", "--quiet")  # not even root may
+        self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1), result.stderr)
+        self.assertIn("/proc/no_such_place", result.stderr)
 
     def test_faulty_tools_are_named_with_their_place(self):
         cases = [("diameter_mm = 2", "diameter_mm = -2", "diameter_mm"), ("diameter_mm = 2", "diameter = 2", "diameter_mm"),
@@ -226,6 +248,15 @@ class OtherCommands(WithFolder):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(struct.unpack(">II", image.read_bytes()[16:24]), (64, 48))
 
+    def test_render_refuses_what_makes_no_picture(self):
+        for wrong in (["--size", "64"], ["--size", "0x0"], ["--size", "9999x9999"], ["--camera", "1,2"], ["--camera", "0,95,30"], ["--camera", "0,40,0"]):
+            with self.subTest(wrong=wrong):
+                result = run("render", QUICK, "--image", self.folder / "x.png", *wrong)
+                self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1), result.stderr)
+                self.assertIn(wrong[1], result.stderr)
+        self.assertEqual(run("render", QUICK, "--image", self.folder / "x.jpg").returncode, 2)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
     def test_tools_lists_and_tells(self):
         listed = run("tools").stdout
         for name in ("perforator_14_11", "round_burr_4mm", "acosta_liu_round"):
@@ -236,20 +267,37 @@ class OtherCommands(WithFolder):
         self.assertEqual(wrong.returncode, 2)
         self.assertIn("perforator_14_11", wrong.stderr)
 
-    def test_a_tampered_session_does_not_replay(self):
+    def changed_session(self, change):
+        """A session whose hand_z in the middle of its last block, where bone is felt, went through `change` (8 bytes to 8 bytes)."""
         run("drill", QUICK, "--out", self.folder, "--set", "duration_s=0.8", "--quiet")
         session = self.folder / "session.sqlite"
         with sqlite3.connect(session) as connection:
             first, data = connection.execute("select first_row, data from ticks order by first_row desc limit 1").fetchone()
             hand_z_of_row = 8 * 2
             row = 8 * connection.execute("select count(*) from columns").fetchone()[0]
-            at = len(data) // row // 2 * row + hand_z_of_row  # half way through the last block: bone is felt there
+            at = len(data) // row // 2 * row + hand_z_of_row
             changed = bytearray(data)
-            changed[at:at + 8] = struct.pack("<d", struct.unpack("<d", data[at:at + 8])[0] + 1e-3)
+            changed[at:at + 8] = change(data[at:at + 8])
             connection.execute("update ticks set data = ? where first_row = ?", (bytes(changed), first))
-        result = run("replay", session, "--quiet")
-        self.assertEqual(result.returncode, 3, result.stdout + result.stderr)
-        self.assertIn("DIFFERENT", result.stdout)
+        return session
+
+    def test_a_tampered_session_does_not_replay(self):
+        for name, change in (("a millimetre", lambda z: struct.pack("<d", struct.unpack("<d", z)[0] + 1e-3)),
+                             ("one bit", lambda z: struct.pack("<Q", struct.unpack("<Q", z)[0] ^ 1 << 20))):  # under a picometre
+            with self.subTest(name):
+                result = run("replay", self.changed_session(change), "--quiet")
+                self.assertEqual(result.returncode, 3, result.stdout + result.stderr)
+                self.assertIn("DIFFERENT", result.stdout)
+        untouched = run("replay", self.changed_session(lambda z: z), "--quiet")
+        self.assertEqual(untouched.returncode, 0, untouched.stdout + untouched.stderr)
+
+    def test_a_session_is_all_that_a_replay_needs(self):
+        self.assertEqual(run("drill", self.quick(), "--out", self.folder / "out", "--set", "duration_s=0.4", "--quiet").returncode, 0)
+        (self.folder / "scene.toml").unlink()
+        (self.folder / "pin_2mm.toml").unlink()
+        result = run("replay", self.folder / "out" / "session.sqlite", "--quiet")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertEqual(result.stdout.count(" same"), 2, result.stdout)
 
     def test_every_command_has_help(self):
         for command in ("drill", "render", "check", "explain", "tools", "replay", "cost"):

@@ -1,0 +1,138 @@
+// The shipped scene from end to end, drilled once and replayed once: what the trainee would be told, against what is known of bone and bit.
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "app/engine/recorded_hand.h"
+#include "tests/support/drill_scene.h"
+#include "tests/support/temporary_folder.h"
+#include "volumes/phantom/truth.h"
+
+namespace burrhole::test {
+namespace {
+
+LoadedScene load_shipped(const std::vector<std::string>& sets) {
+  auto document = TomlDocument::load(BH_SOURCE_DIR "/app/scenes/parietal.toml");
+  REQUIRE(document);
+  for (const std::string& set : sets) REQUIRE(document->set(set));
+  Issues issues;
+  auto loaded = load_scene(*document, test_context(), issues);
+  REQUIRE_MESSAGE(loaded.has_value(), (issues.empty() ? "" : issues.front().text()));
+  loaded->scene.display.reset();  // no picture is looked at here
+  return std::move(*loaded);
+}
+
+/// Diameter [m] of the circle with the area that is gone from bone on a plane across the axis at `depth` [m].
+double diameter_at(Simulation& simulation, double depth) {
+  constexpr double kStep = 0.1e-3, kReach = 9e-3;
+  Voxmap& voxmap = simulation.voxmap();
+  const VoxelBox bounds = voxmap.bone().bounds();
+  std::vector<float> left(bounds.count());
+  voxmap.read_density(bounds, left);
+  std::vector<float> loaded(bounds.count());
+  voxmap.bone().read_occupancy(bounds, loaded);
+  const Affine index_from_approach =
+      voxmap.bone().bone_from_index().inverse() * Affine::from_pose(simulation.approach().bone_from_approach);
+  int gone = 0;
+  for (double y = -kReach; y < kReach; y += kStep)
+    for (double x = -kReach; x < kReach; x += kStep) {
+      const Vec3i v = voxel_of(index_from_approach * Vec3(x, y, -depth));
+      if (!bounds.contains(v)) continue;
+      const std::size_t at = bounds.offset_of(v);
+      if (loaded[at] >= kSurfaceLevel && left[at] < kSurfaceLevel) ++gone;
+    }
+  return 2.0 * std::sqrt(gone * kStep * kStep / std::numbers::pi);
+}
+
+void check_breakthrough(DrillRun& run) {
+  const DrillProgress& p = run.simulation().progress();
+  REQUIRE(p.breakthrough_time.has_value());
+  const Vec3 entry = run.loaded().scene.approach.entry, axis = run.loaded().scene.approach.axis;
+  const double thickness = Truth(*run.loaded().scene.volume.phantom).thickness_along(entry - axis * 5e-3, axis);
+  const double plunge = p.deepest - *p.breakthrough_depth;
+  MESSAGE("breakthrough after " << *p.breakthrough_time << " s at " << *p.breakthrough_depth * 1e3 << " mm of " << thickness * 1e3
+                                << " mm by closed form, " << p.removed_at_breakthrough << " of the axis removed; plunge " << plunge * 1e3
+                                << " mm; furthest ahead of front and engagement " << p.largest_ahead / run.voxel() << " voxels; peak force "
+                                << p.peak_force << " N");
+  CHECK(std::abs(run.simulation().approach().thickness - thickness) < 0.02e-3);
+  // The last engaged layer, 28 N over 100 kN/m = 0.28 mm, is inside the bit when the tip leaves; with a voxel of rounding 0.5 mm.
+  CHECK(std::abs(*p.breakthrough_depth - thickness) < 0.5e-3);
+  CHECK(p.removed_at_breakthrough >= 0.95);
+  CHECK(p.largest_ahead <= run.voxel());
+  // A hand of 150 ms reaction goes on a little; the shoulder of the outer drill, 3 mm up, ends it.
+  CHECK(plunge > 0.3e-3);
+  CHECK(plunge < 3.0e-3);
+  // The thrust is what the bone must carry; a shoulder that lands on the ledge may add a quarter.
+  CHECK(p.peak_force > 28.0 * 0.95);
+  CHECK(p.peak_force < 28.0 * 1.25);
+}
+
+void check_hole(DrillRun& run) {
+  Simulation& simulation = run.simulation();
+  const HoleMeasure hole = measure_hole(simulation.voxmap(), simulation.approach());
+  REQUIRE(hole.outer_diameter.has_value());
+  REQUIRE(hole.inner_diameter.has_value());
+  // Two voxels: each wall may lie a voxel off, by rounding of the bit's edge and by tremor.
+  CHECK(std::abs(*hole.outer_diameter - 14e-3) < 0.5e-3);
+  CHECK(std::abs(*hole.inner_diameter - 11e-3) < 0.5e-3);
+  // The ledge lies where the shoulder of the outer drill stood at the deepest, 3 mm above the tip.
+  const double ledge = simulation.progress().deepest - 3e-3;
+  const double above = diameter_at(simulation, ledge - 0.75e-3), below = diameter_at(simulation, ledge + 0.75e-3);
+  MESSAGE("hole " << *hole.outer_diameter * 1e3 << " mm outside, " << *hole.inner_diameter * 1e3 << " mm inside; ledge at " << ledge * 1e3
+                  << " mm: " << above * 1e3 << " mm wide above, " << below * 1e3 << " mm below; removed " << hole.removed * 1e9
+                  << " mm3 of volume, " << simulation.bone_step().removed_mass() * 1e9 << " mm3 of mass");
+  CHECK(std::abs(above - 14e-3) < 0.5e-3);
+  CHECK(std::abs(below - 11e-3) < 0.5e-3);
+  // 14 mm down to the ledge and 11 mm below it: 3 % for walls half a voxel off and the sag of 0.3 mm of the outer surface at the rim.
+  const double expected = std::numbers::pi * (49e-6 * ledge + 30.25e-6 * (simulation.approach().thickness - ledge));
+  CHECK(std::abs(hole.removed / expected - 1.0) < 0.03);
+}
+
+void check_tremor(const std::string& session) {
+  double farthest = 0.0;
+  const std::vector<double> x = session_column(session, "tool_x"), y = session_column(session, "tool_y");
+  for (std::size_t n = 0; n < x.size(); ++n) farthest = std::max(farthest, std::sqrt(x[n] * x[n] + y[n] * y[n]));
+  MESSAGE("bit at most " << farthest * 1e3 << " mm off the axis");
+  CHECK(farthest < 0.1e-3);
+}
+
+TEST_CASE("parietal: the shipped scene breaks through, leaves a ledged 14/11 mm hole and replays to the bit") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("run.sqlite");
+  DrillRun run(load_shipped({}));
+  run_recorded(run, path);
+  CHECK(run.simulation().end() == RunEnd::done);
+  CHECK(run.simulation().bone_step().points_outside() == 0);
+  check_breakthrough(run);
+  check_hole(run);
+  check_tremor(path);
+
+  const auto session = SessionReader::open(path);
+  REQUIRE(session);
+  auto hand = RecordedHand::create(*session);
+  REQUIRE(hand);
+  SimulationOptions options;
+  options.hand = &*hand;
+  LoadedScene loaded = load_shipped({});
+  loaded.scene.duration = static_cast<double>(hand->ticks()) / loaded.scene.servo_hz;
+  DrillRun again(std::move(loaded), options);
+  again.run();
+  CHECK(again.voxel_hash() == run.voxel_hash());
+  CHECK(again.simulation().force_hash() == run.simulation().force_hash());
+}
+
+TEST_CASE("parietal: the perforator at rest under 40 N does not pass an inner table of 1.7 mm") {
+  LoadedScene loaded = load_text(scene_text({.volume = kInnerTableKeys}), {"tool.name=perforator_14_11", "volume.extent_mm=[20,20,6]",
+                                                                           "tool.spin_rpm=0", "hand.push_N=40", "duration_s=3"});
+  DrillRun run(std::move(loaded));
+  const std::uint64_t untouched = run.voxel_hash();
+  const DrillProgress& p = run.run().simulation().progress();
+  MESSAGE("tip at most " << p.deepest / run.voxel() << " voxels past the surface");
+  CHECK(p.deepest / run.voxel() < 0.1);
+  CHECK(run.voxel_hash() == untouched);
+}
+
+}  // namespace
+}  // namespace burrhole::test

@@ -1,0 +1,147 @@
+// What is wrong with a scene, and where, as the user is told: exact lines.
+
+#include <doctest/doctest.h>
+
+#include "tests/support/drill_scene.h"
+
+namespace burrhole::test {
+namespace {
+
+/// Every fault of a text, found by reading it and by putting the run together; one line each.
+std::vector<std::string> faults(const std::string& text, Issues& issues) {
+  const auto document = TomlDocument::parse(text, "bad.toml");
+  if (!document) return {document.error().text()};
+  const auto loaded = load_scene(*document, test_context(), issues);
+  if (loaded) (void)Simulation::create(loaded->scene, loaded->bone, loaded->tool, {}, issues);
+  std::vector<std::string> lines;
+  for (const Error& issue : issues) lines.push_back(issue.text());
+  return lines;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  REQUIRE_MESSAGE(at != std::string::npos, from);
+  return text.replace(at, from.size(), to);
+}
+
+/// One edit of a sound scene and the lines it must bring; a line that starts with "~" need only be contained.
+struct BadScene {
+  std::string from, to;
+  std::vector<std::string> lines;
+};
+
+const BadScene kBadScenes[] = {
+    {"spin_rpm = 1000.0", "spin_rpm = ", {"~bad.toml:14:12: "}},
+    {"spin_rpm",
+     "spin_rmp",
+     {"bad.toml:12:2: tool.spin_rpm is missing (speed of the spindle)",
+      "bad.toml:14:1: unknown key \"spin_rmp\" in [tool]; did you mean \"spin_rpm\"?"}},
+    {"push_N", "pusch_N", {"bad.toml:20:1: unknown key \"pusch_N\" in [hand]; did you mean \"push_N\"?"}},
+    {"[record]", "[recrod]", {"bad.toml:30:2: unknown table [recrod]; did you mean [record]?"}},
+    {"spin_rpm = 1000.0", "spin = 1000.0", {"bad.toml:14:1: tool.spin lacks its unit: write \"spin_rpm\""}},
+    {"push_N = 20.0", "push_N = -3", {"bad.toml:20:1: hand.push_N = -3 must be in [0, 500]"}},
+    {"push_N = 20.0", "push_N = nan", {"bad.toml:20:1: hand.push_N = nan must be a finite number"}},
+    {"push_N = 20.0", "push_N = \"hard\"", {"bad.toml:20:1: hand.push_N = \"hard\" must be a number"}},
+    {"spacing_mm = 0.25", "spacing_mm = [1, 2]", {"bad.toml:6:1: volume.spacing_mm = [array] must be a number"}},
+    {"[hand]", "[hande]", {"~[hand] is missing", "bad.toml:19:2: unknown table [hande]; did you mean [hand]?"}},
+    {"spin_rpm = 1000.0\n", "", {"bad.toml:12:2: tool.spin_rpm is missing (speed of the spindle)"}},
+    {"\"ball\"", "\"perforator_14\"", {"bad.toml:13:1: tool.name = \"perforator_14\" is no tool; did you mean \"perforator_14_11\"?"}},
+    {"\"ball\"", "\"no/such.toml\"", {"bad.toml:13:1: tool.name = \"no/such.toml\" is no tool (burrhole tools lists them)"}},
+    {"cutting_N_per_m = 40e3", "rate_hz = 300", {"bad.toml:26:1: contact.rate_hz = 300 must divide servo_hz = 1000"}},
+    {"[erosion]", "[erosion]\nrate_hz = 333", {"bad.toml:29:1: erosion.rate_hz = 333 must divide servo_hz = 1000"}},
+    {"[0.0, 0.0, 0.0]", "[40.0, 0.0, 0.0]", {"bad.toml:17:1: the approach axis meets no bone within 20 mm of entry_mm"}},
+    {"[0.0, 0.0, 0.0]", "[0.0, 0.0, 0.0]\naxis = [0, 0, 0]", {"bad.toml:18:1: approach.axis has no length"}},
+    {"[6.0, 6.0, 6.0]",
+     "[300, 300, 300]",
+     {"bad.toml:6:1: volume.spacing_mm = 0.25 with volume.extent_mm makes 1200 x 1200 x 1200 = 1.73e+09 voxels, more than the 3e+08 that "
+      "are "
+      "built: use a larger spacing or a smaller extent"}},
+    {"spacing_mm = 0.25",
+     "spacing_mm = 1.5",
+     {"bad.toml:6:1: volume.spacing_mm = 1.5 is too coarse for the 3 mm of bone or hole that volume.thickness_mm leaves: at most 0.75"}},
+    {"phantom:plate",
+     "phantom:plat",
+     {"bad.toml:5:1: volume.source = \"phantom:plat\" names no phantom: did you mean \"phantom:plate\"?; known: skull_patch, block, plate, "
+      "sphere, wedge, pit"}},
+    {"[hand]",
+     "[hand]\nkind = \"device\"",
+     {"bad.toml:20:1: hand.kind = \"device\" needs a force device; this version knows none, only \"script\""}},
+    {"[hand]", "[hand]\nkind = \"mouse\"", {"bad.toml:20:1: hand.kind = \"mouse\" is not in this version; it knows \"script\""}},
+    {"[contact]",
+     "[contact]\nmodel = \"voxmap\"",
+     {"bad.toml:26:1: contact.model = \"voxmap\" is not in this version; it knows \"gradient-plane\""}},
+    {"[record]", "[display]\nmethod = \"mesh\"", {"bad.toml:31:1: display.method = \"mesh\" is not in this version; it knows \"raycast\""}},
+    {"[record]", "[heat]", {"bad.toml:30:2: heat is an effect that is not in this version"}},
+    {"phantom:plate",
+     "skull.nii",
+     {"bad.toml:5:1: volume.source = \"skull.nii\" is neither \"phantom:NAME\" nor a .vdb file; other formats are not read by this "
+      "version"}},
+};
+
+TEST_CASE("scene: each fault is told by file, line, column, value and remedy") {
+  for (const BadScene& bad : kBadScenes) {
+    CAPTURE(bad.to);
+    Issues issues;
+    const std::vector<std::string> lines = faults(replaced(scene_text({.record = true}), bad.from, bad.to), issues);
+    // Keys of a phantom are unknown beside a file, and that is told too: only the first lines are compared.
+    REQUIRE(lines.size() >= bad.lines.size());
+    if (bad.to != "skull.nii") CHECK(lines.size() == bad.lines.size());
+    for (std::size_t n = 0; n < bad.lines.size(); ++n) {
+      if (bad.lines[n].starts_with('~'))
+        CHECK_MESSAGE(lines[n].find(bad.lines[n].substr(1)) != std::string::npos, lines[n]);
+      else
+        CHECK(lines[n] == bad.lines[n]);
+    }
+  }
+}
+
+TEST_CASE("scene: without any fault the same text is sound") {
+  Issues issues;
+  CHECK(faults(scene_text({.record = true}), issues).empty());
+}
+
+TEST_CASE("scene: all faults of a file come at once, in the order of the file") {
+  std::string text = replaced(scene_text({}), "push_N = 20.0", "push_N = -3");
+  text = replaced(replaced(text, "spin_rpm = 1000.0", "spin_rpm = 1e9"), "thickness_mm = 3.0", "thickness_mm = 0");
+  Issues issues;
+  CHECK(faults(text, issues) == std::vector<std::string>{"bad.toml:9:1: volume.thickness_mm = 0 must be in (0, 100]",
+                                                         "bad.toml:14:1: tool.spin_rpm = 1000000000 must be in [0, 200000]",
+                                                         "bad.toml:20:1: hand.push_N = -3 must be in [0, 500]"});
+}
+
+TEST_CASE("scene: a device that is not there is unavailable, not bad input") {
+  Issues issues;
+  (void)faults(replaced(scene_text({}), "[hand]", "[hand]\nkind = \"device\""), issues);
+  REQUIRE(issues.size() == 1);
+  CHECK(issues.front().code == ErrorCode::unavailable);
+}
+
+TEST_CASE("scene: a volume file that is not there is named") {
+  Issues issues;
+  const std::vector<std::string> lines = faults(replaced(scene_text({}), "phantom:plate", "no_skull.vdb"), issues);
+  REQUIRE_FALSE(lines.empty());
+  CHECK_MESSAGE(lines.front().find("no_skull.vdb") != std::string::npos, lines.front());
+  CHECK_MESSAGE(lines.front().find("is not there") != std::string::npos, lines.front());
+}
+
+TEST_CASE("scene: a tool too large for the window is refused with the numbers") {
+  std::string text = replaced(scene_text({}), "\"ball\"", "\"perforator_14_11\"");
+  Issues issues;
+  CHECK(faults(replaced(text, "spacing_mm = 0.25", "spacing_mm = 0.1"), issues) ==
+        std::vector<std::string>{
+            "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 166 x 166 x 426 "
+            "voxels; each edge must be in [5, 256]"});
+}
+
+TEST_CASE("scene: a fault of an override names the override") {
+  auto document = TomlDocument::parse(scene_text({}), "bad.toml");
+  REQUIRE(document);
+  REQUIRE(document->set("hand.push_N=-3"));
+  Issues issues;
+  CHECK_FALSE(load_scene(*document, test_context(), issues).has_value());
+  REQUIRE(issues.size() == 1);
+  CHECK(issues.front().text() == "--set hand.push_N: hand.push_N = -3 must be in [0, 500]");
+}
+
+}  // namespace
+}  // namespace burrhole::test

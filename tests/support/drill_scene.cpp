@@ -1,0 +1,155 @@
+#include "tests/support/drill_scene.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "tests/support/temporary_folder.h"
+
+namespace burrhole::test {
+namespace {
+
+constexpr const char* kPin = R"(title = "Pin: a flat cutting cylinder of 2 mm"
+[shell]
+pitch_mm = 0.25
+[[region]]
+name = "pin"
+shape = "cylinder"
+z_mm = 0
+height_mm = 5
+diameter_mm = 2
+erosion_factor = 0.1
+)";
+constexpr const char* kPunch = R"(title = "Punch: a flat cutting cylinder of 4 mm"
+[shell]
+pitch_mm = 0.5
+[[region]]
+name = "punch"
+shape = "cylinder"
+z_mm = 0
+height_mm = 6
+diameter_mm = 4
+erosion_factor = 0.1
+)";
+constexpr const char* kBall = R"(title = "Ball: a cutting sphere of 2 mm"
+[shell]
+pitch_mm = 0.25
+[[region]]
+name = "ball"
+shape = "sphere"
+z_mm = 0
+diameter_mm = 2
+erosion_factor = 0.1
+)";
+
+void write_tools(const std::string& folder) {
+  for (const auto& [name, text] : {std::pair{"pin", kPin}, std::pair{"ball", kBall}, std::pair{"punch", kPunch}})
+    std::ofstream(folder + "/" + name + ".toml") << text;
+}
+
+}  // namespace
+
+std::string scene_text(const SmallScene& scene) {
+  // The engaged depth of 20 N at 40 kN/m is half a millimetre, two voxels; no tremor, so that figures have closed forms.
+  std::string text = "title = \"Small plate\"\nduration_s = 6.0\n\n[volume]\n" + scene.volume +
+                     "\n[tool]\nname = \"ball\"\nspin_rpm = 1000.0\n\n[approach]\nentry_mm = [0.0, 0.0, 0.0]\n"
+                     "\n[hand]\npush_N = 20.0\nramp_s = 0.1\nstandoff_mm = 0.5\ntremor_mm = 0.0\n";
+  if (scene.contact) text += "\n[contact]\ncutting_N_per_m = 40e3\n";
+  if (scene.erosion) text += "\n[erosion]\n";
+  if (scene.record) text += "\n[record]\n";
+  return text;
+}
+
+SceneContext test_context() {
+  static const TemporaryFolder folder;  // goes with the process
+  write_tools(folder.path().string());
+  return {{folder.path().string(), BH_SOURCE_DIR "/app/tools"}};
+}
+
+LoadedScene load_text(const std::string& text, const std::vector<std::string>& sets, const std::string& file_name) {
+  auto document = TomlDocument::parse(text, file_name);
+  REQUIRE_MESSAGE(document.ok(), (document ? "" : document.error().text()));
+  for (const std::string& set : sets) {
+    const Status applied = document->set(set);
+    REQUIRE_MESSAGE(applied.ok(), (applied ? "" : applied.error().text()));
+  }
+  Issues issues;
+  auto loaded = load_scene(*document, test_context(), issues);
+  REQUIRE_MESSAGE(loaded.has_value(), (issues.empty() ? "" : issues.front().text()));
+  return std::move(*loaded);
+}
+
+LoadedScene load_small(const SmallScene& scene) { return load_text(scene_text(scene), scene.sets); }
+
+DrillRun::DrillRun(LoadedScene loaded, const SimulationOptions& options) : loaded_(std::make_unique<LoadedScene>(std::move(loaded))) {
+  Issues issues;
+  simulation_ = Simulation::create(loaded_->scene, loaded_->bone, loaded_->tool, options, issues);
+  REQUIRE_MESSAGE(simulation_ != nullptr, (issues.empty() ? "" : issues.front().text()));
+}
+
+DrillRun& DrillRun::run() {
+  const Status ran = simulation_->run();
+  REQUIRE_MESSAGE(ran.ok(), (ran ? "" : ran.error().text()));
+  return *this;
+}
+
+namespace {
+
+SimulatedHand make_hand(const LoadedScene& loaded) {
+  const auto approach = make_approach(*loaded.bone, loaded.scene.approach);
+  REQUIRE(approach);
+  const Pose world_from_approach = loaded.scene.volume.world_from_bone * approach->bone_from_approach;
+  auto hand = SimulatedHand::create(loaded.scene.hand, world_from_approach, 1.0 / loaded.scene.servo_hz);
+  REQUIRE(hand);
+  return std::move(*hand);
+}
+
+}  // namespace
+
+WatchedHand::WatchedHand(const LoadedScene& loaded, std::function<void()> watch) : hand_(make_hand(loaded)), watch_(std::move(watch)) {}
+
+DrillRun& run_recorded(DrillRun& run, const std::string& path) {
+  const LoadedScene& loaded = run.loaded();
+  const SessionMeta meta{"test", loaded.scene.file, loaded.scene.text, loaded.tool_text, loaded.scene.hand.seed, "2026-01-01T00:00:00Z"};
+  auto session = SessionWriter::create(path, meta, session_columns(loaded.scene), loaded.scene.servo_hz);
+  REQUIRE_MESSAGE(session.ok(), (session ? "" : session.error().text()));
+  run.simulation().set_session(&*session);
+  run.run();
+  run.simulation().set_session(nullptr);
+  REQUIRE(session->hash({"voxels", std::to_string(run.voxel_hash())}));
+  REQUIRE(session->hash({"forces", std::to_string(run.simulation().force_hash())}));
+  REQUIRE(session->close());
+  return run;
+}
+
+std::vector<double> session_column(const std::string& path, const std::string& name) {
+  const auto session = SessionReader::open(path);
+  REQUIRE_MESSAGE(session.ok(), (session ? "" : session.error().text()));
+  const std::vector<SessionColumn>& columns = session->columns();
+  const auto found = std::find_if(columns.begin(), columns.end(), [&](const SessionColumn& c) { return c.name == name; });
+  REQUIRE_MESSAGE(found != columns.end(), name);
+  const auto rows = session->rows(0, session->row_count());
+  REQUIRE(rows);
+  std::vector<double> values;
+  for (auto at = static_cast<std::size_t>(found - columns.begin()); at < rows->size(); at += columns.size()) values.push_back((*rows)[at]);
+  return values;
+}
+
+double first_contact(const Simulation& simulation, double force) {
+  for (const RunSample& sample : simulation.samples())
+    if (sample.force > force) return sample.time;
+  return -1.0;
+}
+
+double time_at_depth(const Simulation& simulation, double depth) {
+  const std::vector<RunSample>& samples = simulation.samples();
+  for (std::size_t n = 1; n < samples.size(); ++n) {
+    if (samples[n].depth < depth) continue;
+    const double share = (depth - samples[n - 1].depth) / (samples[n].depth - samples[n - 1].depth);
+    return samples[n - 1].time + share * (samples[n].time - samples[n - 1].time);
+  }
+  return -1.0;
+}
+
+}  // namespace burrhole::test
