@@ -7,7 +7,8 @@
 namespace burrhole::cli {
 
 void add_check(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("check", "Is a scene valid? Prints every fault as file:line:column; needs no display and no device.");
+  CLI::App* command =
+      app.add_subcommand("check", "Is a scene valid? Prints every fault as file:line:column; needs no display and no device.");
   auto option = std::make_shared<SceneOption>();
   option->add_to(*command);
   command->callback([option, &exit_code] {

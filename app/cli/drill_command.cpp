@@ -33,14 +33,19 @@ std::string now_iso8601() {
 
 std::string layer_name(VoxelLabel label) {
   switch (label) {
-    case VoxelLabel::bone: return "bone";
-    case VoxelLabel::outer_table: return "outer table";
-    case VoxelLabel::diploe: return "diploe";
-    case VoxelLabel::inner_table: return "inner table";
+    case VoxelLabel::bone:
+      return "bone";
+    case VoxelLabel::outer_table:
+      return "outer table";
+    case VoxelLabel::diploe:
+      return "diploe";
+    case VoxelLabel::inner_table:
+      return "inner table";
     case VoxelLabel::none:
     case VoxelLabel::dura:
     case VoxelLabel::brain:
-    case VoxelLabel::forbidden: return {};
+    case VoxelLabel::forbidden:
+      return {};
   }
   return {};
 }
@@ -66,7 +71,8 @@ std::vector<double> speeds(const std::vector<RunSample>& samples, std::size_t sp
   return out;
 }
 
-DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary, const std::vector<std::string>& pictures) {
+DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary,
+                        const std::vector<std::string>& pictures) {
   DrillReport r;
   r.title = loaded.scene.title;
   r.scene = loaded.scene.file;
@@ -122,7 +128,8 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
 }
 
 Status close_session(SessionWriter& session, const RunSummary& summary) {
-  for (const auto& [kind, value] : {std::pair{"voxels", summary.voxel_hash}, std::pair{"forces", summary.force_hash}, std::pair{"image", summary.image_hash}})
+  for (const auto& [kind, value] :
+       {std::pair{"voxels", summary.voxel_hash}, std::pair{"forces", summary.force_hash}, std::pair{"image", summary.image_hash}})
     if (!value.empty())
       if (Status noted = session.hash({kind, value}); !noted) return noted;
   return session.close();
@@ -132,7 +139,8 @@ Status make_folder(const std::string& folder) {
   if (folder.empty()) return {};
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder)) return bad_input("the output folder cannot be made: " + (error ? error.message() : "not a folder"), folder);
+  if (error || !fs::is_directory(folder))
+    return bad_input("the output folder cannot be made: " + (error ? error.message() : "not a folder"), folder);
   // Ask by doing: permissions of a folder say little for root, on a read-only medium or a full disk.
   const std::string probe = (fs::path(folder) / ".burrhole-probe.tmp").string();
   if (Status written = write_file(probe, ""); !written) return bad_input("the output folder cannot be written to", folder);
@@ -144,7 +152,8 @@ Status make_folder(const std::string& folder) {
 void remove_old_pictures(const std::string& folder) {
   if (folder.empty()) return;
   std::error_code ignored;
-  for (const char* name : {"before.png", "during.png", "breakthrough.png", "after.png", "cutaway.png"}) fs::remove(fs::path(folder) / name, ignored);
+  for (const char* name : {"before.png", "during.png", "breakthrough.png", "after.png", "cutaway.png"})
+    fs::remove(fs::path(folder) / name, ignored);
 }
 
 Status write_results(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary, const std::vector<std::string>& pictures,
@@ -157,8 +166,11 @@ Status write_results(const LoadedScene& loaded, Simulation& simulation, const Ru
 
 void print_figures(const RunSummary& s) {
   const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f} mm", *value) : std::string("-"); };
-  fmt::print(stderr, "thickness {:.2f} mm, breakthrough at {} deep, plunge {}, hole {} outside, {} inside, peak force {:.1f} N, {:.1f} s drilled in {:.1f} s\n",
-             s.thickness_mm, mm(s.depth_mm), mm(s.plunge_mm), mm(s.hole_diameter_mm), mm(s.inner_diameter_mm), s.peak_force_N, s.duration_s, s.wall_s);
+  fmt::print(stderr,
+             "thickness {:.2f} mm, breakthrough at {} deep, plunge {}, hole {} outside, {} inside, peak force {:.1f} N, {:.1f} s drilled "
+             "in {:.1f} s\n",
+             s.thickness_mm, mm(s.depth_mm), mm(s.plunge_mm), mm(s.hole_diameter_mm), mm(s.inner_diameter_mm), s.peak_force_N, s.duration_s,
+             s.wall_s);
 }
 
 }  // namespace
@@ -189,7 +201,8 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   Progress progress(quiet);
   options.progress = [&](double time, const DrillProgress& p) {
     const double thickness = loaded.scene.volume.phantom ? loaded.scene.volume.phantom->thickness : 0.007;
-    progress.show(std::max(p.deepest / thickness * 0.95, time / loaded.scene.duration), fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
+    progress.show(std::max(p.deepest / thickness * 0.95, time / loaded.scene.duration),
+                  fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
   };
   Issues issues;
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
@@ -207,7 +220,9 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   if (*session)
     if (Status closed = close_session(**session, summary); !closed) return closed.error();
   if (!files.folder.empty())
-    if (Status written = write_results(loaded, *simulation, summary, sink ? sink->files() : std::vector<std::string>(), files.folder); !written) return written.error();
+    if (Status written = write_results(loaded, *simulation, summary, sink ? sink->files() : std::vector<std::string>(), files.folder);
+        !written)
+      return written.error();
   return summary;
 }
 
@@ -217,11 +232,13 @@ void add_drill(CLI::App& app, int& exit_code) {
     DrillingFiles files{"out", {}};
     bool json = false, quiet = false, offscreen = false;
   };
-  CLI::App* command = app.add_subcommand("drill", "The main job: drills a scene offscreen and writes pictures, session, summary.json and report.html.");
+  CLI::App* command =
+      app.add_subcommand("drill", "The main job: drills a scene offscreen and writes pictures, session, summary.json and report.html.");
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   command->add_option("--out", option->files.folder, "folder for the results")->capture_default_str();
-  command->add_option("--restore", option->files.restore_path, "start from this checkpoint: the bone.vdb of an earlier run")->type_name("FILE");
+  command->add_option("--restore", option->files.restore_path, "start from this checkpoint: the bone.vdb of an earlier run")
+      ->type_name("FILE");
   command->add_flag("--offscreen", option->offscreen, "no window (this version never opens one)");
   command->add_flag("--json", option->json, "print summary.json on stdout, and nothing else there");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");

@@ -15,8 +15,8 @@ namespace burrhole::cli {
 void catch_signals();
 
 struct DrillingFiles {
-  std::string folder;          ///< empty: nothing is written
-  std::string restore_path;    ///< checkpoint to start from; empty: bone as loaded
+  std::string folder;        ///< empty: nothing is written
+  std::string restore_path;  ///< checkpoint to start from; empty: bone as loaded
 };
 
 /// Runs and writes pictures, session, bone.vdb, summary.json and report.html. @returns the summary; faults are printed by the caller.

@@ -14,13 +14,14 @@ std::string size_text(std::uint64_t bytes) {
 
 std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSummary* measured) {
   std::string out = fmt::format("{}: {}\n\n", loaded.scene.file, loaded.scene.title);
-  out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}\n", "effect", "clock", "rate", "bytes", measured != nullptr ? "time" : "", "what");
+  out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}\n", "effect", "clock", "rate", "bytes", measured != nullptr ? "time" : "",
+                     "what");
   for (std::size_t n = 0; n < plan.rows.size(); ++n) {
     const PlanRow& row = plan.rows[n];
     const std::string rate = row.rate_hz > 0.0 ? fmt::format("{:.0f} Hz", row.rate_hz) : "events";
     const std::string time = measured != nullptr ? fmt::format("{:.2f} s", measured->effects[n].time_us * 1e-6) : "";
-    out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}; {}\n", row.effect.table, name_of(row.effect.clock), rate, size_text(row.bytes), time,
-                       row.effect.step, row.detail);
+    out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}; {}\n", row.effect.table, name_of(row.effect.clock), rate,
+                       size_text(row.bytes), time, row.effect.step, row.detail);
   }
   out += fmt::format("\nnot built: {}\n", fmt::join(plan.not_built, ", "));
   for (const std::string& warning : plan.warnings) out += "warning: " + warning + "\n";
@@ -34,7 +35,8 @@ void add_explain(CLI::App& app, int& exit_code) {
     SceneOption scene;
     bool json = false, measure = false;
   };
-  CLI::App* command = app.add_subcommand("explain", "What will run, in which order, at which rate, with how many bytes, and what is not built.");
+  CLI::App* command =
+      app.add_subcommand("explain", "What will run, in which order, at which rate, with how many bytes, and what is not built.");
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   command->add_flag("--measure", option->measure, "run the scene, writing nothing, and add the time of each row");

@@ -11,10 +11,14 @@ namespace fs = std::filesystem;
 int exit_code_of(const Error& error) {
   switch (error.code) {
     case ErrorCode::bad_input:
-    case ErrorCode::out_of_range: return kBadInput;
-    case ErrorCode::check_failed: return kCheckFailed;
-    case ErrorCode::unavailable: return kUnavailable;
-    case ErrorCode::internal: return kOurBug;
+    case ErrorCode::out_of_range:
+      return kBadInput;
+    case ErrorCode::check_failed:
+      return kCheckFailed;
+    case ErrorCode::unavailable:
+      return kUnavailable;
+    case ErrorCode::internal:
+      return kOurBug;
   }
   return kOurBug;
 }
@@ -52,7 +56,9 @@ std::string find_scene(const std::string& scene) {
 
 void SceneOption::add_to(CLI::App& command) {
   command.add_option("scene", scene, "scene file (TOML), or the name of a shipped scene")->required();
-  command.add_option("--set", sets, "override a key, e.g. --set tool.spin_rpm=800 (repeatable)")->type_name("TABLE.KEY=VALUE")->allow_extra_args(false);
+  command.add_option("--set", sets, "override a key, e.g. --set tool.spin_rpm=800 (repeatable)")
+      ->type_name("TABLE.KEY=VALUE")
+      ->allow_extra_args(false);
 }
 
 Result<TomlDocument> SceneOption::document() const {

@@ -21,7 +21,8 @@ class OffscreenSink final : public PictureSink {
   Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) override {
     auto image = renderer_.draw(view, width, height);
     if (!image) return image.error();
-    for (const Rgba8& p : image->pixels) hash.add(static_cast<std::uint64_t>(p.r) << 24 | static_cast<std::uint64_t>(p.g) << 16 | static_cast<std::uint64_t>(p.b) << 8 | p.a);
+    for (const Rgba8& p : image->pixels)
+      hash.add(static_cast<std::uint64_t>(p.r) << 24 | static_cast<std::uint64_t>(p.g) << 16 | static_cast<std::uint64_t>(p.b) << 8 | p.a);
     if (folder_.empty()) return {};
     const std::string file = (std::filesystem::path(folder_) / (name + ".png")).string();
     if (Status written = write_png(file, *image); !written) return written;

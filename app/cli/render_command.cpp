@@ -47,7 +47,8 @@ Status apply_view(const Options& option, DisplayScene& display) {
   }
   if (!option.camera.empty()) {
     const auto camera = numbers_of(option.camera, ',', 3);
-    if (!camera || !((*camera)[2] > 0.0) || !(std::abs((*camera)[1]) < 90.0)) return bad_input("--camera " + option.camera + " must be AZIMUTH,ELEVATION,DISTANCE in degrees and mm");
+    if (!camera || !((*camera)[2] > 0.0) || !(std::abs((*camera)[1]) < 90.0))
+      return bad_input("--camera " + option.camera + " must be AZIMUTH,ELEVATION,DISTANCE in degrees and mm");
     display.azimuth = (*camera)[0] * kDegree;
     display.elevation = (*camera)[1] * kDegree;
     display.distance = (*camera)[2] * kMillimetre;

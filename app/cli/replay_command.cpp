@@ -89,7 +89,8 @@ void add_replay(CLI::App& app, int& exit_code) {
     std::string session;
     bool quiet = false;
   };
-  CLI::App* command = app.add_subcommand("replay", "Feeds a recorded hand to the same steps and compares voxels and forces bit for bit (exit 3 if they differ).");
+  CLI::App* command = app.add_subcommand(
+      "replay", "Feeds a recorded hand to the same steps and compares voxels and forces bit for bit (exit 3 if they differ).");
   auto option = std::make_shared<Options>();
   command->add_option("session", option->session, "session file of an earlier drill")->required();
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
@@ -107,8 +108,11 @@ void add_replay(CLI::App& app, int& exit_code) {
     exit_code = kDone;
     for (const Comparison& row : *rows) {
       const bool known = !row.recorded.empty();
-      print(fmt::format("{:<7} recorded {}  replayed {}  {}\n", row.name, known ? row.recorded : "(none: the run was cut short)", row.replayed,
-                        !known ? "not comparable" : row.same() ? "same" : "DIFFERENT"));
+      print(fmt::format("{:<7} recorded {}  replayed {}  {}\n", row.name, known ? row.recorded : "(none: the run was cut short)",
+                        row.replayed,
+                        !known       ? "not comparable"
+                        : row.same() ? "same"
+                                     : "DIFFERENT"));
       if (known && !row.same()) exit_code = kCheckFailed;
     }
   });

@@ -35,7 +35,8 @@ std::string region_text(const RegionSpec& region) {
   std::string text = fmt::format("  {:<14} ", region.name);
   text += e.base > 0.0 ? fmt::format("cuts, {:.3g} a revolution", e.base) : std::string("does not cut");
   if (e.base > 0.0 && (e.axis != 1.0 || e.rim != 1.0)) text += fmt::format(", x{:.2g} on the axis to x{:.2g} at the rim", e.axis, e.rim);
-  if (e.base > 0.0 && e.needs_depth()) text += fmt::format(", bottom x{:.2g}, side x{:.2g}, top x{:.2g}, interior x{:.2g}", e.bottom, e.side, e.top, e.interior);
+  if (e.base > 0.0 && e.needs_depth())
+    text += fmt::format(", bottom x{:.2g}, side x{:.2g}, top x{:.2g}, interior x{:.2g}", e.bottom, e.side, e.top, e.interior);
   return text + "\n";
 }
 
@@ -46,7 +47,8 @@ std::string details_text(const Tool& tool, const ToolSpec& spec) {
   text += fmt::format("  size           {:.1f} x {:.1f} x {:.1f} mm\n", size.x / kMillimetre, size.y / kMillimetre, size.z / kMillimetre);
   text += fmt::format("  haptic points  {} ({} on cutting faces)\n", tool.shell.size(), cutting);
   text += fmt::format("  erosion points {} at a pitch of {:.3g} mm, {:.1f} mm3\n", tool.erosion.size(), tool.erosion.pitch / kMillimetre,
-                      static_cast<double>(tool.erosion.size()) * tool.erosion.pitch * tool.erosion.pitch * tool.erosion.pitch / (kMillimetre * kMillimetre * kMillimetre));
+                      static_cast<double>(tool.erosion.size()) * tool.erosion.pitch * tool.erosion.pitch * tool.erosion.pitch /
+                          (kMillimetre * kMillimetre * kMillimetre));
   for (const RegionSpec& region : spec.regions) text += region_text(region);
   return text;
 }
@@ -76,8 +78,15 @@ int list_tools(bool json) {
     Issues issues;
     const auto tool = load_tool(file, {kListPitch}, issues);
     if (!tool) return report(issues);
-    if (json) rows.push_back({{"name", tool->name}, {"title", tool->title}, {"haptic_points", tool->shell.size()}, {"erosion_points", tool->erosion.size()}, {"file", file}});
-    else print(fmt::format("{:<24} {:>5} haptic {:>6} erosion points  {}\n", tool->name, tool->shell.size(), tool->erosion.size(), tool->title));
+    if (json)
+      rows.push_back({{"name", tool->name},
+                      {"title", tool->title},
+                      {"haptic_points", tool->shell.size()},
+                      {"erosion_points", tool->erosion.size()},
+                      {"file", file}});
+    else
+      print(
+          fmt::format("{:<24} {:>5} haptic {:>6} erosion points  {}\n", tool->name, tool->shell.size(), tool->erosion.size(), tool->title));
   }
   if (json) print(rows.dump(2) + "\n");
   return kDone;

@@ -11,7 +11,8 @@ namespace {
 constexpr double kSearch = 0.020, kDeepest = 0.060, kGap = 0.002;  // [m]
 
 /// Bisects the 0.5 level between two depths on a line, the first outside bone or the second, as given.
-double refine(const BoneModel& bone, const Affine& index_from_bone, const Vec3& origin, const Vec3& axis, double a, double b, bool a_inside) {
+double refine(const BoneModel& bone, const Affine& index_from_bone, const Vec3& origin, const Vec3& axis, double a, double b,
+              bool a_inside) {
   for (int n = 0; n < 20; ++n) {
     const double middle = 0.5 * (a + b);
     const bool inside = sample_occupancy(bone, index_from_bone * (origin + axis * middle)) >= kSurfaceLevel;
@@ -56,7 +57,9 @@ double sample_occupancy(const BoneModel& bone, const Vec3& index) {
 Result<Approach> make_approach(const BoneModel& bone, const ApproachScene& scene) {
   const Affine index_from_bone = bone.bone_from_index().inverse();
   const double step = 0.25 * bone.bone_from_index().mean_edge();
-  const auto inside = [&](const Vec3& origin, double depth) { return sample_occupancy(bone, index_from_bone * (origin + scene.axis * depth)) >= kSurfaceLevel; };
+  const auto inside = [&](const Vec3& origin, double depth) {
+    return sample_occupancy(bone, index_from_bone * (origin + scene.axis * depth)) >= kSurfaceLevel;
+  };
 
   double start = -kSearch;
   if (inside(scene.entry, start)) return bad_input("the approach starts inside bone: nothing free within 20 mm above entry_mm");

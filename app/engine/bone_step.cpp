@@ -12,8 +12,9 @@ constexpr double kWriteBackEvery = 0.1;  // [s]
 VoxelBox tool_box(const Tool& tool, const Affine& index_from_tool, int margin) {
   Vec3 lo(1e300), hi(-1e300);
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p = index_from_tool * Vec3((corner & 1) != 0 ? tool.bound_hi.x : tool.bound_lo.x, (corner & 2) != 0 ? tool.bound_hi.y : tool.bound_lo.y,
-                                          (corner & 4) != 0 ? tool.bound_hi.z : tool.bound_lo.z);
+    const Vec3 p =
+        index_from_tool * Vec3((corner & 1) != 0 ? tool.bound_hi.x : tool.bound_lo.x, (corner & 2) != 0 ? tool.bound_hi.y : tool.bound_lo.y,
+                               (corner & 4) != 0 ? tool.bound_hi.z : tool.bound_lo.z);
     lo = glm::min(lo, p);
     hi = glm::max(hi, p);
   }

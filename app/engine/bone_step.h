@@ -32,7 +32,7 @@ class BoneStep {
   void operator()(const Pose& world_from_tool, double dt);
   [[nodiscard]] ContactWindowPublisher& publisher() noexcept { return *publisher_; }
   [[nodiscard]] const VdbContactGrids* grids() const noexcept { return grids_.get(); }
-  [[nodiscard]] double removed_mass() const noexcept { return removed_mass_; }   ///< [m^3] so far
+  [[nodiscard]] double removed_mass() const noexcept { return removed_mass_; }  ///< [m^3] so far
   [[nodiscard]] std::uint64_t points_outside() const noexcept { return points_outside_; }
   [[nodiscard]] BoneStepTimers& timers() noexcept { return timers_; }
 
@@ -51,7 +51,7 @@ class BoneStep {
   Pose last_;
   double removed_mass_ = 0.0;
   std::uint64_t points_outside_ = 0;
-  double unsaved_for_ = 0.0;   // [s] since the store of record was brought up to date
+  double unsaved_for_ = 0.0;  // [s] since the store of record was brought up to date
   BoneStepTimers timers_;
 };
 

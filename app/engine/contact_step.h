@@ -21,14 +21,16 @@ struct ContactBone {
   Pose world_from_bone;
 
   [[nodiscard]] ContactView view() const {
-    return grids != nullptr ? ContactView(*grids, bone_from_index, world_from_bone) : ContactView(window->latest(), bone_from_index, world_from_bone);
+    return grids != nullptr ? ContactView(*grids, bone_from_index, world_from_bone)
+                            : ContactView(window->latest(), bone_from_index, world_from_bone);
   }
 };
 
 class ContactStep {
  public:
   /// Errors of the model's create() pass through.
-  [[nodiscard]] static Result<ContactStep> create(const ContactScene& scene, const PointShell& shell, const ContactBone& bone, bool spinning);
+  [[nodiscard]] static Result<ContactStep> create(const ContactScene& scene, const PointShell& shell, const ContactBone& bone,
+                                                  bool spinning);
   /// `dt` [s] is the contact period. @returns the state for the mailboxes.
   const ContactState& operator()(const ContactView& bone, const HandState& hand, double dt) noexcept BH_REALTIME;
   void place(const Pose& world_from_tool) noexcept;
@@ -37,8 +39,8 @@ class ContactStep {
  private:
   ContactStep() = default;
   bool spinning_ = false;
-  std::unique_ptr<ContactModel> model_;      // the penalty form, device pose = tool pose
-  std::optional<ConstrainedTool> tool_;      // or the tool held back
+  std::unique_ptr<ContactModel> model_;  // the penalty form, device pose = tool pose
+  std::optional<ConstrainedTool> tool_;  // or the tool held back
   ContactResult result_;
   ContactState state_;
 };

@@ -10,14 +10,14 @@
 namespace burrhole {
 
 struct DrillProgress {
-  double depth = 0.0;                       ///< [m] of the tip now
-  double front = 0.0;                       ///< [m] of the first bone on the axis now; thickness once there is none
-  double deepest = -1e9;                    ///< [m] furthest tip so far
-  double peak_force = 0.0;                  ///< [N]
-  double largest_ahead = -1e9;              ///< [m] greatest (tip - front - engagement) before breakthrough: over a voxel is tunnelling
-  std::optional<double> breakthrough_time;  ///< [s] first tick with no bone ahead of the tip on the axis
-  std::optional<double> breakthrough_depth; ///< [m] of the tip then
-  double removed_at_breakthrough = 0.0;     ///< share of the axis places as loaded that are below the surface level then
+  double depth = 0.0;                        ///< [m] of the tip now
+  double front = 0.0;                        ///< [m] of the first bone on the axis now; thickness once there is none
+  double deepest = -1e9;                     ///< [m] furthest tip so far
+  double peak_force = 0.0;                   ///< [N]
+  double largest_ahead = -1e9;               ///< [m] greatest (tip - front - engagement) before breakthrough: over a voxel is tunnelling
+  std::optional<double> breakthrough_time;   ///< [s] first tick with no bone ahead of the tip on the axis
+  std::optional<double> breakthrough_depth;  ///< [m] of the tip then
+  double removed_at_breakthrough = 0.0;      ///< share of the axis places as loaded that are below the surface level then
 };
 
 class DrillMonitor {

@@ -6,7 +6,7 @@
 
 namespace burrhole {
 
-inline constexpr std::array<std::string_view, 9> kLaterEffects{"friction", "vibration",  "clutch", "heat", "irrigation",
-                                                               "dust",     "bleeding", "dura",   "sound"};
+inline constexpr std::array<std::string_view, 9> kLaterEffects{"friction", "vibration", "clutch", "heat", "irrigation",
+                                                               "dust",     "bleeding",  "dura",   "sound"};
 
 }  // namespace burrhole

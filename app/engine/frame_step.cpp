@@ -6,7 +6,8 @@
 
 namespace burrhole {
 
-FrameView make_frame_view(const DisplayScene& display, const Pose& world_from_bone, const Pose& world_from_approach, double thickness, bool cut) {
+FrameView make_frame_view(const DisplayScene& display, const Pose& world_from_bone, const Pose& world_from_approach, double thickness,
+                          bool cut) {
   FrameView view;
   view.world_from_bone = world_from_bone;
   // A cut is looked at squarely and from lower down, so that the wall of the hole is seen from table to table.

@@ -28,7 +28,8 @@ struct FrameStepTimers {
 class FrameStep {
  public:
   /// Sends the whole volume once.
-  [[nodiscard]] static Result<FrameStep> create(const Scene& scene, const Approach& approach, const Tool& tool, Voxmap& voxmap, FrameSink& sink);
+  [[nodiscard]] static Result<FrameStep> create(const Scene& scene, const Approach& approach, const Tool& tool, Voxmap& voxmap,
+                                                FrameSink& sink);
   /// Sends the boxes changed since the last call, then draws. `tool`: nothing when it is out of the picture; `cut` opens the bone.
   [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);
   [[nodiscard]] FrameStepTimers& timers() noexcept { return timers_; }
@@ -49,6 +50,7 @@ class FrameStep {
 };
 
 /// The scene's camera: round the entry, turned about the axis. `cut`: lower and from the open side.
-[[nodiscard]] FrameView make_frame_view(const DisplayScene& display, const Pose& world_from_bone, const Pose& world_from_approach, double thickness, bool cut);
+[[nodiscard]] FrameView make_frame_view(const DisplayScene& display, const Pose& world_from_bone, const Pose& world_from_approach,
+                                        double thickness, bool cut);
 
 }  // namespace burrhole

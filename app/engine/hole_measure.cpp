@@ -42,8 +42,8 @@ double removed_volume(const Field& before, const Field& after, const VoxelBox& b
 }
 
 /// Depth along the axis of the first bone as loaded on a ray and of its last, from `top` down to `bottom` [m].
-std::optional<std::pair<double, double>> bone_span(const Field& field, const Affine& index_from_approach, double x, double y, double top, double bottom,
-                                                   double step) {
+std::optional<std::pair<double, double>> bone_span(const Field& field, const Affine& index_from_approach, double x, double y, double top,
+                                                   double bottom, double step) {
   std::optional<std::pair<double, double>> span;
   for (double z = top; z > bottom; z -= step) {
     if (field.sample(index_from_approach * Vec3(x, y, z)) < kSurfaceLevel) continue;
@@ -71,7 +71,8 @@ HoleMeasure measure_hole(Voxmap& voxmap, const Approach& approach) {
   const Affine index_from_approach = approach_from_index.inverse();
   Vec3 lo(1e9), hi(-1e9);
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3i v((corner & 1) != 0 ? box.hi.x : box.lo.x, (corner & 2) != 0 ? box.hi.y : box.lo.y, (corner & 4) != 0 ? box.hi.z : box.lo.z);
+    const Vec3i v((corner & 1) != 0 ? box.hi.x : box.lo.x, (corner & 2) != 0 ? box.hi.y : box.lo.y,
+                  (corner & 4) != 0 ? box.hi.z : box.lo.z);
     const Vec3 p = approach_from_index * Vec3(v);
     lo = glm::min(lo, p);
     hi = glm::max(hi, p);

@@ -13,8 +13,8 @@ namespace burrhole {
 
 struct LoadedScene {
   Scene scene;
-  std::string tool_text;                  ///< TOML, for the session
-  Tool tool;                              ///< erosion factors already scaled
+  std::string tool_text;  ///< TOML, for the session
+  Tool tool;              ///< erosion factors already scaled
   std::shared_ptr<const BoneModel> bone;
 };
 

@@ -19,14 +19,16 @@ std::uint64_t window_voxels(const LoadedScene& loaded) {
 }
 
 PlanRow hand_row(const EffectInfo& effect, const LoadedScene& loaded) {
-  return {effect, static_cast<double>(loaded.scene.servo_hz), 0, fmt::format("{:.0f} N, {:.2f} kg, {:.0f} N/m", loaded.scene.hand.push,
-                                                                             loaded.scene.hand.dynamics.mass, loaded.scene.hand.dynamics.stiffness)};
+  return {effect, static_cast<double>(loaded.scene.servo_hz), 0,
+          fmt::format("{:.0f} N, {:.2f} kg, {:.0f} N/m", loaded.scene.hand.push, loaded.scene.hand.dynamics.mass,
+                      loaded.scene.hand.dynamics.stiffness)};
 }
 
 PlanRow volume_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const Vec3i d = loaded.bone->dims();
   const std::uint64_t bytes = loaded.bone->bytes() + window_voxels(loaded) * (4 * sizeof(float) + sizeof(Vec3f));
-  return {effect, 0.0, bytes, fmt::format("{} x {} x {} voxels of {:.3g} mm", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge())};
+  return {effect, 0.0, bytes,
+          fmt::format("{} x {} x {} voxels of {:.3g} mm", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge())};
 }
 
 PlanRow contact_row(const EffectInfo& effect, const LoadedScene& loaded) {
@@ -41,16 +43,20 @@ PlanRow contact_row(const EffectInfo& effect, const LoadedScene& loaded) {
 PlanRow erosion_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const std::uint64_t points = loaded.tool.erosion.size() * (sizeof(Vec3) + sizeof(float));
   return {effect, static_cast<double>(loaded.scene.erosion->rate_hz), points + window_voxels(loaded) * sizeof(float),
-          fmt::format("{} points, law {}", loaded.tool.erosion.size(), loaded.scene.erosion->config.law == ErosionLaw::rate ? "rate" : "per-update")};
+          fmt::format("{} points, law {}", loaded.tool.erosion.size(),
+                      loaded.scene.erosion->config.law == ErosionLaw::rate ? "rate" : "per-update")};
 }
 
 PlanRow display_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const std::uint64_t texels = 2 * loaded.bone->bounds().count() * 4;
-  return {effect, 0.0, texels, fmt::format("{}, {} x {} pixels, at events", loaded.scene.display->method, loaded.scene.display->width, loaded.scene.display->height)};
+  return {effect, 0.0, texels,
+          fmt::format("{}, {} x {} pixels, at events", loaded.scene.display->method, loaded.scene.display->width,
+                      loaded.scene.display->height)};
 }
 
 PlanRow record_row(const EffectInfo& effect, const LoadedScene& loaded) {
-  const std::uint64_t per_second = session_columns(loaded.scene).size() * sizeof(double) * static_cast<std::uint64_t>(loaded.scene.servo_hz);
+  const std::uint64_t per_second =
+      session_columns(loaded.scene).size() * sizeof(double) * static_cast<std::uint64_t>(loaded.scene.servo_hz);
   return {effect, static_cast<double>(loaded.scene.servo_hz), per_second, "bytes of one second, committed every second"};
 }
 
@@ -60,9 +66,12 @@ void warn(const LoadedScene& loaded, Plan& plan) {
     const double engaged = scene.hand.push / scene.contact->tool.cutting_stiffness;
     const double edge = loaded.bone->bone_from_index().mean_edge();
     if (engaged < edge)
-      plan.warnings.push_back(fmt::format("engaged depth push_N / cutting_N_per_m = {:.3f} mm is under a voxel ({:.3f} mm): little will be cut", 1e3 * engaged, 1e3 * edge));
+      plan.warnings.push_back(
+          fmt::format("engaged depth push_N / cutting_N_per_m = {:.3f} mm is under a voxel ({:.3f} mm): little will be cut", 1e3 * engaged,
+                      1e3 * edge));
   }
-  if (scene.erosion && !scene.contact) plan.warnings.push_back("no [contact]: the hand feels nothing and the tool goes where the script goes");
+  if (scene.erosion && !scene.contact)
+    plan.warnings.push_back("no [contact]: the hand feels nothing and the tool goes where the script goes");
 }
 
 }  // namespace
@@ -72,7 +81,8 @@ const std::vector<EffectInfo>& known_effects() {
       {"volume", Clock::simulation, "master window: slide, write back", "bone model", "window, store of record", false},
       {"hand", Clock::servo, "hand integrated exactly over a tick under the latest force", "contact state", "hand motion", false},
       {"contact", Clock::contact, "point shell against the window copy", "window copy, hand motion", "contact state", true},
-      {"erosion", Clock::simulation, "erosion points along the tool's path, gradients, publishing", "window, contact state", "window copy, changed boxes", true},
+      {"erosion", Clock::simulation, "erosion points along the tool's path, gradients, publishing", "window, contact state",
+       "window copy, changed boxes", true},
       {"display", Clock::frame, "changed boxes to the texture, one picture", "changed boxes, tool pose", "pictures", true},
       {"record", Clock::frame, "session row", "everything above", "session file", true},
   };
@@ -81,10 +91,14 @@ const std::vector<EffectInfo>& known_effects() {
 
 const char* name_of(Clock clock) {
   switch (clock) {
-    case Clock::servo: return "servo";
-    case Clock::contact: return "contact";
-    case Clock::simulation: return "simulation";
-    case Clock::frame: return "frame";
+    case Clock::servo:
+      return "servo";
+    case Clock::contact:
+      return "contact";
+    case Clock::simulation:
+      return "simulation";
+    case Clock::frame:
+      return "frame";
   }
   return "";
 }
@@ -103,8 +117,10 @@ Plan make_plan(const LoadedScene& loaded) {
   };
   Plan plan;
   for (const EffectInfo& effect : known_effects()) {
-    if (const MakeRow make = row_maker(effect.table)) plan.rows.push_back(make(effect, loaded));
-    else plan.not_built.push_back(effect.table);
+    if (const MakeRow make = row_maker(effect.table))
+      plan.rows.push_back(make(effect, loaded));
+    else
+      plan.not_built.push_back(effect.table);
   }
   for (const std::string_view later : kLaterEffects) plan.not_built.emplace_back(later);
   warn(loaded, plan);

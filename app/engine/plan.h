@@ -14,10 +14,10 @@ enum class Clock { servo, contact, simulation, frame };
 
 /// An effect as data: the table that calls for it and what it brings along.
 struct EffectInfo {
-  std::string table;                  ///< "hand" and "volume" are always there; the others exist if and only if their table is there
+  std::string table;  ///< "hand" and "volume" are always there; the others exist if and only if their table is there
   Clock clock;
-  std::string step;                   ///< what runs, in one line
-  std::string needs, gives;           ///< grids and mailboxes
+  std::string step;          ///< what runs, in one line
+  std::string needs, gives;  ///< grids and mailboxes
   bool optional = true;
 };
 
@@ -26,14 +26,14 @@ struct EffectInfo {
 
 struct PlanRow {
   EffectInfo effect;
-  double rate_hz = 0.0;               ///< 0: at events
-  std::uint64_t bytes = 0;            ///< of grids, windows and points that exist because of this row (estimated before the run)
+  double rate_hz = 0.0;     ///< 0: at events
+  std::uint64_t bytes = 0;  ///< of grids, windows and points that exist because of this row (estimated before the run)
   std::string detail;
 };
 
 struct Plan {
   std::vector<PlanRow> rows;
-  std::vector<std::string> not_built; ///< optional effects whose table is absent, and those of later versions
+  std::vector<std::string> not_built;  ///< optional effects whose table is absent, and those of later versions
   std::vector<std::string> warnings;
 };
 

@@ -10,7 +10,8 @@ Result<RecordedHand> RecordedHand::create(const SessionReader& session) {
                                                        "hand_qx", "hand_qy", "hand_qz", "thrust",  "phase",   "hand_tick"};
   std::array<std::size_t, kNeeded.size()> at{};
   for (std::size_t n = 0; n < kNeeded.size(); ++n) {
-    const auto found = std::find_if(session.columns().begin(), session.columns().end(), [&](const SessionColumn& c) { return c.name == kNeeded[n]; });
+    const auto found =
+        std::find_if(session.columns().begin(), session.columns().end(), [&](const SessionColumn& c) { return c.name == kNeeded[n]; });
     if (found == session.columns().end()) return bad_input(std::string("the session has no column ") + kNeeded[n]);
     at[n] = static_cast<std::size_t>(found - session.columns().begin());
   }
@@ -23,7 +24,8 @@ Result<RecordedHand> RecordedHand::create(const SessionReader& session) {
   for (std::size_t start = 0; start + width <= rows->size(); start += width) {
     const auto value = [&](std::size_t n) { return (*rows)[start + at[n]]; };
     const double phase = value(11);
-    if (!(phase >= 0.0 && phase <= static_cast<double>(HandPhase::done))) return bad_input("the session holds an unknown phase of the hand");
+    if (!(phase >= 0.0 && phase <= static_cast<double>(HandPhase::done)))
+      return bad_input("the session holds an unknown phase of the hand");
     HandState state;
     state.world_from_hand = {Quat(value(6), value(7), value(8), value(9)), {value(0), value(1), value(2)}};
     state.velocity = {value(3), value(4), value(5)};

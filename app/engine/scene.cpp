@@ -38,16 +38,18 @@ VolumeScene read_volume(TableReader table, const std::string& file) {
     out.phantom = read_phantom(table, std::string_view(source).substr(kPhantom.size()));
   } else if (!source.empty()) {
     out.vdb_path = beside(file, source);
-    if (fs::path(source).extension() != ".vdb") table.fault("source", "is neither \"phantom:NAME\" nor a .vdb file; other formats are not read by this version");
-    else if (!fs::exists(out.vdb_path)) table.fault("source", "\"" + source + "\" is not there: " + out.vdb_path);
+    if (fs::path(source).extension() != ".vdb")
+      table.fault("source", "is neither \"phantom:NAME\" nor a .vdb file; other formats are not read by this version");
+    else if (!fs::exists(out.vdb_path))
+      table.fault("source", "\"" + source + "\" is not there: " + out.vdb_path);
   }
   const NumberRule length{.fallback = 0.0, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
   const NumberRule angle{.fallback = 0.0, .min = -360.0, .max = 360.0, .to_si = kDegree};
   const Vec3 turn = table.vector("turn_deg", Vec3(0.0), angle, "turn of the bone about x, then y, then z");
   const Quat rotation = turn_about(2, turn.z) * turn_about(1, turn.y) * turn_about(0, turn.x);
   out.world_from_bone = {rotation, table.vector("position_mm", Vec3(0.0), length, "shift of the bone in the world")};
-  out.gradient_dead_zone =
-      table.number("gradient_dead_zone", {.fallback = 0.08, .min = 0.0, .max = 0.49}, "density gradients shorter than this [1/voxel] count as zero");
+  out.gradient_dead_zone = table.number("gradient_dead_zone", {.fallback = 0.08, .min = 0.0, .max = 0.49},
+                                        "density gradients shorter than this [1/voxel] count as zero");
   table.finish();
   return out;
 }
@@ -100,8 +102,10 @@ ApproachScene read_approach(TableReader table) {
   const NumberRule length{.fallback = std::nullopt, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
   out.entry = table.vector("entry_mm", std::nullopt, length, "point near the outer surface, bone frame");
   const Vec3 axis = table.vector("axis", Vec3(0, 0, -1), {.fallback = 0.0, .min = -1e6, .max = 1e6}, "direction into bone, any length");
-  if (glm::length(axis) < 1e-9) table.fault("axis", "has no length");
-  else out.axis = glm::normalize(axis);
+  if (glm::length(axis) < 1e-9)
+    table.fault("axis", "has no length");
+  else
+    out.axis = glm::normalize(axis);
   table.finish();
   return out;
 }
@@ -111,7 +115,8 @@ HandConfig read_hand(TableReader table, Issues& issues) {
   const std::size_t before = issues.size();
   const std::string kind = table.text("kind", "script", "who holds the drill: \"script\"");
   if (kind == "device") {
-    issues.push_back({ErrorCode::unavailable, "hand.kind = \"device\" needs a force device; this version knows none, only \"script\"", table.place_of("kind")});
+    issues.push_back({ErrorCode::unavailable, "hand.kind = \"device\" needs a force device; this version knows none, only \"script\"",
+                      table.place_of("kind")});
   } else if (issues.size() == before) {
     (void)table.choice("kind", "script", {"script"}, "who holds the drill", {"mouse", "replay"});
   }
@@ -140,22 +145,33 @@ ContactScene read_contact(TableReader table) {
   (void)table.choice("model", "gradient-plane", {"gradient-plane"}, "contact model", {"voxmap", "surface", "mesh"});
   out.model.paper_mode = table.choice("mode", "surface", {"surface", "paper"}, "what collides: the 0.5 surface, or any density") == "paper";
   out.model.stiffness = table.number("stiffness_N_per_m", above_zero(out.model.stiffness, 1.0, 1e7), "k of the penalty force");
-  out.storage = table.choice("storage", "window", {"window", "vdb"}, "dense window, or the paper's grids") == "vdb" ? ContactStorage::vdb : ContactStorage::window;
-  out.constrained = table.choice("tool", "constrained", {"constrained", "device"}, "held back by bone, or where the hand is") == "constrained";
-  out.tool.coupling_stiffness = table.number("coupling_N_per_m", above_zero(out.tool.coupling_stiffness, 1.0, 1e6), "spring from hand to tool");
-  out.tool.coupling_damping = table.number("coupling_N_s_per_m", at_least_zero(out.tool.coupling_damping, 1.0, 1e4), "damper from hand to tool");
-  out.tool.cutting_stiffness = table.number("cutting_N_per_m", above_zero(out.tool.cutting_stiffness, 1.0, 1e9), "thrust over engaged depth while spinning");
+  out.storage = table.choice("storage", "window", {"window", "vdb"}, "dense window, or the paper's grids") == "vdb"
+                    ? ContactStorage::vdb
+                    : ContactStorage::window;
+  out.constrained =
+      table.choice("tool", "constrained", {"constrained", "device"}, "held back by bone, or where the hand is") == "constrained";
+  out.tool.coupling_stiffness =
+      table.number("coupling_N_per_m", above_zero(out.tool.coupling_stiffness, 1.0, 1e6), "spring from hand to tool");
+  out.tool.coupling_damping =
+      table.number("coupling_N_s_per_m", at_least_zero(out.tool.coupling_damping, 1.0, 1e4), "damper from hand to tool");
+  out.tool.cutting_stiffness =
+      table.number("cutting_N_per_m", above_zero(out.tool.cutting_stiffness, 1.0, 1e9), "thrust over engaged depth while spinning");
   out.rate_hz = static_cast<int>(table.integer("rate_hz", 1000, 20, 20000, "evaluations a second; divides servo_hz"));
-  out.latency_ticks = static_cast<int>(table.integer("latency_ticks", -1, -1, 1000, "servo ticks from motion to force; -1: one contact period"));
+  out.latency_ticks =
+      static_cast<int>(table.integer("latency_ticks", -1, -1, 1000, "servo ticks from motion to force; -1: one contact period"));
   table.finish();
   return out;
 }
 
 ErosionScene read_erosion(TableReader table, double& pitch_voxels) {
   ErosionScene out;
-  out.config.law = table.choice("law", "rate", {"rate", "per-update"}, "continuous, or eq. 4 as printed") == "rate" ? ErosionLaw::rate : ErosionLaw::per_update;
-  out.config.minimum_density = static_cast<float>(table.number("minimum_density", {.fallback = 0.05, .min = 0.0, .max = 0.5, .max_open = true}, "density below becomes 0"));
-  out.config.longest_substep = table.number("substep_voxels", {.fallback = 0.5, .min = 0.0, .max = 1.0, .min_open = true}, "longest path between two applications");
+  out.config.law = table.choice("law", "rate", {"rate", "per-update"}, "continuous, or eq. 4 as printed") == "rate"
+                       ? ErosionLaw::rate
+                       : ErosionLaw::per_update;
+  out.config.minimum_density = static_cast<float>(
+      table.number("minimum_density", {.fallback = 0.05, .min = 0.0, .max = 0.5, .max_open = true}, "density below becomes 0"));
+  out.config.longest_substep =
+      table.number("substep_voxels", {.fallback = 0.5, .min = 0.0, .max = 1.0, .min_open = true}, "longest path between two applications");
   out.rate_hz = static_cast<int>(table.integer("rate_hz", 100, 1, 20000, "steps a second; divides servo_hz"));
   pitch_voxels = table.number("point_pitch_voxels", {.fallback = 0.5, .min = 0.1, .max = 1.0}, "distance of erosion points");
   table.finish();
@@ -169,7 +185,8 @@ DisplayScene read_display(TableReader table) {
   out.width = static_cast<int>(size[0]);
   out.height = static_cast<int>(size[1]);
   out.azimuth = table.number("azimuth_deg", {.fallback = 35.0, .min = -360, .max = 360, .to_si = kDegree}, "of the camera round the axis");
-  out.elevation = table.number("elevation_deg", {.fallback = 42.0, .min = -89, .max = 89, .to_si = kDegree}, "of the camera above the entry's tangent plane");
+  out.elevation = table.number("elevation_deg", {.fallback = 42.0, .min = -89, .max = 89, .to_si = kDegree},
+                               "of the camera above the entry's tangent plane");
   out.distance = table.number("distance_mm", above_zero(74.0, kMillimetre, 5000.0), "of the camera from the entry");
   table.finish();
   return out;

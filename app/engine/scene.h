@@ -26,29 +26,29 @@ struct VolumeScene {
 
 /// [tool]
 struct ToolScene {
-  std::string path;                  ///< of the tool file, resolved
-  std::string place;                 ///< of the name, for faults found later
-  double spin = 0.0;                 ///< [rev/s] key spin_rpm
-  double erosion_pitch_voxels = 0.5; ///< key point_pitch_voxels of [erosion]
-  double erosion_scale = 1.0;        ///< key erosion_scale: multiplies every erosion factor (tuning, tests)
+  std::string path;                   ///< of the tool file, resolved
+  std::string place;                  ///< of the name, for faults found later
+  double spin = 0.0;                  ///< [rev/s] key spin_rpm
+  double erosion_pitch_voxels = 0.5;  ///< key point_pitch_voxels of [erosion]
+  double erosion_scale = 1.0;         ///< key erosion_scale: multiplies every erosion factor (tuning, tests)
 };
 
 /// [approach]: bone frame.
 struct ApproachScene {
-  Vec3 entry{0.0};                   ///< [m] near the outer surface; moved onto it along the axis
-  Vec3 axis{0.0, 0.0, -1.0};         ///< unit, into bone
-  std::string place;                 ///< of the table, for faults found later
+  Vec3 entry{0.0};            ///< [m] near the outer surface; moved onto it along the axis
+  Vec3 axis{0.0, 0.0, -1.0};  ///< unit, into bone
+  std::string place;          ///< of the table, for faults found later
 };
 
 /// [contact]
 enum class ContactStorage { window, vdb };
 struct ContactScene {
-  GradientPlaneConfig model;         ///< model = "gradient-plane"; mode = "paper" collides on any density
+  GradientPlaneConfig model;  ///< model = "gradient-plane"; mode = "paper" collides on any density
   ContactStorage storage = ContactStorage::window;
-  bool constrained = true;           ///< tool = "constrained" | "device" (tool pose = hand pose, the paper's form)
+  bool constrained = true;  ///< tool = "constrained" | "device" (tool pose = hand pose, the paper's form)
   ConstrainedToolConfig tool;
   int rate_hz = 1000;
-  int latency_ticks = -1;            ///< servo ticks between a motion and its force; -1: one contact period
+  int latency_ticks = -1;  ///< servo ticks between a motion and its force; -1: one contact period
 };
 
 /// [erosion]
@@ -61,9 +61,9 @@ struct ErosionScene {
 struct DisplayScene {
   std::string method = "raycast";
   int width = 1200, height = 900;
-  double azimuth = 0.61;             ///< [rad] of the camera round the axis, from the patient's -y
-  double elevation = 0.75;           ///< [rad] above the tangent plane
-  double distance = 0.074;           ///< [m] from the entry
+  double azimuth = 0.61;    ///< [rad] of the camera round the axis, from the patient's -y
+  double elevation = 0.75;  ///< [rad] above the tangent plane
+  double distance = 0.074;  ///< [m] from the entry
 };
 
 /// [record]
@@ -73,10 +73,10 @@ struct RecordScene {
 
 struct Scene {
   std::string file;
-  std::string text;                  ///< with overrides applied
+  std::string text;  ///< with overrides applied
   std::string title;
-  double duration = 120.0;           ///< [s] of simulated time at most; key duration_s
-  int servo_hz = 1000;               ///< key servo_hz
+  double duration = 120.0;  ///< [s] of simulated time at most; key duration_s
+  int servo_hz = 1000;      ///< key servo_hz
   VolumeScene volume;
   ToolScene tool;
   ApproachScene approach;
@@ -90,7 +90,7 @@ struct Scene {
 /// Where names of tools are looked up, in order, after the scene's own folder.
 struct SceneContext {
   std::vector<std::string> tool_folders;
-  bool tool_given = false;           ///< the tool's text is at hand (replay): its file is not looked for
+  bool tool_given = false;  ///< the tool's text is at hand (replay): its file is not looked for
 };
 
 /// @returns nothing when any issue was pushed; all faults of the file are pushed. An issue with code `unavailable` means exit code 4.

@@ -7,12 +7,18 @@ constexpr double kProgressEvery = 0.1;  // [s]
 
 const char* name_of(HandPhase phase) {
   switch (phase) {
-    case HandPhase::approach: return "approach";
-    case HandPhase::lean: return "lean";
-    case HandPhase::give_felt: return "give felt";
-    case HandPhase::release: return "release";
-    case HandPhase::withdraw: return "withdraw";
-    case HandPhase::done: return "done";
+    case HandPhase::approach:
+      return "approach";
+    case HandPhase::lean:
+      return "lean";
+    case HandPhase::give_felt:
+      return "give felt";
+    case HandPhase::release:
+      return "release";
+    case HandPhase::withdraw:
+      return "withdraw";
+    case HandPhase::done:
+      return "done";
   }
   return "";
 }
@@ -20,17 +26,27 @@ const char* name_of(HandPhase phase) {
 }  // namespace
 
 std::vector<SessionColumn> session_columns(const Scene& scene) {
-  std::vector<SessionColumn> columns{{"hand_x", "m"},   {"hand_y", "m"},   {"hand_z", "m"},   {"hand_vx", "m/s"}, {"hand_vy", "m/s"},
-                                     {"hand_vz", "m/s"}, {"hand_qw", ""},   {"hand_qx", ""},   {"hand_qy", ""},    {"hand_qz", ""},
-                                     {"thrust", "N"},   {"phase", ""},     {"hand_tick", ""}};
+  std::vector<SessionColumn> columns{{"hand_x", "m"},    {"hand_y", "m"}, {"hand_z", "m"},  {"hand_vx", "m/s"}, {"hand_vy", "m/s"},
+                                     {"hand_vz", "m/s"}, {"hand_qw", ""}, {"hand_qx", ""},  {"hand_qy", ""},    {"hand_qz", ""},
+                                     {"thrust", "N"},    {"phase", ""},   {"hand_tick", ""}};
   if (scene.contact)
-    columns.insert(columns.end(), {{"tool_x", "m"}, {"tool_y", "m"}, {"tool_z", "m"}, {"force_x", "N"}, {"force_y", "N"}, {"force_z", "N"},
-                                   {"torque_x", "N m"}, {"torque_y", "N m"}, {"torque_z", "N m"}, {"engagement", "m"}, {"flags", ""}});
+    columns.insert(columns.end(), {{"tool_x", "m"},
+                                   {"tool_y", "m"},
+                                   {"tool_z", "m"},
+                                   {"force_x", "N"},
+                                   {"force_y", "N"},
+                                   {"force_z", "N"},
+                                   {"torque_x", "N m"},
+                                   {"torque_y", "N m"},
+                                   {"torque_z", "N m"},
+                                   {"engagement", "m"},
+                                   {"flags", ""}});
   if (scene.erosion) columns.push_back({"removed_mass", "m^3"});
   return columns;
 }
 
-Simulation::Simulation(const Scene& scene, const Tool& tool, const SimulationOptions& options) : scene_(scene), tool_(&tool), options_(options) {}
+Simulation::Simulation(const Scene& scene, const Tool& tool, const SimulationOptions& options)
+    : scene_(scene), tool_(&tool), options_(options) {}
 Simulation::~Simulation() = default;
 
 std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_ptr<const BoneModel> bone, const Tool& tool,
@@ -49,7 +65,8 @@ Status Simulation::build(std::shared_ptr<const BoneModel> bone) {
   period_ = 1.0 / scene_.servo_hz;
   contact_every_ = scene_.contact ? static_cast<std::uint64_t>(scene_.servo_hz / scene_.contact->rate_hz) : 1;
   bone_every_ = scene_.erosion ? static_cast<std::uint64_t>(scene_.servo_hz / scene_.erosion->rate_hz) : 4;
-  latency_ = scene_.contact && scene_.contact->latency_ticks >= 0 ? static_cast<std::uint64_t>(scene_.contact->latency_ticks) : contact_every_;
+  latency_ =
+      scene_.contact && scene_.contact->latency_ticks >= 0 ? static_cast<std::uint64_t>(scene_.contact->latency_ticks) : contact_every_;
   in_flight_.resize(latency_ + 1);
 
   auto approach = make_approach(*bone, scene_.approach);
@@ -70,7 +87,8 @@ Status Simulation::build(std::shared_ptr<const BoneModel> bone) {
     own_hand_.emplace(std::move(hand).value());
   }
   const Pose start{world_from_approach.rotation, world_from_approach * Vec3(0.0, 0.0, scene_.hand.standoff)};
-  servo_ = std::make_unique<ServoStep>(ServoConfig{}, options_.hand != nullptr ? *options_.hand : *own_hand_, force_mailbox_, hand_mailbox_);
+  servo_ =
+      std::make_unique<ServoStep>(ServoConfig{}, options_.hand != nullptr ? *options_.hand : *own_hand_, force_mailbox_, hand_mailbox_);
 
   auto bone_step = BoneStep::create(scene_, *tool_, *voxmap_, start);
   if (!bone_step) return Error{bone_step.error().code, bone_step.error().message, scene_.tool.place};
@@ -138,8 +156,10 @@ Status Simulation::run() {
 }
 
 bool Simulation::finished() {
-  if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) end_ = RunEnd::stopped;
-  else if (servo_now_.hand.phase == HandPhase::done) end_ = RunEnd::done;
+  if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed))
+    end_ = RunEnd::stopped;
+  else if (servo_now_.hand.phase == HandPhase::done)
+    end_ = RunEnd::done;
   return end_ != RunEnd::duration;
 }
 
@@ -169,7 +189,18 @@ Status Simulation::record_row() {
   const Vec3& t = contact_now_.world_from_tool.translation;
   const Wrench& w = contact_now_.on_hand;
   const Quat& q = hand.world_from_hand.rotation;
-  row_ = {h.x, h.y, h.z, hand.velocity.x, hand.velocity.y, hand.velocity.z, q.w, q.x, q.y, q.z, hand.thrust, static_cast<double>(hand.phase),
+  row_ = {h.x,
+          h.y,
+          h.z,
+          hand.velocity.x,
+          hand.velocity.y,
+          hand.velocity.z,
+          q.w,
+          q.x,
+          q.y,
+          q.z,
+          hand.thrust,
+          static_cast<double>(hand.phase),
           static_cast<double>(hand.tick)};
   if (contact_)
     row_.insert(row_.end(), {t.x, t.y, t.z, w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z, contact_now_.engagement,
@@ -188,8 +219,6 @@ Status Simulation::draw(const std::string& name, bool with_tool, bool cut) {
   return frame_->draw(name, with_tool ? std::optional(contact_now_.world_from_tool) : std::nullopt, cut);
 }
 
-std::optional<std::uint64_t> Simulation::image_hash() const {
-  return frame_ ? std::optional(frame_->image_hash()) : std::nullopt;
-}
+std::optional<std::uint64_t> Simulation::image_hash() const { return frame_ ? std::optional(frame_->image_hash()) : std::nullopt; }
 
 }  // namespace burrhole

@@ -23,11 +23,11 @@ namespace burrhole {
 
 /// What a run takes from outside. Pointers must outlive the simulation.
 struct SimulationOptions {
-  FrameSink* sink = nullptr;                       ///< needed when the scene has [display] and pictures are wanted
-  HandSource* hand = nullptr;                      ///< a recorded hand; nothing: the scene's own
-  SessionWriter* session = nullptr;                ///< opened with session_columns(scene)
-  std::string restore_path;                        ///< checkpoint to start from
-  const std::atomic<bool>* stop = nullptr;         ///< set from a signal handler: end cleanly after this tick
+  FrameSink* sink = nullptr;                                        ///< needed when the scene has [display] and pictures are wanted
+  HandSource* hand = nullptr;                                       ///< a recorded hand; nothing: the scene's own
+  SessionWriter* session = nullptr;                                 ///< opened with session_columns(scene)
+  std::string restore_path;                                         ///< checkpoint to start from
+  const std::atomic<bool>* stop = nullptr;                          ///< set from a signal handler: end cleanly after this tick
   std::function<void(double time, const DrillProgress&)> progress;  ///< called ten times a simulated second
 };
 
@@ -35,9 +35,9 @@ enum class RunEnd { done, duration, stopped };
 
 /// One moment for plots, at contact rate.
 struct RunSample {
-  double time = 0.0;        ///< [s]
-  double force = 0.0;       ///< [N] on the hand
-  double depth = 0.0;       ///< [m] of the tip
+  double time = 0.0;   ///< [s]
+  double force = 0.0;  ///< [N] on the hand
+  double depth = 0.0;  ///< [m] of the tip
 };
 
 struct RunTimers {
@@ -90,16 +90,16 @@ class Simulation {
   Scene scene_;
   const Tool* tool_;
   SimulationOptions options_;
-  double period_ = 1e-3;           // [s] of the servo
+  double period_ = 1e-3;  // [s] of the servo
   std::uint64_t contact_every_ = 1, bone_every_ = 4;
   std::uint64_t latency_ = 1;
 
   Approach approach_;
   std::unique_ptr<Voxmap> voxmap_;
   std::optional<SimulatedHand> own_hand_;
-  TripleBuffer<ContactState> force_mailbox_;   // contact -> servo
-  TripleBuffer<HandState> hand_mailbox_;       // servo -> contact
-  std::vector<ContactState> in_flight_;        // contact results on their way: ring of latency + 1
+  TripleBuffer<ContactState> force_mailbox_;  // contact -> servo
+  TripleBuffer<HandState> hand_mailbox_;      // servo -> contact
+  std::vector<ContactState> in_flight_;       // contact results on their way: ring of latency + 1
   std::unique_ptr<ServoStep> servo_;
   std::optional<ContactStep> contact_;
   std::optional<BoneStep> bone_;
@@ -111,7 +111,7 @@ class Simulation {
   ServoOutput servo_now_;
   Hash64 force_hash_;
   std::vector<RunSample> samples_;
-  std::vector<double> row_;                    // scratch of record_row
+  std::vector<double> row_;  // scratch of record_row
   std::uint32_t flags_seen_ = 0;
   HandPhase phase_seen_ = HandPhase::approach;
   bool drew_half_ = false, drew_breakthrough_ = false;

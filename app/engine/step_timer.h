@@ -29,7 +29,9 @@ class StepTimer {
     if (samples_.empty()) return out;
     std::vector<float> sorted = samples_;
     std::sort(sorted.begin(), sorted.end());
-    const auto at = [&](double share) { return static_cast<double>(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]); };
+    const auto at = [&](double share) {
+      return static_cast<double>(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
+    };
     out.count = static_cast<std::int64_t>(sorted.size());
     out.p50_us = at(0.5);
     out.p99_us = at(0.99);

@@ -29,9 +29,12 @@ Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr)
 
 const char* end_name(RunEnd end) {
   switch (end) {
-    case RunEnd::done: return "done";
-    case RunEnd::duration: return "duration";
-    case RunEnd::stopped: return "stopped";
+    case RunEnd::done:
+      return "done";
+    case RunEnd::duration:
+      return "duration";
+    case RunEnd::stopped:
+      return "stopped";
   }
   return "";
 }
@@ -59,10 +62,14 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
 
 void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
   BoneStepTimers& bone = simulation.bone_step().timers();
-  out.timing = {{"servo", simulation.timers().servo.timing()}, {"contact", simulation.timers().contact.timing()},
-                {"erosion", bone.erosion.timing()},            {"gradient", bone.gradient.timing()},
-                {"publish", bone.publish.timing()},            {"upload", {}},
-                {"frame", {}},                                 {"record", simulation.timers().record.timing()}};
+  out.timing = {{"servo", simulation.timers().servo.timing()},
+                {"contact", simulation.timers().contact.timing()},
+                {"erosion", bone.erosion.timing()},
+                {"gradient", bone.gradient.timing()},
+                {"publish", bone.publish.timing()},
+                {"upload", {}},
+                {"frame", {}},
+                {"record", simulation.timers().record.timing()}};
   if (FrameStep* frame = simulation.frame_step()) {
     out.timing[5].second = frame->timers().upload.timing();
     out.timing[6].second = frame->timers().frame.timing();
@@ -119,7 +126,8 @@ std::string summary_json(const RunSummary& s) {
   json["end"] = s.end;
   json["duration_s"] = s.duration_s;
   json["wall_s"] = s.wall_s;
-  json["volume"] = {{"dims", {s.dims.x, s.dims.y, s.dims.z}}, {"spacing_mm", s.spacing_mm}, {"bone_voxels", s.bone_voxels}, {"bytes", s.volume_bytes}};
+  json["volume"] = {
+      {"dims", {s.dims.x, s.dims.y, s.dims.z}}, {"spacing_mm", s.spacing_mm}, {"bone_voxels", s.bone_voxels}, {"bytes", s.volume_bytes}};
   json["tool"] = {{"name", s.tool}, {"haptic_points", s.haptic_points}, {"erosion_points", s.erosion_points}};
   json["drilling"] = {{"removed_mm3", s.removed_mm3},
                       {"removed_mass_mm3", s.removed_mass_mm3},
@@ -140,7 +148,8 @@ std::string summary_json(const RunSummary& s) {
   json["effects"] = Json::array();
   for (const RunSummary::EffectCost& effect : s.effects)
     json["effects"].push_back({{"name", effect.name}, {"steps", {effect.step}}, {"time_us", effect.time_us}, {"bytes", effect.bytes}});
-  json["counters"] = {{"uploaded_texels", s.uploaded_texels}, {"erosion_points_outside", s.points_outside}, {"contact_flags", s.contact_flags}};
+  json["counters"] = {
+      {"uploaded_texels", s.uploaded_texels}, {"erosion_points_outside", s.points_outside}, {"contact_flags", s.contact_flags}};
   json["hash"] = {{"voxels", s.voxel_hash}, {"forces", s.force_hash}, {"image", text_or_null(s.image_hash)}};
   return json.dump(2) + "\n";
 }

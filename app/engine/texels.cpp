@@ -13,17 +13,25 @@ struct Tint {
 
 /// Fresh bone: ivory tables; diploe redder and darker the more of it is marrow; dura greyish pink, brain pink.
 Tint tint_of(VoxelLabel label, float hardness) {
-  const auto mix = [](const Tint& a, const Tint& b, double t) { return Tint{a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t}; };
-  constexpr Tint kIvory{0.93, 0.88, 0.76}, kMarrow{0.55, 0.20, 0.14}, kSpongy{0.86, 0.70, 0.55}, kDura{0.80, 0.62, 0.60}, kBrain{0.84, 0.55, 0.53};
+  const auto mix = [](const Tint& a, const Tint& b, double t) {
+    return Tint{a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
+  };
+  constexpr Tint kIvory{0.93, 0.88, 0.76}, kMarrow{0.55, 0.20, 0.14}, kSpongy{0.86, 0.70, 0.55}, kDura{0.80, 0.62, 0.60},
+      kBrain{0.84, 0.55, 0.53};
   switch (label) {
-    case VoxelLabel::diploe: return mix(kMarrow, kSpongy, std::clamp((static_cast<double>(hardness) - 0.1) / 0.35, 0.0, 1.0));
-    case VoxelLabel::dura: return kDura;
-    case VoxelLabel::brain: return kBrain;
-    case VoxelLabel::forbidden: return {0.85, 0.15, 0.15};
+    case VoxelLabel::diploe:
+      return mix(kMarrow, kSpongy, std::clamp((static_cast<double>(hardness) - 0.1) / 0.35, 0.0, 1.0));
+    case VoxelLabel::dura:
+      return kDura;
+    case VoxelLabel::brain:
+      return kBrain;
+    case VoxelLabel::forbidden:
+      return {0.85, 0.15, 0.15};
     case VoxelLabel::none:
     case VoxelLabel::bone:
     case VoxelLabel::outer_table:
-    case VoxelLabel::inner_table: return kIvory;
+    case VoxelLabel::inner_table:
+      return kIvory;
   }
   return kIvory;
 }
@@ -32,7 +40,8 @@ Tint tint_of(VoxelLabel label, float hardness) {
 template <class F>
 void for_each_slab(const VoxelBox& box, F&& f) {
   constexpr int kSlab = 16;
-  for (int k = box.lo.z; k < box.hi.z; k += kSlab) f(VoxelBox{{box.lo.x, box.lo.y, k}, {box.hi.x, box.hi.y, std::min(k + kSlab, box.hi.z)}});
+  for (int k = box.lo.z; k < box.hi.z; k += kSlab)
+    f(VoxelBox{{box.lo.x, box.lo.y, k}, {box.hi.x, box.hi.y, std::min(k + kSlab, box.hi.z)}});
 }
 
 /// Fades colours over a voxel along one axis ([1 2 1] / 4): tissue borders are no stairs, as partial volume makes them in a scan.
@@ -85,7 +94,8 @@ Rgba8 encode_texel(const Mat3& normal_map, const Vec3f& index_gradient, float de
   Vec3 normal = -(normal_map * Vec3(index_gradient));
   const double length = glm::length(normal);
   normal = length > 0.0 ? normal / length : Vec3(0.0);
-  return {to_byte(0.5 * normal.x + 0.5), to_byte(0.5 * normal.y + 0.5), to_byte(0.5 * normal.z + 0.5), to_byte(static_cast<double>(density))};
+  return {to_byte(0.5 * normal.x + 0.5), to_byte(0.5 * normal.y + 0.5), to_byte(0.5 * normal.z + 0.5),
+          to_byte(static_cast<double>(density))};
 }
 
 TexelBox make_texels(Voxmap& voxmap, const VoxelBox& box) {

@@ -25,9 +25,7 @@ struct Rgba8 {
 }
 
 /// [AcostaLiu07] eq. 6, N = 2 (C - 0.5); within 1/255 a component of what was encoded, not renormalised.
-[[nodiscard]] inline Vec3 decode_normal(const Rgba8& texel) noexcept {
-  return 2.0 * (Vec3(texel.r, texel.g, texel.b) / 255.0 - 0.5);
-}
+[[nodiscard]] inline Vec3 decode_normal(const Rgba8& texel) noexcept { return 2.0 * (Vec3(texel.r, texel.g, texel.b) / 255.0 - 0.5); }
 
 /// A box of texels, i fastest: RGB = 0.5 N + 0.5 ([AcostaLiu07] eq. 5; N is the outward unit normal in index axes scaled to world
 /// metric, bone frame), A = occupancy x remaining. An unknown normal is stored as 0.5, 0.5, 0.5.
@@ -40,7 +38,7 @@ struct TexelBox {
 /// level is a surface too, seen but not felt.
 struct VolumeView {
   Vec3i dims{0};
-  Affine bone_from_index;          ///< [m]
+  Affine bone_from_index;  ///< [m]
   std::vector<Rgba8> normal_opacity;
   std::vector<Rgba8> color;
 };
@@ -50,7 +48,7 @@ struct CameraView {
   Vec3 eye{0.0, -0.1, 0.1};
   Vec3 target{0.0};
   Vec3 up{0.0, 0.0, 1.0};
-  double vertical_fov = 0.6;       ///< [rad] in (0, 3)
+  double vertical_fov = 0.6;  ///< [rad] in (0, 3)
 };
 
 /// Light of [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); `fill` adds a weak headlight, fill Cv max(N.V, 0), 0 for the paper's own.
@@ -58,7 +56,7 @@ struct LightView {
   double ambient = 0.35;
   double diffuse = 0.75;
   double fill = 0.12;
-  Vec3 direction_to_light{0.3, -0.5, 0.8};   ///< world; normalised on use
+  Vec3 direction_to_light{0.3, -0.5, 0.8};  ///< world; normalised on use
 };
 
 /// Everything one frame shows.
@@ -66,11 +64,11 @@ struct FrameView {
   CameraView camera;
   LightView light;
   Pose world_from_bone;
-  std::optional<Pose> world_from_tool;       ///< nothing: the tool is not drawn
+  std::optional<Pose> world_from_tool;  ///< nothing: the tool is not drawn
   /// Half space cut away from the picture: points with dot(normal, p_world) > offset are not drawn (bone, dura and brain; not the tool).
   struct Cut {
     Vec3 normal{0.0, -1.0, 0.0};
-    double offset = 0.0;                     ///< [m]
+    double offset = 0.0;  ///< [m]
   };
   std::optional<Cut> cut;
 };

@@ -7,12 +7,12 @@
 #if defined(NDEBUG)
 #define BH_ASSERT(condition) static_cast<void>(0)
 #else
-#define BH_ASSERT(condition)                                                                     \
-  do {                                                                                           \
-    if (!(condition)) {                                                                          \
-      std::fprintf(stderr, "%s:%d: our bug: %s\n", __FILE__, __LINE__, #condition);              \
-      std::abort();                                                                              \
-    }                                                                                            \
+#define BH_ASSERT(condition)                                                        \
+  do {                                                                              \
+    if (!(condition)) {                                                             \
+      std::fprintf(stderr, "%s:%d: our bug: %s\n", __FILE__, __LINE__, #condition); \
+      std::abort();                                                                 \
+    }                                                                               \
   } while (false)
 #endif
 

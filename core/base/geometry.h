@@ -125,9 +125,7 @@ void for_each_voxel(const VoxelBox& box, F&& f) {
 [[nodiscard]] inline Vec3i floor_int(const Vec3& p) noexcept { return {floor_int(p.x), floor_int(p.y), floor_int(p.z)}; }
 
 /// Index of the voxel whose cell holds a point given in index coordinates (cell = centre +- 1/2).
-[[nodiscard]] inline Vec3i voxel_of(const Vec3& p) noexcept {
-  return floor_int(p + 0.5);
-}
+[[nodiscard]] inline Vec3i voxel_of(const Vec3& p) noexcept { return floor_int(p + 0.5); }
 
 /// Force [N] and torque [N*m] about the tool origin, world frame.
 struct Wrench {

@@ -19,6 +19,8 @@ namespace burrhole {
 }
 
 /// Uniform in [-1, 1).
-[[nodiscard]] constexpr double uniform11(std::uint64_t seed, std::uint64_t counter) noexcept { return 2.0 * uniform01(seed, counter) - 1.0; }
+[[nodiscard]] constexpr double uniform11(std::uint64_t seed, std::uint64_t counter) noexcept {
+  return 2.0 * uniform01(seed, counter) - 1.0;
+}
 
 }  // namespace burrhole

@@ -31,8 +31,10 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
 Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge,
                                                 const void* context, ModelFactory make_model) {
   for (const double value : {config.coupling_stiffness, config.cutting_stiffness, voxel_edge})
-    if (!(std::isfinite(value) && value > 0.0)) return Error{ErrorCode::out_of_range, "coupling and cutting stiffness must be finite and above 0", {}};
-  if (!(config.coupling_damping >= 0.0) || config.max_moves < 1) return Error{ErrorCode::out_of_range, "coupling damping must be at least 0", {}};
+    if (!(std::isfinite(value) && value > 0.0))
+      return Error{ErrorCode::out_of_range, "coupling and cutting stiffness must be finite and above 0", {}};
+  if (!(config.coupling_damping >= 0.0) || config.max_moves < 1)
+    return Error{ErrorCode::out_of_range, "coupling damping must be at least 0", {}};
   const double margin = 0.5 * voxel_edge;
   PointShell grown = shell;
   for (std::size_t n = 0; n < grown.size(); ++n) grown.positions[n] -= grown.inward_normals[n] * margin;
@@ -120,8 +122,7 @@ const ConstrainedToolState& ConstrainedTool::step(const ContactView& bone, const
   const double stiffness = config_.coupling_stiffness + damping;
   const Vec3 before = state_.world_from_tool.translation;
   // Massless tool under the coupling K (h - t) + B (h' - (t - t_before)/dt): it rests where that force vanishes, or where bone holds it.
-  const Vec3 target = (config_.coupling_stiffness * hand.world_from_hand.translation +
-                       damping * (before + hand.velocity * dt)) / stiffness;
+  const Vec3 target = (config_.coupling_stiffness * hand.world_from_hand.translation + damping * (before + hand.velocity * dt)) / stiffness;
   Pose pose{hand.world_from_hand.rotation, before};
   const Quat& turn = pose.rotation;
   state_.flags = is_finite(target) && std::isfinite(turn.w + turn.x + turn.y + turn.z) ? 0u : static_cast<std::uint32_t>(kContactNotFinite);
@@ -130,15 +131,16 @@ const ConstrainedToolState& ConstrainedTool::step(const ContactView& bone, const
     return state_;
   }
 
-  const double settled = 0.02 * margin_;   // a hundredth of a voxel
-  const double allowed = 0.8 * margin_;    // swept: no move is longer than what the grown shell sees ahead, so nothing is passed unseen
+  const double settled = 0.02 * margin_;  // a hundredth of a voxel
+  const double allowed = 0.8 * margin_;   // swept: no move is longer than what the grown shell sees ahead, so nothing is passed unseen
   HoldSolution solution;
   Vec3 last_advance(0.0);
   double relaxation = 1.0;
   std::uint32_t moves = 0;
   for (bool at_rest = false; !at_rest && moves < static_cast<std::uint32_t>(config_.max_moves); ++moves) {
     find_planes(bone, pose, hand.spinning);
-    solution = solve_hold({target - pose.translation, stiffness, config_.cutting_stiffness}, {planes_.data(), plane_count_}, 0.01 * settled);
+    solution =
+        solve_hold({target - pose.translation, stiffness, config_.cutting_stiffness}, {planes_.data(), plane_count_}, 0.01 * settled);
     const double length = glm::length(solution.translation);
     at_rest = length <= settled;
     // Planes found anew at each pose may disagree by fractions of a voxel; a reversal means that the truth lies between.

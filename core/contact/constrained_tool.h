@@ -17,10 +17,10 @@
 namespace burrhole {
 
 struct ConstrainedToolConfig {
-  double coupling_stiffness = 5000.0;   ///< [N/m] hand to tool
-  double coupling_damping = 10.0;       ///< [N s/m]
-  double cutting_stiffness = 100e3;     ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
-  int max_moves = 32;                   ///< moves of at most `margin` each in one step: bounds cost and speed, never safety
+  double coupling_stiffness = 5000.0;  ///< [N/m] hand to tool
+  double coupling_damping = 10.0;      ///< [N s/m]
+  double cutting_stiffness = 100e3;    ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
+  int max_moves = 32;                  ///< moves of at most `margin` each in one step: bounds cost and speed, never safety
 };
 
 /// Planes handed on for the servo loop and for the record.
@@ -28,19 +28,19 @@ inline constexpr std::size_t kMaxHoldPlanes = 32;
 
 /// What one step needs to know of the hand.
 struct HandMotion {
-  Pose world_from_hand;       ///< where the hand would have the tool
-  Vec3 velocity{0.0};         ///< [m/s]
+  Pose world_from_hand;  ///< where the hand would have the tool
+  Vec3 velocity{0.0};    ///< [m/s]
   bool spinning = false;
 };
 
 struct ConstrainedToolState {
   Pose world_from_tool;
-  Wrench on_hand;             ///< what the tool exerts on the hand: force [N], torque [N m] about the tool origin
-  double engagement = 0.0;    ///< [m] shared depth of the cutting points
-  double deepest = 0.0;       ///< [m] greatest depth of a shell point under the 0.5 surface at the pose, planes linearised
+  Wrench on_hand;           ///< what the tool exerts on the hand: force [N], torque [N m] about the tool origin
+  double engagement = 0.0;  ///< [m] shared depth of the cutting points
+  double deepest = 0.0;     ///< [m] greatest depth of a shell point under the 0.5 surface at the pose, planes linearised
   std::uint32_t planes = 0;
   std::uint32_t moves = 0;
-  std::uint32_t flags = 0;    ///< ContactFlag
+  std::uint32_t flags = 0;  ///< ContactFlag
 };
 
 class ConstrainedTool {

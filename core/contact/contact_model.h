@@ -14,11 +14,11 @@ namespace burrhole {
 
 /// One colliding shell point and its tangent plane, world frame.
 struct Contact {
-  std::uint32_t point = 0;   ///< index into the shell
-  Vec3 position{0.0};        ///< [m] of the shell point (the paper's P_h)
-  Vec3 plane_point{0.0};     ///< [m] a point of the plane (P_i)
-  Vec3 normal{0.0};          ///< outward unit normal of bone (N)
-  double depth = 0.0;        ///< [m] under the plane by the model's own law, >= 0
+  std::uint32_t point = 0;  ///< index into the shell
+  Vec3 position{0.0};       ///< [m] of the shell point (the paper's P_h)
+  Vec3 plane_point{0.0};    ///< [m] a point of the plane (P_i)
+  Vec3 normal{0.0};         ///< outward unit normal of bone (N)
+  double depth = 0.0;       ///< [m] under the plane by the model's own law, >= 0
 };
 
 /// What went other than planned in one evaluation; degrade, go on, tell.
@@ -31,8 +31,8 @@ enum ContactFlag : std::uint32_t {
 
 /// Reserve once, reuse every tick: evaluate() never allocates when contacts.capacity() covers the shell.
 struct ContactResult {
-  Wrench wrench;                   ///< on the tool, about the tool origin, world frame
-  Mat3 force_gradient{0.0};        ///< d force / d position of the tool [N/m], world frame (for [AcostaLiu07] eq. 3)
+  Wrench wrench;             ///< on the tool, about the tool origin, world frame
+  Mat3 force_gradient{0.0};  ///< d force / d position of the tool [N/m], world frame (for [AcostaLiu07] eq. 3)
   std::vector<Contact> contacts;
   std::uint32_t flags = 0;
 };

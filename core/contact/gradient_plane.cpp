@@ -76,8 +76,10 @@ bool GradientPlane::find_surface(const ContactView& bone, const Vec3& index, con
     at += tool_vector;
     const Vec3i v = voxel_of(at);
     gradient = bone.gradient(v);
-    if (solid(bone, v)) last_solid = v;
-    else if (gradient == Vec3f(0.0f)) break;  // out of bone without meeting a gradient: the last solid voxel is the surface
+    if (solid(bone, v))
+      last_solid = v;
+    else if (gradient == Vec3f(0.0f))
+      break;  // out of bone without meeting a gradient: the last solid voxel is the surface
   }
 
   // 2. Down the density gradient to the last solid voxel before an empty one.

@@ -9,10 +9,10 @@
 namespace burrhole {
 
 struct GradientPlaneConfig {
-  double stiffness = 2000.0;   ///< [N/m] k of eq. 2, > 0
-  bool paper_mode = false;     ///< true: any non-zero density collides and counts as bone; false: the 0.5 surface
-  int max_march = 64;          ///< [voxels] along the tool vector
-  int max_ascent = 64;         ///< [voxels] along the gradient
+  double stiffness = 2000.0;  ///< [N/m] k of eq. 2, > 0
+  bool paper_mode = false;    ///< true: any non-zero density collides and counts as bone; false: the 0.5 surface
+  int max_march = 64;         ///< [voxels] along the tool vector
+  int max_ascent = 64;        ///< [voxels] along the gradient
 };
 
 /// Departures from the paper, each needed to make its text definite: N = -grad/|grad| points out of bone; a start in an empty voxel (only

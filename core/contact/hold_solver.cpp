@@ -6,8 +6,8 @@
 namespace burrhole {
 
 HoldSolution solve_hold(const HoldProblem& problem, std::span<HoldPlane> planes, double tolerance) noexcept {
-  const double give = 1.0 / problem.stiffness;               // of the tool against its coupling [m/N]
-  const double cut_give = 1.0 / problem.cutting_stiffness;   // of the bone in front of a cutting point
+  const double give = 1.0 / problem.stiffness;              // of the tool against its coupling [m/N]
+  const double cut_give = 1.0 / problem.cutting_stiffness;  // of the bone in front of a cutting point
   HoldSolution out;
   out.translation = problem.target;
   for (const HoldPlane& plane : planes) {

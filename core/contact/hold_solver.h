@@ -14,7 +14,7 @@ struct HoldPlane {
   Vec3 normal{0.0, 0.0, 1.0};  ///< outward unit normal of bone
   double offset = 0.0;         ///< [m] along the normal; t is measured from the same origin
   bool cutting = false;
-  double force = 0.0;          ///< [N] out: multiplier, >= 0
+  double force = 0.0;  ///< [N] out: multiplier, >= 0
 };
 
 struct HoldProblem {
@@ -24,7 +24,7 @@ struct HoldProblem {
 };
 
 struct HoldSolution {
-  Vec3 translation{0.0};  ///< [m]
+  Vec3 translation{0.0};    ///< [m]
   double engagement = 0.0;  ///< [m] s
   int sweeps = 0;
   bool converged = false;

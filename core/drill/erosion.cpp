@@ -45,7 +45,8 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
   if (!(config.minimum_density >= 0.0f && config.minimum_density < 0.5f)) return refuse("minimum density must be in [0, 0.5)");
   if (!(config.longest_substep > 0.0 && config.longest_substep <= 1.0)) return refuse("the longest sub-step must be in (0, 1] voxels");
   if (points.size() > kMaxErosionPoints || points.factors.size() != points.size()) return refuse("erosion points and factors disagree");
-  if (points.size() > 0 && !(points.pitch > 0.0 && std::isfinite(points.pitch))) return refuse("the pitch of erosion points must be a number above 0");
+  if (points.size() > 0 && !(points.pitch > 0.0 && std::isfinite(points.pitch)))
+    return refuse("the pitch of erosion points must be a number above 0");
   for (std::size_t n = 0; n < points.size(); ++n)
     if (!is_finite(points.positions[n]) || !(points.factors[n] >= 0.0f) || !std::isfinite(points.factors[n]))
       return refuse("an erosion point is not finite or its factor is negative");
@@ -99,15 +100,16 @@ void Erosion::gather_exposure(const MasterWindow& window, const Affine& index_fr
     const Vec3 first = index_from_tool.linear * run.start + shift;
     const Vec3 last = first + along * static_cast<double>(run.count - 1);
     // A straight run lies in a convex box when both ends do.
-    const bool inside = glm::all(glm::greaterThanEqual(glm::min(first, last), lowest)) && glm::all(glm::lessThan(glm::max(first, last), highest));
+    const bool inside =
+        glm::all(glm::greaterThanEqual(glm::min(first, last), lowest)) && glm::all(glm::lessThan(glm::max(first, last), highest));
     for (std::uint32_t n = 0; n < run.count; ++n) {
       const Vec3 p = first + along * static_cast<double>(n);
       if (!inside && !(glm::all(glm::greaterThanEqual(p, lowest)) && glm::all(glm::lessThan(p, highest)))) {
         ++outcome.outside;
         continue;
       }
-      const std::size_t at = static_cast<std::size_t>(static_cast<int>(p.z)) * slab + static_cast<std::size_t>(static_cast<int>(p.y)) * row +
-                             static_cast<std::size_t>(static_cast<int>(p.x));
+      const std::size_t at = static_cast<std::size_t>(static_cast<int>(p.z)) * slab +
+                             static_cast<std::size_t>(static_cast<int>(p.y)) * row + static_cast<std::size_t>(static_cast<int>(p.x));
       if (density[at] == 0.0f) continue;  // density is current up to the last commit, remaining up to this sub-step
       if (exposure_[at] == 0.0f) touched_.push_back(static_cast<std::uint32_t>(at));
       exposure_[at] += points_.factors[run.first + n];
@@ -131,7 +133,8 @@ void Erosion::apply_rate(Voxmap& voxmap, double rate_scale, double dt, ErosionOu
     if (after == before) continue;
     remaining[at] = after;
     outcome.removed_mass += static_cast<double>(window.occupancy[at]) * (static_cast<double>(before) - static_cast<double>(after));
-    outcome.changed.include(window.box.lo + Vec3i(static_cast<int>(at % row), static_cast<int>(at % slab / row), static_cast<int>(at / slab)));
+    outcome.changed.include(window.box.lo +
+                            Vec3i(static_cast<int>(at % row), static_cast<int>(at % slab / row), static_cast<int>(at / slab)));
     ++outcome.touched;
   }
   touched_.clear();

@@ -29,11 +29,11 @@ struct ErosionConfig {
 
 /// What one step did.
 struct ErosionOutcome {
-  double removed_mass = 0.0;        ///< [m^3] integral of occupancy x (loss of remaining)
+  double removed_mass = 0.0;  ///< [m^3] integral of occupancy x (loss of remaining)
   std::uint32_t substeps = 0;
-  std::uint32_t touched = 0;        ///< voxels whose remaining changed, counted once a sub-step
-  std::uint32_t outside = 0;        ///< points that met the edge of the window: bone there is not eroded (0 in a sound run)
-  VoxelBox changed;                 ///< box of all voxels changed: the caller hands it to Voxmap::commit
+  std::uint32_t touched = 0;  ///< voxels whose remaining changed, counted once a sub-step
+  std::uint32_t outside = 0;  ///< points that met the edge of the window: bone there is not eroded (0 in a sound run)
+  VoxelBox changed;           ///< box of all voxels changed: the caller hands it to Voxmap::commit
 };
 
 /// The straight path of one step, tool poses in index coordinates of the bone: p_index = linear * p_tool + offset.
@@ -62,8 +62,8 @@ class Erosion {
   void apply_per_update(Voxmap& voxmap, const Affine& index_from_tool, double spin, ErosionOutcome& outcome);
 
   struct Run {
-    Vec3 start;                 // [m] tool frame
-    std::uint32_t first, count; // into points_
+    Vec3 start;                  // [m] tool frame
+    std::uint32_t first, count;  // into points_
   };
   ErosionConfig config_;
   ErosionPoints points_;

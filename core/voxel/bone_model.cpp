@@ -24,7 +24,8 @@ bool is_usable(const Affine& bone_from_index) {
 }
 
 Status check_field(const std::vector<float>& field, std::size_t count, const char* name) {
-  if (field.size() != count) return bad_input(std::string(name) + " holds " + std::to_string(field.size()) + " voxels, dims ask for " + std::to_string(count));
+  if (field.size() != count)
+    return bad_input(std::string(name) + " holds " + std::to_string(field.size()) + " voxels, dims ask for " + std::to_string(count));
   for (const float value : field)
     if (!(value >= 0.0f && value <= 1.0f)) return bad_input(std::string(name) + " holds a value outside 0..1 or not finite");
   return {};
@@ -72,7 +73,8 @@ Result<std::shared_ptr<const BoneModel>> BoneModel::load(const std::string& path
       break;
     }
   }
-  if (found != 4 || VoxelBox{Vec3i(0), content->dims}.empty()) return bad_input("is not a bone model: grids occupancy, hardness, soft and labels are needed", path);
+  if (found != 4 || VoxelBox{Vec3i(0), content->dims}.empty())
+    return bad_input("is not a bone model: grids occupancy, hardness, soft and labels are needed", path);
   return std::shared_ptr<const BoneModel>(new BoneModel(content->dims, content->bone_from_index, std::move(grids)));
 }
 

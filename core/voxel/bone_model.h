@@ -15,16 +15,25 @@
 namespace burrhole {
 
 /// Tissue of a voxel. A grid of its own: never a colour, never derived from density at run time.
-enum class VoxelLabel : std::uint8_t { none = 0, bone = 1, outer_table = 2, diploe = 3, inner_table = 4, dura = 5, brain = 6, forbidden = 7 };
+enum class VoxelLabel : std::uint8_t {
+  none = 0,
+  bone = 1,
+  outer_table = 2,
+  diploe = 3,
+  inner_table = 4,
+  dura = 5,
+  brain = 6,
+  forbidden = 7
+};
 
 /// Dense fields as phantoms and readers make them. All vectors hold dims.x*dims.y*dims.z values, i fastest.
 struct DenseBone {
   Vec3i dims{0};
-  Affine bone_from_index;             ///< [m]
-  std::vector<float> occupancy;       ///< 0..1
-  std::vector<float> hardness;        ///< 0..1
-  std::vector<float> soft;            ///< 0..1 occupancy of dura and brain, shown and labelled but neither felt nor cut; may be empty
-  std::vector<std::uint8_t> labels;   ///< VoxelLabel
+  Affine bone_from_index;            ///< [m]
+  std::vector<float> occupancy;      ///< 0..1
+  std::vector<float> hardness;       ///< 0..1
+  std::vector<float> soft;           ///< 0..1 occupancy of dura and brain, shown and labelled but neither felt nor cut; may be empty
+  std::vector<std::uint8_t> labels;  ///< VoxelLabel
 };
 
 class FloatVdb;

@@ -91,9 +91,8 @@ void FloatVdb::read_box(const VoxelBox& box, std::span<float> out) const {
   for_each_leaf_box(box, [&](const openvdb::Coord& origin, const VoxelBox& part) {
     const Leaf* leaf = tree.probeConstLeaf(origin);
     const float tile = leaf == nullptr ? tree.getValue(origin) : 0.0f;
-    for_each_voxel(part, [&](const Vec3i& v) {
-      out[box.offset_of(v)] = leaf == nullptr ? tile : leaf->getValue(Leaf::coordToOffset(coord(v)));
-    });
+    for_each_voxel(part,
+                   [&](const Vec3i& v) { out[box.offset_of(v)] = leaf == nullptr ? tile : leaf->getValue(Leaf::coordToOffset(coord(v))); });
   });
 }
 
@@ -112,8 +111,10 @@ void FloatVdb::write_box(const VoxelBox& box, std::span<const float> in) {
     for_each_voxel(part, [&](const Vec3i& v) {
       const float value = in[box.offset_of(v)];
       const auto n = Leaf::coordToOffset(coord(v));
-      if (value == background) leaf->setValueOff(n, value);
-      else leaf->setValueOn(n, value);
+      if (value == background)
+        leaf->setValueOff(n, value);
+      else
+        leaf->setValueOn(n, value);
     });
   });
 }

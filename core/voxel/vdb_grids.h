@@ -52,7 +52,8 @@ struct VdbFileContent {
 
 /// Writes to a temporary name and renames. The map is kept exactly as metadata; the transform, for other programs, is the same in mm.
 /// bad_input when the place cannot be written.
-[[nodiscard]] Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index, std::span<const FloatVdb* const> grids);
+[[nodiscard]] Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index,
+                               std::span<const FloatVdb* const> grids);
 /// Reads without delayed loading. bad_input when missing, foreign or damaged.
 [[nodiscard]] Result<VdbFileContent> read_vdb(const std::string& path);
 

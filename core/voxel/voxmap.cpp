@@ -126,7 +126,8 @@ Status Voxmap::restore(const std::string& path) {
   for (FloatVdb& grid : content->grids)
     if (grid.name() == "remaining") found = &grid;
   if (found == nullptr) return bad_input("holds no grid named remaining: it is not a checkpoint", path);
-  if (content->dims != bone_->dims() || found->background() != 1.0f) return bad_input("was saved from another bone: the dimensions differ", path);
+  if (content->dims != bone_->dims() || found->background() != 1.0f)
+    return bad_input("was saved from another bone: the dimensions differ", path);
   bool sound = true;
   found->for_each_sorted([&](const Vec3i&, float value) { sound = sound && value >= 0.0f && value <= 1.0f; });
   if (!sound) return bad_input("holds a remaining outside 0..1 or not finite", path);

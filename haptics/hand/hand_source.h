@@ -13,9 +13,9 @@ enum class HandPhase : std::uint32_t { approach, lean, give_felt, release, withd
 
 /// What the hand does now; goes to contact through a TripleBuffer.
 struct HandState {
-  Pose world_from_hand;        ///< where the hand would have the tool
-  Vec3 velocity{0.0};          ///< [m/s]
-  double thrust = 0.0;         ///< [N] along the axis into bone
+  Pose world_from_hand;  ///< where the hand would have the tool
+  Vec3 velocity{0.0};    ///< [m/s]
+  double thrust = 0.0;   ///< [N] along the axis into bone
   HandPhase phase = HandPhase::approach;
   std::uint64_t tick = 0;
 };

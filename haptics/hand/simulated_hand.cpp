@@ -22,9 +22,10 @@ SimulatedHand::SimulatedHand(const HandConfig& config, const Pose& world_from_ap
 }
 
 Result<SimulatedHand> SimulatedHand::create(const HandConfig& config, const Pose& world_from_approach, double period) {
-  for (const double value : {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force, config.give_speed, config.standoff,
-                             config.tremor_amplitude, config.tremor_frequency})
-    if (!(std::isfinite(value) && value >= 0.0)) return Error{ErrorCode::out_of_range, "a value of the hand's script is negative or not finite", {}};
+  for (const double value : {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force,
+                             config.give_speed, config.standoff, config.tremor_amplitude, config.tremor_frequency})
+    if (!(std::isfinite(value) && value >= 0.0))
+      return Error{ErrorCode::out_of_range, "a value of the hand's script is negative or not finite", {}};
   if (!(config.follow_time > 0.0)) return Error{ErrorCode::out_of_range, "the hand's follow time must be above 0", {}};
   auto body = MassSpringDamper::create(config.dynamics, period);
   if (!body) return body.error();

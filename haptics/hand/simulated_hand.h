@@ -14,19 +14,19 @@ namespace burrhole {
 
 struct HandConfig {
   MassSpringDamperConfig dynamics;
-  double feed = 0.005;               ///< [m/s] approach and withdrawal
-  double push = 28.0;                ///< [N] thrust while leaning on the drill, real newtons: no device limits them
-  double ramp = 1.0;                 ///< [s] from first contact to full thrust
-  double reaction = 0.150;           ///< [s] from feeling the give to letting go (assumed)
-  double release = 0.3;              ///< [s] over which the thrust then falls to nothing
-  double contact_force = 1.0;        ///< [N] felt force that counts as contact
-  double give_speed = 0.008;         ///< [m/s] advance of the hand that feels like breaking through
-  double follow_time = 0.25;         ///< [s] how fast the rest position of the arm follows the drill while leaning
-  double standoff = 0.003;           ///< [m] height above the entry where the script starts and ends
-  double tremor_amplitude = 40e-6;   ///< [m] lateral, peak, of the rest position
-  double tremor_frequency = 9.0;     ///< [Hz]
+  double feed = 0.005;              ///< [m/s] approach and withdrawal
+  double push = 28.0;               ///< [N] thrust while leaning on the drill, real newtons: no device limits them
+  double ramp = 1.0;                ///< [s] from first contact to full thrust
+  double reaction = 0.150;          ///< [s] from feeling the give to letting go (assumed)
+  double release = 0.3;             ///< [s] over which the thrust then falls to nothing
+  double contact_force = 1.0;       ///< [N] felt force that counts as contact
+  double give_speed = 0.008;        ///< [m/s] advance of the hand that feels like breaking through
+  double follow_time = 0.25;        ///< [s] how fast the rest position of the arm follows the drill while leaning
+  double standoff = 0.003;          ///< [m] height above the entry where the script starts and ends
+  double tremor_amplitude = 40e-6;  ///< [m] lateral, peak, of the rest position
+  double tremor_frequency = 9.0;    ///< [Hz]
   std::uint64_t seed = 1;
-  bool feels = true;                 ///< false: the force feedback is cut (for comparison)
+  bool feels = true;  ///< false: the force feedback is cut (for comparison)
 };
 
 class SimulatedHand final : public HandSource {
@@ -47,11 +47,11 @@ class SimulatedHand final : public HandSource {
   Pose world_from_approach_;
   double period_;
   MassSpringDamper body_;
-  Vec3 position_{0.0}, velocity_{0.0};   // approach frame
-  double goal_height_ = 0.0;             // [m] rest position of the arm along the axis
-  double advance_ = 0.0;                 // [m/s] low-passed speed into bone
+  Vec3 position_{0.0}, velocity_{0.0};  // approach frame
+  double goal_height_ = 0.0;            // [m] rest position of the arm along the axis
+  double advance_ = 0.0;                // [m/s] low-passed speed into bone
   std::uint64_t lean_tick_ = 0, give_tick_ = 0, release_tick_ = 0;
-  double release_thrust_ = 0.0;          // [N] when letting go began
+  double release_thrust_ = 0.0;  // [N] when letting go began
   HandState state_;
 };
 

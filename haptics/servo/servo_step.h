@@ -20,7 +20,7 @@ struct ServoConfig {
 };
 
 struct ServoOutput {
-  Vec3 force{0.0};            ///< [N] on the hand this tick
+  Vec3 force{0.0};  ///< [N] on the hand this tick
   HandState hand;
   std::uint32_t faults = 0;
 };
