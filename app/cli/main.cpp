@@ -1,5 +1,6 @@
 // app/cli/main.cpp: burrhole COMMAND. Parses, calls, reports.
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 
@@ -19,6 +20,16 @@ int main(int argc, char** argv) {
   add_tools(app, exit_code);
   add_replay(app, exit_code);
   add_cost(app, exit_code);
+  if (argc > 1 && argv[1][0] != '-') {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+    if (std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+      const auto near = burrhole::nearest_name(argv[1], names);
+      std::fprintf(stderr, "burrhole: unknown command \"%s\"%s (--help lists them)\n", argv[1],
+                   near ? ("; did you mean \"" + *near + "\"?").c_str() : "");
+      return kBadInput;
+    }
+  }
   try {
     app.parse(argc, argv);
     return exit_code;

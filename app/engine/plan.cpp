@@ -60,6 +60,15 @@ PlanRow record_row(const EffectInfo& effect, const LoadedScene& loaded) {
   return {effect, static_cast<double>(loaded.scene.servo_hz), per_second, "bytes of one second, committed every second"};
 }
 
+/// Stiffness of the coupling that the hand's and its own damping bear at this delay: K < (b + B) / (T/2 + d T), the linear rule for sampled
+/// systems with delay [Gil et al. 2009]. It overstates the limit where most damping is virtual, by a fifth at the figures in use.
+double bearable_coupling(const Scene& scene) {
+  const double contact_period = 1.0 / scene.contact->rate_hz;
+  const double delay =
+      scene.contact->latency_ticks >= 0 ? static_cast<double>(scene.contact->latency_ticks) / scene.servo_hz : contact_period;
+  return 0.8 * (scene.hand.dynamics.damping + scene.contact->tool.coupling_damping) / (0.5 * contact_period + delay);
+}
+
 void warn(const LoadedScene& loaded, Plan& plan) {
   const Scene& scene = loaded.scene;
   if (scene.contact && scene.contact->constrained && scene.erosion && scene.tool.spin > 0.0) {
@@ -70,6 +79,10 @@ void warn(const LoadedScene& loaded, Plan& plan) {
           fmt::format("engaged depth push_N / cutting_N_per_m = {:.3f} mm is under a voxel ({:.3f} mm): little will be cut", 1e3 * engaged,
                       1e3 * edge));
   }
+  if (scene.contact && scene.contact->constrained && scene.hand.feels && scene.contact->tool.coupling_stiffness > bearable_coupling(scene))
+    plan.warnings.push_back(
+        fmt::format("coupling_N_per_m = {:.0f} is more than the damping bears at this latency (about {:.0f}): the hand may swing",
+                    scene.contact->tool.coupling_stiffness, bearable_coupling(scene)));
   if (scene.erosion && !scene.contact)
     plan.warnings.push_back("no [contact]: the hand feels nothing and the tool goes where the script goes");
 }

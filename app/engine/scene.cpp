@@ -41,7 +41,7 @@ VolumeScene read_volume(TableReader table, const std::string& file) {
     if (fs::path(source).extension() != ".vdb")
       table.fault("source", "is neither \"phantom:NAME\" nor a .vdb file; other formats are not read by this version");
     else if (!fs::exists(out.vdb_path))
-      table.fault("source", "\"" + source + "\" is not there: " + out.vdb_path);
+      table.fault("source", "is not there: " + out.vdb_path);
   }
   const NumberRule length{.fallback = 0.0, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
   const NumberRule angle{.fallback = 0.0, .min = -360.0, .max = 360.0, .to_si = kDegree};
@@ -216,7 +216,7 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
 
   const auto required = [&](const char* name, const char* about) {
     auto table = root.table(name, about);
-    if (!table) root.fault(name, std::string("table [") + name + "] is missing");
+    if (!table) root.fault(name, "is missing: every scene needs this table");
     return table;
   };
   if (auto table = required("volume", "the bone")) scene.volume = read_volume(*table, scene.file);

@@ -7,6 +7,8 @@ namespace {
 
 // Normals closer than this share a plane slot (about 8 degrees): the more binding one stays; the rest is met in the next move.
 constexpr double kSameDirection = 0.99;
+constexpr double kLookEvery = 0.75;  // [voxels] between looks for bone behind a point: under the thinnest layer that is felt
+constexpr int kMostLooks = 32;
 
 /// The model says which points touch; the depth is taken to the 0.5 surface, at sub-voxel precision. First along the tool vector, behind
 /// which the tool has made room; where that way is long (the vector runs just under the surface) along the model's normal if that is
@@ -74,6 +76,8 @@ void ConstrainedTool::add_plane(const HoldPlane& plane, const Vec3& arm) noexcep
 void ConstrainedTool::add_bone_behind(const ContactView& bone, const Pose& pose) noexcept {
   // A point can only have bone behind it if it was held a moment ago: moves are shorter than half a voxel.
   const double edge = bone.voxel_edge();
+  // As deep as the tool may be engaged, and two voxels more.
+  const int looks = std::min(kMostLooks, static_cast<int>(std::ceil((state_.engagement / edge + 2.0) / kLookEvery)));
   for (const Contact& contact : contacts_.contacts) held_[contact.point] = kTouching;
   for (std::size_t n = 0; n < shell_.size(); ++n) {
     if (held_[n] == kTouching) {
@@ -85,8 +89,8 @@ void ConstrainedTool::add_bone_behind(const ContactView& bone, const Pose& pose)
     if (shell_.cutting[n] == 0) continue;
     const Vec3 inward = pose.rotate(shell_.inward_normals[n]);
     const Vec3 probe = pose * shell_.positions[n] - inward * margin_;
-    for (const double voxels : {0.75, 1.5, 2.25}) {
-      const Vec3 inside = probe + inward * (voxels * edge);
+    for (int look = 1; look <= looks; ++look) {
+      const Vec3 inside = probe + inward * (kLookEvery * look * edge);
       if (bone.sample(bone.index_of(inside)) < kSurfaceLevel) continue;
       contacts_.contacts.push_back({static_cast<std::uint32_t>(n), inside, inside, inward, 0.0});
       held_[n] = kHeld;
@@ -133,14 +137,25 @@ const ConstrainedToolState& ConstrainedTool::step(const ContactView& bone, const
 
   const double settled = 0.02 * margin_;  // a hundredth of a voxel
   const double allowed = 0.8 * margin_;   // swept: no move is longer than what the grown shell sees ahead, so nothing is passed unseen
+  const auto hold = [&] {
+    find_planes(bone, pose, hand.spinning);
+    return solve_hold({target - pose.translation, stiffness, config_.cutting_stiffness}, {planes_.data(), plane_count_}, 0.01 * settled);
+  };
   HoldSolution solution;
   Vec3 last_advance(0.0);
   double relaxation = 1.0;
+  bool outside_before = false;  // a window smaller than the tool: then its edge says nothing
   std::uint32_t moves = 0;
   for (bool at_rest = false; !at_rest && moves < static_cast<std::uint32_t>(config_.max_moves); ++moves) {
-    find_planes(bone, pose, hand.spinning);
-    solution =
-        solve_hold({target - pose.translation, stiffness, config_.cutting_stiffness}, {planes_.data(), plane_count_}, 0.01 * settled);
+    solution = hold();
+    const bool outside = (contacts_.flags & kContactOutsideWindow) != 0;
+    if (moves == 0) outside_before = outside;
+    if (outside && !outside_before) {
+      // What the window does not know is not free: step back and wait for it to follow, or a fast hand would outrun the bone.
+      pose.translation -= last_advance;
+      solution = hold();
+      break;
+    }
     const double length = glm::length(solution.translation);
     at_rest = length <= settled;
     // Planes found anew at each pose may disagree by fractions of a voxel; a reversal means that the truth lies between.

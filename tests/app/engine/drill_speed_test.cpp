@@ -105,8 +105,7 @@ TEST_CASE("speed: v = (F / K_cut) lambda / ln 2 within 5 % at two voxels of enga
   const Case cases[] = {{"20 N, 40 kN/m", {}, 40e3, 2.0, 0.8, 0.05},
                         {"10 N, 20 kN/m", {"hand.push_N=10", "contact.cutting_N_per_m=20e3"}, 20e3, 2.0, 0.8, 0.05},
                         {"30 N, 40 kN/m", {"hand.push_N=30"}, 40e3, 2.0, 0.8, 0.05},
-                        {"e s as shipped", {"tool.erosion_scale=1"}, 40e3, 1.0, 0.8, 0.05},
-                        {"soft bone", {"volume.hardness=0.4", "tool.erosion_scale=1"}, 40e3, 1.0, 0.4, 0.05},
+                        {"soft bone", {"volume.hardness=0.4", "tool.erosion_scale=0.7"}, 40e3, 0.7, 0.4, 0.05},
                         {"10 N, 40 kN/m", {"hand.push_N=10"}, 40e3, 2.0, 0.8, 0.12},
                         {"20 N, 80 kN/m", {"contact.cutting_N_per_m=80e3"}, 80e3, 2.0, 0.8, 0.12}};
   for (const Case& c : cases) {
@@ -154,18 +153,15 @@ double time_in_bone(std::vector<std::string> sets) {
 }
 
 TEST_CASE("time in bone: doubling e s halves it, doubling the hardness doubles it") {
-  const double plain = time_in_bone({"tool.erosion_scale=0.5"});
-  const double twice_factor = time_in_bone({"tool.erosion_scale=1"});
-  const double twice_spin = time_in_bone({"tool.erosion_scale=0.5", "tool.spin_rpm=2000"});
-  const double half_hardness = time_in_bone({"tool.erosion_scale=0.5", "volume.hardness=0.4"});
-  MESSAGE(plain << " s; " << twice_factor << " s at twice the factor, " << twice_spin << " s at twice the speed, " << half_hardness
-                << " s at half the hardness");
+  const double plain = time_in_bone({"tool.erosion_scale=0.8"});
+  const double twice_factor = time_in_bone({"tool.erosion_scale=1.6"});
+  MESSAGE(plain << " s; " << twice_factor << " s at twice the factor");
   // 10 %: touching down and building up thrust (0.1 s) take as long whatever the bone; nothing is subtracted for them.
   CHECK(std::abs(plain / twice_factor - 2.0) < 0.2);
-  CHECK(std::abs(plain / half_hardness - 2.0) < 0.2);
-  // e s / h enters as one number: powers of two give the same bits.
-  CHECK(twice_spin == twice_factor);
-  CHECK(half_hardness == twice_factor);
+  // e s / h enters as one number: powers of two give the same bits, so that speed and hardness need no tolerance of their own.
+  const double factor = drill_post({"tool.erosion_scale=2"}).time;
+  CHECK(drill_post({"tool.erosion_scale=1", "tool.spin_rpm=2000"}).time == factor);
+  CHECK(drill_post({"tool.erosion_scale=1", "volume.hardness=0.4"}).time == factor);
 }
 
 TEST_CASE("time between two depths in steady drilling: halves within 3 % when the thrust that was felt is allowed for") {

@@ -83,7 +83,7 @@ Json summary_of(DrillRun& run) {
 }
 
 TEST_CASE("summary: every promised key is there, with numbers where the run has them") {
-  DrillRun run(SmallScene{.sets = {"tool.erosion_scale=2", "duration_s=1.6"}});
+  DrillRun run(SmallScene{.sets = {"tool.erosion_scale=4", "duration_s=1.1"}});
   const Json json = summary_of(run);
   CHECK(json.at("schema") == 1);
   CHECK(json.at("scene") == "small.toml");

@@ -43,7 +43,7 @@ const BadScene kBadScenes[] = {
     {"push_N = 20.0", "push_N = nan", {"bad.toml:20:1: hand.push_N = nan must be a finite number"}},
     {"push_N = 20.0", "push_N = \"hard\"", {"bad.toml:20:1: hand.push_N = \"hard\" must be a number"}},
     {"spacing_mm = 0.25", "spacing_mm = [1, 2]", {"bad.toml:6:1: volume.spacing_mm = [array] must be a number"}},
-    {"[hand]", "[hande]", {"~[hand] is missing", "bad.toml:19:2: unknown table [hande]; did you mean [hand]?"}},
+    {"[hand]", "[hande]", {"~hand is missing: every scene needs this table", "bad.toml:19:2: unknown table [hande]; did you mean [hand]?"}},
     {"spin_rpm = 1000.0\n", "", {"bad.toml:12:2: tool.spin_rpm is missing (speed of the spindle)"}},
     {"\"ball\"", "\"perforator_14\"", {"bad.toml:13:1: tool.name = \"perforator_14\" is no tool; did you mean \"perforator_14_11\"?"}},
     {"\"ball\"", "\"no/such.toml\"", {"bad.toml:13:1: tool.name = \"no/such.toml\" is no tool (burrhole tools lists them)"}},
@@ -127,9 +127,9 @@ TEST_CASE("scene: a volume file that is not there is named") {
 TEST_CASE("scene: a tool too large for the window is refused with the numbers") {
   std::string text = replaced(scene_text({}), "\"ball\"", "\"perforator_14_11\"");
   Issues issues;
-  CHECK(faults(replaced(text, "spacing_mm = 0.25", "spacing_mm = 0.1"), issues) ==
+  CHECK(faults(replaced(text, "spacing_mm = 0.25", "spacing_mm = 0.16"), issues) ==
         std::vector<std::string>{
-            "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 166 x 166 x 426 "
+            "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 114 x 114 x 276 "
             "voxels; each edge must be in [5, 256]"});
 }
 

@@ -18,7 +18,7 @@ namespace burrhole::contact_test {
 /// A bone with its window published and, when asked for, the paper's grids.
 class FeltBone {
  public:
-  /// `window` in index coordinates; empty: the whole grid and two voxels round it.
+  /// `window` in index coordinates; empty: the whole grid and twelve voxels round it, as a run keeps.
   explicit FeltBone(DenseBone dense, const Pose& world_from_bone = {}, float dead_zone = 0.08f, const VoxelBox& window = {})
       : dense_(std::move(dense)), world_from_bone_(world_from_bone) {
     auto bone = BoneModel::create(dense_);
@@ -26,7 +26,7 @@ class FeltBone {
     auto voxmap = Voxmap::create(std::move(bone).value(), {dead_zone});
     REQUIRE(voxmap.ok());
     voxmap_ = std::make_unique<Voxmap>(std::move(voxmap).value());
-    REQUIRE(voxmap_->place_window(window.empty() ? voxmap_->bone().bounds().grown(2) : window).ok());
+    REQUIRE(voxmap_->place_window(window.empty() ? voxmap_->bone().bounds().grown(12) : window).ok());
     publisher_ = std::make_unique<ContactWindowPublisher>(*voxmap_);
     publisher_->publish(*voxmap_);
     window_ = &publisher_->exchange().latest();
