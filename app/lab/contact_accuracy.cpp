@@ -129,10 +129,10 @@ void add_rows(std::vector<CostRow>& rows, CostRow row, const Samples& samples) {
   row.median_us = at_share(samples.time_us, 0.5);
   row.p99_us = at_share(samples.time_us, 0.99);
   const auto add = [&](const char* name, const std::vector<double>& errors, double share, const char* unit, const char* reference) {
-    row.error_name = name;
+    row.error_name = std::string(name);
     row.error = at_share(errors, share);
-    row.unit = unit;
-    row.reference = reference;
+    row.unit = std::string(unit);
+    row.reference = std::string(reference);
     rows.push_back(row);
   };
   add("own_law_median", samples.own_law, 0.5, "%", kLawReference);
@@ -224,7 +224,7 @@ Result<std::vector<CostRow>> measure_contact_accuracy(const ContactAccuracyOptio
       row.setting = curve.depth_mm.back();
       row.error_name = "force_lost";
       row.error = largest_loss_percent(*force);
-      row.unit = "%";
+      row.unit = std::string("%");
       row.reference = "largest force at a lesser depth";
       rows.push_back(row);
     }
