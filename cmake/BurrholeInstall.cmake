@@ -36,4 +36,4 @@ configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/burrholeConfig.cmake.
   INSTALL_DESTINATION ${BURRHOLE_PACKAGE_DIR})
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/burrholeConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/burrholeConfig.cmake" "${PROJECT_BINARY_DIR}/burrholeConfigVersion.cmake"
-  DESTINATION ${BURRHOLE_PACKAGE_DIR})
+  "${PROJECT_SOURCE_DIR}/cmake/BurrholeGdcm.cmake" DESTINATION ${BURRHOLE_PACKAGE_DIR})

@@ -50,6 +50,8 @@ WRAPPED = [
     (r"GLFW/", "GLFW", ["app/window/"]),
     (r"CLI/", "CLI11", ["app/cli/"]),
     (r"(itk[A-Z]|gdcm)", "ITK", ["volumes/read/"]),
+    (r"assimp/", "assimp", ["volumes/read/mesh_file.cpp"]),
+    (r"zlib\.h$", "zlib", ["volumes/read/"]),
     # vdb_grids.cpp: OpenVDB must be initialised once, from whichever thread comes first.
     (r"(thread|mutex|shared_mutex|condition_variable|future)$", "threading", ["app/", "haptics/", "core/voxel/vdb_grids.cpp"]),
 ]

@@ -1,0 +1,15 @@
+/// volumes/read/mesh_file.h: STL, OBJ and PLY (ASCII or binary) to triangles; the only wrapper of assimp.
+#pragma once
+
+#include <string>
+
+#include "core/base/result.h"
+#include "core/tool/surface_mesh.h"
+
+namespace burrhole {
+
+/// @param unit [m] length of one unit of the file. All meshes of the file joined; polygons are cut into triangles, vertices welded.
+/// @returns bad_input: unreadable, empty, not finite, or larger than its file can hold. Does not ask whether the surface is closed.
+[[nodiscard]] Result<SurfaceMesh> read_mesh(const std::string& path, double unit);
+
+}  // namespace burrhole
