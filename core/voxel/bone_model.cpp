@@ -40,24 +40,40 @@ BoneModel::BoneModel(const Vec3i& dims, const Affine& bone_from_index, std::uniq
 BoneModel::~BoneModel() = default;
 
 Result<std::shared_ptr<const BoneModel>> BoneModel::create(const DenseBone& dense) {
-  const VoxelBox box{Vec3i(0), dense.dims};
-  if (box.empty()) return bad_input("the volume has no voxels");
-  if (!is_usable(dense.bone_from_index)) return bad_input("the voxel-to-bone map is singular or not finite");
-  for (const auto& [field, name] : {std::pair{&dense.occupancy, "occupancy"}, std::pair{&dense.hardness, "hardness"}})
-    if (const Status status = check_field(*field, box.count(), name); !status) return status.error();
-  if (!dense.soft.empty())
-    if (const Status status = check_field(dense.soft, box.count(), "soft"); !status) return status.error();
-  if (!dense.labels.empty() && dense.labels.size() != box.count()) return bad_input("labels and dims disagree");
+  auto builder = BoneModelBuilder::create(dense.dims, dense.bone_from_index);
+  if (!builder) return builder.error();
+  if (const Status added = builder->add({Vec3i(0), dense.dims}, dense); !added) return added.error();
+  return builder->finish();
+}
 
-  auto grids = std::make_unique<Grids>();
-  grids->occupancy.write_box(box, dense.occupancy);
-  grids->hardness.write_box(box, dense.hardness);
-  if (!dense.soft.empty()) grids->soft.write_box(box, dense.soft);
-  if (!dense.labels.empty()) {
-    const std::vector<float> labels(dense.labels.begin(), dense.labels.end());
-    grids->labels.write_box(box, labels);
-  }
-  return std::shared_ptr<const BoneModel>(new BoneModel(dense.dims, dense.bone_from_index, std::move(grids)));
+Result<BoneModelBuilder> BoneModelBuilder::create(const Vec3i& dims, const Affine& bone_from_index) {
+  if (VoxelBox{Vec3i(0), dims}.empty()) return bad_input("the volume has no voxels");
+  if (!is_usable(bone_from_index)) return bad_input("the voxel-to-bone map is singular or not finite");
+  return BoneModelBuilder(dims, bone_from_index);
+}
+
+BoneModelBuilder::BoneModelBuilder(const Vec3i& dims, const Affine& bone_from_index)
+    : dims_(dims), bone_from_index_(bone_from_index), grids_(std::make_unique<BoneModel::Grids>()) {}
+BoneModelBuilder::BoneModelBuilder(BoneModelBuilder&&) noexcept = default;
+BoneModelBuilder::~BoneModelBuilder() = default;
+
+Status BoneModelBuilder::add(const VoxelBox& box, const DenseBone& fields) {
+  if (!VoxelBox{Vec3i(0), dims_}.contains(box)) return bad_input("a part of the volume lies outside it");
+  for (const auto& [field, name] : {std::pair{&fields.occupancy, "occupancy"}, std::pair{&fields.hardness, "hardness"}})
+    if (const Status status = check_field(*field, box.count(), name); !status) return status;
+  if (!fields.soft.empty())
+    if (const Status status = check_field(fields.soft, box.count(), "soft"); !status) return status;
+  if (!fields.labels.empty() && fields.labels.size() != box.count()) return bad_input("labels and dims disagree");
+
+  grids_->occupancy.write_box(box, fields.occupancy);
+  grids_->hardness.write_box(box, fields.hardness);
+  if (!fields.soft.empty()) grids_->soft.write_box(box, fields.soft);
+  if (!fields.labels.empty()) grids_->labels.write_box(box, std::vector<float>(fields.labels.begin(), fields.labels.end()));
+  return {};
+}
+
+std::shared_ptr<const BoneModel> BoneModelBuilder::finish() {
+  return std::shared_ptr<const BoneModel>(new BoneModel(dims_, bone_from_index_, std::move(grids_)));
 }
 
 Result<std::shared_ptr<const BoneModel>> BoneModel::load(const std::string& path) {

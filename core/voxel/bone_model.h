@@ -63,12 +63,34 @@ class BoneModel {
   [[nodiscard]] std::vector<const FloatVdb*> grids() const;
 
  private:
+  friend class BoneModelBuilder;
   struct Grids;
   BoneModel(const Vec3i& dims, const Affine& bone_from_index, std::unique_ptr<Grids> grids);
   Vec3i dims_;
   Affine bone_from_index_;
   std::unique_ptr<Grids> grids_;
   std::size_t bone_voxels_ = 0;
+};
+
+/// Makes a bone model part by part, so that a large scan never lies in memory as dense fields. One owner.
+class BoneModelBuilder {
+ public:
+  /// bad_input when dims are not positive or the affine is singular or not finite.
+  [[nodiscard]] static Result<BoneModelBuilder> create(const Vec3i& dims, const Affine& bone_from_index);
+  BoneModelBuilder(BoneModelBuilder&&) noexcept;
+  ~BoneModelBuilder();
+
+  /// Fields of one box; those of DenseBone, whose `dims` is the size of the box and whose affine is not looked at. Boxes may come in any order.
+  /// bad_input as BoneModel::create, or when the box reaches outside.
+  [[nodiscard]] Status add(const VoxelBox& box, const DenseBone& fields);
+  /// The model; the builder is empty afterwards.
+  [[nodiscard]] std::shared_ptr<const BoneModel> finish();
+
+ private:
+  BoneModelBuilder(const Vec3i& dims, const Affine& bone_from_index);
+  Vec3i dims_;
+  Affine bone_from_index_;
+  std::unique_ptr<BoneModel::Grids> grids_;
 };
 
 }  // namespace burrhole
