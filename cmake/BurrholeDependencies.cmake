@@ -10,8 +10,7 @@ find_package(CLI11 REQUIRED)
 find_package(PNG REQUIRED)
 pkg_check_modules(SQLITE3 REQUIRED IMPORTED_TARGET sqlite3)
 pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
-# Medical images and meshes. Only the ITK modules that are used: the image IO classes, no pipeline, no factories.
-find_package(ITK 5.2 REQUIRED COMPONENTS ITKCommon ITKIOImageBase ITKIONIFTI ITKIONRRD ITKIOMeta)
+# Medical images, meshes, packed files.
 find_package(assimp REQUIRED)
 find_package(ZLIB REQUIRED)
 include(BurrholeGdcm)

@@ -49,7 +49,8 @@ WRAPPED = [
     (r"hidapi", "hidapi", ["haptics/device/"]),
     (r"GLFW/", "GLFW", ["app/window/"]),
     (r"CLI/", "CLI11", ["app/cli/"]),
-    (r"(itk[A-Z]|gdcm)", "ITK", ["volumes/read/"]),
+    (r"itk[A-Z]", "ITK", ["tests/"]),
+    (r"gdcm", "GDCM", ["volumes/read/dicom", "volumes/read/read_dicom"]),
     (r"assimp/", "assimp", ["volumes/read/mesh_file.cpp"]),
     (r"zlib\.h$", "zlib", ["volumes/read/"]),
     # vdb_grids.cpp: OpenVDB must be initialised once, from whichever thread comes first.

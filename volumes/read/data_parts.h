@@ -1,0 +1,26 @@
+/// volumes/read/data_parts.h: from the file names in a text header to parts on disk, for NRRD and MetaImage.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "volumes/read/image_file.h"
+#include "volumes/read/number_text.h"
+
+namespace burrhole {
+
+inline constexpr std::size_t kMostHeaderBytes = 1048576;  ///< text read for a header
+
+/// The start of a file as text, at most kMostHeaderBytes.
+[[nodiscard]] Result<std::string> read_header_text(const std::string& path);
+
+/// One part a name, each name relative to the folder of `header_path`. @returns bad_input: more names than slices, a name that leads nowhere.
+[[nodiscard]] Result<std::vector<VoxelPart>> parts_of(const std::string& header_path, const std::vector<std::string>& names,
+                                                      const std::optional<NumberedNames>& numbered, int slices);
+
+/// Offset of the byte behind `lines` line ends that follow byte `from`; bad_input if there are fewer in kMostHeaderBytes.
+[[nodiscard]] Result<std::uint64_t> behind_lines(const std::string& path, std::uint64_t from, std::uint64_t lines);
+
+}  // namespace burrhole
