@@ -21,6 +21,7 @@ struct Area {
 constexpr std::array kAreas{
     Area{"contact", bench_contact},
     Area{"erosion", bench_erosion},
+    Area{"import", bench_import},
 #ifdef BH_WITH_RENDER
     Area{"render", bench_render},
 #endif
@@ -28,7 +29,7 @@ constexpr std::array kAreas{
 
 constexpr const char* kUsage =
     "usage: burrhole_bench [AREA...] [--out DIR] [--quick] [--sabotage]\n"
-    "  AREA        contact, erosion or render; none means all\n"
+    "  AREA        contact, erosion, import or render; none means all\n"
     "  --out DIR   folder of bench.json (out/bench)\n"
     "  --quick     few iterations: checks that results agree, times mean little\n"
     "  --sabotage  flips one bit of every result before it is compared: each comparison must then be named\n"

@@ -199,14 +199,15 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
     options.sink = sink.get();
   }
   Progress progress(quiet);
+  double thickness = 1.0;  // [m] known once the approach is
   options.progress = [&](double time, const DrillProgress& p) {
-    const double thickness = loaded.scene.volume.phantom ? loaded.scene.volume.phantom->thickness : 0.007;
     progress.show(std::max(p.deepest / thickness * 0.95, time / loaded.scene.duration),
                   fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
   };
   Issues issues;
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
+  thickness = simulation->approach().thickness;
   if (Status made = make_folder(files.folder); !made) return made.error();
   remove_old_pictures(files.folder);
   auto session = open_session(loaded, files);
@@ -243,8 +244,10 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->add_flag("--json", option->json, "print summary.json on stdout, and nothing else there");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
-    const auto loaded = load_or_report(option->scene, exit_code);
+    const auto loaded = load_or_report(option->scene, exit_code, option->quiet);
     if (!loaded) return;
+    if (!option->quiet)
+      for (const std::string& warning : make_plan(*loaded).warnings) fmt::print(stderr, "{}: warning: {}\n", loaded->scene.file, warning);
     catch_signals();
     const auto summary = drill_scene(*loaded, option->files, option->quiet);
     if (!summary) {

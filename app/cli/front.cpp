@@ -1,8 +1,11 @@
 #include "app/cli/front.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+
+#include "app/cli/progress.h"
 
 namespace burrhole::cli {
 
@@ -69,16 +72,38 @@ Result<TomlDocument> SceneOption::document() const {
   return document;
 }
 
-std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code) {
+std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet) {
   const auto document = option.document();
   if (!document) {
     exit_code = report(document.error());
     return std::nullopt;
   }
   Issues issues;
-  auto loaded = load_scene(*document, scene_context(), issues);
+  Progress progress(quiet, kPatience);
+  LoadOptions options;
+  options.progress = [&](double share) { progress.show(share, "reading the scan"); };
+  options.say = [&](const std::string& line) { progress.say(line); };
+  auto loaded = load_scene(*document, scene_context(), issues, options);
   if (!loaded) exit_code = report(issues);
   return loaded;
+}
+
+std::optional<std::vector<double>> split_numbers(const std::string& text, char separator, std::size_t count) {
+  std::vector<double> out;
+  std::size_t start = 0;
+  while (start <= text.size()) {
+    const std::size_t end = std::min(text.find(separator, start), text.size());
+    try {
+      std::size_t used = 0;
+      const std::string word = text.substr(start, end - start);
+      out.push_back(std::stod(word, &used));
+      if (used != word.size() || !std::isfinite(out.back())) return std::nullopt;
+    } catch (const std::exception&) {
+      return std::nullopt;
+    }
+    start = end + 1;
+  }
+  return out.size() == count ? std::optional(out) : std::nullopt;
 }
 
 void print(const std::string& text) {

@@ -34,8 +34,12 @@ struct SceneOption {
   [[nodiscard]] Result<TomlDocument> document() const;
 };
 
-/// Document, scene, bone and tool in one go. Nothing when something was at fault: it is then printed and `exit_code` set.
-[[nodiscard]] std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code);
+/// Document, scene, bone and tool in one go, with a bar on long reads. Nothing when something was at fault: it is then printed and
+/// `exit_code` set.
+[[nodiscard]] std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet = false);
+
+/// "AxB" or "A,B,C" as numbers; nothing when it is not exactly `count` finite numbers.
+[[nodiscard]] std::optional<std::vector<double>> split_numbers(const std::string& text, char separator, std::size_t count);
 
 /// Prints to stdout, unbuffered by anything else.
 void print(const std::string& text);
@@ -48,5 +52,6 @@ void add_explain(CLI::App& app, int& exit_code);
 void add_tools(CLI::App& app, int& exit_code);
 void add_cost(CLI::App& app, int& exit_code);
 void add_replay(CLI::App& app, int& exit_code);
+void add_import(CLI::App& app, int& exit_code);
 
 }  // namespace burrhole::cli

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   int exit_code = kDone;
   add_drill(app, exit_code);
   add_render(app, exit_code);
+  add_import(app, exit_code);
   add_check(app, exit_code);
   add_explain(app, exit_code);
   add_tools(app, exit_code);

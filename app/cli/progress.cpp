@@ -7,14 +7,15 @@
 
 namespace burrhole::cli {
 
-Progress::Progress(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(bool quiet, std::chrono::milliseconds patience)
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), from_(std::chrono::steady_clock::now() + patience) {}
 
 Progress::~Progress() {
   if (drawn_) std::fputc('\n', stderr);
 }
 
 void Progress::show(double share, const std::string& text) {
-  if (quiet_) return;
+  if (quiet_ || std::chrono::steady_clock::now() < from_) return;
   share = std::clamp(share, 0.0, 1.0);
   if (terminal_) {
     constexpr int kWidth = 30;
@@ -25,6 +26,13 @@ void Progress::show(double share, const std::string& text) {
     last_tenth_ = tenth;
     std::fprintf(stderr, "%3d %% %s\n", tenth * 10, text.c_str());
   }
+}
+
+void Progress::say(const std::string& line) {
+  if (quiet_) return;
+  if (drawn_) std::fputc('\n', stderr);
+  drawn_ = false;
+  std::fprintf(stderr, "%s\n", line.c_str());
 }
 
 }  // namespace burrhole::cli

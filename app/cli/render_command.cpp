@@ -18,35 +18,16 @@ struct Options {
   bool cut = false, no_tool = false;
 };
 
-/// "AxB" or "A,B,C" as numbers; nothing when it is not exactly `count` numbers.
-std::optional<std::vector<double>> numbers_of(const std::string& text, char separator, std::size_t count) {
-  std::vector<double> out;
-  std::size_t start = 0;
-  while (start <= text.size()) {
-    const std::size_t end = std::min(text.find(separator, start), text.size());
-    try {
-      std::size_t used = 0;
-      const std::string word = text.substr(start, end - start);
-      out.push_back(std::stod(word, &used));
-      if (used != word.size()) return std::nullopt;
-    } catch (const std::exception&) {
-      return std::nullopt;
-    }
-    start = end + 1;
-  }
-  return out.size() == count ? std::optional(out) : std::nullopt;
-}
-
 Status apply_view(const Options& option, DisplayScene& display) {
   if (!option.size.empty()) {
-    const auto size = numbers_of(option.size, 'x', 2);
+    const auto size = split_numbers(option.size, 'x', 2);
     if (!size || !((*size)[0] >= 16 && (*size)[0] <= 8192 && (*size)[1] >= 16 && (*size)[1] <= 8192))
       return bad_input("--size " + option.size + " must be WIDTHxHEIGHT, each in [16, 8192]");
     display.width = static_cast<int>((*size)[0]);
     display.height = static_cast<int>((*size)[1]);
   }
   if (!option.camera.empty()) {
-    const auto camera = numbers_of(option.camera, ',', 3);
+    const auto camera = split_numbers(option.camera, ',', 3);
     if (!camera || !((*camera)[2] > 0.0) || !(std::abs((*camera)[1]) < 90.0))
       return bad_input("--camera " + option.camera + " must be AZIMUTH,ELEVATION,DISTANCE in degrees and mm");
     display.azimuth = (*camera)[0] * kDegree;

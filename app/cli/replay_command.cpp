@@ -40,7 +40,7 @@ class CheckpointFile {
 Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, Issues& issues) {
   auto document = TomlDocument::parse(session.meta().scene, session.meta().scene_path);
   if (!document) return document.error();
-  auto loaded = load_scene(*document, scene_context(), issues, session.meta().tool);
+  auto loaded = load_scene(*document, scene_context(), issues, {.tool_text = session.meta().tool, .progress = {}, .say = {}});
   if (!loaded) return issues.front();
   loaded->scene.display.reset();  // pictures are no part of the promise: voxels and forces are
   loaded->scene.duration = static_cast<double>(ticks) / loaded->scene.servo_hz;

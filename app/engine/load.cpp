@@ -9,26 +9,33 @@
 namespace burrhole {
 namespace {
 
-std::shared_ptr<const BoneModel> load_bone(const VolumeScene& volume, const std::string& place, Issues& issues) {
-  const auto refuse = [&](Error error) {
-    if (error.place.empty()) error.place = place;
-    issues.push_back(std::move(error));
-    return nullptr;
-  };
-  if (!volume.phantom) {
-    auto bone = BoneModel::load(volume.vdb_path);
-    return bone ? std::move(bone).value() : refuse(bone.error());
+/// Bone of a phantom or an import. A fault found here is about `source`.
+Status load_bone(const LoadOptions& options, LoadedScene& out) {
+  const VolumeScene& volume = out.scene.volume;
+  if (volume.phantom) {
+    auto phantom = make_phantom(*volume.phantom);
+    if (!phantom) return phantom.error();
+    auto bone = BoneModel::create(phantom->bone);
+    if (!bone) return bone.error();
+    out.bone = *bone;
+    return {};
   }
-  auto phantom = make_phantom(*volume.phantom);
-  if (!phantom) return refuse(phantom.error());
-  auto bone = BoneModel::create(phantom->bone);
-  return bone ? std::move(bone).value() : refuse(bone.error());
+  ImportRequest request = volume.scan->request;
+  request.read.progress = options.progress;
+  if (volume.scan->region)
+    request.bone.region = BoneRegion{out.scene.approach.entry + out.scene.approach.axis * kRegionDepth, *volume.scan->region};
+  auto imported = import_bone(request, options.say);
+  if (!imported) return imported.error();
+  out.bone = std::move(imported->bone);
+  out.import = std::move(imported->report);
+  return {};
 }
 
 }  // namespace
 
 std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
-                                      const std::optional<std::string>& tool_text) {
+                                      const LoadOptions& options) {
+  const std::optional<std::string>& tool_text = options.tool_text;
   SceneContext own_context = context;
   own_context.tool_given = tool_text.has_value();
   auto scene = read_scene(document, own_context, issues);
@@ -44,8 +51,11 @@ std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneC
     text << file.rdbuf();
     out.tool_text = text.str();
   }
-  out.bone = load_bone(out.scene.volume, document.file_name(), issues);
-  if (!out.bone) return std::nullopt;
+  if (const Status loaded = load_bone(options, out); !loaded) {
+    issues.push_back(loaded.error());
+    if (issues.back().place.empty()) issues.back().place = out.scene.volume.place;
+    return std::nullopt;
+  }
   auto tool_document = TomlDocument::parse(out.tool_text, tool_text ? "the session's tool" : out.scene.tool.path);
   if (!tool_document) {
     issues.push_back(tool_document.error());

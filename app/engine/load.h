@@ -1,6 +1,7 @@
 /// app/engine/load.h: from a scene file to everything a run needs; one path for all commands, tests and labs.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,10 +17,18 @@ struct LoadedScene {
   std::string tool_text;  ///< TOML, for the session
   Tool tool;              ///< erosion factors already scaled
   std::shared_ptr<const BoneModel> bone;
+  std::optional<ImportReport> import;  ///< when the bone came from a scan or a mesh
 };
 
-/// Reads scene, bone and tool. @returns nothing when any issue was pushed. `tool_text`: use this instead of the tool's file (replay).
+/// Beside the scene itself.
+struct LoadOptions {
+  std::optional<std::string> tool_text;         ///< use this instead of the tool's file (replay)
+  std::function<void(double)> progress;         ///< share of a long read done, 0..1; may be empty
+  std::function<void(const std::string&)> say;  ///< one line on memory before an import takes it; may be empty
+};
+
+/// Reads scene, bone and tool. @returns nothing when any issue was pushed.
 [[nodiscard]] std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
-                                                    const std::optional<std::string>& tool_text = std::nullopt);
+                                                    const LoadOptions& options = {});
 
 }  // namespace burrhole

@@ -83,6 +83,8 @@ void warn(const LoadedScene& loaded, Plan& plan) {
     plan.warnings.push_back(
         fmt::format("coupling_N_per_m = {:.0f} is more than the damping bears at this latency (about {:.0f}): the hand may swing",
                     scene.contact->tool.coupling_stiffness, bearable_coupling(scene)));
+  if (loaded.import)
+    for (const std::string& line : loaded.import->scan.assumed) plan.warnings.push_back("[volume] assumed: " + line);
   if (scene.erosion && !scene.contact)
     plan.warnings.push_back("no [contact]: the hand feels nothing and the tool goes where the script goes");
 }

@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "app/engine/effect_names.h"
-#include "core/base/portable_math.h"
 #include "core/base/units.h"
 
 namespace burrhole {
@@ -21,37 +20,6 @@ NumberRule above_zero(double fallback, double to_si = 1.0, double max = 1e9) {
 std::string beside(const std::string& scene_file, const std::string& path) {
   const fs::path p(path);
   return p.is_absolute() ? path : (fs::path(scene_file).parent_path() / p).string();
-}
-
-/// Rotation by `angle` about a coordinate axis, with the same bits on every machine.
-Quat turn_about(std::size_t axis, double angle) {
-  Vec3 v(0.0);
-  v[axis] = portable_sin(0.5 * angle);
-  return {portable_cos(0.5 * angle), v.x, v.y, v.z};
-}
-
-VolumeScene read_volume(TableReader table, const std::string& file) {
-  VolumeScene out;
-  const std::string source = table.text("source", std::nullopt, "phantom:NAME, or the path of a .vdb saved by this program");
-  constexpr std::string_view kPhantom = "phantom:";
-  if (source.starts_with(kPhantom)) {
-    out.phantom = read_phantom(table, std::string_view(source).substr(kPhantom.size()));
-  } else if (!source.empty()) {
-    out.vdb_path = beside(file, source);
-    if (fs::path(source).extension() != ".vdb")
-      table.fault("source", "is neither \"phantom:NAME\" nor a .vdb file; other formats are not read by this version");
-    else if (!fs::exists(out.vdb_path))
-      table.fault("source", "is not there: " + out.vdb_path);
-  }
-  const NumberRule length{.fallback = 0.0, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
-  const NumberRule angle{.fallback = 0.0, .min = -360.0, .max = 360.0, .to_si = kDegree};
-  const Vec3 turn = table.vector("turn_deg", Vec3(0.0), angle, "turn of the bone about x, then y, then z");
-  const Quat rotation = turn_about(2, turn.z) * turn_about(1, turn.y) * turn_about(0, turn.x);
-  out.world_from_bone = {rotation, table.vector("position_mm", Vec3(0.0), length, "shift of the bone in the world")};
-  out.gradient_dead_zone = table.number("gradient_dead_zone", {.fallback = 0.08, .min = 0.0, .max = 0.49},
-                                        "density gradients shorter than this [1/voxel] count as zero");
-  table.finish();
-  return out;
 }
 
 std::optional<std::string> find_tool(const std::string& name, const std::string& scene_file, const SceneContext& context) {

@@ -7,22 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "app/engine/volume_scene.h"
 #include "core/base/toml.h"
 #include "core/contact/constrained_tool.h"
 #include "core/contact/gradient_plane.h"
 #include "core/drill/erosion.h"
 #include "haptics/hand/simulated_hand.h"
-#include "volumes/phantom/phantom_spec.h"
 
 namespace burrhole {
-
-/// [volume]: a phantom, or a .vdb saved earlier.
-struct VolumeScene {
-  std::optional<PhantomSpec> phantom;
-  std::string vdb_path;              ///< when no phantom
-  Pose world_from_bone;              ///< keys position_mm, turn_deg (about x, then y, then z)
-  double gradient_dead_zone = 0.08;  ///< [density/voxel]
-};
 
 /// [tool]
 struct ToolScene {

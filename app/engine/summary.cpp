@@ -103,6 +103,12 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.spacing_mm = loaded.bone->bone_from_index().mean_edge() / kMillimetre;
   out.bone_voxels = loaded.bone->bone_voxels();
   out.volume_bytes = simulation.voxmap().bytes();
+  if (loaded.import) {
+    out.volume_format = loaded.import->scan.format;
+    out.assumed = loaded.import->scan.assumed;
+  } else {
+    out.volume_format = "phantom:" + std::string(phantom_name(loaded.scene.volume.phantom->kind));
+  }
   out.haptic_points = simulation.contact_points();
   out.erosion_points = loaded.scene.erosion ? loaded.tool.erosion.size() : 0;
   out.duration_s = simulation.time();
@@ -126,8 +132,9 @@ std::string summary_json(const RunSummary& s) {
   json["end"] = s.end;
   json["duration_s"] = s.duration_s;
   json["wall_s"] = s.wall_s;
-  json["volume"] = {
-      {"dims", {s.dims.x, s.dims.y, s.dims.z}}, {"spacing_mm", s.spacing_mm}, {"bone_voxels", s.bone_voxels}, {"bytes", s.volume_bytes}};
+  json["volume"] = {{"format", s.volume_format},  {"dims", {s.dims.x, s.dims.y, s.dims.z}},
+                    {"spacing_mm", s.spacing_mm}, {"bone_voxels", s.bone_voxels},
+                    {"bytes", s.volume_bytes},    {"assumed", s.assumed}};
   json["tool"] = {{"name", s.tool}, {"haptic_points", s.haptic_points}, {"erosion_points", s.erosion_points}};
   json["drilling"] = {{"removed_mm3", s.removed_mm3},
                       {"removed_mass_mm3", s.removed_mass_mm3},

@@ -146,14 +146,6 @@ Status fill(const ImageFile& file, std::vector<float>& values, const ReadOptions
 
 }  // namespace
 
-std::optional<std::string> dims_fault(std::int64_t i, std::int64_t j, std::int64_t k) {
-  for (const std::int64_t edge : {i, j, k})
-    if (edge < 1 || edge > std::numeric_limits<int>::max()) return fmt::format("sizes {} x {} x {} are no volume's", i, j, k);
-  if (static_cast<double>(i) * static_cast<double>(j) * static_cast<double>(k) > kMaxScanVoxels)
-    return fmt::format("{} x {} x {} voxels are more than the {:.0f} that are read", i, j, k, kMaxScanVoxels);
-  return std::nullopt;
-}
-
 Result<ReadScan> read_image(ImageFile file, const ReadOptions& options) {
   const Vec3i dims = file.head.dims;
   if (const auto fault = dims_fault(dims.x, dims.y, dims.z)) return bad_input(*fault, file.place);

@@ -8,6 +8,7 @@
 
 #include "volumes/read/pixels.h"
 #include "volumes/read/scan.h"
+#include "volumes/read/scan_geometry.h"
 
 namespace burrhole {
 
@@ -38,9 +39,6 @@ struct ImageFile {
   std::vector<VoxelPart> parts{};
   bool exact = false;  ///< bytes behind the voxels are refused; else told as assumed
 };
-
-/// What is wrong with sizes as those of a volume (an edge under 1 or beyond int, more voxels than kMaxScanVoxels), or nothing.
-[[nodiscard]] std::optional<std::string> dims_fault(std::int64_t i, std::int64_t j, std::int64_t k);
 
 /// @returns the scan, values as in the file, NaN and infinities included; bad_input: sizes, affine, missing files, "data ends after N of M
 /// bytes", damaged compression, text that is no number.

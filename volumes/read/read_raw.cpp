@@ -2,30 +2,17 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdlib>
 #include <filesystem>
 
 #include "volumes/read/number_text.h"
 #include "volumes/read/raw_sidecar.h"
 #include "volumes/read/scan.h"
+#include "volumes/read/written_path.h"
 
 namespace burrhole {
 namespace {
 
 constexpr std::size_t kMostDigits = 9;  ///< of the number in a file name
-
-/// "$NAME/rest" with the variable's value, then relative to the sidecar. Faults stand at `place`.
-Result<std::filesystem::path> expanded(const std::string& written, const std::string& sidecar, const std::string& place) {
-  std::string path = written;
-  if (path.starts_with('$')) {
-    const std::size_t end = std::min(path.find('/'), path.size());
-    const std::string name = path.substr(1, end - 1);
-    const char* const value = std::getenv(name.c_str());
-    if (value == nullptr || *value == '\0') return bad_input(fmt::format("the environment variable {} is not set", name), place);
-    path = value + path.substr(end);
-  }
-  return std::filesystem::path(sidecar).parent_path() / path;
-}
 
 struct Numbered {
   std::int64_t number = 0;
@@ -82,12 +69,12 @@ Result<ReadScan> read_raw(const std::string& sidecar_toml, const ReadOptions& op
   Result<RawSidecar> sidecar = parse_raw_sidecar(document.value());
   if (!sidecar) return sidecar.error();
   const bool one = !sidecar->data.empty();
-  const auto where =
-      one ? expanded(sidecar->data, sidecar_toml, sidecar->data_place) : expanded(sidecar->folder, sidecar_toml, sidecar->folder_place);
+  const auto where = one ? written_path(sidecar->data, sidecar_toml, sidecar->data_place)
+                         : written_path(sidecar->folder, sidecar_toml, sidecar->folder_place);
   if (!where) return where.error();
   ImageFile file{.place = sidecar_toml, .format = "raw", .quantity = sidecar->quantity, .exact = true};
   if (one) {
-    file.parts = {{.path = where.value().string(), .offset = sidecar->offset_bytes}};
+    file.parts = {{.path = where.value(), .offset = sidecar->offset_bytes}};
   } else {
     Result<std::vector<VoxelPart>> slices = slices_of(where.value(), sidecar.value());
     if (!slices) return slices.error();

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/units.h"
+#include "volumes/read/scan.h"
 
 namespace burrhole {
 namespace {
@@ -51,6 +53,14 @@ std::optional<std::string> affine_fault(const Affine& bone_from_index) {
   }
   if (!is_finite(bone_from_index.offset)) return "the origin is not finite";
   if (bone_from_index.cell_volume() < kFlattest * box) return "two index axes run in the same direction: voxels are flat";
+  return std::nullopt;
+}
+
+std::optional<std::string> dims_fault(std::int64_t i, std::int64_t j, std::int64_t k) {
+  for (const std::int64_t edge : {i, j, k})
+    if (edge < 1 || edge > std::numeric_limits<int>::max()) return fmt::format("sizes {} x {} x {} are no volume's", i, j, k);
+  if (static_cast<double>(i) * static_cast<double>(j) * static_cast<double>(k) > kMaxScanVoxels)
+    return fmt::format("{} x {} x {} voxels are more than the {:.0f} that are read", i, j, k, kMaxScanVoxels);
   return std::nullopt;
 }
 

@@ -2,6 +2,7 @@
 ///   Frame bone frame (LPS), index axes i, j, k.   Units SI, angles in rad.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -21,6 +22,9 @@ struct GridShape {
 
 /// @returns what is wrong with an affine as a voxel map (not finite, flat, edges outside 1 um .. 1 m), or nothing.
 [[nodiscard]] std::optional<std::string> affine_fault(const Affine& bone_from_index);
+
+/// What is wrong with sizes as those of a volume (an edge under 1 or beyond int, more voxels than kMaxScanVoxels), or nothing.
+[[nodiscard]] std::optional<std::string> dims_fault(std::int64_t i, std::int64_t j, std::int64_t k);
 
 /// Patient RAS (NIfTI) to LPS: x and y change sign.
 [[nodiscard]] Affine lps_from_ras(const Affine& ras_from_index) noexcept;

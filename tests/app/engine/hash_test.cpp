@@ -57,7 +57,9 @@ Hashes replay(const std::string& path) {
   const auto document = TomlDocument::parse(session->meta().scene, session->meta().scene_path);
   REQUIRE(document);
   Issues issues;
-  auto loaded = load_scene(*document, {}, issues, session->meta().tool);  // no tool folder: all that is needed lies in the session
+  auto loaded =
+      load_scene(*document, {}, issues,
+                 {.tool_text = session->meta().tool, .progress = {}, .say = {}});  // no tool folder: all that is needed lies in the session
   REQUIRE_MESSAGE(loaded.has_value(), (issues.empty() ? "" : issues.front().text()));
   loaded->scene.duration = static_cast<double>(hand->ticks()) / loaded->scene.servo_hz;
   SimulationOptions options;

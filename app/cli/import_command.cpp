@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/cli/front.h"
+#include "app/cli/progress.h"
+#include "app/engine/import.h"
+#include "core/base/units.h"
+#include "core/voxel/vdb_grids.h"
+
+namespace burrhole::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string input, volume, series, unit, band, offset, spacing, region, centre;
+  std::vector<std::string> keep;
+  bool json = false, quiet = false;
+};
+
+/// Numbers of an option as written, within bounds; a fault names the option.
+Result<std::vector<double>> numbers_of(const std::string& option, const std::string& text, std::size_t count, double min, double max) {
+  const auto numbers = split_numbers(text, ',', count);
+  const auto fits = [&](double x) { return x >= min && x <= max; };
+  if (!numbers || !std::all_of(numbers->begin(), numbers->end(), fits))
+    return bad_input(fmt::format("{} {} must be {}, each in [{:g}, {:g}]", option, text,
+                                 count == 1 ? "a number" : fmt::format("{} numbers with commas between", count), min, max));
+  return *numbers;
+}
+
+Vec3 in_metres(const std::vector<double>& mm) { return Vec3(mm[0], mm[1], mm[2]) * kMillimetre; }
+
+Status read_bone_options(const Options& option, BoneOptions& bone) {
+  constexpr double kFar = 1e5;
+  if (!option.band.empty()) {
+    const auto band = numbers_of("--bone-hu", option.band, 2, -1e6, 1e6);
+    if (!band) return band.error();
+    bone.band = {(*band)[0], (*band)[1]};
+  }
+  if (!option.offset.empty()) {
+    const auto offset = numbers_of("--hu-offset", option.offset, 1, -kFar, kFar);
+    if (!offset) return offset.error();
+    bone.hu_offset = (*offset)[0];
+  }
+  if (!option.spacing.empty()) {
+    const auto spacing = numbers_of("--spacing-mm", option.spacing, 1, 0.01, 20.0);
+    if (!spacing) return spacing.error();
+    bone.spacing = (*spacing)[0] * kMillimetre;
+  }
+  if (option.region.empty() != option.centre.empty())
+    return bad_input("--region-mm and --centre-mm belong together: size and middle of a box");
+  if (option.region.empty()) return {};
+  const auto size = numbers_of("--region-mm", option.region, 3, 1.0, 1000.0);
+  if (!size) return size.error();
+  const auto centre = numbers_of("--centre-mm", option.centre, 3, -kFar, kFar);
+  if (!centre) return centre.error();
+  bone.region = BoneRegion{in_metres(*centre), in_metres(*size)};
+  return {};
+}
+
+/// Asked before the long read: an output that cannot be written is a fault of the command line.
+Status check_output(const std::string& volume) {
+  if (volume.empty()) return {};
+  if (fs::path(volume).extension() != ".vdb") return bad_input("--volume " + volume + " must end in .vdb");
+  const fs::path folder = fs::path(volume).parent_path();
+  std::error_code ignored;
+  if (!folder.empty() && !fs::is_directory(folder, ignored))
+    return bad_input("--volume " + volume + ": there is no folder " + folder.string());
+  return {};
+}
+
+int import_input(const Options& option) {
+  ImportRequest request{option.input, {}, {}};
+  request.read.series = option.series;
+  request.read.keep = option.keep;
+  if (!option.unit.empty()) request.read.unit = length_unit(option.unit);
+  if (const Status read = read_bone_options(option, request.bone); !read) return report(read.error());
+  request.read.pitch = request.bone.spacing;
+  if (const Status fits = check_output(option.volume); !fits) return report(fits.error());
+
+  Progress progress(option.quiet, kPatience);
+  request.read.progress = [&](double share) { progress.show(share, "reading"); };
+  auto imported = import_bone(request, [&](const std::string& line) { progress.say(line); });
+  if (!imported) return report(imported.error());
+  const BoneModel& bone = *imported->bone;
+  if (!option.volume.empty())
+    if (const Status written = write_vdb(option.volume, bone.dims(), bone.bone_from_index(), bone.grids()); !written)
+      return report(written.error());
+  print(option.json ? import_json(imported->report) : import_text(imported->report));
+  return kDone;
+}
+
+}  // namespace
+
+void add_import(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "import", "Any scan to a bone model (.vdb), with a report of what was found and assumed. Without --volume it only looks.");
+  auto option = std::make_shared<Options>();
+  command->add_option("input", option->input, "DICOM folder or file, NIfTI, NRRD, MetaImage, a raw volume's .toml, STL, OBJ, PLY, .vdb")
+      ->required();
+  command->add_option("--volume", option->volume, "bone model to write; a scene names it as [volume] source")->type_name("OUT.vdb");
+  command->add_option("--series", option->series, "series of a DICOM folder, by the name in the report; the largest axial one if absent");
+  command->add_option("--unit", option->unit, "unit of length of a mesh or another program's .vdb: they carry none")
+      ->check(CLI::IsMember(length_unit_names()));
+  command->add_option("--bone-hu", option->band, "band in which voxels become bone, in HU or the file's own values (250,400 HU)")
+      ->type_name("LO,HI");
+  command->add_option("--hu-offset", option->offset, "added to every value to make it HU, e.g. -1024 (found out if absent)")
+      ->type_name("HU");
+  command->add_option("--spacing-mm", option->spacing, "resample to cubes of this edge (voxels stay as they are if absent)")
+      ->type_name("MM");
+  command->add_option("--region-mm", option->region, "keep only a box of this size; with --centre-mm and --spacing-mm")->type_name("X,Y,Z");
+  command->add_option("--centre-mm", option->centre, "middle of that box, patient coordinates (left, posterior, superior)")
+      ->type_name("X,Y,Z");
+  command
+      ->add_option("--keep", option->keep, "copy this DICOM field into the report, e.g. PatientID (repeatable); none is copied otherwise")
+      ->type_name("KEYWORD")
+      ->allow_extra_args(false);
+  command->add_flag("--json", option->json, "the report as JSON on stdout, and nothing else there");
+  command->add_flag("--quiet", option->quiet, "no progress on stderr");
+  command->callback([option, &exit_code] { exit_code = import_input(*option); });
+}
+
+}  // namespace burrhole::cli

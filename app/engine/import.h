@@ -1,0 +1,48 @@
+/// app/engine/import.h: from a file or folder of any format to a bone model, with a report of what was found and assumed.
+/// One path for `burrhole import`, every command that takes a scene, tests and benchmarks.
+///   Units SI in structs, named units in texts.   Thread any.   Privacy: see volumes/read/scan.h; the report holds the path as the user gave it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/voxel/bone_model.h"
+#include "volumes/read/bone_from_scan.h"
+#include "volumes/read/scan.h"
+#include "volumes/read/scan_geometry.h"
+
+namespace burrhole {
+
+struct ImportRequest {
+  std::string path;
+  ReadOptions read;
+  BoneOptions bone;
+};
+
+struct ImportReport {
+  std::string source;
+  ScanReport scan;     ///< format, series, what was assumed and skipped
+  Vec3i dims{0};       ///< as scanned
+  GridShape grid;      ///< as scanned
+  BoneFromScan facts;  ///< range of values, offset, share and box of bone; its model is not kept here
+  Vec3i bone_dims{0};
+  double bone_spacing = 0.0;  ///< [m] edge of the cube with a voxel's volume
+  std::uint64_t bone_voxels = 0, bytes = 0;
+};
+
+struct ImportedBone {
+  std::shared_ptr<const BoneModel> bone;
+  ImportReport report;
+};
+
+/// Reads and classifies. A .vdb is taken for a bone model of this program unless a unit is given, which only another program's needs.
+/// @param say gets one line on the memory needed, before it is taken; may be empty. @returns bad_input with the path as place.
+[[nodiscard]] Result<ImportedBone> import_bone(const ImportRequest& request, const std::function<void(const std::string&)>& say);
+
+/// {schema, source, format, series[], dims, spacing_mm, direction, shear_deg, oblique_deg, values{..}, bone{..}, assumed[], skipped[], kept{}}
+[[nodiscard]] std::string import_json(const ImportReport& report);
+/// The same for a terminal, a line a fact.
+[[nodiscard]] std::string import_text(const ImportReport& report);
+
+}  // namespace burrhole
