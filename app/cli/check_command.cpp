@@ -7,8 +7,13 @@
 namespace burrhole::cli {
 
 void add_check(CLI::App& app, int& exit_code) {
-  CLI::App* command =
-      app.add_subcommand("check", "Is a scene valid? Prints every fault as file:line:column; needs no display and no device.");
+  CLI::App* command = add_command(
+      app, "check", kSceneGroup,
+      {.summary = "Is a scene valid? Every fault as file:line:column",
+       .about = "Reads scene and tool, makes the bone and puts the run together without starting it. Faults go to stderr, one line "
+                "each, with the nearest name where one is misspelt; a sound scene is told on stdout. Needs no display and no device.",
+       .examples = {"burrhole check my_scene.toml", "burrhole check parietal --set tool.name=round_burr_4mm"},
+       .exits = "Exit 4 if nothing is wrong but that a device or display is asked for that is not there."});
   auto option = std::make_shared<SceneOption>();
   option->add_to(*command);
   command->callback([option, &exit_code] {

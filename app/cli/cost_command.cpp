@@ -8,12 +8,22 @@
 namespace burrhole::cli {
 
 void add_cost(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("cost", "Accuracy against time: CSV and plots of a subject's errors beside what it costs.");
+  CLI::App* command =
+      add_command(app, "cost", kMeasureGroup,
+                  {.summary = "Accuracy against time of one subject",
+                   .about = "Measures a part of the simulator against closed forms and tables its errors beside what it costs: "
+                            "as CSV, and as plots where gnuplot is installed.",
+                   .examples = {"burrhole cost contact --out out/cost"},
+                   .exits = {}});
   command->require_subcommand(1);
   CLI::App* contact =
-      command->add_subcommand("contact", "Error of the contact force on plate, sphere and wedge, clean and noisy, against closed forms.");
+      add_command(*command, "contact", "Subjects",
+                  {.summary = "Error of the contact force on plate, sphere and wedge",
+                   .about = "Presses balls into generated bone, clean and noisy, and compares the force with its closed form.",
+                   .examples = {"burrhole cost contact --out out/cost"},
+                   .exits = {}});
   auto folder = std::make_shared<std::string>("out/cost");
-  contact->add_option("--out", *folder, "folder for cost.csv and the plots")->capture_default_str();
+  contact->add_option("--out", *folder, "folder for cost.csv and the plots")->type_name(kFolderValue)->capture_default_str();
   contact->callback([folder, &exit_code] {
     ContactAccuracyOptions options;
     options.tool_folder = (std::filesystem::path(share_folder()) / "tools").string();

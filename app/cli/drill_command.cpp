@@ -233,13 +233,21 @@ void add_drill(CLI::App& app, int& exit_code) {
     DrillingFiles files{"out", {}};
     bool json = false, quiet = false, offscreen = false;
   };
-  CLI::App* command =
-      app.add_subcommand("drill", "The main job: drills a scene offscreen and writes pictures, session, summary.json and report.html.");
+  CLI::App* command = add_command(
+      app, "drill", kDrillGroup,
+      {.summary = "Drills a scene and writes pictures, figures and a report",
+       .about = "The main job. Runs the scene offscreen, in lockstep, and leaves in a folder: pictures, the bone as it was left, a "
+                "session that can be replayed, summary.json with every figure, and report.html. The same scene gives the same bits. "
+                "Ctrl-C ends the run cleanly with what was done so far.",
+       .examples = {"burrhole drill parietal --out out/parietal",
+                    "burrhole drill parietal --set tool.spin_rpm=800 --set hand.push_N=35 --out out/harder",
+                    "burrhole drill parietal --json --quiet | jq .drilling"},
+       .exits = "Exit 130 after Ctrl-C, 4 where a scene asks for pictures and no OpenGL can be had."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
-  command->add_option("--out", option->files.folder, "folder for the results")->capture_default_str();
+  command->add_option("--out", option->files.folder, "folder for the results")->type_name(kFolderValue)->capture_default_str();
   command->add_option("--restore", option->files.restore_path, "start from this checkpoint: the bone.vdb of an earlier run")
-      ->type_name("FILE");
+      ->type_name(kFileValue);
   command->add_flag("--offscreen", option->offscreen, "no window (this version never opens one)");
   command->add_flag("--json", option->json, "print summary.json on stdout, and nothing else there");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");

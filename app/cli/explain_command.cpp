@@ -35,8 +35,13 @@ void add_explain(CLI::App& app, int& exit_code) {
     SceneOption scene;
     bool json = false, measure = false;
   };
-  CLI::App* command =
-      app.add_subcommand("explain", "What will run, in which order, at which rate, with how many bytes, and what is not built.");
+  CLI::App* command = add_command(
+      app, "explain", kSceneGroup,
+      {.summary = "What a scene will run, at which rate, with how many bytes",
+       .about = "Lists the effects that the scene's tables switch on, in the order they run, and the ones that are not built. With "
+                "--measure it also runs the scene, writing nothing, and adds what each effect cost.",
+       .examples = {"burrhole explain parietal", "burrhole explain my_scene.toml --measure --json"},
+       .exits = "Exit 130 if a measured run was ended by Ctrl-C."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   command->add_flag("--measure", option->measure, "run the scene, writing nothing, and add the time of each row");

@@ -58,7 +58,7 @@ std::string find_scene(const std::string& scene) {
 }
 
 void SceneOption::add_to(CLI::App& command) {
-  command.add_option("scene", scene, "scene file (TOML), or the name of a shipped scene")->required();
+  command.add_option("scene", scene, "scene file (TOML), or the name of a shipped scene")->type_name(kSceneValue)->required();
   command.add_option("--set", sets, "override a key, e.g. --set tool.spin_rpm=800 (repeatable)")
       ->type_name("TABLE.KEY=VALUE")
       ->allow_extra_args(false);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/cli/command_text.h"
 #include "app/engine/load.h"
 #include "core/base/toml.h"
 
@@ -53,5 +54,8 @@ void add_tools(CLI::App& app, int& exit_code);
 void add_cost(CLI::App& app, int& exit_code);
 void add_replay(CLI::App& app, int& exit_code);
 void add_import(CLI::App& app, int& exit_code);
+void add_docs(CLI::App& app, int& exit_code);
+void add_man(CLI::App& app, int& exit_code);
+void add_completion(CLI::App& app, int& exit_code);
 
 }  // namespace burrhole::cli

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "app/cli/command_text.h"
 #include "app/cli/front.h"
 #include "app/cli/progress.h"
 #include "app/engine/import.h"
@@ -94,8 +95,16 @@ int import_input(const Options& option) {
 }  // namespace
 
 void add_import(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand(
-      "import", "Any scan to a bone model (.vdb), with a report of what was found and assumed. Without --volume it only looks.");
+  CLI::App* command = add_command(
+      app, "import", kSceneGroup,
+      {.summary = "Any scan to a bone model, with a report of what it is and what was assumed",
+       .about = "Reads DICOM (a folder or a file), NIfTI, NRRD, MetaImage, a raw volume by the TOML beside it, a closed mesh, or a .vdb. "
+                "Positions of slices, sizes and lengths are checked, shear and gantry tilt are kept, and nothing that names a patient is "
+                "copied. Without --volume it only looks. A scene may also name the scan itself as [volume] source.",
+       .examples = {"burrhole import scan/", "burrhole import scan/ --series 3 --volume head.vdb",
+                    "burrhole import scan/ --spacing-mm 0.3 --region-mm 48,48,48 --centre-mm 54,100,797 --volume site.vdb",
+                    "burrhole import skull.stl --unit mm --spacing-mm 0.5 --volume skull.vdb"},
+       .exits = ""});
   auto option = std::make_shared<Options>();
   command->add_option("input", option->input, "DICOM folder or file, NIfTI, NRRD, MetaImage, a raw volume's .toml, STL, OBJ, PLY, .vdb")
       ->required();

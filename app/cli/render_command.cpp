@@ -57,13 +57,21 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
 }  // namespace
 
 void add_render(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("render", "One picture of a scene, offscreen; with --restore of the bone an earlier run left.");
+  CLI::App* command = add_command(
+      app, "render", kDrillGroup,
+      {.summary = "One picture of a scene, fresh or as a run left it",
+       .about = "Draws the scene offscreen into one PNG file: the bone as generated, or with --restore as an earlier run left it, from the "
+                "scene's camera or one given here.",
+       .examples = {"burrhole render parietal --image before.png",
+                    "burrhole render parietal --restore out/bone.vdb --cut --camera 35,20,60 --image hole.png"},
+       .exits = "Exit 4 where no OpenGL can be had."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
-  command->add_option("--image", option->image, "PNG file")->capture_default_str();
-  command->add_option("--size", option->size, "WIDTHxHEIGHT in pixels (the scene's)");
-  command->add_option("--camera", option->camera, "AZIMUTH,ELEVATION,DISTANCE: degrees round and above the entry, mm away (the scene's)");
-  command->add_option("--restore", option->restore, "checkpoint: the bone.vdb of a drill")->type_name("FILE");
+  command->add_option("--image", option->image, "PNG file to write")->type_name(kFileValue)->capture_default_str();
+  command->add_option("--size", option->size, "in pixels; the scene's without it")->type_name("WIDTHxHEIGHT");
+  command->add_option("--camera", option->camera, "degrees round and above the entry, mm away; the scene's without it")
+      ->type_name("AZIMUTH,ELEVATION,DISTANCE");
+  command->add_option("--restore", option->restore, "checkpoint: the bone.vdb of a drill")->type_name(kFileValue);
   command->add_flag("--cut", option->cut, "cut open through the axis");
   command->add_flag("--no-tool", option->no_tool, "without the bit");
   command->callback([option, &exit_code] {

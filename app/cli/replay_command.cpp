@@ -89,10 +89,15 @@ void add_replay(CLI::App& app, int& exit_code) {
     std::string session;
     bool quiet = false;
   };
-  CLI::App* command = app.add_subcommand(
-      "replay", "Feeds a recorded hand to the same steps and compares voxels and forces bit for bit (exit 3 if they differ).");
+  CLI::App* command = add_command(
+      app, "replay", kDrillGroup,
+      {.summary = "Runs a recorded session again and compares every bit",
+       .about = "Feeds the recorded hand to the same steps and compares voxels and contact forces with those of the run that was recorded. "
+                "The session holds scene, tool and checkpoint: no other file is needed.",
+       .examples = {"burrhole replay out/session.sqlite"},
+       .exits = "Exit 3 if voxels or forces differ, 130 after Ctrl-C."});
   auto option = std::make_shared<Options>();
-  command->add_option("session", option->session, "session file of an earlier drill")->required();
+  command->add_option("session", option->session, "session file of an earlier drill")->type_name(kFileValue)->required();
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
     catch_signals();

@@ -99,9 +99,16 @@ void add_tools(CLI::App& app, int& exit_code) {
     std::string name;
     bool json = false;
   };
-  CLI::App* command = app.add_subcommand("tools", "Lists the shipped bits, or tells about one (name or file): size, points, regions.");
+  CLI::App* command = add_command(
+      app, "tools", kSceneGroup,
+      {.summary = "The shipped bits, or what one of them is",
+       .about =
+           "Without a name, lists the shipped bits with the number of points that feel and that cut. With a name or a tool file, tells "
+           "the bit's size, its points, and what each of its regions cuts.",
+       .examples = {"burrhole tools", "burrhole tools perforator_14_11", "burrhole tools my_bit.toml"},
+       .exits = {}});
   auto option = std::make_shared<Options>();
-  command->add_option("name", option->name, "shipped tool or tool file");
+  command->add_option("name", option->name, "shipped tool, or a tool file")->type_name(kToolValue);
   command->add_flag("--json", option->json, "the list as JSON on stdout");
   command->callback([option, &exit_code] { exit_code = option->name.empty() ? list_tools(option->json) : show_tool(option->name); });
 }

@@ -49,7 +49,8 @@ std::vector<std::string> tool_names(const SceneContext& context) {
 ToolScene read_tool(TableReader table, const std::string& file, const SceneContext& context) {
   ToolScene out;
   out.place = table.place_of("name");
-  const std::string name = table.text("name", std::nullopt, "name of a shipped tool, or path of a tool file");
+  const std::string name =
+      table.text("name", std::nullopt, "name of a tool beside the scene or among the shipped ones, or path of a tool file");
   if (!name.empty() && !context.tool_given) {
     if (const auto path = find_tool(name, file, context)) {
       out.path = *path;
@@ -68,8 +69,10 @@ ApproachScene read_approach(TableReader table) {
   ApproachScene out;
   out.place = table.place_of("entry_mm");
   const NumberRule length{.fallback = std::nullopt, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
-  out.entry = table.vector("entry_mm", std::nullopt, length, "point near the outer surface, bone frame");
-  const Vec3 axis = table.vector("axis", Vec3(0, 0, -1), {.fallback = 0.0, .min = -1e6, .max = 1e6}, "direction into bone, any length");
+  out.entry =
+      table.vector("entry_mm", std::nullopt, length, "point near the outer surface, bone frame; it is moved onto the bone along the axis");
+  const Vec3 axis = table.vector("axis", Vec3(0, 0, -1), {.fallback = 0.0, .min = -1e6, .max = 1e6},
+                                 "direction of the drill into bone, bone frame, of any length but 0");
   if (glm::length(axis) < 1e-9)
     table.fault("axis", "has no length");
   else
@@ -81,67 +84,75 @@ ApproachScene read_approach(TableReader table) {
 HandConfig read_hand(TableReader table, Issues& issues) {
   HandConfig out;
   const std::size_t before = issues.size();
-  const std::string kind = table.text("kind", "script", "who holds the drill: \"script\"");
+  const std::string kind = table.text("kind", "script", "who holds the drill");
   if (kind == "device") {
     issues.push_back({ErrorCode::unavailable, "hand.kind = \"device\" needs a force device; this version knows none, only \"script\"",
                       table.place_of("kind")});
   } else if (issues.size() == before) {
-    (void)table.choice("kind", "script", {"script"}, "who holds the drill", {"mouse", "replay"});
+    (void)table.choice("kind", "script", {"script"}, "who holds the drill", {"device", "mouse", "replay"});
   }
-  out.dynamics.mass = table.number("mass_kg", above_zero(out.dynamics.mass, 1.0, 10.0), "of hands and drill");
-  out.dynamics.damping = table.number("damping_N_s_per_m", at_least_zero(out.dynamics.damping, 1.0, 1e4), "of the arm");
-  out.dynamics.stiffness = table.number("stiffness_N_per_m", at_least_zero(out.dynamics.stiffness, 1.0, 1e5), "of the arm");
+  out.dynamics.mass = table.number("mass_kg", above_zero(out.dynamics.mass, 1.0, 10.0), "mass of hands and drill");
+  out.dynamics.damping = table.number("damping_N_s_per_m", at_least_zero(out.dynamics.damping, 1.0, 1e4), "damping of the arm");
+  out.dynamics.stiffness = table.number("stiffness_N_per_m", at_least_zero(out.dynamics.stiffness, 1.0, 1e5), "stiffness of the arm");
   out.feed = table.number("feed_mm_per_s", above_zero(5.0, kMillimetre, 1e3), "speed of approach; withdrawal is twice as fast");
   out.push = table.number("push_N", at_least_zero(out.push, 1.0, 500.0), "thrust while leaning on the drill");
-  out.ramp = table.number("ramp_s", at_least_zero(out.ramp, 1.0, 60.0), "from contact to full thrust");
-  out.reaction = table.number("reaction_ms", at_least_zero(150.0, 1e-3, 1e4), "from feeling the give to letting go");
-  out.release = table.number("release_s", at_least_zero(out.release, 1.0, 60.0), "over which the thrust then falls to nothing");
+  out.ramp = table.number("ramp_s", at_least_zero(out.ramp, 1.0, 60.0), "time from first contact to full thrust");
+  out.reaction = table.number("reaction_ms", at_least_zero(150.0, 1e-3, 1e4), "time from feeling the give to letting go");
+  out.release = table.number("release_s", at_least_zero(out.release, 1.0, 60.0), "time over which the thrust then falls to nothing");
   out.contact_force = table.number("contact_N", above_zero(out.contact_force, 1.0, 100.0), "felt force that counts as contact");
-  out.give_speed = table.number("give_mm_per_s", above_zero(8.0, kMillimetre, 1e3), "advance that feels like breaking through");
-  out.follow_time = table.number("follow_s", above_zero(out.follow_time, 1.0, 60.0), "how fast the arm's rest position follows the drill");
+  out.give_speed = table.number("give_mm_per_s", above_zero(8.0, kMillimetre, 1e3), "speed of advance that feels like breaking through");
+  out.follow_time = table.number("follow_s", above_zero(out.follow_time, 1.0, 60.0),
+                                 "time constant with which the arm's rest position follows the drill");
   out.standoff = table.number("standoff_mm", above_zero(3.0, kMillimetre, 100.0), "height above the entry at start and end");
-  out.tremor_amplitude = table.number("tremor_mm", at_least_zero(0.04, kMillimetre, 5.0), "lateral tremor, peak");
-  out.tremor_frequency = table.number("tremor_hz", at_least_zero(9.0, 1.0, 50.0), "of the tremor");
-  out.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, INT64_MAX, "of the tremor's phases"));
-  out.feels = table.boolean("feels", true, "false: the force does not reach the hand (for comparison)");
+  out.tremor_amplitude = table.number("tremor_mm", at_least_zero(0.04, kMillimetre, 5.0), "peak of the lateral tremor");
+  out.tremor_frequency = table.number("tremor_hz", at_least_zero(9.0, 1.0, 50.0), "frequency of the tremor");
+  out.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, INT64_MAX, "seed of the tremor's phases"));
+  out.feels = table.boolean("feels", true, "whether the force reaches the hand; false is for comparison");
   table.finish();
   return out;
 }
 
 ContactScene read_contact(TableReader table) {
   ContactScene out;
-  (void)table.choice("model", "gradient-plane", {"gradient-plane"}, "contact model", {"voxmap", "surface", "mesh"});
-  out.model.paper_mode = table.choice("mode", "surface", {"surface", "paper"}, "what collides: the 0.5 surface, or any density") == "paper";
-  out.model.stiffness = table.number("stiffness_N_per_m", above_zero(out.model.stiffness, 1.0, 1e7), "k of the penalty force");
-  out.storage = table.choice("storage", "window", {"window", "vdb"}, "dense window, or the paper's grids") == "vdb"
+  (void)table.choice("model", "gradient-plane", {"gradient-plane"}, "how a touch becomes a force: planes from the density's gradient",
+                     {"voxmap", "surface", "mesh"});
+  out.model.paper_mode = table.choice("mode", "surface", {"surface", "paper"},
+                                      "what collides: the 0.5 surface of the bone, or, as in the paper, any density above 0") == "paper";
+  out.model.stiffness = table.number("stiffness_N_per_m", above_zero(out.model.stiffness, 1.0, 1e7),
+                                     "stiffness of the penalty force, over the depth of a point");
+  out.storage = table.choice("storage", "window", {"window", "vdb"},
+                             "where bone is looked up: in a dense window, or in sparse grids as in the paper") == "vdb"
                     ? ContactStorage::vdb
                     : ContactStorage::window;
-  out.constrained =
-      table.choice("tool", "constrained", {"constrained", "device"}, "held back by bone, or where the hand is") == "constrained";
+  out.constrained = table.choice("tool", "constrained", {"constrained", "device"},
+                                 "where the tool is: held back by bone, or where the hand is, as in the paper") == "constrained";
   out.tool.coupling_stiffness =
-      table.number("coupling_N_per_m", above_zero(out.tool.coupling_stiffness, 1.0, 1e6), "spring from hand to tool");
+      table.number("coupling_N_per_m", above_zero(out.tool.coupling_stiffness, 1.0, 1e6), "stiffness of the spring from hand to tool");
   out.tool.coupling_damping =
       table.number("coupling_N_s_per_m", at_least_zero(out.tool.coupling_damping, 1.0, 1e4), "damper from hand to tool");
-  out.tool.cutting_stiffness =
-      table.number("cutting_N_per_m", above_zero(out.tool.cutting_stiffness, 1.0, 1e9), "thrust over engaged depth while spinning");
-  out.rate_hz = static_cast<int>(table.integer("rate_hz", 1000, 20, 20000, "evaluations a second; divides servo_hz"));
+  out.tool.cutting_stiffness = table.number("cutting_N_per_m", above_zero(out.tool.cutting_stiffness, 1.0, 1e9),
+                                            "thrust over the depth to which a spinning tool is engaged");
+  out.rate_hz = static_cast<int>(table.integer("rate_hz", 1000, 20, 20000, "contact evaluations a second; divides servo_hz"));
   out.latency_ticks =
-      static_cast<int>(table.integer("latency_ticks", -1, -1, 1000, "servo ticks from motion to force; -1: one contact period"));
+      static_cast<int>(table.integer("latency_ticks", -1, -1, 1000, "servo ticks from a motion to its force; -1 for one contact period"));
   table.finish();
   return out;
 }
 
 ErosionScene read_erosion(TableReader table, double& pitch_voxels) {
   ErosionScene out;
-  out.config.law = table.choice("law", "rate", {"rate", "per-update"}, "continuous, or eq. 4 as printed") == "rate"
-                       ? ErosionLaw::rate
-                       : ErosionLaw::per_update;
-  out.config.minimum_density = static_cast<float>(
-      table.number("minimum_density", {.fallback = 0.05, .min = 0.0, .max = 0.5, .max_open = true}, "density below becomes 0"));
-  out.config.longest_substep =
-      table.number("substep_voxels", {.fallback = 0.5, .min = 0.0, .max = 1.0, .min_open = true}, "longest path between two applications");
-  out.rate_hz = static_cast<int>(table.integer("rate_hz", 100, 1, 20000, "steps a second; divides servo_hz"));
-  pitch_voxels = table.number("point_pitch_voxels", {.fallback = 0.5, .min = 0.1, .max = 1.0}, "distance of erosion points");
+  out.config.law =
+      table.choice("law", "rate", {"rate", "per-update"},
+                   "how erosion adds up: continuously at a rate, or update by update as eq. 4 of the paper is printed") == "rate"
+          ? ErosionLaw::rate
+          : ErosionLaw::per_update;
+  out.config.minimum_density = static_cast<float>(table.number(
+      "minimum_density", {.fallback = 0.05, .min = 0.0, .max = 0.5, .max_open = true}, "density below which a voxel becomes empty"));
+  out.config.longest_substep = table.number("substep_voxels", {.fallback = 0.5, .min = 0.0, .max = 1.0, .min_open = true},
+                                            "longest path of the tool between two applications of the law");
+  out.rate_hz = static_cast<int>(table.integer("rate_hz", 100, 1, 20000, "erosion steps a second; divides servo_hz"));
+  pitch_voxels =
+      table.number("point_pitch_voxels", {.fallback = 0.5, .min = 0.1, .max = 1.0}, "distance between the tool's erosion points");
   table.finish();
   return out;
 }
@@ -149,13 +160,15 @@ ErosionScene read_erosion(TableReader table, double& pitch_voxels) {
 DisplayScene read_display(TableReader table) {
   DisplayScene out;
   out.method = table.choice("method", "raycast", {"raycast"}, "how bone is drawn", {"slices", "mesh"});
-  const auto size = table.numbers("size", std::vector<double>{1200, 900}, 2, {.min = 16, .max = 8192}, "pixels: width, height");
+  const auto size =
+      table.numbers("size", std::vector<double>{1200, 900}, 2, {.min = 16, .max = 8192}, "width and height of a picture in pixels");
   out.width = static_cast<int>(size[0]);
   out.height = static_cast<int>(size[1]);
-  out.azimuth = table.number("azimuth_deg", {.fallback = 35.0, .min = -360, .max = 360, .to_si = kDegree}, "of the camera round the axis");
+  out.azimuth = table.number("azimuth_deg", {.fallback = 35.0, .min = -360, .max = 360, .to_si = kDegree},
+                             "angle of the camera round the axis, from the patient's -y");
   out.elevation = table.number("elevation_deg", {.fallback = 42.0, .min = -89, .max = 89, .to_si = kDegree},
-                               "of the camera above the entry's tangent plane");
-  out.distance = table.number("distance_mm", above_zero(74.0, kMillimetre, 5000.0), "of the camera from the entry");
+                               "angle of the camera above the entry's tangent plane");
+  out.distance = table.number("distance_mm", above_zero(74.0, kMillimetre, 5000.0), "distance of the camera from the entry");
   table.finish();
   return out;
 }
@@ -172,34 +185,36 @@ void check_rates(const Scene& scene, TableReader& root) {
 
 }  // namespace
 
-std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext& context, Issues& issues) {
+std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext& context, Issues& issues, KeyLog* log) {
   const std::size_t before = issues.size();
   Scene scene;
   scene.file = document.file_name();
   scene.text = document.to_text();
-  TableReader root = document.root(issues);
-  scene.title = root.text("title", "", "of the scene");
-  scene.duration = root.number("duration_s", above_zero(120.0, 1.0, 3600.0), "simulated time at most");
-  scene.servo_hz = static_cast<int>(root.integer("servo_hz", 1000, 100, 20000, "ticks a second"));
+  TableReader root = document.root(issues, log);
+  scene.title = root.text("title", "", "what the scene is, in one line");
+  scene.duration = root.number("duration_s", above_zero(120.0, 1.0, 3600.0), "simulated time after which the run ends at the latest");
+  scene.servo_hz = static_cast<int>(root.integer("servo_hz", 1000, 100, 20000, "servo ticks a second; every other rate divides it"));
 
   const auto required = [&](const char* name, const char* about) {
     auto table = root.table(name, about);
     if (!table) root.fault(name, "is missing: every scene needs this table");
     return table;
   };
-  if (auto table = required("volume", "the bone")) scene.volume = read_volume(*table, scene.file);
-  if (auto table = required("tool", "the bit")) scene.tool = read_tool(*table, scene.file, context);
-  if (auto table = required("approach", "where and which way")) scene.approach = read_approach(*table);
-  if (auto table = required("hand", "who holds the drill")) scene.hand = read_hand(*table, issues);
-  if (auto table = root.table("contact", "force feedback")) scene.contact = read_contact(*table);
-  if (auto table = root.table("erosion", "drilling")) scene.erosion = read_erosion(*table, scene.tool.erosion_pitch_voxels);
-  if (auto table = root.table("display", "pictures")) scene.display = read_display(*table);
-  if (auto table = root.table("record", "session file")) {
-    scene.record = RecordScene{table->text("path", "session.sqlite", "relative to the output folder")};
+  if (auto table = required("volume", "the bone; every scene has it")) scene.volume = read_volume(*table, scene.file);
+  if (auto table = required("tool", "the bit and its spindle; every scene has it")) scene.tool = read_tool(*table, scene.file, context);
+  if (auto table = required("approach", "where the drill enters, and which way; every scene has it"))
+    scene.approach = read_approach(*table);
+  if (auto table = required("hand", "who holds the drill, and how; every scene has it")) scene.hand = read_hand(*table, issues);
+  if (auto table = root.table("contact", "force feedback; without it bone is not felt")) scene.contact = read_contact(*table);
+  if (auto table = root.table("erosion", "drilling; without it no bone is removed"))
+    scene.erosion = read_erosion(*table, scene.tool.erosion_pitch_voxels);
+  if (auto table = root.table("display", "pictures; without it none is drawn")) scene.display = read_display(*table);
+  if (auto table = root.table("record", "the session file, from which a run is replayed; without it none is written")) {
+    scene.record = RecordScene{table->text("path", "session.sqlite", "session file, from the output folder")};
     table->finish();
   }
   for (const std::string_view later : kLaterEffects)
-    if (root.table(later, "")) root.fault(later, "is an effect that is not in this version");
+    if (root.has(later)) root.fault(later, "is an effect that is not in this version");
   check_rates(scene, root);
   root.finish();
   if (issues.size() != before) return std::nullopt;

@@ -86,6 +86,8 @@ struct SceneContext {
 };
 
 /// @returns nothing when any issue was pushed; all faults of the file are pushed. An issue with code `unavailable` means exit code 4.
-[[nodiscard]] std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext& context, Issues& issues);
+/// `log`: also tells which keys were asked for.
+[[nodiscard]] std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
+                                              KeyLog* log = nullptr);
 
 }  // namespace burrhole

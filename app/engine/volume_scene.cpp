@@ -35,10 +35,11 @@ std::string source_path(TableReader& table, const std::string& source, const std
 
 std::vector<HardnessPoint> read_hardness(TableReader& table) {
   std::vector<HardnessPoint> out;
-  for (TableReader& row : table.tables("hardness", "corners of a table from value to hardness; absent: by CT density")) {
+  for (TableReader& row : table.tables("hardness", "corners of the line from a scan's value to hardness; by CT density unless given")) {
     HardnessPoint point;
-    point.value = row.number("value", {.fallback = std::nullopt, .min = -1e6, .max = 1e6}, "in HU, or the file's own unit");
-    point.hardness = row.number("hardness", {.fallback = std::nullopt, .min = 0.0, .max = 1.0}, "relative mineral density there");
+    point.value =
+        row.number("value", {.fallback = std::nullopt, .min = -1e6, .max = 1e6}, "value of the scan, in HU or the file's own unit");
+    point.hardness = row.number("hardness", {.fallback = std::nullopt, .min = 0.0, .max = 1.0}, "relative mineral density at that value");
     if (!out.empty() && point.value <= out.back().value) row.fault("value", "must be larger than the one before");
     row.finish();
     out.push_back(point);
@@ -49,30 +50,27 @@ std::vector<HardnessPoint> read_hardness(TableReader& table) {
 ScanScene read_scan_keys(TableReader& table, std::string path) {
   ScanScene out;
   out.request.path = std::move(path);
-  out.request.read.series = table.text("series", "", "series of a DICOM folder by its number, or grid of another program's .vdb");
-  if (table.has("unit"))
-    out.request.read.unit = length_unit(table.choice("unit", std::nullopt, length_unit_names(), "of a mesh's lengths"));
+  out.request.read.series =
+      table.text("series", "", "series of a DICOM folder by its number, or grid of another program's .vdb; the largest if empty");
+  if (const auto unit =
+          table.optional_choice("unit", length_unit_names(), "unit of length of a mesh or another program's .vdb, which carry none"))
+    out.request.read.unit = length_unit(*unit);
   BoneOptions& bone = out.request.bone;
-  if (table.has("bone_hu")) {
-    const auto band = table.numbers("bone_hu", std::nullopt, 2, {.min = -1e6, .max = 1e6},
-                                    "values between which voxels become bone, HU or the file's own unit; absent: 250, 400 HU");
-    if (band[0] >= band[1])
-      table.fault("bone_hu", "must increase");
-    else
-      bone.band = {band[0], band[1]};
+  const NumberRule value{.fallback = std::nullopt, .min = -1e6, .max = 1e6};
+  if (const auto band = table.optional_numbers(
+          "bone_hu", 2, value, "values between which a voxel becomes bone, in HU or the file's own unit; 250 to 400 HU unless said")) {
+    bone.band = {(*band)[0], (*band)[1]};
+    if ((*band)[0] >= (*band)[1]) table.fault("bone_hu", "must increase");
   }
-  if (table.has("hu_offset"))
-    bone.hu_offset =
-        table.number("hu_offset", {.fallback = std::nullopt, .min = -1e5, .max = 1e5}, "added to every value; absent: found out");
+  bone.hu_offset = table.optional_number("hu_offset", value, "added to every value to make it HU; found out unless said");
   bone.hardness = read_hardness(table);
-  const NumberRule pitch{.fallback = std::nullopt, .min = 0.01, .max = 20.0, .to_si = kMillimetre};
-  if (table.has("spacing_mm")) {
-    bone.spacing = table.number("spacing_mm", pitch, "edge of the cubes the scan is resampled to; absent: its voxels as they are");
-    out.request.read.pitch = bone.spacing;
-  }
-  if (table.has("region_mm")) {
-    const NumberRule edge{.fallback = std::nullopt, .min = 1.0, .max = 1000.0, .to_si = kMillimetre};
-    out.region = table.vector("region_mm", std::nullopt, edge, "size of the box round the approach that is kept; needs spacing_mm");
+  bone.spacing = table.optional_number("spacing_mm", {.fallback = std::nullopt, .min = 0.01, .max = 20.0, .to_si = kMillimetre},
+                                       "edge of the cubes that the scan is resampled to; its voxels stay as they are unless said");
+  out.request.read.pitch = bone.spacing;
+  if (const auto size =
+          table.optional_numbers("region_mm", 3, {.fallback = std::nullopt, .min = 1.0, .max = 1000.0, .to_si = kMillimetre},
+                                 "size of the box round the approach that is kept, along the patient's axes; needs spacing_mm")) {
+    out.region = Vec3((*size)[0], (*size)[1], (*size)[2]);
     if (!bone.spacing) table.fault("region_mm", "needs spacing_mm: a region is cut out by resampling");
   }
   return out;
@@ -95,15 +93,16 @@ double length_unit(const std::string& name) {
 VolumeScene read_volume(TableReader table, const std::string& scene_file) {
   VolumeScene out;
   out.place = table.place_of("source");
-  const std::string source = table.text(
-      "source", std::nullopt, "phantom:NAME; a DICOM folder or file; a NIfTI, NRRD, MetaImage, mesh or .vdb file; a raw volume's .toml");
+  const std::string source = table.text("source", std::nullopt,
+                                        "where the bone comes from: phantom:NAME, a DICOM folder, or a file of any kind that `burrhole "
+                                        "import` reads; from the scene's folder, or $NAME/... by the environment");
   if (source.starts_with(kPhantom))
     out.phantom = read_phantom(table, std::string_view(source).substr(kPhantom.size()));
   else if (!source.empty())
     out.scan = read_scan_keys(table, source_path(table, source, scene_file));
   const NumberRule length{.fallback = 0.0, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
   const NumberRule angle{.fallback = 0.0, .min = -360.0, .max = 360.0, .to_si = kDegree};
-  const Vec3 turn = table.vector("turn_deg", Vec3(0.0), angle, "turn of the bone about x, then y, then z");
+  const Vec3 turn = table.vector("turn_deg", Vec3(0.0), angle, "turn of the bone in the world about x, then y, then z");
   const Quat rotation = turn_about(2, turn.z) * turn_about(1, turn.y) * turn_about(0, turn.x);
   out.world_from_bone = {rotation, table.vector("position_mm", Vec3(0.0), length, "shift of the bone in the world")};
   out.gradient_dead_zone = table.number("gradient_dead_zone", {.fallback = 0.08, .min = 0.0, .max = 0.49},

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/key_log.h"
 #include "core/base/toml_messages.h"
 #include "core/base/toml_parsed.h"
 
@@ -46,6 +47,7 @@ struct TableReader::State {
   std::string path;  ///< dotted, array elements as name[0]
   std::string place;
   Issues* issues = nullptr;
+  KeyLog* log = nullptr;                    ///< usually none
   std::vector<std::string> asked;           ///< names in the order of asking: the known keys
   std::set<std::string, std::less<>> told;  ///< keys that already have an issue about their name
   std::map<std::string, std::shared_ptr<State>, std::less<>> children;
@@ -54,6 +56,14 @@ struct TableReader::State {
     if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.emplace_back(key);
     return table->get(key);
   }
+  /// As ask(), and into the log where one is kept; only then is the record made.
+  template <typename MakeInfo>
+  const toml::node* read(std::string_view key, const MakeInfo& make_info) {
+    const toml::node* node = ask(key);
+    if (log != nullptr) note(key, node, make_info());
+    return node;
+  }
+  void note(std::string_view key, const toml::node* node, KeyInfo info);
   std::string place_of(std::string_view key) const {
     const auto it = table->find(key);
     return it == table->end() ? place : place_at(*parsed, join(path, key), it->first.source());
@@ -68,6 +78,15 @@ struct TableReader::State {
   std::shared_ptr<State> child(const std::string& name, const toml::table& sub, const std::string& where);
   void unknown(const std::string& key, const toml::node& node);
 };
+
+void TableReader::State::note(std::string_view key, const toml::node* node, KeyInfo info) {
+  info.table = without_indices(path);
+  info.key = key;
+  info.unit = info.kind == KeyKind::table || info.kind == KeyKind::tables ? std::string() : unit_of(key);
+  info.present = node != nullptr;
+  if (node != nullptr && node->is_string()) info.word = node->as_string()->get();
+  log->note(std::move(info));
+}
 
 void TableReader::State::missing(std::string_view key, std::string_view about) {
   const auto bare = without_unit(key);
@@ -103,6 +122,7 @@ std::shared_ptr<TableReader::State> TableReader::State::child(const std::string&
     slot->path = name;
     slot->place = where;
     slot->issues = issues;
+    slot->log = log;
   }
   return slot;
 }
@@ -133,7 +153,7 @@ std::string TableReader::place() const { return state_->place; }
 std::string TableReader::place_of(std::string_view key) const { return state_->place_of(key); }
 
 double TableReader::number(std::string_view key, const NumberRule& rule, std::string_view about) {
-  const toml::node* node = state_->ask(key);
+  const toml::node* node = state_->read(key, [&] { return number_key(rule, about); });
   if (node == nullptr && !rule.fallback) state_->missing(key, about);
   if (node == nullptr) return (rule.fallback ? *rule.fallback : value_inside(rule)) * rule.to_si;
   const auto written = state_->checked(*node, rule, join(state_->path, key), place_of(key));
@@ -142,7 +162,7 @@ double TableReader::number(std::string_view key, const NumberRule& rule, std::st
 
 std::int64_t TableReader::integer(std::string_view key, std::optional<std::int64_t> fallback, std::int64_t min, std::int64_t max,
                                   std::string_view about) {
-  const toml::node* node = state_->ask(key);
+  const toml::node* node = state_->read(key, [&] { return integer_key(fallback, min, max, about); });
   const std::int64_t instead = fallback.value_or(min);
   if (node == nullptr) {
     if (!fallback) state_->missing(key, about);
@@ -157,8 +177,8 @@ std::int64_t TableReader::integer(std::string_view key, std::optional<std::int64
   return instead;
 }
 
-bool TableReader::boolean(std::string_view key, bool fallback, std::string_view) {
-  const toml::node* node = state_->ask(key);
+bool TableReader::boolean(std::string_view key, bool fallback, std::string_view about) {
+  const toml::node* node = state_->read(key, [&] { return boolean_key(fallback, about); });
   if (node == nullptr) return fallback;
   if (const auto* flag = node->as_boolean()) return flag->get();
   state_->refuse(key, *node, "must be true or false");
@@ -166,7 +186,7 @@ bool TableReader::boolean(std::string_view key, bool fallback, std::string_view)
 }
 
 std::string TableReader::text(std::string_view key, std::optional<std::string> fallback, std::string_view about) {
-  const toml::node* node = state_->ask(key);
+  const toml::node* node = state_->read(key, [&] { return text_key(fallback, about); });
   if (node != nullptr) {
     if (const auto* text = node->as_string()) return text->get();
     state_->refuse(key, *node, "must be text in quotes");
@@ -179,7 +199,7 @@ std::string TableReader::text(std::string_view key, std::optional<std::string> f
 std::string TableReader::choice(std::string_view key, std::optional<std::string> fallback, const std::vector<std::string>& allowed,
                                 std::string_view about, const std::vector<std::string>& later) {
   const std::string instead = fallback ? *fallback : allowed.empty() ? std::string() : allowed.front();
-  const toml::node* node = state_->ask(key);
+  const toml::node* node = state_->read(key, [&] { return choice_key(fallback, allowed, later, about); });
   if (node == nullptr) {
     if (!fallback) state_->missing(key, about);
     return instead;
@@ -204,7 +224,7 @@ std::string TableReader::choice(std::string_view key, std::optional<std::string>
 std::vector<double> TableReader::numbers(std::string_view key, std::optional<std::vector<double>> fallback, std::size_t count,
                                          const NumberRule& rule, std::string_view about) {
   std::vector<double> values = fallback.value_or(std::vector<double>(count, value_inside(rule)));
-  const toml::node* node = state_->ask(key);
+  const toml::node* node = state_->read(key, [&] { return numbers_key(fallback, count, rule, about); });
   if (node == nullptr) {
     if (!fallback) state_->missing(key, about);
   } else if (const toml::array* array = node->as_array(); array != nullptr && array->size() == count) {
@@ -228,8 +248,32 @@ Vec3 TableReader::vector(std::string_view key, std::optional<Vec3> fallback, con
   return {v[0], v[1], v[2]};
 }
 
-std::optional<TableReader> TableReader::table(std::string_view key, std::string_view) {
-  const toml::node* node = state_->ask(key);
+namespace {
+KeyInfo without_default(KeyInfo info) {
+  info.fallback = kNoDefault;
+  return info;
+}
+}  // namespace
+
+std::optional<double> TableReader::optional_number(std::string_view key, const NumberRule& rule, std::string_view about) {
+  if (state_->read(key, [&] { return without_default(number_key(rule, about)); }) == nullptr) return std::nullopt;
+  return number(key, rule, about);
+}
+
+std::optional<std::vector<double>> TableReader::optional_numbers(std::string_view key, std::size_t count, const NumberRule& rule,
+                                                                 std::string_view about) {
+  if (state_->read(key, [&] { return without_default(numbers_key(std::nullopt, count, rule, about)); }) == nullptr) return std::nullopt;
+  return numbers(key, std::nullopt, count, rule, about);
+}
+
+std::optional<std::string> TableReader::optional_choice(std::string_view key, const std::vector<std::string>& allowed,
+                                                        std::string_view about) {
+  if (state_->read(key, [&] { return without_default(choice_key(std::nullopt, allowed, {}, about)); }) == nullptr) return std::nullopt;
+  return choice(key, std::nullopt, allowed, about);
+}
+
+std::optional<TableReader> TableReader::table(std::string_view key, std::string_view about) {
+  const toml::node* node = state_->read(key, [&] { return table_key(KeyKind::table, about); });
   if (node == nullptr) return std::nullopt;
   const toml::table* sub = node->as_table();
   const std::string path = join(state_->path, key);
@@ -240,9 +284,9 @@ std::optional<TableReader> TableReader::table(std::string_view key, std::string_
   return TableReader(state_->child(path, *sub, place_of(key)));
 }
 
-std::vector<TableReader> TableReader::tables(std::string_view key, std::string_view) {
+std::vector<TableReader> TableReader::tables(std::string_view key, std::string_view about) {
   std::vector<TableReader> readers;
-  const toml::node* node = state_->ask(key);
+  const toml::node* node = state_->read(key, [&] { return table_key(KeyKind::tables, about); });
   if (node == nullptr) return readers;
   const toml::array* array = node->as_array();
   const std::string path = join(state_->path, key);
@@ -319,12 +363,13 @@ Status TomlDocument::set(std::string_view assignment) {
   return {};
 }
 
-TableReader TomlDocument::root(Issues& issues) const {
+TableReader TomlDocument::root(Issues& issues, KeyLog* log) const {
   auto state = std::make_shared<TableReader::State>();
   state->parsed = state_->parsed;
   state->table = &state_->parsed->root;
   state->place = state_->parsed->file;
   state->issues = &issues;
+  state->log = log;
   return TableReader(std::move(state));
 }
 

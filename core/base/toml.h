@@ -16,6 +16,8 @@
 
 namespace burrhole {
 
+struct KeyLog;
+
 /// Every fault found, in file order of discovery; empty means valid.
 using Issues = std::vector<Error>;
 
@@ -53,6 +55,12 @@ class TableReader {
                               std::string_view about);
   Vec3 vector(std::string_view key, std::optional<Vec3> fallback, const NumberRule& rule, std::string_view about);
 
+  // The same for keys whose absence means that there is no such thing: nothing is read, and nothing is missing.
+  std::optional<double> optional_number(std::string_view key, const NumberRule& rule, std::string_view about);
+  std::optional<std::vector<double>> optional_numbers(std::string_view key, std::size_t count, const NumberRule& rule,
+                                                      std::string_view about);
+  std::optional<std::string> optional_choice(std::string_view key, const std::vector<std::string>& allowed, std::string_view about);
+
   /// Sub-table, or nothing when absent (an issue when the key holds something else). Counts as asked for.
   std::optional<TableReader> table(std::string_view key, std::string_view about);
   /// Elements of an array of tables ([[key]]); empty when absent.
@@ -80,8 +88,8 @@ class TomlDocument {
   /// Applies "table.key=value" (value in TOML syntax; a bare word or path is taken as text). Makes tables as needed; "region[1].key" names
   /// an element of an array of tables, from 0. Later places read "--set table.key". Readers and copies made before keep the old values.
   [[nodiscard]] Status set(std::string_view assignment);
-  /// Reader of the root; faults go to `issues`, which must outlive every reader.
-  [[nodiscard]] TableReader root(Issues& issues) const;
+  /// Reader of the root; faults go to `issues`, and a record of each read to `log` if there is one; both must outlive every reader.
+  [[nodiscard]] TableReader root(Issues& issues, KeyLog* log = nullptr) const;
   [[nodiscard]] const std::string& file_name() const;
   /// The document as TOML text with overrides applied (for the session).
   [[nodiscard]] std::string to_text() const;

@@ -10,12 +10,12 @@ namespace burrhole {
 namespace {
 
 // Units that keys wear in tool and scene files. A longer suffix stands before one that ends it, so the first match is the whole unit.
-constexpr std::array kUnitSuffixes = {"_ml_per_min", "_mm_per_min", "_j_per_mm3",  "_n_per_mm", "_mm_per_s", "_ns_per_m", "_deg_per_s",
-                                      "_n_per_m",    "_m_per_s",    "_um_per_rev", "_per_rev",  "_percent",  "_n_mm",     "_rad_s",
-                                      "_mm_s",       "_mm3",        "_nmm",        "_rpm",      "_deg",      "_rad",      "_mm",
-                                      "_um",         "_cm",         "_khz",        "_hz",       "_ms",       "_us",       "_min",
-                                      "_kg",         "_hu",         "_px",         "_mpa",      "_db",       "_nm",       "_w",
-                                      "_j",          "_n",          "_s",          "_c",        "_m",        "_g"};
+constexpr std::array kUnitSuffixes = {
+    "_ml_per_min", "_mm_per_min", "_j_per_mm3", "_n_per_mm", "_mm_per_s", "_ns_per_m", "_n_s_per_m", "_deg_per_s", "_n_per_m",
+    "_m_per_s",    "_um_per_rev", "_per_rev",   "_percent",  "_n_mm",     "_rad_s",    "_mm_s",      "_mm3",       "_nmm",
+    "_rpm",        "_deg",        "_rad",       "_mm",       "_um",       "_cm",       "_khz",       "_hz",        "_ms",
+    "_us",         "_min",        "_kg",        "_hu",       "_px",       "_mpa",      "_db",        "_nm",        "_w",
+    "_j",          "_n",          "_s",         "_c",        "_m",        "_g",        "_voxels",    "_ticks"};
 
 char lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
@@ -105,10 +105,15 @@ std::optional<std::string> with_unit(std::string_view word, const std::vector<st
   return std::nullopt;
 }
 
-std::optional<std::string_view> without_unit(std::string_view key) {
+std::string_view unit_suffix(std::string_view key) {
   for (std::size_t cut = key.find('_', 1); cut != std::string_view::npos; cut = key.find('_', cut + 1))
-    if (is_unit(key.substr(cut))) return key.substr(0, cut);
-  return std::nullopt;
+    if (is_unit(key.substr(cut))) return key.substr(cut);
+  return {};
+}
+
+std::optional<std::string_view> without_unit(std::string_view key) {
+  const std::string_view suffix = unit_suffix(key);
+  return suffix.empty() ? std::nullopt : std::optional(key.substr(0, key.size() - suffix.size()));
 }
 
 std::optional<std::string> nearest_name(std::string_view word, const std::vector<std::string>& candidates) {

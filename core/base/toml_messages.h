@@ -28,6 +28,9 @@ namespace burrhole {
 /// The name in `known` that is `word` plus a unit suffix ("radius" -> "radius_mm"), if there is one.
 [[nodiscard]] std::optional<std::string> with_unit(std::string_view word, const std::vector<std::string>& known);
 
+/// The unit suffix of a key with its underscore ("radius_mm" -> "_mm"), empty when it wears none.
+[[nodiscard]] std::string_view unit_suffix(std::string_view key);
+
 /// `key` without its unit suffix ("radius_mm" -> "radius"), or nothing when it wears none.
 [[nodiscard]] std::optional<std::string_view> without_unit(std::string_view key);
 

@@ -21,48 +21,55 @@ NumberRule length_or_zero_mm(double max, std::optional<double> fallback = std::n
 }
 
 Solid read_solid(TableReader& region) {
-  const std::string shape = region.choice("shape", std::nullopt, {"cylinder", "cone", "frustum", "sphere", "ellipsoid"}, "the primitive");
-  const double z = region.number("z_mm", length_or_zero_mm(kMaxHeight_mm), "height of the region's lower end above the tip");
+  const std::string shape = region.choice("shape", std::nullopt, {"cylinder", "cone", "frustum", "sphere", "ellipsoid"},
+                                          "the primitive that the region is, with the tool's axis as its own");
+  const double z =
+      region.number("z_mm", length_or_zero_mm(kMaxHeight_mm), "height of the region's lower end above the tip; 0 for the lowest region");
   if (shape == "frustum") {
-    const double low = region.number("bottom_diameter_mm", length_or_zero_mm(kMaxDiameter_mm), "diameter at the lower end");
-    const double high = region.number("top_diameter_mm", length_or_zero_mm(kMaxDiameter_mm), "diameter at the upper end");
-    const double height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region");
+    const double low = region.number("bottom_diameter_mm", length_or_zero_mm(kMaxDiameter_mm), "diameter at the lower end; 0 for a point");
+    const double high = region.number("top_diameter_mm", length_or_zero_mm(kMaxDiameter_mm), "diameter at the upper end; 0 for a point");
+    const double height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region from its lower to its upper end");
     if (low <= 0.0 && high <= 0.0) region.fault("top_diameter_mm", "must be > 0 when bottom_diameter_mm is 0");
     return make_frustum({.z_low = z, .height = height, .low_radius = 0.5 * low, .high_radius = 0.5 * high});
   }
   const double radius = 0.5 * region.number("diameter_mm", length_mm(kMaxDiameter_mm), "largest diameter");
   if (shape == "sphere") return make_sphere(z, radius);
-  const double height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region");
+  const double height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region from its lower to its upper end");
   if (shape == "ellipsoid") return make_ellipsoid(z, height, radius);
   return shape == "cone" ? make_cone(z, height, radius) : make_cylinder(z, height, radius);
 }
 
 ErosionRule read_erosion(TableReader& region, SolidKind kind) {
-  const auto multiplier = [&](const char* key) {
-    return region.number(key, {.fallback = 1.0, .min = 0.0, .max = 100.0}, "multiplies erosion_factor");
+  const auto multiplier = [&](const char* key, const char* about) {
+    return region.number(key, {.fallback = 1.0, .min = 0.0, .max = 100.0}, about);
   };
   ErosionRule law;
-  law.base = region.number("erosion_factor", {.min = 0.0, .max = 100.0}, "bone removed a revolution; 0 for a region that does not cut");
-  law.axis = multiplier("axis_factor");
-  law.rim = multiplier("rim_factor");
-  law.interior = multiplier("interior_factor");
-  law.side = multiplier("side_factor");
+  law.base = region.number("erosion_factor", {.min = 0.0, .max = 100.0},
+                           "share of bone removed in one revolution; 0 for a region that does not cut");
+  law.axis = multiplier("axis_factor", "multiplies erosion_factor on the axis, linear to rim_factor");
+  law.rim = multiplier("rim_factor", "multiplies erosion_factor at the region's largest radius");
+  law.interior = multiplier("interior_factor", "multiplies erosion_factor deeper inside than skin_mm");
+  law.side = multiplier("side_factor", "multiplies erosion_factor near the side");
   if (kind == SolidKind::frustum) {
-    law.bottom = multiplier("bottom_factor");
-    law.top = multiplier("top_factor");
+    law.bottom = multiplier("bottom_factor", "multiplies erosion_factor near the flat lower end");
+    law.top = multiplier("top_factor", "multiplies erosion_factor near the flat upper end");
   }
-  law.skin = region.number("skin_mm", length_or_zero_mm(kMaxDiameter_mm, 0.5), "depth to which a face's factor reaches");
+  law.skin = region.number("skin_mm", length_or_zero_mm(kMaxDiameter_mm, 0.5), "depth below a face to which that face's factor reaches");
   return law;
 }
 
 ShellSampling read_sampling(TableReader& region, double default_pitch) {
   ShellSampling shell;
-  shell.stacks = static_cast<int>(region.integer("stacks", 0, 1, 1000, "rows of points along the side"));
-  shell.slices = static_cast<int>(region.integer("slices", 0, 4, 4000, "points round the widest ring"));
+  shell.stacks =
+      static_cast<int>(region.integer("stacks", 0, 1, 1000, "rows of shell points along the side, as in the paper; stands with slices"));
+  shell.slices = static_cast<int>(region.integer("slices", 0, 4, 4000, "shell points round the widest ring; stands with stacks"));
   const bool pitched = region.has("pitch_mm");
-  shell.voxel = region.number("voxel_mm", length_mm(20.0, 0.0), "largest gap between rings of flat faces");
-  shell.pitch = region.number("pitch_mm", {.fallback = default_pitch / kMillimetre, .min = 0.01, .max = 20.0, .to_si = kMillimetre},
-                              "largest gap between shell points");
+  shell.voxel = region.number("voxel_mm", length_mm(20.0, 0.0),
+                              "largest gap between rings of flat faces, beside stacks and slices; without it, the gap round the rim");
+  // 0 is outside the range: the default is no number of its own but that of [shell].
+  shell.pitch = region.number("pitch_mm", {.fallback = 0.0, .min = 0.01, .max = 20.0, .to_si = kMillimetre},
+                              "largest gap between shell points; without it, that of [shell]");
+  if (!pitched) shell.pitch = default_pitch;
   const bool stacked = region.has("stacks");
   if (stacked != region.has("slices")) region.fault(stacked ? "stacks" : "slices", stacked ? "needs slices too" : "needs stacks too");
   if (stacked && pitched) region.fault("pitch_mm", "cannot stand beside stacks and slices");
@@ -74,7 +81,7 @@ ShellSampling read_sampling(TableReader& region, double default_pitch) {
 
 double read_default_pitch(TableReader& root) {
   double pitch = 0.0;
-  if (auto shell = root.table("shell", "sampling of the point shell")) {
+  if (auto shell = root.table("shell", "sampling of the point shell, for the regions that do not say their own")) {
     pitch = shell->number("pitch_mm", {.min = 0.01, .max = 20.0, .to_si = kMillimetre}, "largest gap between shell points");
     shell->finish();
   }
@@ -111,17 +118,19 @@ std::optional<std::size_t> ToolSpec::region_at(const Vec3& p) const noexcept {
   return std::nullopt;
 }
 
-std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& issues) {
+std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& issues, KeyLog* log) {
   const std::size_t before = issues.size();
-  TableReader root = document.root(issues);
+  TableReader root = document.root(issues, log);
   ToolSpec spec;
   spec.name = std::filesystem::path(document.file_name()).stem().string();
   spec.title = root.text("title", std::nullopt, "what the tool is, one line");
   const double default_pitch = read_default_pitch(root);
-  std::vector<TableReader> readers = root.tables("region", "primitives, listed first wins where they overlap");
+  std::vector<TableReader> readers =
+      root.tables("region", "the primitives that the tool is made of; where they overlap the one listed first owns the material");
   for (TableReader& reader : readers) {
     RegionSpec region;
-    region.name = reader.text("name", "region " + std::to_string(spec.regions.size() + 1), "what the region is");
+    region.name = reader.text("name", "region " + std::to_string(spec.regions.size() + 1),
+                              "what the region is called; without a name it is numbered");
     region.solid = read_solid(reader);
     region.erosion = read_erosion(reader, region.solid.kind);
     region.shell = read_sampling(reader, default_pitch);

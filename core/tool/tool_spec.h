@@ -55,7 +55,7 @@ struct ToolSpec {
   [[nodiscard]] std::optional<std::size_t> region_at(const Vec3& p) const noexcept;
 };
 
-/// @returns nothing when any issue was pushed.
-[[nodiscard]] std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& issues);
+/// @returns nothing when any issue was pushed. `log`: also tells which keys were asked for.
+[[nodiscard]] std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& issues, KeyLog* log = nullptr);
 
 }  // namespace burrhole

@@ -28,8 +28,16 @@ foreach(header ${headers})
     message(FATAL_ERROR "${header} includes OpenVDB")
   endif()
 endforeach()
-foreach(needed share/doc/burrhole/LICENSE)
+foreach(needed share/doc/burrhole/LICENSE share/man/man1/burrhole.1 share/bash-completion/completions/burrhole
+    share/zsh/site-functions/_burrhole share/fish/vendor_completions.d/burrhole.fish)
   if(NOT EXISTS "${WORK_DIR}/prefix/${needed}")
     message(FATAL_ERROR "${needed} was not installed")
   endif()
 endforeach()
+
+# The program that was installed finds its own shipped files, and its page is the one beside it.
+step(${WORK_DIR}/prefix/bin/burrhole man)
+file(READ "${WORK_DIR}/prefix/share/man/man1/burrhole.1" page)
+if(NOT output STREQUAL page)
+  message(FATAL_ERROR "the installed manual page is not what the installed program prints")
+endif()

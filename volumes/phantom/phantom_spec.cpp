@@ -31,8 +31,9 @@ struct NumberField {
 constexpr double kMm = kMillimetre;
 using S = PhantomSpec;
 constexpr std::array kNumbers{
-    NumberField{"spacing_mm", &S::pitch, 0.25, 0.0, 5.0, true, kMm, kEvery, "voxel edge"},
-    NumberField{"above_mm", &S::above, 2.0, 0.0, 100.0, false, kMm, kEvery, "grid above the origin, along the outward normal"},
+    NumberField{"spacing_mm", &S::pitch, 0.25, 0.0, 5.0, true, kMm, kEvery, "edge of a voxel"},
+    NumberField{"above_mm", &S::above, 2.0, 0.0, 100.0, false, kMm, kEvery,
+                "height of the grid above the origin, along the outward normal"},
     NumberField{"noise", &S::noise, 0.0, 0.0, 0.5, false, 1.0, kEvery, "relative amplitude of uniform noise on both densities"},
     NumberField{"thickness_mm", &S::thickness, 7.04, 0.0, 100.0, true, kMm, kPatch | kPlate | kPit, "thickness of the bone"},
     NumberField{"hardness", &S::hardness, 0.8, 0.0, 1.0, false, 1.0, kEvery & ~kPatch, "relative mineral density of the bone"},
@@ -40,12 +41,14 @@ constexpr std::array kNumbers{
     NumberField{"outer_table_mm", &S::outer_table, 2.4, 0.0, 100.0, false, kMm, kPatch, "thickness of the outer table"},
     NumberField{"inner_table_mm", &S::inner_table, 1.7, 0.0, 100.0, false, kMm, kPatch, "thickness of the inner table"},
     NumberField{"dura_mm", &S::dura, 0.5, 0.0, 10.0, false, kMm, kPatch, "thickness of the dura"},
-    NumberField{"rim_mm", &S::rim_radius, 0.0, 0.0, 500.0, false, kMm, kPatch, "radius of a round patch; 0: square, as the grid"},
+    NumberField{"rim_mm", &S::rim_radius, 0.0, 0.0, 500.0, false, kMm, kPatch, "radius of a round patch; 0 for a square one, as the grid"},
     NumberField{"pore_mm", &S::pore_size, 1.2, 0.0, 20.0, true, kMm, kPatch, "mean width of the pores of the diploe"},
     NumberField{"porosity", &S::porosity, 0.4, 0.0, 1.0, false, 1.0, kPatch, "pores' share of the diploe's volume"},
-    NumberField{"table_hardness", &S::table_hardness, 0.9, 0.0, 1.0, false, 1.0, kPatch, "hardness of the tables"},
-    NumberField{"trabecula_hardness", &S::trabecula_hardness, 0.45, 0.0, 1.0, false, 1.0, kPatch, "hardness of the diploe between pores"},
-    NumberField{"pore_hardness", &S::pore_hardness, 0.12, 0.0, 1.0, false, 1.0, kPatch, "hardness of the diploe in its pores"},
+    NumberField{"table_hardness", &S::table_hardness, 0.9, 0.0, 1.0, false, 1.0, kPatch, "relative mineral density of the tables"},
+    NumberField{"trabecula_hardness", &S::trabecula_hardness, 0.45, 0.0, 1.0, false, 1.0, kPatch,
+                "relative mineral density of the diploe between its pores"},
+    NumberField{"pore_hardness", &S::pore_hardness, 0.12, 0.0, 1.0, false, 1.0, kPatch,
+                "relative mineral density of the diploe in its pores"},
     NumberField{"radius_mm", &S::sphere_radius, 6.0, 0.0, 250.0, true, kMm, kSphere, "radius of the sphere"},
     NumberField{"wedge_deg", &S::wedge_angle, 90.0, 20.0, 170.0, false, kDegree, kWedge, "angle inside the bone between the faces"},
     NumberField{"hole_radius_mm", &S::hole_radius, 3.0, 0.0, 100.0, true, kMm, kPit, "radius of the blind hole"},
@@ -240,7 +243,7 @@ PhantomSpec read_phantom(TableReader& volume, std::string_view kind) {
       spec.*f.member =
           volume.vector(f.key, f.fallback, {.fallback = {}, .min = 0.0, .max = kMaxLengthMm, .min_open = true, .to_si = kMm}, f.about);
   if ((kPlate & kinds) != 0)
-    spec.plate_normal = volume.vector("plate_normal", Vec3(0.0, 0.0, 1.0), {}, "outward normal of the plate, any length");
+    spec.plate_normal = volume.vector("plate_normal", Vec3(0.0, 0.0, 1.0), {}, "outward normal of the plate, of any length; z above 0");
   spec.seed = volume.integer("seed", 1, 0, std::numeric_limits<std::int64_t>::max(), "seed of pores and noise");
   if (found)
     for (const Finding& f : find_faults(spec)) volume.fault(f.key, f.what);

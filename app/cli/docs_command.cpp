@@ -1,0 +1,30 @@
+#include "app/cli/front.h"
+#include "app/engine/schema_doc.h"
+
+namespace burrhole::cli {
+
+void add_docs(CLI::App& app, int& exit_code) {
+  CLI::App* command =
+      add_command(app, "docs", kFrontGroup,
+                  {.summary = "Prints the reference of a file format as Markdown",
+                   .about = "The reference is made from the rules that read such files, so it lists exactly what this program "
+                            "takes: each key with its range, default and meaning.",
+                   .examples = {"burrhole docs scene | less", "burrhole docs tool > tool.md"},
+                   .exits = {}});
+  command->require_subcommand(1);
+  const auto add = [&](const char* name, const char* summary, SchemaFile file) {
+    add_command(*command, name, "Formats",
+                {.summary = summary,
+                 .about = "Markdown on stdout, and nothing else there.",
+                 .examples = {std::string("burrhole docs ") + name + " | less"},
+                 .exits = {}})
+        ->callback([file, &exit_code] {
+          print(schema_markdown(file));
+          exit_code = kDone;
+        });
+  };
+  add("scene", "Every table and key of a scene file", SchemaFile::scene);
+  add("tool", "Every table and key of a tool file", SchemaFile::tool);
+}
+
+}  // namespace burrhole::cli

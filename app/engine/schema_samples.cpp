@@ -1,0 +1,120 @@
+#include "app/engine/schema_samples.h"
+
+#include "app/engine/scene.h"
+#include "core/tool/tool_spec.h"
+
+namespace burrhole {
+namespace {
+
+/// A scene with every table; the tables named get these lines.
+struct SceneLines {
+  std::string volume = "source = \"phantom:plate\"";
+  std::string contact = {};
+  std::string erosion = {};
+};
+std::string scene(const SceneLines& lines) {
+  return "[volume]\n" + lines.volume +
+         "\n[tool]\nname = \"perforator_14_11\"\nspin_rpm = 1000\n[approach]\nentry_mm = [0, 0, 0]\n[hand]\n" + "[contact]\n" +
+         lines.contact + "\n[erosion]\n" + lines.erosion + "\n[display]\n[record]\n";
+}
+
+std::vector<SchemaSample> scene_samples() {
+  std::vector<SchemaSample> samples;
+  for (const std::string& kind : phantom_names())
+    samples.push_back({"phantom:" + kind, scene({.volume = "source = \"phantom:" + kind + "\""}), {}});
+  // Names in capitals are shown in the reference as they stand here.
+  samples.push_back(
+      {"scan", scene({.volume = "source = \"SCAN\"\nunit = \"mm\"\n[[volume.hardness]]\nvalue = 0\nhardness = 0"}), "is not there"});
+  samples.push_back({"paper mode", scene({.contact = "mode = \"paper\""}), {}});
+  samples.push_back({"paper's storage", scene({.contact = "storage = \"vdb\""}), {}});
+  samples.push_back({"tool on the hand", scene({.contact = "tool = \"device\""}), {}});
+  samples.push_back({"eq. 4", scene({.erosion = "law = \"per-update\""}), {}});
+  return samples;
+}
+
+std::string tool(const std::string& shape, const std::string& size) {
+  return "title = \"a tool\"\n[shell]\npitch_mm = 0.5\n[[region]]\nshape = \"" + shape + "\"\nz_mm = 0\nerosion_factor = 0.1\n" + size +
+         "\n";
+}
+
+std::vector<SchemaSample> tool_samples() {
+  const std::string round = "diameter_mm = 4\nheight_mm = 3";
+  return {
+      {"cylinder", tool("cylinder", round), {}},
+      {"cone", tool("cone", round), {}},
+      {"frustum", tool("frustum", "bottom_diameter_mm = 4\ntop_diameter_mm = 3\nheight_mm = 3"), {}},
+      {"sphere", tool("sphere", "diameter_mm = 4"), {}},
+      {"ellipsoid", tool("ellipsoid", round), {}},
+  };
+}
+
+constexpr const char* kSceneExample = R"(title = "Parietal burrhole, 14/11 perforator"
+duration_s = 90.0               # of simulated time, at most
+
+[volume]                        # generated bone: tables, porous diploe, dura and brain
+source = "phantom:skull_patch"
+spacing_mm = 0.25
+thickness_mm = 7.04
+
+[tool]
+name = "perforator_14_11"       # `burrhole tools` lists them
+spin_rpm = 1000.0
+
+[approach]                      # in the bone's frame: z is up, out of the skull
+entry_mm = [0.0, 0.0, 0.0]
+axis = [0.0, 0.0, -1.0]
+
+[hand]
+push_N = 28.0
+
+[contact]                       # from here on each table switches something on
+[erosion]
+[display]
+size = [1200, 900]
+[record]
+)";
+
+constexpr const char* kToolExample = R"(title = "Stepped drill, 10/6 mm"
+
+[shell]
+pitch_mm = 0.4                  # points that feel the bone, no farther apart than this
+
+[[region]]
+name = "pilot"                  # the tip: its lower end is the origin
+shape = "frustum"
+z_mm = 0
+height_mm = 3
+bottom_diameter_mm = 6
+top_diameter_mm = 5.8           # relieved, so that only the leading edge rubs
+erosion_factor = 0.05
+rim_factor = 1.5                # cuts better at the rim than on the axis
+
+[[region]]
+name = "shank"
+shape = "cylinder"
+z_mm = 3
+height_mm = 20
+diameter_mm = 10
+erosion_factor = 0              # passive
+pitch_mm = 1.0
+)";
+
+}  // namespace
+
+std::vector<SchemaSample> schema_samples(SchemaFile file) { return file == SchemaFile::scene ? scene_samples() : tool_samples(); }
+
+std::string schema_example(SchemaFile file) { return file == SchemaFile::scene ? kSceneExample : kToolExample; }
+
+ReadSample read_sample(SchemaFile file, const std::string& text) {
+  ReadSample out;
+  const auto document = TomlDocument::parse(text, "sample.toml");
+  if (!document)
+    out.issues.push_back(document.error());
+  else if (file == SchemaFile::scene)
+    (void)read_scene(*document, {.tool_folders = {}, .tool_given = true}, out.issues, &out.log);
+  else
+    (void)read_tool_spec(*document, out.issues, &out.log);
+  return out;
+}
+
+}  // namespace burrhole
