@@ -3,7 +3,6 @@
 
 namespace burrhole {
 
-Result<ReadScan> read_dicom(const std::string& path, const ReadOptions&) { return bad_input("DICOM is not linked here", path); }
 Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions&) { return bad_input("meshes are not linked here", path); }
 Result<ReadScan> read_foreign_vdb(const std::string& path, const ReadOptions&) { return bad_input("OpenVDB is not linked here", path); }
 

@@ -1,0 +1,218 @@
+#include "volumes/read/dicom_series.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <system_error>
+
+#include "core/base/toml_messages.h"
+#include "volumes/read/scan_geometry.h"
+
+namespace burrhole {
+namespace {
+
+namespace fs = std::filesystem;
+
+using ReasonCounts = std::map<std::string, std::size_t>;
+
+std::vector<Skipped> by_frequency(const ReasonCounts& counts) {
+  std::vector<Skipped> out;
+  for (const auto& [reason, count] : counts) out.push_back({reason, count});
+  std::stable_sort(out.begin(), out.end(), [](const Skipped& a, const Skipped& b) { return a.count > b.count; });
+  return out;
+}
+
+std::string counts_text(const std::vector<Skipped>& skipped) {
+  std::vector<std::string> words;
+  for (const Skipped& s : skipped) words.push_back(fmt::format("{} {}", s.count, s.reason));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+/// Regular files below a folder, sorted. Links to folders are not followed: they can run in circles.
+Result<std::vector<std::string>> files_below(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, error), end;
+  while (!error && entry != end) {
+    std::error_code ignored;  // a link that leads nowhere is no file
+    if (entry->is_regular_file(ignored)) files.push_back(entry->path().string());
+    entry.increment(error);
+  }
+  if (error) return bad_input("the folder cannot be read: " + error.message(), folder);
+  if (files.empty()) return bad_input("the folder holds no files", folder);
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+Result<std::vector<std::string>> files_of(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) return bad_input("there is no such file or folder", path);
+  if (fs::is_directory(status)) return files_below(path);
+  if (!fs::is_regular_file(status)) return bad_input("neither a file nor a folder", path);
+  return std::vector<std::string>{path};
+}
+
+Error nothing_left(const std::string& path, const std::vector<std::string>& files, const std::vector<Skipped>& skipped) {
+  const bool lone = files.size() == 1 && files.front() == path;
+  if (!lone) return bad_input(fmt::format("none of {} files is a slice of a scan: {}", files.size(), counts_text(skipped)), path);
+  const std::string& reason = skipped.front().reason;
+  return bad_input(reason == "not DICOM" ? "the file is not DICOM" : fmt::format("the file is no slice of a scan: {}", reason), path);
+}
+
+std::string direction_of(const Vec3& row, const Vec3& column) {
+  const Vec3 normal = glm::abs(glm::cross(row, column));
+  if (normal.z >= normal.x && normal.z >= normal.y) return "axial";
+  return normal.y >= normal.x ? "coronal" : "sagittal";
+}
+
+/// A fault of a single file makes the series faulty: which one, and how many.
+void note_file_faults(const DicomFolder& folder, DicomSeries& series) {
+  std::size_t faulty = 0;
+  for (const std::size_t n : series.files) {
+    const DicomHeader& h = folder.headers[n];
+    if (h.fault.empty() || faulty++ > 0) continue;
+    series.line.fault = h.fault;
+    series.fault_place = h.path;
+  }
+  if (faulty > 0 && series.files.size() > 1)
+    series.line.fault += fmt::format(" ({} of {} files of the series at fault)", faulty, series.files.size());
+}
+
+/// Frames of a multi-frame file that lie where others do are a time series or several stacks.
+std::string repeated_frames(const std::vector<SlicePlane>& planes) {
+  std::set<std::array<long long, 3>> places;  // [um]
+  for (const SlicePlane& p : planes) {
+    std::array<long long, 3> key{};
+    for (int c = 0; c < 3; ++c) key[static_cast<std::size_t>(c)] = std::llround(std::clamp(p.position[c], -1e6, 1e6) * 1e3);
+    places.insert(key);
+  }
+  if (places.size() == planes.size()) return {};
+  return fmt::format("multi-frame that is no volume: {} frames at {} positions", planes.size(), places.size());
+}
+
+/// Positions of all slices, or the fault of the series.
+std::vector<SlicePlane> planes_of(const DicomFolder& folder, DicomSeries& series) {
+  std::vector<SlicePlane> planes;
+  std::size_t without = 0;
+  bool multi_frame = false;
+  for (const SliceSource& s : series.slices) {
+    const DicomHeader& h = folder.headers[s.file];
+    const DicomFrame& frame = h.frames[s.frame];
+    multi_frame = multi_frame || h.frames.size() > 1;
+    if (frame.plane)
+      planes.push_back(*frame.plane);
+    else
+      ++without;
+  }
+  if (without > 0 && multi_frame)
+    series.line.fault = fmt::format("multi-frame that is no volume: {} of {} frames without a position, orientation or pixel spacing",
+                                    without, series.slices.size());
+  else if (without > 0)
+    series.line.fault =
+        fmt::format("{} of {} slices do not say where they lie (position, orientation, pixel spacing)", without, series.slices.size());
+  else if (multi_frame)
+    series.line.fault = repeated_frames(planes);
+  return planes;
+}
+
+void stack_series(const DicomFolder& folder, DicomSeries& series) {
+  for (const std::size_t n : series.files)
+    for (std::size_t f = 0; f < folder.headers[n].frames.size(); ++f) series.slices.push_back({n, f});
+  const DicomHeader& first = folder.headers[series.files.front()];
+  series.line.modality = first.modality;
+  const std::size_t slices = std::max(series.slices.size(), series.files.size());  // a faulty file may have no frames yet
+  series.line.dims = Vec3i(first.columns, first.rows, static_cast<int>(slices));
+  if (!first.frames.empty() && first.frames.front().plane) {
+    const SlicePlane& plane = *first.frames.front().plane;
+    series.line.direction = direction_of(plane.row, plane.column);
+    series.line.spacing = Vec3(plane.column_spacing, plane.row_spacing, first.frames.front().thickness_mm) * 1e-3;
+  }
+  note_file_faults(folder, series);
+  if (!series.line.fault.empty()) return;
+
+  const std::vector<SlicePlane> planes = planes_of(folder, series);
+  if (!series.line.fault.empty()) return;
+  const double thickness = first.frames.front().thickness_mm;
+  auto stack = stack_slices(planes, thickness);
+  if (!stack) {
+    series.line.fault = stack.error().message;
+    return;
+  }
+  series.thickness_assumed = planes.size() == 1;
+  series.stack = std::move(stack).value();
+  series.line.spacing = describe_grid(series.stack.bone_from_index).spacing;
+  std::vector<SliceSource> sorted;
+  for (const std::size_t n : series.stack.order) sorted.push_back(series.slices[n]);
+  series.slices = std::move(sorted);
+  if (series.voxels() > kMaxScanVoxels)
+    series.line.fault = fmt::format("{:.4g} voxels are more than the {:.4g} that are read", series.voxels(), kMaxScanVoxels);
+}
+
+/// "3", then "3b", "3c", ... for further series of that number.
+std::string series_name(const std::string& number, std::size_t nth) {
+  if (nth == 0) return number;
+  return nth < 26 ? number + static_cast<char>('a' + nth) : fmt::format("{}.{}", number, nth + 1);
+}
+
+/// Faultless before faulty, axial before others, then the larger.
+bool better(const DicomSeries& a, const DicomSeries& b) {
+  const auto rank = [](const DicomSeries& s) { return std::make_tuple(s.line.fault.empty(), s.line.direction == "axial", s.voxels()); };
+  return rank(a) > rank(b);
+}
+
+}  // namespace
+
+Result<DicomFolder> scan_dicom_folder(const std::string& folder_or_file, const std::vector<DicomKeepTag>& keep) {
+  const auto files = files_of(folder_or_file);
+  if (!files) return files.error();
+  DicomFolder out;
+  ReasonCounts skipped;
+  std::set<std::string> instances;
+  for (const std::string& path : *files) {
+    auto header = read_dicom_header(path, keep);
+    if (!header) return header.error();
+    std::string reason = header->skip;
+    if (reason.empty() && !header->instance_uid.empty() && !instances.insert(header->instance_uid).second) reason = "duplicate";
+    if (reason.empty())
+      out.headers.push_back(std::move(header).value());
+    else
+      ++skipped[reason];
+  }
+  out.skipped = by_frequency(skipped);
+  if (out.headers.empty()) return nothing_left(folder_or_file, *files, out.skipped);
+  return out;
+}
+
+std::vector<DicomSeries> group_series(const DicomFolder& folder) {
+  std::vector<DicomSeries> series;
+  std::map<std::string, std::size_t> of_uid, of_number;
+  for (std::size_t n = 0; n < folder.headers.size(); ++n) {
+    const DicomHeader& h = folder.headers[n];
+    const auto [at, fresh] = of_uid.try_emplace(h.series_uid, series.size());
+    if (fresh) series.emplace_back().line.name = series_name(h.series_number, of_number[h.series_number]++);
+    series[at->second].files.push_back(n);
+  }
+  for (DicomSeries& s : series) stack_series(folder, s);
+  return series;
+}
+
+Result<std::size_t> choose_series(const std::vector<DicomSeries>& series, const std::string& name, const std::string& place) {
+  std::vector<std::string> names;
+  for (const DicomSeries& s : series) names.push_back(s.line.name);
+  auto chosen = std::min_element(series.begin(), series.end(), better);
+  if (!name.empty()) {
+    chosen = std::find_if(series.begin(), series.end(), [&](const DicomSeries& s) { return s.line.name == name; });
+    if (chosen == series.end())
+      return bad_input(fmt::format("no series '{}'; there are: {}", one_line(name), fmt::join(names, ", ")), place);
+  }
+  if (chosen->line.fault.empty()) return static_cast<std::size_t>(chosen - series.begin());
+  const std::string which = series.size() > 1 ? fmt::format("series {}: ", chosen->line.name) : "";
+  return bad_input(which + chosen->line.fault, chosen->fault_place.empty() ? place : chosen->fault_place);
+}
+
+}  // namespace burrhole
