@@ -25,6 +25,7 @@ void add_docs(CLI::App& app, int& exit_code) {
   };
   add("scene", "Every table and key of a scene file", SchemaFile::scene);
   add("tool", "Every table and key of a tool file", SchemaFile::tool);
+  add("raw", "Every key of the file that describes a raw volume", SchemaFile::raw);
 }
 
 }  // namespace burrhole::cli

@@ -218,6 +218,19 @@ This page is printed by `burrhole docs tool` from the rules that read tools.
 ## An example
 )";
 
+constexpr const char* kRawHead = R"(# Raw volumes
+
+Voxels without a header are described by a TOML file beside them, which `burrhole import` and a scene's `[volume] source` take in their place.
+Paths are relative to that file. Sizes are compared with the files: too few bytes and too many are both refused. Ranges are written as in
+mathematics: a round bracket leaves its end out.
+
+This page is printed by `burrhole docs raw` from the rules that read such files.
+
+## An example
+)";
+
+const char* head_of(SchemaFile file) { return file == SchemaFile::scene ? kSceneHead : file == SchemaFile::tool ? kToolHead : kRawHead; }
+
 std::string later_effects() {
   std::string out = "\n## Tables of later versions\nThese effects are refused by name:";
   for (const std::string_view name : kLaterEffects)
@@ -243,7 +256,7 @@ std::string schema_markdown(SchemaFile file) {
     names.push_back(sample.name);
   }
   const Schema schema = merge_logs(logs, names);
-  std::string out = file == SchemaFile::scene ? kSceneHead : kToolHead;
+  std::string out = head_of(file);
   out += "```toml\n" + schema_example(file) + "```\n\n## Top of the file\n\n" + section(schema, "") + inner_sections(schema, "");
   if (file == SchemaFile::scene) out += later_effects();
   return out;

@@ -1,5 +1,5 @@
 /// app/engine/schema_doc.h: references of the file formats, made of what their readers asked for while they read the samples.
-///   docs/scene.md and docs/tool.md are this text; a test compares them byte for byte. Thread: any.
+///   docs/scene.md, docs/tool.md and docs/raw.md are this text; a test compares them byte for byte. Thread: any.
 #pragma once
 
 #include <span>

@@ -2,6 +2,7 @@
 
 #include "app/engine/scene.h"
 #include "core/tool/tool_spec.h"
+#include "volumes/read/raw_sidecar.h"
 
 namespace burrhole {
 namespace {
@@ -23,8 +24,10 @@ std::vector<SchemaSample> scene_samples() {
   for (const std::string& kind : phantom_names())
     samples.push_back({"phantom:" + kind, scene({.volume = "source = \"phantom:" + kind + "\""}), {}});
   // Names in capitals are shown in the reference as they stand here.
-  samples.push_back(
-      {"scan", scene({.volume = "source = \"SCAN\"\nunit = \"mm\"\n[[volume.hardness]]\nvalue = 0\nhardness = 0"}), "is not there"});
+  for (const std::string& unit : length_unit_names())
+    samples.push_back({"scan in " + unit,
+                       scene({.volume = "source = \"SCAN\"\nunit = \"" + unit + "\"\n[[volume.hardness]]\nvalue = 0\nhardness = 0"}),
+                       "is not there"});
   samples.push_back({"paper mode", scene({.contact = "mode = \"paper\""}), {}});
   samples.push_back({"paper's storage", scene({.contact = "storage = \"vdb\""}), {}});
   samples.push_back({"tool on the hand", scene({.contact = "tool = \"device\""}), {}});
@@ -46,6 +49,16 @@ std::vector<SchemaSample> tool_samples() {
       {"sphere", tool("sphere", "diameter_mm = 4"), {}},
       {"ellipsoid", tool("ellipsoid", round), {}},
   };
+}
+
+std::vector<SchemaSample> raw_samples() {
+  const auto raw = [](const std::string& files, const std::string& type, const std::string& order) {
+    return files + "\ndims = [2, 2, 2]\nspacing_mm = [1, 1, 1]\ntype = \"" + type + "\"\nbyte_order = \"" + order + "\"\n";
+  };
+  std::vector<SchemaSample> samples{{"a file a slice", raw("files = \"FILE.*\"", "int16", "big"), {}},
+                                    {"in HU", raw("data = \"FILE\"\nquantity = \"hounsfield\"", "int16", "big"), {}}};
+  for (const std::string& type : raw_type_names()) samples.push_back({type, raw("data = \"FILE\"", type, "little"), {}});
+  return samples;
 }
 
 constexpr const char* kSceneExample = R"(title = "Parietal burrhole, 14/11 perforator"
@@ -99,11 +112,33 @@ erosion_factor = 0              # passive
 pitch_mm = 1.0
 )";
 
+constexpr const char* kRawExample = R"(folder = "$BURRHOLE_DATA/head_ct_raw_big_endian"
+files = "CThead.*"                  # one file a slice
+dims = [256, 256, 113]
+type = "int16"
+byte_order = "big"
+spacing_mm = [0.9375, 0.9375, 1.875]
+direction = [1, 0, 0, 0, 1, 0, 0, 0, -1]   # the first slice is the vertex
+assumed = "spacing: only its ratio is published"
+)";
+
 }  // namespace
 
-std::vector<SchemaSample> schema_samples(SchemaFile file) { return file == SchemaFile::scene ? scene_samples() : tool_samples(); }
+std::vector<SchemaSample> schema_samples(SchemaFile file) {
+  switch (file) {
+    case SchemaFile::scene:
+      return scene_samples();
+    case SchemaFile::tool:
+      return tool_samples();
+    case SchemaFile::raw:
+      return raw_samples();
+  }
+  return {};
+}
 
-std::string schema_example(SchemaFile file) { return file == SchemaFile::scene ? kSceneExample : kToolExample; }
+std::string schema_example(SchemaFile file) {
+  return file == SchemaFile::scene ? kSceneExample : file == SchemaFile::tool ? kToolExample : kRawExample;
+}
 
 ReadSample read_sample(SchemaFile file, const std::string& text) {
   ReadSample out;
@@ -112,8 +147,10 @@ ReadSample read_sample(SchemaFile file, const std::string& text) {
     out.issues.push_back(document.error());
   else if (file == SchemaFile::scene)
     (void)read_scene(*document, {.tool_folders = {}, .tool_given = true}, out.issues, &out.log);
-  else
+  else if (file == SchemaFile::tool)
     (void)read_tool_spec(*document, out.issues, &out.log);
+  else if (const auto sidecar = parse_raw_sidecar(*document, &out.log); !sidecar)
+    out.issues.push_back(sidecar.error());
   return out;
 }
 

@@ -11,8 +11,8 @@
 
 namespace burrhole {
 
-/// The formats that have a reference: scene files and tool files.
-enum class SchemaFile { scene, tool };
+/// The formats that have a reference: scenes, tools and the descriptions of raw volumes.
+enum class SchemaFile { scene, tool, raw };
 
 struct SchemaSample {
   std::string name;   ///< the branch it is there for

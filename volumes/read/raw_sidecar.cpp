@@ -26,48 +26,47 @@ const std::array<std::pair<const char*, PixelType>, 10> kTypes{{{"uint8", PixelT
                                                                 {"float64", PixelType::f64}}};
 
 void read_form(TableReader& root, PixelForm& form) {
-  std::vector<std::string> names;
-  names.reserve(kTypes.size());
-  for (const auto& [name, type] : kTypes) names.emplace_back(name);
-  const std::string name = root.choice("type", std::nullopt, names, "what one voxel is stored as");
+  const std::string name = root.choice("type", std::nullopt, raw_type_names(), "what one voxel is stored as");
   for (const auto& [known, type] : kTypes)
     if (name == known) form.type = type;
   const std::optional<std::string> fallback = bytes_of(form.type) == 1 ? std::optional<std::string>("little") : std::nullopt;
-  form.big_endian = root.choice("byte_order", fallback, {"little", "big"}, "of numbers of more than one byte") == "big";
-  form.slope = root.number("slope", {.fallback = 1.0}, "value = slope * stored + intercept");
-  form.intercept = root.number("intercept", {.fallback = 0.0}, "value = slope * stored + intercept");
+  form.big_endian = root.choice("byte_order", fallback, {"little", "big"}, "order of the bytes of one number") == "big";
+  form.slope = root.number("slope", {.fallback = 1.0}, "factor of the stored numbers, applied before the intercept");
+  form.intercept = root.number("intercept", {.fallback = 0.0}, "added to the stored numbers after the slope");
   if (form.slope == 0.0) root.fault("slope", "would make every voxel equal");
 }
 
 void read_grid(TableReader& root, ImageHead& image) {
-  const auto sizes = root.numbers("dims", std::nullopt, 3, {.min = 1.0, .max = 2147483647.0}, "voxels along i, j, k");
+  const auto sizes =
+      root.numbers("dims", std::nullopt, 3, {.min = 1.0, .max = 2147483647.0}, "numbers of voxels along i, j, k; i runs fastest");
   if (std::any_of(sizes.begin(), sizes.end(), [](double size) { return size != std::floor(size); }))
     root.fault("dims", "must be whole numbers");
   else if (const auto fault = dims_fault(std::llround(sizes[0]), std::llround(sizes[1]), std::llround(sizes[2])))
     root.fault("dims", fmt::format("are not read: {}", *fault));
   image.dims = Vec3i(sizes[0], sizes[1], sizes[2]);
   const Vec3 spacing = root.vector("spacing_mm", std::nullopt, {.min = 0.0, .max = 1000.0, .min_open = true, .to_si = kMillimetre},
-                                   "between voxel centres along i, j, k");
+                                   "distances of voxel centres along i, j, k");
   const bool turned = root.has("direction"), placed = root.has("origin_mm");
   if (!turned) image.assumed.emplace_back("no direction in the sidecar: i to the left, j to the back, k up");
   if (!placed) image.assumed.emplace_back("no origin in the sidecar: first voxel at 0");
   const auto nine = root.numbers("direction", std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1}, 9, {.min = -1.001, .max = 1.001},
-                                 "unit vectors of i, of j, of k in LPS");
+                                 "unit vectors along which i, then j, then k run: left, posterior, superior");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Vec3 unit(nine[3 * axis], nine[3 * axis + 1], nine[3 * axis + 2]);
     if (std::abs(glm::length(unit) - 1.0) > kUnitLength)
       root.fault("direction", fmt::format("has a vector of length {:.4g} for {}; it must be 1", glm::length(unit), "ijk"[axis]));
     image.bone_from_index.linear[axis] = unit * spacing[axis];
   }
-  image.bone_from_index.offset = root.vector("origin_mm", Vec3(0.0), {.to_si = kMillimetre}, "LPS of the centre of the first voxel");
+  image.bone_from_index.offset =
+      root.vector("origin_mm", Vec3(0.0), {.to_si = kMillimetre}, "centre of the first voxel: left, posterior, superior");
 }
 
 /// data, or files with an optional folder.
 void read_files(TableReader& root, RawSidecar& out) {
   const bool one = root.has("data"), many = root.has("files"), folder = root.has("folder");
-  out.data = root.text("data", "", "the file of the voxels");
-  out.files = root.text("files", "", "one file a slice, \"CThead.*\"");
-  out.folder = root.text("folder", ".", "where the files lie");
+  out.data = root.text("data", "", "the one file of the voxels; $NAME/... by the environment");
+  out.files = root.text("files", "", "pattern of one file a slice, * for its number, as CThead.*; slices are in the order of the numbers");
+  out.folder = root.text("folder", ".", "folder of the files; $NAME/... by the environment");
   out.data_place = root.place_of("data"), out.files_place = root.place_of("files"), out.folder_place = root.place_of("folder");
   if (one == many) root.fault(one ? "files" : "data", one ? "and data are both there: say one" : "or files must say where the voxels are");
   if (one && out.data.empty()) root.fault("data", "names no file");
@@ -75,21 +74,28 @@ void read_files(TableReader& root, RawSidecar& out) {
   if (many && std::count(out.files.begin(), out.files.end(), '*') != 1) root.fault("files", "must have exactly one * for the number");
   if (many && out.files.find('/') != std::string::npos) root.fault("files", "must not have a folder in it: use folder");
   out.offset_bytes = static_cast<std::uint64_t>(
-      root.integer("offset_bytes", 0, 0, static_cast<std::int64_t>(kMostOffset), "to drop at the start of each file"));
+      root.integer("offset_bytes", 0, 0, static_cast<std::int64_t>(kMostOffset), "bytes to skip at the start of each file"));
 }
 
 }  // namespace
 
-Result<RawSidecar> parse_raw_sidecar(const TomlDocument& document) {
+std::vector<std::string> raw_type_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, type] : kTypes) names.emplace_back(name);
+  return names;
+}
+
+Result<RawSidecar> parse_raw_sidecar(const TomlDocument& document, KeyLog* log) {
   Issues issues;
-  TableReader root = document.root(issues);
+  TableReader root = document.root(issues, log);
   RawSidecar out;
   read_form(root, out.image.form);
   read_grid(root, out.image);
   read_files(root, out);
-  const std::string quantity = root.choice("quantity", "unknown", {"hounsfield", "unknown"}, "what the values are");
+  const std::string quantity =
+      root.choice("quantity", "unknown", {"hounsfield", "unknown"}, "what the values mean; unknown: told by the values themselves");
   out.quantity = quantity == "hounsfield" ? Quantity::hounsfield : Quantity::unknown;
-  if (const std::string guess = root.text("assumed", "", "what in this file is a guess"); !guess.empty())
+  if (const std::string guess = root.text("assumed", "", "what in this file is a guess; it is told in every report"); !guess.empty())
     out.image.assumed.push_back(guess);
   root.finish();
   if (issues.empty()) return out;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/base/toml.h"
 #include "volumes/read/image_file.h"
@@ -21,6 +22,9 @@ struct RawSidecar {
 };
 
 /// @returns the sidecar, or its first fault and how many follow.
-[[nodiscard]] Result<RawSidecar> parse_raw_sidecar(const TomlDocument& document);
+[[nodiscard]] Result<RawSidecar> parse_raw_sidecar(const TomlDocument& document, KeyLog* log = nullptr);
+
+/// The words of the key `type`.
+[[nodiscard]] std::vector<std::string> raw_type_names();
 
 }  // namespace burrhole

@@ -30,7 +30,7 @@ struct Format {
   SchemaFile file;
   const char* name;
 };
-constexpr Format kFormats[] = {{SchemaFile::scene, "scene"}, {SchemaFile::tool, "tool"}};
+constexpr Format kFormats[] = {{SchemaFile::scene, "scene"}, {SchemaFile::tool, "tool"}, {SchemaFile::raw, "raw"}};
 
 struct Logs {
   std::vector<KeyLog> logs;
@@ -45,17 +45,18 @@ Logs read_samples(SchemaFile file) {
   return out;
 }
 
-/// TOML files of a format: all that are shipped, and those of the tests. A tool is what has regions or a mesh and no bone.
+/// TOML files of a format: all that are shipped, and those of the tests. A scene has bone, a raw volume has dims, the rest are tools.
 std::vector<fs::path> files_of(SchemaFile wanted) {
   std::vector<fs::path> found;
-  for (const char* folder : {"app/scenes", "app/tools", "tests/data/scenes"})
+  for (const char* folder : {"app/scenes", "app/scenes/volumes", "app/tools", "tests/data/scenes"})
     for (const auto& entry : fs::directory_iterator(kSource / folder)) {
       if (entry.path().extension() != ".toml") continue;
       Issues issues;
       const auto document = TomlDocument::load(entry.path().string());
       REQUIRE_MESSAGE(document.ok(), entry.path().string());
-      const bool is_scene = document->root(issues).has("volume");
-      if (is_scene == (wanted == SchemaFile::scene)) found.push_back(entry.path());
+      const TableReader root = document->root(issues);
+      const SchemaFile format = root.has("volume") ? SchemaFile::scene : root.has("dims") ? SchemaFile::raw : SchemaFile::tool;
+      if (format == wanted) found.push_back(entry.path());
     }
   std::sort(found.begin(), found.end());
   return found;
