@@ -10,7 +10,6 @@ find_package(CLI11 REQUIRED)
 find_package(PNG REQUIRED)
 pkg_check_modules(SQLITE3 REQUIRED IMPORTED_TARGET sqlite3)
 pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
-# Medical images, meshes, packed files.
-find_package(assimp REQUIRED)
+# Medical images, packed files.
 find_package(ZLIB REQUIRED)
 include(BurrholeGdcm)

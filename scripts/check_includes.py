@@ -50,8 +50,7 @@ WRAPPED = [
     (r"GLFW/", "GLFW", ["app/window/"]),
     (r"CLI/", "CLI11", ["app/cli/"]),
     (r"itk[A-Z]", "ITK", ["tests/"]),
-    (r"gdcm", "GDCM", ["volumes/read/dicom", "volumes/read/read_dicom"]),
-    (r"assimp/", "assimp", ["volumes/read/mesh_file.cpp"]),
+    (r"gdcm", "GDCM", ["volumes/read/gdcm_codecs.cpp"]),
     (r"zlib\.h$", "zlib", ["volumes/read/"]),
     # vdb_grids.cpp: OpenVDB must be initialised once, from whichever thread comes first.
     (r"(thread|mutex|shared_mutex|condition_variable|future)$", "threading", ["app/", "haptics/", "core/voxel/vdb_grids.cpp"]),

@@ -7,7 +7,9 @@
 #include "app/cli/front.h"
 #include "core/base/units.h"
 #include "core/tool/make_tool.h"
+#include "core/tool/mesh_spec.h"
 #include "core/tool/tool_spec.h"
+#include "volumes/read/mesh_file.h"
 
 namespace burrhole::cli {
 namespace {
@@ -40,7 +42,25 @@ std::string region_text(const RegionSpec& region) {
   return text + "\n";
 }
 
-std::string details_text(const Tool& tool, const ToolSpec& spec) {
+std::string mesh_text(const MeshToolSpec& spec) {
+  std::string text = fmt::format("  {:<14} one unit is {:g} mm; ", spec.file, spec.unit / kMillimetre);
+  if (spec.erosion_factor <= 0.0) return text + "does not cut\n";
+  return text + fmt::format("cuts, {:.3g} a revolution, from {:g} to {:g} mm above the tip\n", spec.erosion_factor,
+                            spec.cut_from / kMillimetre, spec.cut_to / kMillimetre);
+}
+
+/// One line a region, or one about the mesh; empty with faults in issues.
+std::string parts_text(const TomlDocument& document, Issues& issues) {
+  std::string text;
+  if (has_tool_mesh(document)) {
+    if (const auto spec = read_mesh_tool_spec(document, issues)) text = mesh_text(*spec);
+  } else if (const auto spec = read_tool_spec(document, issues)) {
+    for (const RegionSpec& region : spec->regions) text += region_text(region);
+  }
+  return text;
+}
+
+std::string details_text(const Tool& tool, const std::string& parts) {
   const Vec3 size = tool.bound_hi - tool.bound_lo;
   const auto cutting = std::count(tool.shell.cutting.begin(), tool.shell.cutting.end(), std::uint8_t{1});
   std::string text = fmt::format("{}: {}\n", tool.name, tool.title);
@@ -49,8 +69,7 @@ std::string details_text(const Tool& tool, const ToolSpec& spec) {
   text += fmt::format("  erosion points {} at a pitch of {:.3g} mm, {:.1f} mm3\n", tool.erosion.size(), tool.erosion.pitch / kMillimetre,
                       static_cast<double>(tool.erosion.size()) * tool.erosion.pitch * tool.erosion.pitch * tool.erosion.pitch /
                           (kMillimetre * kMillimetre * kMillimetre));
-  for (const RegionSpec& region : spec.regions) text += region_text(region);
-  return text;
+  return text + parts;
 }
 
 int show_tool(const std::string& name) {
@@ -64,11 +83,9 @@ int show_tool(const std::string& name) {
   Issues issues;
   const auto document = TomlDocument::load(file);
   if (!document) return report(document.error());
-  const auto tool = make_tool(*document, {kListPitch}, issues);
+  const auto tool = make_tool(*document, {.erosion_pitch = kListPitch, .read_mesh = read_mesh}, issues);
   if (!tool) return report(issues);
-  const auto spec = read_tool_spec(*document, issues);
-  if (!spec) return report(issues);
-  print(details_text(*tool, *spec));
+  print(details_text(*tool, parts_text(*document, issues)));
   return kDone;
 }
 
@@ -76,7 +93,7 @@ int list_tools(bool json) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const std::string& file : shipped_tools()) {
     Issues issues;
-    const auto tool = load_tool(file, {kListPitch}, issues);
+    const auto tool = load_tool(file, {.erosion_pitch = kListPitch, .read_mesh = read_mesh}, issues);
     if (!tool) return report(issues);
     if (json)
       rows.push_back({{"name", tool->name},

@@ -1,10 +1,13 @@
 #include "app/engine/load.h"
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "core/tool/make_tool.h"
+#include "core/tool/mesh_spec.h"
 #include "volumes/phantom/phantom.h"
+#include "volumes/read/mesh_file.h"
 
 namespace burrhole {
 namespace {
@@ -29,6 +32,20 @@ Status load_bone(const LoadOptions& options, LoadedScene& out) {
   out.bone = std::move(imported->bone);
   out.import = std::move(imported->report);
   return {};
+}
+
+/// The tool's text for a session, whose replay knows no folder: a mesh's path is made absolute. Other tools' texts stay as they are.
+std::string text_for_session(const std::string& text, const TomlDocument& tool) {
+  Issues ignored;
+  const auto spec = has_tool_mesh(tool) ? read_mesh_tool_spec(tool, ignored) : std::nullopt;
+  if (!spec) return text;
+  std::string quoted;
+  for (const char c : std::filesystem::absolute(spec->path).lexically_normal().string()) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  auto copy = TomlDocument::parse(text, tool.file_name());  // a document of its own: `tool` keeps its places
+  return copy && copy->set("mesh.file=\"" + quoted + "\"") ? copy->to_text() : text;
 }
 
 }  // namespace
@@ -62,8 +79,9 @@ std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneC
     return std::nullopt;
   }
   const double pitch = out.scene.tool.erosion_pitch_voxels * out.bone->bone_from_index().mean_edge();
-  auto tool = make_tool(*tool_document, {pitch}, issues);
+  auto tool = make_tool(*tool_document, {.erosion_pitch = pitch, .read_mesh = read_mesh}, issues);
   if (!tool) return std::nullopt;
+  if (!tool_text) out.tool_text = text_for_session(out.tool_text, *tool_document);
   out.tool = std::move(*tool);
   for (float& factor : out.tool.erosion.factors) factor *= static_cast<float>(out.scene.tool.erosion_scale);
   return out;

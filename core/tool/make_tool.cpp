@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/tool/erosion_points.h"
+#include "core/tool/mesh_tool.h"
 #include "core/tool/point_shell.h"
 #include "core/tool/tool_mesh.h"
 #include "core/tool/tool_spec.h"
@@ -20,27 +21,63 @@ void fill_bounds(Tool& tool) {
     }
 }
 
-}  // namespace
-
-std::optional<Tool> make_tool(const TomlDocument& document, const ToolOptions& options, Issues& issues) {
-  std::optional<ToolSpec> spec = read_tool_spec(document, issues);
-  if (!spec) return std::nullopt;
-  Result<PointShell> shell = make_point_shell(*spec);
-  Result<ErosionPoints> erosion = make_erosion_points(*spec, options.erosion_pitch);
+/// What both kinds of tool end with. Faults of either part go to issues with the place given.
+std::optional<Tool> assemble(Result<PointShell> shell, Result<ErosionPoints> erosion, const std::string& place, Issues& issues) {
   const auto refuse = [&](Error error) {
-    error.place = document.file_name();
+    error.place = place;
     issues.push_back(std::move(error));
   };
   if (!shell) refuse(shell.error());
   if (!erosion) refuse(erosion.error());
   if (!shell || !erosion) return std::nullopt;
   Tool tool;
-  tool.name = spec->name;
-  tool.title = spec->title;
   tool.shell = std::move(shell).value();
   tool.erosion = std::move(erosion).value();
-  tool.mesh = make_tool_mesh(*spec);
   fill_bounds(tool);
+  return tool;
+}
+
+/// The surface of a [mesh], in the tool frame; faults name the key `file`.
+std::optional<SurfaceMesh> read_tool_mesh(const MeshToolSpec& spec, const ToolOptions& options, Issues& issues) {
+  const auto refuse = [&](Error error) {
+    error.message = "mesh.file = \"" + spec.file + "\" " + error.message;
+    error.place = spec.file_place;
+    issues.push_back(std::move(error));
+    return std::nullopt;
+  };
+  if (!options.read_mesh) return refuse(bad_input("cannot be read here: this program reads no meshes"));
+  Result<SurfaceMesh> mesh = options.read_mesh(spec.path, spec.unit);
+  if (!mesh) return refuse(mesh.error());
+  Result<SurfaceMesh> placed = place_tool_mesh(spec, std::move(mesh).value());
+  if (!placed) return refuse(placed.error());
+  return std::move(placed).value();
+}
+
+std::optional<Tool> make_from_mesh(const TomlDocument& document, const ToolOptions& options, Issues& issues) {
+  const std::optional<MeshToolSpec> spec = read_mesh_tool_spec(document, issues);
+  if (!spec) return std::nullopt;
+  const std::optional<SurfaceMesh> mesh = read_tool_mesh(*spec, options, issues);
+  if (!mesh) return std::nullopt;
+  auto tool =
+      assemble(make_mesh_shell(*spec, *mesh), make_mesh_erosion_points(*spec, *mesh, options.erosion_pitch), document.file_name(), issues);
+  if (!tool) return std::nullopt;
+  tool->name = spec->name;
+  tool->title = spec->title;
+  tool->mesh = make_mesh_picture(*mesh);
+  return tool;
+}
+
+}  // namespace
+
+std::optional<Tool> make_tool(const TomlDocument& document, const ToolOptions& options, Issues& issues) {
+  if (has_tool_mesh(document)) return make_from_mesh(document, options, issues);
+  const std::optional<ToolSpec> spec = read_tool_spec(document, issues);
+  if (!spec) return std::nullopt;
+  auto tool = assemble(make_point_shell(*spec), make_erosion_points(*spec, options.erosion_pitch), document.file_name(), issues);
+  if (!tool) return std::nullopt;
+  tool->name = spec->name;
+  tool->title = spec->title;
+  tool->mesh = make_tool_mesh(*spec);
   return tool;
 }
 

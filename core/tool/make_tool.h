@@ -2,16 +2,20 @@
 ///   Frame  tool frame.   Units  SI.   Errors  every fault of the file, in one go, as Issues with file:line:column.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
 #include "core/base/toml.h"
+#include "core/tool/surface_mesh.h"
 #include "core/tool/tool.h"
 
 namespace burrhole {
 
 struct ToolOptions {
   double erosion_pitch = 0.25e-3;  ///< [m] > 0; half a voxel of the bone is the usual choice
+  /// Reads the surface that a [mesh] names, one unit of the file `unit` [m] long; core reads no files. Empty: such tools are refused.
+  std::function<Result<SurfaceMesh>(const std::string& path, double unit)> read_mesh = nullptr;
 };
 
 /// @returns nothing when any issue was pushed. Allocates; not for the servo path.

@@ -29,9 +29,13 @@ struct MeshCheck {
   double volume = 0.0;                 ///< signed [unit^3]: negative when inside-out
 };
 
-/// Vertices at exactly the same place are one (STL repeats them). @pre indices are in range; see mesh_fault.
+/// Joins vertices at exactly the same place (STL repeats them) and drops those that no triangle uses; triangles keep their order.
+/// @pre indices in range, positions finite.
+[[nodiscard]] SurfaceMesh weld(const SurfaceMesh& mesh);
+/// Vertices at exactly the same place are one. @pre indices are in range, positions finite; see mesh_fault.
 [[nodiscard]] MeshCheck check_mesh(const SurfaceMesh& mesh);
-/// One sentence with the numbers when the mesh is no closed, outward oriented solid; else nothing.
+/// One sentence with the numbers when the mesh is no closed, outward oriented solid; else nothing. Closed parts wound inward are cavities
+/// and must lie inside another part. @pre positions in m: the sentence speaks of mm and cm3.
 [[nodiscard]] std::optional<std::string> mesh_fault(const SurfaceMesh& mesh);
 
 }  // namespace burrhole

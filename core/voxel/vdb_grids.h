@@ -57,4 +57,18 @@ struct VdbFileContent {
 /// Reads without delayed loading. bad_input when missing, foreign or damaged.
 [[nodiscard]] Result<VdbFileContent> read_vdb(const std::string& path);
 
+/// One float grid of a file that another program wrote.
+struct ForeignGrid {
+  FloatVdb grid;
+  bool level_set = false;                ///< its class says so: distances, negative inside; else values are densities
+  Affine world_from_index;               ///< [units of the file]
+  std::size_t active = 0;                ///< voxels with a value of their own, > 0
+  std::vector<std::string> other_float;  ///< names of float grids passed over
+  std::size_t other_type = 0;            ///< grids of other types
+};
+
+/// @param name of the grid; empty: the float grid with most active voxels. bad_input: missing, damaged, no such float grid, empty, or with a
+/// transform that is no affine map (a camera's frustum).
+[[nodiscard]] Result<ForeignGrid> read_foreign_grid(const std::string& path, const std::string& name);
+
 }  // namespace burrhole

@@ -1,4 +1,4 @@
-/// volumes/read/mesh_file.h: STL, OBJ and PLY (ASCII or binary) to triangles; the only wrapper of assimp.
+/// volumes/read/mesh_file.h: STL, OBJ and PLY (text or binary) to triangles; the formats are read in volumes/read/mesh_formats.h.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace burrhole {
 
-/// @param unit [m] length of one unit of the file. All meshes of the file joined; polygons are cut into triangles, vertices welded.
+/// @param unit [m] length of one unit of the file. All parts of the file joined; polygons are cut into triangles, vertices welded. Points,
+/// lines and triangle strips are refused, not dropped.
 /// @returns bad_input: unreadable, empty, not finite, or larger than its file can hold. Does not ask whether the surface is closed.
 [[nodiscard]] Result<SurfaceMesh> read_mesh(const std::string& path, double unit);
 

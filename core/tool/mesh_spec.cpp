@@ -1,0 +1,121 @@
+#include "core/tool/mesh_spec.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "core/base/portable_math.h"
+#include "core/base/units.h"
+
+namespace burrhole {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMaxAcross = 50.0 * kMillimetre;  // from the axis, as for regions
+constexpr double kMaxHeight = 200.0 * kMillimetre;
+constexpr double kTipTolerance = 0.01 * kMillimetre;  // a tip that rounding or facets have moved, far below a voxel
+constexpr double kMaxLength_mm = 1000.0;
+
+struct CosSin {
+  double cos, sin;
+};
+
+/// Right angles are exact, so that a file that lies on its side comes up straight.
+CosSin cos_sin(double degrees) {
+  const double quarters = degrees / 90.0;
+  if (quarters == std::floor(quarters)) {
+    constexpr CosSin exact[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    return exact[static_cast<std::size_t>(quarters - 4.0 * std::floor(quarters / 4.0))];
+  }
+  return {portable_cos(degrees * kDegree), portable_sin(degrees * kDegree)};
+}
+
+/// About x, then y, then z.
+Mat3 turned(const Vec3& degrees) {
+  const CosSin x = cos_sin(degrees.x), y = cos_sin(degrees.y), z = cos_sin(degrees.z);
+  const Mat3 about_x(1, 0, 0, 0, x.cos, x.sin, 0, -x.sin, x.cos);  // columns
+  const Mat3 about_y(y.cos, 0, -y.sin, 0, 1, 0, y.sin, 0, y.cos);
+  const Mat3 about_z(z.cos, z.sin, 0, -z.sin, z.cos, 0, 0, 0, 1);
+  return about_z * about_y * about_x;
+}
+
+void read_cutting(TableReader& table, MeshToolSpec& spec) {
+  spec.erosion_factor =
+      table.number("erosion_factor", {.min = 0.0, .max = 100.0}, "bone removed a revolution; 0 for a tool that does not cut");
+  const std::vector<double> range =
+      table.numbers("cutting_range_mm", std::vector<double>{0.0, kMaxHeight / kMillimetre}, 2,
+                    {.min = 0.0, .max = kMaxHeight / kMillimetre, .to_si = kMillimetre}, "heights above the tip between which it cuts");
+  spec.cut_from = range[0];
+  spec.cut_to = range[1];
+  if (!(spec.cut_from < spec.cut_to)) table.fault("cutting_range_mm", "must rise from its first height to its second");
+}
+
+void read_frame(TableReader& table, MeshToolSpec& spec) {
+  spec.unit = table.number("unit_mm", {.fallback = 1.0, .min = 0.0, .max = 1000.0, .min_open = true, .to_si = kMillimetre},
+                           "length of one unit of the file");
+  spec.turn = turned(table.vector("turn_deg", Vec3(0.0), {.min = -360.0, .max = 360.0}, "turns about x, then y, then z, before the shift"));
+  spec.shift = table.vector("shift_mm", Vec3(0.0), {.min = -kMaxLength_mm, .max = kMaxLength_mm, .to_si = kMillimetre},
+                            "brings the turned file's tip to the origin");
+}
+
+std::optional<std::string> size_fault(const Vec3& lo, const Vec3& hi) {
+  const double across = std::max({-lo.x, hi.x, -lo.y, hi.y});
+  const auto mm = [](double length) { return length / kMillimetre; };
+  if (across > kMaxAcross || hi.z - lo.z > kMaxHeight)
+    return fmt::format(
+        "reaches {:.4g} mm from the axis and is {:.4g} mm high, at most {:g} and {:g} are allowed: another unit_mm or shift_mm?",
+        mm(across), mm(hi.z - lo.z), mm(kMaxAcross), mm(kMaxHeight));
+  if (std::abs(lo.z) > kTipTolerance)
+    return fmt::format("has its lowest point at z = {:.4g} mm and must stand on z = 0: the tip is the origin (shift_mm, turn_deg)",
+                       mm(lo.z));
+  if (lo.x > 0.0 || hi.x < 0.0 || lo.y > 0.0 || hi.y < 0.0)
+    return fmt::format("lies beside the axis, at x = {:.4g} to {:.4g} mm and y = {:.4g} to {:.4g} mm (shift_mm, turn_deg)", mm(lo.x),
+                       mm(hi.x), mm(lo.y), mm(hi.y));
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool has_tool_mesh(const TomlDocument& document) {
+  Issues ignored;
+  return document.root(ignored).has("mesh");
+}
+
+std::optional<MeshToolSpec> read_mesh_tool_spec(const TomlDocument& document, Issues& issues) {
+  const std::size_t before = issues.size();
+  TableReader root = document.root(issues);
+  MeshToolSpec spec;
+  spec.name = fs::path(document.file_name()).stem().string();
+  spec.title = root.text("title", std::nullopt, "what the tool is, one line");
+  if (root.has("region")) root.fault("region", "cannot stand beside [mesh]: a tool is either regions or one surface");
+  if (root.has("shell")) root.fault("shell", "cannot stand beside [mesh]: give mesh.pitch_mm");
+  if (auto table = root.table("mesh", "a closed surface in a file of its own")) {
+    spec.file = table->text("file", std::nullopt, "STL, OBJ or PLY file, seen from the tool file");
+    spec.path = (fs::path(document.file_name()).parent_path() / spec.file).string();
+    spec.file_place = table->place_of("file");
+    spec.pitch = table->number("pitch_mm", {.min = 0.01, .max = 20.0, .to_si = kMillimetre}, "largest gap between shell points");
+    read_frame(*table, spec);
+    read_cutting(*table, spec);
+    table->finish();
+  }
+  root.finish();
+  return issues.size() == before ? std::optional<MeshToolSpec>(std::move(spec)) : std::nullopt;
+}
+
+Result<SurfaceMesh> place_tool_mesh(const MeshToolSpec& spec, SurfaceMesh mesh) {
+  if (auto fault = mesh_fault(mesh)) return bad_input("is no solid, " + *fault);
+  Vec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;
+  for (Vec3& p : mesh.positions) {
+    p = spec.turn * p + spec.shift;
+    lo = glm::min(lo, p);
+    hi = glm::max(hi, p);
+  }
+  if (auto fault = size_fault(lo, hi)) return bad_input(*fault);
+  return mesh;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,70 @@
+#include "volumes/read/mesh_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <new>
+
+#include "volumes/read/mesh_formats.h"
+
+namespace burrhole {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A surface takes about three times its file; a thousand million bytes are more than any scanner's mesh.
+constexpr std::uintmax_t kMaxFileBytes = 1u << 30;
+
+/// ".stl", ".obj", ".ply" from the ending, in lower case; else empty.
+std::string format_of(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return ending == ".stl" || ending == ".obj" || ending == ".ply" ? ending : std::string();
+}
+
+Result<std::string> read_bytes(const std::string& path) {
+  std::error_code failed;
+  const std::uintmax_t size = fs::file_size(path, failed);
+  if (failed) return bad_input("cannot be read: " + failed.message());
+  if (size == 0) return bad_input("is empty");
+  if (size > kMaxFileBytes) return bad_input(fmt::format("has {} MiB, at most {} are read", size >> 20, kMaxFileBytes >> 20));
+  std::string bytes(size, '\0');
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return bad_input("cannot be read to its end");
+  return bytes;
+}
+
+Result<SurfaceMesh> parse(const std::string& bytes, const std::string& format) {
+  return format == ".stl" ? parse_stl(bytes) : format == ".obj" ? parse_obj(bytes) : parse_ply(bytes);
+}
+
+Result<SurfaceMesh> read_and_weld(const std::string& path, double unit) {
+  const std::string format = format_of(path);
+  if (format.empty()) return bad_input("is no mesh that can be read: .stl, .obj or .ply");
+  const Result<std::string> bytes = read_bytes(path);
+  if (!bytes) return bytes.error();
+  Result<SurfaceMesh> mesh = parse(*bytes, format);
+  if (!mesh) return mesh;
+  if (mesh->indices.empty()) return bad_input("holds no triangles");
+  for (Vec3& p : mesh->positions) {
+    p *= unit;
+    if (!is_finite(p)) return bad_input("holds a vertex that is not finite");
+  }
+  return weld(*mesh);
+}
+
+}  // namespace
+
+Result<SurfaceMesh> read_mesh(const std::string& path, double unit) {
+  try {
+    Result<SurfaceMesh> mesh = read_and_weld(path, unit);
+    if (mesh) return mesh;
+    return bad_input(mesh.error().message, path);
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::unavailable, "no memory for the mesh", path};
+  }
+}
+
+}  // namespace burrhole

@@ -1,0 +1,98 @@
+// read_mesh_scan of volumes/read/scan.h: a closed mesh as a volume of bone.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+
+#include "volumes/read/mesh_file.h"
+#include "volumes/read/mesh_to_occupancy.h"
+#include "volumes/read/scan.h"
+
+namespace burrhole {
+namespace {
+
+constexpr double kDefaultVoxels = 256.0;  // along the longest side
+constexpr double kLeastVoxels = 4.0;      // across the thinnest side: fewer show no shape
+constexpr double kSmallest = 1e-3;        // [m] sizes outside these come from a wrong unit
+constexpr double kLargest = 2.0;          // [m]
+
+struct MeshSize {
+  Vec3 size;
+  double longest, thinnest;
+};
+
+MeshSize size_of(const SurfaceMesh& mesh) {
+  Vec3 lo = mesh.positions.front(), hi = lo;
+  for (const Vec3& p : mesh.positions) {
+    lo = glm::min(lo, p);
+    hi = glm::max(hi, p);
+  }
+  const Vec3 size = hi - lo;
+  return {size, std::max({size.x, size.y, size.z}), std::min({size.x, size.y, size.z})};
+}
+
+std::string size_text(const Vec3& size) { return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", size.x * 1e3, size.y * 1e3, size.z * 1e3); }
+
+Status check_options(const ReadOptions& options, const std::string& path) {
+  if (!options.unit) return bad_input("mesh files carry no unit of length: give --unit mm, cm, m or in", path);
+  if (!std::isfinite(*options.unit) || *options.unit <= 0.0)
+    return bad_input(fmt::format("unit = {:g} m must be > 0", *options.unit), path);
+  if (options.pitch && (!std::isfinite(*options.pitch) || *options.pitch <= 0.0))
+    return bad_input(fmt::format("pitch = {:g} mm must be > 0", *options.pitch * 1e3), path);
+  return {};
+}
+
+Status check_grid(const MeshSize& mesh, double pitch, const std::string& path) {
+  if (mesh.longest < kSmallest || mesh.longest > kLargest)
+    return bad_input(fmt::format("is {} with this unit, and must be {:g} mm to {:g} m long: another --unit?", size_text(mesh.size),
+                                 kSmallest * 1e3, kLargest),
+                     path);
+  if (mesh.thinnest < kLeastVoxels * pitch)
+    return bad_input(
+        fmt::format("a pitch of {:.3g} mm leaves {:.2g} voxels across the thinnest side of {:.3g} mm, at least {:g} are needed",
+                    pitch * 1e3, mesh.thinnest / pitch, mesh.thinnest * 1e3, kLeastVoxels),
+        path);
+  const Vec3 dims = mesh_grid_dims(mesh.size, pitch);
+  const double voxels = dims.x * dims.y * dims.z;
+  if (voxels > std::min(kMaxMeshVoxels, kMaxScanVoxels))
+    return bad_input(fmt::format("a pitch of {:.3g} mm makes {:.3g} voxels ({:.3g} GB), at most {:.3g} are allowed: take a coarser pitch",
+                                 pitch * 1e3, voxels, voxels * 4e-9, std::min(kMaxMeshVoxels, kMaxScanVoxels)),
+                     path);
+  return {};
+}
+
+std::string format_name(const std::string& path) {
+  std::string name = std::filesystem::path(path).extension().string();
+  if (!name.empty()) name.erase(0, 1);
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return name;
+}
+
+}  // namespace
+
+Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& options) {
+  if (const Status usable = check_options(options, path); !usable) return usable.error();
+  const Result<SurfaceMesh> mesh = read_mesh(path, *options.unit);
+  if (!mesh) return mesh.error();
+  if (const auto fault = mesh_fault(*mesh)) return bad_input(*fault, path);
+  const MeshSize size = size_of(*mesh);
+  const double pitch = options.pitch.value_or(size.longest / kDefaultVoxels);
+  if (const Status fits = check_grid(size, pitch, path); !fits) return fits.error();
+  Result<Scan> scan = mesh_to_occupancy(*mesh, pitch, options.progress);
+  if (!scan) return Error{scan.error().code, scan.error().message, path};
+  ReadScan out{std::move(scan).value(), {}};
+  out.report.format = format_name(path);
+  out.report.assumed.push_back("mesh coordinates are patient LPS: +x left, +y back, +z up");
+  out.report.assumed.push_back(fmt::format("one unit of the file is {:g} mm: the mesh is {}", *options.unit * 1e3, size_text(size.size)));
+  if (!options.pitch) out.report.assumed.push_back(fmt::format("pitch {:.4g} mm: longest side / {:g}", pitch * 1e3, kDefaultVoxels));
+  const MeshCheck check = check_mesh(*mesh);
+  out.report.assumed.push_back(
+      fmt::format("solid within {} closed surface{}, {:.4g} cm3", check.parts, check.parts == 1 ? "" : "s", check.volume * 1e6));
+  if (check.degenerate > 0) out.report.skipped.push_back({"triangle without area", check.degenerate});
+  return out;
+}
+
+}  // namespace burrhole
