@@ -14,6 +14,8 @@
 #include <array>
 #include <cstring>
 #include <exception>
+#include <sstream>
+#include <string>
 #include <string_view>
 
 #include "core/base/toml.h"
@@ -159,9 +161,7 @@ bool tile_parts_whole(std::span<const std::byte> s) {
   return tiles && at == end;
 }
 
-template <class Codec>
-bool decode(Codec& codec, unsigned short allocated, std::span<const std::byte> stream, const StreamShape& shape,
-            std::vector<std::byte>& out) {
+void set_up(gdcm::ImageCodec& codec, const StreamShape& shape, unsigned short allocated) {
   const auto bits = static_cast<unsigned short>(shape.bits);
   const std::array<unsigned, 3> dims = {static_cast<unsigned>(shape.columns), static_cast<unsigned>(shape.rows), 1};
   codec.SetNumberOfDimensions(2);
@@ -169,7 +169,13 @@ bool decode(Codec& codec, unsigned short allocated, std::span<const std::byte> s
   codec.SetPlanarConfiguration(0);
   codec.SetPhotometricInterpretation(gdcm::PhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2));
   codec.SetPixelFormat(gdcm::PixelFormat(1, allocated, bits, static_cast<unsigned short>(bits - 1), 0));
+}
 
+std::size_t decoded_bytes(const StreamShape& shape) {
+  return static_cast<std::size_t>(shape.columns) * static_cast<std::size_t>(shape.rows) * shape.bytes();
+}
+
+bool decode(gdcm::ImageCodec& codec, std::span<const std::byte> stream, const StreamShape& shape, std::vector<std::byte>& out) {
   gdcm::Fragment fragment;
   fragment.SetByteValue(reinterpret_cast<const char*>(stream.data()), gdcm::VL(static_cast<std::uint32_t>(stream.size())));
   const gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;  // owned by the pointer, GDCM's own kind
@@ -179,12 +185,27 @@ bool decode(Codec& codec, unsigned short allocated, std::span<const std::byte> s
   in.SetValue(*fragments);
   if (!codec.Decode(in, decoded)) return false;
   const gdcm::ByteValue* value = decoded.GetByteValue();
-  const std::size_t needed = static_cast<std::size_t>(shape.columns) * static_cast<std::size_t>(shape.rows) * shape.bytes();
-  if (value == nullptr || value->GetLength() != needed) return false;
-  out.resize(needed);
-  std::memcpy(out.data(), value->GetPointer(), needed);
+  if (value == nullptr || value->GetLength() != decoded_bytes(shape)) return false;
+  out.resize(decoded_bytes(shape));
+  std::memcpy(out.data(), value->GetPointer(), out.size());
   return true;
 }
+
+/// The way in by a stream: the codec's Decode() leaks its copy of every stream that it refuses (3.0.21).
+class JpegLsCodec : public gdcm::JPEGLSCodec {
+ public:
+  bool decode_all(std::span<const std::byte> stream, const StreamShape& shape, std::vector<std::byte>& out) {
+    const auto length = static_cast<std::uint32_t>(stream.size());
+    std::string pieces("\xfe\xff\x00\xe0\0\0\0\0\xfe\xff\x00\xe0", 12);  // an empty table of offsets, then the one piece
+    for (int n = 0; n < 4; ++n) pieces += static_cast<char>((length >> (8 * n)) & 0xff);
+    pieces.append(reinterpret_cast<const char*>(stream.data()), stream.size());
+    pieces.append("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+    std::istringstream in(pieces);
+    out.resize(decoded_bytes(shape));
+    return DecodeExtent(reinterpret_cast<char*>(out.data()), 0, static_cast<unsigned>(shape.columns) - 1, 0,
+                        static_cast<unsigned>(shape.rows) - 1, 0, 0, in);
+  }
+};
 
 bool is_text(const gdcm::VR& vr) {
   constexpr std::array kTexts = {gdcm::VR::AE, gdcm::VR::AS, gdcm::VR::CS, gdcm::VR::DA, gdcm::VR::DS, gdcm::VR::DT,
@@ -212,14 +233,17 @@ bool decode_stream(DicomCodec codec, std::span<const std::byte> stream, const St
       // GDCM picks its 8-, 12- or 16-bit library by these bits; given 16 for a 12-bit stream, the wrong library is tried first and says so.
       const std::vector<std::byte> plain = plain_jpeg(stream);
       gdcm::JPEGCodec jpeg;
-      return jpeg_scan_is_whole(plain) && decode(jpeg, shape.bits > 8 && shape.bits <= 12 ? 12 : allocated, plain, shape, out);
+      set_up(jpeg, shape, shape.bits > 8 && shape.bits <= 12 ? 12 : allocated);
+      return jpeg_scan_is_whole(plain) && decode(jpeg, plain, shape, out);
     }
     if (codec == DicomCodec::jpeg_ls) {
-      gdcm::JPEGLSCodec jpeg_ls;
-      return decode(jpeg_ls, allocated, stream, shape, out);
+      JpegLsCodec jpeg_ls;
+      set_up(jpeg_ls, shape, allocated);
+      return jpeg_ls.decode_all(stream, shape, out);
     }
     gdcm::JPEG2000Codec jpeg_2000;
-    return decode(jpeg_2000, allocated, stream, shape, out);
+    set_up(jpeg_2000, shape, allocated);
+    return decode(jpeg_2000, stream, shape, out);
   } catch (const std::exception&) {
     return false;
   }
