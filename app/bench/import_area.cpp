@@ -69,7 +69,7 @@ Status bench_import(Bench& bench) {
   if (!*plain) return plain->error();
   if (!*scan) return scan->error();
   const std::string reads = fmt::format("{} DICOM slices of 512x512 to HU", files->size());
-  if (bench.agree(reads, bytes_of(**plain), bytes_of((**scan)->scan.values))) bench.add_cost(reads, "s", 1.0, bench.time(plainly, reading));
+  if (bench.agree(reads, bytes_of(**plain), bytes_of((**scan).scan.values))) bench.add_cost(reads, "s", 1.0, bench.time(plainly, reading));
   scan.reset();
   plain.reset();
 
