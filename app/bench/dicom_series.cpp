@@ -21,8 +21,7 @@ namespace fs = std::filesystem;
 /// Group, element and VR of an element, as an explicit little-endian file has them.
 using Mark = std::array<char, 6>;
 constexpr Mark kFileUid{0x02, 0x00, 0x03, 0x00, 'U', 'I'}, kUid{0x08, 0x00, 0x18, 0x00, 'U', 'I'},
-    kPosition{0x20, 0x00, 0x32, 0x00, 'D', 'S'}, kNumber{0x20, 0x00, 0x13, 0x00, 'I', 'S'}, kIntercept{0x28, 0x00, 0x52, 0x10, 'D', 'S'},
-    kSlope{0x28, 0x00, 0x53, 0x10, 'D', 'S'};
+    kPosition{0x20, 0x00, 0x32, 0x00, 'D', 'S'}, kIntercept{0x28, 0x00, 0x52, 0x10, 'D', 'S'}, kSlope{0x28, 0x00, 0x53, 0x10, 'D', 'S'};
 constexpr std::size_t kPixels = 512 * 512, kBytesAPixel = 2;
 
 struct Span {
@@ -69,8 +68,8 @@ Result<std::vector<std::string>> write_long_series(const std::string& source_fol
   for (int slice = 0; slice < slices; ++slice) {
     auto bytes = read_file(sources[static_cast<std::size_t>(slice) % sources.size()]);
     if (!bytes) return bytes.error();
-    const bool changed = put_uid(*bytes, kFileUid, slice) && put_uid(*bytes, kUid, slice) &&
-                         put(*bytes, kPosition, fmt::format("-115.5\\-1.85\\{}", slice)) && put(*bytes, kNumber, fmt::format("{}", slice));
+    const bool changed =
+        put_uid(*bytes, kFileUid, slice) && put_uid(*bytes, kUid, slice) && put(*bytes, kPosition, fmt::format("-115.5\\-1.85\\{}", slice));
     if (!changed) return bad_input("lacks a field of an image slice", sources[static_cast<std::size_t>(slice) % sources.size()]);
     out.push_back((fs::path(folder) / fmt::format("slice{:04}.dcm", slice)).string());
     if (const Status written = write_file(out.back(), *bytes); !written) return written.error();

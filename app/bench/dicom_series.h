@@ -1,5 +1,5 @@
 /// app/bench/dicom_series.h: a long DICOM series made from a short real one: the same slices over and over, 1 mm apart, each with its own
-/// position, number and UID, all else byte for byte. For measuring imports at the size of a whole head.
+/// position and UID, all else byte for byte. For measuring imports at the size of a whole head.
 #pragma once
 
 #include <string>

@@ -121,8 +121,7 @@ void add_import(CLI::App& app, int& exit_code) {
   command->add_option("--region-mm", option->region, "keep only a box of this size; with --centre-mm and --spacing-mm")->type_name("X,Y,Z");
   command->add_option("--centre-mm", option->centre, "middle of that box, patient coordinates (left, posterior, superior)")
       ->type_name("X,Y,Z");
-  command
-      ->add_option("--keep", option->keep, "copy this DICOM field into the report, e.g. PatientID (repeatable); none is copied otherwise")
+  command->add_option("--keep", option->keep, "copy this DICOM field into the report, e.g. PatientID (repeatable)")
       ->type_name("KEYWORD")
       ->allow_extra_args(false);
   command->add_flag("--json", option->json, "the report as JSON on stdout, and nothing else there");

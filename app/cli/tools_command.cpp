@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "app/cli/front.h"
+#include "app/report/tool_sheet.h"
 #include "core/base/units.h"
+#include "core/drill/removal_rate.h"
 #include "core/tool/make_tool.h"
 #include "core/tool/mesh_spec.h"
 #include "core/tool/tool_spec.h"
@@ -15,7 +18,8 @@ namespace burrhole::cli {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double kListPitch = 0.25e-3;  // [m] erosion pitch the counts are given for
+constexpr double kListPitch = 0.25e-3;   // [m] erosion pitch the counts are given for
+constexpr double kFeedPitch = 0.125e-3;  // [m] that the foretold feed is for: half a voxel of 0.25 mm, as in a scene
 
 std::vector<std::string> shipped_tools() {
   std::vector<std::string> files;
@@ -32,13 +36,37 @@ std::string find_tool_file(const std::string& name) {
   return fs::is_regular_file(shipped) ? shipped.string() : std::string();
 }
 
+double volume_mm3(const Tool& tool) {
+  const double pitch_mm = tool.erosion.pitch / kMillimetre;
+  return static_cast<double>(tool.erosion.size()) * pitch_mm * pitch_mm * pitch_mm;
+}
+
+std::size_t cutting_points(const Tool& tool) {
+  return static_cast<std::size_t>(std::count(tool.shell.cutting.begin(), tool.shell.cutting.end(), std::uint8_t{1}));
+}
+
+/// The factors of the faces that a region has, those only that are not the interior's.
+std::string face_text(const RegionSpec& region) {
+  const ErosionRule& e = region.erosion;
+  std::vector<std::pair<const char*, double>> faces{{"bottom", e.bottom}, {"top", e.top}};
+  if (region.solid.kind == SolidKind::box)
+    faces.insert(faces.end(), {{"-x", e.flanks[0]}, {"+x", e.flanks[1]}, {"-y", e.flanks[2]}, {"+y", e.flanks[3]}});
+  else
+    faces.emplace_back("side", e.side);
+  if (region.solid.bored()) faces.emplace_back("bore", e.inner);
+  std::string text;
+  for (const auto& [name, factor] : faces)
+    if (factor != e.interior) text += fmt::format(", {} x{:.2g}", name, factor);
+  if (e.interior != 1.0) text += fmt::format(", interior x{:.2g}", e.interior);
+  return text;
+}
+
 std::string region_text(const RegionSpec& region) {
   const ErosionRule& e = region.erosion;
   std::string text = fmt::format("  {:<14} ", region.name);
   text += e.base > 0.0 ? fmt::format("cuts, {:.3g} a revolution", e.base) : std::string("does not cut");
   if (e.base > 0.0 && (e.axis != 1.0 || e.rim != 1.0)) text += fmt::format(", x{:.2g} on the axis to x{:.2g} at the rim", e.axis, e.rim);
-  if (e.base > 0.0 && e.needs_depth())
-    text += fmt::format(", bottom x{:.2g}, side x{:.2g}, top x{:.2g}, interior x{:.2g}", e.bottom, e.side, e.top, e.interior);
+  if (e.base > 0.0) text += face_text(region);
   return text + "\n";
 }
 
@@ -49,43 +77,154 @@ std::string mesh_text(const MeshToolSpec& spec) {
                             spec.cut_from / kMillimetre, spec.cut_to / kMillimetre);
 }
 
-/// One line a region, or one about the mesh; empty with faults in issues.
-std::string parts_text(const TomlDocument& document, Issues& issues) {
+/// The parts a bit is made of: its regions, or its mesh.
+struct ToolParts {
   std::string text;
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+};
+
+/// Nothing with faults in issues.
+std::optional<ToolParts> read_parts(const TomlDocument& document, Issues& issues) {
+  ToolParts out;
   if (has_tool_mesh(document)) {
-    if (const auto spec = read_mesh_tool_spec(document, issues)) text = mesh_text(*spec);
-  } else if (const auto spec = read_tool_spec(document, issues)) {
-    for (const RegionSpec& region : spec->regions) text += region_text(region);
+    const auto spec = read_mesh_tool_spec(document, issues);
+    if (!spec) return std::nullopt;
+    out.text = mesh_text(*spec);
+    out.json.push_back({{"name", spec->file}, {"cuts", spec->erosion_factor > 0.0}, {"erosion_factor_per_rev", spec->erosion_factor}});
+    return out;
   }
+  const auto spec = read_tool_spec(document, issues);
+  if (!spec) return std::nullopt;
+  for (const RegionSpec& region : spec->regions) {
+    out.text += region_text(region);
+    out.json.push_back({{"name", region.name}, {"cuts", region.erosion.base > 0.0}, {"erosion_factor_per_rev", region.erosion.base}});
+  }
+  return out;
+}
+
+/// Which way a foretold feed goes, as text and JSON call it.
+struct NamedFeed {
+  const char *label, *key;
+  FeedPrediction feed;
+};
+
+std::vector<NamedFeed> feeds_of(const Tool& tool) {
+  return {{"plunging", "plunge", predict_feed(tool, FeedDirection::plunge, {})},
+          {"sideways", "sideways", predict_feed(tool, FeedDirection::sideways, {})}};
+}
+
+std::string feed_text(const NamedFeed& named) {
+  const FeedPrediction& feed = named.feed;
+  const double mm3 = kMillimetre * kMillimetre * kMillimetre;
+  std::string text = fmt::format("  {:<14} ", named.label);
+  if (feed.speed <= 0.0) return text + "0 mm3/s: a face that does not cut is ahead\n";
+  return text + fmt::format("{:.3g} mm3/s, {:.3g} mm/s over {:.3g} mm2\n", feed.rate / mm3, feed.speed / kMillimetre,
+                            feed.area / (kMillimetre * kMillimetre));
+}
+
+std::string conditions_text() {
+  const FeedConditions c;
+  return fmt::format("{:.0f} N, {:.0f} rpm, hardness {:.3g}, cutting stiffness {:.0f} kN/m", c.thrust, c.spin / kRevPerMinute, c.hardness,
+                     1e-3 * c.cutting_stiffness);
+}
+
+std::string size_text(const Tool& tool) {
+  const Vec3 size = (tool.bound_hi - tool.bound_lo) / kMillimetre;
+  return fmt::format("{:.1f} x {:.1f} x {:.1f} mm", size.x, size.y, size.z);
+}
+
+std::string details_text(const Tool& tool, const std::string& parts, const std::vector<NamedFeed>& feeds) {
+  std::string text = fmt::format("{}: {}\n", tool.name, tool.title);
+  text += fmt::format("  size           {}\n", size_text(tool));
+  text += fmt::format("  haptic points  {} ({} on cutting faces)\n", tool.shell.size(), cutting_points(tool));
+  text += fmt::format("  erosion points {} at a pitch of {:.3g} mm, {:.1f} mm3\n", tool.erosion.size(), tool.erosion.pitch / kMillimetre,
+                      volume_mm3(tool));
+  text += parts;
+  text += fmt::format("  foretold at    {}, fully engaged\n", conditions_text());
+  for (const NamedFeed& feed : feeds) text += feed_text(feed);
   return text;
 }
 
-std::string details_text(const Tool& tool, const std::string& parts) {
-  const Vec3 size = tool.bound_hi - tool.bound_lo;
-  const auto cutting = std::count(tool.shell.cutting.begin(), tool.shell.cutting.end(), std::uint8_t{1});
-  std::string text = fmt::format("{}: {}\n", tool.name, tool.title);
-  text += fmt::format("  size           {:.1f} x {:.1f} x {:.1f} mm\n", size.x / kMillimetre, size.y / kMillimetre, size.z / kMillimetre);
-  text += fmt::format("  haptic points  {} ({} on cutting faces)\n", tool.shell.size(), cutting);
-  text += fmt::format("  erosion points {} at a pitch of {:.3g} mm, {:.1f} mm3\n", tool.erosion.size(), tool.erosion.pitch / kMillimetre,
-                      static_cast<double>(tool.erosion.size()) * tool.erosion.pitch * tool.erosion.pitch * tool.erosion.pitch /
-                          (kMillimetre * kMillimetre * kMillimetre));
-  return text + parts;
+nlohmann::ordered_json tool_json(const Tool& tool, const std::string& file) {
+  return {{"name", tool.name},
+          {"title", tool.title},
+          {"haptic_points", tool.shell.size()},
+          {"erosion_points", tool.erosion.size()},
+          {"file", file}};
 }
 
-int show_tool(const std::string& name) {
-  const std::string file = find_tool_file(name);
+nlohmann::ordered_json details_json(const Tool& tool, const ToolParts& parts, const std::vector<NamedFeed>& feeds,
+                                    const std::string& file) {
+  const double mm2 = kMillimetre * kMillimetre, mm3 = mm2 * kMillimetre;
+  const FeedConditions c;
+  nlohmann::ordered_json out = tool_json(tool, file);
+  const Vec3 size = (tool.bound_hi - tool.bound_lo) / kMillimetre;
+  out["size_mm"] = {size.x, size.y, size.z};
+  out["cutting_haptic_points"] = cutting_points(tool);
+  out["erosion_pitch_mm"] = tool.erosion.pitch / kMillimetre;
+  out["erosion_volume_mm3"] = volume_mm3(tool);
+  out["regions"] = parts.json;
+  nlohmann::ordered_json& foretold = out["foretold"];
+  foretold = {{"thrust_N", c.thrust},
+              {"spin_rpm", c.spin / kRevPerMinute},
+              {"hardness", c.hardness},
+              {"cutting_stiffness_N_per_m", c.cutting_stiffness}};
+  for (const NamedFeed& named : feeds)
+    foretold[named.key] = {
+        {"rate_mm3_per_s", named.feed.rate / mm3}, {"feed_mm_per_s", named.feed.speed / kMillimetre}, {"area_mm2", named.feed.area / mm2}};
+  return out;
+}
+
+/// A pitch fine enough for a picture of what cuts: a 250th of it, but no more points than a picture needs.
+double picture_pitch(const Tool& tool) {
+  if (tool.erosion.size() == 0) return kListPitch;
+  Vec3 lo = tool.erosion.positions.front(), hi = lo;
+  for (const Vec3& p : tool.erosion.positions) {
+    lo = glm::min(lo, p);
+    hi = glm::max(hi, p);
+  }
+  const Vec3 size = hi - lo + tool.erosion.pitch;
+  const double volume = static_cast<double>(tool.erosion.size()) * tool.erosion.pitch * tool.erosion.pitch * tool.erosion.pitch;
+  return std::max(std::max({size.x, size.y, size.z}) / 250.0, std::cbrt(volume / 2e6));
+}
+
+Status draw_sheet(const TomlDocument& document, const Tool& tool, const std::vector<NamedFeed>& feeds, const std::string& path) {
+  Issues issues;
+  const auto fine = make_tool(document, {.erosion_pitch = picture_pitch(tool), .read_mesh = read_mesh}, issues);
+  if (!fine) return issues.front();
+  const NamedFeed& shown = feeds[0].feed.speed > 0.0 ? feeds[0] : feeds[1];
+  ToolSheet sheet{&*fine, tool.title, {}};
+  sheet.subtitle = fmt::format("{}; {} haptic points, {} of them on cutting faces; {} at {}: {:.3g} mm/s, {:.3g} mm3/s", size_text(tool),
+                               tool.shell.size(), cutting_points(tool), shown.label, conditions_text(), shown.feed.speed / kMillimetre,
+                               shown.feed.rate / (kMillimetre * kMillimetre * kMillimetre));
+  return write_tool_sheet(sheet, path);
+}
+
+struct Options {
+  std::string name, image;
+  bool json = false;
+};
+
+int show_tool(const Options& options) {
+  const std::string file = find_tool_file(options.name);
   if (file.empty()) {
     std::vector<std::string> names;
     for (const std::string& shipped : shipped_tools()) names.push_back(fs::path(shipped).stem().string());
-    const auto near = nearest_name(name, names);
-    return report(bad_input("no tool \"" + name + "\"" + (near ? "; did you mean \"" + *near + "\"?" : "")));
+    const auto near = nearest_name(options.name, names);
+    return report(bad_input("no tool \"" + options.name + "\"" + (near ? "; did you mean \"" + *near + "\"?" : "")));
   }
   Issues issues;
   const auto document = TomlDocument::load(file);
   if (!document) return report(document.error());
   const auto tool = make_tool(*document, {.erosion_pitch = kListPitch, .read_mesh = read_mesh}, issues);
   if (!tool) return report(issues);
-  print(details_text(*tool, parts_text(*document, issues)));
+  const auto fine = make_tool(*document, {.erosion_pitch = kFeedPitch, .read_mesh = read_mesh}, issues);
+  const auto parts = read_parts(*document, issues);
+  if (!parts || !fine) return report(issues);
+  const std::vector<NamedFeed> feeds = feeds_of(*fine);
+  if (!options.image.empty())
+    if (Status drawn = draw_sheet(*document, *tool, feeds, options.image); !drawn) return report(drawn.error());
+  print(options.json ? details_json(*tool, *parts, feeds, file).dump(2) + "\n" : details_text(*tool, parts->text, feeds));
   return kDone;
 }
 
@@ -96,11 +235,7 @@ int list_tools(bool json) {
     const auto tool = load_tool(file, {.erosion_pitch = kListPitch, .read_mesh = read_mesh}, issues);
     if (!tool) return report(issues);
     if (json)
-      rows.push_back({{"name", tool->name},
-                      {"title", tool->title},
-                      {"haptic_points", tool->shell.size()},
-                      {"erosion_points", tool->erosion.size()},
-                      {"file", file}});
+      rows.push_back(tool_json(*tool, file));
     else
       print(
           fmt::format("{:<24} {:>5} haptic {:>6} erosion points  {}\n", tool->name, tool->shell.size(), tool->erosion.size(), tool->title));
@@ -109,25 +244,31 @@ int list_tools(bool json) {
   return kDone;
 }
 
+int run_tools(const Options& options) {
+  if (!options.image.empty() && options.name.empty()) return report(bad_input("--image draws one bit: name it"));
+  if (!options.image.empty() && fs::path(options.image).extension() != ".png")
+    return report(bad_input("--image writes PNG: the name must end in .png", options.image));
+  return options.name.empty() ? list_tools(options.json) : show_tool(options);
+}
+
 }  // namespace
 
 void add_tools(CLI::App& app, int& exit_code) {
-  struct Options {
-    std::string name;
-    bool json = false;
-  };
   CLI::App* command = add_command(
       app, "tools", kSceneGroup,
-      {.summary = "The shipped bits, or what one of them is",
+      {.summary = "The shipped bits, or what one of them is; draws it",
        .about =
            "Without a name, lists the shipped bits with the number of points that feel and that cut. With a name or a tool file, tells "
-           "the bit's size, its points, and what each of its regions cuts.",
-       .examples = {"burrhole tools", "burrhole tools perforator_14_11", "burrhole tools my_bit.toml"},
+           "the bit's size, its points, what each of its regions cuts, and how fast it should go through bone; --image draws the bit, "
+           "its point shell and its erosion factors.",
+       .examples = {"burrhole tools", "burrhole tools perforator_14_11 --image perforator.png", "burrhole tools my_bit.toml"},
        .exits = {}});
   auto option = std::make_shared<Options>();
   command->add_option("name", option->name, "shipped tool, or a tool file")->type_name(kToolValue);
-  command->add_flag("--json", option->json, "the list as JSON on stdout");
-  command->callback([option, &exit_code] { exit_code = option->name.empty() ? list_tools(option->json) : show_tool(option->name); });
+  command->add_option("--image", option->image, "draw the bit, its point shell and its erosion factors into this PNG")
+      ->type_name(kFileValue);
+  command->add_flag("--json", option->json, "the list, or the bit, as JSON on stdout");
+  command->callback([option, &exit_code] { exit_code = run_tools(*option); });
 }
 
 }  // namespace burrhole::cli

@@ -56,7 +56,8 @@ std::string mm_text(const Vec3& v) {
   return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", v.x / kMillimetre, v.y / kMillimetre, v.z / kMillimetre);
 }
 
-bool knows_values(const ImportReport& report) { return report.facts.value_max > report.facts.value_min; }
+/// Meshes, fog volumes and bone models have no values but occupancy.
+bool knows_values(const ImportReport& report) { return report.facts.has_values; }
 
 Json series_json(const ScanReport& scan) {
   Json rows = Json::array();
@@ -85,7 +86,7 @@ Result<ImportedBone> import_bone(const ImportRequest& request, const std::functi
   const auto grid = plan_grid(read->scan, request.bone);
   if (!grid) return at(grid.error(), request.path);
   if (say)
-    say(fmt::format("{} voxels read ({:.0f} MB); bone of {} voxels takes at most {:.0f} MB", size_text(read->scan.dims),
+    say(fmt::format("{} voxels read, {:.1f} MB; bone of {} voxels takes at most {:.1f} MB", size_text(read->scan.dims),
                     static_cast<double>(read->scan.values.size() * sizeof(float)) / kMegabyte, size_text(grid->dims),
                     most_bytes(grid->dims) / kMegabyte));
   ImportedBone out;
@@ -151,7 +152,7 @@ std::string import_text(const ImportReport& r) {
     text += fmt::format("  values     {:g} to {:g}{}\n", r.facts.value_min, r.facts.value_max, r.facts.hounsfield ? " HU" : " (not HU)");
   text += fmt::format("  bone       {} voxels of {:.3g} mm, {} of them bone ({:.2f} %), {:.1f} MB\n", size_text(r.bone_dims),
                       r.bone_spacing / kMillimetre, r.bone_voxels, 100.0 * r.facts.bone_share, static_cast<double>(r.bytes) / kMegabyte);
-  if (knows_values(r))
+  if (glm::any(glm::greaterThan(r.facts.bone_hi, r.facts.bone_lo)))
     text += fmt::format("  bone spans x {:.1f} to {:.1f}, y {:.1f} to {:.1f}, z {:.1f} to {:.1f} mm (patient: left, posterior, superior)\n",
                         r.facts.bone_lo.x / kMillimetre, r.facts.bone_hi.x / kMillimetre, r.facts.bone_lo.y / kMillimetre,
                         r.facts.bone_hi.y / kMillimetre, r.facts.bone_lo.z / kMillimetre, r.facts.bone_hi.z / kMillimetre);

@@ -1,6 +1,7 @@
 #include "app/engine/schema_samples.h"
 
 #include "app/engine/scene.h"
+#include "core/tool/mesh_spec.h"
 #include "core/tool/tool_spec.h"
 #include "volumes/read/raw_sidecar.h"
 
@@ -48,6 +49,12 @@ std::vector<SchemaSample> tool_samples() {
       {"frustum", tool("frustum", "bottom_diameter_mm = 4\ntop_diameter_mm = 3\nheight_mm = 3"), {}},
       {"sphere", tool("sphere", "diameter_mm = 4"), {}},
       {"ellipsoid", tool("ellipsoid", round), {}},
+      {"tube", tool("tube", round + "\ninner_diameter_mm = 2"), {}},
+      {"conical tube",
+       tool("tube", "height_mm = 3\nbottom_diameter_mm = 4\ntop_diameter_mm = 3\ninner_bottom_diameter_mm = 2\ninner_top_diameter_mm = 2"),
+       {}},
+      {"box", tool("box", "height_mm = 3\nwidth_mm = 4\ndepth_mm = 1"), {}},
+      {"mesh", "title = \"a tool\"\n[mesh]\nfile = \"FILE.stl\"\nerosion_factor = 0.1\npitch_mm = 0.5\n", {}},
   };
 }
 
@@ -147,6 +154,8 @@ ReadSample read_sample(SchemaFile file, const std::string& text) {
     out.issues.push_back(document.error());
   else if (file == SchemaFile::scene)
     (void)read_scene(*document, {.tool_folders = {}, .tool_given = true}, out.issues, &out.log);
+  else if (file == SchemaFile::tool && has_tool_mesh(*document))
+    (void)read_mesh_tool_spec(*document, out.issues, &out.log);
   else if (file == SchemaFile::tool)
     (void)read_tool_spec(*document, out.issues, &out.log);
   else if (const auto sidecar = parse_raw_sidecar(*document, &out.log); !sidecar)

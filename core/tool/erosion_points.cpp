@@ -4,16 +4,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace burrhole {
 namespace {
 
-/// Widest cutting radius at height z [m]; 0 where nothing cuts.
-double cutting_radius(const ToolSpec& spec, double z) noexcept {
-  double widest = 0.0;
-  for (const RegionSpec& region : spec.regions)
-    if (region.erosion.base > 0.0) widest = std::max(widest, region.solid.squared_radius(z));
-  return std::sqrt(widest);
+/// Box round what cuts in the layer at height z; nothing where nothing cuts.
+std::optional<Bounds> cutting_bounds(const ToolSpec& spec, double z) noexcept {
+  std::optional<Bounds> all;
+  for (const RegionSpec& region : spec.regions) {
+    Bounds box = region.solid.bounds();
+    if (region.erosion.base <= 0.0 || z < box.lo.z || z > box.hi.z) continue;
+    if (region.solid.revolves()) {
+      const double r = region.solid.radius(z);
+      box = {Vec3(-r, -r, z), Vec3(r, r, z)};
+    }
+    all = all ? Bounds{glm::min(all->lo, box.lo), glm::max(all->hi, box.hi)} : box;
+  }
+  return all;
 }
 
 double cutting_height(const ToolSpec& spec) noexcept {
@@ -27,11 +35,14 @@ double cutting_height(const ToolSpec& spec) noexcept {
 template <class F>
 void for_each_cell(const ToolSpec& spec, double pitch, F&& f) {
   const auto layers = static_cast<long long>(std::ceil(cutting_height(spec) / pitch));
+  const auto below = [&](double x) { return static_cast<long long>(std::floor(x / pitch)); };
+  const auto above = [&](double x) { return static_cast<long long>(std::ceil(x / pitch)); };
   for (long long k = 0; k < layers; ++k) {
     const double z = (static_cast<double>(k) + 0.5) * pitch;
-    const auto half = static_cast<long long>(std::ceil(cutting_radius(spec, z) / pitch));
-    for (long long j = -half; j < half; ++j)
-      for (long long i = -half; i < half; ++i) {
+    const auto box = cutting_bounds(spec, z);
+    if (!box) continue;
+    for (long long j = below(box->lo.y); j < above(box->hi.y); ++j)
+      for (long long i = below(box->lo.x); i < above(box->hi.x); ++i) {
         const Vec3 p((static_cast<double>(i) + 0.5) * pitch, (static_cast<double>(j) + 0.5) * pitch, z);
         const double factor = erosion_factor_at(spec, p);
         if (factor > 0.0 && !f(p, factor)) return;
@@ -57,8 +68,8 @@ double erosion_factor_at(const ToolSpec& spec, const Vec3& p) noexcept {
   const double r = std::sqrt(p.x * p.x + p.y * p.y);
   const double radial = law.axis + (law.rim - law.axis) * (r / region.solid.largest_radius());
   if (!law.needs_depth()) return law.base * radial * law.interior;  // every face has the interior's factor: the distance does not matter
-  const NearestPiece near = find_nearest(spec.outline, {r, p.z});
-  return law.base * radial * (near.distance < law.skin ? law.of_face(spec.outline[near.piece].face) : law.interior);
+  const NearestFace near = find_nearest_face(spec.solids(), spec.outline, p);
+  return law.base * radial * (near.distance < law.skin ? law.of_face(near.face) : law.interior);
 }
 
 Result<ErosionPoints> make_erosion_points(const ToolSpec& spec, double pitch) {

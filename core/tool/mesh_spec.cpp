@@ -45,7 +45,7 @@ Mat3 turned(const Vec3& degrees) {
 
 void read_cutting(TableReader& table, MeshToolSpec& spec) {
   spec.erosion_factor =
-      table.number("erosion_factor", {.min = 0.0, .max = 100.0}, "bone removed a revolution; 0 for a tool that does not cut");
+      table.number("erosion_factor", {.min = 0.0, .max = 100.0}, "share of bone removed in one revolution; 0 for a tool that does not cut");
   const std::vector<double> range =
       table.numbers("cutting_range_mm", std::vector<double>{0.0, kMaxHeight / kMillimetre}, 2,
                     {.min = 0.0, .max = kMaxHeight / kMillimetre, .to_si = kMillimetre}, "heights above the tip between which it cuts");
@@ -85,9 +85,9 @@ bool has_tool_mesh(const TomlDocument& document) {
   return document.root(ignored).has("mesh");
 }
 
-std::optional<MeshToolSpec> read_mesh_tool_spec(const TomlDocument& document, Issues& issues) {
+std::optional<MeshToolSpec> read_mesh_tool_spec(const TomlDocument& document, Issues& issues, KeyLog* log) {
   const std::size_t before = issues.size();
-  TableReader root = document.root(issues);
+  TableReader root = document.root(issues, log);
   MeshToolSpec spec;
   spec.name = fs::path(document.file_name()).stem().string();
   spec.title = root.text("title", std::nullopt, "what the tool is, one line");

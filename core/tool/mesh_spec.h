@@ -32,7 +32,7 @@ struct MeshToolSpec {
 /// Whether the document has a table [mesh]; it then has no [[region]].
 [[nodiscard]] bool has_tool_mesh(const TomlDocument& document);
 /// @returns nothing when any issue was pushed.
-[[nodiscard]] std::optional<MeshToolSpec> read_mesh_tool_spec(const TomlDocument& document, Issues& issues);
+[[nodiscard]] std::optional<MeshToolSpec> read_mesh_tool_spec(const TomlDocument& document, Issues& issues, KeyLog* log = nullptr);
 
 /// The surface in the tool frame. @returns bad_input when it is no closed solid, larger than a tool can be, or does not stand on its tip.
 [[nodiscard]] Result<SurfaceMesh> place_tool_mesh(const MeshToolSpec& spec, SurfaceMesh mesh);

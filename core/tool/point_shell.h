@@ -10,9 +10,9 @@
 
 namespace burrhole {
 
-/// Samples the outer surface of the union of the regions. One point on the axis at the tip and one at the shaft's end; every ring is mirror
-/// symmetric in x and in y; an edge has one ring, whose normals are halfway between the faces that meet there. `cutting` is 1 where
-/// the region's factor and that of a face touching the point are above 0.
+/// Samples the surface of the union of the regions, walls of bores included. Where the tool's line meets the axis there is one point: as a
+/// rule the first is the tip. Every ring is mirror symmetric in x and in y; an edge has one ring or row, whose normals are halfway between
+/// the faces that meet there. `cutting` is 1 where the region's factor and that of a face touching the point are above 0.
 /// @returns ErrorCode::out_of_range when there would be more than kMaxShellPoints.
 [[nodiscard]] Result<PointShell> make_point_shell(const ToolSpec& spec);
 

@@ -1,4 +1,5 @@
-/// core/tool/tool_mesh.h: the tool's outline turned into a closed triangle mesh for drawing.
+/// core/tool/tool_mesh.h: the tool's outline, turned, and its boxes as closed triangle meshes for drawing. A box and what it runs into are
+///   drawn through each other: the parts inside are not seen.
 ///   Frame   tool frame.   Units  SI.   Shape  hard edges: each piece of the outline has vertices of its own, at equal positions.
 ///   Source  surface of revolution; own derivation.
 #pragma once

@@ -1,8 +1,12 @@
 #include "core/tool/tool_spec.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
+#include <tuple>
+#include <utility>
 
 #include "core/base/units.h"
 
@@ -20,18 +24,67 @@ NumberRule length_or_zero_mm(double max, std::optional<double> fallback = std::n
   return {.fallback = fallback, .min = 0.0, .max = max, .to_si = kMillimetre};
 }
 
+/// A diameter at each end of the region; the keys are prefix + "bottom_diameter_mm" and prefix + "top_diameter_mm".
+std::pair<double, double> read_end_radii(TableReader& region, const std::string& prefix, const char* of_what) {
+  const auto read = [&](const char* end) {
+    return 0.5 *
+           region.number(prefix + end, length_or_zero_mm(kMaxDiameter_mm),
+                         std::string("diameter of ") + of_what +
+                             (std::string_view(end).starts_with("bottom") ? " at its lower end" : " at its upper end") + "; 0 for a point");
+  };
+  const double low = read("bottom_diameter_mm");
+  return {low, read("top_diameter_mm")};
+}
+
+Solid read_frustum(TableReader& region, double z) {
+  const auto [low, high] = read_end_radii(region, "", "the region");
+  const double height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region from its lower to its upper end");
+  if (low <= 0.0 && high <= 0.0) region.fault("top_diameter_mm", "must be > 0 when bottom_diameter_mm is 0");
+  return make_frustum({.z_low = z, .height = height, .low_radius = low, .high_radius = high});
+}
+
+/// A hollow cylinder by diameter_mm and inner_diameter_mm, or a conical one by the diameters at its ends.
+Solid read_tube(TableReader& region, double z) {
+  FrustumSize outer{.z_low = z};
+  BoreSize bore;
+  const bool conical = region.has("bottom_diameter_mm") || region.has("top_diameter_mm");
+  const char* inner_key = conical ? "inner_top_diameter_mm" : "inner_diameter_mm";
+  if (conical) {
+    std::tie(outer.low_radius, outer.high_radius) = read_end_radii(region, "", "the outer wall");
+    std::tie(bore.low_radius, bore.high_radius) = read_end_radii(region, "inner_", "the bore");
+  } else {
+    outer.low_radius = outer.high_radius = 0.5 * region.number("diameter_mm", length_mm(kMaxDiameter_mm), "outer diameter of the tube");
+    bore.low_radius = bore.high_radius = 0.5 * region.number(inner_key, length_mm(kMaxDiameter_mm), "diameter of the bore");
+  }
+  outer.height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region from its lower to its upper end");
+  const double low_wall = outer.low_radius - bore.low_radius, high_wall = outer.high_radius - bore.high_radius;
+  if (!region.has(inner_key)) return make_tube(outer, bore);  // told already
+  if (low_wall < 0.0 || high_wall < 0.0 || low_wall + high_wall <= 0.0)
+    region.fault(inner_key, "leaves no wall: the bore must be narrower than the tube");
+  else if (conical && bore.low_radius + bore.high_radius <= 0.0)
+    region.fault(inner_key, "is 0 at both ends: that is a frustum");
+  return make_tube(outer, bore);
+}
+
+Solid read_box(TableReader& region, double z) {
+  BoxSize box{.z_low = z};
+  box.size.x = region.number("width_mm", length_mm(kMaxDiameter_mm), "edge of the box along x");
+  box.size.y = region.number("depth_mm", length_mm(kMaxDiameter_mm), "edge of the box along y");
+  box.height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region from its lower to its upper end");
+  const NumberRule place{.fallback = 0.0, .min = -kMaxDiameter_mm, .max = kMaxDiameter_mm, .to_si = kMillimetre};
+  box.centre.x = region.number("x_mm", place, "x of the middle of the box, from the tool's axis");
+  box.centre.y = region.number("y_mm", place, "y of the middle of the box, from the tool's axis");
+  return make_box(box);
+}
+
 Solid read_solid(TableReader& region) {
-  const std::string shape = region.choice("shape", std::nullopt, {"cylinder", "cone", "frustum", "sphere", "ellipsoid"},
-                                          "the primitive that the region is, with the tool's axis as its own");
+  const std::string shape = region.choice("shape", std::nullopt, {"cylinder", "cone", "frustum", "tube", "sphere", "ellipsoid", "box"},
+                                          "the primitive that the region is; all but the box have the tool's axis as their own");
   const double z =
       region.number("z_mm", length_or_zero_mm(kMaxHeight_mm), "height of the region's lower end above the tip; 0 for the lowest region");
-  if (shape == "frustum") {
-    const double low = region.number("bottom_diameter_mm", length_or_zero_mm(kMaxDiameter_mm), "diameter at the lower end; 0 for a point");
-    const double high = region.number("top_diameter_mm", length_or_zero_mm(kMaxDiameter_mm), "diameter at the upper end; 0 for a point");
-    const double height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region from its lower to its upper end");
-    if (low <= 0.0 && high <= 0.0) region.fault("top_diameter_mm", "must be > 0 when bottom_diameter_mm is 0");
-    return make_frustum({.z_low = z, .height = height, .low_radius = 0.5 * low, .high_radius = 0.5 * high});
-  }
+  if (shape == "frustum") return read_frustum(region, z);
+  if (shape == "tube") return read_tube(region, z);
+  if (shape == "box") return read_box(region, z);
   const double radius = 0.5 * region.number("diameter_mm", length_mm(kMaxDiameter_mm), "largest diameter");
   if (shape == "sphere") return make_sphere(z, radius);
   const double height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region from its lower to its upper end");
@@ -39,9 +92,9 @@ Solid read_solid(TableReader& region) {
   return shape == "cone" ? make_cone(z, height, radius) : make_cylinder(z, height, radius);
 }
 
-ErosionRule read_erosion(TableReader& region, SolidKind kind) {
-  const auto multiplier = [&](const char* key, const char* about) {
-    return region.number(key, {.fallback = 1.0, .min = 0.0, .max = 100.0}, about);
+ErosionRule read_erosion(TableReader& region, const Solid& solid) {
+  const auto multiplier = [&](const char* key, const char* about, double fallback = 1.0) {
+    return region.number(key, {.fallback = fallback, .min = 0.0, .max = 100.0}, about);
   };
   ErosionRule law;
   law.base = region.number("erosion_factor", {.min = 0.0, .max = 100.0},
@@ -50,9 +103,19 @@ ErosionRule read_erosion(TableReader& region, SolidKind kind) {
   law.rim = multiplier("rim_factor", "multiplies erosion_factor at the region's largest radius");
   law.interior = multiplier("interior_factor", "multiplies erosion_factor deeper inside than skin_mm");
   law.side = multiplier("side_factor", "multiplies erosion_factor near the side");
-  if (kind == SolidKind::frustum) {
+  if (solid.kind != SolidKind::ellipsoid) {
     law.bottom = multiplier("bottom_factor", "multiplies erosion_factor near the flat lower end");
     law.top = multiplier("top_factor", "multiplies erosion_factor near the flat upper end");
+  }
+  if (solid.bored()) law.inner = multiplier("inner_factor", "multiplies erosion_factor near the wall of the bore");
+  law.flanks.fill(law.side);
+  if (solid.kind == SolidKind::box) {
+    constexpr std::array<std::pair<const char*, const char*>, 4> kFlanks{
+        {{"minus_x_factor", "multiplies erosion_factor near the face towards -x; side_factor unless said"},
+         {"plus_x_factor", "multiplies erosion_factor near the face towards +x; side_factor unless said"},
+         {"minus_y_factor", "multiplies erosion_factor near the face towards -y; side_factor unless said"},
+         {"plus_y_factor", "multiplies erosion_factor near the face towards +y; side_factor unless said"}}};
+    for (std::size_t i = 0; i < law.flanks.size(); ++i) law.flanks[i] = multiplier(kFlanks[i].first, kFlanks[i].second, law.side);
   }
   law.skin = region.number("skin_mm", length_or_zero_mm(kMaxDiameter_mm, 0.5), "depth below a face to which that face's factor reaches");
   return law;
@@ -106,6 +169,33 @@ void assemble(ToolSpec& spec, TableReader& root, std::vector<TableReader>& reade
 
 }  // namespace
 
+double ErosionRule::of_face(Face face) const noexcept {
+  switch (face) {
+    case Face::bottom:
+      return bottom;
+    case Face::side:
+      return side;
+    case Face::top:
+      return top;
+    case Face::inner:
+      return inner;
+    case Face::minus_x:
+      return flanks[0];
+    case Face::plus_x:
+      return flanks[1];
+    case Face::minus_y:
+      return flanks[2];
+    case Face::plus_y:
+      return flanks[3];
+  }
+  return 0.0;
+}
+
+bool ErosionRule::needs_depth() const noexcept {
+  const auto differs = [&](double factor) { return factor != interior; };
+  return differs(bottom) || differs(side) || differs(top) || differs(inner) || std::any_of(flanks.begin(), flanks.end(), differs);
+}
+
 std::vector<Solid> ToolSpec::solids() const {
   std::vector<Solid> all;
   for (const RegionSpec& region : regions) all.push_back(region.solid);
@@ -132,8 +222,9 @@ std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& iss
     region.name = reader.text("name", "region " + std::to_string(spec.regions.size() + 1),
                               "what the region is called; without a name it is numbered");
     region.solid = read_solid(reader);
-    region.erosion = read_erosion(reader, region.solid.kind);
+    region.erosion = read_erosion(reader, region.solid);
     region.shell = read_sampling(reader, default_pitch);
+    if (region.shell.stacks > 0 && !region.solid.revolves()) reader.fault("stacks", "is for what is round: give a box pitch_mm");
     reader.finish();
     spec.regions.push_back(std::move(region));
   }

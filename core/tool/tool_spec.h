@@ -3,6 +3,7 @@
 ///   Errors all faults go to Issues with file:line:column.   Source  parameters of [AcostaLiu07] sections 2 and 3; schema is our own.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,11 +23,14 @@ struct ErosionRule {
   double bottom = 1.0;  ///< [-] keys bottom_factor, side_factor, top_factor
   double side = 1.0;
   double top = 1.0;
-  double interior = 1.0;  ///< [-] key interior_factor
-  double skin = 0.0;      ///< [m] key skin_mm
+  double inner = 1.0;                        ///< [-] wall of a bore, key inner_factor
+  std::array<double, 4> flanks{1, 1, 1, 1};  ///< [-] of a box, -x +x -y +y; keys minus_x_factor ... plus_y_factor, by default side_factor
+  double interior = 1.0;                     ///< [-] key interior_factor
+  double skin = 0.0;                         ///< [m] key skin_mm
 
-  [[nodiscard]] double of_face(Face face) const noexcept { return face == Face::bottom ? bottom : face == Face::side ? side : top; }
-  [[nodiscard]] bool needs_depth() const noexcept { return bottom != interior || side != interior || top != interior; }
+  [[nodiscard]] double of_face(Face face) const noexcept;
+  /// Whether the factor depends on which face is near: not when all faces have the interior's.
+  [[nodiscard]] bool needs_depth() const noexcept;
 };
 
 /// How a region's surface is sampled: by counts as in [AcostaLiu07] sec. 2, or by the largest gap allowed.

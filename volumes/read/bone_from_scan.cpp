@@ -332,6 +332,7 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
     if (const Status added = builder->add(where, part); !added) return added.error();
   }
   BoneFromScan out;
+  out.has_values = scan.quantity != Quantity::occupancy;
   out.value_min = facts.min + meaning.offset;
   out.value_max = facts.max + meaning.offset;
   out.hu_offset = meaning.offset;

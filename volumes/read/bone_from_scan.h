@@ -60,6 +60,7 @@ struct BoneGrid {
 
 struct BoneFromScan {
   std::shared_ptr<const BoneModel> bone;
+  bool has_values = false;                  ///< the scan has values that mean density, not occupancy
   double value_min = 0.0, value_max = 0.0;  ///< of the scan, offset applied
   double hu_offset = 0.0;
   bool hounsfield = false;          ///< values are taken as HU

@@ -59,7 +59,11 @@ Result<std::vector<std::string>> files_of(const std::string& path) {
 
 Error nothing_left(const std::string& path, const std::vector<std::string>& files, const std::vector<Skipped>& skipped) {
   const bool lone = files.size() == 1 && files.front() == path;
-  if (!lone) return bad_input(fmt::format("none of {} files is a slice of a scan: {}", files.size(), counts_text(skipped)), path);
+  // Headerless voxels are what such a folder most often holds.
+  if (!lone)
+    return bad_input(fmt::format("none of {} files is a slice of a scan: {} (raw voxels are read by a .toml that describes them)",
+                                 files.size(), counts_text(skipped)),
+                     path);
   const std::string& reason = skipped.front().reason;
   return bad_input(reason == "not DICOM" ? "the file is not DICOM" : fmt::format("the file is no slice of a scan: {}", reason), path);
 }

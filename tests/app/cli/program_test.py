@@ -3,6 +3,7 @@
 Run by ctest with the program's path in BURRHOLE_PROGRAM; exits 77 when it cannot draw here.
 """
 import json
+import math
 import os
 import pathlib
 import re
@@ -266,6 +267,36 @@ class OtherCommands(WithFolder):
         wrong = run("tools", "perforator_14_12")
         self.assertEqual(wrong.returncode, 2)
         self.assertIn("perforator_14_11", wrong.stderr)
+
+    def test_a_tool_is_told_in_full_and_as_json(self):
+        told = run("tools", "trephine_12mm").stdout
+        self.assertIn("plunging", told)
+        self.assertIn("20 N, 1000 rpm", told)
+        tool = json.loads(run("tools", "trephine_12mm", "--json").stdout)  # one object and nothing else
+        self.assertEqual([region["cuts"] for region in tool["regions"]], [True, False, False, False])
+        plunge = tool["foretold"]["plunge"]
+        # v = (F / K) e s / ln 2 = 0.2 mm * 0.1 * 16.67 / 0.693, over a ring of 12 and 10 mm to the lattice's own few per cent
+        self.assertAlmostEqual(plunge["feed_mm_per_s"], 0.2 * 0.1 * 1000 / 60 / math.log(2), delta=1e-4)
+        self.assertAlmostEqual(plunge["area_mm2"], math.pi * (36 - 25), delta=1.0)
+        self.assertAlmostEqual(plunge["rate_mm3_per_s"], plunge["feed_mm_per_s"] * plunge["area_mm2"], delta=1e-6)
+        self.assertEqual(json.loads(run("tools", "craniotome_2_3mm", "--json").stdout)["foretold"]["plunge"]["feed_mm_per_s"], 0)
+
+    def test_a_tool_is_drawn(self):
+        if shutil.which("gnuplot") is None:
+            self.skipTest("no gnuplot: nothing can be drawn")
+        picture = self.folder / "new" / "bit.png"
+        result = run("tools", "round_burr_4mm", "--image", picture)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        data = picture.read_bytes()
+        self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(struct.unpack(">II", data[16:24]), (1540, 780))
+        self.assertFalse([p for p in picture.parent.iterdir() if p != picture])
+        for arguments, needle in [(("round_burr_4mm", "--image", "/proc/no_such_place/x.png"), "/proc/no_such_place"),
+                                  (("round_burr_4mm", "--image", self.folder / "x.jpg"), ".png"), (("--image", self.folder / "x.png"), "name")]:
+            with self.subTest(arguments=arguments):
+                result = run("tools", *arguments)
+                self.assertEqual((result.returncode, len(lines(result.stderr)), result.stdout), (2, 1, ""), result.stderr)
+                self.assertIn(needle, result.stderr)
 
     def changed_session(self, change):
         """A session whose hand_z in the middle of its last block, where bone is felt, went through `change` (8 bytes to 8 bytes)."""

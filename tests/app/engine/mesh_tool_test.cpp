@@ -45,13 +45,13 @@ TEST_CASE("mesh tool: a session replays from any folder while the mesh is there,
   const auto document = TomlDocument::parse(scene_text(SmallScene{}), "elsewhere/small.toml");
   REQUIRE(document.ok());
   Issues issues;
-  const auto again = load_scene(*document, {}, issues, loaded.tool_text);
+  const auto again = load_scene(*document, {}, issues, {.tool_text = loaded.tool_text, .progress = {}, .say = {}});
   REQUIRE_MESSAGE(again.has_value(), (issues.empty() ? "" : issues.front().text()));
   CHECK(again->tool.shell.positions == loaded.tool.shell.positions);
   CHECK(again->tool.erosion.positions == loaded.tool.erosion.positions);
   CHECK(again->tool_text == loaded.tool_text);
   std::filesystem::remove(folder.file("a ball.stl"));
-  CHECK_FALSE(load_scene(*document, {}, issues, loaded.tool_text));
+  CHECK_FALSE(load_scene(*document, {}, issues, {.tool_text = loaded.tool_text, .progress = {}, .say = {}}));
   REQUIRE(issues.size() == 1);
   CHECK(issues[0].code == ErrorCode::bad_input);
   CHECK(issues[0].text().find("the session's tool:") == 0);

@@ -74,8 +74,7 @@ const BadScene kBadScenes[] = {
     {"[record]", "[heat]", {"bad.toml:30:2: heat is an effect that is not in this version"}},
     {"phantom:plate",
      "skull.nii",
-     {"bad.toml:5:1: volume.source = \"skull.nii\" is neither \"phantom:NAME\" nor a .vdb file; other formats are not read by this "
-      "version"}},
+     {"bad.toml:5:1: volume.source = \"skull.nii\" is not there: skull.nii"}},
 };
 
 TEST_CASE("scene: each fault is told by file, line, column, value and remedy") {

@@ -29,7 +29,9 @@ ToolSpec single(const Solid& solid) { return tool_of({region(solid, 0.1, 1e-3)})
 TEST_CASE("erosion points: their volume converges to the closed form") {
   // heights and radii that are no multiple of a pitch; the flat ends of a stack then cost up to half a layer each
   for (const Solid& solid : {make_sphere(0.0, 2.03e-3), make_cone(0.0, 4.07e-3, 2.01e-3), make_ellipsoid(0.0, 6.1e-3, 2.3e-3),
-                             make_frustum({.z_low = 0.0, .height = 3.11e-3, .low_radius = 3.1e-3, .high_radius = 1.2e-3})}) {
+                             make_frustum({.z_low = 0.0, .height = 3.11e-3, .low_radius = 3.1e-3, .high_radius = 1.2e-3}),
+                             make_tube({.z_low = 0.0, .height = 4.07e-3, .low_radius = 3.03e-3, .high_radius = 2.6e-3}, {1.01e-3, 1.3e-3}),
+                             make_box({.height = 4.03e-3, .size = {5.03e-3, 3.07e-3}, .centre = {0.71e-3, -0.33e-3}})}) {
     for (const double pitch : {0.4e-3, 0.2e-3, 0.1e-3}) {
       CAPTURE(pitch);
       const double error = std::abs(volume_of(points_of(single(solid), pitch)) - solid.volume());
@@ -49,20 +51,25 @@ TEST_CASE("erosion points: a cylinder of whole layers has the area of its disc t
 }
 
 TEST_CASE("erosion points: each is inside the tool and each lattice cell whose centre is inside has one") {
-  const ToolSpec spec = perforator(1e-3);
   const double pitch = 0.5e-3;
-  const ErosionPoints points = points_of(spec, pitch);
-  std::size_t count = 0;  // slow twin: ask the solids for every cell of a generous box
-  for (int k = -4; k < 40; ++k)
-    for (int j = -20; j < 20; ++j)
-      for (int i = -20; i < 20; ++i) {
-        const Vec3 p((i + 0.5) * pitch, (j + 0.5) * pitch, (k + 0.5) * pitch);
-        if (!inside_any(spec, p)) continue;
-        REQUIRE(count < points.size());
-        CHECK(points.positions[count] == p);  // and in the order k, j, i
-        ++count;
-      }
-  CHECK(count == points.size());
+  const ToolSpec aside =
+      tool_of({region(make_cylinder(0.0, 4e-3, 2e-3), 0.1, 1e-3),
+               region(make_box({.z_low = 1e-3, .height = 2e-3, .size = {5e-3, 1.3e-3}, .centre = {4e-3, 0.2e-3}}), 0.1, 1e-3)});
+  const ToolSpec crown = tool_of({region(make_tube({.height = 6e-3, .low_radius = 6e-3, .high_radius = 7e-3}, {4e-3, 5e-3}), 0.1, 1e-3)});
+  for (const ToolSpec& spec : {perforator(1e-3), aside, crown}) {
+    const ErosionPoints points = points_of(spec, pitch);
+    std::size_t count = 0;  // slow twin: ask the solids for every cell of a generous box
+    for (int k = -4; k < 40; ++k)
+      for (int j = -20; j < 20; ++j)
+        for (int i = -20; i < 20; ++i) {
+          const Vec3 p((i + 0.5) * pitch, (j + 0.5) * pitch, (k + 0.5) * pitch);
+          if (!inside_any(spec, p)) continue;
+          REQUIRE(count < points.size());
+          CHECK(points.positions[count] == p);  // and in the order k, j, i
+          ++count;
+        }
+    CHECK(count == points.size());
+  }
 }
 
 TEST_CASE("erosion points: mirror symmetric in x and in y, factors too") {
@@ -134,4 +141,31 @@ TEST_CASE("erosion points: bad pitches and too many points are out of range, at 
 
 TEST_CASE("erosion points: a pitch wider than the bit leaves no point rather than a wrong one") {
   CHECK(points_of(single(make_sphere(0.0, 1e-3)), 3e-3).size() == 0);
+}
+
+TEST_CASE("erosion law: each face of a box and the wall of a bore have their own factor") {
+  ToolSpec box = single(make_box({.height = 4e-3, .size = {4e-3, 4e-3}}));
+  ErosionRule& law = box.regions[0].erosion;
+  law = {.base = 1.0, .bottom = 1.0, .side = 9.0, .top = 2.0, .flanks = {3.0, 4.0, 5.0, 6.0}, .interior = 7.0, .skin = 0.5e-3};
+  const Vec3 middle(0.0, 0.0, 2e-3);
+  CHECK(erosion_factor_at(box, middle) == 7.0);
+  const std::pair<Vec3, double> faces[] = {{{0, 0, -1}, 1.0}, {{0, 0, 1}, 2.0},  {{-1, 0, 0}, 3.0},
+                                           {{1, 0, 0}, 4.0},  {{0, -1, 0}, 5.0}, {{0, 1, 0}, 6.0}};
+  for (const auto& [direction, factor] : faces) CHECK(erosion_factor_at(box, middle + 1.6e-3 * direction) == factor);
+  ToolSpec tube = single(make_tube({.height = 4e-3, .low_radius = 4e-3, .high_radius = 4e-3}, {2e-3, 2e-3}));
+  tube.regions[0].erosion = {.base = 1.0, .side = 3.0, .inner = 2.0, .interior = 7.0, .skin = 0.5e-3};
+  CHECK(erosion_factor_at(tube, {2.4e-3, 0.0, 2e-3}) == 2.0);
+  CHECK(erosion_factor_at(tube, {3.6e-3, 0.0, 2e-3}) == 3.0);
+  CHECK(erosion_factor_at(tube, {3.0e-3, 0.0, 2e-3}) == 7.0);
+  CHECK(erosion_factor_at(tube, {1.9e-3, 0.0, 2e-3}) == 0.0);
+}
+
+TEST_CASE("erosion points: a saw cuts with its teeth, flats left out, and with nothing else") {
+  const ErosionPoints points = points_of(saw(0.5e-3), 0.05e-3);
+  for (const Vec3& p : points.positions) {
+    CHECK(p.z < 1.5e-3);
+    CHECK(std::abs(p.y) < 0.28e-3 + 0.02e-3);  // the lowest layer reaches the edge of the kerf
+  }
+  // 12 x 0.6 x 1.5 mm; the top has no face where the blade stands on it, 0.02 mm of the flats are under one cell
+  CHECK(volume_of(points) == doctest::Approx(12e-3 * 0.6e-3 * 1.5e-3).epsilon(0.1));
 }

@@ -71,9 +71,8 @@ TEST_CASE("tool file: faults are told with their line and column") {
       {with_line(9, "erosion_factor = -1"), {"bit.toml:9:1: region[0].erosion_factor = -1 must be in [0, 100]"}},
       {with_line(10, "rim_facter = 1"), {"bit.toml:10:1: unknown key \"rim_facter\" in [region[0]]; did you mean \"rim_factor\"?"}},
       {with_line(5, "shape = \"cilinder\""),
-       {"bit.toml:5:1: region[0].shape = \"cilinder\" must be one of \"cylinder\", \"cone\", \"frustum\", \"sphere\", \"ellipsoid\"; did "
-        "you "
-        "mean \"cylinder\"?"}},
+       {"bit.toml:5:1: region[0].shape = \"cilinder\" must be one of \"cylinder\", \"cone\", \"frustum\", \"tube\", \"sphere\", "
+        "\"ellipsoid\", \"box\"; did you mean \"cylinder\"?"}},
       {with_line(3, "pitch_mm = 0"), {"bit.toml:3:1: shell.pitch_mm = 0 must be in [0.01, 20]"}},
       {with_line(3, ""), {"bit.toml:2:2: shell.pitch_mm is missing (largest gap between shell points)"}},
       {with_line(2, "[shel]"),
@@ -140,4 +139,40 @@ TEST_CASE("tool file: an erosion factor may be overridden by an assignment") {
   const auto tool = make_tool(document.value(), {.erosion_pitch = 1e-3}, issues);
   REQUIRE(tool);
   for (const float factor : tool->erosion.factors) CHECK(factor == 0.5f);
+}
+
+namespace {
+
+/// The region of kGood, given in full.
+std::vector<std::string> region_faults(const std::string& keys) {
+  return faults("title = \"Bit\"\n[shell]\npitch_mm = 1\n[[region]]\nz_mm = 0\nheight_mm = 3\nerosion_factor = 0.1\n" + keys);  // 7 lines
+}
+
+}  // namespace
+
+TEST_CASE("tool file: a tube by two diameters or by four") {
+  CHECK(region_faults("shape = \"tube\"\ndiameter_mm = 12\ninner_diameter_mm = 10\n").empty());
+  CHECK(region_faults("shape = \"tube\"\nbottom_diameter_mm = 12\ntop_diameter_mm = 11\ninner_bottom_diameter_mm = 12\n"
+                      "inner_top_diameter_mm = 9\ninner_factor = 0\n")
+            .empty());
+  CHECK(region_faults("shape = \"tube\"\ndiameter_mm = 10\ninner_diameter_mm = 10\n") ==
+        Lines{"bit.toml:10:1: region[0].inner_diameter_mm = 10 leaves no wall: the bore must be narrower than the tube"});
+  CHECK(region_faults("shape = \"tube\"\nbottom_diameter_mm = 12\ntop_diameter_mm = 11\ninner_bottom_diameter_mm = 13\n"
+                      "inner_top_diameter_mm = 9\n") ==
+        Lines{"bit.toml:12:1: region[0].inner_top_diameter_mm = 9 leaves no wall: the bore must be narrower than the tube"});
+  CHECK(region_faults("shape = \"tube\"\ndiameter_mm = 12\n") ==
+        Lines{"bit.toml:4:1: region[0].inner_diameter_mm is missing (diameter of the bore)"});
+  CHECK(region_faults("shape = \"cylinder\"\ndiameter_mm = 12\ninner_factor = 0\n") ==
+        Lines{"bit.toml:10:1: unknown key \"inner_factor\" in [region[0]]"});
+}
+
+TEST_CASE("tool file: a box by width, depth and height, sampled by pitch") {
+  const std::string box = "shape = \"box\"\nwidth_mm = 12\ndepth_mm = 0.6\n";
+  CHECK(region_faults(box + "x_mm = -1\nside_factor = 0\nplus_x_factor = 1\n").empty());
+  CHECK(region_faults("shape = \"box\"\nwidth_mm = 0\ndepth_mm = 0.6\n") ==
+        Lines{"bit.toml:9:1: region[0].width_mm = 0 must be in (0, 100]"});
+  CHECK(region_faults(box + "diameter_mm = 3\n") == Lines{"bit.toml:11:1: unknown key \"diameter_mm\" in [region[0]]"});
+  CHECK(faults("title = \"Bit\"\n[[region]]\nz_mm = 0\nheight_mm = 3\nerosion_factor = 0.1\n" + box + "stacks = 4\nslices = 8\n") ==
+        Lines{"bit.toml:9:1: region[0].stacks = 4 is for what is round: give a box pitch_mm"});
+  CHECK(region_faults("shape = \"cylinder\"\ndiameter_mm = 12\nplus_x_factor = 0\n").size() == 1);
 }

@@ -34,6 +34,17 @@ std::vector<ToolSpec> tools() {
           tool_of({counted(make_cylinder(0.0, 13.5e-3, 7e-3), 8, 26)}), tool_of({region(make_cone(0.0, 4e-3, 2e-3), 0.1, 0.3e-3)})};
 }
 
+/// Those whose surface has a bore, flat sides, or both with a round hub.
+std::vector<ToolSpec> other_tools() {
+  return {trephine(0.5e-3), ring(0.4e-3), saw(0.5e-3), tool_of({region(make_box({.height = 3e-3, .size = {2e-3, 5e-3}}), 0.1, 0.5e-3)})};
+}
+
+std::vector<ToolSpec> all_tools() {
+  std::vector<ToolSpec> all = tools();
+  for (ToolSpec& spec : other_tools()) all.push_back(std::move(spec));
+  return all;
+}
+
 double nearest_distance(const PointShell& shell, const Vec3& p, std::size_t skip = ~std::size_t{0}) {
   double best = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < shell.size(); ++i)
@@ -89,7 +100,7 @@ TEST_CASE("shell: stacks and slices give the 316 and the 72 points of the paper"
 }
 
 TEST_CASE("shell: normals have length 1 and point into the tool, at rims and inner corners too") {
-  for (const ToolSpec& spec : tools()) {
+  for (const ToolSpec& spec : all_tools()) {
     const PointShell shell = shell_of(spec);
     for (std::size_t i = 0; i < shell.size(); ++i) {
       CAPTURE(shell.positions[i].z);
@@ -109,7 +120,7 @@ TEST_CASE("shell: sabotage: with normals flipped the inside check fails at every
 }
 
 TEST_CASE("shell: every point lies on the surface of the union, none inside another region") {
-  for (const ToolSpec& spec : tools())
+  for (const ToolSpec& spec : all_tools())
     for (const Vec3& p : shell_of(spec).positions) {
       // arcs are measured on chords of 1/128 turn, 1.5e-7 m off at a radius of 2 mm
       CHECK(std::abs(signed_distance(spec.solids(), spec.outline, p)) < 2e-7);
@@ -127,7 +138,7 @@ TEST_CASE("shell: the first point is the tip, on the axis, and looks up the shaf
 }
 
 TEST_CASE("shell: mirror symmetric in x and in y") {
-  for (const ToolSpec& spec : tools()) {
+  for (const ToolSpec& spec : all_tools()) {
     const PointShell shell = shell_of(spec);
     CHECK(without_mirror_image(shell, {-1.0, 1.0, 1.0}) == 0);
     CHECK(without_mirror_image(shell, {1.0, -1.0, 1.0}) == 0);
@@ -173,7 +184,7 @@ TEST_CASE("shell: sabotage: with one point taken out the gap check fails") {
 }
 
 TEST_CASE("shell: its points share the surface evenly, so forces on a ball pressed from all sides cancel") {
-  for (const ToolSpec& spec : tools()) {
+  for (const ToolSpec& spec : all_tools()) {
     const PointShell shell = shell_of(spec);
     Vec3 sum(0.0);
     for (const Vec3& n : shell.inward_normals) sum += n;
@@ -233,4 +244,73 @@ TEST_CASE("shell: too many points are refused, not allocated") {
   const auto shell = make_point_shell(tool_of({region(make_cylinder(0.0, 200e-3, 50e-3), 0.1, 1e-6)}));
   REQUIRE_FALSE(shell.ok());
   CHECK(shell.error().code == ErrorCode::out_of_range);
+}
+
+TEST_CASE("shell: the wall of a bore has points, and their normals point outwards, into the wall") {
+  for (const ToolSpec& spec : {trephine(0.5e-3), ring(0.4e-3)}) {
+    const PointShell shell = shell_of(spec);
+    std::size_t inner = 0;
+    for (std::size_t i = 0; i < shell.size(); ++i) {
+      const Vec3& p = shell.positions[i];
+      const NearestFace near = find_nearest_face(spec.solids(), spec.outline, p + 1e-5 * shell.inward_normals[i]);
+      const glm::dvec2 away = glm::dvec2(p) / std::hypot(p.x, p.y);
+      if (near.face != Face::inner || std::abs(shell.inward_normals[i].z) > 0.5) continue;
+      ++inner;
+      CHECK(glm::dot(glm::dvec2(shell.inward_normals[i]), away) > 0.7);  // edges are halfway: 45 degrees
+    }
+    CHECK(inner > 100);
+  }
+}
+
+TEST_CASE("shell: a ring has no pole and an edge at the joint of its line, once") {
+  const PointShell shell = shell_of(ring(0.4e-3));
+  for (const Vec3& p : shell.positions) CHECK(std::hypot(p.x, p.y) > 1.9e-3);
+  const Spread gaps = spread(shell);
+  CHECK(gaps.least > 0.4 * gaps.greatest);  // rows rounded up on a bottom of 1 mm by 0.4, rings to even counts: no duplicate
+}
+
+TEST_CASE("shell: a box has rows at most a pitch apart, halfway normals on edges and corners") {
+  const ToolSpec spec = other_tools()[3];
+  const PointShell shell = shell_of(spec);
+  CHECK(shell.size() == 2 * (4 * 10 + 10 * 6 + 6 * 4) + 2);  // 4, 10 and 6 gaps
+  std::size_t corners = 0, edges = 0;
+  for (const Vec3& n : shell.inward_normals) {
+    const int parts = (n.x != 0.0) + (n.y != 0.0) + (n.z != 0.0);
+    corners += parts == 3 ? 1 : 0;
+    edges += parts == 2 ? 1 : 0;
+  }
+  CHECK(corners == 8);
+  CHECK(edges == 4 * (3 + 9 + 5));
+}
+
+TEST_CASE("shell: gaps stay bounded on bores, boxes, and where a box runs into a hub") {
+  // Random points of each solid's own surface that nothing covers.
+  const auto worst = [](const ToolSpec& spec, double pitch) {
+    const PointShell shell = shell_of(spec);
+    const std::vector<Solid> solids = spec.solids();
+    const bool round = std::all_of(solids.begin(), solids.end(), [](const Solid& solid) { return solid.revolves(); });
+    double most = round ? greatest_gap(spec, shell, 5000) : 0.0;
+    for (std::uint64_t i = 0; i < 20000; ++i)
+      for (std::size_t n = 0; n < solids.size(); ++n) {
+        if (solids[n].revolves()) continue;
+        const Bounds box = solids[n].bounds();
+        const BoxFace face = box_faces()[i % 6];
+        Vec3 p = random_point(77 + n, i, box.lo, box.hi), outward(0.0);
+        p[face.axis] = face.sign < 0.0 ? box.lo[face.axis] : box.hi[face.axis];
+        outward[face.axis] = face.sign;
+        if (!is_covered(solids, n, p, outward)) most = std::max(most, nearest_distance(shell, p));
+      }
+    return most / pitch;
+  };
+  CHECK(worst(ring(0.4e-3), 0.4e-3) < 0.75);
+  CHECK(worst(trephine(0.5e-3), 0.5e-3) < 0.75);
+  CHECK(worst(other_tools()[3], 0.5e-3) < 0.75);
+  // Where the blade enters the hub there is no row of its own: the last free one is up to a pitch away, its points half a pitch aside.
+  CHECK(worst(saw(0.5e-3), 0.5e-3) < 1.12);
+}
+
+TEST_CASE("shell: a saw's edge cuts, its flats and its back do not") {
+  const PointShell shell = shell_of(saw(0.5e-3));
+  for (std::size_t i = 0; i < shell.size(); ++i) CHECK(shell.cutting[i] == (shell.positions[i].z == 0.0 ? 1 : 0));
+  CHECK(std::count(shell.cutting.begin(), shell.cutting.end(), 1) == 25 * 3);
 }

@@ -24,23 +24,34 @@ std::vector<Sample> samples() {
           {"frustum", make_frustum({.z_low = 2e-3, .height = 3e-3, .low_radius = 4e-3, .high_radius = 1e-3})},
           {"sphere", make_sphere(0.0, 2e-3)},
           {"prolate", make_ellipsoid(1e-3, 8e-3, 2e-3)},
-          {"oblate", make_ellipsoid(0.0, 2e-3, 3e-3)}};
+          {"oblate", make_ellipsoid(0.0, 2e-3, 3e-3)},
+          {"tube", make_tube({.z_low = 1e-3, .height = 3e-3, .low_radius = 6e-3, .high_radius = 6e-3}, {4e-3, 4e-3})},
+          {"conical tube", make_tube({.z_low = 0.0, .height = 5e-3, .low_radius = 3e-3, .high_radius = 4e-3}, {1e-3, 3e-3})},
+          {"knife edge", make_tube({.z_low = 0.0, .height = 5e-3, .low_radius = 2e-3, .high_radius = 4e-3}, {2e-3, 2e-3})}};
 }
+
+Solid sample_box() { return make_box({.z_low = 1e-3, .height = 2e-3, .size = {12e-3, 0.6e-3}, .centre = {1.5e-3, -2e-3}}); }
 
 /// Volume by midpoint slices of the profile; independent of the closed forms.
 double sliced_volume(const Solid& solid, int slices) {
   double sum = 0.0;
-  for (int i = 0; i < slices; ++i) sum += kPi * solid.squared_radius(solid.z_low + solid.height() * (i + 0.5) / slices);
+  for (int i = 0; i < slices; ++i) {
+    const double z = solid.z_low + solid.height() * (i + 0.5) / slices;
+    sum += kPi * (solid.squared_radius(z) - solid.bore(z) * solid.bore(z));
+  }
   return sum * solid.height() / slices;
 }
 
 /// Area by frusta between points of the profile, spaced evenly in angle so that the poles of an ellipsoid do not dominate the error.
 double banded_area(const Solid& solid, int bands) {
-  double sum = kPi * (solid.squared_radius(solid.z_low) + solid.squared_radius(solid.z_high));
+  const auto disc = [&](double z) { return kPi * (solid.squared_radius(z) - solid.bore(z) * solid.bore(z)); };
+  double sum = disc(solid.z_low) + disc(solid.z_high);
   const auto height = [&](int i) { return solid.z_low + 0.5 * solid.height() * (1.0 - std::cos(kPi * i / bands)); };
   for (int i = 0; i < bands; ++i) {
     const double z0 = height(i), z1 = height(i + 1), r0 = solid.radius(z0), r1 = solid.radius(z1);
     sum += kPi * (r0 + r1) * std::hypot(z1 - z0, r1 - r0);
+    const double b0 = solid.bore(z0), b1 = solid.bore(z1);
+    if (b0 + b1 > 0.0) sum += kPi * (b0 + b1) * std::hypot(z1 - z0, b1 - b0);
   }
   return sum;
 }
@@ -70,10 +81,14 @@ TEST_CASE("solid: closed forms of the textbook") {
 
 TEST_CASE("solid: the share of random points inside is the closed-form volume") {
   constexpr int kPoints = 200000;
-  for (const Sample& sample : samples()) {
+  std::vector<Sample> all = samples();
+  all.push_back({"box", sample_box()});
+  for (const Sample& sample : all) {
     CAPTURE(sample.name);
-    const double r = sample.solid.largest_radius();
-    const Vec3 lo(-r, -r, sample.solid.z_low), hi(r, r, sample.solid.z_high);
+    const auto [tight_lo, tight_hi] = sample.solid.bounds();
+    // A box fills its bounds: looked at in a space 1.4 times as wide, or every point would be inside.
+    const Vec3 middle = 0.5 * (tight_lo + tight_hi), half = (sample.solid.revolves() ? 0.5 : 0.7) * (tight_hi - tight_lo);
+    const Vec3 lo = middle - half, hi = middle + half;
     int inside = 0;
     for (int i = 0; i < kPoints; ++i) inside += sample.solid.contains(random_point(5, static_cast<std::uint64_t>(i), lo, hi)) ? 1 : 0;
     const double box = (hi.x - lo.x) * (hi.y - lo.y) * (hi.z - lo.z);
@@ -93,6 +108,29 @@ TEST_CASE("solid: r^2 equals its quadratic form everywhere on the solid and noth
     }
     CHECK_FALSE(sample.solid.contains({0.0, 0.0, sample.solid.z_low - 1e-9}));
     CHECK_FALSE(sample.solid.contains({0.0, 0.0, sample.solid.z_high + 1e-9}));
-    CHECK(sample.solid.contains({0.0, 0.0, 0.5 * (sample.solid.z_low + sample.solid.z_high)}));
+    CHECK(sample.solid.contains({0.0, 0.0, 0.5 * (sample.solid.z_low + sample.solid.z_high)}) == !sample.solid.bored());
   }
+}
+
+TEST_CASE("solid: a tube is its outer solid less its bore, point by point; its walls belong to it") {
+  const FrustumSize outer{.z_low = 0.0, .height = 5e-3, .low_radius = 3e-3, .high_radius = 4e-3};
+  const FrustumSize bore{.z_low = 0.0, .height = 5e-3, .low_radius = 1e-3, .high_radius = 3e-3};
+  const Solid tube = make_tube(outer, {bore.low_radius, bore.high_radius}), whole = make_frustum(outer), hole = make_frustum(bore);
+  for (std::uint64_t i = 0; i < 20000; ++i) {
+    const Vec3 p = random_point(31, i, Vec3(-4e-3, -4e-3, -1e-3), Vec3(4e-3, 4e-3, 6e-3));
+    CHECK(tube.contains(p) == (whole.contains(p) && !hole.contains(p)));  // no random point lies on a wall
+  }
+  CHECK(tube.volume() == doctest::Approx(whole.volume() - hole.volume()).epsilon(1e-13));  // rounding
+  CHECK(make_tube({.height = 1.0, .low_radius = 2.0, .high_radius = 2.0}, {1.0, 1.0}).contains({1.0, 0.0, 0.5}));
+}
+
+TEST_CASE("solid: a box in closed form, its bounds and its greatest radius") {
+  const Solid box = make_box({.z_low = 1.0, .height = 4.0, .size = {2.0, 3.0}, .centre = {-5.0, 0.5}});
+  CHECK(box.volume() == doctest::Approx(24.0).epsilon(1e-14));
+  CHECK(box.area() == doctest::Approx(2.0 * (6.0 + 8.0 + 12.0)).epsilon(1e-14));
+  CHECK(box.bounds().lo == Vec3(-6.0, -1.0, 1.0));
+  CHECK(box.bounds().hi == Vec3(-4.0, 2.0, 5.0));
+  CHECK(box.largest_radius() == doctest::Approx(std::hypot(6.0, 2.0)).epsilon(1e-14));
+  CHECK(box.contains({-6.0, 2.0, 5.0}));
+  CHECK_FALSE(box.contains({-6.0 - 1e-9, 0.0, 3.0}));
 }

@@ -35,6 +35,8 @@ TEST_CASE("shipped tools: every file loads without an issue and stays within its
     CHECK(tool.name == entry.path().stem().string());
     CHECK_FALSE(tool.title.empty());
     CHECK(tool.erosion.size() > 100);
+    CHECK(tool.shell.size() >= 72);    // the paper's round bit
+    CHECK(tool.shell.size() <= 5000);  // what a servo at 1 kHz can look at
     CHECK(std::any_of(tool.shell.cutting.begin(), tool.shell.cutting.end(), [](std::uint8_t c) { return c != 0; }));
     for (const auto* points : {&tool.shell.positions, &tool.erosion.positions})
       for (const Vec3& p : *points) {
@@ -44,7 +46,7 @@ TEST_CASE("shipped tools: every file loads without an issue and stays within its
       }
     CHECK(tool.bound_lo.z == 0.0);  // the tip is the origin
   }
-  CHECK(count >= 8);
+  CHECK(count >= 14);
 }
 
 TEST_CASE("shipped tools: the paper's two bits have 316 and 72 points, all of them cutting") {

@@ -41,6 +41,8 @@ std::size_t open_edges(const TriangleMesh& mesh) {
   return open;
 }
 
+ToolSpec box_tool() { return tool_of({region(make_box({.height = 2e-3, .size = {3e-3, 4e-3}, .centre = {1e-3, -1e-3}}), 0.1, 1e-3)}); }
+
 /// A prism of n flats holds this share of the round solid.
 double share(int slices) { return slices / (2.0 * kPi) * std::sin(2.0 * kPi / slices); }
 
@@ -48,7 +50,7 @@ double share(int slices) { return slices / (2.0 * kPi) * std::sin(2.0 * kPi / sl
 
 TEST_CASE("mesh: closed and consistently turned: every edge once in each direction") {
   const ToolSpec cone = tool_of({region(make_cone(0.0, 4e-3, 2e-3), 0.1, 1e-3), region(make_sphere(2e-3, 1.5e-3), 0.1, 1e-3)});
-  for (const ToolSpec& spec : {perforator(1e-3), burr(1e-3), cone})
+  for (const ToolSpec& spec : {perforator(1e-3), burr(1e-3), cone, trephine(1e-3), ring(1e-3), box_tool()})
     for (const int slices : {3, 64}) {
       const TriangleMesh mesh = make_tool_mesh(spec, slices, 16);
       CHECK(mesh.positions.size() == mesh.normals.size());
@@ -74,13 +76,16 @@ TEST_CASE("mesh: its volume is the closed form, shortened by the flats only") {
     const ToolSpec cone = tool_of({region(make_cone(0.0, 4e-3, 2e-3), 0.1, 1e-3)});
     CHECK(mesh_volume(make_tool_mesh(cone, slices)) == doctest::Approx(share(slices) * cone.regions[0].solid.volume()).epsilon(1e-5));
   }
+  const ToolSpec tube = ring(1e-3);
+  CHECK(mesh_volume(make_tool_mesh(tube)) == doctest::Approx(share(64) * tube.regions[0].solid.volume()).epsilon(1e-5));
+  CHECK(mesh_volume(make_tool_mesh(box_tool())) == doctest::Approx(24e-9).epsilon(1e-5));
   const ToolSpec ball = tool_of({region(make_sphere(0.0, 2e-3), 0.1, 1e-3)});
   // arcs of n straight steps over half a turn lose about (pi / n)^2 / 4 of the volume: 6e-5 at 200
   CHECK(mesh_volume(make_tool_mesh(ball, 200, 200)) == doctest::Approx(share(200) * ball.regions[0].solid.volume()).epsilon(1e-4));
 }
 
 TEST_CASE("mesh: normals have length 1 and point the way their triangles face") {
-  for (const ToolSpec& spec : {perforator(1e-3), burr(1e-3)}) {
+  for (const ToolSpec& spec : {perforator(1e-3), burr(1e-3), trephine(1e-3), box_tool()}) {
     const TriangleMesh mesh = make_tool_mesh(spec);
     for (const Vec3f& n : mesh.normals) CHECK(std::abs(glm::length(n) - 1.0f) < 1e-6f);  // float rounding
     for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {

@@ -1,0 +1,26 @@
+/// app/report/tool_sheet.h: one bit on one sheet, for who designs it or learns to use it: the bit as it looks, its point shell with the inward
+///   vectors, and a section that shows where and how fast it erodes. Drawn by gnuplot as PNG.
+///   Units  mm in the picture.   Source  the three views are those of [AcostaLiu07] Figs. 3 and 6.
+#pragma once
+
+#include <string>
+
+#include "core/base/result.h"
+#include "core/tool/tool.h"
+
+namespace burrhole {
+
+inline constexpr int kToolSheetWidth = 1540, kToolSheetHeight = 780;  // [px]
+
+struct ToolSheet {
+  const Tool* tool = nullptr;      ///< its erosion points are what the third panel shows: a fine pitch gives a fine picture
+  std::string headline, subtitle;  ///< one line each
+};
+
+/// @returns the commands for gnuplot, pictures and points inside. Pure: the same sheet gives the same text.
+[[nodiscard]] std::string tool_sheet_script(const ToolSheet& sheet);
+
+/// Draws into a PNG file. Errors: unavailable if there is no gnuplot; bad_input with the path if it cannot be written.
+[[nodiscard]] Status write_tool_sheet(const ToolSheet& sheet, const std::string& path, const std::string& gnuplot = "gnuplot");
+
+}  // namespace burrhole
