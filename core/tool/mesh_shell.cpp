@@ -12,10 +12,11 @@
 // Even sampling of any surface, own derivation. Candidates: the corners of all triangles, cut at the middle of their longest edge until no
 // edge is longer than h = 0.2 pitch. In a triangle with edges up to h no point is farther than h / sqrt(3) from a corner (the worst is the
 // middle of an equilateral one), so candidates cover the surface to 0.116 pitch. Samples are chosen from them in two passes, from the tip
-// upwards, like sand that settles: first at least 0.85 pitch apart, which packs nearly hexagonally where the surface is smooth; then wherever
+// upwards, like sand that settles: first at least 0.85 pitch apart, which packs nearly hexagonally where the surface is smooth; then where
 // a candidate still has no sample within 0.59 pitch. Every point of the surface thus has a sample within (0.116 + 0.59) pitch <
-// pitch / sqrt(2). A sample counts for a candidate only if their normals agree to within 84 degrees (cosine 0.1), which keeps the sides of
-// a thin wall and the faces of a right-angled edge apart.
+// pitch / sqrt(2). (0.85 by trial: a sphere takes 1.45 samples a pitch^2; with 0.72 or 1.0 it takes 1.8.) A sample counts for a candidate
+// only if their normals agree to within 84 degrees (cosine 0.1), which keeps the sides of a thin wall and the faces of a right-angled edge
+// apart.
 
 namespace burrhole {
 namespace {

@@ -1,4 +1,4 @@
-/// core/tool/mesh_spec.h: the table [mesh] of a tool file: a bit whose shape is a surface in a file of its own. The only reader of that table.
+/// core/tool/mesh_spec.h: the table [mesh] of a tool file: a bit whose shape is a surface in a file of its own. Its only reader.
 ///   Frame  a file's vertex p lies at turn * (p * unit) + shift in the tool frame: origin at the tip, +z up the shaft.   Units  SI.
 ///   The shell does not turn with the spindle: a fluted bit is given by the envelope that its flutes sweep.
 ///   Errors go to Issues with file:line:column.   Source  own schema.

@@ -216,7 +216,8 @@ std::optional<std::string> start_fault(const std::string& path) {
 }
 
 /// All grids of a file. Read as a stream that throws at its end: io::File does not look whether it is still reading anything, and builds
-/// trees from whatever was in memory (measured: up to 9 GB from 100 kB with a few damaged bytes).
+/// trees from whatever was in memory (measured: up to 9 GB, or without end, from 100 kB with a few damaged bytes). What is left is a length
+/// of a name, up to 4 GB for a moment, and what OpenVDB loses when reading throws within a tree: a path of nodes, once a refused file.
 openvdb::GridPtrVecPtr read_all_grids(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);

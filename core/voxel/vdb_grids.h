@@ -67,7 +67,7 @@ struct ForeignGrid {
   std::size_t other_type = 0;            ///< grids of other types
 };
 
-/// @param name of the grid; empty: the float grid with most active voxels. bad_input: missing, damaged, no such float grid, empty, or with a
+/// @param name of the grid; empty: the float grid with most active voxels. bad_input: missing, damaged, no such grid, empty, or with a
 /// transform that is no affine map (a camera's frustum).
 [[nodiscard]] Result<ForeignGrid> read_foreign_grid(const std::string& path, const std::string& name);
 
