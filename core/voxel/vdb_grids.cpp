@@ -172,32 +172,6 @@ Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_
   }
 }
 
-Result<VdbFileContent> read_vdb(const std::string& path) {
-  start_openvdb();
-  try {
-    openvdb::io::File file(path);
-    file.open(false);
-    VdbFileContent content;
-    const openvdb::GridPtrVecPtr grids = file.getGrids();  // held: a range-for does not keep what a dereferenced temporary points to
-    for (const auto& base : *grids) {
-      const Grid::Ptr grid = openvdb::gridPtrCast<Grid>(base);
-      if (!grid) continue;
-      if (const auto affine = grid->getMetadata<openvdb::Mat4DMetadata>(kAffineKey)) content.bone_from_index = affine_of(affine->value());
-      if (const auto dims = grid->getMetadata<openvdb::Vec3IMetadata>("burrhole_dims")) {
-        const openvdb::Vec3i d = dims->value();
-        content.dims = {d.x(), d.y(), d.z()};
-      }
-      FloatVdb wrapped(grid->getName(), grid->background());
-      wrapped.impl().grid = grid;
-      content.grids.push_back(std::move(wrapped));
-    }
-    if (content.grids.empty()) return bad_input("holds no float grid", path);
-    return content;
-  } catch (const std::exception& e) {
-    return bad_input(std::string("cannot be read as .vdb: ") + e.what(), path);
-  }
-}
-
 namespace {
 
 /// Looked at before OpenVDB does, which writes about a version it does not know to the standard error.
@@ -223,6 +197,35 @@ openvdb::GridPtrVecPtr read_all_grids(const std::string& path) {
   stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
   return openvdb::io::Stream(stream, /*delayLoad=*/false).getGrids();
 }
+
+}  // namespace
+
+Result<VdbFileContent> read_vdb(const std::string& path) {
+  start_openvdb();
+  if (const auto fault = start_fault(path)) return bad_input(*fault, path);
+  try {
+    VdbFileContent content;
+    const openvdb::GridPtrVecPtr grids = read_all_grids(path);  // held: a range-for does not keep what a dereferenced temporary points to
+    for (const auto& base : *grids) {
+      const Grid::Ptr grid = openvdb::gridPtrCast<Grid>(base);
+      if (!grid) continue;
+      if (const auto affine = grid->getMetadata<openvdb::Mat4DMetadata>(kAffineKey)) content.bone_from_index = affine_of(affine->value());
+      if (const auto dims = grid->getMetadata<openvdb::Vec3IMetadata>("burrhole_dims")) {
+        const openvdb::Vec3i d = dims->value();
+        content.dims = {d.x(), d.y(), d.z()};
+      }
+      FloatVdb wrapped(grid->getName(), grid->background());
+      wrapped.impl().grid = grid;
+      content.grids.push_back(std::move(wrapped));
+    }
+    if (content.grids.empty()) return bad_input("holds no float grid", path);
+    return content;
+  } catch (const std::exception& e) {
+    return bad_input(std::string("cannot be read as .vdb: ") + e.what(), path);
+  }
+}
+
+namespace {
 
 std::string quoted(const std::string& name) { return "\"" + name + "\""; }
 
