@@ -3,9 +3,9 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
 
 #include "tests/support/drill_scene.h"
+#include "tests/support/real_data.h"
 #include "volumes/read/scan.h"
 
 namespace burrhole::test {
@@ -38,10 +38,7 @@ double ray_thickness(const Scan& scan, double offset, const ApproachScene& appro
 }
 
 void drill_head(const char* name) {
-  if (std::getenv("BURRHOLE_DATA") == nullptr) {
-    MESSAGE("skipped: BURRHOLE_DATA is not set");
-    return;
-  }
+  (void)real_data();  // the scenes find it by themselves
   auto document = TomlDocument::load(std::string(BH_SOURCE_DIR "/app/scenes/") + name + ".toml");
   REQUIRE(document);
   Issues issues;

@@ -1,12 +1,12 @@
 // Every file of the developers' data set: imported, or refused for the right reason. One row a file; a file without a row fails.
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <set>
 
 #include "app/engine/import.h"
 #include "app/engine/volume_scene.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
@@ -58,13 +58,6 @@ const std::vector<Row>& rows() {
   return table;
 }
 
-std::optional<fs::path> data_folder() {
-  const char* folder = std::getenv("BURRHOLE_DATA");
-  if (folder != nullptr && fs::is_directory(folder)) return fs::path(folder);
-  MESSAGE("skipped: BURRHOLE_DATA is not set");
-  return std::nullopt;
-}
-
 ImportRequest request_of(const fs::path& data, const Row& row) {
   ImportRequest request{(data / row.path).string(), {}, {}};
   if (!row.unit.empty()) request.read.unit = length_unit(row.unit);
@@ -82,11 +75,10 @@ bool needs_no_row(const fs::path& path) {
 }  // namespace
 
 TEST_CASE("data: every file is imported or refused for the right reason") {
-  const auto data = data_folder();
-  if (!data) return;
+  const fs::path data = real_data();
   for (const Row& row : rows()) {
     CAPTURE(row.path);
-    const auto imported = import_bone(request_of(*data, row), {});
+    const auto imported = import_bone(request_of(data, row), {});
     if (row.needle.empty()) {
       CHECK_MESSAGE(imported.ok(), (imported.ok() ? std::string() : imported.error().text()));
       if (!imported) continue;
@@ -104,21 +96,19 @@ TEST_CASE("data: every file is imported or refused for the right reason") {
 }
 
 TEST_CASE("data: no file is left without a row") {
-  const auto data = data_folder();
-  if (!data) return;
+  const fs::path data = real_data();
   std::set<std::string> known;
   for (const Row& row : rows()) known.insert(row.path);
-  for (const auto& entry : fs::recursive_directory_iterator(*data))
+  for (const auto& entry : fs::recursive_directory_iterator(data))
     if (entry.is_regular_file() && !needs_no_row(entry.path()))
-      CHECK_MESSAGE(known.contains(fs::relative(entry.path(), *data).string()), entry.path().string());
+      CHECK_MESSAGE(known.contains(fs::relative(entry.path(), data).string()), entry.path().string());
 }
 
 TEST_CASE("data: one slice in nine transfer syntaxes is one slice") {
-  const auto data = data_folder();
-  if (!data) return;
+  const fs::path data = real_data();
   std::vector<float> first;
   std::size_t files = 0;
-  for (const auto& entry : fs::directory_iterator(*data / "dicom_transfer_syntaxes")) {
+  for (const auto& entry : fs::directory_iterator(data / "dicom_transfer_syntaxes")) {
     const std::string path = entry.path().string();
     CAPTURE(path);
     const auto read = read_scan(path, {});
@@ -139,8 +129,7 @@ TEST_CASE("data: one slice in nine transfer syntaxes is one slice") {
 }
 
 TEST_CASE("data: the headerless head is imported by the shipped sidecar, its guess told") {
-  const auto data = data_folder();
-  if (!data) return;
+  (void)real_data("head_ct_raw_big_endian");  // the sidecar finds it by itself
   const auto imported = import_bone({BH_SOURCE_DIR "/app/scenes/volumes/cthead.toml", {}, {}}, {});
   REQUIRE_MESSAGE(imported.ok(), imported.error().text());
   CHECK(imported->report.dims == Vec3i(256, 256, 113));

@@ -3,24 +3,19 @@
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "app/bench/dicom_series.h"
 #include "app/engine/import.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
 
 TEST_CASE("import: 300 DICOM slices of 512 x 512 stay within 1.5 GiB, and every value is its file's") {
-  const char* data = std::getenv("BURRHOLE_DATA");
-  if (data == nullptr) {
-    MESSAGE("skipped: BURRHOLE_DATA is not set");
-    return;
-  }
   constexpr int kSlices = 300;
   const TemporaryFolder folder;
-  const auto files = write_long_series((std::filesystem::path(data) / "head_ct_dicom_phantom_1mm").string(), folder.path().string(), kSlices);
+  const auto files = write_long_series(real_data("head_ct_dicom_phantom_1mm").string(), folder.path().string(), kSlices);
   REQUIRE(files);
   const auto imported = import_bone({folder.path().string(), {}, {}}, {});
   REQUIRE_MESSAGE(imported.ok(), imported.error().text());

@@ -10,6 +10,7 @@
 
 #include "core/base/random.h"
 #include "tests/support/dicom_writer.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/read/dicom_elements.h"
 #include "volumes/read/scan.h"
@@ -168,12 +169,7 @@ TEST_CASE("read_dicom: a deflated file that would fill the memory is refused at 
 
 // GDCM's own assertions are on in distributions: a stream that reaches them would end the program.
 TEST_CASE("read_dicom: bits turned over in real compressed streams never crash it") {
-  const char* root = std::getenv("BURRHOLE_DATA");
-  const std::filesystem::path data = std::filesystem::path(root != nullptr ? root : "") / "dicom_transfer_syntaxes";
-  if (root == nullptr || !std::filesystem::exists(data)) {
-    MESSAGE("SKIPPED: no $BURRHOLE_DATA/dicom_transfer_syntaxes");
-    return;
-  }
+  const std::filesystem::path data = real_data("dicom_transfer_syntaxes");
   const TemporaryFolder folder;
   std::uint64_t counter = 0;
   for (const auto& entry : std::filesystem::directory_iterator(data)) {

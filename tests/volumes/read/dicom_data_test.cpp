@@ -8,6 +8,7 @@
 
 #include "core/base/units.h"
 #include "tests/support/dicom_writer.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/read/scan.h"
 #include "volumes/read/scan_geometry.h"
@@ -16,13 +17,6 @@ using namespace burrhole;
 using namespace burrhole::test;
 
 namespace {
-
-std::string data_folder(const std::string& name) {
-  const char* root = std::getenv("BURRHOLE_DATA");
-  if (root != nullptr && std::filesystem::exists(std::filesystem::path(root) / name)) return (std::filesystem::path(root) / name).string();
-  MESSAGE("SKIPPED: no $BURRHOLE_DATA/" << name);
-  return {};
-}
 
 std::string file_with(const std::string& folder, const std::string& part) {
   for (const auto& entry : std::filesystem::directory_iterator(folder))
@@ -44,8 +38,7 @@ bool told(const ScanReport& report, const std::string& part) {
 }  // namespace
 
 TEST_CASE("read_dicom: the head phantom comes in whole, sorted by position though names sort wrongly") {
-  const std::string folder = data_folder("head_ct_dicom_phantom_1mm");
-  if (folder.empty()) return;
+  const std::string folder = real_data("head_ct_dicom_phantom_1mm").string();
   int calls = 0;
   double last = 0.0;
   ReadOptions options;
@@ -77,8 +70,7 @@ TEST_CASE("read_dicom: the head phantom comes in whole, sorted by position thoug
 }
 
 TEST_CASE("read_dicom: a phantom slice taken away is missed by number and place; sabotage of the gap check") {
-  const std::string folder = data_folder("head_ct_dicom_phantom_1mm");
-  if (folder.empty()) return;
+  const std::string folder = real_data("head_ct_dicom_phantom_1mm").string();
   const TemporaryFolder partial;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
@@ -92,8 +84,7 @@ TEST_CASE("read_dicom: a phantom slice taken away is missed by number and place;
 }
 
 TEST_CASE("read_dicom: eight lossless transfer syntaxes of one slice give the same bits, the lossy one is close and told") {
-  const std::string folder = data_folder("dicom_transfer_syntaxes");
-  if (folder.empty()) return;
+  const std::string folder = real_data("dicom_transfer_syntaxes").string();
   const ReadScan reference = read(file_with(folder, "LittleEndianExplicit"));
   CHECK(reference.scan.dims == Vec3i(512, 512, 1));
   CHECK(told(reference.report, "one slice: thickness "));
@@ -119,8 +110,7 @@ TEST_CASE("read_dicom: eight lossless transfer syntaxes of one slice give the sa
 }
 
 TEST_CASE("read_dicom: compressed and plain files cut at many places are refused, never read as if whole") {
-  const std::string folder = data_folder("dicom_transfer_syntaxes");
-  if (folder.empty()) return;
+  const std::string folder = real_data("dicom_transfer_syntaxes").string();
   const TemporaryFolder cut;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string whole = read_bytes(entry.path().string());
@@ -138,8 +128,7 @@ TEST_CASE("read_dicom: compressed and plain files cut at many places are refused
 }
 
 TEST_CASE("read_dicom: compressed streams cut inside, with every length around them set right, are refused") {
-  const std::string folder = data_folder("dicom_transfer_syntaxes");
-  if (folder.empty()) return;
+  const std::string folder = real_data("dicom_transfer_syntaxes").string();
   const TemporaryFolder cut;
   for (const char* name : {"JPEG2000LosslessOnly", "JPEGLSLossless", "JPEGProcess14SV1", "RLELossless", "JPEGProcess2_4"}) {
     const std::string whole = read_bytes(file_with(folder, name));
@@ -176,8 +165,7 @@ TEST_CASE("read_dicom: compressed streams cut inside, with every length around t
 
 // These files carry no functional groups: nothing says where a frame lies, so no volume can be made of them.
 TEST_CASE("read_dicom: multi-frame MR without positions is refused for that, alike in three syntaxes") {
-  const std::string folder = data_folder("dicom_multiframe");
-  if (folder.empty()) return;
+  const std::string folder = real_data("dicom_multiframe").string();
   for (const char* name : {"emri_small.dcm", "emri_small_jpeg_ls_lossless.dcm", "emri_small_RLE.dcm"}) {
     const auto out = read_dicom(folder + "/" + name, {});
     REQUIRE_FALSE(out.ok());

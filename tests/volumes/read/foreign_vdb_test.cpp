@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/base/random.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/read/scan.h"
 
@@ -220,13 +221,9 @@ TEST_CASE("foreign vdb: cut and damaged files are refused or read, never a crash
 }
 
 TEST_CASE("foreign vdb: real fog volumes are read") {
-  const char* data = std::getenv("BURRHOLE_DATA");
-  if (data == nullptr) {
-    MESSAGE("SKIPPED: BURRHOLE_DATA is not set");
-    return;
-  }
+  const std::string data = real_data("vdb").string();
   for (const auto& [file, dims] : {std::pair{"sphere.vdb", Vec3i(25 + 4)}, std::pair{"torus01.vdb", Vec3i(22 + 4, 9 + 4, 22 + 4)}}) {
-    const auto read = read_foreign_vdb(std::string(data) + "/vdb/" + file, options(kMm * 10));
+    const auto read = read_foreign_vdb(data + "/" + file, options(kMm * 10));
     REQUIRE_MESSAGE(read.ok(), (read ? "" : read.error().text()));
     CHECK(read->scan.dims == dims);
     CHECK(*std::max_element(read->scan.values.begin(), read->scan.values.end()) > 0.9f);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/base/units.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/volumes/read/volume_files.h"
 #include "volumes/read/scan_geometry.h"
@@ -41,8 +42,7 @@ void check_figures(const Result<ReadScan>& read, const Figures& figures) {
 }  // namespace
 
 TEST_CASE("read_nifti: real scans have the published figures") {
-  const std::string data = data_folder();
-  if (data.empty()) return;
+  const std::string data = real_data().string();
   for (const Figures& figures : {Figures{"/nifti/CT_pitch.nii.gz", {175, 248, 58}, {0.8125, 0.8125, 2.397}, 0, 255},
                                  Figures{"/nifti/example_ct.nii.gz", {122, 101, 112}, {3, 3, 3}, -1207, 3382},
                                  Figures{"/nifti/example_ct_sm.nii.gz", {122, 101, 30}, {3, 3, 3}, -1100, 1207}})
@@ -55,8 +55,7 @@ TEST_CASE("read_nifti: real scans have the published figures") {
 }
 
 TEST_CASE("read_nrrd: real scans have the published figures, and one ball is the same in every form") {
-  const std::string data = data_folder();
-  if (data.empty()) return;
+  const std::string data = real_data().string();
   check_figures(read_nrrd(data + "/nrrd/FLAIR.nrrd", {}), {"/nrrd/FLAIR.nrrd", {124, 160, 140}, {1, 1, 1}, 0, 255});
   const std::string ball = "/nrrd/BallBinary30x30x30";
   for (const char* const ending : {".nrrd", "_gz.nrrd", ".nhdr"})
@@ -70,8 +69,7 @@ TEST_CASE("read_nrrd: real scans have the published figures, and one ball is the
 }
 
 TEST_CASE("read_metaimage: real scans have the published figures") {
-  const std::string data = data_folder();
-  if (data.empty()) return;
+  const std::string data = real_data().string();
   check_figures(read_metaimage(data + "/metaimage/mha.mha", {}), {"/metaimage/mha.mha", {64, 64, 37}, {3.4375, 3.4375, 3.8}, 0, 6690});
   check_figures(read_metaimage(data + "/head_ct_mha/head.mha", {}), {"/head_ct_mha/head.mha", {64, 64, 93}, {3.2, 3.2, 1.5}, 0, 3926});
   // the matrix of mha.mha turns the second axis
@@ -79,8 +77,7 @@ TEST_CASE("read_metaimage: real scans have the published figures") {
 }
 
 TEST_CASE("read_raw: the head in 113 files has the published figures, slices in numeric order") {
-  const std::string data = data_folder();
-  if (data.empty()) return;
+  const std::string data = real_data().string();
   const TemporaryFolder folder;
   const auto sidecar = [&](const std::string& order) {
     write_bytes(

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/units.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/volumes/read/itk_twin.h"
 #include "tests/volumes/read/volume_files.h"
@@ -65,8 +66,7 @@ TEST_CASE("readers: ITK reads the same voxels at the same place from NIfTI, NRRD
 }
 
 TEST_CASE("readers: ITK reads the same of real scans") {
-  const std::string data = data_folder();
-  if (data.empty()) return;
+  const std::string data = real_data().string();
   // float matrices of ITK's NIfTI on origins of a few 100 mm: 1e-7 of that; a pitched affine is made orthonormal on top
   for (const char* const name : {"/nifti/example_ct.nii.gz", "/nifti/example_ct_sm.nii.gz", "/nifti/CT_pitch.nii.gz"})
     check_equal(read_nifti(data + name, {}), data + name, 1e-6);

@@ -1,4 +1,5 @@
 #include "volumes/read/mesh_file.h"
+#include "tests/support/real_data.h"
 
 #include <doctest/doctest.h>
 
@@ -237,11 +238,7 @@ TEST_CASE("read_mesh: cut and damaged files end in a refusal or a mesh, never in
 }
 
 TEST_CASE("read_mesh: real files have the triangles, holes and parts their makers say") {
-  const char* data = std::getenv("BURRHOLE_DATA");
-  if (data == nullptr) {
-    MESSAGE("SKIPPED: BURRHOLE_DATA is not set");
-    return;
-  }
+  const std::string data = real_data("meshes").string();
   struct Row {
     const char* file;
     double unit;  // [m]
@@ -252,7 +249,7 @@ TEST_CASE("read_mesh: real files have the triangles, holes and parts their maker
                          Row{"footbones.ply", 0.0254, 2154, 4204, 26, 0.0254 * Vec3(11.266, 3.721, 4.251)},
                          Row{"apple.stl", 1.0, 3129, 6254, 1, {0.087, 0.082, 0.099}}}) {
     CAPTURE(row.file);
-    const auto mesh = read_mesh(std::string(data) + "/meshes/" + row.file, row.unit);
+    const auto mesh = read_mesh(data + "/" + row.file, row.unit);
     REQUIRE_MESSAGE(mesh.ok(), (mesh ? "" : mesh.error().text()));
     const MeshCheck check = check_mesh(*mesh);
     CHECK(mesh->positions.size() == row.vertices);

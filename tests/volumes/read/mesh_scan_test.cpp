@@ -6,6 +6,7 @@
 #include "core/base/random.h"
 #include "core/base/units.h"
 #include "tests/support/mesh_samples.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/read/scan.h"
 
@@ -315,13 +316,9 @@ TEST_CASE("read_mesh_scan: refusals say what and how much") {
 }
 
 TEST_CASE("read_mesh_scan: real bones keep their volume") {
-  const char* data = std::getenv("BURRHOLE_DATA");
-  if (data == nullptr) {
-    MESSAGE("SKIPPED: BURRHOLE_DATA is not set");
-    return;
-  }
+  const std::string data = real_data("meshes").string();
   for (const auto& [file, unit] : {std::pair{"skull.obj", 0.01}, std::pair{"footbones.ply", 0.0254}, std::pair{"apple.stl", 1.0}}) {
-    const std::string path = std::string(data) + "/meshes/" + file;
+    const std::string path = data + "/" + file;
     const auto read = read_mesh_scan(path, options(unit));
     REQUIRE_MESSAGE(read.ok(), (read ? "" : read.error().text()));
     const Vec3i d = read->scan.dims;

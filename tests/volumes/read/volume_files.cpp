@@ -140,13 +140,4 @@ std::string raw_sidecar(const SmallVolume& volume, const std::string& byte_order
       volume.dims.x, volume.dims.y, volume.dims.z, byte_order, spacing, direction, at.x, at.y, at.z, more);
 }
 
-std::string data_folder() {
-  const char* const folder = std::getenv("BURRHOLE_DATA");
-  if (folder == nullptr || *folder == '\0') {
-    MESSAGE("SKIPPED: BURRHOLE_DATA is not set, no real scans were read");
-    return {};
-  }
-  return folder;
-}
-
 }  // namespace burrhole::test

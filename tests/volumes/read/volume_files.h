@@ -58,7 +58,4 @@ struct NiftiWrite {
 /// Sidecar text with every key that places the volume; `more` are further lines.
 [[nodiscard]] std::string raw_sidecar(const SmallVolume& volume, const std::string& byte_order, const std::string& more);
 
-/// Where a folder of real scans lies, or empty: then the test says so and ends.
-[[nodiscard]] std::string data_folder();
-
 }  // namespace burrhole::test
