@@ -3,6 +3,7 @@
 #include "app/cli/front.h"
 #include "app/engine/plan.h"
 #include "app/engine/simulation.h"
+#include "core/base/units.h"
 
 namespace burrhole::cli {
 
@@ -25,11 +26,17 @@ void add_check(CLI::App& app, int& exit_code) {
     Issues issues;
     const auto loaded = load_scene(*document, scene_context(), issues);
     // Putting the run together finds what needs bone and tool side by side: a tool too large, an axis that misses.
-    if (loaded) (void)Simulation::create(loaded->scene, loaded->bone, loaded->tool, {}, issues);
+    std::unique_ptr<Simulation> simulation;
+    if (loaded) simulation = Simulation::create(loaded->scene, loaded->bone, loaded->tool, {}, issues);
     exit_code = report(issues);
     if (!issues.empty()) return;
     for (const std::string& warning : make_plan(*loaded).warnings) fmt::print(stderr, "{}: warning: {}\n", loaded->scene.file, warning);
-    print(loaded->scene.file + ": ok\n");
+    const double thickness_mm = simulation->approach().thickness / kMillimetre, angle_deg = simulation->approach().angle / kDegree;
+    constexpr double kGrazing = 45.0;  // [degrees] a drill is held square to the skull; beyond this it slips before it cuts
+    if (angle_deg > kGrazing)
+      fmt::print(stderr, "{}: warning: the axis meets the bone {:.0f} degrees off its normal\n", loaded->scene.file, angle_deg);
+    print(fmt::format("{}: ok; {:.2f} mm of bone along the axis, {:.1f} degrees off its normal\n", loaded->scene.file, thickness_mm,
+                      angle_deg));
   });
 }
 

@@ -55,8 +55,8 @@ std::string caption_of(const std::string& file) {
   if (name == "before") return "Before: the bit above the entry point";
   if (name == "during") return "Half way through the bone";
   if (name == "breakthrough") return "Breakthrough, cut open through the axis";
-  if (name == "after") return "After: the hole from above, dura below";
-  if (name == "cutaway") return "Cut open through the axis: tables, diploe, ledge";
+  if (name == "after") return "After: the hole from above";
+  if (name == "cutaway") return "Cut open through the axis";
   return name;
 }
 
@@ -171,6 +171,9 @@ void print_figures(const RunSummary& s) {
              "in {:.1f} s\n",
              s.thickness_mm, mm(s.depth_mm), mm(s.plunge_mm), mm(s.hole_diameter_mm), mm(s.inner_diameter_mm), s.peak_force_N, s.duration_s,
              s.wall_s);
+  if (!s.breakthrough_s && s.end == "done")
+    fmt::print(stderr, "no breakthrough: the hand let go {:.2f} mm deep in {:.2f} mm of bone, as it felt a give\n", s.reached_mm,
+               s.thickness_mm);
 }
 
 }  // namespace

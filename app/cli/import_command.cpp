@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string input, volume, series, unit, band, offset, spacing, region, centre;
   std::vector<std::string> keep;
-  bool json = false, quiet = false;
+  bool json = false, quiet = false, volume_given = false;
 };
 
 /// Numbers of an option as written, within bounds; a fault names the option.
@@ -61,8 +61,8 @@ Status read_bone_options(const Options& option, BoneOptions& bone) {
 }
 
 /// Asked before the long read: an output that cannot be written is a fault of the command line.
-Status check_output(const std::string& volume) {
-  if (volume.empty()) return {};
+Status check_output(const std::string& volume, bool given) {
+  if (volume.empty()) return given ? Status(bad_input("--volume is empty: it names the file to write")) : Status();
   if (fs::path(volume).extension() != ".vdb") return bad_input("--volume " + volume + " must end in .vdb");
   const fs::path folder = fs::path(volume).parent_path();
   std::error_code ignored;
@@ -78,7 +78,7 @@ int import_input(const Options& option) {
   if (!option.unit.empty()) request.read.unit = length_unit(option.unit);
   if (const Status read = read_bone_options(option, request.bone); !read) return report(read.error());
   request.read.pitch = request.bone.spacing;
-  if (const Status fits = check_output(option.volume); !fits) return report(fits.error());
+  if (const Status fits = check_output(option.volume, option.volume_given); !fits) return report(fits.error());
 
   Progress progress(option.quiet, kPatience);
   request.read.progress = [&](double share) { progress.show(share, "reading"); };
@@ -86,7 +86,7 @@ int import_input(const Options& option) {
   if (!imported) return report(imported.error());
   const BoneModel& bone = *imported->bone;
   if (!option.volume.empty())
-    if (const Status written = write_vdb(option.volume, bone.dims(), bone.bone_from_index(), bone.grids()); !written)
+    if (const Status written = write_vdb(option.volume, bone.dims(), bone.bone_from_index(), bone.grids(), bone.notes()); !written)
       return report(written.error());
   print(option.json ? import_json(imported->report) : import_text(imported->report));
   return kDone;
@@ -126,7 +126,10 @@ void add_import(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   command->add_flag("--json", option->json, "the report as JSON on stdout, and nothing else there");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
-  command->callback([option, &exit_code] { exit_code = import_input(*option); });
+  command->callback([option, command, &exit_code] {
+    option->volume_given = command->count("--volume") > 0;
+    exit_code = import_input(*option);
+  });
 }
 
 }  // namespace burrhole::cli

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/base/units.h"
 
@@ -20,34 +23,69 @@ Error at(Error error, const std::string& path) {
   return error;
 }
 
-/// Fields and labels of every voxel: what the sparse grids come to if all of it were bone.
-double most_bytes(const Vec3i& dims) { return 3.0 * sizeof(float) * dims.x * dims.y * dims.z; }
+/// Three fields of every voxel, if all of it were bone, and the nodes of the sparse grids.
+double most_bytes(const Vec3i& dims) {
+  constexpr double kFields = 3.0, kNodes = 1.1, kRoots = 0.2e6;
+  return kFields * (kNodes * sizeof(float) * dims.x * dims.y * dims.z + kRoots);
+}
 
 void describe_bone(const BoneModel& bone, ImportReport& report) {
   report.bone_dims = bone.dims();
   report.bone_spacing = bone.bone_from_index().mean_edge();
   report.bone_voxels = bone.bone_voxels();
+  report.bone_share = static_cast<double>(bone.bone_voxels()) / static_cast<double>(bone.bounds().count());
   report.bytes = bone.bytes();
+  if (bone.bone_voxels() == 0) return;
+  const auto [lo, hi] = bounds_of(bone.bone_box(), bone.bone_from_index());
+  report.bone_lo = lo;
+  report.bone_hi = hi;
 }
 
-Result<ImportedBone> load_own(const ImportRequest& request) {
+bool is_vdb(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".vdb";
+}
+
+bool shapes_bone(const BoneOptions& bone) { return bone.band || bone.hu_offset || bone.spacing || bone.region || !bone.hardness.empty(); }
+
+/// The bone model at the path, or nothing when it is none of this program's.
+Result<std::optional<ImportedBone>> load_own(const ImportRequest& request) {
   auto bone = BoneModel::load(request.path);
   if (!bone) {
+    if (request.read.unit) return std::optional<ImportedBone>();
     Error error = at(bone.error(), request.path);
-    error.message += " (another program's .vdb is read when its unit of length is given)";
+    if (error.message.starts_with("is not a bone model"))
+      error.message += "; another program's .vdb needs its unit (--unit; unit in a scene)";
     return error;
   }
-  if (request.bone.spacing || request.bone.region || request.bone.band)
-    return bad_input("is a bone model already: it is taken as it is, without band, spacing or region", request.path);
+  if (request.read.unit || !request.read.series.empty() || shapes_bone(request.bone))
+    return bad_input("is a bone model already and taken as it is: leave out unit, series, band, offset, hardness, spacing and region",
+                     request.path);
   ImportedBone out;
   out.bone = *bone;
   out.report.source = request.path;
   out.report.scan.format = "bone model (OpenVDB)";
+  std::istringstream notes((*bone)->notes());
+  for (std::string line; std::getline(notes, line);) out.report.scan.assumed.push_back(line);
   out.report.dims = (*bone)->dims();
   out.report.grid = describe_grid((*bone)->bone_from_index());
-  out.report.facts.bone_share = static_cast<double>((*bone)->bone_voxels()) / static_cast<double>((*bone)->bounds().count());
   describe_bone(**bone, out.report);
-  return out;
+  return std::optional<ImportedBone>(std::move(out));
+}
+
+/// An option that the format has no use for would be a misunderstanding, so it is refused.
+Status check_use(const ImportRequest& request, const ReadScan& read) {
+  const bool dicom = read.report.format.starts_with("DICOM"), given = read.scan.quantity == Quantity::occupancy;
+  const bool grids = read.report.format.starts_with("OpenVDB");
+  const auto refuse = [&](const char* what, const char* why) { return bad_input(fmt::format("{} {}", what, why), request.path); };
+  if (request.read.unit && !given)
+    return refuse("a unit (--unit; unit in a scene)", "is for meshes and other programs' .vdb: this file has its own");
+  if (!request.read.series.empty() && !dicom && !grids) return refuse("a series", "is for DICOM folders and .vdb files");
+  if (!request.read.keep.empty() && !dicom) return refuse("fields to keep", "are for DICOM");
+  if (given && (request.bone.band || request.bone.hu_offset || !request.bone.hardness.empty()))
+    return refuse("a band, an offset or a hardness table", "is for scans: this file says where there is bone, and nothing of density");
+  return {};
 }
 
 std::vector<double> in_mm(const Vec3& v) { return {v.x / kMillimetre, v.y / kMillimetre, v.z / kMillimetre}; }
@@ -80,22 +118,34 @@ std::string series_text(const SeriesLine& s) {
 }  // namespace
 
 Result<ImportedBone> import_bone(const ImportRequest& request, const std::function<void(const std::string&)>& say) {
-  if (std::filesystem::path(request.path).extension() == ".vdb" && !request.read.unit) return load_own(request);
+  if (const Status checked = check_options(request.bone); !checked) return at(checked.error(), request.path);
+  if (is_vdb(request.path) && std::filesystem::exists(request.path)) {
+    auto own = load_own(request);
+    if (!own) return own.error();
+    if (*own) return std::move(**own);
+  }
   auto read = read_scan(request.path, request.read);
   if (!read) return at(read.error(), request.path);
-  const auto grid = plan_grid(read->scan, request.bone);
-  if (!grid) return at(grid.error(), request.path);
-  if (say)
-    say(fmt::format("{} voxels read, {:.1f} MB; bone of {} voxels takes at most {:.1f} MB", size_text(read->scan.dims),
-                    static_cast<double>(read->scan.values.size() * sizeof(float)) / kMegabyte, size_text(grid->dims),
-                    most_bytes(grid->dims) / kMegabyte));
+  if (const Status fits = check_use(request, *read); !fits) return fits.error();
+  const Scan& scan = read->scan;
   ImportedBone out;
   out.report.source = request.path;
   out.report.scan = std::move(read->report);
-  auto made = make_bone(read->scan, request.bone, out.report.scan.assumed);
+  const auto before = [&](const BoneGrid& grid) {
+    out.report.resampled = grid.resampled;
+    if (say)
+      say(fmt::format("{} voxels read, {:.1f} MB; bone of {} voxels takes up to about {:.1f} MB", size_text(scan.dims),
+                      static_cast<double>(scan.values.size() * sizeof(float)) / kMegabyte, size_text(grid.dims),
+                      most_bytes(grid.dims) / kMegabyte));
+  };
+  BoneOptions bone = request.bone;
+  // A mesh was sampled at the spacing already.
+  if (scan.quantity == Quantity::occupancy && request.read.pitch && !bone.region && !out.report.scan.format.starts_with("OpenVDB"))
+    bone.spacing.reset();
+  auto made = make_bone(scan, bone, out.report.scan.assumed, before);
   if (!made) return at(made.error(), request.path);
-  out.report.dims = read->scan.dims;
-  out.report.grid = describe_grid(read->scan.bone_from_index);
+  out.report.dims = scan.dims;
+  out.report.grid = describe_grid(scan.bone_from_index);
   out.bone = std::move(made->bone);
   out.report.facts = std::move(*made);
   describe_bone(*out.bone, out.report);
@@ -128,14 +178,14 @@ std::string import_json(const ImportReport& r) {
                {{"dims", {r.bone_dims.x, r.bone_dims.y, r.bone_dims.z}},
                 {"spacing_mm", r.bone_spacing / kMillimetre},
                 {"voxels", r.bone_voxels},
-                {"share", r.facts.bone_share},
-                {"from_mm", in_mm(r.facts.bone_lo)},
-                {"to_mm", in_mm(r.facts.bone_hi)},
+                {"share", r.bone_share},
+                {"from_mm", in_mm(r.bone_lo)},
+                {"to_mm", in_mm(r.bone_hi)},
                 {"bytes", r.bytes}}},
               {"assumed", r.scan.assumed},
               {"skipped", skipped},
               {"kept", kept}}
-             .dump(2) +
+             .dump(2, ' ', false, Json::error_handler_t::replace) +
          "\n";
 }
 
@@ -150,12 +200,13 @@ std::string import_text(const ImportReport& r) {
   if (r.grid.oblique > 1e-4) text += fmt::format("  oblique    {:.2f} deg off the patient's axes\n", r.grid.oblique / kDegree);
   if (knows_values(r))
     text += fmt::format("  values     {:g} to {:g}{}\n", r.facts.value_min, r.facts.value_max, r.facts.hounsfield ? " HU" : " (not HU)");
-  text += fmt::format("  bone       {} voxels of {:.3g} mm, {} of them bone ({:.2f} %), {:.1f} MB\n", size_text(r.bone_dims),
-                      r.bone_spacing / kMillimetre, r.bone_voxels, 100.0 * r.facts.bone_share, static_cast<double>(r.bytes) / kMegabyte);
-  if (glm::any(glm::greaterThan(r.facts.bone_hi, r.facts.bone_lo)))
+  text += fmt::format("  bone       {} voxels{}, {} of them bone ({:.2f} %), {:.1f} MB\n", size_text(r.bone_dims),
+                      r.resampled ? fmt::format(" of {:.3g} mm", r.bone_spacing / kMillimetre) : " as they are", r.bone_voxels,
+                      100.0 * r.bone_share, static_cast<double>(r.bytes) / kMegabyte);
+  if (glm::any(glm::greaterThan(r.bone_hi, r.bone_lo)))
     text += fmt::format("  bone spans x {:.1f} to {:.1f}, y {:.1f} to {:.1f}, z {:.1f} to {:.1f} mm (patient: left, posterior, superior)\n",
-                        r.facts.bone_lo.x / kMillimetre, r.facts.bone_hi.x / kMillimetre, r.facts.bone_lo.y / kMillimetre,
-                        r.facts.bone_hi.y / kMillimetre, r.facts.bone_lo.z / kMillimetre, r.facts.bone_hi.z / kMillimetre);
+                        r.bone_lo.x / kMillimetre, r.bone_hi.x / kMillimetre, r.bone_lo.y / kMillimetre, r.bone_hi.y / kMillimetre,
+                        r.bone_lo.z / kMillimetre, r.bone_hi.z / kMillimetre);
   for (const std::string& line : r.scan.assumed) text += "  assumed    " + line + "\n";
   for (const Skipped& s : r.scan.skipped) text += fmt::format("  skipped    {} x {}\n", s.count, s.reason);
   for (const KeptField& field : r.scan.kept) text += fmt::format("  kept       {} = {}\n", field.name, field.value);

@@ -27,7 +27,10 @@ struct ImportReport {
   GridShape grid;      ///< as scanned
   BoneFromScan facts;  ///< range of values, offset, share and box of bone; its model is not kept here
   Vec3i bone_dims{0};
-  double bone_spacing = 0.0;  ///< [m] edge of the cube with a voxel's volume
+  bool resampled = false;
+  double bone_share = 0.0;          ///< of the voxels, occupancy >= 0.5
+  Vec3 bone_lo{0.0}, bone_hi{0.0};  ///< [m] box round the bone voxels' centres, bone frame
+  double bone_spacing = 0.0;        ///< [m] edge of the cube with a voxel's volume
   std::uint64_t bone_voxels = 0, bytes = 0;
 };
 
@@ -36,8 +39,8 @@ struct ImportedBone {
   ImportReport report;
 };
 
-/// Reads and classifies. A .vdb is taken for a bone model of this program unless a unit is given, which only another program's needs.
-/// @param say gets one line on the memory needed, before it is taken; may be empty. @returns bad_input with the path as place.
+/// Reads and classifies. A bone model of this program is taken as it is; another program's .vdb needs its unit. Options that a format has no use
+/// for are refused. @param say gets one line on the memory that the bone needs, before that is taken; may be empty. @returns bad_input with the path as place.
 [[nodiscard]] Result<ImportedBone> import_bone(const ImportRequest& request, const std::function<void(const std::string&)>& say);
 
 /// {schema, source, format, series[], dims, spacing_mm, direction, shear_deg, oblique_deg, values{..}, bone{..}, assumed[], skipped[], kept{}}

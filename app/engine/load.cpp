@@ -28,7 +28,8 @@ Status load_bone(const LoadOptions& options, LoadedScene& out) {
   if (volume.scan->region)
     request.bone.region = BoneRegion{out.scene.approach.entry + out.scene.approach.axis * kRegionDepth, *volume.scan->region};
   auto imported = import_bone(request, options.say);
-  if (!imported) return imported.error();
+  // The scan is what the key `source` says: the fault is told there, with the scan's path in it.
+  if (!imported) return Error{imported.error().code, imported.error().text(), volume.place};
   out.bone = std::move(imported->bone);
   out.import = std::move(imported->report);
   return {};

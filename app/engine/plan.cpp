@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/engine/bone_step.h"
 #include "app/engine/effect_names.h"
@@ -76,8 +77,10 @@ void warn(const LoadedScene& loaded, Plan& plan) {
     const double edge = loaded.bone->bone_from_index().mean_edge();
     if (engaged < edge)
       plan.warnings.push_back(
-          fmt::format("engaged depth push_N / cutting_N_per_m = {:.3f} mm is under a voxel ({:.3f} mm): little will be cut", 1e3 * engaged,
-                      1e3 * edge));
+          fmt::format("engaged depth push_N / cutting_N_per_m = {:.3f} mm is under a voxel ({:.3f} mm): little will be cut; push with "
+                      "{:.0f} N or more, "
+                      "or take a finer spacing_mm",
+                      1e3 * engaged, 1e3 * edge, std::ceil(edge * scene.contact->tool.cutting_stiffness)));
   }
   if (scene.contact && scene.contact->constrained && scene.hand.feels && scene.contact->tool.coupling_stiffness > bearable_coupling(scene))
     plan.warnings.push_back(

@@ -177,7 +177,9 @@ std::string note_on(const std::string& path) {
   if (path != "volume") return {};
   std::string phantoms;
   for (const std::string& name : phantom_names()) phantoms += (phantoms.empty() ? "" : ", ") + markdown_code(name);
-  return " The phantoms are " + phantoms + ": generated bone whose exact shape is known. Names in capitals stand for files of that kind.";
+  return " The phantoms are " + phantoms +
+         ": generated bone whose exact shape is known. `SCAN` stands for any file or folder: a scan, a mesh, or a bone model, which is "
+         "taken as it is.";
 }
 
 /// Sections of the tables inside `path`, in the order of reading.

@@ -47,10 +47,11 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   out.removed_mm3 = hole.removed * kMm3;
   out.removed_mass_mm3 = simulation.bone_step().removed_mass() * kMm3;
   out.hole_diameter_mm = in_mm(hole.outer_diameter);
-  out.inner_diameter_mm = in_mm(hole.inner_diameter);
+  if (progress.breakthrough_depth) out.inner_diameter_mm = in_mm(hole.inner_diameter);  // before it there is no hole in the inner surface
   out.thickness_mm = simulation.approach().thickness * kMm;
   out.angle_deg = simulation.approach().angle / kDegree;
   out.peak_force_N = progress.peak_force;
+  out.reached_mm = progress.deepest * kMm;
   out.depth_mm = in_mm(progress.breakthrough_depth);
   out.breakthrough_s = progress.breakthrough_time;
   if (progress.breakthrough_depth) {
@@ -141,6 +142,7 @@ std::string summary_json(const RunSummary& s) {
                       {"hole_diameter_mm", optional_number(s.hole_diameter_mm)},
                       {"inner_diameter_mm", optional_number(s.inner_diameter_mm)},
                       {"depth_mm", optional_number(s.depth_mm)},
+                      {"reached_mm", s.reached_mm},
                       {"thickness_mm", s.thickness_mm},
                       {"breakthrough_s", optional_number(s.breakthrough_s)},
                       {"plunge_mm", optional_number(s.plunge_mm)},

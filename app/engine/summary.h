@@ -24,6 +24,7 @@ struct RunSummary {
   std::uint64_t bone_voxels = 0, volume_bytes = 0, haptic_points = 0, erosion_points = 0;
   double duration_s = 0.0, wall_s = 0.0;
   double removed_mm3 = 0.0, removed_mass_mm3 = 0.0, thickness_mm = 0.0, angle_deg = 0.0, peak_force_N = 0.0;
+  double reached_mm = 0.0;  ///< furthest tip, along the axis from the entry
   std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, plunge_mm, removed_at_breakthrough, largest_ahead_mm;
   std::vector<std::pair<std::string, StepTiming>> timing;  ///< servo, contact, erosion, gradient, upload, frame
   std::uint64_t missed = 0;                                ///< lockstep misses none

@@ -33,9 +33,13 @@ Status check_field(const std::vector<float>& field, std::size_t count, const cha
 
 }  // namespace
 
-BoneModel::BoneModel(const Vec3i& dims, const Affine& bone_from_index, std::unique_ptr<Grids> grids)
-    : dims_(dims), bone_from_index_(bone_from_index), grids_(std::move(grids)) {
-  grids_->occupancy.for_each_sorted([this](const Vec3i&, float value) { bone_voxels_ += value >= 0.5f ? 1 : 0; });
+BoneModel::BoneModel(const Vec3i& dims, const Affine& bone_from_index, std::unique_ptr<Grids> grids, std::string notes)
+    : dims_(dims), bone_from_index_(bone_from_index), grids_(std::move(grids)), notes_(std::move(notes)) {
+  grids_->occupancy.for_each_sorted([this](const Vec3i& v, float value) {
+    if (value < 0.5f) return;
+    ++bone_voxels_;
+    bone_box_.include(v);
+  });
 }
 BoneModel::~BoneModel() = default;
 
@@ -72,8 +76,8 @@ Status BoneModelBuilder::add(const VoxelBox& box, const DenseBone& fields) {
   return {};
 }
 
-std::shared_ptr<const BoneModel> BoneModelBuilder::finish() {
-  return std::shared_ptr<const BoneModel>(new BoneModel(dims_, bone_from_index_, std::move(grids_)));
+std::shared_ptr<const BoneModel> BoneModelBuilder::finish(std::string notes) {
+  return std::shared_ptr<const BoneModel>(new BoneModel(dims_, bone_from_index_, std::move(grids_), std::move(notes)));
 }
 
 Result<std::shared_ptr<const BoneModel>> BoneModel::load(const std::string& path) {
@@ -91,7 +95,8 @@ Result<std::shared_ptr<const BoneModel>> BoneModel::load(const std::string& path
   }
   if (found != 4 || VoxelBox{Vec3i(0), content->dims}.empty())
     return bad_input("is not a bone model: grids occupancy, hardness, soft and labels are needed", path);
-  return std::shared_ptr<const BoneModel>(new BoneModel(content->dims, content->bone_from_index, std::move(grids)));
+  return std::shared_ptr<const BoneModel>(
+      new BoneModel(content->dims, content->bone_from_index, std::move(grids), std::move(content->notes)));
 }
 
 std::size_t BoneModel::bytes() const {

@@ -51,6 +51,9 @@ class BoneModel {
   [[nodiscard]] VoxelBox bounds() const noexcept { return {Vec3i(0), dims_}; }
   [[nodiscard]] const Affine& bone_from_index() const noexcept { return bone_from_index_; }
   [[nodiscard]] std::size_t bone_voxels() const noexcept { return bone_voxels_; }  ///< occupancy >= 0.5
+  [[nodiscard]] const VoxelBox& bone_box() const noexcept { return bone_box_; }    ///< round those
+  /// What was taken for granted when the bone was made from a scan, a line each; saved with it.
+  [[nodiscard]] const std::string& notes() const noexcept { return notes_; }
   [[nodiscard]] std::size_t bytes() const;
   // Dense copies of a box, i fastest; the box may reach outside the grid, where all fields are 0.
   void read_occupancy(const VoxelBox& box, std::span<float> out) const;
@@ -65,11 +68,13 @@ class BoneModel {
  private:
   friend class BoneModelBuilder;
   struct Grids;
-  BoneModel(const Vec3i& dims, const Affine& bone_from_index, std::unique_ptr<Grids> grids);
+  BoneModel(const Vec3i& dims, const Affine& bone_from_index, std::unique_ptr<Grids> grids, std::string notes);
   Vec3i dims_;
   Affine bone_from_index_;
   std::unique_ptr<Grids> grids_;
   std::size_t bone_voxels_ = 0;
+  VoxelBox bone_box_;
+  std::string notes_;
 };
 
 /// Makes a bone model part by part, so that a large scan never lies in memory as dense fields. One owner.
@@ -84,7 +89,7 @@ class BoneModelBuilder {
   /// bad_input as BoneModel::create, or when the box reaches outside.
   [[nodiscard]] Status add(const VoxelBox& box, const DenseBone& fields);
   /// The model; the builder is empty afterwards.
-  [[nodiscard]] std::shared_ptr<const BoneModel> finish();
+  [[nodiscard]] std::shared_ptr<const BoneModel> finish(std::string notes = {});
 
  private:
   BoneModelBuilder(const Vec3i& dims, const Affine& bone_from_index);

@@ -145,7 +145,8 @@ VoxelBox FloatVdb::active_bounds() const {
   return {{b.min().x(), b.min().y(), b.min().z()}, {b.max().x() + 1, b.max().y() + 1, b.max().z() + 1}};
 }
 
-Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index, std::span<const FloatVdb* const> grids) {
+Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index, std::span<const FloatVdb* const> grids,
+                 const std::string& notes) {
   const std::string temporary = path + ".tmp";
   // The transform is for other programs. It takes edges for equal, and shear for none, below an absolute 5e-7, and edges below 1.4e-5 for
   // singular, so it is given in mm; the exact map is kept beside it.
@@ -157,6 +158,7 @@ Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_
       copy->setTransform(openvdb::math::Transform::createLinearTransform(matrix_of(in_millimetres)));
       copy->insertMeta(kAffineKey, openvdb::Mat4DMetadata(matrix_of(bone_from_index)));
       copy->insertMeta("burrhole_dims", openvdb::Vec3IMetadata(openvdb::Vec3i(dims.x, dims.y, dims.z)));
+      if (!notes.empty()) copy->insertMeta("burrhole_notes", openvdb::StringMetadata(notes));
       copy->setSaveFloatAsHalf(false);
       out.push_back(copy);
     }
@@ -214,6 +216,7 @@ Result<VdbFileContent> read_vdb(const std::string& path) {
         const openvdb::Vec3i d = dims->value();
         content.dims = {d.x(), d.y(), d.z()};
       }
+      if (const auto notes = grid->getMetadata<openvdb::StringMetadata>("burrhole_notes")) content.notes = notes->value();
       FloatVdb wrapped(grid->getName(), grid->background());
       wrapped.impl().grid = grid;
       content.grids.push_back(std::move(wrapped));

@@ -47,13 +47,14 @@ class FloatVdb {
 struct VdbFileContent {
   Vec3i dims{0};
   Affine bone_from_index;
+  std::string notes;  ///< lines of text that go with the bone
   std::vector<FloatVdb> grids;
 };
 
 /// Writes to a temporary name and renames. The map is kept exactly as metadata; the transform, for other programs, is the same in mm.
 /// bad_input when the place cannot be written.
 [[nodiscard]] Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index,
-                               std::span<const FloatVdb* const> grids);
+                               std::span<const FloatVdb* const> grids, const std::string& notes = {});
 /// Reads without delayed loading. bad_input when missing, foreign or damaged.
 [[nodiscard]] Result<VdbFileContent> read_vdb(const std::string& path);
 

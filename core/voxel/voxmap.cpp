@@ -116,7 +116,7 @@ Status Voxmap::save(const std::string& path) {
   write_back();
   std::vector<const FloatVdb*> grids = bone_->grids();
   grids.push_back(&store_->remaining);
-  return write_vdb(path, bone_->dims(), bone_->bone_from_index(), grids);
+  return write_vdb(path, bone_->dims(), bone_->bone_from_index(), grids, bone_->notes());
 }
 
 Status Voxmap::restore(const std::string& path) {

@@ -19,27 +19,34 @@ constexpr std::array<double, 2> kOccupancyBand{0.0, 1.0};
 
 // ---- what the numbers mean ----
 
+/// Shares are of the voxels at -1100 and above: scanners pad what they do not see with anything below.
 struct ValueFacts {
   double min = 0.0, max = 0.0;
-  double air_share = 0.0;  ///< of voxels at -500 or below
+  double air_share = 0.0;  ///< from -1100 to -900
+  double low_share = 0.0;  ///< from -1100 to -1
   // Of a scan stored as HU + 1024, soft tissue lies from 900 to 1200 and next to nothing between air and fat.
-  double tissue_share = 0.0;  ///< of voxels from 900 to 1200
-  double gap_share = 0.0;     ///< of voxels from 450 to 750
+  double tissue_share = 0.0;  ///< from 900 to 1200
+  double gap_share = 0.0;     ///< from 450 to 750
 };
 
 ValueFacts look_at(std::span<const float> values) {
+  constexpr float kPadding = -1100.0f;
   ValueFacts out;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  out.min = *low;
-  out.max = *high;
-  std::size_t air = 0, tissue = 0, gap = 0;
+  out.min = static_cast<double>(*low);
+  out.max = static_cast<double>(*high);
+  std::size_t real = 0, air = 0, negative = 0, tissue = 0, gap = 0;
   for (const float v : values) {
-    air += v <= -500.0f ? 1 : 0;
+    if (v < kPadding) continue;
+    ++real;
+    air += v <= -900.0f ? 1 : 0;
+    negative += v < 0.0f ? 1 : 0;
     tissue += v >= 900.0f && v <= 1200.0f ? 1 : 0;
     gap += v >= 450.0f && v <= 750.0f ? 1 : 0;
   }
-  const double count = static_cast<double>(values.size());
+  const double count = static_cast<double>(std::max<std::size_t>(real, 1));
   out.air_share = static_cast<double>(air) / count;
+  out.low_share = static_cast<double>(negative) / count;
   out.tissue_share = static_cast<double>(tissue) / count;
   out.gap_share = static_cast<double>(gap) / count;
   return out;
@@ -51,39 +58,37 @@ struct Meaning {
   std::array<double, 2> band = kBoneHu;
 };
 
-Status check_band(const std::array<double, 2>& band) {
-  if (!(std::isfinite(band[0]) && std::isfinite(band[1]) && band[0] < band[1]))
-    return bad_input(fmt::format("the band of bone must increase: {:g}, {:g}", band[0], band[1]));
-  return {};
+/// Air fills much of a scan of a head, and some of any scan; a spread of arbitrary 16-bit numbers has 0.3 % there.
+bool holds_air(const ValueFacts& facts) {
+  constexpr double kAirShare = 0.01;
+  return facts.air_share > kAirShare;
+}
+
+bool is_offset_scan(const ValueFacts& facts) {
+  // Two head CTs stored so have 18 and 27 % tissue, 10 and 15 times what lies in the gap; an MR of the same range has 1 %, less than its gap.
+  constexpr double kTissueShare = 0.02, kOverGap = 3.0, kNoise = 1e-3;
+  return facts.low_share < kNoise && facts.max > 1200.0 && facts.tissue_share > kTissueShare &&
+         facts.tissue_share > kOverGap * facts.gap_share;
 }
 
 /// HU, HU + 1024, or the file's own unit, for which the band must be given.
 Result<Meaning> find_meaning(const Scan& scan, const ValueFacts& facts, const BoneOptions& options, std::vector<std::string>& assumed) {
-  // Two head CTs stored so have 18 and 27 % there, 10 and 15 times what lies in the gap; an MR of the same range has 1 %, less than its gap.
-  constexpr double kTissueShare = 0.02, kOverGap = 3.0;
   Meaning out;
   if (options.band) out.band = *options.band;
-  if (const Status status = check_band(out.band); !status) return status.error();
-  if (options.hu_offset) {
-    out.offset = *options.hu_offset;
+  if (options.hu_offset || scan.quantity == Quantity::hounsfield) {
     out.hounsfield = true;
-    return out;
-  }
-  const bool air = facts.air_share > 0.0;
-  const bool offset_scan =
-      facts.min >= 0.0 && facts.max > 1200.0 && facts.tissue_share > kTissueShare && facts.tissue_share > kOverGap * facts.gap_share;
-  if (scan.quantity == Quantity::hounsfield) {
-    out.hounsfield = true;
-  } else if (options.band) {
-    assumed.push_back("values are compared with the band given, as they are");
-  } else if (scan.quantity == Quantity::unknown && air) {
-    out.hounsfield = true;
-    assumed.push_back(fmt::format("values from {:g} to {:g} hold air, so they are taken as HU", facts.min, facts.max));
-  } else if (scan.quantity == Quantity::unknown && offset_scan) {
+    out.offset = options.hu_offset.value_or(0.0);
+  } else if (scan.quantity == Quantity::unknown && is_offset_scan(facts)) {
     out.hounsfield = true;
     out.offset = -1024.0;
     assumed.push_back(fmt::format("values from {:g} to {:g} with {:.0f} % between 900 and 1200 are taken as HU + 1024", facts.min,
                                   facts.max, 100.0 * facts.tissue_share));
+  } else if (scan.quantity == Quantity::unknown && holds_air(facts)) {
+    out.hounsfield = true;
+    assumed.push_back(fmt::format("values from {:g} to {:g}, {:.0f} % of them air near -1000, are taken as HU", facts.min, facts.max,
+                                  100.0 * facts.air_share));
+  } else if (options.band) {
+    assumed.push_back("values are no HU: they are compared with the band given as they are");
   } else {
     return bad_input(
         fmt::format("values from {:g} to {:g} are not Hounsfield units ({}); if there is bone in them, name its band in the "
@@ -95,20 +100,16 @@ Result<Meaning> find_meaning(const Scan& scan, const ValueFacts& facts, const Bo
 
 // ---- the grid ----
 
-/// Box round the centres of some voxels, bone frame.
-std::array<Vec3, 2> bounds_of(const VoxelBox& box, const Affine& bone_from_index) {
-  Vec3 lo(std::numeric_limits<double>::max()), hi(std::numeric_limits<double>::lowest());
-  for (const int i : {box.lo.x, box.hi.x - 1})
-    for (const int j : {box.lo.y, box.hi.y - 1})
-      for (const int k : {box.lo.z, box.hi.z - 1}) {
-        lo = glm::min(lo, bone_from_index * Vec3(i, j, k));
-        hi = glm::max(hi, bone_from_index * Vec3(i, j, k));
-      }
-  return {lo, hi};
-}
-
 std::string mm_text(const Vec3& v) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f})", v.x / kMillimetre, v.y / kMillimetre, v.z / kMillimetre);
+}
+
+/// A region that the scan does not fill is cut at the scan's end: told, as its missing part looks like an edge of the bone.
+void tell_missing_region(const BoneOptions& options, const BoneGrid& grid, std::vector<std::string>& assumed) {
+  if (!options.region) return;
+  const Vec3 size = Vec3(grid.dims - 1) * *options.spacing;
+  if (glm::all(glm::greaterThan(size, options.region->size - 2.0 * *options.spacing))) return;
+  assumed.push_back(fmt::format("the scan ends within the region: {} mm of {} mm are there", mm_text(size), mm_text(options.region->size)));
 }
 
 // ---- values on the grid, slab by slab ----
@@ -150,8 +151,9 @@ struct CubicAxis {
   }
 };
 
-/// Points outside the box of the voxel centres take the value at its border.
-float sample(const Scan& scan, const Vec3& index) {
+/// Beyond the outer faces of the scan's voxels there is nothing, `nothing`; in their outer halves the border's value holds.
+float sample(const Scan& scan, const Vec3& index, float nothing) {
+  if (glm::any(glm::lessThan(index, Vec3(-0.5))) || glm::any(glm::greaterThan(index, Vec3(scan.dims) - 0.5))) return nothing;
   const std::ptrdiff_t row = scan.dims.x, layer = row * scan.dims.y;
   const CubicAxis x(index.x, scan.dims.x, 1), y(index.y, scan.dims.y, row), z(index.z, scan.dims.z, layer);
   double sum = 0.0;
@@ -168,12 +170,12 @@ float sample(const Scan& scan, const Vec3& index) {
   return static_cast<float>(sum);
 }
 
-void fill_resampled(const Scan& scan, const Affine& scan_from_grid, int k_lo, Slab& slab) {
+void fill_resampled(const Scan& scan, const Affine& scan_from_grid, float nothing, int k_lo, Slab& slab) {
   const Vec3i size = slab.padded();
   std::size_t n = 0;
   for (int k = 0; k < size.z; ++k)
     for (int j = 0; j < size.y; ++j)
-      for (int i = 0; i < size.x; ++i) slab.values[n++] = sample(scan, scan_from_grid * Vec3(i - 1, j - 1, k_lo + k - 1));
+      for (int i = 0; i < size.x; ++i) slab.values[n++] = sample(scan, scan_from_grid * Vec3(i - 1, j - 1, k_lo + k - 1), nothing);
 }
 
 // ---- occupancy and hardness ----
@@ -181,35 +183,16 @@ void fill_resampled(const Scan& scan, const Affine& scan_from_grid, int k_lo, Sl
 struct Rule {
   std::array<double, 2> band;
   double offset = 0.0;
-  bool given_occupancy = false;
-  std::vector<float> hardness;  ///< of values first + n * step
-  double first = 0.0, step = 1.0;
+  bool given_occupancy = false;  ///< values are occupancy already
+  bool hounsfield = false;
+  std::vector<HardnessPoint> table;
 
   [[nodiscard]] float hardness_at(double value) const {
-    const double n = std::clamp((value - first) / step, 0.0, static_cast<double>(hardness.size() - 1));
-    return hardness[static_cast<std::size_t>(n + 0.5)];
+    return static_cast<float>(!table.empty() ? hardness_of_table(table, value)
+                              : hounsfield   ? hardness_of_hounsfield(value)
+                                             : kMeshHardness);
   }
 };
-
-/// Hardness looked up to the nearest half unit: a thousandth of its range, while the fields are float and scans are whole HU.
-Rule make_rule(const Scan& scan, const Meaning& meaning, const BoneOptions& options, const ValueFacts& facts) {
-  Rule out;
-  out.given_occupancy = scan.quantity == Quantity::occupancy;
-  out.band = out.given_occupancy ? kOccupancyBand : meaning.band;
-  out.offset = meaning.offset;
-  const double low = facts.min + meaning.offset, high = facts.max + meaning.offset;
-  constexpr std::size_t kEntries = 1u << 16;
-  out.first = low;
-  out.step = std::max((high - low) / static_cast<double>(kEntries - 1), 1e-9);
-  out.hardness.resize(kEntries);
-  for (std::size_t n = 0; n < kEntries; ++n) {
-    const double value = out.first + out.step * static_cast<double>(n);
-    out.hardness[n] = static_cast<float>(!options.hardness.empty() ? hardness_of_table(options.hardness, value)
-                                         : meaning.hounsfield      ? hardness_of_hounsfield(value)
-                                                                   : kMeshHardness);
-  }
-  return out;
-}
 
 void classify(const Slab& slab, const Rule& rule, DenseBone& out) {
   const Vec3i size = slab.padded();
@@ -234,20 +217,6 @@ void classify(const Slab& slab, const Rule& rule, DenseBone& out) {
     }
 }
 
-struct BoneCount {
-  std::size_t voxels = 0;
-  VoxelBox box;
-
-  void add(const DenseBone& part, const VoxelBox& where) {
-    std::size_t n = 0;
-    for_each_voxel(where, [&](const Vec3i& v) {
-      if (part.occupancy[n++] < 0.5f) return;
-      ++voxels;
-      box.include(v);
-    });
-  }
-};
-
 }  // namespace
 
 double density_of_hounsfield(double hu) noexcept {
@@ -270,11 +239,28 @@ double hardness_of_table(const std::vector<HardnessPoint>& table, double value) 
   return a.hardness + (b.hardness - a.hardness) * (value - a.value) / (b.value - a.value);
 }
 
+std::array<Vec3, 2> bounds_of(const VoxelBox& box, const Affine& bone_from_index) {
+  Vec3 lo(std::numeric_limits<double>::max()), hi(std::numeric_limits<double>::lowest());
+  for (const int i : {box.lo.x, box.hi.x - 1})
+    for (const int j : {box.lo.y, box.hi.y - 1})
+      for (const int k : {box.lo.z, box.hi.z - 1}) {
+        lo = glm::min(lo, bone_from_index * Vec3(i, j, k));
+        hi = glm::max(hi, bone_from_index * Vec3(i, j, k));
+      }
+  return {lo, hi};
+}
+
+Status check_options(const BoneOptions& options) {
+  if (options.band && !(std::isfinite((*options.band)[0]) && std::isfinite((*options.band)[1]) && (*options.band)[0] < (*options.band)[1]))
+    return bad_input(fmt::format("the band of bone must increase: {:g}, {:g}", (*options.band)[0], (*options.band)[1]));
+  if (options.region && !options.spacing)
+    return bad_input("a region is cut out by resampling: it needs a spacing (--spacing-mm; spacing_mm in a scene)");
+  return {};
+}
+
 Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options) {
-  if (!options.spacing) {
-    if (options.region) return bad_input("a region is cut out by resampling: it needs a spacing (--spacing-mm; spacing_mm in a scene)");
-    return BoneGrid{scan.dims, scan.bone_from_index, false};
-  }
+  if (const Status checked = check_options(options); !checked) return checked.error();
+  if (!options.spacing) return BoneGrid{scan.dims, scan.bone_from_index, false};
   const double pitch = *options.spacing;
   auto [lo, hi] = bounds_of({Vec3i(0), scan.dims}, scan.bone_from_index);
   if (options.region) {
@@ -294,7 +280,8 @@ Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options) {
   return BoneGrid{Vec3i(count), Affine::scaling(pitch, lo), true};
 }
 
-Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed) {
+Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,
+                               const std::function<void(const BoneGrid&)>& before) {
   if (scan.values.empty() || scan.values.size() != VoxelBox{Vec3i(0), scan.dims}.count()) return bad_input("the scan has no voxels");
   const ValueFacts facts = look_at(scan.values);
   Meaning meaning;
@@ -309,18 +296,21 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
   }
   const auto grid = plan_grid(scan, options);
   if (!grid) return grid.error();
+  if (before) before(*grid);
   auto builder = BoneModelBuilder::create(grid->dims, grid->bone_from_index);
   if (!builder) return builder.error();
 
-  const Rule rule = make_rule(scan, meaning, options, facts);
+  const bool given = scan.quantity == Quantity::occupancy;
+  const Rule rule{given ? kOccupancyBand : meaning.band, meaning.offset, given, meaning.hounsfield, options.hardness};
+  // Beyond the scan: no bone, whatever its own lowest value is.
+  const double nothing = std::min(facts.min, rule.band[0] - meaning.offset);
   const Affine scan_from_grid = scan.bone_from_index.inverse() * grid->bone_from_index;
-  BoneCount count;
   for (int k = 0; k < grid->dims.z; k += kSlab) {
     const VoxelBox where{{0, 0, k}, {grid->dims.x, grid->dims.y, std::min(k + kSlab, grid->dims.z)}};
     Slab slab{where.size(), {}};
     slab.values.resize(VoxelBox{Vec3i(0), slab.padded()}.count());
     if (grid->resampled)
-      fill_resampled(scan, scan_from_grid, k, slab);
+      fill_resampled(scan, scan_from_grid, static_cast<float>(nothing), k, slab);
     else
       fill_native(scan, k, slab);
     DenseBone part;
@@ -328,24 +318,19 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
     part.hardness.resize(where.count());
     part.labels.resize(where.count());
     classify(slab, rule, part);
-    count.add(part, where);
     if (const Status added = builder->add(where, part); !added) return added.error();
   }
+  tell_missing_region(options, *grid, assumed);
   BoneFromScan out;
-  out.has_values = scan.quantity != Quantity::occupancy;
+  out.has_values = !given;
   out.value_min = facts.min + meaning.offset;
   out.value_max = facts.max + meaning.offset;
   out.hu_offset = meaning.offset;
   out.hounsfield = meaning.hounsfield;
-  if (count.voxels == 0)
-    return bad_input(fmt::format("no bone: values from {:g} to {:g} hold nothing above the middle of the band {:g} to {:g}", out.value_min,
-                                 out.value_max, rule.band[0], rule.band[1]));
-  out.bone = builder->finish();
-  out.bone_share = static_cast<double>(count.voxels) / static_cast<double>(VoxelBox{Vec3i(0), grid->dims}.count());
-  const auto [lo, hi] = bounds_of(count.box, grid->bone_from_index);
-  out.bone_lo = lo;
-  out.bone_hi = hi;
-  return out;
+  out.bone = builder->finish(fmt::format("{}", fmt::join(assumed, "\n")));
+  if (out.bone->bone_voxels() > 0) return out;
+  return bad_input(fmt::format("no bone: values from {:g} to {:g} hold nothing above the middle of the band {:g} to {:g}", out.value_min,
+                               out.value_max, rule.band[0], rule.band[1]));
 }
 
 }  // namespace burrhole

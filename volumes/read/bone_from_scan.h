@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -54,6 +55,12 @@ struct BoneGrid {
   bool resampled = false;
 };
 
+/// @returns bad_input: a band that does not increase, a region without a spacing.
+[[nodiscard]] Status check_options(const BoneOptions& options);
+
+/// Box round the centres of some voxels: lowest and highest corner, bone frame [m].
+[[nodiscard]] std::array<Vec3, 2> bounds_of(const VoxelBox& box, const Affine& bone_from_index);
+
 /// @returns the scan's own grid, or the isotropic one in the bone frame that options ask for; bad_input if it passes kMaxResampledVoxels or
 /// the region misses the scan, with the numbers.
 [[nodiscard]] Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options);
@@ -63,13 +70,14 @@ struct BoneFromScan {
   bool has_values = false;                  ///< the scan has values that mean density, not occupancy
   double value_min = 0.0, value_max = 0.0;  ///< of the scan, offset applied
   double hu_offset = 0.0;
-  bool hounsfield = false;          ///< values are taken as HU
-  double bone_share = 0.0;          ///< of the voxels of `bone`, occupancy >= 0.5
-  Vec3 bone_lo{0.0}, bone_hi{0.0};  ///< [m] box round the bone voxels' centres, bone frame
+  bool hounsfield = false;  ///< values are taken as HU
 };
 
 /// @param assumed gets one line for each thing taken for granted. @returns bad_input: values that are no HU and no band given, a band that is
-/// not increasing, no bone in the band (with the range found). Works in slabs: beside the scan it needs the bone's own grids and 30 MB.
-[[nodiscard]] Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed);
+/// not increasing, no bone in the band (with the range found). Works in slabs: beside the scan it needs the bone's own grids
+/// and about 120 bytes a voxel of one layer.
+/// `before` is called when the grid is known and before it takes memory; may be empty.
+[[nodiscard]] Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,
+                                             const std::function<void(const BoneGrid&)>& before = {});
 
 }  // namespace burrhole

@@ -141,11 +141,20 @@ struct FrameScope {
   }
 };
 
-DicomFrame read_frame(const FrameScope& scope, int columns, int rows) {
+/// Slope and intercept, which stand together; a frame's own, those of all frames, or the file's. Not a number: NaN, refused later.
+void read_rescale(const FrameScope& scope, const DicomItem& file_top, DicomFrame& frame) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const DicomItem* holder = &scope.holder(kPixelValues, kSlope);
+  if (holder->find(kSlope) == nullptr) holder = &scope.holder(kPixelValues, kIntercept);
+  if (holder->find(kSlope) == nullptr && holder->find(kIntercept) == nullptr) holder = &file_top;
+  if (holder->find(kSlope) != nullptr) frame.slope = number_or(*holder, kSlope, kNone);
+  if (holder->find(kIntercept) != nullptr) frame.intercept = number_or(*holder, kIntercept, kNone);
+  frame.has_rescale = holder->find(kSlope) != nullptr && holder->find(kIntercept) != nullptr;
+}
+
+DicomFrame read_frame(const FrameScope& scope, const DicomItem& file_top, int columns, int rows) {
   DicomFrame frame;
-  const DicomItem& values = scope.holder(kPixelValues, kSlope);
-  frame.slope = number_or(values, kSlope, 1.0);
-  frame.intercept = number_or(values, kIntercept, 0.0);
+  read_rescale(scope, file_top, frame);
   frame.thickness_mm = number_or(scope.holder(kPixelMeasures, kSliceThickness), kSliceThickness, 0.0);
   const auto position = numbers(scope.holder(kPlanePosition, kImagePosition), kImagePosition, 3);
   const auto turn = numbers(scope.holder(kPlaneOrientation, kImageOrientation), kImageOrientation, 6);
@@ -169,24 +178,23 @@ std::string read_frames(const DicomItem& top, DicomHeader& out) {
   if (claimed < 1.0 || claimed != std::floor(claimed)) return fmt::format("the number of frames is {:.6g}", claimed);
   if (described == 0) {
     if (claimed > 1.0) return fmt::format("multi-frame that is no volume: {:.0f} frames without positions of their own", claimed);
-    out.frames = {read_frame({.own = nullptr, .shared = inside(&top, kSharedGroups), .top = &top}, out.columns, out.rows)};
+    out.frames = {read_frame({.own = nullptr, .shared = inside(&top, kSharedGroups), .top = &top}, top, out.columns, out.rows)};
     return {};
   }
   if (claimed != static_cast<double>(described))
     return fmt::format("multi-frame that is no volume: {:.0f} frames, {} of them described", claimed, described);
   for (const DicomItem& own : per_frame->items)
-    out.frames.push_back(read_frame({.own = &own, .shared = inside(&top, kSharedGroups), .top = nullptr}, out.columns, out.rows));
+    out.frames.push_back(read_frame({.own = &own, .shared = inside(&top, kSharedGroups), .top = nullptr}, top, out.columns, out.rows));
   return {};
 }
 
 /// RescaleType wherever it stands; "US" and others mean that the values are no Hounsfield units.
-void read_rescale(const DicomItem& top, DicomHeader& out) {
+void read_rescale_type(const DicomItem& top, DicomHeader& out) {
   const DicomValue* per_frame = top.find(kPerFrameGroups);
   const DicomItem* first = per_frame != nullptr && !per_frame->items.empty() ? &per_frame->items.front() : nullptr;
   const FrameScope scope{.own = first, .shared = inside(&top, kSharedGroups), .top = &top};
   const std::string type = text(scope.holder(kPixelValues, kRescaleType), kRescaleType);
   out.hounsfield = type.empty() || type == "HU";
-  out.has_rescale = scope.holder(kPixelValues, kSlope).find(kSlope) != nullptr;
 }
 
 /// 16 bits of padding value, read with the sign of the pixels whatever its own type is, as files disagree on that.
@@ -237,6 +245,7 @@ std::string size_fault(const DicomHeader& h) {
 
 std::string rescale_fault(const DicomHeader& h) {
   for (const DicomFrame& f : h.frames) {
+    if (!std::isfinite(f.slope) || !std::isfinite(f.intercept)) return "rescale slope or intercept is there, but is no number";
     const double largest = std::abs(f.slope) * std::ldexp(1.0, h.stored.bits_stored) + std::abs(f.intercept);
     if (f.slope == 0.0 || largest > static_cast<double>(std::numeric_limits<float>::max()))
       return fmt::format("rescale slope {:.4g} and intercept {:.4g} give no usable values", f.slope, f.intercept);
@@ -258,11 +267,12 @@ std::string read_image(const DicomElements& file, DicomHeader& out) {
     return fmt::format("pixels are {}compressed, which the transfer syntax denies", out.pixels.encapsulated ? "" : "not ");
   out.rows = u16(top, kRows, file.big_endian).value_or(0);
   out.columns = u16(top, kColumns, file.big_endian).value_or(0);
-  read_rescale(top, out);
+  read_rescale_type(top, out);
   out.white_is_low = text(top, kPhotometric) == "MONOCHROME1";
   out.lossy = text(top, kLossy) == "01";
   std::string fault = read_form(file, out);
   if (fault.empty()) fault = read_frames(top, out);
+  out.has_rescale = std::all_of(out.frames.begin(), out.frames.end(), [](const DicomFrame& f) { return f.has_rescale; });
   if (fault.empty()) fault = size_fault(out);
   return fault.empty() ? rescale_fault(out) : fault;
 }

@@ -32,6 +32,7 @@ struct StoredForm {
 struct DicomFrame {
   std::optional<SlicePlane> plane;  ///< absent: the file does not say where the frame lies
   double slope = 1.0, intercept = 0.0;
+  bool has_rescale = false;   ///< both are in the file
   double thickness_mm = 0.0;  ///< SliceThickness; 0: not said
 };
 
@@ -56,7 +57,7 @@ struct DicomHeader {
   std::optional<std::uint64_t> deflated_at;  ///< where inflation starts, for files whose data set is deflated
   std::uint64_t file_bytes = 0;
   std::vector<DicomFrame> frames;
-  bool has_rescale = false;       ///< slope and intercept are in the file
+  bool has_rescale = false;       ///< slope and intercept are in the file, for every frame
   bool hounsfield = true;         ///< RescaleType is HU or not said
   bool white_is_low = false;      ///< MONOCHROME1
   bool lossy = false;             ///< was compressed with loss

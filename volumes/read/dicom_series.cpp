@@ -163,10 +163,22 @@ std::string series_name(const std::string& number, std::size_t nth) {
   return nth < 26 ? number + static_cast<char>('a' + nth) : fmt::format("{}.{}", number, nth + 1);
 }
 
-/// Faultless before faulty, axial before others, then the larger.
+/// Faultless before faulty, CT before others, axial before others, then the larger.
 bool better(const DicomSeries& a, const DicomSeries& b) {
-  const auto rank = [](const DicomSeries& s) { return std::make_tuple(s.line.fault.empty(), s.line.direction == "axial", s.voxels()); };
+  const auto rank = [](const DicomSeries& s) {
+    return std::make_tuple(s.line.fault.empty(), s.line.modality == "CT", s.line.direction == "axial", s.voxels());
+  };
   return rank(a) > rank(b);
+}
+
+/// Whether two files of one instance UID are the same slice of the same series.
+bool lies_where(const DicomHeader& a, const DicomHeader& b) {
+  if (a.series_uid != b.series_uid || a.frames.size() != b.frames.size()) return false;
+  for (std::size_t n = 0; n < a.frames.size(); ++n) {
+    const auto &p = a.frames[n].plane, &q = b.frames[n].plane;
+    if (p.has_value() != q.has_value() || (p && p->position != q->position)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -176,12 +188,16 @@ Result<DicomFolder> scan_dicom_folder(const std::string& folder_or_file, const s
   if (!files) return files.error();
   DicomFolder out;
   ReasonCounts skipped;
-  std::set<std::string> instances;
+  std::map<std::string, std::size_t> instances;  // to the header that has it
   for (const std::string& path : *files) {
     auto header = read_dicom_header(path, keep);
     if (!header) return header.error();
     std::string reason = header->skip;
-    if (reason.empty() && !header->instance_uid.empty() && !instances.insert(header->instance_uid).second) reason = "duplicate";
+    if (reason.empty() && !header->instance_uid.empty()) {
+      const auto [at, fresh] = instances.try_emplace(header->instance_uid, out.headers.size());
+      // One UID on slices of several places is a careless anonymiser's: those are no copies.
+      if (!fresh && lies_where(out.headers[at->second], *header)) reason = "duplicate";
+    }
     if (reason.empty())
       out.headers.push_back(std::move(header).value());
     else

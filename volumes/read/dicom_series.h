@@ -41,7 +41,7 @@ struct DicomSeries {
 /// Groups slices into series and stacks each; what is wrong with one is in its line.
 [[nodiscard]] std::vector<DicomSeries> group_series(const DicomFolder& folder);
 
-/// The named series, or the largest axial one that has no fault, or the largest without fault.
+/// The named series, or of those without fault the largest axial CT, else CT, else axial, else largest.
 /// @returns its index; bad_input: unknown name (names listed), or the fault of the one that was asked for or of the largest when all have one.
 [[nodiscard]] Result<std::size_t> choose_series(const std::vector<DicomSeries>& series, const std::string& name, const std::string& place);
 

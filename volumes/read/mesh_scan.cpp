@@ -37,7 +37,7 @@ MeshSize size_of(const SurfaceMesh& mesh) {
 std::string size_text(const Vec3& size) { return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", size.x * 1e3, size.y * 1e3, size.z * 1e3); }
 
 Status check_options(const ReadOptions& options, const std::string& path) {
-  if (!options.unit) return bad_input("mesh files carry no unit of length: give --unit mm, cm, m or in", path);
+  if (!options.unit) return bad_input("mesh files carry no unit of length: give mm, cm, m or in (--unit; unit in a scene)", path);
   if (!std::isfinite(*options.unit) || *options.unit <= 0.0)
     return bad_input(fmt::format("unit = {:g} m must be > 0", *options.unit), path);
   if (options.pitch && (!std::isfinite(*options.pitch) || *options.pitch <= 0.0))

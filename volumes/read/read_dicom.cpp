@@ -58,9 +58,9 @@ void tell_assumptions(const DicomFolder& folder, const DicomSeries& series, Quan
     assumed.push_back(fmt::format("one slice: thickness {:.4g} mm from SliceThickness", series.line.spacing.z / kMillimetre));
   if (tilt > kTiltWorthTelling)
     assumed.push_back(fmt::format("slices are tilted by {:.2f} degrees (gantry tilt), kept as shear", tilt / kDegree));
-  if (quantity == Quantity::unknown) assumed.push_back("RescaleType is not HU: the values are not taken as Hounsfield units");
+  if (quantity == Quantity::unknown) assumed.push_back("RescaleType is not HU: what the values are is told by themselves");
   if (const std::size_t n = count_files(folder, series, &DicomHeader::has_rescale, false); n > 0 && quantity == Quantity::hounsfield)
-    assumed.push_back(fmt::format("{} of {} files have no rescale slope: stored values are taken as HU", n, series.files.size()));
+    assumed.push_back(fmt::format("{} of {} files lack rescale slope or intercept: 1 and 0 are taken", n, series.files.size()));
   // MONOCHROME1 turns the display over, not the numbers: HU follow slope and intercept either way. PS3.3 C.7.6.3.1.2, C.11.1.
   if (const std::size_t n = count_files(folder, series, &DicomHeader::white_is_low, true); n > 0)
     assumed.push_back(

@@ -150,7 +150,7 @@ standoff_mm = 0.5
         result = run("check", self.scene(self.scan, "spacing_mm = 0.25\nregion_mm = [8, 8, 8]"))
         self.assertEqual(result.returncode, 0, result.stderr)
         result = run("import", self.scan, "--spacing-mm", "0.25")
-        self.assertIn("takes at most", result.stderr)
+        self.assertIn("takes up to about", result.stderr)
         self.assertIn("outside the scan", self.refused(self.scan, "--spacing-mm", "0.25", "--region-mm", "5,5,5", "--centre-mm", "0,0,300"))
         self.assertIn("belong together", self.refused(self.scan, "--region-mm", "5,5,5"))
         result = run("check", self.scene(self.scan, "region_mm = [8, 8, 8]"))
@@ -181,6 +181,28 @@ standoff_mm = 0.5
         self.assertIn(".vdb", self.refused(self.scan, "--volume", self.folder / "bone.raw"))
         self.assertIn("no folder", self.refused(self.scan, "--volume", self.folder / "absent" / "bone.vdb"))
         self.assertEqual([path.name for path in self.folder.glob("*.vdb*")], [])
+
+    def test_a_bone_model_knows_where_its_bone_is_and_what_was_assumed(self):
+        for index, path in enumerate(sorted(self.scan.iterdir())):
+            data = path.read_bytes()
+            path.write_bytes(data.replace(b"MONOCHROME2 ", b"MONOCHROME1 "))
+        first = json.loads(run("import", self.scan, "--volume", self.folder / "bone.vdb", "--json", "--quiet").stdout)
+        again = json.loads(run("import", self.folder / "bone.vdb", "--json", "--quiet").stdout)
+        self.assertTrue(any("MONOCHROME1" in line for line in first["assumed"]), first["assumed"])
+        self.assertEqual(again["assumed"], first["assumed"])
+        self.assertEqual(again["bone"]["from_mm"], first["bone"]["from_mm"])
+        self.assertEqual(again["bone"]["to_mm"], first["bone"]["to_mm"])
+        self.assertLess(again["bone"]["from_mm"][2], again["bone"]["to_mm"][2])
+
+    def test_options_that_a_format_has_no_use_for_are_refused(self):
+        self.assertEqual(run("import", self.scan, "--volume", self.folder / "bone.vdb", "--quiet").returncode, 0)
+        self.assertIn("unit", self.refused(self.scan, "--unit", "cm"))
+        self.assertIn("already", self.refused(self.folder / "bone.vdb", "--unit", "mm"))
+        self.assertIn("already", self.refused(self.folder / "bone.vdb", "--bone-hu", "1,2"))
+        self.assertIn("--volume", self.refused(self.scan, "--volume", ""))
+        result = run("check", self.scene(self.folder / "bone.vdb", "spacing_mm = 0.25"))
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"scene.toml:2:\d+: .*bone.vdb: is a bone model already")
 
     def test_a_scene_that_needs_the_environment_says_so(self):
         scene = self.scene("$BURRHOLE_NOWHERE/scan")

@@ -134,7 +134,7 @@ TEST_CASE("make_bone: voxels far from the surface are exactly 0 and 1, hardness 
   made->bone->read_hardness({corner, corner + 1}, hardness);
   CHECK(hardness[0] == 0.0f);
   // Bone box: the ball, to a voxel.
-  CHECK(glm::length(made->bone_hi - Vec3(kBallRadius)) < std::sqrt(3.0) * 1.0 * kMm);
+  CHECK(glm::length(bounds_of(made->bone->bone_box(), made->bone->bone_from_index())[1] - Vec3(kBallRadius)) < std::sqrt(3.0) * 1.0 * kMm);
 }
 
 TEST_CASE("make_bone: one slab, many slabs and odd sizes give the same fields as the voxel on its own") {
@@ -226,4 +226,84 @@ TEST_CASE("make_bone: a sheared scan keeps its shear, and refining straightens i
   REQUIRE(fine);
   // As above with slices 1.2 mm apart; the error of the cubic grows with the third power: 0.118 * 1.2^3.
   CHECK(surface_error(*fine->bone) < 0.2 * kMm);
+}
+
+TEST_CASE("make_bone: bone at the scan's border neither grows nor vanishes when an oblique scan is refined") {
+  for (const double degrees : {0.0, 15.0, 30.0}) {
+    const double c = std::cos(degrees * kDegree), s = std::sin(degrees * kDegree);
+    const Affine turned{Mat3(1, 0, 0, 0, c, s, 0, -s, c) * kMm, Vec3(0.0)};
+    const Scan block = make_scan({30, 30, 30}, turned, [](const Vec3&) { return 1000.0; });
+    BoneOptions options;
+    options.spacing = 0.5 * kMm;
+    std::vector<std::string> assumed;
+    const auto made = make_bone(block, options, assumed);
+    REQUIRE(made);
+    const double volume = static_cast<double>(made->bone->bone_voxels()) * 0.125;  // [mm3]
+    // Voxel cells of 30^3, less what the grid, which spans the centres, leaves of the outer halves: all of it when straight.
+    MESSAGE(degrees << " degrees: " << volume << " mm3");
+    CHECK(volume <= 30.0 * 30.0 * 30.0 * 1.02);  // counting half-millimetre voxels on a turned face: 2 %
+    CHECK(volume >= 29.0 * 29.0 * 29.0);
+  }
+}
+
+TEST_CASE("make_bone: one absurd voxel does not change the hardness of the others") {
+  Scan hot = ball_scan();
+  hot.values.front() = 1e9f;
+  std::vector<std::string> assumed;
+  const auto made = make_bone(hot, {}, assumed), plain = make_bone(ball_scan(), {}, assumed);
+  REQUIRE(made);
+  REQUIRE(plain);
+  const Vec3i middle(kMillimetreGrid.inverse() * Vec3(0.0));
+  float hardness[1] = {0.0f}, expected[1] = {0.0f};
+  made->bone->read_hardness({middle, middle + 1}, hardness);
+  plain->bone->read_hardness({middle, middle + 1}, expected);
+  CHECK(hardness[0] == expected[0]);
+  CHECK(hardness[0] > 0.5f);
+}
+
+TEST_CASE("make_bone: padding does not pass for air, nor a spread of arbitrary numbers for HU") {
+  Scan padded = ball_scan();
+  padded.quantity = Quantity::unknown;
+  const VoxelBox box{Vec3i(0), padded.dims};
+  for_each_voxel(box, [&](const Vec3i& v) {
+    float& value = padded.values[box.offset_of(v)];
+    value = glm::length(Vec3(v) - Vec3(24, 24, 12)) > 26.0 ? -2000.0f : value + 1024.0f;  // outside the field of view
+  });
+  std::vector<std::string> assumed;
+  const auto made = make_bone(padded, {}, assumed);
+  REQUIRE(made);
+  CHECK(made->hu_offset == -1024.0);
+
+  Scan swapped = ball_scan();  // the other byte order
+  swapped.quantity = Quantity::unknown;
+  unsigned state = 7;
+  for (float& value : swapped.values) {
+    state = state * 1664525u + 1013904223u;
+    value = static_cast<float>(static_cast<int>(state >> 16) - 32768);
+  }
+  CHECK_FALSE(make_bone(swapped, {}, assumed));
+}
+
+TEST_CASE("make_bone: a band is in HU where the scan is, and in the file's own values where it is not") {
+  Scan offset = ball_scan();
+  offset.quantity = Quantity::unknown;
+  for (float& v : offset.values) v += 1024.0f;
+  BoneOptions options;
+  options.band = {250.0, 400.0};  // the default said aloud changes nothing
+  std::vector<std::string> assumed;
+  const auto said = make_bone(offset, options, assumed), unsaid = make_bone(offset, {}, assumed);
+  REQUIRE(said);
+  REQUIRE(unsaid);
+  CHECK(said->hounsfield);
+  CHECK(said->bone->bone_voxels() == unsaid->bone->bone_voxels());
+}
+
+TEST_CASE("make_bone: what was assumed goes with the bone, and a region that the scan does not fill is told") {
+  BoneOptions options;
+  options.spacing = 0.5 * kMm;
+  options.region = BoneRegion{Vec3(0, 0, 9 * kMm), Vec3(8 * kMm)};
+  std::vector<std::string> assumed{"something"};
+  const auto made = make_bone(ball_scan(), options, assumed);
+  REQUIRE(made);
+  CHECK(made->bone->notes().starts_with("something\nthe scan ends within the region: (8.0, 8.0, 7.0) mm"));
 }

@@ -183,7 +183,7 @@ TEST_CASE("read_dicom: what the values mean follows modality and RescaleType") {
   const ReadScan us = read(ct_slice({}).text(0x00281054, "LO", "US"));
   CHECK(us.scan.quantity == Quantity::unknown);
   CHECK(told(us, "RescaleType is not HU"));
-  CHECK(told(read(ct_slice({}).erase(0x00281052).erase(0x00281053)), "no rescale slope"));
+  CHECK(told(read(ct_slice({}).erase(0x00281052).erase(0x00281053)), "lack rescale slope"));
 }
 
 TEST_CASE("read_dicom: MONOCHROME1 turns the display over, not the numbers") {
@@ -195,6 +195,8 @@ TEST_CASE("read_dicom: MONOCHROME1 turns the display over, not the numbers") {
 
 TEST_CASE("read_dicom: rescale that gives no finite numbers and bits that do not fit are refused") {
   CHECK(refusal(ct_slice({}).text(0x00281053, "DS", "1e300")).find("give no usable values") != std::string::npos);
+  for (const char* none : {"-1O24", "-1024,0", ""})
+    CHECK(refusal(ct_slice({}).text(0x00281052, "DS", none)) == "rescale slope or intercept is there, but is no number");
   CHECK(refusal(ct_slice({}).text(0x00281053, "DS", "0")).find("rescale slope 0") != std::string::npos);
   CHECK(refusal(row_of({1, 2}, {16, 12, 5, 0})) == "12 bits stored below bit 5 do not fit into 16");
   CHECK(refusal(ct_slice({}).numbers(0x00280100, "US", {12})) == "pixels of 12 bits; 8, 16 and 32 are read");

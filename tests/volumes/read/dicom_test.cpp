@@ -303,3 +303,30 @@ TEST_CASE("read_dicom: keep copies the named fields, tells absent ones and refus
   CHECK(message("qqqqqqqq") == "'qqqqqqqq' is no DICOM keyword");
   CHECK(message("PixelData") == "DICOM field PixelData holds no text that could be kept");
 }
+
+TEST_CASE("read_dicom: one UID on all slices is no reason to lose slices") {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 4; ++k) {
+    CtSlice slice;
+    slice.position = Vec3(0, 0, k);
+    slice.instance = "1.2.3.1";
+    ct_slice(slice).write(folder.file("s" + std::to_string(k)));
+  }
+  CHECK(read(folder).scan.dims.z == 4);
+}
+
+TEST_CASE("read_dicom: a CT is taken before a larger series of another modality") {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 7; ++k) {
+    CtSlice slice;
+    slice.position = Vec3(0, 0, k);
+    slice.series = k < 3 ? "1.2.3" : "1.2.4";
+    slice.number = k < 3 ? 1 : 2;
+    slice.instance = "1.2.3." + std::to_string(k);
+    ct_slice(slice).text(0x00080060, "CS", k < 3 ? "CT" : "MR").write(folder.file("s" + std::to_string(k)));
+  }
+  const ReadScan out = read(folder);
+  CHECK(out.scan.quantity == Quantity::hounsfield);
+  CHECK(out.scan.dims.z == 3);
+  CHECK(out.report.series.size() == 2);
+}

@@ -298,7 +298,7 @@ TEST_CASE("read_mesh_scan: refusals say what and how much") {
   const TemporaryFolder folder;
   const SurfaceMesh box = box_mesh({10 * kMm, 10 * kMm, 2 * kMm});
   const std::string good = write_mesh(folder.file("good"), box, MeshForm::stl_binary);
-  CHECK(refusal(good, {}) == "mesh files carry no unit of length: give --unit mm, cm, m or in");
+  CHECK(refusal(good, {}) == "mesh files carry no unit of length: give mm, cm, m or in (--unit; unit in a scene)");
   CHECK(refusal(good, options(-1.0)) == "unit = -1 m must be > 0");
   CHECK(refusal(good, options(kMm, 0.0)) == "pitch = 0 mm must be > 0");
   CHECK(refusal(good, options(kMm, 1.5 * kMm)) ==
