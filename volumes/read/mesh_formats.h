@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "core/base/result.h"
@@ -19,11 +20,16 @@ namespace burrhole {
 [[nodiscard]] Result<SurfaceMesh> parse_obj(std::string_view bytes);
 [[nodiscard]] Result<SurfaceMesh> parse_ply(std::string_view bytes);
 
-inline constexpr std::size_t kMaxPolygonCorners = 2000;
+inline constexpr std::size_t kMaxPolygonCorners = 256;
+/// Most steps that all polygons of one file may take to be cut: some seconds. Four-cornered faces take up to 20 each, convex ones of 256
+/// corners 33 000, crossed ones up to a third of the cube of their corners.
+inline constexpr std::uint64_t kMaxPolygonSteps = 1'000'000'000;
 
 /// Appends corners.size() - 2 triangles over the same corners, in the same sense, so that a closed surface stays closed whatever the
 /// polygon's shape. A plane polygon without crossings is covered exactly, concave or not; of others some triangles may overlap.
 /// Ear clipping, own derivation. @pre 3 <= corners.size() <= kMaxPolygonCorners, corners index mesh.positions.
-void append_polygon(std::span<const std::uint32_t> corners, SurfaceMesh& mesh);
+/// @param steps taken for the file so far, one for each corner looked at; grows by this polygon's.
+/// @returns what is wrong, empty if nothing: the file's polygons take more than kMaxPolygonSteps. Then only a part is appended.
+[[nodiscard]] std::string append_polygon(std::span<const std::uint32_t> corners, SurfaceMesh& mesh, std::uint64_t& steps);
 
 }  // namespace burrhole

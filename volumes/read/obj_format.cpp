@@ -32,11 +32,13 @@ class ObjParser {
   /// Faces may name vertices that come later, so they are cut into triangles at the end.
   Result<SurfaceMesh> finish() {
     std::size_t first = 0;
+    std::uint64_t steps = 0;
     for (const std::size_t end : face_ends_) {
       for (std::size_t n = first; n < end; ++n)
         if (corners_[n] >= mesh_.positions.size())
           return bad_input(fmt::format("a face names vertex {} of {}", std::size_t{corners_[n]} + 1, mesh_.positions.size()));
-      append_polygon({corners_.data() + first, end - first}, mesh_);
+      if (std::string fault = append_polygon({corners_.data() + first, end - first}, mesh_, steps); !fault.empty())
+        return bad_input(std::move(fault));
       first = end;
     }
     return std::move(mesh_);

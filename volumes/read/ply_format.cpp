@@ -213,7 +213,7 @@ std::string add_vertices(Body& body, const Element& element, SurfaceMesh& mesh) 
   return {};
 }
 
-std::string add_face(const std::vector<double>& list, SurfaceMesh& mesh) {
+std::string add_face(const std::vector<double>& list, SurfaceMesh& mesh, std::uint64_t& steps) {
   if (list.size() < 3 || list.size() > kMaxPolygonCorners)
     return fmt::format("a face of {} corners, 3 to {} are read", list.size(), kMaxPolygonCorners);
   std::vector<std::uint32_t> corners;
@@ -222,18 +222,19 @@ std::string add_face(const std::vector<double>& list, SurfaceMesh& mesh) {
       return fmt::format("a face names vertex {:g} of {}", index, mesh.positions.size());
     corners.push_back(static_cast<std::uint32_t>(index));
   }
-  append_polygon(corners, mesh);
-  return {};
+  return append_polygon(corners, mesh, steps);
 }
 
 /// Faces, or any element that is passed over: `mesh` null.
 std::string walk(Body& body, const Element& element, SurfaceMesh* mesh) {
   std::string fault;
+  std::uint64_t steps = 0;
   for (std::uint64_t n = 0; n < element.count; ++n)
     for (const Property& p : element.properties) {
       if (p.count_type) {
         const std::vector<double> list = read_list(body, p, fault);
-        if (fault.empty() && mesh != nullptr && (p.name == "vertex_indices" || p.name == "vertex_index")) fault = add_face(list, *mesh);
+        if (fault.empty() && mesh != nullptr && (p.name == "vertex_indices" || p.name == "vertex_index"))
+          fault = add_face(list, *mesh, steps);
       } else if (!body.next(p.type)) {
         fault = kCut;
       }

@@ -1,7 +1,9 @@
-#include "volumes/read/mesh_formats.h"
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <vector>
+
+#include "volumes/read/mesh_formats.h"
 
 namespace burrhole {
 namespace {
@@ -30,14 +32,17 @@ std::vector<Point> flatten(std::span<const std::uint32_t> corners, const Surface
 struct Clipping {
   std::vector<Point> flat;
   std::vector<std::size_t> left;  ///< corners still there, in order
+  std::uint64_t& steps;           ///< corners looked at
 
   [[nodiscard]] std::size_t at(std::size_t n) const { return left[n % left.size()]; }
 
   /// Corner n turns left and no other corner lies within the triangle it makes with its neighbours.
   [[nodiscard]] bool is_ear(std::size_t n) const {
+    ++steps;
     const Point &a = flat[at(n + left.size() - 1)], &b = flat[at(n)], &c = flat[at(n + 1)];
     if (turn(a, b, c) <= 0.0) return false;
     for (const std::size_t other : left) {
+      ++steps;
       const Point& p = flat[other];
       if (p == a || p == b || p == c) continue;
       if (turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) return false;
@@ -65,19 +70,23 @@ struct Clipping {
 
 }  // namespace
 
-void append_polygon(std::span<const std::uint32_t> corners, SurfaceMesh& mesh) {
+std::string append_polygon(std::span<const std::uint32_t> corners, SurfaceMesh& mesh, std::uint64_t& steps) {
   if (corners.size() == 3) {
     mesh.indices.insert(mesh.indices.end(), corners.begin(), corners.end());
-    return;
+    return {};
   }
-  Clipping clipping{flatten(corners, mesh), {}};
+  Clipping clipping{flatten(corners, mesh), {}, steps};
   for (std::size_t n = 0; n < corners.size(); ++n) clipping.left.push_back(n);
   for (std::size_t n = 0; clipping.left.size() > 3;) {
+    if (steps > kMaxPolygonSteps)
+      return fmt::format("its polygons of up to {} corners take more than {} steps to cut into triangles: cut them beforehand",
+                         kMaxPolygonCorners, kMaxPolygonSteps);
     n = clipping.next_ear(n % clipping.left.size());
     for (const std::size_t m : {n + clipping.left.size() - 1, n, n + 1}) mesh.indices.push_back(corners[clipping.at(m)]);
     clipping.left.erase(clipping.left.begin() + static_cast<std::ptrdiff_t>(n));
   }
   for (const std::size_t m : clipping.left) mesh.indices.push_back(corners[m]);
+  return {};
 }
 
 }  // namespace burrhole

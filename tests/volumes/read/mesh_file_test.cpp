@@ -153,7 +153,7 @@ TEST_CASE("read_mesh: what is no mesh is refused in one line") {
       {"a.obj", kObjBox + "f 1 2 9\n", "a face names vertex 9 of 4"},
       {"a.obj", kObjBox + "f 1 2 0\n", "line 9: \"0\" names no vertex"},
       {"a.obj", kObjBox + "f -1 -2 -5\n", "line 9: \"-5\" names no vertex"},
-      {"a.obj", kObjBox + "f 1 2\n", "line 9: a face of 2 corners, 3 to 2000 are read"},
+      {"a.obj", kObjBox + "f 1 2\n", "line 9: a face of 2 corners, 3 to 256 are read"},
       {"a.obj", kObjBox + "l 1 2\n", "line 9: points or lines beside faces"},
       {"a.obj", kObjBox + "curv 0 1 1 2\n", "line 9: \"curv\" is no word of a polygon mesh"},
       {"a.obj", kObjBox + "v 0 0\n", "line 9: a vertex needs three numbers"},

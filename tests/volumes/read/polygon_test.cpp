@@ -16,7 +16,8 @@ SurfaceMesh cut(std::vector<Vec3> corners) {
   SurfaceMesh mesh{std::move(corners), {}};
   std::vector<std::uint32_t> all(mesh.positions.size());
   std::iota(all.begin(), all.end(), 0u);
-  append_polygon(all, mesh);
+  std::uint64_t steps = 0;
+  CHECK(append_polygon(all, mesh, steps) == "");
   return mesh;
 }
 
@@ -71,11 +72,42 @@ TEST_CASE("polygon: straight corners, crossings and doubled corners end, with al
   }
 }
 
-TEST_CASE("polygon: the largest, a comb of teeth, takes no noticeable time") {
+TEST_CASE("polygon: the largest comb of teeth is covered once") {
   std::vector<Vec3> comb;
   for (std::size_t n = 0; n + 2 < kMaxPolygonCorners; ++n) comb.emplace_back(static_cast<double>(n), n % 2 == 0 ? 1.0 : 5.0, 0.0);
-  comb.emplace_back(2000.0, 0.0, 0.0);
+  comb.emplace_back(static_cast<double>(kMaxPolygonCorners), 0.0, 0.0);
   comb.emplace_back(-1.0, 0.0, 0.0);
   const Areas a = areas(cut(comb));
   CHECK(std::abs(glm::length(a.vector) - a.sum) < 1e-9 * a.sum);
+}
+
+TEST_CASE("polygon: the steps are as many as the header says, and a file of crossed polygons is refused by them") {
+  constexpr std::uint64_t kSeed = 4;
+  const auto steps_of = [](const std::vector<Vec3>& corners, std::uint64_t before, std::string& fault) {
+    SurfaceMesh mesh{corners, {}};
+    std::vector<std::uint32_t> all(corners.size());
+    std::iota(all.begin(), all.end(), 0u);
+    std::uint64_t steps = before;
+    fault = append_polygon(all, mesh, steps);
+    return steps - before;
+  };
+  std::vector<Vec3> round, crossed;
+  for (std::size_t n = 0; n < kMaxPolygonCorners; ++n) {
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(n) / kMaxPolygonCorners;
+    round.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+    crossed.emplace_back(uniform01(kSeed, 2 * n), uniform01(kSeed, 2 * n + 1), 0.0);
+  }
+  std::string fault;
+  CHECK(steps_of({{0, 0, 0}, {1, 0, 0}, {0.1, 0.1, 0}, {0, 1, 0}}, 0, fault) <= 20);  // each of 4 corners against 4, and itself
+  // Every corner is an ear, so cutting one off m looks at m, and itself: the sum over m = 4 .. 256 of m + 1.
+  CHECK(steps_of(round, 0, fault) == 256 * 257 / 2 - 6 + 253);
+  // At most each of m against m, and itself: the sum of m^2 + m is (n^3 + 3 n^2 + 2 n) / 3.
+  const std::uint64_t n = kMaxPolygonCorners, most = (n * n * n + 3 * n * n + 2 * n) / 3;
+  const std::uint64_t taken = steps_of(crossed, 0, fault);
+  CHECK(fault == "");
+  CHECK(taken > 256 * 257 / 2);  // harder than a round one
+  CHECK(taken <= most);
+  // Refused within one corner's worth once the file has used its steps up.
+  CHECK(steps_of(crossed, kMaxPolygonSteps - 1000, fault) <= 1000 + n * n + n);
+  CHECK(fault.find("take more than 1000000000 steps") != std::string::npos);
 }
