@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/voxel/vdb_grids.h"
+#include "volumes/read/memory_check.h"
 #include "volumes/read/mesh_to_occupancy.h"
 #include "volumes/read/scan.h"
 #include "volumes/read/scan_geometry.h"
@@ -62,7 +63,7 @@ Conversion convert(const ForeignGrid& foreign, const VoxelBox& box, const std::f
   return out;
 }
 
-Status check_box(const VoxelBox& active) {
+Status check_box(const VoxelBox& active, std::optional<double> memory) {
   for (std::size_t x = 0; x < 3; ++x)
     if (active.lo[x] < -kFarthest || active.hi[x] > kFarthest) return bad_input("has voxels at indices beyond 2^28");
   const Vec3 size = Vec3(active.grown(kMargin).size());
@@ -70,6 +71,8 @@ Status check_box(const VoxelBox& active) {
   if (voxels > most)
     return bad_input(fmt::format("spans {:g} x {:g} x {:g} voxels ({:.3g} GB), at most {:.3g} are allowed", size.x, size.y, size.z,
                                  voxels * 4e-9, most));
+  if (const auto fault = memory_fault(voxels * sizeof(float), memory))
+    return Error{ErrorCode::unavailable, fmt::format("spans {:g} x {:g} x {:g} voxels: {}", size.x, size.y, size.z, *fault), {}};
   return {};
 }
 
@@ -105,7 +108,7 @@ Result<ReadScan> read_checked(const std::string& path, const ReadOptions& option
   const std::string grid = "grid \"" + foreign->grid.name() + "\" ";
   if (const Status usable = check_background(*foreign); !usable) return bad_input(grid + usable.error().message);
   const VoxelBox active = foreign->grid.active_bounds();
-  if (const Status fits = check_box(active); !fits) return bad_input(grid + fits.error().message);
+  if (const Status fits = check_box(active, options.memory); !fits) return Error{fits.error().code, grid + fits.error().message, {}};
   const VoxelBox box = active.grown(kMargin);
   ReadScan out;
   out.scan.dims = box.size();

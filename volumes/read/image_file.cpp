@@ -7,6 +7,7 @@
 #include <span>
 
 #include "volumes/read/byte_stream.h"
+#include "volumes/read/memory_check.h"
 #include "volumes/read/number_text.h"
 #include "volumes/read/scan_geometry.h"
 
@@ -156,11 +157,14 @@ Result<ReadScan> read_image(ImageFile file, const ReadOptions& options) {
   const std::uint64_t share = voxels / file.parts.size();
   const Result<bool> surplus = check_parts(file, {.voxels = share, .bytes = share * bytes_of(file.head.form.type)});
   if (!surplus) return surplus.error();
+  // An honest file of a few MB may unpack to a thousand times as much.
+  if (const auto fault = memory_fault(static_cast<double>(voxels) * sizeof(float), options.memory))
+    return Error{ErrorCode::unavailable, fmt::format("{} x {} x {} voxels: {}", dims.x, dims.y, dims.z, *fault), file.place};
   ReadScan out;
   try {
     out.scan.values.resize(voxels);
   } catch (const std::bad_alloc&) {
-    return bad_input(fmt::format("{} voxels do not fit into memory", voxels), file.place);
+    return Error{ErrorCode::unavailable, fmt::format("{} voxels do not fit into memory", voxels), file.place};
   }
   if (const Status status = fill(file, out.scan.values, options); !status) return status.error();
   out.scan.dims = dims;

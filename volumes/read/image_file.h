@@ -41,7 +41,7 @@ struct ImageFile {
 };
 
 /// @returns the scan, values as in the file, NaN and infinities included; bad_input: sizes, affine, missing files, "data ends after N of M
-/// bytes", damaged compression, text that is no number.
+/// bytes", damaged compression, text that is no number; unavailable: more memory than there is.
 [[nodiscard]] Result<ReadScan> read_image(ImageFile file, const ReadOptions& options);
 
 }  // namespace burrhole

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "volumes/read/memory_check.h"
 #include "volumes/read/mesh_file.h"
 #include "volumes/read/mesh_to_occupancy.h"
 #include "volumes/read/scan.h"
@@ -45,7 +46,7 @@ Status check_options(const ReadOptions& options, const std::string& path) {
   return {};
 }
 
-Status check_grid(const MeshSize& mesh, double pitch, const std::string& path) {
+Status check_grid(const MeshSize& mesh, double pitch, std::optional<double> memory, const std::string& path) {
   if (mesh.longest < kSmallest || mesh.longest > kLargest)
     return bad_input(fmt::format("is {} with this unit, and must be {:g} mm to {:g} m long: another --unit?", size_text(mesh.size),
                                  kSmallest * 1e3, kLargest),
@@ -61,6 +62,8 @@ Status check_grid(const MeshSize& mesh, double pitch, const std::string& path) {
     return bad_input(fmt::format("a pitch of {:.3g} mm makes {:.3g} voxels ({:.3g} GB), at most {:.3g} are allowed: take a coarser pitch",
                                  pitch * 1e3, voxels, voxels * 4e-9, std::min(kMaxMeshVoxels, kMaxScanVoxels)),
                      path);
+  if (const auto fault = memory_fault(voxels * sizeof(float), memory))
+    return Error{ErrorCode::unavailable, fmt::format("a pitch of {:.3g} mm {}: take a coarser pitch", pitch * 1e3, *fault), path};
   return {};
 }
 
@@ -80,7 +83,7 @@ Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& opti
   if (const auto fault = mesh_fault(*mesh)) return bad_input(*fault, path);
   const MeshSize size = size_of(*mesh);
   const double pitch = options.pitch.value_or(size.longest / kDefaultVoxels);
-  if (const Status fits = check_grid(size, pitch, path); !fits) return fits.error();
+  if (const Status fits = check_grid(size, pitch, options.memory, path); !fits) return fits.error();
   Result<Scan> scan = mesh_to_occupancy(*mesh, pitch, options.progress);
   if (!scan) return Error{scan.error().code, scan.error().message, path};
   ReadScan out{std::move(scan).value(), {}};

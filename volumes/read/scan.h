@@ -61,6 +61,7 @@ struct ReadOptions {
   std::optional<double> unit;            ///< [m] one unit of length of a mesh or a foreign .vdb, whose files carry none
   std::optional<double> pitch;           ///< [m] voxel edge a mesh is sampled at; absent: longest side / 256, told as assumed
   std::vector<std::string> keep;         ///< DICOM keywords (PatientID, ...) to copy into the report
+  std::optional<double> memory;          ///< [bytes] most that the voxels may take; absent: what the machine has available
   std::function<void(double)> progress;  ///< called now and then with the share done, 0..1; may be empty
 };
 
@@ -70,7 +71,8 @@ struct ReadScan {
 };
 
 /// Any supported input: a folder or file of DICOM, .nii(.gz) .hdr .nrrd .nhdr .mha .mhd, a raw volume's .toml, .stl .obj .ply, a foreign .vdb.
-/// Chosen by ending, else by content. @returns the scan with finite values, or bad_input with the file as place: one line, fault and numbers.
+/// Chosen by ending, else by content (OBJ and binary STL have none to tell them by). @returns the scan with finite values, or bad_input with the file as place: one line, fault and numbers;
+/// unavailable: more memory than there is.
 [[nodiscard]] Result<ReadScan> read_scan(const std::string& path, const ReadOptions& options);
 
 // The readers behind it; each checks sizes against the file before it allocates, and lets no library exception pass.

@@ -29,10 +29,10 @@ ReadOptions options(std::optional<double> unit, const std::string& grid = {}) {
   return made;
 }
 
-std::string refusal(const std::string& path, const ReadOptions& asked) {
+std::string refusal(const std::string& path, const ReadOptions& asked, ErrorCode code = ErrorCode::bad_input) {
   const auto read = read_foreign_vdb(path, asked);
   if (read) return "";
-  CHECK(read.error().code == ErrorCode::bad_input);
+  CHECK(read.error().code == code);
   CHECK(read.error().place == path);
   CHECK(read.error().message.find('\n') == std::string::npos);
   return read.error().message;
@@ -168,6 +168,11 @@ TEST_CASE("foreign vdb: refusals say what and how much") {
   write(folder.file("good.vdb"), {fog("density", 4, 1.0f)});
   CHECK(refusal(folder.file("good.vdb"), {}) == "a .vdb of another program carries no unit of length: give --unit mm, cm, m or in");
   CHECK(refusal(folder.file("good.vdb"), options(0.0)) == "unit = 0 m must be > 0");
+  ReadOptions little = options(kMm);
+  little.memory = 2047.0;  // 8 x 8 x 8 floats take 2048
+  CHECK(refusal(folder.file("good.vdb"), little, ErrorCode::unavailable).starts_with("grid \"density\" spans 8 x 8 x 8 voxels: needs"));
+  little.memory = 2048.0;
+  CHECK(refusal(folder.file("good.vdb"), little) == "");
   CHECK(refusal(folder.file("none.vdb"), options(kMm)) == "cannot be read: no such file, or not for us to read");
   write(folder.file("empty.vdb"), {named(openvdb::FloatGrid::create(0.0f), "nothing")});
   CHECK(refusal(folder.file("empty.vdb"), options(kMm)) == "grid \"nothing\" is empty");

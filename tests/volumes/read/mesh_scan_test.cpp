@@ -33,10 +33,10 @@ Scan scan_of(const SurfaceMesh& mesh, double pitch, MeshForm form = MeshForm::st
   return read->scan;
 }
 
-std::string refusal(const std::string& path, const ReadOptions& asked) {
+std::string refusal(const std::string& path, const ReadOptions& asked, ErrorCode code = ErrorCode::bad_input) {
   const auto read = read_mesh_scan(path, asked);
   if (read) return "";
-  CHECK(read.error().code == ErrorCode::bad_input);
+  CHECK(read.error().code == code);
   CHECK(read.error().place == path);
   return read.error().message;
 }
@@ -307,6 +307,9 @@ TEST_CASE("read_mesh_scan: refusals say what and how much") {
         "a pitch of 0.005 mm makes 1.3e+10 voxels (51.8 GB), at most 1e+09 are allowed: take a coarser pitch");
   CHECK(refusal(good, options(kMm, 1e-300)).rfind("a pitch of 1e-297 mm makes inf voxels", 0) == 0);
   CHECK(refusal(good, options(1.0)) == "is 2e+04 x 2e+04 x 4000 mm with this unit, and must be 1 mm to 2 m long: another --unit?");
+  ReadOptions little = options(kMm, 0.1 * kMm);
+  little.memory = 1e6;
+  CHECK(refusal(good, little, ErrorCode::unavailable).starts_with("a pitch of 0.1 mm needs 0.00"));
   SurfaceMesh open = box;
   open.indices.resize(open.indices.size() - 3);
   CHECK(refusal(write_mesh(folder.file("open"), open, MeshForm::ply), options(kMm)) ==

@@ -64,3 +64,23 @@ TEST_CASE("read_scan: voxels that are not finite are counted and refused") {
   write_bytes(folder.file("d.nrrd"), nrrd_header(wide, "double", "little", "raw") + "\n" + doubles);
   CHECK(holds(format_of(folder.file("d.nrrd")), "holds 1 NaN or infinite"));
 }
+
+TEST_CASE("read_scan: a volume that takes more memory than there is is refused with both numbers") {
+  const TemporaryFolder folder;
+  const SmallVolume v = small_volume();
+  const double bytes = 4.0 * static_cast<double>(v.values.size());
+  const std::string voxels = stored<std::int16_t>(v.values, false);
+  write_bytes(folder.file("v.nii.gz"), gzip(nifti_header(v, {}) + voxels));
+  write_bytes(folder.file("v.nrrd"), nrrd_header(v, "short", "little", "raw") + "\n" + voxels);
+  for (const char* const name : {"v.nii.gz", "v.nrrd"}) {
+    ReadOptions options;
+    options.memory = bytes;
+    CHECK(read_scan(folder.file(name), options).ok());
+    options.memory = bytes - 1.0;
+    const auto read = read_scan(folder.file(name), options);
+    REQUIRE_FALSE(read.ok());
+    CHECK(read.error().code == ErrorCode::unavailable);
+    CHECK(read.error().place == folder.file(name));
+    CHECK(holds(read.error().message, "GB are available"));
+  }
+}

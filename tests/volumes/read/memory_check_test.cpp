@@ -1,0 +1,24 @@
+#include "volumes/read/memory_check.h"
+
+#include <doctest/doctest.h>
+
+using namespace burrhole;
+
+TEST_CASE("available_memory: the line of MemAvailable in bytes, wherever it stands, and nothing without it") {
+  constexpr const char* kRest = "MemTotal:       24683520 kB\nMemFree:        20500480 kB\n";
+  CHECK(available_memory(std::string(kRest) + "MemAvailable:   23769088 kB\nBuffers: 1 kB\n") == 23769088.0 * 1024.0);
+  CHECK(available_memory("MemAvailable: 7 kB\n") == 7.0 * 1024.0);
+  for (const char* const text : {"", kRest, "NoMemAvailable: 7 kB\n", "MemAvailable:", "MemAvailable:   \n", "MemAvailable: seven kB\n",
+                                 "MemAvailable: 7 MB\n", "MemAvailable: 99999999999999999999999 kB\n"}) {
+    CAPTURE(text);
+    CHECK_FALSE(available_memory(text).has_value());
+  }
+}
+
+TEST_CASE("memory_fault: more than there is is refused with both numbers") {
+  CHECK_FALSE(memory_fault(4e9, 4e9));
+  CHECK(memory_fault(8.589934592e9, 4e9).value_or("") == "needs 8.59 GB of memory, 4 GB are available");
+  CHECK_FALSE(memory_fault(0.0));
+  // No machine has an exabyte.
+  if (available_memory()) CHECK(memory_fault(1e18));
+}

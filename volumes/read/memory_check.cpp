@@ -1,0 +1,36 @@
+#include "volumes/read/memory_check.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <fstream>
+#include <iterator>
+
+namespace burrhole {
+
+std::optional<double> available_memory(std::string_view meminfo) {
+  constexpr std::string_view kKey = "MemAvailable:";
+  std::size_t at = meminfo.starts_with(kKey) ? 0 : meminfo.find("\nMemAvailable:");
+  if (at == std::string_view::npos) return std::nullopt;
+  at = meminfo.find_first_not_of(' ', meminfo.find(':', at) + 1);
+  if (at == std::string_view::npos) return std::nullopt;
+  std::uint64_t kibibytes = 0;
+  const char* const end = meminfo.data() + meminfo.size();
+  const auto [rest, fault] = std::from_chars(meminfo.data() + at, end, kibibytes);
+  if (fault != std::errc() || !std::string_view(rest, static_cast<std::size_t>(end - rest)).starts_with(" kB")) return std::nullopt;
+  return static_cast<double>(kibibytes) * 1024.0;
+}
+
+std::optional<double> available_memory() {
+  std::ifstream file("/proc/meminfo");
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  return available_memory(text);
+}
+
+std::optional<std::string> memory_fault(double bytes, std::optional<double> most) {
+  if (!most) most = available_memory();
+  if (!most || bytes <= *most) return std::nullopt;
+  return fmt::format("needs {:.3g} GB of memory, {:.3g} GB are available", bytes * 1e-9, *most * 1e-9);
+}
+
+}  // namespace burrhole
