@@ -12,6 +12,7 @@ namespace {
 constexpr std::uint32_t kUndefined = 0xffffffff;  // a length that a delimiter ends
 constexpr DicomTag kItem = 0xfffee000, kItemEnd = 0xfffee00d, kSequenceEnd = 0xfffee0dd;
 constexpr DicomTag kTransferSyntax = 0x00020010, kMediaClass = 0x00020002;
+constexpr std::size_t kHead = 132;              // [bytes] preamble and magic text
 constexpr int kDeepest = 16;                    // sequences within sequences; real files have up to about six
 constexpr std::size_t kMostElements = 5000000;  // 2000 frames with 2500 elements each
 constexpr std::size_t kLongestValue = 16384;    // [bytes] kept of one element; longer ones are text or tables that nobody here asks for
@@ -198,10 +199,11 @@ void Walker::walk_top(std::uint64_t at, Form form, DicomElements& out) {
   }
 }
 
+bool has_magic(std::span<const std::byte> head) noexcept { return head.size() >= kHead && std::memcmp(head.data() + 128, "DICM", 4) == 0; }
+
 /// Files without the preamble begin with the group 0002 or 0008 at once; then that group's first element tells.
-bool begins_with_data(DicomBytes& bytes, Form& form) {
-  std::array<std::byte, 8> raw{};
-  if (!bytes.read(0, raw)) return false;
+bool begins_with_data(std::span<const std::byte> raw, Form& form) noexcept {
+  if (raw.size() < 8) return false;
   const std::uint16_t group = dicom_u16(raw.data(), false), element = dicom_u16(raw.data() + 2, false);
   if ((group != 0x0002 && group != 0x0008) || element > 0x0018) return false;
   const auto letter = [&](int n) { return is_upper(static_cast<char>(raw[static_cast<std::size_t>(n)])); };
@@ -216,14 +218,19 @@ const DicomValue* DicomItem::find(DicomTag tag) const {
   return found == values.end() ? nullptr : &found->second;
 }
 
-std::optional<DicomElements> read_elements(DicomBytes& bytes, const WantedTags& wanted) {
-  std::array<std::byte, 4> mark{};
+bool looks_like_dicom(std::span<const std::byte> head) noexcept {
   Form form;
-  std::uint64_t at = 0;
-  if (bytes.read(128, mark) && std::memcmp(mark.data(), "DICM", 4) == 0)
-    at = 132;
-  else if (!begins_with_data(bytes, form))
-    return std::nullopt;
+  return has_magic(head) || begins_with_data(head, form);
+}
+
+std::optional<DicomElements> read_elements(DicomBytes& bytes, const WantedTags& wanted) {
+  std::array<std::byte, kHead> raw{};
+  const std::span<std::byte> head = std::span(raw).first(static_cast<std::size_t>(std::min<std::uint64_t>(kHead, bytes.size())));
+  if (!bytes.read(0, head)) return std::nullopt;
+  Form form;
+  const bool magic = has_magic(head);
+  if (!magic && !begins_with_data(head, form)) return std::nullopt;
+  std::uint64_t at = magic ? kHead : 0;
 
   DicomElements out;
   Walker walker(bytes, wanted);

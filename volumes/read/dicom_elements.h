@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,10 @@ struct DicomElements {
   std::optional<PixelSpan> pixels;
   std::string fault;  ///< why walking ended early, empty when it did not; what was read until then is kept
 };
+
+/// Do a file's first 132 bytes, or as many as it has, look like DICOM? By the magic text behind the preamble of 128 bytes or, without one,
+/// by a first element of group 0002 or 0008 as a data set begins with.
+[[nodiscard]] bool looks_like_dicom(std::span<const std::byte> head) noexcept;
 
 /// Reads the wanted elements, at the top and inside wanted sequences, and moves past all others unread.
 /// @returns nothing when the file is not DICOM. `bytes` is left inflated when the file is deflated.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <new>
@@ -17,11 +18,14 @@ namespace fs = std::filesystem;
 /// A surface takes about three times its file; a thousand million bytes are more than any scanner's mesh.
 constexpr std::uintmax_t kMaxFileBytes = 1u << 30;
 
-/// ".stl", ".obj", ".ply" from the ending, in lower case; else empty.
-std::string format_of(const std::string& path) {
-  std::string ending = fs::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return ending == ".stl" || ending == ".obj" || ending == ".ply" ? ending : std::string();
+/// Of a text STL and of any PLY; a binary STL begins with anything.
+std::string format_by_content(const std::string& path) {
+  std::array<char, 6> first{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(first.data(), first.size());
+  const std::string_view text(first.data(), static_cast<std::size_t>(file.gcount()));
+  if (text.starts_with("ply\n") || text.starts_with("ply\r")) return "PLY";
+  return text == "solid " ? "STL" : "";
 }
 
 Result<std::string> read_bytes(const std::string& path) {
@@ -37,11 +41,11 @@ Result<std::string> read_bytes(const std::string& path) {
 }
 
 Result<SurfaceMesh> parse(const std::string& bytes, const std::string& format) {
-  return format == ".stl" ? parse_stl(bytes) : format == ".obj" ? parse_obj(bytes) : parse_ply(bytes);
+  return format == "STL" ? parse_stl(bytes) : format == "OBJ" ? parse_obj(bytes) : parse_ply(bytes);
 }
 
 Result<SurfaceMesh> read_and_weld(const std::string& path, double unit) {
-  const std::string format = format_of(path);
+  const std::string format = mesh_format(path);
   if (format.empty()) return bad_input("is no mesh that can be read: .stl, .obj or .ply");
   const Result<std::string> bytes = read_bytes(path);
   if (!bytes) return bytes.error();
@@ -56,6 +60,14 @@ Result<SurfaceMesh> read_and_weld(const std::string& path, double unit) {
 }
 
 }  // namespace
+
+std::string mesh_format(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; });
+  for (const char* const format : {"STL", "OBJ", "PLY"})
+    if (ending == std::string(".") + format) return format;
+  return format_by_content(path);
+}
 
 Result<SurfaceMesh> read_mesh(const std::string& path, double unit) {
   try {

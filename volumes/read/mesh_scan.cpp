@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <filesystem>
 
 #include "volumes/read/memory_check.h"
 #include "volumes/read/mesh_file.h"
@@ -67,13 +65,6 @@ Status check_grid(const MeshSize& mesh, double pitch, std::optional<double> memo
   return {};
 }
 
-std::string format_name(const std::string& path) {
-  std::string name = std::filesystem::path(path).extension().string();
-  if (!name.empty()) name.erase(0, 1);
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return name;
-}
-
 }  // namespace
 
 Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& options) {
@@ -87,7 +78,7 @@ Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& opti
   Result<Scan> scan = mesh_to_occupancy(*mesh, pitch, options.progress);
   if (!scan) return Error{scan.error().code, scan.error().message, path};
   ReadScan out{std::move(scan).value(), {}};
-  out.report.format = format_name(path);
+  out.report.format = mesh_format(path);
   out.report.assumed.push_back("mesh coordinates are patient LPS: +x left, +y back, +z up");
   out.report.assumed.push_back(fmt::format("one unit of the file is {:g} mm: the mesh is {}", *options.unit * 1e3, size_text(size.size)));
   if (!options.pitch) out.report.assumed.push_back(fmt::format("pitch {:.4g} mm: longest side / {:g}", pitch * 1e3, kDefaultVoxels));

@@ -4,6 +4,8 @@
 #include <filesystem>
 
 #include "volumes/read/byte_stream.h"
+#include "volumes/read/dicom_elements.h"
+#include "volumes/read/mesh_file.h"
 #include "volumes/read/meta_header.h"
 #include "volumes/read/nifti_header.h"
 #include "volumes/read/number_text.h"
@@ -40,9 +42,10 @@ Reader by_ending(std::string path) {
   return {};
 }
 
-/// By the first bytes; DICOM has its magic text behind a preamble of 128 bytes.
+/// By the first bytes. Those of DICOM without its magic text say least, so they are asked last.
 Result<Reader> by_content(const std::string& path) {
-  const Result<std::vector<std::byte>> head = read_head(path, starts_as_gzip(path), kSniffed);
+  const bool packed = starts_as_gzip(path);
+  const Result<std::vector<std::byte>> head = read_head(path, packed, kSniffed);
   if (!head) return head.error();
   const std::string_view text(reinterpret_cast<const char*>(head.value().data()), head.value().size());
   if (text.size() >= 132 && text.substr(128, 4) == "DICM") return Reader{read_dicom};
@@ -50,7 +53,8 @@ Result<Reader> by_content(const std::string& path) {
   if (text.starts_with("NRRD000")) return Reader{read_nrrd};
   if (looks_like_metaimage(text)) return Reader{read_metaimage};
   if (text.starts_with(std::string_view(" BDV\0\0\0\0", 8))) return Reader{read_foreign_vdb};
-  if (text.starts_with("ply\n") || text.starts_with("ply\r") || text.starts_with("solid ")) return Reader{read_mesh_scan};
+  if (!packed && !mesh_format(path).empty()) return Reader{read_mesh_scan};
+  if (!packed && looks_like_dicom(head.value())) return Reader{read_dicom};
   return bad_input(fmt::format("is of no kind that is read: {}", kKinds), path);
 }
 
