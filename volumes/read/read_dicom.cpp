@@ -10,6 +10,7 @@
 #include "volumes/read/dicom_pixels.h"
 #include "volumes/read/dicom_series.h"
 #include "volumes/read/gdcm_codecs.h"
+#include "volumes/read/memory_check.h"
 #include "volumes/read/scan.h"
 
 namespace burrhole {
@@ -77,6 +78,7 @@ void tell_counts(const PixelCounts& counts, std::vector<std::string>& assumed) {
 /// Slice after slice in stack order. A multi-frame file stays open while its frames are next to each other.
 Status read_pixels(const DicomFolder& folder, const DicomSeries& series, const ReadOptions& options, Scan& scan, PixelCounts& counts) {
   const std::size_t each = static_cast<std::size_t>(scan.dims.x) * static_cast<std::size_t>(scan.dims.y);
+  if (const auto fault = memory_fault(series.voxels() * sizeof(float), options.memory)) return Error{ErrorCode::unavailable, *fault, {}};
   scan.values.resize(each * series.slices.size());
   std::optional<FrameReader> reader;
   std::size_t open_file = 0;

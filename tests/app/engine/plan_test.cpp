@@ -58,7 +58,7 @@ TEST_CASE("plan: warns of an engaged depth under a voxel, and of drilling that i
   const Plan shallow = make_plan(load_small({.sets = {"contact.cutting_N_per_m=200e3"}}));
   REQUIRE(shallow.warnings.size() == 1);
   CHECK(shallow.warnings.front() ==
-        "engaged depth push_N / cutting_N_per_m = 0.100 mm is under a voxel (0.250 mm): little will be cut; push with 25 N or "
+        "engaged depth push_N / cutting_N_per_m = 0.100 mm is under a voxel (0.250 mm): little will be cut; push with 50 N or "
         "more, or take a finer spacing_mm");
   const Plan unfelt = make_plan(load_small({.contact = false}));
   REQUIRE(unfelt.warnings.size() == 1);
