@@ -57,7 +57,7 @@ void drill_head(const char* name) {
   const auto scan = read_scan(source.request.path, {});
   REQUIRE(scan);
   const double ray = ray_thickness(scan->scan, offset, run.loaded().scene.approach);
-  MESSAGE(name << ": ray " << ray * 1e3 << " mm, thickness " << run.simulation().approach().thickness * 1e3 << " mm, breakthrough at "
+  MESSAGE(std::string(name) << ": ray " << ray * 1e3 << " mm, thickness " << run.simulation().approach().thickness * 1e3 << " mm, breakthrough at "
                << *p.breakthrough_depth * 1e3 << " mm after " << *p.breakthrough_time << " s, angle "
                << run.simulation().approach().angle * 57.2957795 << " degrees");
   CHECK(ray > 3e-3);
