@@ -63,6 +63,15 @@ std::string first_line(const std::string& text) {
 
 }  // namespace
 
+std::string gnuplot_quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return out + '"';
+}
+
 Result<std::string> run_gnuplot(std::string_view script, const std::string& program) {
   const TemporaryFolder folder;
   if (!folder.ok())

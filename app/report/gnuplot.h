@@ -12,4 +12,7 @@ namespace burrhole {
 /// file can be made; internal, with the first line of its complaint, if it ends with a fault.
 [[nodiscard]] Result<std::string> run_gnuplot(std::string_view script, const std::string& program);
 
+/// Text between double quotes: backslash and quote escaped, control characters made blanks.
+[[nodiscard]] std::string gnuplot_quoted(const std::string& text);
+
 }  // namespace burrhole

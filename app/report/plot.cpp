@@ -49,16 +49,6 @@ struct Place {
   double bottom = 0.0, top = 0.0;
 };
 
-/// Text between double quotes for gnuplot: backslash and quote escaped, control characters made blanks.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return out + '"';
-}
-
 Range x_range(const Plot& plot) {
   Range range;
   for (const PlotPanel& panel : plot.panels)
@@ -139,8 +129,8 @@ std::string band_commands(const PlotPanel& panel, const Range& y, const Place& p
         shortest_number(band.from), shortest_number(band.to), kBandColors[n % std::size(kBandColors)]);
     last = std::max((middle(order[n]) - y.lo) * px_per_y, last + kLabelPitch);
     const double y_px = panel.y_down ? place.top - last : place.bottom + last;
-    out += fmt::format("set label {} at screen {:.5f}, screen {:.5f} left textcolor rgb \"#6b5d42\" font \",11\"\n", quoted(band.label),
-                       (width_px - kRight + 8.0) / width_px, y_px / height_px);
+    out += fmt::format("set label {} at screen {:.5f}, screen {:.5f} left textcolor rgb \"#6b5d42\" font \",11\"\n",
+                       gnuplot_quoted(band.label), (width_px - kRight + 8.0) / width_px, y_px / height_px);
   }
   return out;
 }
@@ -155,7 +145,7 @@ std::string event_commands(const Plot& plot, const std::vector<Flag>& flags, boo
         i + 1, flags[i].pole_px / plot.width_px, flags[i].pole_px / plot.width_px, reach_px / height_px);
     if (first_panel)
       out += fmt::format("set label {} at screen {:.5f}, screen {:.5f} left textcolor rgb \"#444444\" font \",11\"\n",
-                         quoted(plot.events[i].label), flags[i].text_px / plot.width_px, (reach_px + 7.0) / height_px);
+                         gnuplot_quoted(plot.events[i].label), flags[i].text_px / plot.width_px, (reach_px + 7.0) / height_px);
   }
   return out;
 }
@@ -176,7 +166,7 @@ std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
   out += "plot ";
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     out += fmt::format("{}$p{}_{} using 1:2 with lines linewidth 1.6 linecolor rgb \"{}\" title {}", i > 0 ? ", \\\n     " : "",
-                       panel_index, i, kLineColors[i % std::size(kLineColors)], quoted(panel.series[i].name));
+                       panel_index, i, kLineColors[i % std::size(kLineColors)], gnuplot_quoted(panel.series[i].name));
   }
   return out + '\n';
 }
@@ -189,10 +179,10 @@ std::string panel_commands(const Plot& plot, std::size_t index, const std::vecto
                                 place.bottom / height_px, place.top / height_px);
   out += fmt::format("set yrange [{}:{}]\n", shortest_number(panel.y_down ? y.hi : y.lo), shortest_number(panel.y_down ? y.lo : y.hi));
   // A label of our own: gnuplot's ylabel moves with the width of the numbers, so those of stacked panels would not line up.
-  out += fmt::format("set label {} at screen {:.5f}, screen {:.5f} center rotate\n", quoted(panel.y_label),
+  out += fmt::format("set label {} at screen {:.5f}, screen {:.5f} center rotate\n", gnuplot_quoted(panel.y_label),
                      kAxisName / double(plot.width_px), 0.5 * (place.bottom + place.top) / height_px);
-  out +=
-      last ? fmt::format("set format x \"%g\"\nset xlabel {} offset 0,0.3\n", quoted(plot.x_label)) : "set format x \"\"\nunset xlabel\n";
+  out += last ? fmt::format("set format x \"%g\"\nset xlabel {} offset 0,0.3\n", gnuplot_quoted(plot.x_label))
+              : "set format x \"\"\nunset xlabel\n";
   out += band_commands(panel, y, place, plot.width_px, height_px);
   out += event_commands(plot, flags, index == 0, place, height_px);
   return out + series_commands(panel, index);

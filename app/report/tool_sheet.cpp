@@ -19,16 +19,6 @@ constexpr double kPanelAspect = static_cast<double>(kPanelWidth) / kPanelHeight;
 constexpr double kMm = 1e3;       // of a metre
 constexpr double kLongest = 5.0;  // length over width of a bit that is shown whole
 
-/// Text between double quotes for gnuplot.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return out + '"';
-}
-
 std::string colour_text(const Rgb& c) { return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]); }
 
 /// Height up to which the working end reaches: what cuts and a little of what carries it.
@@ -74,15 +64,15 @@ std::string panel_commands(int index, const SheetFrame& f, const std::string& ti
       left / kToolSheetWidth, (left + kPanelWidth) / kToolSheetWidth, static_cast<double>(kBottom) / kToolSheetHeight,
       static_cast<double>(kBottom + kPanelHeight) / kToolSheetHeight);
   out += fmt::format("set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]\n", f.u_lo * kMm, f.u_hi * kMm, f.v_lo * kMm, f.v_hi * kMm);
-  return out + fmt::format("set title {} font \",14\" offset 0,-0.3\nset xlabel {} offset 0,0.3\nset ylabel {} offset 1,0\n", quoted(title),
-                           quoted(x_label), quoted(y_label));
+  return out + fmt::format("set title {} font \",14\" offset 0,-0.3\nset xlabel {} offset 0,0.3\nset ylabel {} offset 1,0\n",
+                           gnuplot_quoted(title), gnuplot_quoted(x_label), gnuplot_quoted(y_label));
 }
 
 /// A legend under the panel, of entries that a plot command appends after the picture.
 constexpr const char* kLegend = "set key at graph 0.5, -0.13 center top horizontal maxrows 1 Left reverse samplen 1 font \",12\"\n";
 
 std::string square_entry(const Rgb& colour, const std::string& name) {
-  return fmt::format("NaN with points pointtype 5 pointsize 2 linecolor rgb \"{}\" title {}", colour_text(colour), quoted(name));
+  return fmt::format("NaN with points pointtype 5 pointsize 2 linecolor rgb \"{}\" title {}", colour_text(colour), gnuplot_quoted(name));
 }
 
 /// Shell points that the viewer sees, with the way into the tool, as "u v du dv", cutting or not.
@@ -159,10 +149,10 @@ std::string tool_sheet_script(const ToolSheet& sheet) {
       fmt::format("set encoding utf8\nset terminal pngcairo size {},{} noenhanced font \"Helvetica,12\" background \"white\"\n",
                   kToolSheetWidth, kToolSheetHeight);
   out += "$none << EOD\n1e300 1e300 0\nEOD\nset multiplot\nset border 15 linecolor rgb \"#666666\"\nset tics out nomirror scale 0.6\n";
-  out += fmt::format("set label 1 {} at screen 0.5, screen {:.5f} center font \",18\"\n", quoted(sheet.headline),
+  out += fmt::format("set label 1 {} at screen 0.5, screen {:.5f} center font \",18\"\n", gnuplot_quoted(sheet.headline),
                      1.0 - 26.0 / kToolSheetHeight);
-  out += fmt::format("set label 2 {} at screen 0.5, screen {:.5f} center font \",12\" textcolor rgb \"#444444\"\n", quoted(sheet.subtitle),
-                     1.0 - 56.0 / kToolSheetHeight);
+  out += fmt::format("set label 2 {} at screen 0.5, screen {:.5f} center font \",12\" textcolor rgb \"#444444\"\n",
+                     gnuplot_quoted(sheet.subtitle), 1.0 - 56.0 / kToolSheetHeight);
   out += look_panel(tool, view) + "unset label\n" + shell_panel(tool, view) + erosion_panel(tool);
   return out + "unset multiplot\n";
 }
