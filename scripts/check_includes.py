@@ -52,6 +52,7 @@ WRAPPED = [
     (r"itk[A-Z]", "ITK", ["tests/"]),
     (r"gdcm", "GDCM", ["volumes/read/gdcm_codecs.cpp"]),
     (r"zlib\.h$", "zlib", ["volumes/read/"]),
+    (r"hwy/", "Highway", ["core/"]),
     # vdb_grids.cpp: OpenVDB must be initialised once, from whichever thread comes first.
     (r"(thread|mutex|shared_mutex|condition_variable|future)$", "threading", ["app/", "haptics/", "core/voxel/vdb_grids.cpp"]),
 ]

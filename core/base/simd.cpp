@@ -1,0 +1,74 @@
+#include "core/base/simd.h"
+
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <array>
+
+namespace burrhole {
+namespace {
+
+struct LevelInfo {
+  SimdLevel level;
+  std::string_view name;
+  std::int64_t target;  // Highway's bit; lower bits are better targets
+};
+constexpr std::array<LevelInfo, 3> kLevels{
+    {{SimdLevel::sse4, "sse4", HWY_SSE4}, {SimdLevel::avx2, "avx2", HWY_AVX2}, {SimdLevel::avx512, "avx512", HWY_AVX3}}};
+
+void use_targets_from(std::int64_t best) {
+  hwy::DisableTargets(best - 1);  // all lower bits: everything better
+}
+
+/// What the machine has, whatever is chosen at the moment.
+std::int64_t machine_targets() {
+  const std::int64_t chosen = hwy::SupportedTargets();
+  hwy::DisableTargets(0);
+  const std::int64_t all = hwy::SupportedTargets();
+  const std::int64_t best = chosen & -chosen;
+  use_targets_from(best);
+  return all;
+}
+
+std::string list_levels() {
+  std::string out;
+  for (const SimdLevel level : simd_levels()) out += (out.empty() ? "" : ", ") + std::string(name_of(level));
+  return out.empty() ? "none" : out;
+}
+
+}  // namespace
+
+std::string_view name_of(SimdLevel level) noexcept { return kLevels[static_cast<std::size_t>(level)].name; }
+
+std::vector<SimdLevel> simd_levels() {
+  const std::int64_t targets = machine_targets();
+  std::vector<SimdLevel> out;
+  for (const LevelInfo& info : kLevels)
+    if ((targets & info.target) != 0) out.push_back(info.level);
+  return out;
+}
+
+Status choose_simd(std::string_view name) {
+  if (name == "auto") {
+    hwy::DisableTargets(0);
+    return {};
+  }
+  const auto levels = simd_levels();
+  for (const LevelInfo& info : kLevels) {
+    if (info.name != name) continue;
+    if (std::ranges::find(levels, info.level) == levels.end())
+      return bad_input("this machine has no " + std::string(name) + "; it has: " + list_levels());
+    use_targets_from(info.target);
+    return {};
+  }
+  return bad_input("SIMD level \"" + std::string(name) + "\" must be one of: auto, sse4, avx2, avx512");
+}
+
+std::string simd_in_use() {
+  const std::int64_t targets = hwy::SupportedTargets();
+  for (auto info = kLevels.rbegin(); info != kLevels.rend(); ++info)
+    if ((targets & info->target) != 0) return std::string(info->name);
+  return "portable";
+}
+
+}  // namespace burrhole
