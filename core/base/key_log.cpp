@@ -38,7 +38,7 @@ std::string quoted(const std::string& word) { return '"' + word + '"'; }
 
 /// Words of a unit that keys write in lower case only.
 std::string unit_word(std::string_view word) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kAsWritten{{{"hz", "Hz"},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 15> kAsWritten{{{"hz", "Hz"},
                                                                                       {"khz", "kHz"},
                                                                                       {"hu", "HU"},
                                                                                       {"mpa", "MPa"},
@@ -49,6 +49,8 @@ std::string unit_word(std::string_view word) {
                                                                                       {"percent", "%"},
                                                                                       {"mm3", "mm^3"},
                                                                                       {"nmm", "N mm"},
+                                                                                      {"Nm", "N m"},
+                                                                                      {"m2", "m^2"},
                                                                                       {"n", "N"},
                                                                                       {"ns", "N s"}}};
   for (const auto& [in_key, as_written] : kAsWritten)

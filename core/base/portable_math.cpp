@@ -76,6 +76,19 @@ double portable_exp(double x) noexcept {
   return std::ldexp(fraction, static_cast<int>(k));
 }
 
+double portable_log(double x) noexcept {
+  int power = 0;
+  const double m = std::frexp(x, &power) * 1.4142135623730951;  // in [0.707, 1.414)
+  const double q = static_cast<double>(power) - 0.5;            // x = m 2^q
+  // Halley's iteration for e^y = m: the error of the first guess, below 0.06, goes to its cube over 12 each time: 2e-5, 7e-16, rounding.
+  double y = m - 1.0 - 0.5 * (m - 1.0) * (m - 1.0);
+  for (int n = 0; n < 3; ++n) {
+    const double e = portable_exp(y);
+    y += 2.0 * (m - e) / (m + e);
+  }
+  return q * (kLn2High + kLn2Low) + y;
+}
+
 double portable_sin(double x) noexcept {
   const auto [r, tail, quadrant] = reduce(x);
   const double value = (quadrant & 1) != 0 ? cos_series(r, tail) : sin_series(r, tail);

@@ -7,6 +7,8 @@ namespace burrhole {
 
 /// e^x; 0 below -745, +inf above 709.78. NaN in, NaN out.
 [[nodiscard]] double portable_exp(double x) noexcept;
+/// ln x, x > 0 and normal; within 1e-15 + 1e-15 |ln x|. For tables, not for loops: it takes a few exponentials.
+[[nodiscard]] double portable_log(double x) noexcept;
 /// Sine of x [rad], |x| <= 1e6 (larger arguments lose accuracy, not determinism).
 [[nodiscard]] double portable_sin(double x) noexcept;
 [[nodiscard]] double portable_cos(double x) noexcept;

@@ -28,6 +28,7 @@ class SnapshotBuffer {
   }
   /// All slots, for set-up before the threads run.
   [[nodiscard]] std::array<T, 3>& slots() noexcept { return slots_; }
+  [[nodiscard]] const std::array<T, 3>& slots() const noexcept { return slots_; }
 
  private:
   static constexpr std::uint8_t kIndex = 3, kFresh = 4;

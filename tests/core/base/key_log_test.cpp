@@ -170,6 +170,11 @@ TEST_CASE("key log: units are written as people write them") {
                                   {"_mm", ""},
                                   {"substep_voxels", "voxels"},
                                   {"latency_ticks", "ticks"},
+                                  {"stall_torque_Nm", "N m"},
+                                  {"coupling_Nm_per_rad", "N m/rad"},
+                                  {"coupling_Nm_s_per_rad", "N m s/rad"},
+                                  {"inertia_kg_m2", "kg m^2"},
+                                  {"specific_energy_J_per_mm3", "J/mm^3"},
                                   {"hardness", ""}};
   for (const auto& [key, unit] : pairs) {
     CAPTURE(key);

@@ -65,6 +65,25 @@ TEST_CASE("portable_exp: extremes go to 0, 1, infinity and NaN") {
   CHECK(std::isnan(portable_exp(std::numeric_limits<double>::quiet_NaN())));
 }
 
+TEST_CASE("portable_log: within its stated error, over all magnitudes and near 1, and undone by portable_exp") {
+  double most = 0.0, most_short = 0.0;
+  for (std::uint64_t n = 0; n < 200000; ++n) {
+    const double x = n % 2 == 0 ? std::pow(10.0, 600.0 * uniform01(3, n) - 300.0) : 1.0 - 0.9 * uniform01(3, n) * uniform01(4, n);
+    const long double exact = std::log(static_cast<long double>(x));
+    const double allowed = 1e-15 + 1e-15 * static_cast<double>(std::abs(exact));
+    most = std::max(most, static_cast<double>(std::abs(static_cast<long double>(portable_log(x)) - exact)) / allowed);
+    // Sabotage: the first guess of the iteration, without the iteration.
+    int power = 0;
+    const double m = std::frexp(x, &power) * 1.4142135623730951;
+    const double guess = (power - 0.5) * 0.6931471805599453 + (m - 1.0) - 0.5 * (m - 1.0) * (m - 1.0);
+    most_short = std::max(most_short, static_cast<double>(std::abs(static_cast<long double>(guess) - exact)) / allowed);
+  }
+  CHECK(most <= 1.0);
+  CHECK(most_short > 1.0);
+  CHECK(std::abs(portable_log(1.0)) <= 1e-15);
+  CHECK(std::abs(portable_exp(portable_log(0.3)) - 0.3) < 1e-15);
+}
+
 TEST_CASE("portable_sin and portable_cos: within 2 ulp up to 1e6 rad") {
   for (const Range range : {Range{-0.8, 0.8}, Range{-7.0, 7.0}, Range{-1e3, 1e3}, Range{-1e6, 1e6}}) {
     CAPTURE(range.high);
