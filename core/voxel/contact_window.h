@@ -1,74 +1,89 @@
-/// core/voxel/contact_window.h: the published copy of the window that contact reads: density and gradient, never half a step.
+/// core/voxel/contact_window.h: the published copy of the window that contact reads, with those fields that it asked for; never half a step.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/snapshot_buffer.h"
+#include "core/voxel/contact_words.h"
+#include "core/voxel/surface_records.h"
 #include "core/voxel/voxmap.h"
 
 namespace burrhole {
+
+/// What a reader needs; a field that is not asked for stays empty and costs nothing.
+struct ContactFields {
+  bool density = true;                          ///< trilinear samples: the 0.5 surface, the drill monitor
+  bool gradient = true;                         ///< float gradients
+  bool words = false;                           ///< the packed form: gradient-plane by vectors
+  std::optional<RecordPrecision> records = {};  ///< distance and normal of the surface, and hardness beside them: the constrained tool
+};
+
+/// Bytes that a voxel of one copy takes.
+[[nodiscard]] constexpr std::size_t bytes_a_voxel(const ContactFields& fields) noexcept {
+  std::size_t sum = 0;
+  if (fields.density) sum += sizeof(float);
+  if (fields.gradient) sum += sizeof(Vec3f);
+  if (fields.words) sum += sizeof(ContactWord);
+  if (fields.records) sum += sizeof(std::uint8_t) + (*fields.records == RecordPrecision::bits8 ? sizeof(Record8) : sizeof(Record16));
+  return sum;
+}
 
 /// Dense fields over `box`, i fastest; gradient valid inside box.grown(-1).
 struct ContactWindow {
   VoxelBox box;
   std::vector<float> density;
   std::vector<Vec3f> gradient;
+  std::vector<ContactWord> words;
+  RecordArray records;
+  VoxelBox records_valid;              ///< where records are true
+  std::vector<std::uint8_t> hardness;  ///< 255 is 1; beside records
   std::uint64_t window_epoch = 0;
   std::uint64_t growth_epoch = 0;
+
+  [[nodiscard]] std::size_t bytes() const noexcept;
 };
 
-/// Writer's side: keeps three copies, each with the boxes that it missed; publishing catches one up and swaps an index.
+/// Writer's side: keeps three copies, each with the boxes that it missed; publishing catches one up and swaps an index. Fields that are
+/// derived from the master window are kept once and copied like the others, so a copy never holds a leap of another step than its density.
+/// A window that slid is caught up by moving what stays and copying what is new.
 /// Thread: publish() by the simulation; exchange().latest() by contact.
 class ContactWindowPublisher {
  public:
   /// `voxmap` must have its window placed; registers itself as a listener.
-  explicit ContactWindowPublisher(Voxmap& voxmap) : listener_(voxmap.add_listener()) {}
-
-  void publish(Voxmap& voxmap) {
-    for (const VoxelBox& box : voxmap.take_dirty(listener_))
-      for (DirtyBoxes& missed : missed_) missed.add(box);
-    const std::size_t slot = buffer_.back_index();
-    catch_up(buffer_.back(), missed_[slot], voxmap);
-    missed_[slot].clear();
-    buffer_.publish();
+  explicit ContactWindowPublisher(Voxmap& voxmap, const ContactFields& fields = {})
+      : listener_(voxmap.add_listener()), fields_(fields), growth_epoch_(voxmap.growth_epoch()) {
+    if (fields.records) records_.emplace(voxmap.bone().bone_from_index(), *fields.records);
   }
+
+  void publish(Voxmap& voxmap);
   [[nodiscard]] SnapshotBuffer<ContactWindow>& exchange() noexcept { return buffer_; }
+  [[nodiscard]] const ContactFields& fields() const noexcept { return fields_; }
   /// Window epoch of the newest copy handed over.
   [[nodiscard]] std::uint64_t published_epoch() const noexcept { return published_epoch_; }
   [[nodiscard]] std::uint64_t copied_voxels() const noexcept { return copied_voxels_; }
+  /// Of the three copies and of the fields kept for them.
+  [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
-  void catch_up(ContactWindow& copy, const DirtyBoxes& missed, const Voxmap& voxmap) {
-    const MasterWindow& master = voxmap.window();
-    if (copy.window_epoch != voxmap.window_epoch()) {
-      copy.box = master.box;
-      copy.density = master.density;
-      copy.gradient = master.gradient;
-      copied_voxels_ += master.box.count();
-    } else {
-      for (const VoxelBox& dirty : missed.boxes()) {
-        const VoxelBox part = dirty.intersect(master.box);
-        if (part.empty()) continue;
-        copied_voxels_ += part.count();
-        const auto row = static_cast<std::size_t>(part.size().x);
-        for (int k = part.lo.z; k < part.hi.z; ++k)
-          for (int j = part.lo.y; j < part.hi.y; ++j) {
-            const std::size_t at = master.box.offset_of({part.lo.x, j, k});
-            std::copy_n(master.density.data() + at, row, copy.density.data() + at);
-            std::copy_n(master.gradient.data() + at, row, copy.gradient.data() + at);
-          }
-      }
-    }
-    copy.window_epoch = published_epoch_ = voxmap.window_epoch();
-    copy.growth_epoch = voxmap.growth_epoch();
-  }
+  template <class F>
+  void for_each_field(ContactWindow& copy, const MasterWindow& master, F&& f);
+  void follow_window(const Voxmap& voxmap);
+  void note(const VoxelBox& changed);
+  void catch_up(ContactWindow& copy, DirtyBoxes& missed, const Voxmap& voxmap);
 
   std::size_t listener_;
+  ContactFields fields_;
+  ContactWords words_;
+  std::optional<SurfaceRecords> records_;
+  std::vector<std::uint8_t> hardness_;  // of the master, in bytes
+  VoxelBox box_;                        // of the master at the last publishing
   SnapshotBuffer<ContactWindow> buffer_;
   std::array<DirtyBoxes, 3> missed_;
   std::uint64_t published_epoch_ = 0;
+  std::uint64_t growth_epoch_;
   std::uint64_t copied_voxels_ = 0;
 };
 

@@ -10,7 +10,7 @@ namespace burrhole {
 /// At most `kMax` boxes; when one more comes in, the two whose union wastes least are merged. Boxes may overlap.
 class DirtyBoxes {
  public:
-  static constexpr std::size_t kMax = 8;
+  static constexpr std::size_t kMax = 16;
 
   void add(const VoxelBox& box);
   void clear() noexcept { boxes_.clear(); }

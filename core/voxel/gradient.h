@@ -15,8 +15,30 @@ struct DensityBlock {
   std::span<const float> density;
 };
 
+/// What the SIMD kernel of update_gradient is given: strides in floats.
+struct GradientRows {
+  const float* density;  // at the target's first voxel
+  std::ptrdiff_t density_row, density_slab;
+  float* gradient;  // likewise, x y z of a voxel side by side
+  std::size_t gradient_row, gradient_slab;
+  std::size_t count, rows, slabs;  // of the target
+  float dead2;
+};
+
+/// Likewise of update_density.
+struct ProductRows {
+  const float *a, *b;  // at the target's first voxel
+  float* product;
+  std::size_t row, slab;
+  std::size_t count, rows, slabs;  // of the target
+};
+
+/// density = occupancy x remaining for each voxel of `target`; all dense over `box`, i fastest. Requires target inside box.
+void update_density(std::span<const float> occupancy, std::span<const float> remaining, const VoxelBox& box, const VoxelBox& target,
+                    std::span<float> density) noexcept;
+
 /// Writes the gradient of each voxel of `target` into `gradient` (dense over `gradient_box`, i fastest): half the difference of the two
-/// neighbours on each axis [1/voxel]; (0,0,0) where its length is below `dead_zone`.
+/// neighbours on each axis [1/voxel]; (0,0,0) where its length is below `dead_zone`. Same bits at every SIMD level.
 /// Requires target.grown(1) inside block.box and target inside gradient_box.
 void update_gradient(const DensityBlock& block, const VoxelBox& target, float dead_zone, const VoxelBox& gradient_box,
                      std::span<Vec3f> gradient) noexcept;

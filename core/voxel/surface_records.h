@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <variant>
 #include <vector>
@@ -49,12 +50,21 @@ using RecordArray = std::variant<std::vector<Record8>, std::vector<Record16>>;
 class SurfaceRecords {
  public:
   SurfaceRecords(const Affine& bone_from_index, RecordPrecision precision);
+  SurfaceRecords(SurfaceRecords&&) noexcept;
+  SurfaceRecords& operator=(SurfaceRecords&&) noexcept;
+  ~SurfaceRecords();
 
   /// Everything anew: after the window was placed, or bone grew.
   void rebuild(const MasterWindow& window);
   /// After density changed inside `dirty` (halo of gradients included or not, it does not matter). @returns the box of records that may
   /// differ now, to be copied. Afterwards the records equal those of a rebuild, bit for bit.
   VoxelBox update(const MasterWindow& window, const VoxelBox& dirty);
+
+  /// The same after several boxes changed: boxes whose reaches overlap much are taken as one. @returns the boxes that may differ now.
+  std::vector<VoxelBox> update(const MasterWindow& window, std::span<const VoxelBox> dirty);
+  /// The window moved: records that were true and still are stay, the others are made anew.
+  void slide(const MasterWindow& window);
+  [[nodiscard]] std::size_t bytes() const noexcept;
 
   [[nodiscard]] const VoxelBox& box() const noexcept { return box_; }
   /// Records are known inside this box: nearer to the window's edge the surface may come from what the window does not know.
@@ -63,7 +73,10 @@ class SurfaceRecords {
   [[nodiscard]] RecordPrecision precision() const noexcept;
 
  private:
-  Affine bone_from_index_;
+  struct Work;
+  void make(const MasterWindow& window, const VoxelBox& part);
+
+  std::unique_ptr<Work> work_;  // map and scratch; grows to its steady size at the first rebuild
   VoxelBox box_;
   RecordArray records_;
 };

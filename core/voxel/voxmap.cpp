@@ -1,6 +1,7 @@
 #include "core/voxel/voxmap.h"
 
 #include "core/base/assert.h"
+#include "core/voxel/box_parts.h"
 #include "core/voxel/gradient.h"
 #include "core/voxel/vdb_grids.h"
 
@@ -9,22 +10,6 @@ namespace burrhole {
 struct Voxmap::Store {
   FloatVdb remaining{"remaining", 1.0f};
 };
-
-namespace {
-
-/// Copies the values of `part` between two dense arrays.
-template <class T>
-void copy_part(const VoxelBox& part, const VoxelBox& from_box, std::span<const T> from, const VoxelBox& to_box, std::span<T> to) {
-  if (part.empty()) return;
-  const auto row = static_cast<std::size_t>(part.size().x);
-  for (int k = part.lo.z; k < part.hi.z; ++k)
-    for (int j = part.lo.y; j < part.hi.y; ++j) {
-      const Vec3i start(part.lo.x, j, k);
-      std::copy_n(from.data() + from_box.offset_of(start), row, to.data() + to_box.offset_of(start));
-    }
-}
-
-}  // namespace
 
 Voxmap::Voxmap(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config)
     : bone_(std::move(bone)), config_(config), store_(std::make_unique<Store>()) {}
@@ -46,7 +31,10 @@ Status Voxmap::place_window(const VoxelBox& box) {
                        " voxels; each edge must be in [5, " + std::to_string(kMaxWindowEdge) + "]",
                    {}};
   write_back();
-  load_window(box);
+  if (kept_by_slide(window_.box, box, 1).empty())
+    load_window(box);
+  else
+    slide_window(box);
   return {};
 }
 
@@ -63,15 +51,38 @@ void Voxmap::load_window(const VoxelBox& box) {
   ++window_epoch_;
 }
 
+void Voxmap::slide_window(const VoxelBox& box) {
+  const VoxelBox from = window_.box;
+  for (std::vector<float>* field : {&window_.occupancy, &window_.hardness, &window_.remaining, &window_.density})
+    slide_array(from, box, *field);
+  slide_array(from, box, window_.gradient);
+  window_.box = box;
+  for (const VoxelBox& part : box_without(box, from)) load_part(part);
+  // Gradients of the old outermost layer were not known; those of the new one are not.
+  for (const VoxelBox& part : box_without(box, kept_by_slide(from, box, 1))) {
+    fill_part(part, Vec3f(0.0f), box, window_.gradient.data());
+    update_gradient({box, window_.density}, part.intersect(window_.valid_box()), config_.gradient_dead_zone, box, window_.gradient);
+  }
+  ++window_epoch_;
+}
+
+void Voxmap::load_part(const VoxelBox& part) {
+  std::vector<float> occupancy(part.count()), read(part.count());
+  const auto place = [&](std::vector<float>& field) { copy_part(part, part, read.data(), window_.box, field.data()); };
+  bone_->read_hardness(part, read);
+  place(window_.hardness);
+  bone_->read_occupancy(part, occupancy);
+  copy_part(part, part, occupancy.data(), window_.box, window_.occupancy.data());
+  store_->remaining.read_box(part, read);
+  place(window_.remaining);
+  for (std::size_t i = 0; i < read.size(); ++i) read[i] = occupancy[i] * read[i];
+  place(window_.density);
+}
+
 void Voxmap::commit(const VoxelBox& touched) noexcept {
   if (touched.empty()) return;
   BH_ASSERT(window_.erodible_box().contains(touched));
-  for (int k = touched.lo.z; k < touched.hi.z; ++k)
-    for (int j = touched.lo.y; j < touched.hi.y; ++j) {
-      const std::size_t start = window_.box.offset_of({touched.lo.x, j, k});
-      for (std::size_t n = start; n < start + static_cast<std::size_t>(touched.size().x); ++n)
-        window_.density[n] = window_.occupancy[n] * window_.remaining[n];
-    }
+  update_density(window_.occupancy, window_.remaining, window_.box, touched, window_.density);
   const VoxelBox halo = touched.grown(1);
   update_gradient({window_.box, window_.density}, halo, config_.gradient_dead_zone, window_.box, window_.gradient);
   unsaved_ = unsaved_.unite(touched);
@@ -88,7 +99,7 @@ std::vector<VoxelBox> Voxmap::take_dirty(std::size_t listener) { return listener
 void Voxmap::write_back() {
   if (unsaved_.empty()) return;
   std::vector<float> part(unsaved_.count());
-  copy_part<float>(unsaved_, window_.box, window_.remaining, unsaved_, part);
+  copy_part(unsaved_, window_.box, window_.remaining.data(), unsaved_, part.data());
   store_->remaining.write_box(unsaved_, part);
   unsaved_ = {};
 }

@@ -12,6 +12,7 @@
 #include "core/base/hash.h"
 #include "core/base/result.h"
 #include "core/voxel/bone_model.h"
+#include "core/voxel/box_set.h"
 #include "core/voxel/dirty_boxes.h"
 
 namespace burrhole {
@@ -46,13 +47,17 @@ class Voxmap {
   [[nodiscard]] const VoxmapConfig& config() const noexcept { return config_; }
   [[nodiscard]] const MasterWindow& window() const noexcept { return window_; }
 
-  /// Moves the window: writes the old one back, loads the new one. out_of_range when an edge is below 5 or above kMaxWindowEdge.
+  /// Moves the window: writes the old one back, keeps what both places hold, loads what is new. out_of_range when an edge is below 5 or above kMaxWindowEdge.
   [[nodiscard]] Status place_window(const VoxelBox& box);
 
   /// For erosion: remaining [0..1] of the window; after writing, commit() each box touched (inside erodible_box()).
   [[nodiscard]] std::span<float> remaining() noexcept { return window_.remaining; }
   /// Recomputes density in the box and gradients in the box with its halo of one voxel; marks that halo box dirty for every listener.
   void commit(const VoxelBox& touched) noexcept;
+  /// The same, box by box.
+  void commit(const BoxSet& touched) noexcept {
+    for (const VoxelBox& box : touched) commit(box);
+  }
 
   /// Registers a listener for changed boxes (in voxels whose density or gradient may differ, halo included).
   [[nodiscard]] std::size_t add_listener();
@@ -85,6 +90,8 @@ class Voxmap {
   struct Store;
   Voxmap(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config);
   void load_window(const VoxelBox& box);
+  void slide_window(const VoxelBox& box);
+  void load_part(const VoxelBox& part);
 
   std::shared_ptr<const BoneModel> bone_;
   VoxmapConfig config_;

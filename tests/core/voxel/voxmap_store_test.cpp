@@ -146,3 +146,45 @@ TEST_CASE("Voxmap: create refuses a dead zone below 0, at 0.5 or above") {
     CHECK_FALSE(Voxmap::create(bone, {.gradient_dead_zone = dead_zone}).ok());
   for (const float dead_zone : {0.0f, 0.49f}) CHECK(Voxmap::create(bone, {.gradient_dead_zone = dead_zone}).ok());
 }
+
+TEST_CASE("Voxmap: a window that slid, by any way and size, equals one loaded there, bit for bit") {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    CAPTURE(seed);
+    Dice dice{seed};
+    const Vec3i dims(26, 24, 22);
+    const DenseBone dense = random_bone(dims, seed);
+    Voxmap slid = make_voxmap(load_bone(dense)), loaded = make_voxmap(load_bone(dense));
+    PlainTwin twin(dense, 0.08f);
+    REQUIRE(slid.place_window({Vec3i(0), Vec3i(16)}).ok());
+    for (int step = 0; step < 40; ++step) {
+      const VoxelBox bite = dice.box_inside(slid.window().erodible_box(), 4);
+      erode_box(slid, twin, bite, dice);
+      // The other goes far away and comes back each time, so nothing can be kept.
+      REQUIRE(loaded.place_window(slid.window().box).ok());
+      for_each_voxel(bite, [&](const Vec3i& v) {
+        const std::size_t at = slid.window().box.offset_of(v);
+        loaded.remaining()[at] = slid.window().remaining[at];
+      });
+      loaded.commit(bite);
+      const Vec3i shift(dice.next_below(9) - 4, dice.next_below(7) - 3, dice.next_below(9) - 4);
+      const Vec3i wider(dice.next() < 0.3 ? 2 : 0, 0, dice.next() < 0.2 ? 1 : 0);
+      VoxelBox box{slid.window().box.lo + shift, slid.window().box.hi + shift + wider};
+      if (!box.grown(-4).intersect({Vec3i(0), dims}).empty() && box.size().x < 24) {
+        REQUIRE(slid.place_window(box).ok());
+      } else {
+        box = {Vec3i(2), Vec3i(18)};
+        REQUIRE(slid.place_window(box).ok());
+      }
+      REQUIRE(loaded.place_window({Vec3i(400), Vec3i(408)}).ok());
+      REQUIRE(loaded.place_window(box).ok());
+      const MasterWindow &a = slid.window(), &b = loaded.window();
+      CHECK(a.box == b.box);
+      CHECK(a.occupancy == b.occupancy);
+      CHECK(a.hardness == b.hardness);
+      CHECK(a.remaining == b.remaining);
+      CHECK(a.density == b.density);
+      CHECK(a.gradient == b.gradient);
+    }
+    CHECK(slid.hash() == loaded.hash());
+  }
+}

@@ -1,0 +1,200 @@
+#include "core/voxel/surface_records.h"
+
+#include <bit>
+
+#include "core/base/assert.h"
+#include "core/voxel/box_parts.h"
+#include "core/voxel/surface_tile.h"
+
+// How a record is made (own derivation). Lengths are metric: M = linear / mean_edge takes index differences to voxel edges.
+//   1. G, the gradient of the smoothed density (five taps an axis, surface_field.cpp). Plain differences alias on a ramp one voxel wide:
+//      their direction is off by degrees. As a covector it reaches the bone's axes by M^-T; the outward normal there is n = -M^-T G, normalised.
+//   2. One surfel s a cell that the surface passes: the mean of the edges' crossings, moved along n to the trilinear 0.5 surface. All
+//      detail of the surface itself is kept; only its direction comes from the smoothed field.
+//   3. A voxel v takes its nearest surfel. The surfel's plane puts the foot of v at c = s + t, t the part of r = v - s across n_s. With
+//      n_c from G at the foot, distance = (n_s + n_c) / 2 . r: on a sphere of radius R and centre o, s = o + R n_s and v = o + (R + h) n_v,
+//      so (n_s + n_v) . (v - s) / 2 = ((R + h) - R) (1 + n_s . n_v) / 2, which is h to second order of the angle between the two, where a
+//      plane alone is off by half its square times R. n_c = n_v to the same order.
+//   4. Further than `fan` across, the surface ends (the outside of an edge, a tip): there the foot is held at `fan` and what is left
+//      counts as length: distance^2 = across^2 + rest^2, the normal the way from that foot.
+// The side is the density's: at voxel centres the trilinear field is the density itself. Where that contradicts the plane the distance is 0.
+
+namespace burrhole {
+namespace {
+
+/// Records made at once: bounds the scratch (about 40 bytes a voxel of the tile and its margins). By volume: the face under a wide bit is
+/// flat, and margins cost less the fewer cuts there are.
+constexpr std::size_t kMostInTile = 160'000;
+
+/// How often a part is cut along each axis.
+Vec3i tiles_of(const Vec3i& size) noexcept {
+  Vec3i tiles(1);
+  for (;;) {
+    const Vec3i edges = (size + tiles - 1) / tiles;
+    if (VoxelBox{Vec3i(0), edges}.count() <= kMostInTile) return tiles;
+    const std::size_t axis = edges.x >= edges.y && edges.x >= edges.z ? 0 : edges.y >= edges.z ? 1 : 2;
+    ++tiles[axis];
+  }
+}
+
+static_assert(std::endian::native == std::endian::little, "records are put together as words");
+
+/// What the tile found, over "at least that far" elsewhere.
+template <class Record>
+void store(const SurfaceTile& tile, const VoxelBox& box, std::vector<Record>& out) noexcept {
+  const auto length = static_cast<std::size_t>(tile.records.size().x);
+  for (int k = tile.records.lo.z; k < tile.records.hi.z; ++k)
+    for (int j = tile.records.lo.y; j < tile.records.hi.y; ++j) {
+      const Vec3i start(tile.records.lo.x, j, k);
+      fill_far(tile.density.data() + tile.offset_of(start), length, out.data() + box.offset_of(start));
+    }
+  const Vec3i shift = tile.padded.lo - box.lo, size = box.size();
+  for (std::size_t n = 0; n < tile.near; ++n) {
+    const Vec3i v = unpack_position(tile.voxels[n]) + shift;
+    Record& record = out[static_cast<std::size_t>((v.z * size.y + v.y) * size.x + v.x)];
+    if constexpr (sizeof(Record) == sizeof(std::uint32_t))
+      record = std::bit_cast<Record>(tile.low[n]);
+    else
+      record = std::bit_cast<Record>(tile.low[n] | (static_cast<std::uint64_t>(tile.high[n]) << 32));
+  }
+}
+
+template <class Record>
+SurfaceSample decoded(const Record& r, double distance_step, double normal_step) noexcept {
+  return {distance_step * r.distance, normal_step * Vec3(r.nx, r.ny, r.nz)};
+}
+
+}  // namespace
+
+SurfaceMap::SurfaceMap(const Affine& bone_from_index) {
+  const Mat3 metric = bone_from_index.linear / bone_from_index.mean_edge();
+  const Mat3 index = glm::inverse(metric);
+  double longest = 0.0;
+  for (std::size_t r = 0; r < 3; ++r) {
+    double row2 = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      metric_from_index[r][c] = static_cast<float>(metric[c][r]);
+      index_from_metric[r][c] = static_cast<float>(index[c][r]);
+      row2 += index[c][r] * index[c][r];
+    }
+    // 15 is met by slices sixty times as thick as pixels only; there the band is a little short along the pixels.
+    spread[r] = std::min(15, floor_int(kRecordBand * std::sqrt(row2)));
+    longest = std::max(longest, glm::length(metric[r]));
+  }
+  fan = static_cast<float>(longest);
+  const int most = std::max({spread.x, spread.y, spread.z});
+  code_bits = std::bit_width(static_cast<unsigned>(2 * most + 1));
+}
+
+void SurfaceTile::lay_out(const VoxelBox& to_make, const VoxelBox& window, const SurfaceMap& map) {
+  records = to_make;
+  const VoxelBox wanted{to_make.lo - map.spread - 1, to_make.hi + map.spread};
+  cells = wanted.intersect({window.lo, window.hi - 1});
+  padded = {wanted.lo - 3, wanted.hi + 4};
+  const Vec3i size = padded.size();
+  row = size.x;
+  slab = size.x * size.y;
+  const std::size_t count = padded.count() + 4 * kMostLanes;
+  const auto make_room = [](auto& field, std::size_t least) {
+    if (field.size() < least) field.resize(least);
+  };
+  for (auto* field : {&density, &gx, &gy, &gz}) make_room(*field, count);
+  make_room(nearest, count);
+  make_room(surfel_at, count);
+  make_room(plane, 5 * (static_cast<std::size_t>(slab) + 4 * kMostLanes));
+  make_room(cell_offsets, cells.count() + 2 * kMostLanes);
+  make_room(voxels, records.count() + 2 * kMostLanes);
+  for (auto* list : {&low, &high}) make_room(*list, records.count() + 2 * kMostLanes);
+  rows.reserve(static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z));
+}
+
+struct SurfaceRecords::Work {
+  SurfaceMap map;
+  SurfaceTile tile;
+};
+
+SurfaceRecords::SurfaceRecords(const Affine& bone_from_index, RecordPrecision precision)
+    : work_(std::make_unique<Work>(Work{SurfaceMap(bone_from_index), {}})) {
+  if (precision == RecordPrecision::bits16) records_ = std::vector<Record16>();
+}
+SurfaceRecords::SurfaceRecords(SurfaceRecords&&) noexcept = default;
+SurfaceRecords& SurfaceRecords::operator=(SurfaceRecords&&) noexcept = default;
+SurfaceRecords::~SurfaceRecords() = default;
+
+RecordPrecision SurfaceRecords::precision() const noexcept {
+  return std::holds_alternative<std::vector<Record8>>(records_) ? RecordPrecision::bits8 : RecordPrecision::bits16;
+}
+
+VoxelBox SurfaceRecords::valid_box() const noexcept {
+  const Vec3i reach = work_->map.reach();
+  return {box_.lo + reach, box_.hi - reach};
+}
+
+void SurfaceRecords::make(const MasterWindow& window, const VoxelBox& part) {
+  const Vec3i size = part.size();
+  const Vec3i tiles = tiles_of(size);
+  SurfaceTile& tile = work_->tile;
+  for_each_voxel({Vec3i(0), tiles}, [&](const Vec3i& t) {
+    tile.lay_out({part.lo + size * t / tiles, part.lo + size * (t + 1) / tiles}, box_, work_->map);
+    copy_density(window, tile);
+    smooth_gradient(tile);
+    find_cells(tile);
+    make_surfels(work_->map, tile);
+    find_nearest(work_->map, tile);
+    make_records(work_->map, precision(), tile);
+    std::visit([&](auto& records) { store(tile, box_, records); }, records_);
+  });
+}
+
+void SurfaceRecords::rebuild(const MasterWindow& window) {
+  box_ = window.box;
+  std::visit([&](auto& records) { records.resize(box_.count()); }, records_);
+  make(window, box_);
+}
+
+VoxelBox SurfaceRecords::update(const MasterWindow& window, const VoxelBox& dirty) {
+  BH_ASSERT(window.box == box_);
+  const VoxelBox seen = dirty.intersect(box_);
+  if (seen.empty()) return {};
+  const Vec3i reach = work_->map.reach();
+  const VoxelBox part = VoxelBox{seen.lo - reach, seen.hi + reach}.intersect(box_);
+  make(window, part);
+  return part;
+}
+
+std::vector<VoxelBox> SurfaceRecords::update(const MasterWindow& window, std::span<const VoxelBox> dirty) {
+  // Each box is worked on with its reach: two whose reaches overlap cost more apart than as the box round both, once that wastes little.
+  const Vec3i reach = work_->map.reach();
+  const auto work = [&](const VoxelBox& box) { return VoxelBox{box.lo - reach, box.hi + reach}.intersect(box_).count(); };
+  std::vector<VoxelBox> boxes(dirty.begin(), dirty.end());
+  for (bool joined = true; joined;) {
+    joined = false;
+    for (std::size_t a = 0; a < boxes.size() && !joined; ++a)
+      for (std::size_t b = a + 1; b < boxes.size() && !joined; ++b) {
+        if (work(boxes[a].unite(boxes[b])) > work(boxes[a]) + work(boxes[b])) continue;
+        boxes[a] = boxes[a].unite(boxes[b]);
+        boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(b));
+        joined = true;
+      }
+  }
+  for (VoxelBox& box : boxes) box = update(window, box);
+  return boxes;
+}
+
+void SurfaceRecords::slide(const MasterWindow& window) {
+  // What is within reach of an edge of either window saw another field there.
+  const VoxelBox from = box_, true_before = valid_box();
+  box_ = window.box;
+  const VoxelBox kept = true_before.intersect(valid_box());
+  std::visit([&](auto& records) { slide_array(from, box_, records); }, records_);
+  for (const VoxelBox& part : box_without(box_, kept.empty() ? VoxelBox{} : kept)) make(window, part);
+}
+
+std::size_t SurfaceRecords::bytes() const noexcept {
+  return std::visit([](const auto& records) { return records.capacity() * sizeof(records[0]); }, records_);
+}
+
+SurfaceSample decode(const Record8& record) noexcept { return decoded(record, kRecord8Distance, kRecord8Normal); }
+SurfaceSample decode(const Record16& record) noexcept { return decoded(record, kRecord16Distance, kRecord16Normal); }
+
+}  // namespace burrhole
