@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/tool/cutting_field.h"
 #include "core/tool/erosion_points.h"
 #include "core/tool/mesh_tool.h"
 #include "core/tool/point_shell.h"
@@ -37,6 +38,33 @@ std::optional<Tool> assemble(Result<PointShell> shell, Result<ErosionPoints> ero
   return tool;
 }
 
+/// Half the least extent of what cuts.
+double least_radius(const ErosionPoints& points) {
+  if (points.size() == 0) return 0.0;
+  Vec3 lo = points.positions.front(), hi = lo;
+  for (const Vec3& p : points.positions) {
+    lo = glm::min(lo, p);
+    hi = glm::max(hi, p);
+  }
+  const Vec3 size = hi - lo + points.pitch;
+  return 0.5 * std::min({size.x, size.y, size.z});
+}
+
+/// Adds the table that `options` ask for, made by `make(size)`. @returns false when an issue was pushed.
+template <class Make>
+bool add_cutting_field(Tool& tool, const ToolOptions& options, const std::string& place, Issues& issues, Make&& make) {
+  if (!(options.cutting_voxel > 0.0)) return true;
+  Result<CuttingField> field = make(cutting_field_size(options.cutting_voxel, least_radius(tool.erosion)));
+  if (field) {
+    tool.cutting = std::make_shared<const CuttingField>(std::move(field).value());
+    return true;
+  }
+  Error error = field.error();
+  error.place = place;
+  issues.push_back(std::move(error));
+  return false;
+}
+
 /// The surface of a [mesh], in the tool frame; faults name the key `file`.
 std::optional<SurfaceMesh> read_tool_mesh(const MeshToolSpec& spec, const ToolOptions& options, Issues& issues) {
   const auto refuse = [&](Error error) {
@@ -61,6 +89,8 @@ std::optional<Tool> make_from_mesh(const TomlDocument& document, const ToolOptio
   auto tool =
       assemble(make_mesh_shell(*spec, *mesh), make_mesh_erosion_points(*spec, *mesh, options.erosion_pitch), document.file_name(), issues);
   if (!tool) return std::nullopt;
+  const auto field = [&](const CuttingFieldSize& size) { return make_mesh_cutting_field(*spec, *mesh, size); };
+  if (!add_cutting_field(*tool, options, document.file_name(), issues, field)) return std::nullopt;
   tool->name = spec->name;
   tool->title = spec->title;
   tool->mesh = make_mesh_picture(*mesh);
@@ -75,6 +105,8 @@ std::optional<Tool> make_tool(const TomlDocument& document, const ToolOptions& o
   if (!spec) return std::nullopt;
   auto tool = assemble(make_point_shell(*spec), make_erosion_points(*spec, options.erosion_pitch), document.file_name(), issues);
   if (!tool) return std::nullopt;
+  const auto field = [&](const CuttingFieldSize& size) { return make_cutting_field(*spec, size); };
+  if (!add_cutting_field(*tool, options, document.file_name(), issues, field)) return std::nullopt;
   tool->name = spec->name;
   tool->title = spec->title;
   tool->mesh = make_tool_mesh(*spec);

@@ -14,6 +14,7 @@ namespace burrhole {
 
 struct ToolOptions {
   double erosion_pitch = 0.25e-3;  ///< [m] > 0; half a voxel of the bone is the usual choice
+  double cutting_voxel = 0.0;      ///< [m] edge of the bone's voxels; above 0: Tool::cutting is made, as fine as cutting_field_size says
   /// Reads the surface that a [mesh] names, one unit of the file `unit` [m] long; core reads no files. Empty: such tools are refused.
   std::function<Result<SurfaceMesh>(const std::string& path, double unit)> read_mesh = nullptr;
 };

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,8 @@ struct TriangleMesh {
   std::vector<std::uint32_t> indices;  ///< three a triangle
 };
 
+struct CuttingField;
+
 /// A bit ready for use.
 struct Tool {
   std::string name;
@@ -45,8 +48,9 @@ struct Tool {
   PointShell shell;
   ErosionPoints erosion;
   TriangleMesh mesh;
-  double bound_radius = 0.0;  ///< [m] all shell and erosion points lie within this distance of the origin
-  Vec3 bound_lo{0.0};         ///< [m] bounding box of shell and erosion points, tool frame
+  std::shared_ptr<const CuttingField> cutting;  ///< core/tool/cutting_field.h; null unless ToolOptions asked for it
+  double bound_radius = 0.0;                    ///< [m] all shell and erosion points lie within this distance of the origin
+  Vec3 bound_lo{0.0};                           ///< [m] bounding box of shell and erosion points, tool frame
   Vec3 bound_hi{0.0};
 };
 
