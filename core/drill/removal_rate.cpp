@@ -84,8 +84,8 @@ FeedPrediction predict_feed(const Tool& tool, FeedDirection direction, const Fee
     const double skin = tool.shell.cutting[n] != 0 ? 0.0 : half;
     const bool clear = p.z > high - skin || (direction == FeedDirection::sideways && p.z < low + skin);
     if (facing < kLeastFacing || clear) continue;
-    Vec3 gone = p;  // where bone must be gone: the engaged depth is normal to the point's plane, the column runs along the feed
-    if (tool.shell.cutting[n] != 0) gone[frame.w] += frame.back * out.engaged / (facing * facing);
+    Vec3 gone = p;  // where bone must be gone: the whole cutting part is engaged by one way back along the push
+    if (tool.shell.cutting[n] != 0) gone[frame.w] += frame.back * out.engaged;
     least = std::min(least, columns.exposure(gone));
   }
   if (std::isfinite(least)) out.speed = least * conditions.spin / (conditions.hardness * std::numbers::ln2);

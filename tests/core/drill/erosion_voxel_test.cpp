@@ -159,7 +159,7 @@ TEST_CASE("erosion per-update: eq. 4 as printed, once for each point in the voxe
       const ErosionOutcome outcome = erosion.step(voxmap, {pose, pose}, 5.0, 123.0);
       voxmap.commit(outcome.changed);
       for (const float e : points.factors) expected *= 1.0 - static_cast<double>(e) * 5.0;
-      CHECK(outcome.touched == 3);
+      CHECK(outcome.touched == 1);  // voxels, whatever number of points lies in one
       CHECK(std::abs(static_cast<double>(voxmap.window().remaining[voxmap.window().box.offset_of(kVoxel)]) - expected) < 15 * 6e-8);
     }
   }
@@ -175,7 +175,8 @@ TEST_CASE("erosion per-update: e s at or above 1 gives exactly 0, never less, an
     const ErosionOutcome outcome = erosion.step(voxmap, {pose, pose}, spin, 1e-3);
     voxmap.commit(outcome.changed);
     CHECK(voxmap.window().remaining[voxmap.window().box.offset_of(kVoxel)] == 0.0f);
-    CHECK(outcome.changed == VoxelBox{kVoxel, kVoxel + 1});
+    CHECK(outcome.changed.size() == 1);
+    CHECK(outcome.changed.bounds() == VoxelBox{kVoxel, kVoxel + 1});
     const double cell = kPitch * kPitch * kPitch;
     CHECK(std::abs(outcome.removed_mass - cell) < 1e-12 * cell);
   }

@@ -1,0 +1,48 @@
+#include "core/drill/field_sampler.h"
+
+#include <algorithm>
+
+namespace burrhole {
+namespace {
+
+/// Largest value within `reach` nodes along each axis, axis after axis.
+void spread_largest(std::vector<float>& values, const Vec3i& dims, int reach) {
+  const VoxelBox all{Vec3i(0), dims};
+  std::vector<float> line;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Vec3i step(0), face = dims;
+    step[axis] = 1;
+    face[axis] = 1;
+    const std::size_t stride = all.offset_of(step), length = static_cast<std::size_t>(dims[axis]), wide = static_cast<std::size_t>(reach);
+    for_each_voxel({Vec3i(0), face}, [&](const Vec3i& v) {
+      line.resize(length);
+      float* first = values.data() + all.offset_of(v);
+      for (std::size_t n = 0; n < length; ++n) line[n] = first[n * stride];
+      for (std::size_t n = 0; n < length; ++n) {
+        const std::size_t lo = n > wide ? n - wide : 0, hi = std::min(length, n + wide + 1);
+        first[n * stride] =
+            *std::max_element(line.begin() + static_cast<std::ptrdiff_t>(lo), line.begin() + static_cast<std::ptrdiff_t>(hi));
+      }
+    });
+  }
+}
+
+}  // namespace
+
+std::vector<float> bends_of(const CuttingField& field, double sign, int spread) {
+  const VoxelBox all{Vec3i(0), field.dims};
+  std::vector<float> out(field.distance.size(), 0.0f);
+  for_each_voxel(all.grown(-1), [&](const Vec3i& v) {
+    const std::size_t at = all.offset_of(v);
+    for (int n = 14; n < 27; ++n) {  // one of each pair of opposite directions
+      const Vec3i step(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+      const double length = field.pitch * glm::length(Vec3(step));
+      const float bend = field.distance[all.offset_of(v + step)] - 2.0f * field.distance[at] + field.distance[all.offset_of(v - step)];
+      out[at] = std::max(out[at], static_cast<float>(sign * static_cast<double>(bend) / (length * length)));
+    }
+  });
+  spread_largest(out, field.dims, spread);
+  return out;
+}
+
+}  // namespace burrhole
