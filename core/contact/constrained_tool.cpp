@@ -2,181 +2,342 @@
 
 #include <cmath>
 
+#include "core/contact/distance_slope.h"
+
 namespace burrhole {
 namespace {
 
-// Normals closer than this share a plane slot (about 8 degrees): the more binding one stays; the rest is met in the next move.
-constexpr double kSameDirection = 0.99;
-constexpr double kLookEvery = 0.75;  // [voxels] between looks for bone behind a point: under the thinnest layer that is felt
-constexpr int kMostLooks = 32;
+constexpr double kLookAhead = 0.6;    // [voxel edges] planes nearer than this are known to a move
+constexpr double kLongestMove = 0.4;  // [voxel edges] of any point while bone is near: within the look-ahead, with room for its curvature
+constexpr double kSettled = 0.05;     // [voxel edges] a last move this short need not be looked at again: its error is of second order
+constexpr double kTolerance = 0.002;  // [voxel edges] of the planes
+constexpr float kLeastHardness = 0.1f;
+// Part of a cutting plane's give that is its own; the rest is the engagement shared by all. Opposed walls push against each other through
+// this part alone, so it sets how hard a tool that is a little too wide for its hole is pinched.
+constexpr double kOwnGive = 0.05;
+// [voxel edges] by which a spinning tool is drawn in across its push, at points that cut. On voxels the corner between wall and floor is
+// rounded, and records blend the normals of both within two voxels of it: without this play the rim of a bit rests there, where it has
+// nothing left to cut (half the play: 40 % slower through the shipped scene; none: stuck after 0.5 mm). Along the push nothing is drawn in,
+// so on a face that the push meets squarely the engaged depth stays F / K_cut.
+constexpr double kPlay = 0.75;
+constexpr double kSameFace = 0.94;  // [-] cosine of 20 degrees: two directions this near each other are of one face
+constexpr double kNewPlay = 0.01;   // [-] change of the push's direction from which the drawn-in points are made anew
 
-/// The model says which points touch; the depth is taken to the 0.5 surface, at sub-voxel precision. First along the tool vector, behind
-/// which the tool has made room; where that way is long (the vector runs just under the surface) along the model's normal if that is
-/// shorter. A normal against the tool vector leads out on the far side of a thin wall: following it would push the tool through.
-std::optional<SurfacePoint> way_out(const ContactView& bone, const Contact& contact, const Vec3& inward) noexcept {
-  const double near = 3.0 * bone.voxel_edge(), far = 12.0 * bone.voxel_edge();
-  if (auto surface = bone.leave_bone(contact.position, inward, near)) return surface;
-  if (glm::dot(contact.normal, inward) > 0.1)
-    if (auto surface = bone.leave_bone(contact.position, contact.normal, far)) return surface;
-  return bone.leave_bone(contact.position, inward, far);
+Vec3 log_of(const Quat& q) noexcept {
+  const Quat near = q.w < 0.0 ? -q : q;
+  const Vec3 v(near.x, near.y, near.z);
+  const double s = glm::length(v);
+  return s < 1e-12 ? 2.0 * v : v * (2.0 * std::atan2(s, near.w) / s);
+}
+
+Quat exp_of(const Vec3& turn) noexcept {
+  const double angle = glm::length(turn);
+  return angle < 1e-12 ? glm::normalize(Quat(1.0, 0.5 * turn.x, 0.5 * turn.y, 0.5 * turn.z)) : glm::angleAxis(angle, turn / angle);
+}
+
+Affine moved(Affine affine, const Vec3& by) noexcept {
+  affine.offset += by;
+  return affine;
+}
+
+double yield_of(const ConstrainedToolConfig& config, const SurfaceView& bone, const Vec3& bone_point, bool cutting) noexcept {
+  if (cutting) return kOwnGive / config.cutting_stiffness;
+  float hardness = 1.0f;
+  const Vec3i v = voxel_of(bone.records.bone_from_index.inverse() * bone_point);
+  if (bone.hardness != nullptr && bone.records.box.contains(v))
+    hardness = static_cast<float>(bone.hardness[bone.records.box.offset_of(v)]) / 255.0f;
+  return 1.0 / (config.bone_stiffness * static_cast<double>(std::max(hardness, kLeastHardness)));
+}
+
+/// [m] Middle of the shell's box. Points are kept about it in single precision, so that a tool origin far off costs none.
+Vec3 middle_of(const PointShell& shell) noexcept {
+  Vec3 lo = shell.positions.front(), hi = lo;
+  for (const Vec3& p : shell.positions) {
+    lo = glm::min(lo, p);
+    hi = glm::max(hi, p);
+  }
+  return 0.5 * (lo + hi);
+}
+
+PointShell about(PointShell shell, const Vec3& middle) {
+  for (Vec3& p : shell.positions) p -= middle;
+  return shell;
+}
+
+/// The direction of a plane that carries load and does not cut: of the distances round it, where the records' own normal agrees roughly. Where
+/// it does not, two faces are near and the normal says which one is meant. What is being cut keeps the records' normals: they see less far
+/// aside, and on a front narrower than four voxels the wider look tips the bit off it.
+Vec3 steadied(const SurfaceView& bone, const Vec3& bone_point, const Vec3& normal) noexcept {
+  const auto slope = distance_slope(bone.records, bone.records.bone_from_index.inverse() * bone_point);
+  return slope && glm::dot(*slope, normal) >= kSameFace ? *slope : normal;
 }
 
 }  // namespace
 
-ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, double margin,
-                                 std::unique_ptr<ContactModel> detector)
-    : config_(config), shell_(shell), margin_(margin), detector_(std::move(detector)) {
-  contacts_.contacts.reserve(shell_.size());
-  held_.assign(shell_.size(), kFree);
+/// The hits of the last look, as planes to choose from.
+class ConstrainedTool::Candidates final : public HoldCandidates {
+ public:
+  Candidates(ConstrainedTool& tool, const SurfaceView& bone, bool spinning)
+      : tool_(&tool), bone_(&bone), spinning_(spinning), axes_(glm::mat3_cast(tool.bone_from_tool_.rotation)) {}
+  ~Candidates() override {
+    for (std::size_t n = 0; n < masked_; ++n) restore(n);
+  }
+  Candidates(const Candidates&) = delete;
+  Candidates& operator=(const Candidates&) = delete;
+
+  std::optional<HoldPlane> most_violated(const HoldProblem& problem, const HoldMove& move,
+                                         std::span<const HoldPlane> kept) noexcept override {
+    unmask_dropped(kept);
+    ProbeHits& hits = tool_->hits_;
+    for (std::size_t look = 0; look <= kept.size(); ++look) {
+      std::optional<ProbeWorst> worst;
+      const auto consider = [&](std::size_t first, std::size_t last, const Vec3& shift) {
+        if (first == last) return;
+        const ProbeWorst found = find_worst(hits, first, last, motion(move, shift));
+        if (!worst || found.distance < worst->distance) worst = found;
+      };
+      consider(0, tool_->cutting_hits_, spinning_ ? move.engagement - problem.engaged : Vec3(0.0));
+      consider(tool_->cutting_hits_, hits.count, Vec3(0.0));
+      if (!worst || static_cast<double>(worst->distance) * tool_->edge_ > -problem.tolerance) return std::nullopt;
+      const std::uint32_t point = hits.point[worst->hit];
+      if (std::ranges::find(kept, point, &HoldPlane::point) == kept.end()) return plane_of(worst->hit);
+      mask(worst->hit);  // it yields under its own load: look past it
+    }
+    return std::nullopt;
+  }
+
+ private:
+  [[nodiscard]] PointMotion motion(const HoldMove& move, const Vec3& shift) const noexcept {
+    PointMotion out;
+    for (std::size_t c = 0; c < 3; ++c) out.linear[c] = glm::cross(move.turn, axes_[c]) / tool_->edge_;
+    out.offset = (move.translation + shift + glm::cross(move.turn, axes_ * tool_->middle_)) / tool_->edge_;
+    return out;
+  }
+  [[nodiscard]] HoldPlane plane_of(std::size_t hit) const noexcept {
+    const ProbeHits& hits = tool_->hits_;
+    HoldPlane plane;
+    plane.point = hits.point[hit];
+    plane.arm = axes_ * tool_->drawn_in(plane.point);
+    plane.normal = Vec3(static_cast<double>(hits.nx[hit]), static_cast<double>(hits.ny[hit]), static_cast<double>(hits.nz[hit]));
+    const double length = glm::length(plane.normal);
+    // Where bone has no direction (deep inside, noise at one level) the tool's own way out stands in.
+    plane.normal = length > 0.1 ? plane.normal / length : axes_ * tool_->shell_.inward_normals[plane.point];
+    plane.gap = static_cast<double>(hits.distance[hit]) * tool_->edge_;
+    plane.cutting = spinning_ && hit < tool_->cutting_hits_;
+    const Vec3 position = tool_->bone_from_tool_.translation + plane.arm + (plane.cutting ? tool_->engaged_ : Vec3(0.0));
+    if (!plane.cutting) plane.normal = steadied(*bone_, position, plane.normal);
+    plane.yield = yield_of(tool_->config_, *bone_, position - plane.normal * (plane.gap + 0.5 * tool_->edge_), plane.cutting);
+    return plane;
+  }
+  void mask(std::size_t hit) noexcept {
+    if (masked_ == hidden_.size()) return;
+    hidden_[masked_++] = {hit, tool_->hits_.distance[hit]};
+    tool_->hits_.distance[hit] = 1e9f;
+  }
+  void restore(std::size_t n) noexcept { tool_->hits_.distance[hidden_[n].hit] = hidden_[n].distance; }
+  void unmask_dropped(std::span<const HoldPlane> kept) noexcept {
+    std::size_t left = 0;
+    for (std::size_t n = 0; n < masked_; ++n) {
+      if (std::ranges::find(kept, tool_->hits_.point[hidden_[n].hit], &HoldPlane::point) != kept.end())
+        hidden_[left++] = hidden_[n];
+      else
+        restore(n);
+    }
+    masked_ = left;
+  }
+
+  struct Hidden {
+    std::size_t hit;
+    float distance;
+  };
+  ConstrainedTool* tool_;
+  const SurfaceView* bone_;
+  bool spinning_;
+  Mat3 axes_;  // of the tool, bone frame
+  std::array<Hidden, kMaxHoldPlanes> hidden_{};
+  std::size_t masked_ = 0;
+};
+
+ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge)
+    : config_(config),
+      shell_(shell),
+      middle_(middle_of(shell)),
+      points_(make_contact_shell(about(shell, middle_), voxel_edge)),
+      edge_(voxel_edge) {
+  hits_.reserve(shell_.size());
 }
 
-Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge,
-                                                const void* context, ModelFactory make_model) {
-  for (const double value : {config.coupling_stiffness, config.cutting_stiffness, voxel_edge})
-    if (!(std::isfinite(value) && value > 0.0))
-      return Error{ErrorCode::out_of_range, "coupling and cutting stiffness must be finite and above 0", {}};
-  if (!(config.coupling_damping >= 0.0) || config.max_moves < 1)
-    return Error{ErrorCode::out_of_range, "coupling damping must be at least 0", {}};
-  const double margin = 0.5 * voxel_edge;
-  PointShell grown = shell;
-  for (std::size_t n = 0; n < grown.size(); ++n) grown.positions[n] -= grown.inward_normals[n] * margin;
-  auto detector = make_model(context, std::move(grown));
-  if (!detector) return detector.error();
-  return ConstrainedTool(config, shell, margin, std::move(detector).value());
+Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge) {
+  const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
+  for (const double value : {config.coupling_stiffness, config.cutting_stiffness, config.bone_stiffness, voxel_edge})
+    if (!(std::isfinite(value) && value > 0.0)) return refuse("coupling, cutting and bone stiffness must be finite and above 0");
+  if (!(config.turn_stiffness > 0.0)) return refuse("the coupling's stiffness against turning must be above 0");
+  if (!(config.coupling_damping >= 0.0) || config.max_moves < 1) return refuse("coupling damping must be at least 0");
+  if (shell.size() == 0 || shell.size() > kMaxShellPoints) return refuse("the point shell must hold 1 to 200000 points");
+  return ConstrainedTool(config, shell, voxel_edge);
 }
 
 void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
   state_ = {};
   state_.world_from_tool = world_from_tool;
-  plane_count_ = 0;
-  held_.assign(held_.size(), kFree);
+  engaged_ = Vec3(0.0);
+  solver_.clear();
+  placed_ = false;
 }
 
-void ConstrainedTool::add_plane(const HoldPlane& plane, const Vec3& arm) noexcept {
-  std::size_t least = 0;
-  for (std::size_t n = 0; n < plane_count_; ++n) {
-    if (planes_[n].cutting == plane.cutting && glm::dot(planes_[n].normal, plane.normal) > kSameDirection) {
-      if (plane.offset > planes_[n].offset) {
-        planes_[n] = plane;
-        arms_[n] = arm;
-      }
+ConstrainedTool::Pull ConstrainedTool::pull_of(const HandMotion& hand, double dt) const noexcept {
+  const Pose& before = state_.world_from_tool;
+  const double damping = config_.coupling_damping / dt;
+  Pull pull;
+  pull.stiffness = config_.coupling_stiffness + damping;
+  // K (h - t) + B (h' - (t - t_before) / dt) vanishes at the target.
+  pull.world_from_target.translation =
+      (config_.coupling_stiffness * hand.world_from_hand.translation + damping * (before.translation + hand.velocity * dt)) /
+      pull.stiffness;
+  // Turning alike, with the same time constant; the hand's own turn in this period stands for its rate.
+  const double share = config_.coupling_stiffness / pull.stiffness;
+  pull.turn_stiffness = config_.turn_stiffness / share;
+  const Vec3 whole = log_of(hand.world_from_hand.rotation * glm::conjugate(before.rotation));
+  const Vec3 hands = log_of(hand.world_from_hand.rotation * glm::conjugate(hand_before_));
+  const Vec3 turn = std::isinf(config_.turn_stiffness) ? whole : share * whole + (1.0 - share) * hands;
+  pull.world_from_target.rotation = glm::normalize(exp_of(turn) * before.rotation);
+  return pull;
+}
+
+Vec3 ConstrainedTool::drawn_in(std::size_t point) const noexcept {
+  if (play_ == 0.0 || shell_.cutting[point] == 0) return shell_.positions[point];
+  const Vec3& inward = shell_.inward_normals[point];
+  return shell_.positions[point] + (inward - push_ * glm::dot(inward, push_)) * play_;
+}
+
+void ConstrainedTool::set_play(bool spinning) noexcept {
+  const double engaged = spinning ? glm::length(engaged_) : 0.0;
+  // The play comes with the engagement, so that first contact is felt where the tool is.
+  const double play = std::min(engaged, kPlay * edge_);
+  const Vec3 push = engaged > 0.0 ? glm::conjugate(bone_from_tool_.rotation) * engaged_ / engaged : push_;
+  if (std::abs(play - play_) < kNewPlay * edge_ && glm::length(push - push_) < kNewPlay && (play > 0.0) == (play_ > 0.0)) return;
+  play_ = play;
+  push_ = push;
+  ContactShellPart& part = points_.cutting;
+  for (std::size_t n = 0; n < part.x.size(); ++n) {
+    const Vec3 p = drawn_in(part.point[std::min(n, part.size() - 1)]) - middle_;
+    part.x[n] = static_cast<float>(p.x);
+    part.y[n] = static_cast<float>(p.y);
+    part.z[n] = static_cast<float>(p.z);
+  }
+}
+
+void ConstrainedTool::look(const SurfaceView& bone, bool spinning) noexcept {
+  const Affine index_from_tool =
+      bone.records.bone_from_index.inverse() * Affine::from_pose({bone_from_tool_.rotation, bone_from_tool_ * middle_});
+  const Vec3 back = spinning ? bone.records.bone_from_index.inverse().linear * engaged_ : Vec3(0.0);
+  hits_.clear();
+  probe_surface(bone.records, points_.cutting, moved(index_from_tool, back), kLookAhead, hits_);
+  cutting_hits_ = hits_.count;
+  probe_surface(bone.records, points_.passive, index_from_tool, kLookAhead, hits_);
+}
+
+HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept {
+  const Affine index_from_bone = bone.records.bone_from_index.inverse();
+  solver_.refresh([&](HoldPlane& plane) {
+    plane.arm = bone_from_tool_.rotate(drawn_in(plane.point));
+    plane.cutting = spinning && shell_.cutting[plane.point] != 0;
+    const Vec3 position = bone_from_tool_.translation + plane.arm + (plane.cutting ? engaged_ : Vec3(0.0));
+    const auto sample = sample_records(bone.records, index_from_bone * position);
+    if (!sample || sample->distance > kLookAhead || sample->normal == Vec3(0.0)) return false;
+    plane.gap = sample->distance * edge_;
+    plane.normal = plane.cutting ? sample->normal : steadied(bone, position, sample->normal);
+    plane.yield = yield_of(config_, bone, position - plane.normal * (plane.gap + 0.5 * edge_), plane.cutting);
+    return true;
+  });
+  Candidates candidates(*this, bone, spinning);
+  return solver_.solve({.target = bone_from_target.translation - bone_from_tool_.translation,
+                        .turn = log_of(bone_from_target.rotation * glm::conjugate(bone_from_tool_.rotation)),
+                        .engaged = engaged_,
+                        .stiffness = pull.stiffness,
+                        .turn_stiffness = pull.turn_stiffness,
+                        .cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGive),
+                        .tolerance = kTolerance * edge_},
+                       candidates);
+}
+
+void ConstrainedTool::apply(const HoldMove& move, double part) noexcept {
+  bone_from_tool_.translation += move.translation * part;
+  bone_from_tool_.rotation = glm::normalize(exp_of(move.turn * part) * bone_from_tool_.rotation);
+  engaged_ += (move.engagement - engaged_) * part;
+}
+
+void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spinning) noexcept {
+  const Pose bone_from_target = bone.world_from_bone.inverse() * pull.world_from_target;
+  HoldMove last;
+  Pose known = bone_from_tool_;  // the pose of the look before
+  Vec3 known_engaged = engaged_;
+  double relaxation = 1.0;
+  state_.moves = 0;
+  for (bool at_rest = false; !at_rest && state_.moves < static_cast<std::uint32_t>(config_.max_moves); ++state_.moves) {
+    look(bone, spinning);
+    if (hits_.outside) {
+      // What the window does not know is not free: wait for it to follow, or a fast hand would outrun the bone.
+      state_.flags |= kContactOutsideWindow;
+      bone_from_tool_ = known;
+      engaged_ = known_engaged;
       return;
     }
-    if (planes_[n].offset < planes_[least].offset) least = n;
-  }
-  if (plane_count_ < kMaxHoldPlanes) {
-    planes_[plane_count_] = plane;
-    arms_[plane_count_++] = arm;
-  } else if (plane.offset > planes_[least].offset) {
-    planes_[least] = plane;
-    arms_[least] = arm;
-  }
-}
-
-void ConstrainedTool::add_bone_behind(const ContactView& bone, const Pose& pose) noexcept {
-  // A point can only have bone behind it if it was held a moment ago: moves are shorter than half a voxel.
-  const double edge = bone.voxel_edge();
-  // As deep as the tool may be engaged, and two voxels more.
-  const int looks = std::min(kMostLooks, static_cast<int>(std::ceil((state_.engagement / edge + 2.0) / kLookEvery)));
-  for (const Contact& contact : contacts_.contacts) held_[contact.point] = kTouching;
-  for (std::size_t n = 0; n < shell_.size(); ++n) {
-    if (held_[n] == kTouching) {
-      held_[n] = kHeld;
-      continue;
-    }
-    if (held_[n] == kFree) continue;
-    held_[n] = kFree;
-    if (shell_.cutting[n] == 0) continue;
-    const Vec3 inward = pose.rotate(shell_.inward_normals[n]);
-    const Vec3 probe = pose * shell_.positions[n] - inward * margin_;
-    for (int look = 1; look <= looks; ++look) {
-      const Vec3 inside = probe + inward * (kLookEvery * look * edge);
-      if (bone.sample(bone.index_of(inside)) < kSurfaceLevel) continue;
-      contacts_.contacts.push_back({static_cast<std::uint32_t>(n), inside, inside, inward, 0.0});
-      held_[n] = kHeld;
-      break;
-    }
+    known = bone_from_tool_;
+    known_engaged = engaged_;
+    const HoldMove move = solve(bone, bone_from_target, pull, spinning);
+    const Vec3 engaging = move.engagement - engaged_;
+    const double turned = glm::length(move.turn) * (points_.reach + glm::length(middle_));
+    const double length = std::max(glm::length(move.translation), glm::length(move.translation + engaging)) + turned;
+    // Where nothing is near, the way is free as far as the nearest point of bone.
+    const double free = std::max(kLongestMove, static_cast<double>(hits_.nearest) - kLookAhead) * edge_;
+    // Planes found anew at each pose may disagree by a little; a reversal means that the truth lies between.
+    if (glm::dot(move.translation, last.translation) + glm::dot(engaging, last.engagement) < 0.0)
+      relaxation = std::max(0.125, 0.5 * relaxation);
+    const double part = std::min(relaxation, length > free ? free / length : 1.0);
+    apply(move, part);
+    last = {move.translation, move.turn, engaging};
+    at_rest = length <= kSettled * edge_ || (relaxation <= 0.25 && length <= 4.0 * kSettled * edge_);
   }
 }
 
-void ConstrainedTool::find_planes(const ContactView& bone, const Pose& pose, bool spinning) noexcept {
-  detector_->evaluate(bone, pose, contacts_);
-  state_.flags |= contacts_.flags;
-  add_bone_behind(bone, pose);
-  plane_count_ = 0;
-  deepest_ = 0.0;
-  for (const Contact& contact : contacts_.contacts) {
-    const Vec3 arm = pose.rotate(shell_.positions[contact.point]);
-    const Vec3 position = pose.translation + arm;
-    const Vec3 inward = pose.rotate(shell_.inward_normals[contact.point]);
-    Vec3 normal = contact.normal;
-    double depth = glm::dot(contact.plane_point - position, normal);
-    if (const auto surface = way_out(bone, contact, inward)) {
-      normal = surface->normal;
-      depth = glm::dot(surface->position - position, normal);
-    }
-    deepest_ = std::max(deepest_, depth);
-    // Offsets are measured from the present translation: N . (t - t_now) >= depth.
-    add_plane({normal, depth, spinning && shell_.cutting[contact.point] != 0, 0.0}, arm);
+void ConstrainedTool::report(const SurfaceView& bone) noexcept {
+  state_.world_from_tool = bone.world_from_bone * bone_from_tool_;
+  Vec3 cutting(0.0);
+  state_.planes = static_cast<std::uint32_t>(solver_.planes().size());
+  state_.on_hand = {};
+  state_.deepest = 0.0;
+  for (const HoldPlane& plane : solver_.planes()) {
+    const Vec3 force = bone.world_from_bone.rotate(plane.normal * plane.force);
+    state_.on_hand.force += force;
+    if (plane.cutting) cutting += force;
+    state_.on_hand.torque += glm::cross(bone.world_from_bone.rotate(plane.arm), force);
+    state_.deepest = std::max(state_.deepest, plane.yield * plane.force);
   }
+  state_.cutting_force = glm::length(cutting);
+  state_.engagement = state_.cutting_force / config_.cutting_stiffness;
 }
 
-const ConstrainedToolState& ConstrainedTool::step(const ContactView& bone, const HandMotion& hand, double dt) noexcept {
-  const double damping = config_.coupling_damping / dt;
-  const double stiffness = config_.coupling_stiffness + damping;
-  const Vec3 before = state_.world_from_tool.translation;
-  // Massless tool under the coupling K (h - t) + B (h' - (t - t_before)/dt): it rests where that force vanishes, or where bone holds it.
-  const Vec3 target = (config_.coupling_stiffness * hand.world_from_hand.translation + damping * (before + hand.velocity * dt)) / stiffness;
-  Pose pose{hand.world_from_hand.rotation, before};
-  const Quat& turn = pose.rotation;
-  state_.flags = is_finite(target) && std::isfinite(turn.w + turn.x + turn.y + turn.z) ? 0u : static_cast<std::uint32_t>(kContactNotFinite);
-  if (state_.flags != 0) {
+const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const HandMotion& hand, double dt) noexcept {
+  state_.flags = 0;
+  const Quat& turn = hand.world_from_hand.rotation;
+  if (!is_finite(hand.world_from_hand.translation) || !is_finite(hand.velocity) || !std::isfinite(turn.w + turn.x + turn.y + turn.z)) {
+    state_.flags = kContactNotFinite;
     state_.on_hand = {};  // no force from motion that means nothing; the tool stays where it was
     return state_;
   }
-
-  const double settled = 0.02 * margin_;  // a hundredth of a voxel
-  const double allowed = 0.8 * margin_;   // swept: no move is longer than what the grown shell sees ahead, so nothing is passed unseen
-  const auto hold = [&] {
-    find_planes(bone, pose, hand.spinning);
-    return solve_hold({target - pose.translation, stiffness, config_.cutting_stiffness}, {planes_.data(), plane_count_}, 0.01 * settled);
-  };
-  HoldSolution solution;
-  Vec3 last_advance(0.0);
-  double relaxation = 1.0;
-  bool outside_before = false;  // a window smaller than the tool: then its edge says nothing
-  std::uint32_t moves = 0;
-  for (bool at_rest = false; !at_rest && moves < static_cast<std::uint32_t>(config_.max_moves); ++moves) {
-    solution = hold();
-    const bool outside = (contacts_.flags & kContactOutsideWindow) != 0;
-    if (moves == 0) outside_before = outside;
-    if (outside && !outside_before) {
-      // What the window does not know is not free: step back and wait for it to follow, or a fast hand would outrun the bone.
-      pose.translation -= last_advance;
-      solution = hold();
-      break;
-    }
-    const double length = glm::length(solution.translation);
-    at_rest = length <= settled;
-    // Planes found anew at each pose may disagree by fractions of a voxel; a reversal means that the truth lies between.
-    if (glm::dot(solution.translation, last_advance) < 0.0) relaxation = std::max(0.125, 0.5 * relaxation);
-    last_advance = solution.translation * std::min(relaxation, length > allowed ? allowed / length : 1.0);
-    pose.translation += last_advance;
-    if (relaxation <= 0.25 && length <= 10.0 * settled) at_rest = true;
+  if (!placed_) {
+    world_from_bone_ = bone.world_from_bone;
+    hand_before_ = hand.world_from_hand.rotation;
+    placed_ = true;
   }
-
-  state_.world_from_tool = pose;
-  state_.engagement = solution.engagement;
-  state_.deepest = deepest_;
-  state_.planes = static_cast<std::uint32_t>(plane_count_);
-  state_.moves = moves;
-  // Bone's push on the tool passes through the coupling to the hand.
-  state_.on_hand = {};
-  for (std::size_t n = 0; n < plane_count_; ++n) {
-    const Vec3 force = planes_[n].normal * planes_[n].force;
-    state_.on_hand.force += force;
-    state_.on_hand.torque += glm::cross(arms_[n], force);
-  }
+  bone_from_tool_ = world_from_bone_.inverse() * state_.world_from_tool;  // carried along by a bone that moved
+  const Pull pull = pull_of(hand, dt);
+  set_play(hand.spinning);
+  sweep(bone, pull, hand.spinning);
+  report(bone);
+  world_from_bone_ = bone.world_from_bone;
+  hand_before_ = hand.world_from_hand.rotation;
   return state_;
 }
 

@@ -1,30 +1,31 @@
-/// core/contact/constrained_tool.h: the tool as a body of its own, tied to the hand by a spring-damper and held back by bone.
-///   Frame   world; poses are of the tool frame.   Units SI.   Thread contact.
-///   What bone resists: a tool at rest cannot enter the 0.5 surface; a spinning one engages by F / K_cut where it cuts, and nowhere else.
-///   First form: translation is held, orientation follows the hand; torque is reported, not yielded to. Massless: the coupling force and
-///   the contact forces balance at every step. Source: own derivation (see hold_solver.h); design of proxies after the field's custom.
+/// core/contact/constrained_tool.h: contact model `surface`: the tool as a body of its own, tied to the hand by springs and dampers in all
+///   six degrees of freedom and held back, without friction, by the 0.5 surface of bone.
+///   Frame  world; poses are of the tool frame.   Units SI.   Thread contact.
+///   What bone resists: a tool at rest cannot enter the surface; a spinning one engages by F / K_cut where it cuts, along the push, and nowhere
+///   else. The *held* pose is the tool moved back by its engagement: cutting points are felt there, so bone is met from its own side however
+///   deep the tool is engaged; points that cannot cut are felt where the tool is. Massless: coupling and contact forces balance.
+///   Swept: no move is longer than what its look-ahead has seen, so a fast stroke passes nothing unseen.
+///   Source  own derivation (hold_solver.h); proxies held back by a surface are the field's custom.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <memory>
-#include <vector>
 
+#include "core/base/assert.h"
 #include "core/base/result.h"
 #include "core/contact/contact_model.h"
 #include "core/contact/hold_solver.h"
+#include "core/contact/surface_probe.h"
 
 namespace burrhole {
 
 struct ConstrainedToolConfig {
   double coupling_stiffness = 5000.0;  ///< [N/m] hand to tool
   double coupling_damping = 10.0;      ///< [N s/m]
-  double cutting_stiffness = 100e3;    ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
-  int max_moves = 32;                  ///< moves of at most `margin` each in one step: bounds cost and speed, never safety
+  double turn_stiffness = 20.0;  ///< [N m/rad] hand to tool; infinite: rotation is the hand's. Damped with the time constant of the above
+  double cutting_stiffness = 100e3;  ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
+  double bone_stiffness = 20e6;      ///< [N/m] of bone of hardness 1 under one plane; scaled by max(hardness, 0.1)
+  int max_moves = 40;                ///< moves in one step: bounds cost and speed, never safety
 };
-
-/// Planes handed on for the servo loop and for the record.
-inline constexpr std::size_t kMaxHoldPlanes = 32;
 
 /// What one step needs to know of the hand.
 struct HandMotion {
@@ -33,11 +34,19 @@ struct HandMotion {
   bool spinning = false;
 };
 
+/// Bone as the constrained tool reads it; what it points to must outlive the view.
+struct SurfaceView {
+  RecordView records;
+  const std::uint8_t* hardness = nullptr;  ///< 255 is 1; dense over records.box; null: 1 everywhere
+  Pose world_from_bone;
+};
+
 struct ConstrainedToolState {
   Pose world_from_tool;
-  Wrench on_hand;           ///< what the tool exerts on the hand: force [N], torque [N m] about the tool origin
-  double engagement = 0.0;  ///< [m] shared depth of the cutting points
-  double deepest = 0.0;     ///< [m] greatest depth of a shell point under the 0.5 surface at the pose, planes linearised
+  Wrench on_hand;              ///< what the tool exerts on the hand: force [N], torque [N m] about the tool origin
+  double engagement = 0.0;     ///< [m] engaged depth of the cutting points, F / K_cut
+  double cutting_force = 0.0;  ///< [N] of the planes that are cut, as one vector
+  double deepest = 0.0;        ///< [m] greatest depth of a shell point under the surface, beyond what it is engaged by
   std::uint32_t planes = 0;
   std::uint32_t moves = 0;
   std::uint32_t flags = 0;  ///< ContactFlag
@@ -45,37 +54,52 @@ struct ConstrainedToolState {
 
 class ConstrainedTool {
  public:
-  /// `make_model` builds the scene's contact model on a given shell: the tool detects with a shell grown by half a voxel, so that every
-  /// plane within one move is known before it is met. Errors of the model's create() pass through.
-  using ModelFactory = Result<std::unique_ptr<ContactModel>> (*)(const void* context, PointShell shell);
-  [[nodiscard]] static Result<ConstrainedTool> create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge,
-                                                      const void* context, ModelFactory make_model);
+  /// out_of_range when a stiffness is not above 0, damping is negative, or the shell is empty or too large.
+  [[nodiscard]] static Result<ConstrainedTool> create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge);
 
   /// Places the tool without looking at bone (start of a run, after a teleport of the scene).
   void place(const Pose& world_from_tool) noexcept;
-  /// One contact period. Never allocates.
-  const ConstrainedToolState& step(const ContactView& bone, const HandMotion& hand, double dt) noexcept BH_REALTIME;
+  /// One contact period. Never allocates. A bone that was moved takes the tool along before the hand's pull is answered, so that it cannot
+  /// be moved through the tool either.
+  const ConstrainedToolState& step(const SurfaceView& bone, const HandMotion& hand, double dt) noexcept BH_REALTIME;
   [[nodiscard]] const ConstrainedToolState& state() const noexcept { return state_; }
+  [[nodiscard]] const PointShell& shell() const noexcept { return shell_; }
+  /// Planes that carry load at the state; normals and arms in the axes of the bone frame.
+  [[nodiscard]] std::span<const HoldPlane> planes() const noexcept { return solver_.planes(); }
 
  private:
-  ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, double margin, std::unique_ptr<ContactModel> detector);
-  /// A spinning tool reaches through the last layer of a table before that layer is cut: bone inside the tool, behind a point that has
-  /// left it on the far side, still holds. Without this the tool would pop through what its engaged depth is allowed to overlap.
-  void add_bone_behind(const ContactView& bone, const Pose& pose) noexcept;
-  void find_planes(const ContactView& bone, const Pose& pose, bool spinning) noexcept;
-  void add_plane(const HoldPlane& plane, const Vec3& arm) noexcept;
+  class Candidates;
+  ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge);
+  /// Where springs and dampers alone would bring the tool, and how stiff they are together.
+  struct Pull {
+    Pose world_from_target;
+    double stiffness, turn_stiffness;
+  };
+  [[nodiscard]] Pull pull_of(const HandMotion& hand, double dt) const noexcept;
+  /// A shell point, drawn in across the push by the play where it cuts [m], tool frame.
+  [[nodiscard]] Vec3 drawn_in(std::size_t point) const noexcept;
+  void set_play(bool spinning) noexcept;
+  void look(const SurfaceView& bone, bool spinning) noexcept;
+  [[nodiscard]] HoldMove solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept;
+  void sweep(const SurfaceView& bone, const Pull& pull, bool spinning) noexcept;
+  void apply(const HoldMove& move, double part) noexcept;
+  void report(const SurfaceView& bone) noexcept;
 
   ConstrainedToolConfig config_;
   PointShell shell_;
-  double margin_ = 0.0;
-  std::unique_ptr<ContactModel> detector_;
-  ContactResult contacts_;
-  static constexpr std::uint8_t kFree = 0, kHeld = 1, kTouching = 2;
-  std::vector<std::uint8_t> held_;  // per shell point: was it held at the last look
-  std::array<HoldPlane, kMaxHoldPlanes> planes_{};
-  std::array<Vec3, kMaxHoldPlanes> arms_{};
-  std::size_t plane_count_ = 0;
-  double deepest_ = 0.0;
+  Vec3 middle_{0.0};  // [m] tool frame: points_ are about it
+  ContactShell points_;
+  double edge_ = 0.0;  // [m]
+  ProbeHits hits_;
+  std::size_t cutting_hits_ = 0;  // the first so many hits are of cutting points
+  HoldSolver solver_;
+  Pose bone_from_tool_;
+  Vec3 engaged_{0.0};         // [m] bone frame: the held pose is the tool's moved by this
+  double play_ = 0.0;         // [m]
+  Vec3 push_{0.0, 0.0, 1.0};  // unit, tool frame: against the thrust
+  Pose world_from_bone_;
+  Quat hand_before_{1.0, 0.0, 0.0, 0.0};
+  bool placed_ = false;  // the frames above are from the step before
   ConstrainedToolState state_;
 };
 

@@ -20,7 +20,11 @@ T interpolate(const Cell& cell, Fetch&& fetch) {
 }  // namespace
 
 ContactView::ContactView(const ContactWindow& window, const Affine& bone_from_index, const Pose& world_from_bone)
-    : box_(window.box), valid_(window.box.grown(-1)), density_(window.density.data()), gradient_(window.gradient.data()) {
+    : box_(window.box),
+      valid_(window.box.grown(-1)),
+      density_(window.density.data()),
+      gradient_(window.gradient.data()),
+      words_(window.words.empty() ? nullptr : window.words.data()) {
   set_frames(bone_from_index, world_from_bone);
 }
 

@@ -21,7 +21,7 @@ struct SurfacePoint {
 
 class ContactView {
  public:
-  /// The dense window; `window` must outlive the view.
+  /// The dense window; `window` must outlive the view, and hold those fields that are asked of the view.
   ContactView(const ContactWindow& window, const Affine& bone_from_index, const Pose& world_from_bone);
   /// The paper's storage; bone is known everywhere, not only in a window.
   ContactView(const VdbContactGrids& grids, const Affine& bone_from_index, const Pose& world_from_bone);
@@ -45,6 +45,11 @@ class ContactView {
     if (grids_ != nullptr) return grids_->gradient(v);
     return valid_.contains(v) ? gradient_[box_.offset_of(v)] : Vec3f(0.0f);
   }
+  /// The packed form of what is known, over box(), outermost layer empty; nullptr where the window does not carry it.
+  [[nodiscard]] const ContactWord* words() const noexcept { return words_; }
+  [[nodiscard]] const VoxelBox& box() const noexcept { return box_; }
+  [[nodiscard]] const Affine& world_from_index() const noexcept { return world_from_index_; }
+  [[nodiscard]] const Affine& index_from_world() const noexcept { return index_from_world_; }
   /// Trilinear density at a point in index coordinates.
   [[nodiscard]] double sample(const Vec3& index) const noexcept;
   /// Trilinear gradient [1/voxel], index axes.
@@ -62,6 +67,7 @@ class ContactView {
   VoxelBox box_, valid_;
   const float* density_ = nullptr;
   const Vec3f* gradient_ = nullptr;
+  const ContactWord* words_ = nullptr;
   const VdbContactGrids* grids_ = nullptr;
 };
 

@@ -105,10 +105,15 @@ void GradientPlane::evaluate(const ContactView& bone, const Pose& world_from_too
   out.contacts.clear();
   out.flags = 0;
   const Quat& turn = world_from_tool.rotation;
-  if (!is_finite(world_from_tool.translation) || !std::isfinite(turn.w + turn.x + turn.y + turn.z)) {
+  if (!is_finite(world_from_tool.translation) || !std::isfinite(turn.w + turn.x + turn.y + turn.z))
     out.flags = kContactNotFinite;
-    return;
-  }
+  else if (bone.words() != nullptr)
+    packed_.evaluate(config_, bone, world_from_tool, out);
+  else
+    evaluate_points(bone, world_from_tool, out);
+}
+
+void GradientPlane::evaluate_points(const ContactView& bone, const Pose& world_from_tool, ContactResult& out) const noexcept {
   const Mat3 rotation = glm::mat3_cast(world_from_tool.rotation);
   for (std::size_t n = 0; n < shell_.size(); ++n) {
     const Vec3 position = rotation * shell_.positions[n] + world_from_tool.translation;  // P_h

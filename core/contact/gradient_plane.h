@@ -5,6 +5,7 @@
 
 #include "core/base/result.h"
 #include "core/contact/contact_model.h"
+#include "core/contact/packed_plane.h"
 
 namespace burrhole {
 
@@ -18,6 +19,7 @@ struct GradientPlaneConfig {
 /// Departures from the paper, each needed to make its text definite: N = -grad/|grad| points out of bone; a start in an empty voxel (only
 /// possible in the default mode, where the trilinear density decides) begins at the densest corner of its cell; marches are capped; where
 /// the surface voxel has no gradient the tool vector stands in.
+/// Where bone has packed words they are walked by vectors (packed_plane.h), otherwise its floats or grids point by point in double.
 class GradientPlane final : public ContactModel {
  public:
   /// out_of_range when stiffness is not finite and positive, the shell is empty or too large, or a limit is not positive.
@@ -26,14 +28,16 @@ class GradientPlane final : public ContactModel {
   [[nodiscard]] const PointShell& shell() const noexcept override { return shell_; }
 
  private:
-  GradientPlane(const GradientPlaneConfig& config, PointShell shell) : config_(config), shell_(std::move(shell)) {}
+  GradientPlane(const GradientPlaneConfig& config, PointShell shell) : config_(config), shell_(std::move(shell)), packed_(shell_) {}
   struct Surface;
+  void evaluate_points(const ContactView& bone, const Pose& world_from_tool, ContactResult& out) const noexcept;
   [[nodiscard]] bool solid(const ContactView& bone, const Vec3i& v) const noexcept;
   [[nodiscard]] bool collides(const ContactView& bone, const Vec3& index) const noexcept;
   [[nodiscard]] bool find_surface(const ContactView& bone, const Vec3& index, const Vec3& index_tool_vector, Surface& found) const noexcept;
 
   GradientPlaneConfig config_;
   PointShell shell_;
+  PackedPlane packed_;
 };
 
 }  // namespace burrhole

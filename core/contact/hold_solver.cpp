@@ -4,32 +4,122 @@
 #include <cmath>
 
 namespace burrhole {
+namespace {
 
-HoldSolution solve_hold(const HoldProblem& problem, std::span<HoldPlane> planes, double tolerance) noexcept {
-  const double give = 1.0 / problem.stiffness;              // of the tool against its coupling [m/N]
-  const double cut_give = 1.0 / problem.cutting_stiffness;  // of the bone in front of a cutting point
-  HoldSolution out;
-  out.translation = problem.target;
-  for (const HoldPlane& plane : planes) {
-    out.translation += plane.normal * (plane.force * give);
-    if (plane.cutting) out.engagement += plane.force * cut_give;
-  }
-  for (out.sweeps = 0; out.sweeps < kMaxHoldSweeps && !out.converged; ++out.sweeps) {
-    double largest = 0.0;
-    for (HoldPlane& plane : planes) {
-      const double own_give = give + (plane.cutting ? cut_give : 0.0);
-      const double gap = glm::dot(plane.normal, out.translation) - plane.offset + (plane.cutting ? out.engagement : 0.0);
-      const double force = std::max(0.0, plane.force - gap / own_give);
-      const double change = force - plane.force;
-      if (change == 0.0) continue;
-      plane.force = force;
-      out.translation += plane.normal * (change * give);
-      if (plane.cutting) out.engagement += change * cut_give;
-      largest = std::max(largest, std::abs(change) * own_give);
-    }
-    out.converged = largest <= tolerance;
+// A plane's compliance that is its own, not shared with those before it: less than this part is rounding, and would give any force.
+constexpr double kOwnPart = 1e-13;
+
+/// How a unit force on plane b moves the gap of plane a [m/N].
+double compliance(const HoldProblem& problem, const HoldPlane& a, const HoldPlane& b) noexcept {
+  const double along = glm::dot(a.normal, b.normal);
+  const double turned = glm::dot(glm::cross(a.arm, a.normal), glm::cross(b.arm, b.normal));
+  return along / problem.stiffness + turned / problem.turn_stiffness + (a.cutting && b.cutting ? along / problem.cutting_stiffness : 0.0);
+}
+
+/// Gap of a plane after a move, its yield included.
+double gap_after(const HoldProblem& problem, const HoldPlane& plane, const HoldMove& move) noexcept {
+  const Vec3 engaging = plane.cutting ? move.engagement - problem.engaged : Vec3(0.0);
+  return plane.gap + glm::dot(plane.normal, move.translation + glm::cross(move.turn, plane.arm) + engaging) + plane.yield * plane.force;
+}
+
+}  // namespace
+
+HoldMove HoldSolver::move_of(const HoldProblem& problem) const noexcept {
+  HoldMove out{problem.target, problem.turn, Vec3(0.0)};
+  for (const HoldPlane& plane : planes()) {
+    const Vec3 push = plane.normal * plane.force;
+    out.translation += push / problem.stiffness;
+    out.turn += glm::cross(plane.arm, push) / problem.turn_stiffness;
+    if (plane.cutting) out.engagement += push / problem.cutting_stiffness;
   }
   return out;
+}
+
+bool HoldSolver::solve_kept(const HoldProblem& problem, std::array<double, kMaxHoldPlanes>& forces) const noexcept {
+  // Cholesky of the compliance among the kept planes; the right side is the gap without any force, with its sign turned.
+  std::array<std::array<double, kMaxHoldPlanes>, kMaxHoldPlanes> l;
+  const HoldMove free{problem.target, problem.turn, Vec3(0.0)};
+  for (std::size_t r = 0; r < count_; ++r) {
+    HoldPlane plane = planes_[r];
+    plane.force = 0.0;
+    forces[r] = -gap_after(problem, plane, free);
+    for (std::size_t c = 0; c <= r; ++c) {
+      const double whole = compliance(problem, planes_[r], planes_[c]) + (r == c ? planes_[r].yield : 0.0);
+      double sum = whole;
+      for (std::size_t k = 0; k < c; ++k) sum -= l[r][k] * l[c][k];
+      if (r == c) {
+        if (!(sum > kOwnPart * whole)) return false;
+        l[r][r] = std::sqrt(sum);
+      } else {
+        l[r][c] = sum / l[c][c];
+      }
+    }
+    for (std::size_t k = 0; k < r; ++k) forces[r] -= l[r][k] * forces[k];
+    forces[r] /= l[r][r];
+  }
+  for (std::size_t r = count_; r-- > 0;) {
+    for (std::size_t k = r + 1; k < count_; ++k) forces[r] -= l[k][r] * forces[k];
+    forces[r] /= l[r][r];
+  }
+  return true;
+}
+
+void HoldSolver::drop(std::size_t n) noexcept {
+  std::copy(planes_.begin() + static_cast<std::ptrdiff_t>(n) + 1, planes_.begin() + static_cast<std::ptrdiff_t>(count_),
+            planes_.begin() + static_cast<std::ptrdiff_t>(n));
+  --count_;
+}
+
+void HoldSolver::settle(const HoldProblem& problem) noexcept {
+  std::array<double, kMaxHoldPlanes> wanted{};
+  while (count_ > 0) {
+    if (!solve_kept(problem, wanted)) {
+      drop(count_ - 1);  // two planes alike to rounding: one is enough
+      continue;
+    }
+    // As far towards the wanted forces as none pulls.
+    double part = 1.0;
+    std::size_t first = count_;
+    for (std::size_t n = 0; n < count_; ++n) {
+      if (wanted[n] > 0.0) continue;
+      const double reach = planes_[n].force / (planes_[n].force - wanted[n]);
+      if (first == count_ || reach < part) {
+        part = planes_[n].force > 0.0 ? reach : 0.0;
+        first = n;
+      }
+    }
+    if (first == count_) {
+      for (std::size_t n = 0; n < count_; ++n) planes_[n].force = wanted[n];
+      return;
+    }
+    // The one that stops the way ends at 0, and another at the same place may end a rounding below.
+    for (std::size_t n = 0; n < count_; ++n) planes_[n].force = std::max(0.0, planes_[n].force + part * (wanted[n] - planes_[n].force));
+    drop(first);
+  }
+}
+
+HoldMove HoldSolver::solve(const HoldProblem& problem, HoldCandidates& candidates) noexcept {
+  settle(problem);
+  converged_ = false;
+  for (rounds_ = 0; rounds_ < kMaxHoldRounds; ++rounds_) {
+    const HoldMove move = move_of(problem);
+    const auto found = candidates.most_violated(problem, move, planes());
+    if (!found) {
+      converged_ = true;
+      return move;
+    }
+    const std::size_t before = count_;
+    if (count_ == kMaxHoldPlanes) {
+      const auto least = std::min_element(planes_.begin(), planes_.end(), [](const auto& a, const auto& b) { return a.force < b.force; });
+      drop(static_cast<std::size_t>(least - planes_.begin()));
+    }
+    planes_[count_] = *found;
+    planes_[count_++].force = 0.0;
+    settle(problem);
+    // Dropped at once while all others stayed: the same would be found again, and again.
+    if (count_ == before && std::ranges::find(planes(), found->point, &HoldPlane::point) == planes().end()) break;
+  }
+  return move_of(problem);
 }
 
 }  // namespace burrhole

@@ -15,11 +15,15 @@
 
 namespace burrhole::contact_test {
 
+/// The packed form alone.
+inline constexpr ContactFields kWordsOnly{.density = false, .gradient = false, .words = true};
+
 /// A bone with its window published and, when asked for, the paper's grids.
 class FeltBone {
  public:
   /// `window` in index coordinates; empty: the whole grid and twelve voxels round it, as a run keeps.
-  explicit FeltBone(DenseBone dense, const Pose& world_from_bone = {}, float dead_zone = 0.08f, const VoxelBox& window = {})
+  explicit FeltBone(DenseBone dense, const Pose& world_from_bone = {}, float dead_zone = 0.08f, const VoxelBox& window = {},
+                    const ContactFields& fields = {})
       : dense_(std::move(dense)), world_from_bone_(world_from_bone) {
     auto bone = BoneModel::create(dense_);
     REQUIRE(bone.ok());
@@ -27,7 +31,7 @@ class FeltBone {
     REQUIRE(voxmap.ok());
     voxmap_ = std::make_unique<Voxmap>(std::move(voxmap).value());
     REQUIRE(voxmap_->place_window(window.empty() ? voxmap_->bone().bounds().grown(12) : window).ok());
-    publisher_ = std::make_unique<ContactWindowPublisher>(*voxmap_);
+    publisher_ = std::make_unique<ContactWindowPublisher>(*voxmap_, fields);
     publisher_->publish(*voxmap_);
     window_ = &publisher_->exchange().latest();
   }

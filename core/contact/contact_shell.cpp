@@ -1,0 +1,52 @@
+#include "core/contact/contact_shell.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace burrhole {
+namespace {
+
+/// Bits of three 21-bit numbers interleaved.
+std::uint64_t morton_code(const Vec3i& cell) {
+  std::uint64_t code = 0;
+  for (std::uint64_t bit = 0; bit < 21; ++bit)
+    for (std::uint64_t axis = 0; axis < 3; ++axis)
+      code |= ((static_cast<std::uint64_t>(cell[static_cast<std::size_t>(axis)]) >> bit) & 1u) << (3 * bit + axis);
+  return code;
+}
+
+ContactShellPart make_part(const PointShell& shell, std::vector<std::uint32_t> order, const Vec3& lo, double cell) {
+  std::vector<std::uint64_t> codes(shell.size());
+  for (const std::uint32_t n : order) codes[n] = morton_code(glm::min(floor_int((shell.positions[n] - lo) / cell), Vec3i((1 << 21) - 1)));
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t n) { return codes[n]; });
+  ContactShellPart part;
+  part.point = std::move(order);
+  if (part.point.empty()) return part;
+  const std::size_t padded = (part.size() + kShellPad - 1) / kShellPad * kShellPad;
+  for (std::size_t n = 0; n < padded; ++n) {
+    const Vec3& p = shell.positions[part.point[std::min(n, part.size() - 1)]];
+    part.x.push_back(static_cast<float>(p.x));
+    part.y.push_back(static_cast<float>(p.y));
+    part.z.push_back(static_cast<float>(p.z));
+  }
+  return part;
+}
+
+}  // namespace
+
+ContactShell make_contact_shell(const PointShell& shell, double cell) {
+  ContactShell out;
+  if (shell.size() == 0) return out;
+  Vec3 lo = shell.positions.front();
+  std::vector<std::uint32_t> cutting, passive;
+  for (std::size_t n = 0; n < shell.size(); ++n) {
+    lo = glm::min(lo, shell.positions[n]);
+    out.reach = std::max(out.reach, glm::length(shell.positions[n]));
+    (shell.cutting[n] != 0 ? cutting : passive).push_back(static_cast<std::uint32_t>(n));
+  }
+  out.cutting = make_part(shell, std::move(cutting), lo, cell);
+  out.passive = make_part(shell, std::move(passive), lo, cell);
+  return out;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,156 @@
+#include "core/contact/virtual_coupling.h"
+
+#include <array>
+#include <cmath>
+
+#include "core/base/portable_math.h"
+
+namespace burrhole {
+namespace {
+
+using Six = std::array<double, 6>;  // translation, then rotation
+using Matrix6 = std::array<Six, 6>;
+
+bool is_finite(const Quat& q) noexcept { return std::isfinite(q.w + q.x + q.y + q.z); }
+bool is_finite(const Pose& pose) noexcept { return burrhole::is_finite(pose.translation) && is_finite(pose.rotation); }
+
+/// Weight of each touching plane: trace(-G) = sum of weights, as normals have length 1. Exact for models that stack alike points by sum or
+/// average; any other keeps its trace, which spreads its stiffness over the planes that are there.
+double weight_of(const ContactResult& contacts, std::size_t touching) noexcept {
+  const Mat3& g = contacts.force_gradient;
+  const double trace = -(g[0][0] + g[1][1] + g[2][2]);
+  return touching > 0 && std::isfinite(trace) ? std::max(0.0, trace) / static_cast<double>(touching) : 0.0;
+}
+
+/// Adds w J J^T a touching plane, J = (N, arm x N): positive semidefinite whatever the model says. The turn of the arms under the force is
+/// left out: force x arm is thousandths of K_r.
+void add_contact_stiffness(const ContactResult& contacts, const Vec3& tool_origin, double scale, Matrix6& matrix) noexcept {
+  std::size_t touching = 0;
+  for (const Contact& contact : contacts.contacts) touching += contact.depth > 0.0 ? 1 : 0;
+  const double weight = scale * weight_of(contacts, touching);
+  if (weight == 0.0) return;
+  for (const Contact& contact : contacts.contacts) {
+    if (!(contact.depth > 0.0)) continue;
+    const Vec3& n = contact.normal;
+    const Vec3 turn = glm::cross(contact.position - tool_origin, n);
+    const Six j{n.x, n.y, n.z, turn.x, turn.y, turn.z};
+    for (std::size_t r = 0; r < 6; ++r)
+      for (std::size_t c = 0; c <= r; ++c) matrix[r][c] += weight * j[r] * j[c];
+  }
+}
+
+/// Solves A x = b by L D L^T on the lower half of A, positive definite.
+Six solved(Matrix6 a, Six b) noexcept {
+  for (std::size_t j = 0; j < 6; ++j) {
+    for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k] * a[k][k];
+    for (std::size_t i = j + 1; i < 6; ++i) {
+      for (std::size_t k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k] * a[k][k];
+      a[i][j] /= a[j][j];
+    }
+  }
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t k = 0; k < i; ++k) b[i] -= a[i][k] * b[k];
+  for (std::size_t i = 0; i < 6; ++i) b[i] /= a[i][i];
+  for (std::size_t i = 6; i-- > 0;)
+    for (std::size_t k = i + 1; k < 6; ++k) b[i] -= a[k][i] * b[k];
+  return b;
+}
+
+/// 2 sin(a/2) times the axis of the shorter turn from tool to hand, world frame.
+Vec3 turn_to(const Quat& hand, const Quat& tool) noexcept {
+  const Quat turn = hand * glm::conjugate(tool);
+  const double sign = turn.w < 0.0 ? -2.0 : 2.0;
+  return {sign * turn.x, sign * turn.y, sign * turn.z};
+}
+
+Quat turned(const Quat& q, const Vec3& rotation) noexcept {
+  // Beyond a million turns a step the direction has lost its meaning, and so has the sine's argument.
+  const double angle = std::min(glm::length(rotation), 1e6);
+  if (angle == 0.0) return q;
+  const Vec3 axis = glm::normalize(rotation) * portable_sin(0.5 * angle);
+  return glm::normalize(Quat(portable_cos(0.5 * angle), axis.x, axis.y, axis.z) * q);
+}
+
+}  // namespace
+
+double unforeseen_stiffness(const VirtualCouplingConfig& config, double dt) noexcept {
+  return config.stiffness + 2.0 * config.damping / dt;
+}
+
+Result<VirtualCoupling> VirtualCoupling::create(const VirtualCouplingConfig& config, std::unique_ptr<ContactModel> model) {
+  struct Range {
+    double value, lowest, highest;
+    const char* message;
+  };
+  for (const Range& range : {Range{config.mass, 1e-6, 100.0, "coupling mass must be in [1e-6, 100] kg"},
+                             {config.inertia, 1e-12, 10.0, "coupling inertia must be in [1e-12, 10] kg m^2"},
+                             {config.stiffness, 1.0, 1e6, "coupling stiffness must be in [1, 1e6] N/m"},
+                             {config.damping, 0.0, 1e4, "coupling damping must be in [0, 1e4] N s/m"},
+                             {config.angular_stiffness, 1e-6, 1e4, "coupling angular stiffness must be in [1e-6, 1e4] N m/rad"},
+                             {config.angular_damping, 0.0, 100.0, "coupling angular damping must be in [0, 100] N m s/rad"}})
+    if (!(range.value >= range.lowest && range.value <= range.highest)) return Error{ErrorCode::out_of_range, range.message, {}};
+  if (!model) return Error{ErrorCode::out_of_range, "a virtual coupling needs a contact model", {}};
+  return VirtualCoupling(config, std::move(model));
+}
+
+VirtualCoupling::VirtualCoupling(const VirtualCouplingConfig& config, std::unique_ptr<ContactModel> model)
+    : config_(config), model_(std::move(model)) {
+  contacts_.contacts.reserve(model_->shell().size());
+}
+
+void VirtualCoupling::place(const Pose& world_from_tool) noexcept {
+  if (!is_finite(world_from_tool)) return;
+  state_ = {};
+  state_.world_from_tool = world_from_tool;
+}
+
+void VirtualCoupling::stay(std::uint32_t flags) noexcept {
+  const Pose pose = state_.world_from_tool;
+  state_ = {};
+  state_.world_from_tool = pose;
+  state_.flags = flags;
+}
+
+const VirtualCouplingState& VirtualCoupling::step(const ContactView& bone, const CoupledHand& hand, double dt) noexcept {
+  if (!(std::isfinite(dt) && dt > 0.0) || !is_finite(hand.world_from_hand) || !burrhole::is_finite(hand.velocity) ||
+      !burrhole::is_finite(hand.angular_velocity)) {
+    stay(kContactNotFinite);
+    return state_;
+  }
+  const Pose before = state_.world_from_tool;
+  model_->evaluate(bone, before, contacts_);
+  const VirtualCouplingConfig& c = config_;
+
+  Matrix6 matrix{};
+  for (std::size_t n = 0; n < 6; ++n)
+    matrix[n][n] = n < 3 ? c.mass + dt * (c.damping + dt * c.stiffness) : c.inertia + dt * (c.angular_damping + dt * c.angular_stiffness);
+  add_contact_stiffness(contacts_, before.translation, dt * dt, matrix);
+
+  const Vec3 stretch = hand.world_from_hand.translation - before.translation;
+  const Vec3 turn = turn_to(hand.world_from_hand.rotation, before.rotation);
+  const Vec3 push = c.mass * state_.velocity + dt * (c.stiffness * stretch + c.damping * hand.velocity + contacts_.wrench.force);
+  const Vec3 twist = c.inertia * state_.angular_velocity +
+                     dt * (c.angular_stiffness * turn + c.angular_damping * hand.angular_velocity + contacts_.wrench.torque);
+  const Six u = solved(matrix, {push.x, push.y, push.z, twist.x, twist.y, twist.z});
+
+  VirtualCouplingState next;
+  next.velocity = {u[0], u[1], u[2]};
+  next.angular_velocity = {u[3], u[4], u[5]};
+  next.world_from_tool = {turned(before.rotation, dt * next.angular_velocity), before.translation + dt * next.velocity};
+  next.on_hand.force =
+      c.stiffness * (next.world_from_tool.translation - hand.world_from_hand.translation) + c.damping * (next.velocity - hand.velocity);
+  next.on_hand.torque = c.angular_damping * (next.angular_velocity - hand.angular_velocity) -
+                        c.angular_stiffness * turn_to(hand.world_from_hand.rotation, next.world_from_tool.rotation);
+  next.on_tool = contacts_.wrench;
+  for (const Contact& contact : contacts_.contacts) next.deepest = std::max(next.deepest, contact.depth);
+  next.contacts = static_cast<std::uint32_t>(contacts_.contacts.size());
+  next.flags = contacts_.flags;
+  if (is_finite(next.world_from_tool) && burrhole::is_finite(next.velocity) && burrhole::is_finite(next.angular_velocity) &&
+      burrhole::is_finite(next.on_hand.force) && burrhole::is_finite(next.on_hand.torque))
+    state_ = next;
+  else
+    stay(contacts_.flags | kContactNotFinite);
+  return state_;
+}
+
+}  // namespace burrhole
