@@ -251,6 +251,7 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->add_option("--out", option->files.folder, "folder for the results")->type_name(kFolderValue)->capture_default_str();
   command->add_option("--restore", option->files.restore_path, "start from this checkpoint: the bone.vdb of an earlier run")
       ->type_name(kFileValue);
+  add_simd_option(*command);
   command->add_flag("--offscreen", option->offscreen, "no window (this version never opens one)");
   command->add_flag("--json", option->json, "print summary.json on stdout, and nothing else there");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");

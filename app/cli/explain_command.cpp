@@ -45,6 +45,7 @@ void add_explain(CLI::App& app, int& exit_code) {
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   command->add_flag("--measure", option->measure, "run the scene, writing nothing, and add the time of each row");
+  add_simd_option(*command);
   command->add_flag("--json", option->json, "print JSON on stdout, and nothing else there");
   command->callback([option, &exit_code] {
     const auto loaded = load_or_report(option->scene, exit_code);

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "app/cli/progress.h"
+#include "core/base/simd.h"
 
 namespace burrhole::cli {
 
@@ -62,6 +63,16 @@ void SceneOption::add_to(CLI::App& command) {
   command.add_option("--set", sets, "override a key, e.g. --set tool.spin_rpm=800 (repeatable)")
       ->type_name("TABLE.KEY=VALUE")
       ->allow_extra_args(false);
+}
+
+void add_simd_option(CLI::App& command) {
+  const auto choose = [](const std::string& name) {
+    if (const Status chosen = choose_simd(name); !chosen) throw CLI::ValidationError("--simd", chosen.error().message);
+  };
+  command
+      .add_option_function<std::string>("--simd", choose,
+                                        "vector instructions: auto (the best), sse4, avx2 or avx512; results are the same")
+      ->type_name("LEVEL");
 }
 
 Result<TomlDocument> SceneOption::document() const {

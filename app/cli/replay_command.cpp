@@ -98,6 +98,7 @@ void add_replay(CLI::App& app, int& exit_code) {
        .exits = "Exit 3 if voxels or forces differ, 130 after Ctrl-C."});
   auto option = std::make_shared<Options>();
   command->add_option("session", option->session, "session file of an earlier drill")->type_name(kFileValue)->required();
+  add_simd_option(*command);
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
     catch_signals();

@@ -7,20 +7,25 @@
 
 #include "app/engine/scene.h"
 #include "app/engine/step_timer.h"
+#include "core/drill/energy.h"
 #include "core/drill/erosion.h"
+#include "core/drill/spindle.h"
 #include "core/tool/tool.h"
 #include "core/voxel/contact_window.h"
 
 namespace burrhole {
 
 /// Free voxels kept round the tool's bounding box when the window is placed, and the least before it slides.
-inline constexpr int kWindowReach = 12, kWindowLeast = 5;
+inline constexpr int kWindowReach = 16, kWindowLeast = 10;
 
 /// Box of voxels that a tool needs at a pose, `margin` voxels wider on each side.
 [[nodiscard]] VoxelBox tool_box(const Tool& tool, const Affine& index_from_tool, int margin);
 
+/// What a scene's contact model and the drill monitor read of the window.
+[[nodiscard]] ContactFields contact_fields(const Scene& scene);
+
 struct BoneStepTimers {
-  StepTimer erosion, gradient, publish;
+  StepTimer erosion, spindle, gradient, publish;
 };
 
 class BoneStep {
@@ -28,8 +33,14 @@ class BoneStep {
   /// Places the window at the tool and publishes it. out_of_range when the tool does not fit a window: the message gives the numbers.
   [[nodiscard]] static Result<BoneStep> create(const Scene& scene, const Tool& tool, Voxmap& voxmap, const Pose& world_from_tool);
 
-  /// Moves the tool from where it was to `world_from_tool` over `dt` [s].
-  void operator()(const Pose& world_from_tool, double dt);
+  /// Moves the tool from where it was to `world_from_tool` over `dt` [s], pressed on by `cutting_force` [N] where it cuts.
+  void operator()(const Pose& world_from_tool, double cutting_force, double dt);
+  [[nodiscard]] double spin() const noexcept { return spindle_ ? spindle_->speed() : spin_; }  ///< [rev/s] now
+  /// Null without [spindle], and at spin 0.
+  [[nodiscard]] const Spindle* spindle() const noexcept { return spindle_ ? &*spindle_ : nullptr; }
+  [[nodiscard]] double slowest_spin() const noexcept { return slowest_spin_; }  ///< [rev/s] so far
+  /// Null without [erosion].
+  [[nodiscard]] const Erosion* erosion() const noexcept { return erosion_ ? &*erosion_ : nullptr; }
   [[nodiscard]] ContactWindowPublisher& publisher() noexcept { return *publisher_; }
   [[nodiscard]] const VdbContactGrids* grids() const noexcept { return grids_.get(); }
   [[nodiscard]] double removed_mass() const noexcept { return removed_mass_; }  ///< [m^3] so far
@@ -40,12 +51,16 @@ class BoneStep {
   BoneStep(const Scene& scene, const Tool& tool, Voxmap& voxmap);
   [[nodiscard]] Affine index_from_tool(const Pose& world_from_tool) const;
   [[nodiscard]] Status keep_window(const ErosionPath& path);
+  /// @returns whether bone changed.
+  bool erode(const ErosionPath& path, double cutting_force, double dt);
 
   const Tool* tool_;
   Voxmap* voxmap_;
   Affine index_from_world_;
-  double spin_ = 0.0;
+  double spin_ = 0.0, slowest_spin_ = 0.0;  // [rev/s]
   std::optional<Erosion> erosion_;
+  std::optional<Spindle> spindle_;
+  double rubbing_radius_ = 0.0;  // [m] of the whole tool, for laws that do not say where they rub
   std::unique_ptr<ContactWindowPublisher> publisher_;
   std::unique_ptr<VdbContactGrids> grids_;
   Pose last_;

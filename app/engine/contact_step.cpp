@@ -1,48 +1,91 @@
 #include "app/engine/contact_step.h"
 
 namespace burrhole {
-namespace {
 
-Result<std::unique_ptr<ContactModel>> make_model(const void* context, PointShell shell) {
-  return GradientPlane::create(*static_cast<const GradientPlaneConfig*>(context), std::move(shell));
+BoneView ContactBone::view() const {
+  if (grids != nullptr) return {ContactView(*grids, bone_from_index, world_from_bone), {}};
+  const ContactWindow& copy = window->latest();
+  BoneView out{ContactView(copy, bone_from_index, world_from_bone), {}};
+  const auto* records8 = std::get_if<std::vector<Record8>>(&copy.records);
+  const auto* records16 = std::get_if<std::vector<Record16>>(&copy.records);
+  const Record8* first8 = records8 != nullptr && !records8->empty() ? records8->data() : nullptr;
+  const Record16* first16 = records16 != nullptr && !records16->empty() ? records16->data() : nullptr;
+  if (first8 != nullptr || first16 != nullptr)
+    out.surface = SurfaceView{{copy.box, copy.records_valid, first8, first16, bone_from_index}, copy.hardness.data(), world_from_bone};
+  return out;
 }
 
-}  // namespace
-
-Result<ContactStep> ContactStep::create(const ContactScene& scene, const PointShell& shell, const ContactBone& bone, bool spinning) {
+Result<ContactStep> ContactStep::create(const ContactScene& scene, const PointShell& shell, double voxel_edge, bool spinning) {
   ContactStep out;
   out.spinning_ = spinning;
-  auto model = make_model(&scene.model, shell);
-  if (!model) return model.error();
-  out.model_ = std::move(model).value();
-  out.result_.contacts.reserve(shell.size());
-  if (scene.constrained) {
-    auto tool = ConstrainedTool::create(scene.tool, shell, bone.bone_from_index.mean_edge(), &scene.model, make_model);
+  out.shell_points_ = shell.size();
+  if (scene.model == ContactModelKind::surface) {
+    auto tool = ConstrainedTool::create(scene.surface, shell, voxel_edge);
     if (!tool) return tool.error();
     out.tool_.emplace(std::move(tool).value());
+    return out;
   }
+  auto model = scene.model == ContactModelKind::voxmap ? VoxmapContact::create(scene.voxmap, shell)
+                                                       : GradientPlane::create(scene.gradient_plane, shell);
+  if (!model) return model.error();
+  if (scene.coupling) {
+    auto coupled = VirtualCoupling::create(*scene.coupling, std::move(model).value());
+    if (!coupled) return coupled.error();
+    out.coupled_.emplace(std::move(coupled).value());
+    return out;
+  }
+  out.model_ = std::move(model).value();
+  out.result_.contacts.reserve(shell.size());
   return out;
 }
 
 void ContactStep::place(const Pose& world_from_tool) noexcept {
   if (tool_) tool_->place(world_from_tool);
+  if (coupled_) coupled_->place(world_from_tool);
+  hand_before_ = world_from_tool.rotation;
 }
 
-const ContactState& ContactStep::operator()(const ContactView& bone, const HandState& hand, double dt) noexcept {
+void ContactStep::hold(const SurfaceView& bone, const HandState& hand, double dt) noexcept {
+  const ConstrainedToolState& held = tool_->step(bone, {hand.world_from_hand, hand.velocity, spinning_}, dt);
+  state_.world_from_tool = held.world_from_tool;
+  state_.on_hand = held.on_hand;
+  state_.engagement = held.engagement;
+  state_.cutting_force = held.cutting_force;
+  state_.flags = held.flags;
+}
+
+void ContactStep::push(const ContactView& bone, const HandState& hand) noexcept {
+  model_->evaluate(bone, hand.world_from_hand, result_);
+  state_.world_from_tool = hand.world_from_hand;
+  state_.on_hand = result_.wrench;
+  state_.engagement = 0.0;
+  for (const Contact& contact : result_.contacts) state_.engagement = std::max(state_.engagement, contact.depth);
+  state_.cutting_force = glm::length(result_.wrench.force);
+  state_.flags = result_.flags;
+}
+
+void ContactStep::couple(const ContactView& bone, const HandState& hand, double dt) noexcept {
+  // The hand tells its speed but not its rate of turning: that of the last period stands in.
+  const Quat turned = glm::normalize(hand.world_from_hand.rotation * glm::conjugate(hand_before_));
+  const Vec3 rate = Vec3(turned.x, turned.y, turned.z) * ((turned.w < 0.0 ? -2.0 : 2.0) / dt);
+  hand_before_ = hand.world_from_hand.rotation;
+  const VirtualCouplingState& coupled = coupled_->step(bone, {hand.world_from_hand, hand.velocity, rate}, dt);
+  state_.world_from_tool = coupled.world_from_tool;
+  state_.on_hand = coupled.on_hand;
+  state_.engagement = coupled.deepest;
+  state_.cutting_force = glm::length(coupled.on_tool.force);
+  state_.flags = coupled.flags;
+}
+
+const ContactState& ContactStep::operator()(const BoneView& bone, const HandState& hand, double dt) noexcept {
   state_.tick = hand.tick;
   if (tool_) {
-    const ConstrainedToolState& held = tool_->step(bone, {hand.world_from_hand, hand.velocity, spinning_}, dt);
-    state_.world_from_tool = held.world_from_tool;
-    state_.on_hand = held.on_hand;
-    state_.engagement = held.engagement;
-    state_.flags = held.flags;
+    BH_ASSERT(bone.surface.has_value());
+    hold(*bone.surface, hand, dt);
+  } else if (coupled_) {
+    couple(bone.voxels, hand, dt);
   } else {
-    model_->evaluate(bone, hand.world_from_hand, result_);
-    state_.world_from_tool = hand.world_from_hand;
-    state_.on_hand = result_.wrench;
-    state_.engagement = 0.0;
-    for (const Contact& contact : result_.contacts) state_.engagement = std::max(state_.engagement, contact.depth);
-    state_.flags = result_.flags;
+    push(bone.voxels, hand);
   }
   return state_;
 }

@@ -13,6 +13,12 @@
 
 namespace burrhole {
 
+/// One copy of bone, as its readers want it: voxels for the penalty models and the monitor, the surface for the constrained tool.
+struct BoneView {
+  ContactView voxels;
+  std::optional<SurfaceView> surface;  ///< where the copy carries records
+};
+
 /// Where the step reads bone: the published window, or the paper's grids.
 struct ContactBone {
   SnapshotBuffer<ContactWindow>* window = nullptr;
@@ -20,27 +26,31 @@ struct ContactBone {
   Affine bone_from_index;
   Pose world_from_bone;
 
-  [[nodiscard]] ContactView view() const {
-    return grids != nullptr ? ContactView(*grids, bone_from_index, world_from_bone)
-                            : ContactView(window->latest(), bone_from_index, world_from_bone);
-  }
+  /// The newest copy; valid until the next call.
+  [[nodiscard]] BoneView view() const;
 };
 
 class ContactStep {
  public:
-  /// Errors of the model's create() pass through.
-  [[nodiscard]] static Result<ContactStep> create(const ContactScene& scene, const PointShell& shell, const ContactBone& bone,
-                                                  bool spinning);
+  /// Errors of the model's create() pass through. `voxel_edge` [m].
+  [[nodiscard]] static Result<ContactStep> create(const ContactScene& scene, const PointShell& shell, double voxel_edge, bool spinning);
   /// `dt` [s] is the contact period. @returns the state for the mailboxes.
-  const ContactState& operator()(const ContactView& bone, const HandState& hand, double dt) noexcept BH_REALTIME;
+  const ContactState& operator()(const BoneView& bone, const HandState& hand, double dt) noexcept BH_REALTIME;
   void place(const Pose& world_from_tool) noexcept;
-  [[nodiscard]] std::size_t points() const noexcept { return model_->shell().size(); }
+  [[nodiscard]] std::size_t points() const noexcept { return shell_points_; }
 
  private:
   ContactStep() = default;
+  void hold(const SurfaceView& bone, const HandState& hand, double dt) noexcept;
+  void push(const ContactView& bone, const HandState& hand) noexcept;
+  void couple(const ContactView& bone, const HandState& hand, double dt) noexcept;
+
   bool spinning_ = false;
-  std::unique_ptr<ContactModel> model_;  // the penalty form, device pose = tool pose
-  std::optional<ConstrainedTool> tool_;  // or the tool held back
+  std::size_t shell_points_ = 0;
+  std::optional<ConstrainedTool> tool_;     // model `surface`: the tool held back
+  std::unique_ptr<ContactModel> model_;     // or a penalty model of the papers, device pose = tool pose
+  std::optional<VirtualCoupling> coupled_;  // or the same on a virtual coupling, which then owns the model
+  Quat hand_before_{1.0, 0.0, 0.0, 0.0};
   ContactResult result_;
   ContactState state_;
 };

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/tool/cutting_field.h"
 #include "core/tool/make_tool.h"
 #include "core/tool/mesh_spec.h"
 #include "volumes/phantom/phantom.h"
@@ -49,6 +50,15 @@ std::string text_for_session(const std::string& text, const TomlDocument& tool) 
   return copy && copy->set("mesh.file=\"" + quoted + "\"") ? copy->to_text() : text;
 }
 
+/// Both forms of the cutting part: points, and the table that sub-voxel removal reads.
+void scale_factors(Tool& tool, float scale) {
+  for (float& factor : tool.erosion.factors) factor *= scale;
+  if (!tool.cutting || scale == 1.0f) return;
+  auto field = std::make_shared<CuttingField>(*tool.cutting);
+  for (float& factor : field->factor) factor *= scale;
+  tool.cutting = std::move(field);
+}
+
 }  // namespace
 
 std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
@@ -79,12 +89,14 @@ std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneC
     issues.push_back(tool_document.error());
     return std::nullopt;
   }
-  const double pitch = out.scene.tool.erosion_pitch_voxels * out.bone->bone_from_index().mean_edge();
-  auto tool = make_tool(*tool_document, {.erosion_pitch = pitch, .read_mesh = read_mesh}, issues);
+  const double edge = out.bone->bone_from_index().mean_edge();
+  const double pitch = out.scene.tool.erosion_pitch_voxels * edge;
+  const bool subvoxel = out.scene.erosion && out.scene.erosion->config.subvoxel;
+  auto tool = make_tool(*tool_document, {.erosion_pitch = pitch, .cutting_voxel = subvoxel ? edge : 0.0, .read_mesh = read_mesh}, issues);
   if (!tool) return std::nullopt;
   if (!tool_text) out.tool_text = text_for_session(out.tool_text, *tool_document);
   out.tool = std::move(*tool);
-  for (float& factor : out.tool.erosion.factors) factor *= static_cast<float>(out.scene.tool.erosion_scale);
+  scale_factors(out.tool, static_cast<float>(out.scene.tool.erosion_scale));
   return out;
 }
 

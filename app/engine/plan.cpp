@@ -8,6 +8,8 @@
 #include "app/engine/bone_step.h"
 #include "app/engine/effect_names.h"
 #include "app/engine/simulation.h"
+#include "core/base/units.h"
+#include "core/tool/cutting_field.h"
 
 namespace burrhole {
 namespace {
@@ -32,20 +34,53 @@ PlanRow volume_row(const EffectInfo& effect, const LoadedScene& loaded) {
           fmt::format("{} x {} x {} voxels of {:.3g} mm", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge())};
 }
 
+std::string contact_text(const ContactScene& contact) {
+  if (contact.model == ContactModelKind::surface)
+    return fmt::format("surface, {}-bit records, tool held back by bone", contact.record_bits == RecordPrecision::bits8 ? 8 : 16);
+  const bool voxmap = contact.model == ContactModelKind::voxmap;
+  const bool paper = voxmap ? contact.voxmap.paper_mode : contact.gradient_plane.paper_mode;
+  return fmt::format("{}, {} mode, {}", voxmap ? "voxmap" : "gradient-plane", paper ? "paper" : "surface",
+                     contact.coupling ? "tool on a virtual coupling" : "tool where the hand is");
+}
+
 PlanRow contact_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const ContactScene& contact = *loaded.scene.contact;
-  const std::uint64_t copies = 3 * window_voxels(loaded) * (sizeof(float) + sizeof(Vec3f));
+  // Three copies, and once more what is made for them and the master window does not hold.
+  const ContactFields fields = contact_fields(loaded.scene);
+  ContactFields made = fields;
+  made.density = made.gradient = false;
+  const std::uint64_t copies = window_voxels(loaded) * (3 * bytes_a_voxel(fields) + bytes_a_voxel(made));
   const std::uint64_t shell = loaded.tool.shell.size() * (2 * sizeof(Vec3) + 1 + sizeof(Contact));
   return {effect, static_cast<double>(contact.rate_hz), copies + shell,
-          fmt::format("{} points, gradient-plane, {} mode, {}", loaded.tool.shell.size(), contact.model.paper_mode ? "paper" : "surface",
-                      contact.constrained ? "tool held back by bone" : "tool where the hand is")};
+          fmt::format("{} points, {}", loaded.tool.shell.size(), contact_text(contact))};
+}
+
+const char* name_of(ErosionLaw law) {
+  switch (law) {
+    case ErosionLaw::rate:
+      return "rate";
+    case ErosionLaw::per_update:
+      return "per-update";
+    case ErosionLaw::energy:
+      return "energy";
+  }
+  return "";
 }
 
 PlanRow erosion_row(const EffectInfo& effect, const LoadedScene& loaded) {
+  const ErosionConfig& erosion = loaded.scene.erosion->config;
   const std::uint64_t points = loaded.tool.erosion.size() * (sizeof(Vec3) + sizeof(float));
-  return {effect, static_cast<double>(loaded.scene.erosion->rate_hz), points + window_voxels(loaded) * sizeof(float),
-          fmt::format("{} points, law {}", loaded.tool.erosion.size(),
-                      loaded.scene.erosion->config.law == ErosionLaw::rate ? "rate" : "per-update")};
+  // By points a float of exposure a voxel of the window; sub-voxel the tool's own field and a mask a voxel where the bit has been.
+  const std::uint64_t field = erosion.subvoxel && loaded.tool.cutting ? loaded.tool.cutting->bytes() : 0;
+  const std::uint64_t voxels = window_voxels(loaded) * (erosion.subvoxel ? sizeof(std::uint64_t) : sizeof(float));
+  return {effect, static_cast<double>(loaded.scene.erosion->rate_hz), points + field + voxels,
+          fmt::format("{} points, law {}{}", loaded.tool.erosion.size(), name_of(erosion.law), erosion.subvoxel ? ", sub-voxel" : "")};
+}
+
+PlanRow spindle_row(const EffectInfo& effect, const LoadedScene& loaded) {
+  const SpindleScene& spindle = *loaded.scene.spindle;
+  return {effect, loaded.scene.erosion ? static_cast<double>(loaded.scene.erosion->rate_hz) : 0.0, sizeof(Spindle),
+          fmt::format("{:.0f} rpm free, stalls at {:.3g} N m", loaded.scene.tool.spin / kRevPerMinute, spindle.stall_torque)};
 }
 
 PlanRow display_row(const EffectInfo& effect, const LoadedScene& loaded) {
@@ -67,25 +102,34 @@ double bearable_coupling(const Scene& scene) {
   const double contact_period = 1.0 / scene.contact->rate_hz;
   const double delay =
       scene.contact->latency_ticks >= 0 ? static_cast<double>(scene.contact->latency_ticks) / scene.servo_hz : contact_period;
-  return 0.8 * (scene.hand.dynamics.damping + scene.contact->tool.coupling_damping) / (0.5 * contact_period + delay);
+  return 0.8 * (scene.hand.dynamics.damping + scene.contact->surface.coupling_damping) / (0.5 * contact_period + delay);
 }
 
 void warn(const LoadedScene& loaded, Plan& plan) {
   const Scene& scene = loaded.scene;
-  if (scene.contact && scene.contact->constrained && scene.erosion && scene.tool.spin > 0.0) {
-    const double engaged = scene.hand.push / scene.contact->tool.cutting_stiffness;
+  if (scene.contact && scene.contact->holds_back() && scene.erosion && scene.tool.spin > 0.0) {
+    const double engaged = scene.hand.push / scene.contact->surface.cutting_stiffness;
     const double edge = loaded.bone->bone_from_index().mean_edge();
     if (engaged < edge)
       plan.warnings.push_back(
           fmt::format("engaged depth push_N / cutting_N_per_m = {:.3f} mm is under a voxel ({:.3f} mm): little will be cut; push with "
                       "{:.0f} N or more, "
                       "or take a finer spacing_mm",
-                      1e3 * engaged, 1e3 * edge, std::ceil(edge * scene.contact->tool.cutting_stiffness)));
+                      1e3 * engaged, 1e3 * edge, std::ceil(edge * scene.contact->surface.cutting_stiffness)));
   }
-  if (scene.contact && scene.contact->constrained && scene.hand.feels && scene.contact->tool.coupling_stiffness > bearable_coupling(scene))
+  if (scene.contact && scene.contact->holds_back() && scene.hand.feels &&
+      scene.contact->surface.coupling_stiffness > bearable_coupling(scene))
     plan.warnings.push_back(
         fmt::format("coupling_N_per_m = {:.0f} is more than the damping bears at this latency (about {:.0f}): the hand may swing",
-                    scene.contact->tool.coupling_stiffness, bearable_coupling(scene)));
+                    scene.contact->surface.coupling_stiffness, bearable_coupling(scene)));
+  if (scene.contact && scene.contact->holds_back() && scene.erosion && scene.tool.spin > 0.0 && !scene.erosion->config.subvoxel)
+    plan.warnings.push_back(
+        fmt::format("{} leaves walls as rough as a voxel, on which the model \"surface\" may hold the bit for good: {}",
+                    scene.erosion->config.law == ErosionLaw::per_update ? "[erosion] law = \"per-update\"" : "[erosion] subvoxel = false",
+                    scene.erosion->config.law == ErosionLaw::per_update ? "take [contact] model = \"gradient-plane\" for it, or another law"
+                                                                        : "leave it true, or take [contact] model = \"gradient-plane\""));
+  if (scene.spindle && !(scene.erosion && scene.contact && scene.tool.spin > 0.0))
+    plan.warnings.push_back("[spindle] without [contact], [erosion] and a spin: nothing loads it, so it does not slow");
   if (loaded.import)
     for (const std::string& line : loaded.import->scan.assumed) plan.warnings.push_back("[volume] assumed: " + line);
   if (scene.erosion && !scene.contact)
@@ -101,6 +145,7 @@ const std::vector<EffectInfo>& known_effects() {
       {"contact", Clock::contact, "point shell against the window copy", "window copy, hand motion", "contact state", true},
       {"erosion", Clock::simulation, "erosion points along the tool's path, gradients, publishing", "window, contact state",
        "window copy, changed boxes", true},
+      {"spindle", Clock::simulation, "speed under the cutting torque", "contact state", "spin", true},
       {"display", Clock::frame, "changed boxes to the texture, one picture", "changed boxes, tool pose", "pictures", true},
       {"record", Clock::frame, "session row", "everything above", "session file", true},
   };
@@ -129,6 +174,7 @@ Plan make_plan(const LoadedScene& loaded) {
     if (table == "hand") return hand_row;
     if (table == "contact" && scene.contact) return contact_row;
     if (table == "erosion" && scene.erosion) return erosion_row;
+    if (table == "spindle" && scene.spindle) return spindle_row;
     if (table == "display" && scene.display) return display_row;
     if (table == "record" && scene.record) return record_row;
     return nullptr;

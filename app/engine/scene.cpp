@@ -1,6 +1,7 @@
 #include "app/engine/scene.h"
 
 #include <filesystem>
+#include <limits>
 
 #include "app/engine/effect_names.h"
 #include "core/base/units.h"
@@ -112,26 +113,95 @@ HandConfig read_hand(TableReader table, Issues& issues) {
   return out;
 }
 
-ContactScene read_contact(TableReader table) {
-  ContactScene out;
-  (void)table.choice("model", "gradient-plane", {"gradient-plane"}, "how a touch becomes a force: planes from the density's gradient",
-                     {"voxmap", "surface", "mesh"});
-  out.model.paper_mode = table.choice("mode", "surface", {"surface", "paper"},
-                                      "what collides: the 0.5 surface of the bone, or, as in the paper, any density above 0") == "paper";
-  out.model.stiffness = table.number("stiffness_N_per_m", above_zero(out.model.stiffness, 1.0, 1e7),
-                                     "stiffness of the penalty force, over the depth of a point");
+constexpr const char* kModeText = "what collides: the 0.5 surface of the bone, or, as in the papers, any density above 0";
+constexpr const char* kStiffnessText = "stiffness of the penalty force, over the depth of a point";
+
+/// The model `surface`.
+void read_surface(TableReader& table, ContactScene& out) {
+  ConstrainedToolConfig& tool = out.surface;
+  tool.coupling_stiffness =
+      table.number("coupling_N_per_m", above_zero(tool.coupling_stiffness, 1.0, 1e6), "stiffness of the spring from hand to tool");
+  tool.coupling_damping = table.number("coupling_N_s_per_m", at_least_zero(tool.coupling_damping, 1.0, 1e4), "damper from hand to tool");
+  const bool locked = table.choice("turning", "free", {"free", "locked"},
+                                   "whether bone may turn the tool in the hand against a spring, or the hand alone turns it") == "locked";
+  if (locked)
+    tool.turn_stiffness = std::numeric_limits<double>::infinity();
+  else
+    tool.turn_stiffness = table.number("coupling_Nm_per_rad", above_zero(tool.turn_stiffness, 1.0, 1e6),
+                                       "stiffness of that spring; damped with the time constant of the other one");
+  tool.cutting_stiffness = table.number("cutting_N_per_m", above_zero(tool.cutting_stiffness, 1.0, 1e9),
+                                        "thrust over the depth to which a spinning tool is engaged");
+  tool.bone_stiffness = table.number("bone_N_per_m", above_zero(tool.bone_stiffness, 1.0, 1e12),
+                                     "stiffness of bone of hardness 1 under a point that does not cut; in proportion to the hardness");
+  out.record_bits =
+      table.choice("record_bits", "16", {"8", "16"}, "bits of each number stored of the surface: memory against accuracy") == "8"
+          ? RecordPrecision::bits8
+          : RecordPrecision::bits16;
+}
+
+/// The model `gradient-plane`.
+void read_gradient_plane(TableReader& table, ContactScene& out) {
+  out.gradient_plane.paper_mode = table.choice("mode", "surface", {"surface", "paper"}, kModeText) == "paper";
+  out.gradient_plane.stiffness = table.number("stiffness_N_per_m", above_zero(out.gradient_plane.stiffness, 1.0, 1e7), kStiffnessText);
   out.storage = table.choice("storage", "window", {"window", "vdb"},
                              "where bone is looked up: in a dense window, or in sparse grids as in the paper") == "vdb"
                     ? ContactStorage::vdb
                     : ContactStorage::window;
-  out.constrained = table.choice("tool", "constrained", {"constrained", "device"},
-                                 "where the tool is: held back by bone, or where the hand is, as in the paper") == "constrained";
-  out.tool.coupling_stiffness =
-      table.number("coupling_N_per_m", above_zero(out.tool.coupling_stiffness, 1.0, 1e6), "stiffness of the spring from hand to tool");
-  out.tool.coupling_damping =
-      table.number("coupling_N_s_per_m", at_least_zero(out.tool.coupling_damping, 1.0, 1e4), "damper from hand to tool");
-  out.tool.cutting_stiffness = table.number("cutting_N_per_m", above_zero(out.tool.cutting_stiffness, 1.0, 1e9),
-                                            "thrust over the depth to which a spinning tool is engaged");
+}
+
+/// The model `voxmap`.
+void read_voxmap(TableReader& table, ContactScene& out) {
+  VoxmapContactConfig& voxmap = out.voxmap;
+  voxmap.paper_mode = table.choice("mode", "surface", {"surface", "paper"}, kModeText) == "paper";
+  voxmap.stiffness = table.number("stiffness_N_per_m", above_zero(voxmap.stiffness, 1.0, 1e7), kStiffnessText);
+  const std::string stacking = table.choice("stacking", "sum-limited", {"sum", "sum-limited", "average", "deepest"},
+                                            "how the forces of many points become one; sum-limited divides by n/10 above ten points");
+  voxmap.stacking = stacking == "sum"       ? Stacking::sum
+                    : stacking == "average" ? Stacking::average
+                    : stacking == "deepest" ? Stacking::deepest
+                                            : Stacking::sum_limited;
+  voxmap.plane_voxel =
+      table.choice("plane", "own", {"own", "surface"},
+                   "the voxel that the tangent plane runs through: the point's own, or the last solid one along its vector") == "own"
+          ? PlaneVoxel::own
+          : PlaneVoxel::surface;
+}
+
+/// Virtual coupling of the penalty models.
+void read_coupling(TableReader& table, ContactScene& out) {
+  if (table.choice("coupling", "none", {"none", "virtual"},
+                   "whether the tool is where the hand is, or a body of its own on a spring and damper") == "none")
+    return;
+  VirtualCouplingConfig& coupling = out.coupling.emplace();
+  coupling.stiffness =
+      table.number("coupling_N_per_m", above_zero(coupling.stiffness, 1.0, 1e6), "stiffness of the spring from hand to tool");
+  coupling.damping = table.number("coupling_N_s_per_m", at_least_zero(coupling.damping, 1.0, 1e4), "damper from hand to tool");
+  coupling.angular_stiffness =
+      table.number("coupling_Nm_per_rad", above_zero(coupling.angular_stiffness, 1.0, 1e4), "stiffness of that spring against turning");
+  coupling.angular_damping =
+      table.number("coupling_Nm_s_per_rad", at_least_zero(coupling.angular_damping, 1.0, 100.0), "damper against turning");
+  coupling.mass = table.number("mass_kg", above_zero(coupling.mass, 1.0, 100.0), "mass of the body on the spring");
+  coupling.inertia = table.number("inertia_kg_m2", above_zero(coupling.inertia, 1.0, 10.0), "its inertia, the same about every axis");
+}
+
+ContactScene read_contact(TableReader table) {
+  ContactScene out;
+  const std::string model = table.choice(
+      "model", "surface", {"surface", "gradient-plane", "voxmap"},
+      "how a touch becomes a force: the tool held back by the bone's surface, or a penalty by planes from the density's gradient "
+      "or across the tool's own vectors",
+      {"mesh"});
+  if (model == "surface") {
+    read_surface(table, out);
+  } else if (model == "gradient-plane") {
+    out.model = ContactModelKind::gradient_plane;
+    read_gradient_plane(table, out);
+    read_coupling(table, out);
+  } else {
+    out.model = ContactModelKind::voxmap;
+    read_voxmap(table, out);
+    read_coupling(table, out);
+  }
   out.rate_hz = static_cast<int>(table.integer("rate_hz", 1000, 20, 20000, "contact evaluations a second; divides servo_hz"));
   out.latency_ticks =
       static_cast<int>(table.integer("latency_ticks", -1, -1, 1000, "servo ticks from a motion to its force; -1 for one contact period"));
@@ -139,13 +209,35 @@ ContactScene read_contact(TableReader table) {
   return out;
 }
 
+SpindleScene read_spindle(TableReader table) {
+  SpindleScene out;
+  out.stall_torque =
+      table.number("stall_torque_Nm", above_zero(out.stall_torque, 1.0, 1e3), "cutting torque under which the spindle stands still");
+  out.inertia = table.number("inertia_kg_m2", at_least_zero(out.inertia, 1.0, 1.0), "of all that turns, seen at the bit");
+  table.finish();
+  return out;
+}
+
 ErosionScene read_erosion(TableReader table, double& pitch_voxels) {
   ErosionScene out;
-  out.config.law =
-      table.choice("law", "rate", {"rate", "per-update"},
-                   "how erosion adds up: continuously at a rate, or update by update as eq. 4 of the paper is printed") == "rate"
-          ? ErosionLaw::rate
-          : ErosionLaw::per_update;
+  const std::string law = table.choice(
+      "law", "rate", {"rate", "per-update", "energy"},
+      "how erosion adds up: at a rate, update by update as eq. 4 of the paper is printed, or by the cutting power of thrust and spin");
+  out.config.law = law == "rate" ? ErosionLaw::rate : law == "energy" ? ErosionLaw::energy : ErosionLaw::per_update;
+  if (out.config.law != ErosionLaw::per_update)
+    out.config.subvoxel = table.boolean(
+        "subvoxel", true, "whether a voxel that the tool covers in part goes in part: the wall of the hole is then where the tool was");
+  if (out.config.subvoxel)
+    out.config.clear_below = static_cast<float>(table.number(
+        "clear_below", {.fallback = 0.5, .min = 0.0, .max = 0.5},
+        "part of its covered share below which a voxel at the wall is cleared: 0.5 keeps the wall from holding the tool, 0 removes "
+        "mass exactly by the law"));
+  if (out.config.law == ErosionLaw::energy) {
+    EnergyConfig& energy = out.config.energy;
+    energy.specific_energy = table.number("specific_energy_J_per_mm3", above_zero(energy.specific_energy * 1e-9, 1e9, 1e3),
+                                          "energy that a volume of bone of hardness 1 takes to remove; in proportion to the hardness");
+    energy.cutting_ratio = table.number("cutting_ratio", above_zero(energy.cutting_ratio, 1.0, 10.0), "cutting force over normal force");
+  }
   out.config.minimum_density = static_cast<float>(table.number(
       "minimum_density", {.fallback = 0.05, .min = 0.0, .max = 0.5, .max_open = true}, "density below which a voxel becomes empty"));
   out.config.longest_substep = table.number("substep_voxels", {.fallback = 0.5, .min = 0.0, .max = 1.0, .min_open = true},
@@ -208,6 +300,8 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   if (auto table = root.table("contact", "force feedback; without it bone is not felt")) scene.contact = read_contact(*table);
   if (auto table = root.table("erosion", "drilling; without it no bone is removed"))
     scene.erosion = read_erosion(*table, scene.tool.erosion_pitch_voxels);
+  if (auto table = root.table("spindle", "the spindle slows under load; without it the spin is what is asked for"))
+    scene.spindle = read_spindle(*table);
   if (auto table = root.table("display", "pictures; without it none is drawn")) scene.display = read_display(*table);
   if (auto table = root.table("record", "the session file, from which a run is replayed; without it none is written")) {
     scene.record = RecordScene{table->text("path", "session.sqlite", "session file, from the output folder")};

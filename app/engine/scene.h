@@ -11,6 +11,8 @@
 #include "core/base/toml.h"
 #include "core/contact/constrained_tool.h"
 #include "core/contact/gradient_plane.h"
+#include "core/contact/virtual_coupling.h"
+#include "core/contact/voxmap_contact.h"
 #include "core/drill/erosion.h"
 #include "haptics/hand/simulated_hand.h"
 
@@ -32,21 +34,36 @@ struct ApproachScene {
   std::string place;          ///< of the table, for faults found later
 };
 
-/// [contact]
+/// How a touch becomes a force.
+enum class ContactModelKind { surface, gradient_plane, voxmap };
 enum class ContactStorage { window, vdb };
+
+/// [contact]
 struct ContactScene {
-  GradientPlaneConfig model;  ///< model = "gradient-plane"; mode = "paper" collides on any density
-  ContactStorage storage = ContactStorage::window;
-  bool constrained = true;  ///< tool = "constrained" | "device" (tool pose = hand pose, the paper's form)
-  ConstrainedToolConfig tool;
+  ContactModelKind model = ContactModelKind::surface;
+  ConstrainedToolConfig surface;                          ///< of the models, the one in use
+  RecordPrecision record_bits = RecordPrecision::bits16;  ///< surface
+  GradientPlaneConfig gradient_plane;                     ///< mode = "paper" collides on any density
+  ContactStorage storage = ContactStorage::window;        ///< gradient-plane
+  VoxmapContactConfig voxmap;
+  std::optional<VirtualCouplingConfig> coupling;  ///< gradient-plane and voxmap: the tool is a body on a spring instead of the hand's
   int rate_hz = 1000;
   int latency_ticks = -1;  ///< servo ticks between a motion and its force; -1: one contact period
+
+  /// Whether the tool is a body of its own that bone holds back; otherwise it is where the hand is.
+  [[nodiscard]] bool holds_back() const noexcept { return model == ContactModelKind::surface; }
 };
 
 /// [erosion]
 struct ErosionScene {
   ErosionConfig config;
   int rate_hz = 100;
+};
+
+/// [spindle]
+struct SpindleScene {
+  double stall_torque = 2.0;  ///< [N m]
+  double inertia = 1e-4;      ///< [kg m^2]
 };
 
 /// [display]
@@ -75,6 +92,7 @@ struct Scene {
   HandConfig hand;
   std::optional<ContactScene> contact;
   std::optional<ErosionScene> erosion;
+  std::optional<SpindleScene> spindle;
   std::optional<DisplayScene> display;
   std::optional<RecordScene> record;
 };

@@ -13,11 +13,12 @@ struct SceneLines {
   std::string volume = "source = \"phantom:plate\"";
   std::string contact = {};
   std::string erosion = {};
+  std::string after = {};  ///< tables of their own
 };
 std::string scene(const SceneLines& lines) {
   return "[volume]\n" + lines.volume +
          "\n[tool]\nname = \"perforator_14_11\"\nspin_rpm = 1000\n[approach]\nentry_mm = [0, 0, 0]\n[hand]\n" + "[contact]\n" +
-         lines.contact + "\n[erosion]\n" + lines.erosion + "\n[display]\n[record]\n";
+         lines.contact + "\n[erosion]\n" + lines.erosion + "\n[display]\n[record]\n" + lines.after;
 }
 
 std::vector<SchemaSample> scene_samples() {
@@ -29,10 +30,23 @@ std::vector<SchemaSample> scene_samples() {
     samples.push_back({"scan in " + unit,
                        scene({.volume = "source = \"SCAN\"\nunit = \"" + unit + "\"\n[[volume.hardness]]\nvalue = 0\nhardness = 0"}),
                        "is not there"});
-  samples.push_back({"paper mode", scene({.contact = "mode = \"paper\""}), {}});
-  samples.push_back({"paper's storage", scene({.contact = "storage = \"vdb\""}), {}});
-  samples.push_back({"tool on the hand", scene({.contact = "tool = \"device\""}), {}});
+  samples.push_back({"turning locked", scene({.contact = "turning = \"locked\""}), {}});
+  samples.push_back({"8-bit records", scene({.contact = "record_bits = \"8\""}), {}});
+  const auto contact = [&](const std::string& name, const std::string& model, const std::string& line) {
+    samples.push_back({name, scene({.contact = "model = \"" + model + "\"\n" + line}), {}});
+  };
+  for (const std::string model : {"gradient-plane", "voxmap"}) {
+    contact(model, model, "");
+    contact(model + " coupled", model, "coupling = \"virtual\"");
+  }
+  contact("paper mode", "gradient-plane", "mode = \"paper\"");
+  contact("paper's storage", "gradient-plane", "storage = \"vdb\"");
+  for (const std::string stacking : {"sum", "average", "deepest"})
+    contact("stacking by " + stacking, "voxmap", "stacking = \"" + stacking + "\"");
+  contact("plane of the surface voxel", "voxmap", "plane = \"surface\"");
   samples.push_back({"eq. 4", scene({.erosion = "law = \"per-update\""}), {}});
+  samples.push_back({"energy", scene({.erosion = "law = \"energy\""}), {}});
+  samples.push_back({"spindle", scene({.after = "[spindle]\n"}), {}});
   return samples;
 }
 

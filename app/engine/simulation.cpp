@@ -42,6 +42,7 @@ std::vector<SessionColumn> session_columns(const Scene& scene) {
                                    {"engagement", "m"},
                                    {"flags", ""}});
   if (scene.erosion) columns.push_back({"removed_mass", "m^3"});
+  if (scene.spindle) columns.push_back({"spin", "rev/s"});
   return columns;
 }
 
@@ -93,9 +94,8 @@ Status Simulation::build(std::shared_ptr<const BoneModel> bone) {
   auto bone_step = BoneStep::create(scene_, *tool_, *voxmap_, start);
   if (!bone_step) return Error{bone_step.error().code, bone_step.error().message, scene_.tool.place};
   bone_.emplace(std::move(bone_step).value());
-  const ContactBone contact_bone{&bone_->publisher().exchange(), bone_->grids(), bone->bone_from_index(), scene_.volume.world_from_bone};
   if (scene_.contact) {
-    auto contact = ContactStep::create(*scene_.contact, tool_->shell, contact_bone, scene_.tool.spin > 0.0);
+    auto contact = ContactStep::create(*scene_.contact, tool_->shell, bone->bone_from_index().mean_edge(), scene_.tool.spin > 0.0);
     if (!contact) return contact.error();
     contact_.emplace(std::move(contact).value());
     contact_->place(start);
@@ -119,7 +119,7 @@ void Simulation::deliver_due() {
 void Simulation::run_contact() {
   const HandState& hand = hand_mailbox_.latest();
   const ContactBone bone{&bone_->publisher().exchange(), bone_->grids(), voxmap_->bone().bone_from_index(), scene_.volume.world_from_bone};
-  const ContactView view = bone.view();
+  const BoneView view = bone.view();
   if (contact_) {
     contact_now_ = timers_.contact([&] { return (*contact_)(view, hand, period_ * static_cast<double>(contact_every_)); });
   } else {
@@ -130,7 +130,7 @@ void Simulation::run_contact() {
   force_hash_.add(contact_now_.on_hand.force);
   force_hash_.add(contact_now_.on_hand.torque);
   const Vec3 tip = scene_.volume.world_from_bone.inverse() * contact_now_.world_from_tool.translation;
-  monitor_->look(view, tip, contact_now_.on_hand.force, contact_now_.engagement, static_cast<double>(tick_ + 1) * period_);
+  monitor_->look(view.voxels, tip, contact_now_.on_hand.force, contact_now_.engagement, static_cast<double>(tick_ + 1) * period_);
   samples_.push_back({static_cast<double>(tick_ + 1) * period_, glm::length(contact_now_.on_hand.force), monitor_->progress().depth});
 }
 
@@ -145,7 +145,8 @@ Status Simulation::run() {
     if (tick_ % contact_every_ == 0) run_contact();
     in_flight_[tick_ % in_flight_.size()] = contact_now_;
     ++tick_;
-    if (tick_ % bone_every_ == 0) (*bone_)(contact_now_.world_from_tool, period_ * static_cast<double>(bone_every_));
+    if (tick_ % bone_every_ == 0)
+      (*bone_)(contact_now_.world_from_tool, contact_now_.cutting_force, period_ * static_cast<double>(bone_every_));
     if (Status status = after_tick(); !status) return status;
     if (options_.progress && progress_every > 0 && tick_ % progress_every == 0) options_.progress(time(), monitor_->progress());
     if (finished()) break;
@@ -206,6 +207,7 @@ Status Simulation::record_row() {
     row_.insert(row_.end(), {t.x, t.y, t.z, w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z, contact_now_.engagement,
                              static_cast<double>(contact_now_.flags)});
   if (scene_.erosion) row_.push_back(bone_->removed_mass());
+  if (scene_.spindle) row_.push_back(bone_->spin());
   return options_.session->append(row_);
 }
 

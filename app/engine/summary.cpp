@@ -58,6 +58,7 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
     out.plunge_mm = (progress.deepest - *progress.breakthrough_depth) * kMm;
     out.removed_at_breakthrough = progress.removed_at_breakthrough;
   }
+  if (simulation.bone_step().spindle() != nullptr) out.slowest_rpm = simulation.bone_step().slowest_spin() / kRevPerMinute;
   if (progress.largest_ahead > -1.0) out.largest_ahead_mm = progress.largest_ahead * kMm;
 }
 
@@ -66,14 +67,15 @@ void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
   out.timing = {{"servo", simulation.timers().servo.timing()},
                 {"contact", simulation.timers().contact.timing()},
                 {"erosion", bone.erosion.timing()},
+                {"spindle", bone.spindle.timing()},
                 {"gradient", bone.gradient.timing()},
                 {"publish", bone.publish.timing()},
                 {"upload", {}},
                 {"frame", {}},
                 {"record", simulation.timers().record.timing()}};
   if (FrameStep* frame = simulation.frame_step()) {
-    out.timing[5].second = frame->timers().upload.timing();
-    out.timing[6].second = frame->timers().frame.timing();
+    out.timing[6].second = frame->timers().upload.timing();
+    out.timing[7].second = frame->timers().frame.timing();
     out.uploaded_texels = frame->texels_sent();
   }
   const auto total = [&](std::initializer_list<std::size_t> which) {
@@ -85,9 +87,10 @@ void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
     double time = 0.0;
     if (row.effect.table == "hand") time = total({0});
     if (row.effect.table == "contact") time = total({1});
-    if (row.effect.table == "erosion") time = total({2, 3, 4});
-    if (row.effect.table == "display") time = total({5, 6});
-    if (row.effect.table == "record") time = total({7});
+    if (row.effect.table == "erosion") time = total({2, 4, 5});
+    if (row.effect.table == "spindle") time = total({3});
+    if (row.effect.table == "display") time = total({6, 7});
+    if (row.effect.table == "record") time = total({8});
     out.effects.push_back({row.effect.table, row.effect.step, time, row.bytes});
   }
 }
@@ -147,6 +150,7 @@ std::string summary_json(const RunSummary& s) {
                       {"breakthrough_s", optional_number(s.breakthrough_s)},
                       {"plunge_mm", optional_number(s.plunge_mm)},
                       {"peak_force_N", s.peak_force_N},
+                      {"slowest_rpm", optional_number(s.slowest_rpm)},
                       {"angle_deg", s.angle_deg},
                       {"axis_removed_at_breakthrough", optional_number(s.removed_at_breakthrough)},
                       {"largest_ahead_of_engagement_mm", optional_number(s.largest_ahead_mm)}};

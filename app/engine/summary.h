@@ -26,7 +26,8 @@ struct RunSummary {
   double removed_mm3 = 0.0, removed_mass_mm3 = 0.0, thickness_mm = 0.0, angle_deg = 0.0, peak_force_N = 0.0;
   double reached_mm = 0.0;  ///< furthest tip, along the axis from the entry
   std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, plunge_mm, removed_at_breakthrough, largest_ahead_mm;
-  std::vector<std::pair<std::string, StepTiming>> timing;  ///< servo, contact, erosion, gradient, upload, frame
+  std::optional<double> slowest_rpm;                       ///< of a scene with [spindle]
+  std::vector<std::pair<std::string, StepTiming>> timing;  ///< servo, contact, erosion, spindle, gradient, publish, upload, frame, record
   std::uint64_t missed = 0;                                ///< lockstep misses none
   std::uint64_t peak_bytes = 0;
   std::uint64_t uploaded_texels = 0, points_outside = 0;

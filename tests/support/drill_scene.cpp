@@ -23,7 +23,7 @@ erosion_factor = 0.1
 )";
 constexpr const char* kPunch = R"(title = "Punch: a flat cutting cylinder of 4 mm"
 [shell]
-pitch_mm = 0.5
+pitch_mm = 2.0
 [[region]]
 name = "punch"
 shape = "cylinder"
@@ -51,12 +51,13 @@ void write_tools(const std::string& folder) {
 }  // namespace
 
 std::string scene_text(const SmallScene& scene) {
-  // The engaged depth of 20 N at 40 kN/m is half a millimetre, two voxels; no tremor, so that figures have closed forms.
+  // No tremor, so that figures have closed forms.
   std::string text = "title = \"Small plate\"\nduration_s = 6.0\n\n[volume]\n" + scene.volume +
                      "\n[tool]\nname = \"ball\"\nspin_rpm = 1000.0\n\n[approach]\nentry_mm = [0.0, 0.0, 0.0]\n"
                      "\n[hand]\npush_N = 20.0\nramp_s = 0.1\nstandoff_mm = 0.5\ntremor_mm = 0.0\n";
-  if (scene.contact) text += "\n[contact]\ncutting_N_per_m = 40e3\n";
+  if (scene.contact) text += "\n[contact]\n" + scene.contact_keys;
   if (scene.erosion) text += "\n[erosion]\n";
+  if (scene.spindle) text += "\n[spindle]\n";
   if (scene.record) text += "\n[record]\n";
   return text;
 }

@@ -41,10 +41,16 @@ block_mm = [2.0, 2.0, 4.0]
 hardness = 0.8
 )";
 
+/// Keys of [contact] for the tool held back: an engaged depth of half a millimetre, two voxels, under 20 N.
+inline constexpr const char* kHeldKeys = "cutting_N_per_m = 40e3\n";
+/// For a penalty model of 20 kN/m a plane.
+inline constexpr const char* kPenaltyKeys = "model = \"gradient-plane\"\nstiffness_N_per_m = 20e3\n";
+
 /// What a small scene is made of. A table that is left out is not in the text at all.
 struct SmallScene {
   std::string volume = kPlateKeys;
-  bool contact = true, erosion = true, record = false;
+  bool contact = true, erosion = true, spindle = false, record = false;
+  std::string contact_keys = kHeldKeys;
   std::vector<std::string> sets = {};  ///< "table.key=value", applied as --set does
 };
 

@@ -85,6 +85,7 @@ push_N = 20
 ramp_s = 0.2
 standoff_mm = 0.5
 [contact]
+cutting_N_per_m = 25e3
 [erosion]
 [record]
 ''')

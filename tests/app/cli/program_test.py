@@ -80,6 +80,17 @@ class Drill(WithFolder):
                   preexec_fn=lambda: os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}))
         self.assertEqual(json.loads(everywhere.stdout)["hash"], json.loads(one.stdout)["hash"])
 
+    def test_every_simd_level_gives_the_same_hashes(self):
+        short = ("--set", "duration_s=0.5", "--json", "--quiet")
+        drilled = {level: run("drill", QUICK, "--out", self.folder / level, "--simd", level, *short) for level in ("auto", "sse4")}
+        for result in drilled.values():
+            self.assertEqual(result.returncode, 0, result.stderr)
+        hashes = [json.loads(result.stdout)["hash"] for result in drilled.values()]
+        self.assertEqual(hashes[0], hashes[1])
+        self.assertGreater(json.loads(drilled["sse4"].stdout)["drilling"]["removed_mass_mm3"], 0.1)
+        replayed = run("replay", self.folder / "auto" / "session.sqlite", "--simd", "sse4", "--quiet")
+        self.assertEqual((replayed.returncode, replayed.stdout.count(" same")), (0, 2), replayed.stdout + replayed.stderr)
+
     def test_another_seed_is_another_run(self):
         hashes = [json.loads(run("drill", QUICK, "--out", self.folder / str(seed), "--json", "--quiet", "--set", f"hand.seed={seed}").stdout)["hash"]
                   for seed in (1, 2)]
@@ -155,7 +166,8 @@ class BadInput(WithFolder):
             ([("push_N = 20", "push_N = \"hard\"")], "push_N"),
             ([("[erosion]", "[erosoin]")], "did you mean [erosion]?"),
             ([("name = \"pin_2mm\"", "name = \"pin_3mm\"")], "is no tool"),
-            ([("[contact]", "[contact]\nmodel = \"surface\"")], "is not in this version"),
+            ([("[contact]", "[contact]\nmodel = \"mesh\"")], "is not in this version"),
+            ([("[contact]", "[contact]\ntool = \"device\"")], "unknown key \"tool\" in [contact]"),
             ([("size = [160, 120]", "method = \"mesh\"")], "is not in this version"),
             ([("[contact]", "[heat]\n[contact]")], "is an effect that is not in this version"),
             ([("[contact]", "[contact]\nrate_hz = 333")], "must divide servo_hz"),
@@ -189,6 +201,15 @@ class BadInput(WithFolder):
     def test_check_prints_every_fault(self):
         scene = self.quick([("spacing_mm = 0.2", "spacing = 0.2"), ("push_N = 20", "push_N = -1"), ("[record]", "[recrod]")])
         self.assertEqual(len(self.refused(scene, 2)), 3)
+
+    def test_a_simd_level_that_is_none_is_one_line(self):
+        for arguments in (["drill", QUICK, "--out", self.folder / "never"], ["explain", QUICK], ["replay", self.folder / "none.sqlite"],
+                          ["cost", "contact"]):
+            result = run(*arguments, "--simd", "mmx")
+            self.assertEqual((result.returncode, result.stdout, len(lines(result.stderr))), (2, "", 1), result.stderr)
+            self.assertIn("mmx", result.stderr)
+            self.assertIn("sse4", result.stderr, "what may be written instead")
+        self.assertFalse((self.folder / "never").exists())
 
     def test_missing_files(self):
         result = run("drill", self.folder / "none.toml", "--out", self.folder / "never")
@@ -235,12 +256,34 @@ class OtherCommands(WithFolder):
         plan = json.loads(run("explain", QUICK, "--json").stdout)
         self.assertEqual([e["name"] for e in plan["effects"]], ["volume", "hand", "contact", "erosion", "display", "record"])
         self.assertIn("heat", plan["not_built"])
+        self.assertIn("spindle", plan["not_built"])
         self.assertTrue(all(e["time_us"] is None for e in plan["effects"]))
         measured = run("explain", QUICK, "--json", "--measure", cwd=self.folder)
         costs = {e["name"]: e["time_us"] for e in json.loads(measured.stdout)["effects"]}
         self.assertGreater(costs["contact"], 0)
         self.assertEqual(list(self.folder.iterdir()), [], "measuring writes nothing")
         self.assertIn("under a voxel", " ".join(json.loads(run("explain", QUICK, "--json", "--set", "contact.cutting_N_per_m=1e7").stdout)["warnings"]))
+
+    def test_explain_has_a_row_for_a_spindle_and_bytes_by_the_model(self):
+        scene = self.quick(append="[spindle]\n")
+        measured = json.loads(run("explain", scene, "--json", "--measure", "--set", "duration_s=0.6").stdout)
+        self.assertEqual([e["name"] for e in measured["effects"]], ["volume", "hand", "contact", "erosion", "spindle", "display", "record"])
+        rows = {e["name"]: e for e in measured["effects"]}
+        self.assertGreater(rows["spindle"]["time_us"], 0)
+        self.assertGreater(rows["spindle"]["bytes"], 0)
+        self.assertIn("1000 rpm free", rows["spindle"]["detail"])
+        self.assertRegex(run("explain", scene).stdout, r"(?m)^spindle +simulation +100 Hz")
+        self.assertEqual([e["name"] for e in json.loads(run("explain", QUICK, "--json").stdout)["effects"]].count("spindle"), 0)
+
+        def contact_bytes(*sets):
+            plan = json.loads(run("explain", QUICK, "--json", *[a for s in sets for a in ("--set", s)]).stdout)
+            return next(e["bytes"] for e in plan["effects"] if e["name"] == "contact")
+        voxmap, words = contact_bytes("contact.model=voxmap"), contact_bytes("contact.model=gradient-plane")
+        records8, records16 = contact_bytes("contact.record_bits=\"8\""), contact_bytes()
+        # A voxel's words are 4 bytes, its records 4 or 8 and one of hardness: 4 : 5 : 9 over the density that all copies hold.
+        self.assertEqual((records8 - voxmap) * 4, (words - voxmap) * 5)
+        self.assertEqual((records16 - voxmap) * 4, (words - voxmap) * 9)
+        self.assertIn("rough", " ".join(json.loads(run("explain", QUICK, "--json", "--set", "erosion.subvoxel=false").stdout)["warnings"]))
 
     def test_render_draws_the_size_asked_for(self):
         image = self.folder / "sub" / "picture.png"

@@ -1,8 +1,10 @@
 // How fast a post narrower than the tool is drilled, against the closed form: without walls the front moves in one dimension. In steady
 // state a layer at depth x behind the tip has been eroded for x / v, so its density is exp(-lambda x / v); the front, where it is 0.5, lies
 // F / K_cut behind the tip, and so v = (F / K_cut) lambda / ln 2 with lambda = e s / h.
-//   Voxels let the tip see the exponential as chords between layers: the front is seen late and the drill is slower, by a share that was
-//   measured to be about a tenth of (voxel / engaged depth) and is checked here to halve with the voxel.
+//   Voxels let the tip see the exponential as chords between layers: the front is seen late and the drill is slower, by a share that is
+//   checked here to halve with the voxel.
+//   Of the punch's shell one point alone, on the axis, meets the post: all load is on one plane, so its own give counts in full and the
+//   engaged depth is F / K_cut; and no point rests on an edge, whose slanted normal would push the tool off a post that has no walls.
 
 #include <doctest/doctest.h>
 
@@ -94,36 +96,51 @@ std::string figures(const Steady& s) {
          std::to_string(s.engagement * 1e3) + " mm, tip past front " + std::to_string(s.lag * 1e3) + " mm";
 }
 
-// What keeps a run from the closed form, and how much of it was measured: chords between voxel layers take 1.6 % at two voxels of engaged
-// depth and 7 % at one; bone is cut a bone step after the tool came, v dt over the engaged depth, 2.3 % at 250 Hz and 3 mm/s.
-TEST_CASE("speed: v = (F / K_cut) lambda / ln 2 within 5 % at two voxels of engaged depth, 12 % at one") {
-  struct Case {
-    std::string what;
-    std::vector<std::string> sets;
-    double cutting_stiffness, scale, hardness, tolerance;
-  };
-  const Case cases[] = {{"20 N, 40 kN/m", {}, 40e3, 2.0, 0.8, 0.05},
-                        {"10 N, 20 kN/m", {"hand.push_N=10", "contact.cutting_N_per_m=20e3"}, 20e3, 2.0, 0.8, 0.05},
-                        {"30 N, 40 kN/m", {"hand.push_N=30"}, 40e3, 2.0, 0.8, 0.05},
-                        {"soft bone", {"volume.hardness=0.4", "tool.erosion_scale=0.7"}, 40e3, 0.7, 0.4, 0.05},
-                        {"10 N, 40 kN/m", {"hand.push_N=10"}, 40e3, 2.0, 0.8, 0.12},
-                        {"20 N, 80 kN/m", {"contact.cutting_N_per_m=80e3"}, 80e3, 2.0, 0.8, 0.12}};
-  for (const Case& c : cases) {
-    CAPTURE(c.what);
-    const Steady s = drill_post(c.sets);
-    const double ratio = s.speed / s.theory(c.cutting_stiffness, c.scale, c.hardness);
-    MESSAGE(c.what << ": " << figures(s) << ", over theory " << ratio);
-    CHECK(std::abs(ratio - 1.0) < c.tolerance);
-  }
+struct SpeedCase {
+  std::string what;
+  std::vector<std::string> sets;
+  double cutting_stiffness, scale, hardness;
+  bool deep;  ///< engaged by two voxels; else by one
+};
+const SpeedCase kSpeedCases[] = {{"20 N, 40 kN/m", {}, 40e3, 2.0, 0.8, true},
+                                 {"10 N, 20 kN/m", {"hand.push_N=10", "contact.cutting_N_per_m=20e3"}, 20e3, 2.0, 0.8, true},
+                                 {"30 N, 40 kN/m", {"hand.push_N=30"}, 40e3, 2.0, 0.8, true},
+                                 {"soft bone", {"volume.hardness=0.4", "tool.erosion_scale=0.7"}, 40e3, 0.7, 0.4, true},
+                                 {"10 N, 40 kN/m", {"hand.push_N=10"}, 40e3, 2.0, 0.8, false},
+                                 {"20 N, 80 kN/m", {"contact.cutting_N_per_m=80e3"}, 80e3, 2.0, 0.8, false}};
+
+double over_theory(const SpeedCase& c, const std::string& subvoxel) {
+  CAPTURE(c.what);
+  std::vector<std::string> sets = c.sets;
+  sets.push_back("erosion.subvoxel=" + subvoxel);
+  const Steady s = drill_post(sets);
+  const double ratio = s.speed / s.theory(c.cutting_stiffness, c.scale, c.hardness);
+  MESSAGE(c.what << ": " << figures(s) << ", over theory " << ratio);
+  return ratio;
 }
 
-TEST_CASE("speed: half the voxel comes at least twice as near to the closed form") {
-  const Steady coarse = drill_post({});
-  const Steady fine = drill_post({"volume.spacing_mm=0.125", "volume.extent_mm=[4.5,4.5,6.0]"});
-  const double coarse_error = std::abs(coarse.speed / coarse.theory(40e3, 2.0, 0.8) - 1.0);
-  const double fine_error = std::abs(fine.speed / fine.theory(40e3, 2.0, 0.8) - 1.0);
-  MESSAGE("off by " << coarse_error << " at 0.25 mm, by " << fine_error << " at 0.125 mm");
-  CHECK(fine_error < 0.5 * coarse_error);
+// What keeps a run from the closed form: chords between voxel layers take 1.6 % at two voxels of engaged depth and 7 % at one; bone is cut
+// a bone step after the tool came, v dt over the engaged depth, 2.3 % at 250 Hz and 3 mm/s.
+TEST_CASE("speed, whole voxels: v = (F / K_cut) lambda / ln 2 within 5 % at two voxels of engaged depth, 12 % at one") {
+  for (const SpeedCase& c : kSpeedCases) CHECK(std::abs(over_theory(c, "false") - 1.0) < (c.deep ? 0.05 : 0.12));
+}
+
+// Sub-voxel the rate of a voxel on the tool's face is a ramp of its depth, which the share covered bounds: over the passage of a plane
+// integral (1 - now / share) is a tenth of a voxel, 5 % at two voxels; a part-covered voxel that leaves at half its covered share goes early
+// by up to a quarter of a voxel, the other way: it is most of the figure at one voxel.
+TEST_CASE("speed, sub-voxel: the same within 10 % at two voxels of engaged depth, 20 % at one") {
+  for (const SpeedCase& c : kSpeedCases) CHECK(std::abs(over_theory(c, "true") - 1.0) < (c.deep ? 0.10 : 0.20));
+}
+
+TEST_CASE("speed: half the voxel comes at least twice as near to the closed form, by either removal") {
+  for (const std::string subvoxel : {"erosion.subvoxel=true", "erosion.subvoxel=false"}) {
+    const Steady coarse = drill_post({subvoxel});
+    const Steady fine = drill_post({subvoxel, "volume.spacing_mm=0.125", "volume.extent_mm=[4.5,4.5,6.0]"});
+    const double coarse_error = std::abs(coarse.speed / coarse.theory(40e3, 2.0, 0.8) - 1.0);
+    const double fine_error = std::abs(fine.speed / fine.theory(40e3, 2.0, 0.8) - 1.0);
+    MESSAGE(subvoxel << ": off by " << coarse_error << " at 0.25 mm, by " << fine_error << " at 0.125 mm");
+    CHECK(fine_error < 0.5 * coarse_error);
+  }
 }
 
 TEST_CASE("engaged depth: F / K_cut in steady drilling, as published and as measured on the bone") {

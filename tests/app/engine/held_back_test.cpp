@@ -81,8 +81,10 @@ TEST_CASE("spin 0: the check of the tip fails for a tool that may engage") {
   const DrillProgress& progress = run.run().simulation().progress();
   MESSAGE("engaged by " << progress.deepest * 1e3 << " mm");
   CHECK(progress.deepest / run.voxel() > 0.1);
-  // 1 %: 40 N over 40 kN/m is 1 mm; the arm's spring still takes a little of the thrust.
-  CHECK(std::abs(progress.deepest - 1e-3) < 0.01e-3);
+  // 40 N over 40 kN/m is 1 mm, of which one plane's own give takes a twentieth; n planes that share the load give n times less: 0.95 to 1 mm,
+  // and 1 % for what the arm's spring still takes of the thrust.
+  CHECK(progress.deepest < 1.01e-3);
+  CHECK(progress.deepest > (0.95 - 0.01) * 1e-3);
 }
 
 TEST_CASE("spin 0: a hand at 25 times the usual speed does not take the tool past the surface") {
@@ -101,7 +103,14 @@ TEST_CASE("spin 0: a hand at up to 1 m/s does not take the tool past the surface
   for (const std::string feed : {"250", "500", "1000"}) {
     CAPTURE(feed);
     DrillRun run(pressed(kHeldCases[1], {"hand.feed_mm_per_s=" + feed, "hand.standoff_mm=20", "duration_s=0.5"}));
-    CHECK(run.run().simulation().progress().deepest / run.voxel() < 0.1);
+    const DrillProgress& progress = run.run().simulation().progress();
+    MESSAGE(feed << " mm/s: tip at most " << progress.deepest / run.voxel() << " voxels past the surface, peak " << progress.peak_force
+                 << " N");
+    // A tenth of a voxel, and beyond what a hand can push the give of the bone itself: at 1 m/s the hand is far ahead by the time the window
+    // has followed, and its spring presses with hundreds of newtons on a point or two of 0.8 x 20 MN/m.
+    const double give = std::max(0.0, progress.peak_force - 40.0) / (0.8 * 20e6);
+    CHECK(progress.deepest < 0.1 * run.voxel() + give);
+    CHECK(progress.deepest < 0.2 * run.voxel());
   }
 }
 

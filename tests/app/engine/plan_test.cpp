@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/engine/summary.h"
@@ -30,12 +32,12 @@ std::vector<std::string> with_later(std::vector<std::string> names) {
 TEST_CASE("plan: the rows are the tables, in the order of their steps, and the rest is not built") {
   const Plan least = make_plan(load_small({.contact = false, .erosion = false}));
   CHECK(row_names(least) == std::vector<std::string>{"volume", "hand"});
-  CHECK(least.not_built == with_later({"contact", "erosion", "display", "record"}));
+  CHECK(least.not_built == with_later({"contact", "erosion", "spindle", "display", "record"}));
   CHECK(least.warnings.empty());
 
   const Plan drilling = make_plan(load_small({.record = true}));
   CHECK(row_names(drilling) == std::vector<std::string>{"volume", "hand", "contact", "erosion", "record"});
-  CHECK(drilling.not_built == with_later({"display"}));
+  CHECK(drilling.not_built == with_later({"spindle", "display"}));
   CHECK(drilling.rows[1].rate_hz == 1000.0);
   CHECK(drilling.rows[2].rate_hz == 1000.0);
   CHECK(drilling.rows[3].rate_hz == 100.0);
@@ -50,8 +52,79 @@ TEST_CASE("plan: the shipped scene has every row this version knows") {
   REQUIRE_MESSAGE(loaded.has_value(), (issues.empty() ? "" : issues.front().text()));
   const Plan plan = make_plan(*loaded);
   CHECK(row_names(plan) == std::vector<std::string>{"volume", "hand", "contact", "erosion", "display", "record"});
-  CHECK(plan.not_built == kLater);
+  CHECK(plan.not_built == with_later({"spindle"}));
   CHECK(plan.warnings.empty());
+}
+
+const PlanRow& row_of(const Plan& plan, const std::string& name) {
+  const auto found = std::find_if(plan.rows.begin(), plan.rows.end(), [&](const PlanRow& row) { return row.effect.table == name; });
+  REQUIRE_MESSAGE(found != plan.rows.end(), name);
+  return *found;
+}
+
+TEST_CASE("plan: [spindle] is a row between erosion and display, with its figures") {
+  const Plan plan = make_plan(load_small({.spindle = true, .record = true, .sets = {"spindle.stall_torque_Nm=0.5"}}));
+  CHECK(row_names(plan) == std::vector<std::string>{"volume", "hand", "contact", "erosion", "spindle", "record"});
+  CHECK(row_of(plan, "spindle").detail == "1000 rpm free, stalls at 0.5 N m");
+  CHECK(row_of(plan, "spindle").rate_hz == 100.0);
+  CHECK(plan.warnings.empty());
+}
+
+// By hand: three copies of density (4 bytes), and three of words (4) or records (8, or 4) with hardness (1), which are kept once more where
+// they are made.
+TEST_CASE("plan: bytes of contact are those of the fields that its model reads") {
+  const auto bytes = [](const std::string& keys) {
+    return static_cast<std::int64_t>(row_of(make_plan(load_small({.contact_keys = keys})), "contact").bytes);
+  };
+  const std::string planes = kPenaltyKeys;
+  const std::int64_t density = bytes("model = \"voxmap\"\n");
+  CHECK(bytes(planes + "storage = \"vdb\"\n") >= density);
+  const std::int64_t words = bytes(planes) - density, records8 = bytes("record_bits = \"8\"\n") - density, records16 = bytes("") - density;
+  const std::int64_t voxels = words / (4 * 4);
+  CHECK(voxels > 30 * 30 * 30);  // the ball of 8 voxels and 16 free ones round it
+  CHECK(words == voxels * 4 * 4);
+  CHECK(records8 == voxels * 4 * 5);
+  CHECK(records16 == voxels * 4 * 9);
+}
+
+TEST_CASE("plan: the foretold bytes of contact are those of the run's window, before it slides") {
+  for (const char* keys : {kPenaltyKeys, kHeldKeys}) {
+    // Long enough for all three copies to be there.
+    DrillRun run(SmallScene{.contact_keys = keys, .sets = {"duration_s=0.3", "hand.push_N=2"}});
+    const auto planned = static_cast<double>(row_of(make_plan(run.loaded()), "contact").bytes);
+    const auto taken = static_cast<double>(run.run().simulation().bone_step().publisher().bytes());
+    MESSAGE(planned << " bytes planned, " << taken << " taken by the window's copies");
+    // Words keep three bytes a voxel for their leaps besides, of 28; rounding of poses may make the window a voxel wider: 15 %.
+    CHECK(std::abs(taken / planned - 1.0) < 0.15);
+  }
+}
+
+TEST_CASE("plan: erosion says its law, and how it takes voxels") {
+  CHECK(row_of(make_plan(load_small({})), "erosion").detail.ends_with("law rate, sub-voxel"));
+  CHECK(row_of(make_plan(load_small({.sets = {"erosion.subvoxel=false"}})), "erosion").detail.ends_with("law rate"));
+  CHECK(row_of(make_plan(load_small({.sets = {"erosion.law=energy"}})), "erosion").detail.ends_with("law energy, sub-voxel"));
+  CHECK(row_of(make_plan(load_small({.sets = {"erosion.law=per-update"}})), "erosion").detail.ends_with("law per-update"));
+}
+
+TEST_CASE("plan: warns of walls on which the surface model may hold the bit, and of a spindle that nothing loads") {
+  const auto warnings = [](const SmallScene& scene) { return make_plan(load_small(scene)).warnings; };
+  const std::vector<std::string> rough = warnings({.sets = {"erosion.subvoxel=false"}});
+  REQUIRE(rough.size() == 1);
+  CHECK(rough.front() ==
+        "[erosion] subvoxel = false leaves walls as rough as a voxel, on which the model \"surface\" may hold the "
+        "bit for good: leave it true, or take [contact] model = \"gradient-plane\"");
+  const std::vector<std::string> by_update = warnings({.sets = {"erosion.law=per-update"}});
+  REQUIRE(by_update.size() == 1);
+  CHECK(by_update.front().starts_with("[erosion] law = \"per-update\""));
+  // Neither a tool at rest, nor a penalty model, nor sub-voxel removal.
+  CHECK(warnings({.sets = {"erosion.subvoxel=false", "tool.spin_rpm=0"}}).empty());
+  CHECK(warnings({.contact_keys = kPenaltyKeys, .sets = {"erosion.subvoxel=false"}}).empty());
+  CHECK(warnings({.sets = {"erosion.law=energy"}}).empty());
+
+  for (const SmallScene& idle : {SmallScene{.erosion = false, .spindle = true}, SmallScene{.spindle = true, .sets = {"tool.spin_rpm=0"}}}) {
+    REQUIRE(warnings(idle).size() == 1);
+    CHECK(warnings(idle).front().starts_with("[spindle] without"));
+  }
 }
 
 TEST_CASE("plan: warns of an engaged depth under a voxel, and of drilling that is not felt") {
@@ -109,6 +182,18 @@ TEST_CASE("summary: every promised key is there, with numbers where the run has 
   CHECK(json.at("hash").at("image").is_null());
   CHECK(json.at("timing").at("upload").at("count") == 0);
   CHECK(std::abs(json.at("drilling").at("thickness_mm").get<double>() - 3.0) < 1e-3);
+}
+
+TEST_CASE("summary: the slowest speed of a spindle, null without one") {
+  DrillRun with(SmallScene{.spindle = true, .sets = {"duration_s=0.5", "spindle.stall_torque_Nm=0.02"}});
+  const Json json = summary_of(with);
+  CHECK(json.at("drilling").at("slowest_rpm").get<double>() < 1000.0);
+  CHECK(json.at("timing").at("spindle").at("count") == 50);
+  const Json& row =
+      *std::find_if(json.at("effects").begin(), json.at("effects").end(), [](const Json& e) { return e.at("name") == "spindle"; });
+  CHECK(row.at("time_us") > 0.0);
+  DrillRun without(SmallScene{.sets = {"duration_s=0.1"}});
+  CHECK(summary_of(without).at("drilling").at("slowest_rpm").is_null());
 }
 
 TEST_CASE("summary: null where it does not apply") {

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "tests/support/drill_scene.h"
 
 namespace burrhole::test {
@@ -68,13 +70,23 @@ const BadScene kBadScenes[] = {
      {"bad.toml:20:1: hand.kind = \"device\" needs a force device; this version knows none, only \"script\""}},
     {"[hand]", "[hand]\nkind = \"mouse\"", {"bad.toml:20:1: hand.kind = \"mouse\" is not in this version; it knows \"script\""}},
     {"[contact]",
-     "[contact]\nmodel = \"voxmap\"",
-     {"bad.toml:26:1: contact.model = \"voxmap\" is not in this version; it knows \"gradient-plane\""}},
+     "[contact]\nmodel = \"mesh\"",
+     {"bad.toml:26:1: contact.model = \"mesh\" is not in this version; it knows \"surface\", \"gradient-plane\", \"voxmap\""}},
+    // A key of another branch is as unknown as one that was never there.
+    {"[contact]", "[contact]\nmodel = \"gradient-plane\"", {"~unknown key \"cutting_N_per_m\" in [contact]"}},
+    {"[contact]", "[contact]\ntool = \"device\"", {"~unknown key \"tool\" in [contact]"}},
+    {"[contact]", "[contact]\nmass_kg = 0.05", {"~unknown key \"mass_kg\" in [contact]"}},
+    {"[contact]", "[contact]\nturning = \"locked\"\ncoupling_Nm_per_rad = 20", {"~unknown key \"coupling_Nm_per_rad\" in [contact]"}},
+    {"[contact]", "[contact]\nrecord_bits = \"12\"", {"~contact.record_bits = \"12\""}},
+    {"[erosion]", "[erosion]\nlaw = \"power\"", {"~erosion.law = \"power\""}},
+    {"[erosion]", "[erosion]\nlaw = \"per-update\"\nsubvoxel = true", {"~unknown key \"subvoxel\" in [erosion]"}},
+    {"[erosion]", "[erosion]\ncutting_ratio = 0.5", {"~unknown key \"cutting_ratio\" in [erosion]"}},
+    {"[erosion]", "[erosion]\nsubvoxel = 1", {"~erosion.subvoxel = 1 must be"}},
+    {"[record]", "[spindle]\nstall_torque_Nm = 0", {"bad.toml:31:1: spindle.stall_torque_Nm = 0 must be in (0, 1000]"}},
+    {"[record]", "[spindle]\ninertia = 1", {"bad.toml:31:1: spindle.inertia lacks its unit: write \"inertia_kg_m2\""}},
     {"[record]", "[display]\nmethod = \"mesh\"", {"bad.toml:31:1: display.method = \"mesh\" is not in this version; it knows \"raycast\""}},
     {"[record]", "[heat]", {"bad.toml:30:2: heat is an effect that is not in this version"}},
-    {"phantom:plate",
-     "skull.nii",
-     {"bad.toml:5:1: volume.source = \"skull.nii\" is not there: skull.nii"}},
+    {"phantom:plate", "skull.nii", {"bad.toml:5:1: volume.source = \"skull.nii\" is not there: skull.nii"}},
 };
 
 TEST_CASE("scene: each fault is told by file, line, column, value and remedy") {
@@ -108,6 +120,36 @@ TEST_CASE("scene: all faults of a file come at once, in the order of the file") 
                                                          "bad.toml:20:1: hand.push_N = -3 must be in [0, 500]"});
 }
 
+TEST_CASE("scene: an empty table means the defaults of the core, in every branch") {
+  const auto read = [](const SmallScene& scene) { return load_small(scene).scene; };
+  const ConstrainedToolConfig held = read({.contact_keys = ""}).contact->surface, held_default;
+  CHECK(held.coupling_stiffness == held_default.coupling_stiffness);
+  CHECK(held.coupling_damping == held_default.coupling_damping);
+  CHECK(held.turn_stiffness == held_default.turn_stiffness);
+  CHECK(held.cutting_stiffness == held_default.cutting_stiffness);
+  CHECK(held.bone_stiffness == held_default.bone_stiffness);
+  const ContactScene planes = *read({.contact_keys = "model = \"gradient-plane\"\ncoupling = \"virtual\"\n"}).contact;
+  const VirtualCouplingConfig coupling_default;
+  CHECK(planes.gradient_plane.stiffness == GradientPlaneConfig{}.stiffness);
+  REQUIRE(planes.coupling.has_value());
+  CHECK(planes.coupling->mass == coupling_default.mass);
+  CHECK(planes.coupling->inertia == coupling_default.inertia);
+  CHECK(planes.coupling->stiffness == coupling_default.stiffness);
+  CHECK(planes.coupling->damping == coupling_default.damping);
+  CHECK(planes.coupling->angular_stiffness == coupling_default.angular_stiffness);
+  CHECK(planes.coupling->angular_damping == coupling_default.angular_damping);
+  CHECK(read({.contact_keys = "model = \"voxmap\"\n"}).contact->voxmap.stiffness == VoxmapContactConfig{}.stiffness);
+  const ErosionConfig energy = read({.sets = {"erosion.law=energy"}}).erosion->config;
+  // The key is in J/mm^3, the value in J/m^3: a rounding of the conversion may stay.
+  CHECK(std::abs(energy.energy.specific_energy / EnergyConfig{}.specific_energy - 1.0) < 1e-15);
+  CHECK(energy.energy.cutting_ratio == EnergyConfig{}.cutting_ratio);
+  CHECK(energy.subvoxel);
+  const SpindleConfig spindle_default;
+  const SpindleScene spindle = *read({.spindle = true}).spindle;
+  CHECK(spindle.stall_torque == spindle_default.stall_torque);
+  CHECK(spindle.inertia == spindle_default.inertia);
+}
+
 TEST_CASE("scene: a device that is not there is unavailable, not bad input") {
   Issues issues;
   (void)faults(replaced(scene_text({}), "[hand]", "[hand]\nkind = \"device\""), issues);
@@ -128,7 +170,7 @@ TEST_CASE("scene: a tool too large for the window is refused with the numbers") 
   Issues issues;
   CHECK(faults(replaced(text, "spacing_mm = 0.25", "spacing_mm = 0.16"), issues) ==
         std::vector<std::string>{
-            "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 114 x 114 x 276 "
+            "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 122 x 122 x 284 "
             "voxels; each edge must be in [5, 256]"});
 }
 

@@ -1,0 +1,163 @@
+#include "tests/app/engine/surface_twin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+namespace burrhole::test {
+namespace {
+
+// As the product's own comments define them: constrained_tool.cpp.
+constexpr double kOwnGive = 0.05;  // share of a cutting plane's give that is its own
+constexpr double kPlay = 0.75;     // [voxel] by which cutting points are drawn in across the push
+constexpr double kNear = 1.0;      // [voxel] points farther from the surface take no part
+constexpr double kStep = 0.4;      // [voxel] a point moves at most between two looks
+constexpr int kMoves = 30, kSweeps = 400;
+
+Vec3 rotation_vector(const Quat& q) {
+  const double sign = q.w < 0.0 ? -1.0 : 1.0;
+  const Vec3 v = sign * Vec3(q.x, q.y, q.z);
+  const double s = glm::length(v);
+  return s < 1e-14 ? 2.0 * v : v / s * (2.0 * std::atan2(s, sign * q.w));
+}
+
+Quat turned_by(const Vec3& vector) {
+  const double angle = glm::length(vector);
+  return angle < 1e-14 ? Quat(1.0, 0.0, 0.0, 0.0) : glm::angleAxis(angle, vector / angle);
+}
+
+struct Touch {
+  std::size_t point;
+  Vec3 normal, arm, lever;  // lever: arm x normal
+  double gap, yield, force;
+  bool cutting;
+};
+
+/// Records interpolated plainly; false where a corner is not known or bone has no direction.
+bool look_up(const SurfaceView& bone, const Vec3& p_bone, double& gap, Vec3& normal) {
+  const Vec3 index = bone.records.bone_from_index.inverse() * p_bone, base = glm::floor(index), t = index - base;
+  gap = 0.0;
+  normal = Vec3(0.0);
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 step(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1);
+    const Vec3i v(base + step);
+    if (!bone.records.box.contains(v)) return false;
+    const Vec3 weight = glm::mix(1.0 - t, t, step);
+    const std::size_t at = bone.records.box.offset_of(v);
+    const SurfaceSample s = bone.records.records16 != nullptr ? decode(bone.records.records16[at]) : decode(bone.records.records8[at]);
+    gap += weight.x * weight.y * weight.z * s.distance;
+    normal += weight.x * weight.y * weight.z * s.normal;
+  }
+  if (glm::length(normal) < 0.1) return false;
+  normal = glm::normalize(normal);
+  return true;
+}
+
+class Plain {
+ public:
+  Plain(const ConstrainedToolConfig& config, const PointShell& shell, const SurfaceView& bone, const TwinStart& start)
+      : config_(config),
+        shell_(shell),
+        bone_(bone),
+        edge_(bone.records.bone_from_index.mean_edge()),
+        pose_(start.bone_from_tool),
+        engaged_(start.engaged),
+        cutting_give_((1.0 - kOwnGive) / config.cutting_stiffness) {
+    const double e = glm::length(engaged_);
+    play_ = std::min(e, kPlay * edge_);
+    push_ = e > 0.0 ? glm::conjugate(pose_.rotation) * engaged_ / e : Vec3(0.0, 0.0, 1.0);
+  }
+
+  TwinForce run(const HandMotion& hand, const TwinStart& start, double dt) {
+    const Pose hand_in_bone = bone_.world_from_bone.inverse() * hand.world_from_hand;
+    const double damping = config_.coupling_damping / dt, k = config_.coupling_stiffness + damping;
+    const double share = config_.coupling_stiffness / k;
+    const Vec3 velocity = bone_.world_from_bone.inverse().rotate(hand.velocity);
+    const Vec3 target = share * hand_in_bone.translation + (1.0 - share) * (pose_.translation + velocity * dt);
+    const Quat before_in_bone = (bone_.world_from_bone.inverse() * Pose{start.hand_before, Vec3(0.0)}).rotation;
+    const Vec3 turn = share * rotation_vector(hand_in_bone.rotation * glm::conjugate(pose_.rotation)) +
+                      (1.0 - share) * rotation_vector(hand_in_bone.rotation * glm::conjugate(before_in_bone));
+    const Quat turned = turned_by(turn) * pose_.rotation;
+    TwinForce out;
+    for (out.moves = 1; out.moves <= kMoves; ++out.moves)
+      if (move(target, turned, k, config_.turn_stiffness / share, hand.spinning)) break;
+    for (const Touch& touch : touches_) out.force += touch.normal * touch.force;
+    out.points = static_cast<int>(touches_.size());
+    return out;
+  }
+
+ private:
+  void gather(bool spinning) {
+    std::map<std::size_t, double> before;
+    for (const Touch& touch : touches_) before[touch.point] = touch.force;
+    touches_.clear();
+    for (std::size_t n = 0; n < shell_.size(); ++n) {
+      const bool cutting = spinning && shell_.cutting[n] != 0;
+      const Vec3& in = shell_.inward_normals[n];
+      const Vec3 local = shell_.positions[n] + (cutting ? (in - push_ * glm::dot(in, push_)) * play_ : Vec3(0.0));
+      Touch touch{n, Vec3(0.0), pose_.rotate(local), Vec3(0.0), 0.0, 0.0, before.contains(n) ? before[n] : 0.0, cutting};
+      const Vec3 at = pose_.translation + touch.arm + (cutting ? engaged_ : Vec3(0.0));
+      if (!look_up(bone_, at, touch.gap, touch.normal) || touch.gap > kNear) continue;
+      touch.gap *= edge_;
+      touch.lever = glm::cross(touch.arm, touch.normal);
+      touch.yield = cutting ? kOwnGive / config_.cutting_stiffness : give_at(at - touch.normal * (touch.gap + 0.5 * edge_));
+      touches_.push_back(touch);
+    }
+  }
+  double give_at(const Vec3& p_bone) const {
+    const Vec3 index = bone_.records.bone_from_index.inverse() * p_bone;
+    const Vec3i v(glm::floor(index + 0.5));
+    double hardness = 1.0;
+    if (bone_.hardness != nullptr && bone_.records.box.contains(v)) hardness = bone_.hardness[bone_.records.box.offset_of(v)] / 255.0;
+    return 1.0 / (config_.bone_stiffness * std::max(hardness, 0.1));
+  }
+  /// One look, one solve, one move. @returns whether the tool rests.
+  bool move(const Vec3& target, const Quat& turned, double k, double k_turn, bool spinning) {
+    gather(spinning);
+    const Vec3 free_t = target - pose_.translation, free_w = rotation_vector(turned * glm::conjugate(pose_.rotation));
+    Vec3 t = free_t, w = free_w, e(0.0);
+    const auto add = [&](const Touch& touch, double force) {
+      t += touch.normal * (force / k);
+      w += touch.lever * (force / k_turn);
+      if (touch.cutting) e += touch.normal * (force * cutting_give_);
+    };
+    for (const Touch& touch : touches_) add(touch, touch.force);
+    for (int sweep = 0; sweep < kSweeps; ++sweep)
+      for (Touch& touch : touches_) {
+        const double give = 1.0 / k + glm::dot(touch.lever, touch.lever) / k_turn + (touch.cutting ? cutting_give_ : 0.0) + touch.yield;
+        const double left = touch.gap + glm::dot(touch.normal, t) + glm::dot(touch.lever, w) +
+                            (touch.cutting ? glm::dot(touch.normal, e - engaged_) : 0.0) + touch.yield * touch.force;
+        const double force = std::max(0.0, touch.force - left / give);
+        if (force != touch.force) add(touch, force - touch.force);
+        touch.force = force;
+      }
+    const double length = glm::length(t) + glm::length(w) * reach() + glm::length(e - engaged_);
+    const double part = std::min(1.0, kStep * edge_ / std::max(length, 1e-12)) * (++looks_ > 8 ? 0.5 : 1.0);
+    pose_ = {glm::normalize(turned_by(w * part) * pose_.rotation), pose_.translation + t * part};
+    engaged_ += (e - engaged_) * part;
+    return length < 0.01 * edge_;
+  }
+  double reach() const { return 5e-3; }  // [m] of the points that touch
+
+  const ConstrainedToolConfig& config_;
+  const PointShell& shell_;
+  const SurfaceView& bone_;
+  double edge_;
+  Pose pose_;
+  Vec3 engaged_;
+  double cutting_give_;
+  double play_ = 0.0;
+  Vec3 push_{0.0};
+  std::vector<Touch> touches_;
+  int looks_ = 0;
+};
+
+}  // namespace
+
+TwinForce feel_plainly(const ConstrainedToolConfig& config, const PointShell& shell, const SurfaceView& bone, const TwinStart& start,
+                       const HandMotion& hand, double dt) {
+  return Plain(config, shell, bone, start).run(hand, start, dt);
+}
+
+}  // namespace burrhole::test
