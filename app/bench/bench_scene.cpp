@@ -7,6 +7,7 @@ namespace {
 
 const std::string kScene = BH_APP_DIR "/scenes/parietal.toml";
 const std::string kTools = BH_APP_DIR "/tools";
+constexpr double kShippedVoxel = 0.25e-3;  // [m] of the scene
 
 Error first_of(const Issues& issues) { return issues.empty() ? Error{ErrorCode::internal, "no reason was given", {}} : issues.front(); }
 
@@ -25,7 +26,7 @@ Result<std::unique_ptr<LoadedScene>> load_parietal_scene(const std::vector<std::
 
 Result<Tool> load_shipped_tool(const std::string& name, double erosion_pitch) {
   Issues issues;
-  auto tool = load_tool(kTools + "/" + name + ".toml", {erosion_pitch}, issues);
+  auto tool = load_tool(kTools + "/" + name + ".toml", {.erosion_pitch = erosion_pitch, .cutting_voxel = kShippedVoxel}, issues);
   if (!tool) return first_of(issues);
   return std::move(*tool);
 }

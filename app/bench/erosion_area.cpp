@@ -44,9 +44,29 @@ Result<BuriedBurr> bury_burr() {
   return out;
 }
 
-/// One step of a law on the window and by accessors, from the same bone. `spin` [rev/s], or s of eq. 4.
-Status compare_laws(Bench& bench, BuriedBurr& bone, ErosionLaw law, double spin, const Bars& bars) {
-  const ErosionPoints& points = bone.burr.erosion;
+/// The same points in no order at all.
+ErosionPoints shuffled(const ErosionPoints& points) {
+  ErosionPoints out = points;
+  for (std::size_t n = points.size() - 1; n > 0; --n) {
+    const auto other = static_cast<std::size_t>(uniform01(11, n) * static_cast<double>(n + 1));
+    std::swap(out.positions[n], out.positions[other]);
+    std::swap(out.factors[n], out.factors[other]);
+  }
+  return out;
+}
+
+/// What is compared with accessors. `spin` [rev/s], or s of eq. 4.
+struct LawCase {
+  ErosionLaw law = ErosionLaw::rate;
+  double spin = 0.0;
+  bool random_order = false;
+  Bars bars;
+};
+
+/// One step of a law on the window and by accessors, from the same bone.
+Status compare_laws(Bench& bench, BuriedBurr& bone, const LawCase& c) {
+  const auto [law, spin, random_order, bars] = c;
+  const ErosionPoints points = random_order ? shuffled(bone.burr.erosion) : bone.burr.erosion;
   auto erosion = Erosion::create({.law = law}, points);
   if (!erosion) return erosion.error();
   bone.put_back();
@@ -68,36 +88,125 @@ Status compare_laws(Bench& bench, BuriedBurr& bone, ErosionLaw law, double spin,
   window.run();
   accessors.prepare();
   accessors.run();
-  const Vec3i size = outcome.changed.size();
-  const std::string name = fmt::format("{}, {} points, {} x {} x {} voxels", law == ErosionLaw::rate ? "rate law" : "eq. 4", points.size(),
-                                       size.x, size.y, size.z);
-  const bool cut = bench.require(name, outcome.changed.count() > 4000 && outcome.outside == 0, "the head of the burr is not inside bone");
+  const Vec3i size = outcome.changed.bounds().size();
+  const std::string name = fmt::format("{}, {} points in {} order, {} x {} x {} voxels", law == ErosionLaw::rate ? "rate law" : "eq. 4",
+                                       points.size(), random_order ? "random" : "lattice", size.x, size.y, size.z);
+  const bool cut = bench.require(name, outcome.changed.voxels() > 4000 && outcome.outside == 0, "the head of the burr is not inside bone");
   if (cut && bench.agree(name, bytes_of(by_accessors.remaining()), bytes_of(bone.voxmap->window().remaining)))
     bench.add_speed_up(name, "ns/point", 1e9 / static_cast<double>(points.size()), bench.time(accessors, window), bars);
   bone.put_back();
   return {};
 }
 
-/// Erosion, gradients and publishing as the simulation does them, one after the other.
-Status measure_whole_step(Bench& bench, BuriedBurr& bone, double spin) {
-  auto erosion = Erosion::create({}, bone.burr.erosion);
-  if (!erosion) return erosion.error();
-  ContactWindowPublisher publisher(*bone.voxmap);
+/// A step of the gather form over one of the scatter form. An approximation, so the bone removed is compared, not the bits.
+Status compare_forms(Bench& bench, BuriedBurr& bone, double spin) {
+  auto scatter = Erosion::create({}, bone.burr.erosion), gather = Erosion::create({.form = ErosionForm::gather}, bone.burr.erosion);
+  if (!scatter) return scatter.error();
+  if (!gather) return gather.error();
+  const ErosionPath rest{bone.index_from_tool, bone.index_from_tool};
+  double exact = 0.0, looked_up = 0.0;
+  const auto side = [&](Erosion& erosion, double& mass) {
+    return Side{[&] { bone.put_back(); }, [&] { mass = erosion.step(*bone.voxmap, rest, spin, kDt).removed_mass; }};
+  };
+  const Side by_scatter = side(*scatter, exact), by_gather = side(*gather, looked_up);
+  for (const Side& each : {by_scatter, by_gather}) {
+    each.prepare();
+    each.run();
+  }
+  const std::string name = fmt::format("gather form / scatter form, {} points", bone.burr.erosion.size());
+  // The rim is blurred by less than half a voxel, in and out, on a radius of ten; and the same bits come each time.
+  const bool alike = bench.require(name, exact > 0.0 && std::abs(looked_up / exact - 1.0) < 0.03, "the forms remove different masses");
+  const std::vector<float> once = bone.voxmap->window().remaining;
+  by_gather.prepare();
+  by_gather.run();
+  if (alike && bench.agree(name, bytes_of(once), bytes_of(bone.voxmap->window().remaining)))
+    bench.add_speed_up(name, "us", 1e6, bench.time(by_scatter, by_gather));
+  bone.put_back();
+  return {};
+}
+
+/// The search for exposure without the law: the tool's table over the count of points, which is the same in any order.
+void compare_exposures(Bench& bench, const BuriedBurr& bone) {
+  const ErosionPoints& points = bone.burr.erosion;
+  const std::vector<double> weights(points.factors.begin(), points.factors.end());
+  const StrengthField strength(points, weights, bone.voxmap->bone().bone_from_index().mean_edge());
+  PointScatter scatter(points), other(shuffled(points));
+  ExposureField found, counted, counted_otherwise;
+  const MasterWindow& window = bone.voxmap->window();
+  const Side look_up{{}, [&] { strength.look_up(window, bone.index_from_tool, found); }};
+  const Side count{[&] { std::ranges::fill(counted.sums, 0); }, [&] { (void)scatter.add(window, bone.index_from_tool, counted); }};
+  const std::string name = "exposure alone: looking up / counting points";
+  count.run();
+  (void)other.add(window, bone.index_from_tool, counted_otherwise);
+  if (bench.agree(name, bytes_of(counted.sums), bytes_of(counted_otherwise.sums)))
+    bench.add_speed_up(name, "us", 1e6, bench.time(count, look_up));
+}
+
+/// What a whole step does after erosion and gradients: what the contact model of that name reads is published; density for the monitor.
+struct StepCase {
+  ErosionConfig erosion;
+  std::optional<ContactFields> publishing;
+  std::string what;
+};
+
+std::vector<StepCase> step_cases() {
+  const ContactFields words{.density = true, .gradient = false, .words = true};
+  const auto records = [](RecordPrecision precision) {
+    return ContactFields{.density = true, .gradient = false, .words = false, .records = precision};
+  };
+  const ErosionConfig scatter, gather{.form = ErosionForm::gather}, subvoxel{.subvoxel = true};
+  return {{scatter, {}, "erosion by points, gradient"},
+          {scatter, words, "erosion by points, gradient, words and leaps published"},
+          {scatter, records(RecordPrecision::bits8), "erosion by points, gradient, records of 8 bits published"},
+          {scatter, records(RecordPrecision::bits16), "erosion by points, gradient, records of 16 bits published"},
+          {gather, {}, "erosion by table, gradient"},
+          {gather, words, "erosion by table, gradient, words and leaps published"},
+          {gather, records(RecordPrecision::bits16), "erosion by table, gradient, records of 16 bits published"},
+          {subvoxel, {}, "sub-voxel erosion, gradient"},
+          {subvoxel, words, "sub-voxel erosion, gradient, words and leaps published"},
+          {subvoxel, records(RecordPrecision::bits16), "sub-voxel erosion, gradient, records of 16 bits published"}};
+}
+
+/// Erosion, gradients and publishing as the simulation does them, one after the other. The first step of a tool in untouched bone; by
+/// sub-voxels, the second: what it covers afresh is a twentieth of a voxel further on, as while drilling.
+Status measure_whole_step(Bench& bench, BuriedBurr& bone, double spin, const StepCase& c) {
+  std::optional<Erosion> erosion;
+  const auto make = [&]() -> Status {
+    auto made = Erosion::create(c.erosion, bone.burr.erosion, bone.burr.cutting);
+    if (!made) return made.error();
+    erosion.emplace(std::move(made).value());
+    return {};
+  };
+  if (Status made = make(); !made) return made;
+  ContactWindowPublisher publisher(*bone.voxmap, c.publishing.value_or(ContactFields{.density = true, .gradient = false}));
   const VoxelBox box = bone.voxmap->window().erodible_box();
-  const Side put_back{{}, [&] {
-                        bone.put_back();
-                        bone.voxmap->commit(box);
-                        publisher.publish(*bone.voxmap);
-                      }};
-  const Side step{put_back.run, [&] {
-                    const ErosionOutcome outcome = erosion->step(*bone.voxmap, {bone.index_from_tool, bone.index_from_tool}, spin, kDt);
+  Affine on = bone.index_from_tool;
+  on.offset += 0.05 * glm::normalize(on.linear * Vec3(0.0, 0.0, -1.0));
+  const ErosionPath rest{bone.index_from_tool, bone.index_from_tool}, way{bone.index_from_tool, on};
+  const auto put_back = [&] {
+    bone.put_back();
+    bone.voxmap->commit(box);
+    if (c.erosion.subvoxel) {
+      (void)make();  // it was made before
+      bone.voxmap->commit(erosion->step(*bone.voxmap, rest, spin, kDt).changed);
+    }
+    for (int n = 0; n < 3; ++n) {  // all three copies catch up, as with a reader that keeps up
+      publisher.publish(*bone.voxmap);
+      (void)publisher.exchange().latest();
+    }
+  };
+  std::uint32_t touched = 0;
+  const Side step{put_back, [&] {
+                    const ErosionOutcome outcome = erosion->step(*bone.voxmap, c.erosion.subvoxel ? way : rest, spin, kDt);
                     bone.voxmap->commit(outcome.changed);
-                    publisher.publish(*bone.voxmap);
+                    if (c.publishing) publisher.publish(*bone.voxmap);
+                    touched = outcome.touched;
                   }};
-  const Medians medians = bench.time(put_back, step);
-  bench.add_absolute(fmt::format("whole step of {} points: erosion, gradient, publish", bone.burr.erosion.size()), "kHz",
-                     1e-3 / medians.value, false, {1.0, 8.0});
-  put_back.run();
+  const Medians medians = bench.time({put_back, [] {}}, step);
+  const std::string name = fmt::format("whole step of {} points: {}", bone.burr.erosion.size(), c.what);
+  if (bench.require(name, touched > 0, "nothing was eroded")) bench.add_absolute(name, "kHz", 1e-3 / medians.value, false, {1.0, 8.0});
+  bone.put_back();
+  bone.voxmap->commit(box);
   return {};
 }
 
@@ -133,6 +242,7 @@ Status compare_commits(Bench& bench, const BuriedBurr& bone) {
   const Vec3i centre = voxel_of(bone.index_from_tool * Vec3(0.0, 0.0, 2.5e-3));
   if (Status placed = voxmap->place_window({centre - 40, centre + 40}); !placed) return placed;
   compare_commit(bench, *voxmap, centre, 20, {70.0, 180.0});
+  compare_commit(bench, *voxmap, centre, 40, {});
   compare_commit(bench, *voxmap, centre, 64, {120.0, 250.0});
   return {};
 }
@@ -157,7 +267,9 @@ Status compare_publish(Bench& bench, const LoadedScene& loaded) {
     roughen(*voxmap, box, ++seed);
     voxmap->commit(box);
   };
-  ContactWindow copy{master.box, master.density, master.gradient, 0, 0};
+  ContactWindow copy;
+  copy.density = master.density;
+  copy.gradient = master.gradient;
   const Side whole{change, [&] {
                      std::ranges::copy(master.density, copy.density.begin());
                      std::ranges::copy(master.gradient, copy.gradient.begin());
@@ -191,12 +303,20 @@ Status bench_erosion(Bench& bench) {
   auto bone = bury_burr();
   if (!bone) return bone.error();
   const double spin = bone->loaded->scene.tool.spin;
-  // Set against an accessor that walks the points in Morton order; the lattice's rows are as good to its cached leaf.
-  const Bars exact_scatter{9.0, 16.0};
-  if (Status done = compare_laws(bench, *bone, ErosionLaw::rate, spin, exact_scatter); !done) return done;
-  // e s small enough that no voxel is gone before its last point has met it.
-  if (Status done = compare_laws(bench, *bone, ErosionLaw::per_update, 0.05, exact_scatter); !done) return done;
-  if (Status done = measure_whole_step(bench, *bone, spin); !done) return done;
+  // The bars of the lattice order were set against an accessor that walks the points in Morton order; the lattice's rows are as good to its
+  // cached leaf. The window's points lie in the tool's lattice whatever order they came in.
+  const Bars random{15.0, 28.0}, ordered{9.0, 16.0};
+  for (const bool random_order : {true, false}) {
+    const Bars& bars = random_order ? random : ordered;
+    // e s of eq. 4 small enough that no voxel is gone before its last point has met it.
+    for (const LawCase& c :
+         {LawCase{ErosionLaw::rate, spin, random_order, bars}, LawCase{ErosionLaw::per_update, 0.05, random_order, bars}})
+      if (Status done = compare_laws(bench, *bone, c); !done) return done;
+  }
+  if (Status done = compare_forms(bench, *bone, spin); !done) return done;
+  compare_exposures(bench, *bone);
+  for (const StepCase& c : step_cases())
+    if (Status done = measure_whole_step(bench, *bone, spin, c); !done) return done;
   if (Status done = compare_commits(bench, *bone); !done) return done;
   return compare_publish(bench, *bone->loaded);
 }

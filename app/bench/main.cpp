@@ -8,6 +8,7 @@
 
 #include "app/bench/areas.h"
 #include "app/report/file.h"
+#include "core/base/simd.h"
 
 namespace {
 
@@ -28,11 +29,12 @@ constexpr std::array kAreas{
 };
 
 constexpr const char* kUsage =
-    "usage: burrhole_bench [AREA...] [--out DIR] [--quick] [--sabotage]\n"
-    "  AREA        contact, erosion, import or render; none means all\n"
-    "  --out DIR   folder of bench.json (out/bench)\n"
-    "  --quick     few iterations: checks that results agree, times mean little\n"
-    "  --sabotage  flips one bit of every result before it is compared: each comparison must then be named\n"
+    "usage: burrhole_bench [AREA...] [--out DIR] [--simd LEVEL] [--quick] [--sabotage]\n"
+    "  AREA          contact, erosion, import or render; none means all\n"
+    "  --out DIR     folder of bench.json (out/bench)\n"
+    "  --simd LEVEL  auto (the best there is), sse4, avx2 or avx512\n"
+    "  --quick       few iterations: checks that results agree, times mean little\n"
+    "  --sabotage    flips one bit of every result before it is compared: each comparison must then be named\n"
     "exit: 0 done, 2 wrong usage, 3 results disagree, 4 no OpenGL\n";
 
 struct Request {
@@ -54,7 +56,9 @@ Result<Request> read_arguments(int count, char** arguments) {
       out.help = true;
     else if (word == "--out" && n + 1 < count)
       out.out = arguments[++n];
-    else if (word.starts_with("-"))
+    else if (word == "--simd" && n + 1 < count) {
+      if (Status chosen = choose_simd(arguments[++n]); !chosen) return chosen.error();
+    } else if (word.starts_with("-"))
       return bad_input(fmt::format("{} is no option, or lacks its value; see --help", word));
     else if (area != kAreas.end())
       out.areas.push_back(*area);

@@ -12,8 +12,9 @@ constexpr float kLeastHardness = 0.1f;  // of the rate law, see core/drill/erosi
 openvdb::Coord coord(const Vec3i& v) { return {v.x, v.y, v.z}; }
 
 /// A grid with a leaf for every voxel of the box.
-openvdb::FloatGrid::Ptr make_grid(const VoxelBox& box, std::span<const float> values) {
-  auto grid = openvdb::FloatGrid::create(0.0f);
+template <class Grid = openvdb::FloatGrid>
+typename Grid::Ptr make_grid(const VoxelBox& box, std::span<const typename Grid::ValueType> values) {
+  auto grid = Grid::create();
   auto write = grid->getAccessor();
   std::size_t n = 0;
   for_each_voxel(box, [&](const Vec3i& v) { write.setValueOn(coord(v), values[n++]); });
@@ -33,7 +34,8 @@ struct VdbErosion::Impl {
   ErosionPoints points;
   VoxelBox box;
   std::vector<float> as_made;
-  openvdb::FloatGrid::Ptr occupancy, hardness, density, remaining, exposure;
+  openvdb::FloatGrid::Ptr occupancy, hardness, density, remaining;
+  openvdb::DoubleGrid::Ptr exposure;  // double: sums of float factors are then exact, as the window's are; rests at 0
   std::vector<openvdb::Coord> touched;
 };
 
@@ -45,7 +47,7 @@ VdbErosion::VdbErosion(const ErosionPoints& points, const MasterWindow& window) 
   impl_->hardness = make_grid(window.box, window.hardness);
   impl_->density = make_grid(window.box, window.density);
   impl_->remaining = make_grid(window.box, window.remaining);
-  impl_->exposure = make_grid(window.box, std::vector<float>(window.box.count(), 0.0f));
+  impl_->exposure = make_grid<openvdb::DoubleGrid>(window.box, std::vector<double>(window.box.count(), 0.0));
 }
 VdbErosion::~VdbErosion() = default;
 
@@ -63,9 +65,9 @@ void VdbErosion::step_rate(const VdbErosionStep& step) {
   for (std::size_t n = 0; n < d.points.size(); ++n) {
     const openvdb::Coord v = coord(voxel_of(step.index_from_tool * d.points.positions[n]));
     if (density.getValue(v) == 0.0f) continue;
-    exposure.modifyValue(v, [&](float& sum) {
-      if (sum == 0.0f) d.touched.push_back(v);
-      sum += d.points.factors[n];
+    exposure.modifyValue(v, [&](double& sum) {
+      if (sum == 0.0) d.touched.push_back(v);
+      sum += static_cast<double>(d.points.factors[n]);
     });
   }
   // A point stands for a cube of edge pitch; the grids' voxels have edge 1.
@@ -75,8 +77,8 @@ void VdbErosion::step_rate(const VdbErosionStep& step) {
   auto hardness = d.hardness->getConstAccessor();
   auto remaining = d.remaining->getAccessor();
   for (const openvdb::Coord& v : d.touched) {
-    const double lambda = static_cast<double>(exposure.getValue(v)) * rate;
-    exposure.setValueOnly(v, 0.0f);
+    const double lambda = exposure.getValue(v) * rate;
+    exposure.setValueOnly(v, 0.0);
     const double h = static_cast<double>(std::max(hardness.getValue(v), kLeastHardness));
     float after = static_cast<float>(static_cast<double>(remaining.getValue(v)) * portable_exp(-lambda * step.dt / h));
     if (occupancy.getValue(v) * after < step.minimum_density) after = 0.0f;
@@ -87,15 +89,24 @@ void VdbErosion::step_rate(const VdbErosionStep& step) {
 void VdbErosion::step_per_update(const VdbErosionStep& step) {
   Impl& d = *impl_;
   auto occupancy = d.occupancy->getConstAccessor();
-  auto remaining = d.remaining->getAccessor();
+  auto keeps = d.exposure->getAccessor();  // product of the points' keeps, less one: so that it rests at 0 as the sums do
+  d.touched.clear();
   for (std::size_t n = 0; n < d.points.size(); ++n) {
     const openvdb::Coord v = coord(voxel_of(step.index_from_tool * d.points.positions[n]));
-    const float bone = occupancy.getValue(v);
-    if (bone == 0.0f) continue;
+    if (occupancy.getValue(v) == 0.0f) continue;
     const double keep = std::max(0.0, 1.0 - static_cast<double>(d.points.factors[n]) * step.spin);  // [AcostaLiu07] eq. 4
+    keeps.modifyValue(v, [&](double& lost) {
+      if (lost == 0.0) d.touched.push_back(v);
+      lost = (lost + 1.0) * keep - 1.0;
+    });
+  }
+  auto remaining = d.remaining->getAccessor();
+  for (const openvdb::Coord& v : d.touched) {
+    const double keep = keeps.getValue(v) + 1.0;
+    keeps.setValueOnly(v, 0.0);
     remaining.modifyValue(v, [&](float& left) {
       left = static_cast<float>(static_cast<double>(left) * keep);
-      if (bone * left < step.minimum_density) left = 0.0f;
+      if (occupancy.getValue(v) * left < step.minimum_density) left = 0.0f;
     });
   }
 }

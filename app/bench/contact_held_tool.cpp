@@ -1,0 +1,227 @@
+// The constrained tool of contact model `surface`: whole ticks, against the penalty evaluation of gradient-plane in the paper's storage.
+#include <fmt/format.h>
+
+#include "app/bench/bench_scene.h"
+#include "app/bench/contact_bones.h"
+#include "core/base/simd.h"
+
+namespace burrhole {
+namespace {
+
+constexpr std::size_t kTicks = 32, kWarmUp = 16;
+
+/// A constrained tool and the motions that lead it: the first few, to come to rest on bone, are not timed.
+struct LedTool {
+  ConstrainedTool tool;
+  Pose start;
+  std::vector<HandMotion> warm_up, motions;
+  double dt = 1e-3;  // [s]
+
+  void begin(const SurfaceView& bone) {
+    tool.place(start);
+    for (const HandMotion& motion : warm_up) (void)tool.step(bone, motion, dt);
+  }
+  template <class F>
+  void run(const SurfaceView& bone, F&& look) {
+    for (const HandMotion& motion : motions) look(tool.step(bone, motion, dt));
+  }
+  [[nodiscard]] Side side(const SurfaceView& bone) {
+    return {[this, bone] { begin(bone); }, [this, bone] { run(bone, [](const ConstrainedToolState&) {}); }};
+  }
+};
+
+/// What comes of the motions.
+struct HeldTicks {
+  std::vector<double> numbers;
+  std::vector<Pose> poses;
+  std::vector<Vec3> forces;
+  double least_force = 1e300, moves = 0.0;
+};
+
+void append(std::vector<double>& out, const Vec3& v) { out.insert(out.end(), {v.x, v.y, v.z}); }
+
+HeldTicks hold(LedTool& led, const SurfaceView& bone) {
+  HeldTicks out;
+  led.begin(bone);
+  led.run(bone, [&](const ConstrainedToolState& state) {
+    append(out.numbers, state.world_from_tool.translation);
+    append(out.numbers, state.on_hand.force);
+    append(out.numbers, state.on_hand.torque);
+    out.numbers.push_back(state.engagement);
+    out.numbers.push_back(static_cast<double>(state.flags));
+    out.poses.push_back(state.world_from_tool);
+    out.forces.push_back(state.on_hand.force);
+    out.least_force = std::min(out.least_force, glm::length(state.on_hand.force));
+    out.moves += static_cast<double>(state.moves) / static_cast<double>(led.motions.size());
+  });
+  return out;
+}
+
+/// The same ticks by the best vectors and by the weakest: the same bits.
+bool levels_agree(Bench& bench, const std::string& name, LedTool& led, const SurfaceView& bone, HeldTicks& best) {
+  best = hold(led, bone);
+  const auto levels = simd_levels();
+  if (!levels.empty()) (void)choose_simd(name_of(levels.front()));
+  const HeldTicks weakest = hold(led, bone);
+  (void)choose_simd("auto");
+  return bench.agree(name, bytes_of(weakest.numbers), bytes_of(best.numbers));
+}
+
+// A distance of 8 bits is off by up to 1/64 voxel and a normal by up to 1/254; what holds the tool are a few planes among many, and another
+// choice among them moves it by a few such steps. Forces follow by the coupling's stiffness and the tilt of the normals.
+constexpr double kPlaceDifference = 0.1;  // [voxel edges]
+constexpr double kForceDifference = 0.1;  // of the largest force
+
+bool precisions_agree(Bench& bench, const std::string& name, const HeldTicks& bits8, const HeldTicks& bits16, double edge) {
+  double place = 0.0, force = 0.0, most = 0.0;
+  for (std::size_t n = 0; n < bits8.poses.size(); ++n) {
+    place = std::max(place, glm::length(bits8.poses[n].translation - bits16.poses[n].translation) / edge);
+    force = std::max(force, glm::length(bits8.forces[n] - bits16.forces[n]));
+    most = std::max(most, glm::length(bits16.forces[n]));
+  }
+  return bench.require(name, place < kPlaceDifference && force < kForceDifference * most,
+                       fmt::format("records of 8 and 16 bits hold the tool {} voxels and {} of the force apart", place, force / most));
+}
+
+struct TickRows {
+  std::string what;
+  Bars bars;
+  bool by_point = false;      ///< ns a point rather than us a tick
+  bool count_points = false;  ///< a row of how many points fit into a period
+  double least_force = 1.0;   ///< [N] or the tool was not held
+};
+
+/// Ticks on records of both precisions; the baseline evaluates the paper's model once at the pose where the tool is held.
+Status compare_ticks(Bench& bench, const TickRows& rows, LedTool& led, const BoneForms& bone, const Pose& world_from_bone) {
+  const PointShell& shell = led.tool.shell();
+  const auto model = GradientPlane::create({.paper_mode = true}, shell);
+  if (!model) return model.error();
+  const auto name_of_row = [&](int bits) {
+    return fmt::format("{}, {} points: surface tick on records of {} bits over penalty evaluation in the paper's storage", rows.what,
+                       shell.size(), bits);
+  };
+  const SurfaceView small = bone.surface_view(RecordPrecision::bits8, world_from_bone),
+                    large = bone.surface_view(RecordPrecision::bits16, world_from_bone);
+  HeldTicks by_small, by_large;
+  const bool small_agrees = levels_agree(bench, name_of_row(8), led, small, by_small);
+  const bool large_agrees = levels_agree(bench, name_of_row(16), led, large, by_large);
+  const bool held = bench.require(name_of_row(16), by_large.least_force > rows.least_force,
+                                  fmt::format("the bone holds with {} N only", by_large.least_force));
+  const double edge = bone.voxmap->bone().bone_from_index().mean_edge();
+  if (!small_agrees || !large_agrees || !held || !precisions_agree(bench, name_of_row(8), by_small, by_large, edge)) return {};
+
+  const ContactView grids = bone.grid_view(world_from_bone);
+  const std::size_t touching = feel(**model, grids, by_large.poses).contacts;
+  if (!bench.require(name_of_row(16), touching > 0, "no point touches in the baseline")) return {};
+  ContactResult scratch;
+  scratch.contacts.reserve(shell.size());
+  const Side penalty = evaluate_all(**model, grids, by_large.poses, scratch);
+  const auto ticks = static_cast<double>(led.motions.size()), points = static_cast<double>(shell.size());
+  const double per_unit = rows.by_point ? 1e9 / (ticks * points) : 1e6 / ticks;
+  const std::string unit = rows.by_point ? "ns/point" : "us/tick";
+  const Medians medians8 = bench.time(penalty, led.side(small)), medians16 = bench.time(penalty, led.side(large));
+  bench.add_speed_up(name_of_row(16), unit, per_unit, medians16, rows.bars);
+  bench.add_speed_up(name_of_row(8), unit, per_unit, medians8, rows.bars);
+  bench.add_absolute(fmt::format("{}, {} points: moves a surface tick", rows.what, shell.size()), "moves", by_large.moves, true);
+  bench.add_absolute(fmt::format("{}, {} points: share that touches in the baseline", rows.what, shell.size()), "1",
+                     static_cast<double>(touching) / (ticks * points), false);
+  if (rows.count_points)
+    for (const auto& [bits, medians] : {std::pair{8, medians8}, std::pair{16, medians16}})
+      bench.add_absolute(fmt::format("surface: points in 0.9 ms, of a shell of {}, records of {} bits", shell.size(), bits), "points",
+                         0.9e-3 * points * ticks / medians.value, false, {50'000.0, 110'000.0});
+  return {};
+}
+
+/// Round and round the socket, pressed against its wall and turned.
+std::vector<HandMotion> circle(std::size_t count, double first_angle) {
+  std::vector<HandMotion> out;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double angle = first_angle + 0.02 * static_cast<double>(n);
+    const Vec3 way(std::cos(angle), std::sin(angle), 0.4 * std::sin(0.7 * angle));
+    const Quat turn = glm::angleAxis(0.3 * angle, glm::normalize(Vec3(0.3, 0.5, 0.8)));
+    out.push_back({{turn, 0.8e-3 * way}, Vec3(0.0), true});
+  }
+  return out;
+}
+
+Status compare_balls(Bench& bench) {
+  auto bone = make_socket();
+  if (!bone) return bone.error();
+  struct BallSize {
+    int stacks, slices;
+    std::size_t points;
+  };
+  for (const BallSize& size : {BallSize{23, 50, 729}, BallSize{66, 138, 5800}, BallSize{214, 367, 50'000}}) {
+    const auto shell = make_ball(size.stacks, size.slices, size.points);
+    if (!shell) return shell.error();
+    auto tool = ConstrainedTool::create({}, shell.value(), kBenchEdge);
+    if (!tool) return tool.error();
+    const double warm_up_ends = 0.02 * static_cast<double>(kWarmUp);
+    LedTool led{std::move(tool).value(), {}, circle(kWarmUp, 0.0), circle(kTicks, warm_up_ends)};
+    const TickRows rows{.what = "ball all near the surface", .bars = {15.0, 30.0}, .by_point = true, .count_points = size.points == 50'000};
+    if (Status done = compare_ticks(bench, rows, led, bone.value(), {}); !done) return done;
+  }
+  return {};
+}
+
+/// The penalty model on packed words at the same poses.
+Status compare_penalty(Bench& bench, const std::string& what, const PointShell& shell, const BoneForms& bone, const Pose& world_from_bone,
+                       const std::vector<Pose>& poses) {
+  const auto model = GradientPlane::create({.paper_mode = true}, shell);
+  if (!model) return model.error();
+  const std::string name = fmt::format("{}, {} points: penalty evaluation, words over paper's storage", what, shell.size());
+  const ContactView words = bone.word_view(world_from_bone), grids = bone.grid_view(world_from_bone);
+  const Felt best = feel(**model, words, poses);
+  const auto levels = simd_levels();
+  if (!levels.empty()) (void)choose_simd(name_of(levels.front()));
+  const Felt weakest = feel(**model, words, poses);
+  (void)choose_simd("auto");
+  if (!bench.agree(name, bytes_of(weakest.numbers), bytes_of(best.numbers))) return {};
+  ContactResult scratch;
+  scratch.contacts.reserve(shell.size());
+  bench.add_speed_up(name, "us", 1e6 / static_cast<double>(poses.size()),
+                     bench.time(evaluate_all(**model, grids, poses, scratch), evaluate_all(**model, words, poses, scratch)));
+  return {};
+}
+
+/// The shipped steps go on: erosion by sub-voxels, gradients, and publishing of records.
+void measure_bone_steps(Bench& bench, Simulation& simulation, const Scene& scene, const std::string& what) {
+  BoneStep& step = simulation.bone_step();
+  Pose pose = simulation.contact_state().world_from_tool;
+  const double dt = 1.0 / scene.erosion->rate_hz;
+  const Vec3 down = pose.rotate(Vec3(0.0, 0.0, -0.2e-3 * dt));  // as fast as the shipped hand drills
+  const Side steps{[&] { pose.translation += down; }, [&] { step(pose, 28.0, dt); }};
+  const Medians medians = bench.time(steps, steps);
+  bench.add_absolute(what + ": bone step (sub-voxel erosion, gradients, publishing records)", "us", 1e6 * medians.value, true);
+}
+
+}  // namespace
+
+Status bench_held_tool(Bench& bench) {
+  if (Status done = compare_balls(bench); !done) return done;
+  auto drilled = drill_parietal_half_way(bench.quick());
+  if (!drilled) return drilled.error();
+  const LoadedScene& loaded = *drilled->loaded;
+  const Scene& scene = loaded.scene;
+  auto tool = ConstrainedTool::create(scene.contact->surface, loaded.tool.shell, loaded.bone->bone_from_index().mean_edge());
+  if (!tool) return tool.error();
+  const std::vector<HandState>& all = drilled->hand->states();
+  std::vector<HandMotion> motions;
+  for (const HandState& state : std::span(all).last(std::min(kTicks + kWarmUp, all.size())))
+    motions.push_back({state.world_from_hand, state.velocity, scene.tool.spin > 0.0});
+  const auto timed = motions.begin() + static_cast<std::ptrdiff_t>(motions.size() - std::min(kTicks, motions.size()));
+  LedTool led{std::move(tool).value(),
+              drilled->simulation->contact_state().world_from_tool,
+              {motions.begin(), timed},
+              {timed, motions.end()},
+              1.0 / scene.contact->rate_hz};
+  const std::string what = "14/11 perforator half way";
+  measure_bone_steps(bench, *drilled->simulation, scene, what);
+  const BoneForms bone(std::move(drilled->simulation->voxmap()));
+  const Pose& world_from_bone = scene.volume.world_from_bone;
+  const std::vector<Pose> poses = hold(led, bone.surface_view(RecordPrecision::bits16, world_from_bone)).poses;
+  if (Status done = compare_penalty(bench, what, loaded.tool.shell, bone, world_from_bone, poses); !done) return done;
+  return compare_ticks(bench, {.what = what, .bars = {}}, led, bone, world_from_bone);
+}
+
+}  // namespace burrhole

@@ -1,0 +1,202 @@
+#include "app/lab/surface_accuracy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "app/report/plot.h"
+#include "core/base/random.h"
+#include "core/contact/surface_probe.h"
+#include "core/voxel/contact_window.h"
+#include "volumes/phantom/phantom.h"
+
+namespace burrhole {
+namespace {
+
+struct Shape {
+  std::string name;
+  PhantomSpec spec;
+};
+
+std::vector<Shape> shapes_at(double pitch) {
+  PhantomSpec plate;
+  plate.kind = PhantomKind::plate;
+  plate.pitch = pitch;
+  plate.extent = Vec3(0.012, 0.012, 0.012);
+  plate.above = 0.005;
+  plate.thickness = 0.004;
+  plate.plate_normal = Vec3(0.4, 0.25, 1.0);
+  PhantomSpec ball = plate;
+  ball.kind = PhantomKind::sphere;
+  ball.sphere_radius = 0.004;
+  PhantomSpec patch = plate;
+  patch.kind = PhantomKind::skull_patch;
+  patch.extent = Vec3(0.016, 0.016, 0.014);
+  patch.thickness = 0.007;
+  return {{"tilted plate", plate}, {"ball of 4 mm", ball}, {"skull patch", patch}};
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Places within a voxel of the surface and over two voxels from any edge: where the closed form's normal holds all round.
+std::vector<Vec3> places_near(const Truth& truth, const VoxelBox& valid, const Affine& bone_from_index, double pitch,
+                              const SurfaceAccuracyOptions& options) {
+  std::vector<Vec3> out;
+  const Vec3 lo(valid.lo), size(valid.size() - 1);
+  for (std::uint64_t n = 0; out.size() < options.points && n < 200 * options.points; ++n) {
+    const auto random = [&](std::uint64_t axis) { return uniform01(options.seed, 3 * n + axis); };
+    const Vec3 p = bone_from_index * (lo + size * Vec3(random(0), random(1), random(2)));
+    const SurfaceDistance here = truth.nearest(p);
+    if (std::abs(here.signed_distance) > pitch) continue;
+    const Vec3 foot = p - here.normal * here.signed_distance;
+    bool plain = true;
+    for (const double reach : {2.0, 4.0})
+      for_each_voxel({Vec3i(-1), Vec3i(2)}, [&](const Vec3i& aside) {
+        const Vec3 along = Vec3(aside) - here.normal * glm::dot(here.normal, Vec3(aside));
+        plain = plain && glm::dot(truth.normal(foot + along * (reach * pitch)), here.normal) > 0.5;
+      });
+    if (plain) out.push_back(p);
+  }
+  return out;
+}
+
+/// One bone with its records published, as contact reads them.
+struct Records {
+  std::unique_ptr<Voxmap> voxmap;
+  std::unique_ptr<ContactWindowPublisher> publisher;
+  [[nodiscard]] RecordView view() const {
+    const ContactWindow& copy = publisher->exchange().latest();
+    const auto* small = std::get_if<std::vector<Record8>>(&copy.records);
+    const auto* large = std::get_if<std::vector<Record16>>(&copy.records);
+    return {copy.box, copy.records_valid, small != nullptr ? small->data() : nullptr, large != nullptr ? large->data() : nullptr,
+            voxmap->bone().bone_from_index()};
+  }
+};
+
+Result<Records> publish(const DenseBone& dense, RecordPrecision precision) {
+  auto bone = BoneModel::create(dense);
+  if (!bone) return bone.error();
+  auto voxmap = Voxmap::create(std::move(bone).value(), {});
+  if (!voxmap) return voxmap.error();
+  Records out;
+  out.voxmap = std::make_unique<Voxmap>(std::move(voxmap).value());
+  if (Status placed = out.voxmap->place_window(out.voxmap->bone().bounds().grown(2)); !placed) return placed.error();
+  out.publisher = std::make_unique<ContactWindowPublisher>(
+      *out.voxmap, ContactFields{.density = false, .gradient = false, .words = false, .records = precision});
+  out.publisher->publish(*out.voxmap);
+  return out;
+}
+
+struct Errors {
+  std::vector<double> distance, normal;  // [voxel], [deg]
+};
+
+Errors errors_at(const std::vector<Vec3>& places, const RecordView& view, const Truth& truth) {
+  Errors out;
+  const Affine index_from_bone = view.bone_from_index.inverse();
+  const double edge = view.bone_from_index.mean_edge();
+  for (const Vec3& p : places) {
+    const auto found = sample_records(view, index_from_bone * p);
+    if (!found) continue;
+    const SurfaceDistance true_one = truth.nearest(p);
+    out.distance.push_back(std::abs(found->distance - true_one.signed_distance / edge));
+    out.normal.push_back(std::acos(std::clamp(glm::dot(found->normal, true_one.normal), -1.0, 1.0)) * 180.0 / std::numbers::pi);
+  }
+  return out;
+}
+
+/// Microseconds a point, one entry a look-up of all places by the shipped probe.
+std::vector<double> times_of(const std::vector<Vec3>& places, const RecordView& view, int repeats) {
+  PointShell shell;
+  shell.positions = places;
+  shell.inward_normals.assign(places.size(), Vec3(0.0, 0.0, 1.0));
+  shell.cutting.assign(places.size(), 1);
+  const ContactShell points = make_contact_shell(shell, view.bone_from_index.mean_edge());
+  const Affine index_from_tool = view.bone_from_index.inverse();
+  ProbeHits hits;
+  hits.reserve(places.size());
+  std::vector<double> out;
+  for (int n = -1; n < repeats; ++n) {  // the first warms up
+    hits.clear();
+    const auto start = std::chrono::steady_clock::now();
+    probe_surface(view, points.cutting, index_from_tool, 1.0, hits);
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
+    if (n >= 0) out.push_back(took.count() / static_cast<double>(places.size()));
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
+}  // namespace
+
+Result<std::vector<CostRow>> measure_surface_accuracy(const SurfaceAccuracyOptions& options) {
+  std::vector<CostRow> rows;
+  for (const double pitch : options.pitches)
+    for (const Shape& shape : shapes_at(pitch)) {
+      const auto phantom = make_phantom(shape.spec);
+      if (!phantom) return phantom.error();
+      for (const RecordPrecision precision : {RecordPrecision::bits8, RecordPrecision::bits16}) {
+        const auto records = publish(phantom->bone, precision);
+        if (!records) return records.error();
+        const RecordView view = records->view();
+        const std::vector<Vec3> places = places_near(phantom->truth, view.valid, view.bone_from_index, pitch, options);
+        const Errors errors = errors_at(places, view, phantom->truth);
+        if (errors.distance.empty()) return Error{ErrorCode::internal, "no place near the surface of the " + shape.name, {}};
+        const std::vector<double> times = times_of(places, view, options.repeats);
+        CostRow common{.subject = "surface of a " + shape.name,
+                       .model = precision == RecordPrecision::bits8 ? "records of 8 bits" : "records of 16 bits",
+                       .knob = "spacing_mm",
+                       .setting = pitch * 1e3,
+                       .error_name = {},
+                       .unit = "voxel",
+                       .reference = "closed form"};
+        common.median_us = times[times.size() / 2];
+        common.p99_us = times.back();
+        common.bytes = precision == RecordPrecision::bits8 ? sizeof(Record8) : sizeof(Record16);
+        const auto add = [&](const char* name, double error, const char* unit) {
+          common.error_name = name;
+          common.error = error;
+          common.unit = unit;
+          rows.push_back(common);
+        };
+        add("distance_median", median_of(errors.distance), "voxel");
+        add("distance_worst", *std::ranges::max_element(errors.distance), "voxel");
+        add("normal_median", median_of(errors.normal), "deg");
+        add("normal_worst", *std::ranges::max_element(errors.normal), "deg");
+      }
+    }
+  return rows;
+}
+
+Status write_surface_accuracy(const std::vector<CostRow>& rows, const std::string& folder) {
+  if (Status written = write_cost_csv(rows, folder + "/cost.csv"); !written) return written;
+  Plot plot;
+  plot.x_label = "edge of a voxel [mm]";
+  plot.panel_height_px = 230;
+  for (const auto& [name, label] :
+       {std::pair{"distance_worst", "largest distance error [voxel]"}, std::pair{"normal_median", "median normal error [deg]"}})
+    for (const std::string bits : {"8 bits", "16 bits"}) {
+      PlotPanel panel;
+      panel.y_label = bits + ": " + label;
+      panel.from_zero = true;
+      for (const CostRow& row : rows) {
+        if (row.error_name != name || row.model != "records of " + bits) continue;
+        const std::string shape = row.subject.substr(std::string("surface of a ").size());
+        auto series = std::ranges::find(panel.series, shape, &PlotSeries::name);
+        if (series == panel.series.end()) series = panel.series.insert(series, PlotSeries{shape, {}, {}});
+        series->x.insert(series->x.begin(), row.setting);  // pitches fall, the axis does not
+        series->y.insert(series->y.begin(), row.error);
+      }
+      plot.panels.push_back(std::move(panel));
+    }
+  return write_svg(plot, folder + "/surface_error.svg");
+}
+
+}  // namespace burrhole
