@@ -191,7 +191,7 @@ PointScatter::PointScatter(const ErosionPoints& points) : pitch_(points.pitch), 
   }
   distinct_ = points.factors;
   std::ranges::sort(distinct_);
-  distinct_.erase(std::ranges::unique(distinct_).begin(), distinct_.end());
+  distinct_.erase(std::unique(distinct_.begin(), distinct_.end()), distinct_.end());
 
   const auto order = lattice_order(points);
   if (distinct_.size() > 1)
