@@ -24,7 +24,7 @@ namespace burrhole {
 
 inline constexpr int kFractionBits = 14;
 inline constexpr std::int32_t kVoxel = 1 << kFractionBits, kHalf = kVoxel / 2;
-inline constexpr int kBatch = 64, kSums = 16, kShellPad = 64;
+inline constexpr int kBatch = 64, kSums = 16, kPlanePad = 64;
 inline constexpr int kPointBits = 20;  // of a queued tag; above it 0, or 1 + the corner of the cell that the walk starts from
 
 /// Constants of one evaluation. Matrices row by row. Places are relative to the window's first voxel.
@@ -496,7 +496,7 @@ std::vector<std::uint32_t> morton_order(const std::vector<Vec3>& positions) {
 }
 
 PackedPlane::PackedPlane(const PointShell& shell) : count_(shell.size()), point_(morton_order(shell.positions)) {
-  const std::size_t padded = (count_ + kShellPad - 1) / kShellPad * kShellPad;
+  const std::size_t padded = (count_ + kPlanePad - 1) / kPlanePad * kPlanePad;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     position_[axis].assign(padded, 0.0);
     inward_[axis].assign(padded, 0.0f);
