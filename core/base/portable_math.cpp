@@ -101,4 +101,20 @@ double portable_cos(double x) noexcept {
   return (quadrant == 1 || quadrant == 2) ? -value : value;
 }
 
+double portable_atan2(double y, double x) noexcept {
+  if (x == 0.0 && y == 0.0) return 0.0;
+  // tan(a / 2) = sin a / (1 + cos a): an angle of at most pi/2 is halved until its tangent, 0.199 at most, makes a short series.
+  const double across = std::abs(y), along = std::abs(x);
+  double t = across / (along + std::sqrt(along * along + across * across));
+  constexpr int kHalvings = 3;
+  for (int n = 1; n < kHalvings; ++n) t = t / (1.0 + std::sqrt(1.0 + t * t));
+  // The first term left out, t^22 / 23, is below 2^-55.
+  const double t2 = t * t;
+  double sum = 0.0;
+  for (int n = 21; n >= 3; n -= 2) sum = t2 * ((n / 2 % 2 == 1 ? -1.0 : 1.0) / static_cast<double>(n) + sum);
+  const double angle = static_cast<double>(1 << kHalvings) * (t + t * sum);
+  constexpr double kPi = 3.14159265358979323846;
+  return std::copysign(x < 0.0 ? kPi - angle : angle, y);
+}
+
 }  // namespace burrhole

@@ -20,19 +20,22 @@ void use_targets_from(std::int64_t best) {
   hwy::DisableTargets(best - 1);  // all lower bits: everything better
 }
 
-/// What the machine has, whatever is chosen at the moment.
-std::int64_t machine_targets() {
-  const std::int64_t chosen = hwy::SupportedTargets();
-  hwy::DisableTargets(0);
-  const std::int64_t all = hwy::SupportedTargets();
-  const std::int64_t best = chosen & -chosen;
-  use_targets_from(best);
-  return all;
+/// The best target in use: the lowest bit.
+std::int64_t best_in_use() {
+  const std::int64_t targets = hwy::SupportedTargets();
+  return targets & -targets;
 }
 
-std::string list_levels() {
+/// What the machine has, whatever is chosen at the moment.
+std::int64_t machine_targets() {
+  const SimdLevelGuard guard;
+  hwy::DisableTargets(0);
+  return hwy::SupportedTargets();
+}
+
+std::string list_of(std::span<const SimdLevel> levels) {
   std::string out;
-  for (const SimdLevel level : simd_levels()) out += (out.empty() ? "" : ", ") + std::string(name_of(level));
+  for (const SimdLevel level : levels) out += (out.empty() ? "" : ", ") + std::string(name_of(level));
   return out.empty() ? "none" : out;
 }
 
@@ -48,21 +51,27 @@ std::vector<SimdLevel> simd_levels() {
   return out;
 }
 
-Status choose_simd(std::string_view name) {
-  if (name == "auto") {
-    hwy::DisableTargets(0);
-    return {};
-  }
-  const auto levels = simd_levels();
-  for (const LevelInfo& info : kLevels) {
-    if (info.name != name) continue;
-    if (std::ranges::find(levels, info.level) == levels.end())
-      return bad_input("this machine has no " + std::string(name) + "; it has: " + list_levels());
-    use_targets_from(info.target);
-    return {};
-  }
-  return bad_input("SIMD level \"" + std::string(name) + "\" must be one of: auto, sse4, avx2, avx512");
+Result<std::optional<SimdLevel>> simd_level_named(std::string_view name, std::span<const SimdLevel> levels) {
+  if (name == "auto") return std::optional<SimdLevel>();
+  const auto info = std::ranges::find(kLevels, name, &LevelInfo::name);
+  if (info == kLevels.end()) return bad_input("SIMD level \"" + std::string(name) + "\" must be one of: auto, sse4, avx2, avx512");
+  if (std::ranges::find(levels, info->level) == levels.end())
+    return bad_input("this machine has no " + std::string(name) + "; it has: " + list_of(levels));
+  return std::optional(info->level);
 }
+
+Status choose_simd(std::string_view name) {
+  const auto level = simd_level_named(name, simd_levels());
+  if (!level) return level.error();
+  if (level->has_value())
+    use_targets_from(kLevels[static_cast<std::size_t>(**level)].target);
+  else
+    hwy::DisableTargets(0);
+  return {};
+}
+
+SimdLevelGuard::SimdLevelGuard() noexcept : best_(best_in_use()) {}
+SimdLevelGuard::~SimdLevelGuard() { use_targets_from(best_); }
 
 std::string simd_in_use() {
   const std::int64_t targets = hwy::SupportedTargets();

@@ -204,12 +204,10 @@ std::string TableReader::choice(std::string_view key, std::optional<std::string>
     if (!fallback) state_->missing(key, about);
     return instead;
   }
+  // A choice between numbers may be written as a number.
   const auto* text = node->as_string();
-  if (text == nullptr) {
-    state_->refuse(key, *node, "must be text in quotes");
-    return instead;
-  }
-  const std::string& word = text->get();
+  const auto* number = node->as_integer();
+  const std::string word = text != nullptr ? text->get() : number != nullptr ? std::to_string(number->get()) : std::string();
   if (std::find(allowed.begin(), allowed.end(), word) != allowed.end()) return word;
   if (std::find(later.begin(), later.end(), word) != later.end()) {
     state_->refuse(key, *node, fmt::format("is not in this version; it knows \"{}\"", fmt::join(allowed, "\", \"")));

@@ -1,5 +1,7 @@
 #include "core/base/portable_math.h"
 
+#include "core/base/rotation.h"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -112,6 +114,47 @@ TEST_CASE("portable_sin and portable_cos: exact at 0, odd and even, NaN stays Na
     CHECK(portable_cos(-x) == portable_cos(x));
   }
   CHECK(std::isnan(portable_sin(std::numeric_limits<double>::quiet_NaN())));
+}
+
+TEST_CASE("portable_atan2: within 5 ulp all round, at any scale, and on the axes") {
+  double most = 0.0, most_short = 0.0;
+  for (int i = 0; i < 200000; ++i) {
+    const auto u = [&](std::uint64_t stream) { return uniform01(stream, static_cast<std::uint64_t>(i)); };
+    const double scale = portable_exp(200.0 * (u(23) - 0.5));
+    const double x = scale * (2.0 * u(21) - 1.0), y = scale * (2.0 * u(22) - 1.0) * (i % 3 == 0 ? 1e-9 : 1.0);
+    const long double exact = std::atan2(static_cast<long double>(y), static_cast<long double>(x));
+    most = std::max(most, ulps(portable_atan2(y, x), exact));
+    most_short = std::max(most_short, ulps(portable_atan2(y, x) * (1.0 + 3e-15), exact));
+  }
+  CHECK(most <= 5.0);
+  CHECK(most_short > 5.0);  // sabotage
+  constexpr double kHalfPi = 1.57079632679489661923;
+  CHECK(portable_atan2(0.0, 0.0) == 0.0);
+  CHECK(portable_atan2(0.0, 2.0) == 0.0);
+  CHECK(std::abs(portable_atan2(0.0, -2.0) - 2.0 * kHalfPi) < 1e-15);
+  CHECK(std::abs(portable_atan2(3.0, 0.0) - kHalfPi) < 5e-16);
+  CHECK(std::abs(portable_atan2(-3.0, 0.0) + kHalfPi) < 5e-16);
+  CHECK(std::isnan(portable_atan2(std::numeric_limits<double>::quiet_NaN(), 1.0)));
+}
+
+TEST_CASE("rotation vector: there and back, also near no turn and near half a turn, and of the shorter way") {
+  for (int i = 0; i < 20000; ++i) {
+    const auto u = [&](std::uint64_t stream) { return 2.0 * uniform01(stream, static_cast<std::uint64_t>(i)) - 1.0; };
+    const Vec3 axis = glm::normalize(Vec3(u(31), u(32), u(33)) + Vec3(1e-3, 0.0, 0.0));
+    constexpr double kPi = 3.14159265358979323846;
+    const double angle = i % 3 == 0   ? 1e-14 * static_cast<double>(i)
+                         : i % 3 == 1 ? kPi - 1e-9 * static_cast<double>(i + 1)
+                                      : 1.5 * (1.0 + u(34));
+    const Quat q = rotation_of(axis * angle);
+    CHECK(std::abs(glm::length(q) - 1.0) < 1e-15);
+    // The quaternion has 2^-53 of absolute precision, its angle twice that; a few roundings more.
+    CHECK(glm::length(rotation_vector(q) - axis * angle) < 4e-15);
+    CHECK(rotation_vector(-q) == rotation_vector(q));
+    // Against the turning of a point by Rodrigues' formula with the library's functions.
+    const Vec3 p(0.3, -0.7, 0.2);
+    const Vec3 turned = p * std::cos(angle) + glm::cross(axis, p) * std::sin(angle) + axis * (glm::dot(axis, p) * (1.0 - std::cos(angle)));
+    CHECK(glm::length(q * p - turned) < 4e-15);
+  }
 }
 
 TEST_CASE("sabotage: the same check refuses a series cut two terms short") {

@@ -99,7 +99,7 @@ TEST_CASE("faults: each kind is one line with its place") {
        {"skull.toml:1:1: model = \"petrsik\" must be one of \"mcneely\", \"petersik\"; did you mean \"petersik\"?"}},
       {"model = \"x\"", kModel, {"skull.toml:1:1: model = \"x\" must be one of \"mcneely\", \"petersik\""}},
       {"model = \"acosta\"", kModel, {"skull.toml:1:1: model = \"acosta\" is not in this version; it knows \"mcneely\", \"petersik\""}},
-      {"model = 3", kModel, {"skull.toml:1:1: model = 3 must be text in quotes"}},
+      {"model = 3", kModel, {"skull.toml:1:1: model = 3 must be one of \"mcneely\", \"petersik\""}},
       // the other types
       {"count = 1.5", kMisc, {"skull.toml:1:1: count = 1.5 must be a whole number"}},
       {"count = 0", kMisc, {"skull.toml:1:1: count = 0 must be a whole number in [1, 9]"}},

@@ -1,0 +1,20 @@
+/// core/base/morton.h: the Morton curve: cells that are near each other on it are near each other in space.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/geometry.h"
+
+namespace burrhole {
+
+inline constexpr int kMortonCells = 1 << 21;  ///< along each axis
+
+/// Bits of three numbers in [0, kMortonCells) interleaved, x lowest.
+[[nodiscard]] inline std::uint64_t morton_code(const Vec3i& cell) noexcept {
+  std::uint64_t code = 0;
+  for (std::uint64_t bit = 0; bit < 21; ++bit)
+    for (std::size_t axis = 0; axis < 3; ++axis) code |= ((static_cast<std::uint64_t>(cell[axis]) >> bit) & 1u) << (3 * bit + axis);
+  return code;
+}
+
+}  // namespace burrhole
