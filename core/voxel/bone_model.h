@@ -3,6 +3,7 @@
 ///   Units   occupancy 0..1 (is this bone? the 0.5 level is the surface), hardness 0..1 (relative mineral density).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -25,6 +26,16 @@ enum class VoxelLabel : std::uint8_t {
   brain = 6,
   forbidden = 7
 };
+inline constexpr std::size_t kVoxelLabels = 8;
+
+/// Whether the tissue is felt: bone of any kind.
+[[nodiscard]] constexpr bool is_felt(VoxelLabel label) noexcept {
+  return label != VoxelLabel::none && label != VoxelLabel::dura && label != VoxelLabel::brain;
+}
+
+/// A factor for each label, in the order of VoxelLabel.
+using LabelFactors = std::array<float, kVoxelLabels>;
+inline constexpr LabelFactors kAllAlike{1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
 
 /// Dense fields as phantoms and readers make them. All vectors hold dims.x*dims.y*dims.z values, i fastest.
 struct DenseBone {

@@ -15,8 +15,11 @@ namespace burrhole {
 [[nodiscard]] std::vector<VoxelBox> box_without(const VoxelBox& box, const VoxelBox& hole);
 
 /// The part of `to` that keeps its values when a window slides from `from`: what both hold, `margin` voxels in from each face that moved
-/// (what is computed near a face depends on where the face is).
-[[nodiscard]] VoxelBox kept_by_slide(const VoxelBox& from, const VoxelBox& to, int margin);
+/// (what is computed near a face depends on where the face is), by axis.
+[[nodiscard]] VoxelBox kept_by_slide(const VoxelBox& from, const VoxelBox& to, const Vec3i& margin);
+[[nodiscard]] inline VoxelBox kept_by_slide(const VoxelBox& from, const VoxelBox& to, int margin) {
+  return kept_by_slide(from, to, Vec3i(margin));
+}
 
 /// Moves the values that both boxes hold from an array over `from` to one over `to`; all others are left as they are. The arrays may be the
 /// same if the boxes are of one size.

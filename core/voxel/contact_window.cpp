@@ -1,5 +1,7 @@
 #include "core/voxel/contact_window.h"
 
+#include <algorithm>
+
 #include "core/voxel/box_parts.h"
 
 namespace burrhole {
@@ -10,16 +12,35 @@ std::size_t bytes_of_array(const std::vector<T>& values) noexcept {
   return values.capacity() * sizeof(T);
 }
 
+/// The factor of each voxel's label; a voxel at a face that is labelled as what lies beyond it takes that of the bone beside it.
+std::vector<float> label_factors(const BoneModel& bone, const VoxelBox& box, const LabelFactors& factors) {
+  const VoxelBox wide = box.grown(1);
+  std::vector<float> labels(wide.count());
+  bone.read_labels(wide, labels);
+  const auto label_at = [&](const Vec3i& v) { return static_cast<VoxelLabel>(static_cast<int>(labels[wide.offset_of(v)])); };
+  std::vector<float> out(box.count(), 1.0f);
+  std::size_t n = 0;
+  for (int k = box.lo.z; k < box.hi.z; ++k)
+    for (int j = box.lo.y; j < box.hi.y; ++j)
+      for (int i = box.lo.x; i < box.hi.x; ++i, ++n) {
+        const Vec3i v(i, j, k);
+        VoxelLabel label = label_at(v);
+        for (const Vec3i& step : {Vec3i(-1, 0, 0), Vec3i(1, 0, 0), Vec3i(0, -1, 0), Vec3i(0, 1, 0), Vec3i(0, 0, -1), Vec3i(0, 0, 1)})
+          if (!is_felt(label)) label = label_at(v + step);
+        if (is_felt(label)) out[n] = factors[static_cast<std::size_t>(label)];
+      }
+  return out;
+}
+
 }  // namespace
 
 /// Calls f(field of the copy, where it is copied from) for each field that is kept: the one list of fields.
 template <class F>
 void ContactWindowPublisher::for_each_field(ContactWindow& copy, const MasterWindow& master, F&& f) {
   if (fields_.density) f(copy.density, master.density);
-  if (fields_.gradient) f(copy.gradient, master.gradient);
   if (fields_.words) f(copy.words, words_.words());
   if (!records_) return;
-  f(copy.hardness, hardness_);
+  f(copy.stiffness, stiffness_);
   std::visit(
       [&](const auto& records) {
         using Array = std::decay_t<decltype(records)>;
@@ -31,11 +52,11 @@ void ContactWindowPublisher::for_each_field(ContactWindow& copy, const MasterWin
 
 std::size_t ContactWindow::bytes() const noexcept {
   const std::size_t of_records = std::visit([](const auto& array) { return bytes_of_array(array); }, records);
-  return bytes_of_array(density) + bytes_of_array(gradient) + bytes_of_array(words) + of_records + bytes_of_array(hardness);
+  return bytes_of_array(density) + bytes_of_array(gradient) + bytes_of_array(words) + of_records + bytes_of_array(stiffness);
 }
 
 std::size_t ContactWindowPublisher::bytes() const noexcept {
-  std::size_t sum = words_.bytes() + bytes_of_array(hardness_);
+  std::size_t sum = words_.bytes() + bytes_of_array(stiffness_);
   if (records_) sum += records_->bytes();
   for (const ContactWindow& copy : buffer_.slots()) sum += copy.bytes();
   return sum;
@@ -45,28 +66,53 @@ void ContactWindowPublisher::note(const VoxelBox& changed) {
   for (DirtyBoxes& missed : missed_) missed.add(changed);
 }
 
-void ContactWindowPublisher::follow_window(const Voxmap& voxmap) {
+void ContactWindowPublisher::find_stiffness(const Voxmap& voxmap, const VoxelBox& part) {
   const MasterWindow& master = voxmap.window();
-  const bool anew = box_.empty() || growth_epoch_ != voxmap.growth_epoch();
-  if (anew) {
-    if (fields_.words) words_.rebuild(master);
-    if (records_) records_->rebuild(master);
-    // A copy that is over no box is taken whole.
-    for (DirtyBoxes& missed : missed_) missed.clear();
-    note(master.box);
-  } else if (master.box != box_) {
-    const VoxelBox kept_records = records_ ? records_->valid_box() : box_;
-    if (fields_.words) words_.slide(master);
-    if (records_) records_->slide(master);
-    int margin = fields_.words ? kWordSlideMargin : 1;
-    if (records_) margin = std::max(margin, kept_records.lo.x - box_.lo.x);
-    for (const VoxelBox& part : box_without(master.box, kept_by_slide(box_, master.box, margin))) note(part);
+  const bool alike = fields_.label_stiffness == kAllAlike;
+  const std::vector<float> factors =
+      alike ? std::vector<float>(part.count(), 1.0f) : label_factors(voxmap.bone(), part, fields_.label_stiffness);
+  std::size_t n = 0;
+  for_each_voxel(part, [&](const Vec3i& v) {
+    const std::size_t at = master.box.offset_of(v);
+    stiffness_[at] = static_cast<std::uint8_t>(master.hardness[at] * factors[n++] * 255.0f + 0.5f);
+  });
+}
+
+void ContactWindowPublisher::load_window(const Voxmap& voxmap) {
+  const MasterWindow& master = voxmap.window();
+  if (fields_.words) words_.rebuild(master);
+  if (records_) {
+    records_->rebuild(master);
+    stiffness_.resize(master.box.count());
+    find_stiffness(voxmap, master.box);
+  }
+  // A copy that is over no box is taken whole.
+  for (DirtyBoxes& missed : missed_) missed.clear();
+  note(master.box);
+}
+
+void ContactWindowPublisher::slide_window(const Voxmap& voxmap) {
+  const MasterWindow& master = voxmap.window();
+  Vec3i margin(1);  // of gradients; what is packed or searched for depends on voxels further off
+  if (fields_.words) {
+    words_.slide(master);
+    margin = glm::max(margin, Vec3i(kWordSlideMargin));
   }
   if (records_) {
-    hardness_.resize(master.hardness.size());
-    for (std::size_t n = 0; n < hardness_.size(); ++n) hardness_[n] = static_cast<std::uint8_t>(master.hardness[n] * 255.0f + 0.5f);
+    margin = glm::max(margin, records_->valid_box().lo - records_->box().lo);
+    records_->slide(master);
+    slide_array(box_, master.box, stiffness_);
+    for (const VoxelBox& part : box_without(master.box, box_)) find_stiffness(voxmap, part);
   }
-  box_ = master.box;
+  for (const VoxelBox& part : box_without(master.box, kept_by_slide(box_, master.box, margin))) note(part);
+}
+
+void ContactWindowPublisher::follow_window(const Voxmap& voxmap) {
+  if (box_.empty() || growth_epoch_ != voxmap.growth_epoch())
+    load_window(voxmap);
+  else if (voxmap.window().box != box_)
+    slide_window(voxmap);
+  box_ = voxmap.window().box;
   growth_epoch_ = voxmap.growth_epoch();
 }
 
@@ -98,13 +144,19 @@ void ContactWindowPublisher::catch_up(ContactWindow& copy, DirtyBoxes& missed, c
     else if (copy.box != master.box)
       slide_array(copy.box, master.box, field);
   });
+  if (fields_.gradient && whole)
+    copy.gradient.resize(master.box.count());
+  else if (fields_.gradient && copy.box != master.box)
+    slide_array(copy.box, master.box, copy.gradient);
   if (whole) {
+    if (fields_.gradient) derive_gradient(master, master.box, copy.gradient);
     copied_voxels_ += master.box.count();
   } else {
     for (const VoxelBox& dirty : missed.boxes()) {
       const VoxelBox part = dirty.intersect(master.box);
       if (part.empty()) continue;
       copied_voxels_ += part.count();
+      if (fields_.gradient) derive_gradient(master, part, copy.gradient);
       for_each_field(copy, master,
                      [&](auto& field, const auto& source) { copy_part(part, master.box, source.data(), master.box, field.data()); });
     }

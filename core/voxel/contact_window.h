@@ -16,9 +16,10 @@ namespace burrhole {
 /// What a reader needs; a field that is not asked for stays empty and costs nothing.
 struct ContactFields {
   bool density = true;                          ///< trilinear samples: the 0.5 surface, the drill monitor
-  bool gradient = true;                         ///< float gradients
+  bool gradient = true;                         ///< float gradients, made from the master's density as boxes are caught up
   bool words = false;                           ///< the packed form: gradient-plane by vectors
-  std::optional<RecordPrecision> records = {};  ///< distance and normal of the surface, and hardness beside them: the constrained tool
+  std::optional<RecordPrecision> records = {};  ///< distance and normal of the surface, and stiffness beside them: the constrained tool
+  LabelFactors label_stiffness = kAllAlike;     ///< 0..1, of bone's labels: scales the stiffness beside records
 };
 
 /// Bytes that a voxel of one copy takes.
@@ -38,8 +39,8 @@ struct ContactWindow {
   std::vector<Vec3f> gradient;
   std::vector<ContactWord> words;
   RecordArray records;
-  VoxelBox records_valid;              ///< where records are true
-  std::vector<std::uint8_t> hardness;  ///< 255 is 1; beside records
+  VoxelBox records_valid;               ///< where records are true
+  std::vector<std::uint8_t> stiffness;  ///< relative: hardness times its label's factor, 255 is 1; beside records
   std::uint64_t window_epoch = 0;
   std::uint64_t growth_epoch = 0;
 
@@ -71,6 +72,9 @@ class ContactWindowPublisher {
   template <class F>
   void for_each_field(ContactWindow& copy, const MasterWindow& master, F&& f);
   void follow_window(const Voxmap& voxmap);
+  void load_window(const Voxmap& voxmap);
+  void slide_window(const Voxmap& voxmap);
+  void find_stiffness(const Voxmap& voxmap, const VoxelBox& part);
   void note(const VoxelBox& changed);
   void catch_up(ContactWindow& copy, DirtyBoxes& missed, const Voxmap& voxmap);
 
@@ -78,8 +82,8 @@ class ContactWindowPublisher {
   ContactFields fields_;
   ContactWords words_;
   std::optional<SurfaceRecords> records_;
-  std::vector<std::uint8_t> hardness_;  // of the master, in bytes
-  VoxelBox box_;                        // of the master at the last publishing
+  std::vector<std::uint8_t> stiffness_;  // of the master, relative, in bytes
+  VoxelBox box_;                         // of the master at the last publishing
   SnapshotBuffer<ContactWindow> buffer_;
   std::array<DirtyBoxes, 3> missed_;
   std::uint64_t published_epoch_ = 0;

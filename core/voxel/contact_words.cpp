@@ -13,6 +13,7 @@
 
 #include "core/base/assert.h"
 #include "core/voxel/box_parts.h"
+#include "core/voxel/word_packing.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/voxel/contact_words.cpp"
@@ -28,17 +29,6 @@ struct RowRange {
   std::ptrdiff_t row, slab, first;
   int width, rows, layers;
   [[nodiscard]] std::ptrdiff_t at(int j, int k) const noexcept { return first + j * row + k * slab; }
-};
-
-/// Sides, one bit each, so that the bits of neighbours together say whether they differ; 0 where there is a gradient.
-inline constexpr std::uint8_t kSideEmpty = 1, kSideThin = 2, kSideSolid = 4;
-
-struct PackJob {
-  RowRange range;
-  const float* density;
-  const float* gradient;  // three a voxel
-  std::uint32_t* words;
-  std::uint8_t* sides;
 };
 
 struct SeedJob {
@@ -72,40 +62,6 @@ HWY_BEFORE_NAMESPACE();
 namespace burrhole {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-void Pack(const PackJob& job) {
-  const hn::ScalableTag<float> df;
-  const hn::RebindToSigned<decltype(df)> di;
-  const hn::Rebind<std::uint8_t, decltype(di)> d8;
-  const auto lanes = static_cast<int>(hn::Lanes(df));
-  HWY_ALIGN std::int32_t words[kRowBuffer];
-  HWY_ALIGN std::uint8_t sides[kRowBuffer];
-  const auto half = hn::Set(df, 0.5f), zero = hn::Zero(df), full = hn::Set(df, 255.0f), scale = hn::Set(df, kWordGradient);
-  const auto byte = hn::Set(di, 0xFF), most = hn::Set(di, 127), least = hn::Set(di, -127);
-  const auto part = [&](hn::Vec<decltype(df)> g) { return hn::Min(hn::Max(hn::NearestInt(hn::Mul(g, scale)), least), most); };
-  for (int k = 0; k < job.range.layers; ++k)
-    for (int j = 0; j < job.range.rows; ++j) {
-      const std::ptrdiff_t at = job.range.at(j, k);
-      for (int i = 0; i < job.range.width; i += lanes) {
-        const auto d = hn::LoadU(df, job.density + at + i);
-        hn::Vec<decltype(df)> gx, gy, gz;
-        hn::LoadInterleaved3(df, job.gradient + 3 * (at + i), gx, gy, gz);
-        const auto some = hn::IfThenElseZero(hn::RebindMask(di, hn::Gt(d, zero)), hn::Set(di, 1));
-        const auto rounded = hn::ConvertTo(di, hn::Add(hn::Mul(hn::Min(hn::Max(d, zero), hn::Set(df, 1.0f)), full), half));
-        const auto density = hn::Max(rounded, some);
-        const auto x = part(gx), y = part(gy), z = part(gz);
-        const auto none = hn::Eq(hn::Or(hn::Or(x, y), z), hn::Zero(di));
-        const auto packed = hn::Or(hn::Or(hn::ShiftLeft<8>(hn::And(x, byte)), hn::ShiftLeft<16>(hn::And(y, byte))), hn::ShiftLeft<24>(z));
-        const auto still = hn::Set(di, static_cast<std::int32_t>(kEmptyWord));
-        hn::Store(hn::Or(density, hn::IfThenElse(none, still, packed)), di, words + i);
-        auto side = hn::IfThenElse(hn::Eq(density, hn::Zero(di)), hn::Set(di, kSideEmpty), hn::Set(di, kSideThin));
-        side = hn::IfThenElse(hn::Gt(density, most), hn::Set(di, kSideSolid), side);
-        hn::StoreU(hn::DemoteTo(d8, hn::IfThenElseZero(none, side)), d8, sides + i);
-      }
-      std::copy_n(words, job.range.width, job.words + at);
-      std::copy_n(sides, job.range.width, job.sides + at);
-    }
-}
 
 void Seed(const SeedJob& job) {
   const hn::ScalableTag<std::uint8_t> d;
@@ -204,7 +160,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace burrhole {
 
-HWY_EXPORT(Pack);
 HWY_EXPORT(Seed);
 HWY_EXPORT(Leaps);
 
@@ -235,8 +190,7 @@ void ContactWords::place(const VoxelBox& box) {
 void ContactWords::pack(const MasterWindow& window, const VoxelBox& target) {
   if (target.empty()) return;
   BH_ASSERT(box_.grown(-1).contains(target));
-  HWY_DYNAMIC_DISPATCH(Pack)
-  ({range_of(box_, target), window.density.data(), &window.gradient.data()->x, words_.data(), sides_.data() + kBytePad});
+  pack_words({box_, window.density}, target, window.gradient_dead_zone, words_, std::span(sides_).subspan(kBytePad));
 }
 
 void ContactWords::find_leaps(const VoxelBox& target) {

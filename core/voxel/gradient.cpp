@@ -89,13 +89,17 @@ void UpdateGradientRows(const GradientRows& a) {
 
 void MultiplyRows(const ProductRows& a) {
   const hn::CappedTag<float, 16> wide;
-  const std::size_t lanes = hn::Lanes(wide);
+  const hn::CappedTag<float, 4> narrow;
+  const std::size_t lanes = hn::Lanes(wide), few = hn::Lanes(narrow);
   for (std::size_t k = 0; k < a.slabs; ++k)
     for (std::size_t j = 0; j < a.rows; ++j) {
       const std::size_t at = k * a.slab + j * a.row;
       std::size_t n = 0;
-      for (; n + lanes <= a.count; n += lanes)
-        hn::StoreU(hn::Mul(hn::LoadU(wide, a.a + at + n), hn::LoadU(wide, a.b + at + n)), wide, a.product + at + n);
+      const auto multiply = [&](auto d) {
+        hn::StoreU(hn::Mul(hn::LoadU(d, a.a + at + n), hn::LoadU(d, a.b + at + n)), d, a.product + at + n);
+      };
+      for (; n + lanes <= a.count; n += lanes) multiply(wide);
+      for (; n + few <= a.count; n += few) multiply(narrow);
       for (; n < a.count; ++n) a.product[at + n] = a.a[at + n] * a.b[at + n];
     }
 }

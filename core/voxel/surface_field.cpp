@@ -1,9 +1,11 @@
-// Smoothed gradients and the cells that the surface passes. Vector loops run over whole slabs and past row ends: what they write there is
-// never read. Same bits at every level: per-element sums in one order, no fused multiply-add.
+// Densities of a tile and their smoothed gradients, made only where a record may ask for them: near the surface, a third of a tile or less.
+// Same bits at every level: per-element sums in one order, no fused multiply-add.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/voxel/surface_field.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include <bit>
 
 #include "core/voxel/surface_tile.h"
 
@@ -41,68 +43,97 @@ struct Taps {
   }
 };
 
-void SmoothGradient(SurfaceTile& tile) {
-  const D d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const int row = tile.row, slab = tile.slab;
-  float* scratch[5];
-  for (int n = 0; n < 5; ++n) scratch[n] = tile.plane.data() + 32 + n * (slab + 64);
-  auto& [smooth_z, slope_z, smooth_yz, slope_y, slope_zy] = scratch;
-  for (int k = 2; k < tile.padded.size().z - 2; ++k) {
-    for (int n = 0; n < slab; n += lanes) {
-      const Taps z(tile.density.data() + k * slab + n, slab);
-      hn::StoreU(z.smooth(), d, smooth_z + n);
-      hn::StoreU(z.slope(), d, slope_z + n);
-    }
-    for (int n = 2 * row; n < slab - 2 * row; n += lanes) {
-      const Taps y(smooth_z + n, row);
-      hn::StoreU(y.smooth(), d, smooth_yz + n);
-      hn::StoreU(y.slope(), d, slope_y + n);
-      hn::StoreU(Taps(slope_z + n, row).smooth(), d, slope_zy + n);
-    }
-    for (int n = 2 * row; n < slab - 2 * row; n += lanes) {
-      hn::StoreU(Taps(smooth_yz + n, 1).slope(), d, tile.gx.data() + k * slab + n);
-      hn::StoreU(Taps(slope_y + n, 1).smooth(), d, tile.gy.data() + k * slab + n);
-      hn::StoreU(Taps(slope_zy + n, 1).smooth(), d, tile.gz.data() + k * slab + n);
+/// Calls f(i) so that the vectors from each i, rising, hold every bit of a row.
+template <class Do>
+HWY_INLINE void for_vectors(const std::uint64_t* bits, int words, int lanes, Do&& f) {
+  int next = 0;
+  for (int w = 0; w < words; ++w) {
+    const int first = 64 * w;
+    std::uint64_t left = bits[w];
+    for (;;) {
+      if (next >= first + 64) break;
+      if (next > first) left &= ~std::uint64_t{0} << (next - first);
+      if (left == 0) break;
+      const int i = first + std::countr_zero(left);
+      f(i);
+      next = i + lanes;
     }
   }
 }
 
-void FindCells(SurfaceTile& tile) {
-  const D d;
-  const hn::RebindToSigned<D> di;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto level = hn::Set(d, 0.5f);
-  const VoxelBox& cells = tile.cells;
-  const int length = cells.size().x;
-  std::size_t found = 0;
-  tile.rows.clear();
-  for (int k = cells.lo.z; k < cells.hi.z; ++k)
-    for (int j = cells.lo.y; j < cells.hi.y; ++j) {
-      const std::size_t first = found;
-      const int start = tile.offset_of({cells.lo.x, j, k});
-      const float* const p = tile.density.data() + start;
-      for (int i = 0; i < length; i += lanes) {
-        const auto at = [&](int offset) { return hn::LoadU(d, p + i + offset); };
-        auto least = at(0), most = least;
-        for (const int offset : {1, tile.row, tile.row + 1, tile.slab, tile.slab + 1, tile.slab + tile.row, tile.slab + tile.row + 1}) {
-          const auto v = at(offset);
-          least = hn::Min(least, v);
-          most = hn::Max(most, v);
-        }
-        auto passed = hn::And(hn::Ge(most, level), hn::Lt(least, level));
-        passed = hn::And(passed, hn::FirstN(d, static_cast<std::size_t>(length - i)));
-        if (hn::AllFalse(d, passed)) continue;
-        const auto offsets = hn::Iota(di, start + i);
-        found += hn::CompressStore(offsets, hn::RebindMask(di, passed), di, tile.cell_offsets.data() + found);
-      }
-      for (std::size_t n = first; n < found; ++n)
-        tile.surfel_at[static_cast<std::size_t>(tile.cell_offsets[n])] = static_cast<std::int32_t>(n);
-      if (found > first) tile.rows.push_back({j - tile.padded.lo.y, k - tile.padded.lo.z, first, found});
+/// Bits of `wanted` rows two voxels wider along i, in `by_y`, and these two rows wider along j, in `by_z`: what the later passes read.
+/// @returns whether there is any.
+bool widen(const std::uint64_t* wanted, int height, int words, std::uint64_t* by_y, std::uint64_t* by_z) {
+  std::uint64_t any = 0;
+  for (int j = 0; j < height; ++j)
+    for (int w = 0; w < words; ++w) {
+      const std::uint64_t* const row = wanted + j * words;
+      const std::uint64_t here = row[w], before = w > 0 ? row[w - 1] : 0, after = w + 1 < words ? row[w + 1] : 0;
+      const std::uint64_t up = (here << 1) | (here << 2) | (before >> 63) | (before >> 62);
+      const std::uint64_t down = (here >> 1) | (here >> 2) | (after << 63) | (after << 62);
+      any |= by_y[j * words + w] = here | up | down;
     }
-  tile.found = found;
-  if (found > 0) std::fill_n(tile.cell_offsets.data() + found, kMostLanes, tile.cell_offsets[found - 1]);
-  if (tile.surfels.size() < found + kMostLanes) tile.surfels.resize(found + kMostLanes);
+  if (any == 0) return false;
+  for (int j = 0; j < height; ++j)
+    for (int w = 0; w < words; ++w) {
+      std::uint64_t all = 0;
+      for (int near = std::max(0, j - 2); near <= std::min(height - 1, j + 2); ++near) all |= by_y[near * words + w];
+      by_z[j * words + w] = all;
+    }
+  return true;
+}
+
+/// What a vector writes beyond its bits lies in the row's next voxels, or in the next row: both are written later if they are wanted.
+void SmoothGradient(SurfaceTile& tile) {
+  const D d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int row = tile.row, slab = tile.slab, words = tile.words, height = slab / row;
+  float* scratch[5];
+  for (int n = 0; n < 5; ++n) scratch[n] = tile.plane.data() + 32 + n * (slab + 64);
+  auto& [smooth_z, slope_z, smooth_yz, slope_y, slope_zy] = scratch;
+  std::uint64_t *const by_y = tile.widened.data(), *const by_z = by_y + height * words;
+  for (int k = 2; k < tile.padded.size().z - 2; ++k) {
+    const std::uint64_t* const wanted = tile.wanted.data() + k * height * words;
+    if (!widen(wanted, height, words, by_y, by_z)) continue;
+    const auto for_each = [&](const std::uint64_t* bits, auto&& pass) {
+      for (int j = 0; j < height; ++j) for_vectors(bits + j * words, words, lanes, [&](int i) { pass(j * row + i); });
+    };
+    for_each(by_z, [&](int n) {
+      const Taps z(tile.density.data() + k * slab + n, slab);
+      hn::StoreU(z.smooth(), d, smooth_z + n);
+      hn::StoreU(z.slope(), d, slope_z + n);
+    });
+    for_each(by_y, [&](int n) {
+      const Taps y(smooth_z + n, row);
+      hn::StoreU(y.smooth(), d, smooth_yz + n);
+      hn::StoreU(y.slope(), d, slope_y + n);
+      hn::StoreU(Taps(slope_z + n, row).smooth(), d, slope_zy + n);
+    });
+    for_each(wanted, [&](int n) {
+      const int at = k * slab + n;
+      hn::StoreInterleaved4(Taps(smooth_yz + n, 1).slope(), Taps(slope_y + n, 1).smooth(), Taps(slope_zy + n, 1).smooth(),
+                            hn::LoadU(d, tile.density.data() + at), d, &tile.samples[static_cast<std::size_t>(at)].gx);
+    });
+  }
+}
+
+/// Bits past a row's end are those of the next row: no cell of the window reaches there.
+void FindSolid(SurfaceTile& tile) {
+  const D d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int row = tile.row, rows = tile.slab / row * tile.padded.size().z;
+  const auto level = hn::Set(d, 0.5f);
+  std::uint64_t* out = tile.solid.data();
+  for (int r = 0; r < rows; ++r)
+    for (int i = 0; i < row; i += 64) {
+      std::uint64_t word = 0;
+      for (int n = 0; n < 64 && i + n < row; n += lanes) {
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, hn::Ge(hn::LoadU(d, tile.density.data() + r * row + i + n), level), bits);
+        word |= static_cast<std::uint64_t>(bits[0] | (bits[1] << 8)) << n;
+      }
+      *out++ = word;
+    }
 }
 
 }  // namespace
@@ -113,7 +144,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace burrhole {
 HWY_EXPORT(SmoothGradient);
-HWY_EXPORT(FindCells);
+HWY_EXPORT(FindSolid);
 
 void copy_density(const MasterWindow& window, SurfaceTile& tile) noexcept {
   const VoxelBox& from = window.box;
@@ -129,10 +160,10 @@ void copy_density(const MasterWindow& window, SurfaceTile& tile) noexcept {
       out = std::copy_n(in, known, out);
       out = std::fill_n(out, after, in[known - 1]);
     }
+  HWY_DYNAMIC_DISPATCH(FindSolid)(tile);
 }
 
 void smooth_gradient(SurfaceTile& tile) noexcept { HWY_DYNAMIC_DISPATCH(SmoothGradient)(tile); }
-void find_cells(SurfaceTile& tile) noexcept { HWY_DYNAMIC_DISPATCH(FindCells)(tile); }
 
 }  // namespace burrhole
 #endif

@@ -88,9 +88,9 @@ SurfaceMap::SurfaceMap(const Affine& bone_from_index) {
 
 void SurfaceTile::lay_out(const VoxelBox& to_make, const VoxelBox& window, const SurfaceMap& map) {
   records = to_make;
-  const VoxelBox wanted{to_make.lo - map.spread - 1, to_make.hi + map.spread};
-  cells = wanted.intersect({window.lo, window.hi - 1});
-  padded = {wanted.lo - 3, wanted.hi + 4};
+  const VoxelBox felt{to_make.lo - map.spread - 1, to_make.hi + map.spread};
+  cells = felt.intersect({window.lo, window.hi - 1});
+  padded = {felt.lo - 3, felt.hi + 4};
   const Vec3i size = padded.size();
   row = size.x;
   slab = size.x * size.y;
@@ -98,14 +98,18 @@ void SurfaceTile::lay_out(const VoxelBox& to_make, const VoxelBox& window, const
   const auto make_room = [](auto& field, std::size_t least) {
     if (field.size() < least) field.resize(least);
   };
-  for (auto* field : {&density, &gx, &gy, &gz}) make_room(*field, count);
+  make_room(density, count);
+  make_room(samples, count);
   make_room(nearest, count);
   make_room(surfel_at, count);
   make_room(plane, 5 * (static_cast<std::size_t>(slab) + 4 * kMostLanes));
   make_room(cell_offsets, cells.count() + 2 * kMostLanes);
   make_room(voxels, records.count() + 2 * kMostLanes);
   for (auto* list : {&low, &high}) make_room(*list, records.count() + 2 * kMostLanes);
-  rows.reserve(static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z));
+  words = (row + 63) / 64;
+  const std::size_t slab_words = static_cast<std::size_t>(size.y * words);
+  for (auto* bits : {&solid, &wanted}) make_room(*bits, slab_words * static_cast<std::size_t>(size.z));
+  make_room(widened, 2 * slab_words);
 }
 
 struct SurfaceRecords::Work {
@@ -125,6 +129,8 @@ RecordPrecision SurfaceRecords::precision() const noexcept {
   return std::holds_alternative<std::vector<Record8>>(records_) ? RecordPrecision::bits8 : RecordPrecision::bits16;
 }
 
+Vec3i record_reach(const Affine& bone_from_index) noexcept { return SurfaceMap(bone_from_index).reach(); }
+
 VoxelBox SurfaceRecords::valid_box() const noexcept {
   const Vec3i reach = work_->map.reach();
   return {box_.lo + reach, box_.hi - reach};
@@ -137,8 +143,8 @@ void SurfaceRecords::make(const MasterWindow& window, const VoxelBox& part) {
   for_each_voxel({Vec3i(0), tiles}, [&](const Vec3i& t) {
     tile.lay_out({part.lo + size * t / tiles, part.lo + size * (t + 1) / tiles}, box_, work_->map);
     copy_density(window, tile);
-    smooth_gradient(tile);
     find_cells(tile);
+    smooth_gradient(tile);
     make_surfels(work_->map, tile);
     find_nearest(work_->map, tile);
     make_records(work_->map, precision(), tile);

@@ -81,6 +81,9 @@ class SurfaceRecords {
   RecordArray records_;
 };
 
+/// Voxels along each axis that a record depends on: so far in from a window's edge records are not known.
+[[nodiscard]] Vec3i record_reach(const Affine& bone_from_index) noexcept;
+
 /// One record, decoded (tests, plain twins).
 [[nodiscard]] SurfaceSample decode(const Record8& record) noexcept;
 [[nodiscard]] SurfaceSample decode(const Record16& record) noexcept;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -15,6 +16,7 @@
 namespace burrhole {
 
 inline constexpr std::size_t kMostLanes = 16;  ///< of a vector, at any level
+inline constexpr float kBand2 = static_cast<float>(kRecordBand * kRecordBand);
 
 /// Index to metric voxel edges and back, rows first, and how far a surfel is felt.
 struct SurfaceMap {
@@ -27,6 +29,10 @@ struct SurfaceMap {
 
   /// A record depends on densities this far from it: spread, the cell's far corner, gradients one cell further, their stencil of two.
   [[nodiscard]] Vec3i reach() const noexcept { return spread + 4; }
+  /// Bits of the code of a cell's place; the rest of a key is the squared distance, whose bits as a float are in its order.
+  [[nodiscard]] std::uint32_t code_mask() const noexcept { return (1u << (3 * code_bits)) - 1u; }
+  /// Key of a voxel that no surfel is near: the band's own distance.
+  [[nodiscard]] std::uint32_t far_key() const noexcept { return std::bit_cast<std::uint32_t>(kBand2) & ~code_mask(); }
 };
 
 struct Surfel {
@@ -37,10 +43,9 @@ struct Surfel {
 };
 static_assert(sizeof(Surfel) == 32);
 
-/// Surfels of one row of cells: [first, last).
-struct SurfelRow {
-  int j, k;
-  std::size_t first, last;
+/// Gradient of the smoothed density, index axes [1/voxel], and the density itself.
+struct FieldSample {
+  float gx, gy, gz, density;
 };
 
 struct SurfaceTile {
@@ -48,14 +53,18 @@ struct SurfaceTile {
   VoxelBox cells;    ///< whose surfels they may need: cells of the window
   VoxelBox padded;
   int row = 0, slab = 0;  ///< strides
+  int words = 0;          ///< of 64 voxels a row, in the fields of bits below
 
-  std::vector<float> density, gx, gy, gz, plane;  // plane: five slabs, for the smoothing
-  std::size_t found = 0;                          // cells that the surface passes, and surfels
-  std::vector<std::int32_t> cell_offsets;         // `found`, then the last again for a vector's length
-  std::vector<SurfelRow> rows;
-  std::vector<Surfel> surfels;
-  std::vector<std::int32_t> surfel_at;  // by cell; of those found only
-  std::vector<std::uint32_t> nearest;   // by voxel: squared distance above, place of the cell as code below, so the least is the nearest
+  std::vector<float> density, plane;       // plane: five slabs, for the smoothing
+  std::vector<FieldSample> samples;        // where `wanted` only
+  std::vector<std::uint64_t> solid;        // bits of voxels of density 0.5 and more
+  std::vector<std::uint64_t> wanted;       // bits of voxels whose gradient a record may ask for: those about a cell found
+  std::vector<std::uint64_t> widened;      // scratch: one slab of bits, twice, for the smoothing
+  std::size_t found = 0;                   // cells that the surface passes, and surfels
+  std::vector<std::int32_t> cell_offsets;  // `found`, then the last again for a vector's length
+  std::vector<Surfel> surfels;             // likewise; `cell` from find_cells(), all else from make_surfels()
+  std::vector<std::int32_t> surfel_at;     // by cell; of those found only
+  std::vector<std::uint32_t> nearest;      // by voxel: squared distance above, place of the cell as code below, so the least is the nearest
 
   std::size_t near = 0;                  // voxels within the band
   std::vector<std::int32_t> voxels;      // their packed positions, the last repeated as above
@@ -72,12 +81,12 @@ struct SurfaceTile {
 [[nodiscard]] inline std::int32_t pack_position(int i, int j, int k) noexcept { return i | (j << 10) | (k << 20); }
 [[nodiscard]] inline Vec3i unpack_position(std::int32_t p) noexcept { return {p & 1023, (p >> 10) & 1023, p >> 20}; }
 
-/// Density of the padded box; what lies outside the window is as the voxel next to it.
+/// Density of the padded box, and what of it is solid; what lies outside the window is as the voxel next to it.
 void copy_density(const MasterWindow& window, SurfaceTile& tile) noexcept;
-/// Gradient of the smoothed density, index axes [1/voxel].
-void smooth_gradient(SurfaceTile& tile) noexcept;
-/// Offsets of the cells that the surface passes, k, j, i rising.
+/// Offsets of the cells that the surface passes, k, j, i rising, and where gradients are wanted.
 void find_cells(SurfaceTile& tile) noexcept;
+/// Samples where they are wanted.
+void smooth_gradient(SurfaceTile& tile) noexcept;
 /// One surfel per cell found.
 void make_surfels(const SurfaceMap& map, SurfaceTile& tile) noexcept;
 /// For each voxel within the band its nearest surfel.

@@ -12,7 +12,9 @@ struct Voxmap::Store {
 };
 
 Voxmap::Voxmap(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config)
-    : bone_(std::move(bone)), config_(config), store_(std::make_unique<Store>()) {}
+    : bone_(std::move(bone)), config_(config), store_(std::make_unique<Store>()) {
+  window_.gradient_dead_zone = config.gradient_dead_zone;
+}
 Voxmap::Voxmap(Voxmap&&) noexcept = default;
 Voxmap& Voxmap::operator=(Voxmap&&) noexcept = default;
 Voxmap::~Voxmap() = default;
@@ -20,6 +22,12 @@ Voxmap::~Voxmap() = default;
 Result<Voxmap> Voxmap::create(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config) {
   if (!(config.gradient_dead_zone >= 0.0f && config.gradient_dead_zone < 0.5f)) return bad_input("gradient dead zone must be in [0, 0.5)");
   return Voxmap(std::move(bone), config);
+}
+
+void derive_gradient(const MasterWindow& window, const VoxelBox& part, std::span<Vec3f> gradient) noexcept {
+  const VoxelBox wanted = part.intersect(window.box), known = wanted.intersect(window.valid_box());
+  if (known != wanted) fill_part(wanted, Vec3f(0.0f), window.box, gradient.data());
+  update_gradient({window.box, window.density}, known, window.gradient_dead_zone, window.box, gradient);
 }
 
 Status Voxmap::place_window(const VoxelBox& box) {
@@ -42,12 +50,10 @@ void Voxmap::load_window(const VoxelBox& box) {
   const std::size_t n = box.count();
   window_.box = box;
   for (std::vector<float>* field : {&window_.occupancy, &window_.hardness, &window_.remaining, &window_.density}) field->resize(n);
-  window_.gradient.assign(n, Vec3f(0.0f));
   bone_->read_occupancy(box, window_.occupancy);
   bone_->read_hardness(box, window_.hardness);
   store_->remaining.read_box(box, window_.remaining);
   for (std::size_t i = 0; i < n; ++i) window_.density[i] = window_.occupancy[i] * window_.remaining[i];
-  update_gradient({box, window_.density}, window_.valid_box(), config_.gradient_dead_zone, box, window_.gradient);
   ++window_epoch_;
 }
 
@@ -55,14 +61,8 @@ void Voxmap::slide_window(const VoxelBox& box) {
   const VoxelBox from = window_.box;
   for (std::vector<float>* field : {&window_.occupancy, &window_.hardness, &window_.remaining, &window_.density})
     slide_array(from, box, *field);
-  slide_array(from, box, window_.gradient);
   window_.box = box;
   for (const VoxelBox& part : box_without(box, from)) load_part(part);
-  // Gradients of the old outermost layer were not known; those of the new one are not.
-  for (const VoxelBox& part : box_without(box, kept_by_slide(from, box, 1))) {
-    fill_part(part, Vec3f(0.0f), box, window_.gradient.data());
-    update_gradient({box, window_.density}, part.intersect(window_.valid_box()), config_.gradient_dead_zone, box, window_.gradient);
-  }
   ++window_epoch_;
 }
 
@@ -83,10 +83,8 @@ void Voxmap::commit(const VoxelBox& touched) noexcept {
   if (touched.empty()) return;
   BH_ASSERT(window_.erodible_box().contains(touched));
   update_density(window_.occupancy, window_.remaining, window_.box, touched, window_.density);
-  const VoxelBox halo = touched.grown(1);
-  update_gradient({window_.box, window_.density}, halo, config_.gradient_dead_zone, window_.box, window_.gradient);
   unsaved_ = unsaved_.unite(touched);
-  for (DirtyBoxes& listener : listeners_) listener.add(halo);
+  for (DirtyBoxes& listener : listeners_) listener.add(touched.grown(1));
 }
 
 std::size_t Voxmap::add_listener() {

@@ -18,20 +18,24 @@
 namespace burrhole {
 
 struct VoxmapConfig {
-  float gradient_dead_zone = 0.08f;  ///< [density/voxel] shorter gradients are stored as zero
+  float gradient_dead_zone = 0.08f;  ///< [density/voxel] shorter gradients are zero
 };
 
-/// Dense fields over `box`, i fastest. `gradient` is valid inside valid_box(); erosion may write inside erodible_box() only, so that
-/// every gradient that it changes lies in the window.
+/// Dense fields over `box`, i fastest. Gradients are not among them: whoever needs them makes them from the density, in the form needed
+/// (packed words, floats of a published copy, texels). They are known inside valid_box(); erosion may write inside erodible_box() only, so
+/// that every gradient that it changes lies in the window.
 struct MasterWindow {
   VoxelBox box;
   std::vector<float> occupancy, hardness, remaining, density;
-  std::vector<Vec3f> gradient;
+  float gradient_dead_zone = 0.0f;
 
   [[nodiscard]] VoxelBox valid_box() const noexcept { return box.grown(-1); }
   [[nodiscard]] VoxelBox erodible_box() const noexcept { return box.grown(-2); }
-  [[nodiscard]] std::size_t bytes() const noexcept { return box.count() * (4 * sizeof(float) + sizeof(Vec3f)); }
+  [[nodiscard]] std::size_t bytes() const noexcept { return 4 * sizeof(float) * box.count(); }
 };
+
+/// Float gradients of `part` from the window's density, into an array over window.box; zero in the outermost layer, where they are not known.
+void derive_gradient(const MasterWindow& window, const VoxelBox& part, std::span<Vec3f> gradient) noexcept;
 
 /// Longest edge of a window [voxels].
 inline constexpr int kMaxWindowEdge = 256;
@@ -52,7 +56,7 @@ class Voxmap {
 
   /// For erosion: remaining [0..1] of the window; after writing, commit() each box touched (inside erodible_box()).
   [[nodiscard]] std::span<float> remaining() noexcept { return window_.remaining; }
-  /// Recomputes density in the box and gradients in the box with its halo of one voxel; marks that halo box dirty for every listener.
+  /// Recomputes density in the box; marks it with its halo of one voxel, whose gradients change, dirty for every listener.
   void commit(const VoxelBox& touched) noexcept;
   /// The same, box by box.
   void commit(const BoxSet& touched) noexcept {
@@ -65,7 +69,7 @@ class Voxmap {
 
   /// Raised whenever bone may have grown back (restore): caches that assume that bone only disappears must drop what they know.
   [[nodiscard]] std::uint64_t growth_epoch() const noexcept { return growth_epoch_; }
-  /// Raised whenever the window moved or was reloaded: copies of it must be taken whole.
+  /// Raised whenever the window moved or was reloaded: a copy must move with it and take what is new.
   [[nodiscard]] std::uint64_t window_epoch() const noexcept { return window_epoch_; }
 
   /// Brings the store of record up to date with the window.

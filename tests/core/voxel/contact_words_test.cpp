@@ -14,10 +14,6 @@ using namespace burrhole::test;
 
 namespace {
 
-struct BackToAuto {
-  ~BackToAuto() { (void)choose_simd("auto"); }
-};
-
 struct Decoded {
   int density, leap;  // leap 0 where there is a gradient
   int gradient[3];
@@ -59,6 +55,7 @@ bool safe(const Field& field, const Vec3i& v, int leap) {
 std::string fault(const MasterWindow& window, const std::vector<ContactWord>& words) {
   const Field field{window.box, words};
   const VoxelBox valid{window.box.lo + 1, window.box.hi - 1};
+  const std::vector<Vec3f> gradients = gradients_of(window);
   std::string found;
   const auto say = [&](const char* what, const Vec3i& v) {
     if (found.empty()) found = std::string(what) + " at " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z);
@@ -66,7 +63,7 @@ std::string fault(const MasterWindow& window, const std::vector<ContactWord>& wo
   std::size_t n = 0;
   for_each_voxel(window.box, [&](const Vec3i& v) {
     const float d = window.density[n];
-    const Vec3f g = window.gradient[n];
+    const Vec3f g = gradients[n];
     const ContactWord word = words[n++];
     const Decoded here = decoded(word);
     if (!valid.contains(v)) {
@@ -186,7 +183,7 @@ TEST_CASE("ContactWords: kept up box by box and through slides they equal a rebu
 }
 
 TEST_CASE("ContactWords: all SIMD levels give the same words") {
-  const BackToAuto guard;
+  const SimdLevelGuard guard;
   const Vec3i dims(70, 23, 19);
   Voxmap voxmap = make_voxmap(load_bone(quiet_bone(dims, 4)));
   REQUIRE(voxmap.place_window({Vec3i(-6), dims + 5}).ok());

@@ -11,10 +11,6 @@ using namespace burrhole;
 
 namespace {
 
-struct BackToAuto {
-  ~BackToAuto() { (void)choose_simd("auto"); }
-};
-
 /// The plain loop; `wrong_zone` asks for "at most" instead of "below".
 void plain_gradient(const DensityBlock& block, const VoxelBox& target, float dead_zone, const VoxelBox& out_box, std::span<Vec3f> out,
                     bool wrong_zone = false) {
@@ -34,7 +30,7 @@ bool same_bits(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b) {
 }  // namespace
 
 TEST_CASE("gradient: same bits as a plain loop at every SIMD level, for boxes of every width, and nothing written beside them") {
-  const BackToAuto guard;
+  const SimdLevelGuard guard;
   int told_apart = 0;
   for (int width = 1; width <= 40; ++width) {
     CAPTURE(width);

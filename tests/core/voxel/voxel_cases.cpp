@@ -106,7 +106,14 @@ VoxelBox random_window(const VoxelBox& grid, Dice& dice) {
   return box;
 }
 
+std::vector<Vec3f> gradients_of(const MasterWindow& window) {
+  std::vector<Vec3f> out(window.box.count(), Vec3f(9.0f));
+  derive_gradient(window, window.box, out);
+  return out;
+}
+
 std::string difference(const MasterWindow& window, const PlainTwin& twin) {
+  const std::vector<Vec3f> gradient = gradients_of(window);
   for (int k = window.box.lo.z; k < window.box.hi.z; ++k)
     for (int j = window.box.lo.y; j < window.box.hi.y; ++j)
       for (int i = window.box.lo.x; i < window.box.hi.x; ++i) {
@@ -116,16 +123,17 @@ std::string difference(const MasterWindow& window, const PlainTwin& twin) {
         if (window.density[n] != twin.density(v)) return place("density", v);
         const bool edge = i == window.box.lo.x || j == window.box.lo.y || k == window.box.lo.z || i == window.box.hi.x - 1 ||
                           j == window.box.hi.y - 1 || k == window.box.hi.z - 1;
-        if (!edge && window.gradient[n] != twin.gradient(v)) return place("gradient", v);
+        if (gradient[n] != (edge ? Vec3f(0.0f) : twin.gradient(v))) return place("gradient", v);
       }
   return {};
 }
 
 std::string uncovered_change(const MasterWindow& before, const MasterWindow& after, const std::vector<VoxelBox>& dirty) {
   std::string first;
+  const std::vector<Vec3f> gradient_before = gradients_of(before), gradient_after = gradients_of(after);
   for_each_voxel(before.box.intersect(after.box), [&](const Vec3i& v) {
     const std::size_t a = position(before.box, v), b = position(after.box, v);
-    if (before.density[a] == after.density[b] && before.gradient[a] == after.gradient[b]) return;
+    if (before.density[a] == after.density[b] && gradient_before[a] == gradient_after[b]) return;
     bool covered = false;
     for (const VoxelBox& box : dirty) covered = covered || holds(box, v);
     if (!covered && first.empty()) first = place("change", v);

@@ -47,6 +47,8 @@ void erode_box(Voxmap& voxmap, PlainTwin& twin, const VoxelBox& box, Dice& dice)
 /// Box of a random window, 8 to 20 voxels an edge, that may reach outside the grid.
 [[nodiscard]] VoxelBox random_window(const VoxelBox& grid, Dice& dice);
 
+/// Float gradients over the whole window.
+[[nodiscard]] std::vector<Vec3f> gradients_of(const MasterWindow& window);
 /// @returns what differs first between the window and a full rebuild by the twin, bit for bit; empty if nothing.
 [[nodiscard]] std::string difference(const MasterWindow& window, const PlainTwin& twin);
 /// @returns the first voxel inside both boxes whose density or gradient changed and that none of `dirty` covers; empty if all are covered.
