@@ -14,6 +14,11 @@ constexpr std::array<int, kCoverageSamples> kLevelZ{33, 51, 12, 40, 18, 13, 39, 
                                                     56, 52, 17, 42, 30, 43, 63, 16, 26, 38, 50, 57, 5,  7,  25, 19, 2,  60, 46, 45, 6,  14,
                                                     23, 34, 62, 8,  44, 24, 47, 41, 32, 54, 22, 55, 21, 11, 3,  31, 29, 28, 53, 58};
 
+// 256 levels of y and z by steps of those of x, both odd. Best of 200 pairs over balls and cylinders of radius 1 in 60 positions; half-spaces
+// of any tilt within 0.048 of their share, 0.0075 rms (64 samples, measured alike: 0.068, 0.0146).
+constexpr int kFineY = 141, kFineZ = 19;
+constexpr double kSlim = 2.0;  // [voxels] of half width
+
 /// Where a kernel along an axis has the share u of its weight on its left.
 double place(CoverageKernel kernel, double u) noexcept {
   switch (kernel) {
@@ -31,11 +36,18 @@ double place(CoverageKernel kernel, double u) noexcept {
 
 }  // namespace
 
-CoverageSamples make_coverage_samples(CoverageKernel kernel) noexcept {
+std::size_t coverage_words(double least_half_width) noexcept { return least_half_width < kSlim ? kMostCoverageWords : 1; }
+
+CoverageSamples make_coverage_samples(CoverageKernel kernel, std::size_t words) noexcept {
   CoverageSamples samples;
-  const auto level = [kernel](int n) { return static_cast<float>(place(kernel, (n + 0.5) / kCoverageSamples)); };
-  for (std::size_t n = 0; n < kCoverageSamples; ++n)
-    samples.offset[n] = Vec3f(level(static_cast<int>(n)), level(kLevelY[n]), level(kLevelZ[n]));
+  samples.words = words;
+  const auto count = static_cast<int>(samples.size());
+  const auto level = [kernel, count](int n) { return static_cast<float>(place(kernel, (n + 0.5) / count)); };
+  for (int n = 0; n < count; ++n) {
+    const auto at = static_cast<std::size_t>(n);
+    samples.offset[at] = words == 1 ? Vec3f(level(n), level(kLevelY[at]), level(kLevelZ[at]))
+                                    : Vec3f(level(n), level(n * kFineY % count), level(n * kFineZ % count));
+  }
   samples.reach = kernel == CoverageKernel::cell ? 0.5 : 1.0;
   samples.variance = kernel == CoverageKernel::cell ? 1.0 / 12.0 : kernel == CoverageKernel::wide ? 1.0 / 3.0 : 5.0 / 24.0;
   return samples;

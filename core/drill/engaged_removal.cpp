@@ -1,10 +1,11 @@
 #include "core/drill/engaged_removal.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
-#include "core/base/portable_math.h"
+#include "core/drill/engaged_kernels.h"
 
 namespace burrhole {
 namespace {
@@ -19,10 +20,27 @@ Affine pose_at(const ErosionPath& path, double t) {
   return {path.from.linear + (path.to.linear - path.from.linear) * t, path.from.offset + (path.to.offset - path.from.offset) * t};
 }
 
-Vec3i voxel_at(const VoxelBox& box, std::size_t at) {
-  const auto row = static_cast<std::size_t>(box.size().x), slab = row * static_cast<std::size_t>(box.size().y);
-  return box.lo + Vec3i(static_cast<int>(at % row), static_cast<int>(at % slab / row), static_cast<int>(at / slab));
-}
+/// Where voxels of a box lie, asked for one after another: most follow in the row of the one before.
+class Voxels {
+ public:
+  explicit Voxels(const VoxelBox& box) noexcept
+      : row_(static_cast<std::size_t>(box.size().x)), slab_(row_ * static_cast<std::size_t>(box.size().y)) {}
+  /// Relative to the box.
+  [[nodiscard]] Vec3i at(std::size_t n) noexcept {
+    if (n - start_ >= row_) {  // before the row too: it wraps
+      y_ = static_cast<int>(n % slab_ / row_);
+      z_ = static_cast<int>(n / slab_);
+      start_ = n - n % row_;
+    }
+    return {static_cast<int>(n - start_), y_, z_};
+  }
+
+ private:
+  std::size_t row_, slab_, start_ = 0;
+  int y_ = 0, z_ = 0;
+};
+
+constexpr std::size_t kBatch = 256;
 
 }  // namespace
 
@@ -84,21 +102,35 @@ void EngagedRemoval::apply(Voxmap& voxmap, double turns, ErosionOutcome& outcome
   if (!(turns > 0.0)) return;
   const MasterWindow& window = voxmap.window();
   const double cell_volume = voxmap.bone().bone_from_index().cell_volume();
-  for (const Engaged& one : engaged_) {
-    const double h = hardness_of(window, one.at), available = static_cast<double>(one.available);
-    auto left = static_cast<float>(available * portable_exp(-turns * static_cast<double>(one.exposure) / h));
-    const float least = one.share < 1.0f ? std::max(config_.minimum_density, config_.clear_below) : config_.minimum_density;
-    if (window.occupancy[one.at] * left < least * one.share) left = 0.0f;
-    float& remaining = voxmap.remaining()[one.at];
-    const float before = remaining;
-    remaining = std::min(before, (before - one.available) + left);
-    if (remaining == before) continue;
-    const double gone = static_cast<double>(window.occupancy[one.at]) * (static_cast<double>(before) - static_cast<double>(remaining));
-    outcome.removed_mass += gone;
-    if (config_.law == ErosionLaw::energy) outcome.energy += gone * cell_volume * config_.energy.specific_energy * h;
-    const Vec3i v = voxel_at(window.box, one.at) - window.box.lo;
-    marks_.mark({v.x & ~7, v.y, v.z}, 1u << (v.x & 7));
-    ++outcome.touched;
+  const std::span<float> bone = voxmap.remaining();
+  Voxels voxels(window.box);
+  std::array<float, kBatch> available{}, exposure{}, hardness, left{};
+  hardness.fill(1.0f);
+  for (std::size_t from = 0; from < engaged_.size(); from += kBatch) {
+    const std::size_t count = std::min(kBatch, engaged_.size() - from);
+    for (std::size_t n = 0; n < count; ++n) {
+      const Engaged& one = engaged_[from + n];
+      available[n] = one.available;
+      exposure[n] = one.exposure;
+      hardness[n] = std::max(window.hardness[one.at], kLeastHardness);
+    }
+    decay({count, turns, available.data(), exposure.data(), hardness.data(), left.data()});
+    for (std::size_t n = 0; n < count; ++n) {
+      const Engaged& one = engaged_[from + n];
+      const float least = one.share < 1.0f ? std::max(config_.minimum_density, config_.clear_below) : config_.minimum_density;
+      const float occupancy = window.occupancy[one.at], kept = occupancy * left[n] < least * one.share ? 0.0f : left[n];
+      float& remaining = bone[one.at];
+      const float before = remaining;
+      remaining = std::min(before, (before - one.available) + kept);
+      if (remaining == before) continue;
+      const double gone = static_cast<double>(occupancy) * (static_cast<double>(before) - static_cast<double>(remaining));
+      outcome.removed_mass += gone;
+      if (config_.law == ErosionLaw::energy)
+        outcome.energy += gone * cell_volume * config_.energy.specific_energy * static_cast<double>(hardness[n]);
+      const Vec3i v = voxels.at(one.at);
+      marks_.mark({v.x & ~7, v.y, v.z}, 1u << (v.x & 7));
+      ++outcome.touched;
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 #include "core/drill/field_sampler.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace burrhole {
 namespace {
@@ -43,6 +44,27 @@ std::vector<float> bends_of(const CuttingField& field, double sign, int spread) 
   });
   spread_largest(out, field.dims, spread);
   return out;
+}
+
+double steepest_of(const CuttingField& field) {
+  const VoxelBox all{Vec3i(0), field.dims};
+  const std::size_t row = static_cast<std::size_t>(field.dims.x), slab = row * static_cast<std::size_t>(field.dims.y);
+  float most = 0.0f;
+  for_each_voxel({Vec3i(0), field.dims - 1}, [&](const Vec3i& v) {
+    const float* a = field.distance.data() + all.offset_of(v);
+    const auto steepest = [a](std::size_t along, std::size_t b, std::size_t c) {
+      float edge = 0.0f;
+      for (const std::size_t at : {std::size_t{0}, b, c, b + c}) edge = std::max(edge, std::abs(a[at + along] - a[at]));
+      return edge;
+    };
+    float farthest = a[0];
+    for (const std::size_t at : {std::size_t{1}, row, row + 1, slab, slab + 1, slab + row, slab + row + 1})
+      farthest = std::max(farthest, a[at]);
+    if (farthest < 0.0f) return;
+    const Vec3f edges(steepest(1, row, slab), steepest(row, 1, slab), steepest(slab, 1, row));
+    most = std::max(most, glm::dot(edges, edges));
+  });
+  return std::max(1.0, std::sqrt(static_cast<double>(most)) / field.pitch);
 }
 
 }  // namespace burrhole

@@ -8,7 +8,8 @@
 ///   area of the bit's cutting part seen along the feed.
 ///   For an even factor: v = (F / K_cut) e s / (h ln 2).
 ///   Holds within 10 % where nothing but the end touches bone. In a bore the bit rests on the fillet between floor and wall, which lags: flat
-///   ends are slower by a quarter. Round, pointed and thin-walled ends: an estimate, within a factor of 2.
+///   ends are slower than foretold; bits_drilling_test.cpp holds by how much. Round, pointed and thin-walled ends: an estimate, within a
+///   factor of 2.
 #pragma once
 
 #include "core/base/result.h"

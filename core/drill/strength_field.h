@@ -14,10 +14,14 @@
 namespace burrhole {
 
 /// What the SIMD kernel is given: 16.16 fixed point in nodes, lanes along a row of the box.
-struct StrengthRow {
+struct StrengthTable {
   const std::int32_t* table;
-  Vec3i size;             // nodes
-  Vec3i start, step;      // of the first voxel, from voxel to voxel
+  Vec3i size;  // nodes
+  Vec3i step;  // from voxel to voxel
+};
+
+struct StrengthRow {
+  Vec3i start;            // of the first voxel
   std::int32_t from, to;  // voxels of the row that are looked up, the others stay 0
   std::int64_t* sums;
 };
@@ -34,12 +38,19 @@ class StrengthField {
   void look_up(const MasterWindow& window, const Affine& index_from_tool, ExposureField& field) const;
 
  private:
+  class RowCut;
+  void measure_extent();
+
   Vec3 origin_{0.0};      // [m] of the first node
   double spacing_ = 1.0;  // [m]
   Vec3i size_{0};         // nodes; the outermost are 0
   double unit_ = 1.0;
   double voxel_edge_ = 0.0;
   std::vector<std::int32_t> table_;
+  // [nodes] Nothing above 0 lies outside this half-open box, this ball and this tube round the tool's axis.
+  Vec3i lo_{0}, hi_{0};
+  Vec3 middle_{0.0};
+  double ball_ = 0.0, tube_ = 0.0;
 };
 
 }  // namespace burrhole

@@ -127,6 +127,48 @@ TEST_CASE("coverage: an unsaturated run removes the same mass at 500, 1000, 2000
   CHECK(apart(coarse.mass, fine.mass) < 0.05);
 }
 
+TEST_CASE("coverage: voxels that sleep miss nothing: steps, jumps, turns and pauses mark what one awake at every step marks") {
+  // A tool that knows no step before looks at every voxel. So does one whose last pose lies far off, since nothing sleeps that long: a step
+  // there and back in between wakes all. It stands in air outside the block, where it marks nothing.
+  for (const bool ball : {true, false}) {
+    const SolidCase one{.ball = ball, .radius = 4.0, .way = 4.0, .seed = 12};
+    const SweptSolid solid = random_solid(one);
+    const Voxmap voxmap = block_for(one);
+    Coverage sleeping(field_of(solid, 1.0f), CoverageKernel::trapezoid), awake(field_of(solid, 1.0f), CoverageKernel::trapezoid);
+    std::vector<Engaged> a, b;
+    Affine from = solid.from;
+    std::size_t compared = 0;
+    for (std::uint64_t n = 0; n < 120; ++n) {
+      const auto u = [&](std::uint64_t m) { return uniform11(77, 16 * n + m); };
+      // Small steps, some none, each tenth one of half a voxel, and now and then a jump between steps.
+      const double size = n % 10 == 9 ? 0.5 : n % 4 == 0 ? 0.0 : 0.01;
+      if (n % 17 == 16) from = moved(from, Vec3(u(3), u(4), u(5)));
+      Affine to = moved(from, size * Vec3(u(0), u(1), u(2)));
+      const Vec3 middle = to * Vec3(0.0, 0.0, solid.radius);
+      const Mat3 turn = glm::mat3_cast(glm::angleAxis(0.02 * size * u(6), glm::normalize(Vec3(u(7), u(8), 1.0))));
+      to.linear = turn * to.linear;
+      to.offset += middle - to * Vec3(0.0, 0.0, solid.radius);
+      a.clear();
+      b.clear();
+      (void)sleeping.advance(voxmap, {from, to}, a);
+      const Affine far = moved(from, Vec3(1000.0, 0.0, 0.0));
+      std::vector<Engaged> none;
+      (void)awake.advance(voxmap, {far, far}, none);
+      CHECK(none.empty());
+      (void)awake.advance(voxmap, {from, to}, b);
+      REQUIRE(a.size() == b.size());
+      for (std::size_t m = 0; m < a.size(); ++m) {
+        REQUIRE(a[m].at == b[m].at);
+        REQUIRE(a[m].share == b[m].share);
+        REQUIRE(a[m].exposure == b[m].exposure);
+      }
+      compared += a.size();
+      from = to;
+    }
+    CHECK(compared > 10000);
+  }
+}
+
 TEST_CASE("coverage: a window that slides away and back keeps what was covered") {
   const SweptSolid solid = resting_ball();
   const SolidCase one{.radius = 6.0, .way = 0.0};

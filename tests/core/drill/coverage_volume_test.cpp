@@ -27,6 +27,16 @@ struct Excess {
   }
 };
 
+/// Volume [voxels^3] of a tool at rest as its voxels' samples tell it by its exact distance.
+double count_of_samples(const SweptSolid& solid, const SolidCase& one, std::size_t words) {
+  const CoverageSamples samples = make_coverage_samples(CoverageKernel::trapezoid, words);
+  std::size_t met = 0;
+  for_each_voxel(block_for(one).window().box, [&](const Vec3i& v) {
+    for (std::size_t n = 0; n < samples.size(); ++n) met += solid.distance(Vec3(v) + Vec3(samples.offset[n]), 0.0) == 0.0 ? 1 : 0;
+  });
+  return static_cast<double>(met) / static_cast<double>(samples.size());
+}
+
 }  // namespace
 
 TEST_CASE("coverage: removed mass is the swept volume within 3 % down to a radius of 1 voxel, whatever way, offset, sub-step and speed") {
@@ -45,11 +55,37 @@ TEST_CASE("coverage: removed mass is the swept volume within 3 % down to a radiu
         Erosion erosion = subvoxel_erosion(solid, kAtOnce, config);
         const double removed = sweep_through(voxmap, erosion, solid, std::array{1, 7, 60}[seed / 4 % 3]);
         excess.add(removed / solid.volume() - 1.0);
-        // A tool of one voxel that never moves meets no more than some 300 samples: 4.5 % at worst over 60 poses.
-        CHECK(std::abs(removed / solid.volume() - 1.0) < (radius < 1.5 && one.way == 0.0 ? 0.05 : 0.03));
+        CHECK(std::abs(removed / solid.volume() - 1.0) < 0.03);
       }
       MESSAGE(name_of(ball) << " of " << radius << " voxels: removed mass off by " << excess.text());
     }
+}
+
+TEST_CASE(
+    "coverage: what a tool at rest removes is its volume within 3 % down to a radius of 1 voxel, wherever it stands; 64 samples miss "
+    "that") {
+  // At rest nothing averages: the count of samples within a still shape is all there is. 40 positions and turns of each; coverage_samples.h has figures of 400.
+  double worst_plain = 0.0;
+  for (const bool ball : {true, false})
+    for (const double radius : {1.0, 1.5}) {
+      Excess excess;
+      for (std::uint64_t seed = 101; seed <= 140; ++seed) {
+        CAPTURE(seed);
+        CAPTURE(radius);
+        CAPTURE(ball);
+        const SolidCase one{.ball = ball, .radius = radius, .way = 0.0, .seed = seed};
+        const SweptSolid solid = random_solid(one);
+        Voxmap voxmap = block_for(one);
+        Erosion erosion = subvoxel_erosion(solid, kAtOnce);
+        const double removed = sweep_through(voxmap, erosion, solid, 1);
+        excess.add(removed / solid.volume() - 1.0);
+        CHECK(std::abs(removed / solid.volume() - 1.0) < 0.03);
+        if (ball && radius == 1.0) worst_plain = std::max(worst_plain, std::abs(count_of_samples(solid, one, 1) / solid.volume() - 1.0));
+      }
+      MESSAGE(name_of(ball) << " of " << radius << " voxels at rest: removed mass off by " << excess.text());
+    }
+  MESSAGE("ball of 1 voxel counted with 64 samples: at worst " << 100.0 * worst_plain << " %");
+  CHECK(worst_plain > 0.035);
 }
 
 TEST_CASE("coverage: a cell is all or nothing without it, and 3 % is missed") {

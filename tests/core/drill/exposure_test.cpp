@@ -17,10 +17,6 @@ namespace {
 
 constexpr double kPitch = 0.5e-3;
 
-struct BackToAuto {
-  ~BackToAuto() { (void)choose_simd("auto"); }
-};
-
 /// Exposure from its definition: each point by itself, in double, into a map. Shares nothing with the scatter.
 struct PlainCount {
   std::map<std::tuple<int, int, int>, double> sums;
@@ -106,7 +102,7 @@ TEST_CASE("exposure: equals a plain count at random poses, for one factor and fo
 }
 
 TEST_CASE("exposure: same bits at every SIMD level, window's edge and points on no lattice included") {
-  const BackToAuto guard;
+  const SimdLevelGuard guard;
   Voxmap voxmap = bone();
   REQUIRE(voxmap.place_window({Vec3i(2, 1, 3), Vec3i(23, 24, 19)}).ok());
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {

@@ -14,10 +14,6 @@ using namespace burrhole::test;
 
 namespace {
 
-struct BackToAuto {
-  ~BackToAuto() { (void)choose_simd("auto"); }
-};
-
 /// Exposures from nothing to far beyond what clears a voxel, a third of them none.
 ExposureField random_exposure(const MasterWindow& window, const VoxelBox& part, std::uint64_t seed) {
   ExposureField field;
@@ -52,7 +48,7 @@ std::vector<float> plain_removal(const MasterWindow& window, const RemovalLaw& l
 }  // namespace
 
 TEST_CASE("removal pass: same bits as a plain loop at every SIMD level, in both laws and at all minimum densities") {
-  const BackToAuto guard;
+  const SimdLevelGuard guard;
   for (std::uint64_t seed = 1; seed <= 12; ++seed)
     for (const bool by_hardness : {true, false})
       for (const float minimum : {0.0f, 0.05f, 0.4f}) {

@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kPitch = 0.25e-3;
 
-struct BackToAuto {
-  ~BackToAuto() { (void)choose_simd("auto"); }
-};
-
 double sum_of(const ExposureField& field) {
   double sum = 0.0;
   for_each_voxel(field.box, [&](const Vec3i& v) { sum += field.at(v); });
@@ -106,7 +102,7 @@ TEST_CASE("gather: agrees with the exact scatter inside, at the rim and in all, 
 }
 
 TEST_CASE("gather: bone removed along a path is the scatter's within 2 %, and the same bits come at every SIMD level") {
-  const BackToAuto guard;
+  const SimdLevelGuard guard;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const ErosionPoints points = burr(0.4);
     const Affine from = turned_pose(kPitch, Vec3(11.0, 12.0, 10.0), seed);
