@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "core/base/rotation.h"
 #include "core/contact/distance_slope.h"
+#include "core/contact/worst_hit.h"
 
 namespace burrhole {
 namespace {
@@ -11,7 +13,7 @@ constexpr double kLookAhead = 0.6;    // [voxel edges] planes nearer than this a
 constexpr double kLongestMove = 0.4;  // [voxel edges] of any point while bone is near: within the look-ahead, with room for its curvature
 constexpr double kSettled = 0.05;     // [voxel edges] a last move this short need not be looked at again: its error is of second order
 constexpr double kTolerance = 0.002;  // [voxel edges] of the planes
-constexpr float kLeastHardness = 0.1f;
+constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are bone in part, and no plane may give way without end
 // Part of a cutting plane's give that is its own; the rest is the engagement shared by all. Opposed walls push against each other through
 // this part alone, so it sets how hard a tool that is a little too wide for its hole is pinched.
 constexpr double kOwnGive = 0.05;
@@ -23,18 +25,6 @@ constexpr double kPlay = 0.75;
 constexpr double kSameFace = 0.94;  // [-] cosine of 20 degrees: two directions this near each other are of one face
 constexpr double kNewPlay = 0.01;   // [-] change of the push's direction from which the drawn-in points are made anew
 
-Vec3 log_of(const Quat& q) noexcept {
-  const Quat near = q.w < 0.0 ? -q : q;
-  const Vec3 v(near.x, near.y, near.z);
-  const double s = glm::length(v);
-  return s < 1e-12 ? 2.0 * v : v * (2.0 * std::atan2(s, near.w) / s);
-}
-
-Quat exp_of(const Vec3& turn) noexcept {
-  const double angle = glm::length(turn);
-  return angle < 1e-12 ? glm::normalize(Quat(1.0, 0.5 * turn.x, 0.5 * turn.y, 0.5 * turn.z)) : glm::angleAxis(angle, turn / angle);
-}
-
 Affine moved(Affine affine, const Vec3& by) noexcept {
   affine.offset += by;
   return affine;
@@ -42,11 +32,11 @@ Affine moved(Affine affine, const Vec3& by) noexcept {
 
 double yield_of(const ConstrainedToolConfig& config, const SurfaceView& bone, const Vec3& bone_point, bool cutting) noexcept {
   if (cutting) return kOwnGive / config.cutting_stiffness;
-  float hardness = 1.0f;
+  float stiffness = 1.0f;
   const Vec3i v = voxel_of(bone.records.bone_from_index.inverse() * bone_point);
-  if (bone.hardness != nullptr && bone.records.box.contains(v))
-    hardness = static_cast<float>(bone.hardness[bone.records.box.offset_of(v)]) / 255.0f;
-  return 1.0 / (config.bone_stiffness * static_cast<double>(std::max(hardness, kLeastHardness)));
+  if (bone.stiffness != nullptr && bone.records.box.contains(v))
+    stiffness = static_cast<float>(bone.stiffness[bone.records.box.offset_of(v)]) / 255.0f;
+  return 1.0 / (config.bone_stiffness * static_cast<double>(std::max(stiffness, kLeastStiffness)));
 }
 
 /// [m] Middle of the shell's box. Points are kept about it in single precision, so that a tool origin far off costs none.
@@ -90,11 +80,11 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     unmask_dropped(kept);
     ProbeHits& hits = tool_->hits_;
     for (std::size_t look = 0; look <= kept.size(); ++look) {
-      std::optional<ProbeWorst> worst;
+      std::optional<WorstHit> worst;
       const auto consider = [&](std::size_t first, std::size_t last, const Vec3& shift) {
-        if (first == last) return;
-        const ProbeWorst found = find_worst(hits, first, last, motion(move, shift));
-        if (!worst || found.distance < worst->distance) worst = found;
+        // A little more than what counts as a violation: that is decided in double below.
+        const float limit = worst ? worst->distance : static_cast<float>(-0.99 * problem.tolerance / tool_->edge_);
+        if (const auto found = find_worst(hits, first, last, motion(move, shift), limit)) worst = found;
       };
       consider(0, tool_->cutting_hits_, spinning_ ? move.engagement - problem.engaged : Vec3(0.0));
       consider(tool_->cutting_hits_, hits.count, Vec3(0.0));
@@ -163,17 +153,25 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
       shell_(shell),
       middle_(middle_of(shell)),
       points_(make_contact_shell(about(shell, middle_), voxel_edge)),
+      drawn_(shell, points_.cutting, middle_),
       edge_(voxel_edge) {
   hits_.reserve(shell_.size());
 }
 
 Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
+  if (!(std::isfinite(config.side_grip) && config.side_grip >= 0.0))
+    return refuse("the share of the side grip must be finite and at least 0");
   for (const double value : {config.coupling_stiffness, config.cutting_stiffness, config.bone_stiffness, voxel_edge})
-    if (!(std::isfinite(value) && value > 0.0)) return refuse("coupling, cutting and bone stiffness must be finite and above 0");
+    if (!(std::isfinite(value) && value > 0.0))
+      return refuse("coupling, cutting and bone stiffness and the voxel's edge must be finite and above 0");
   if (!(config.turn_stiffness > 0.0)) return refuse("the coupling's stiffness against turning must be above 0");
-  if (!(config.coupling_damping >= 0.0) || config.max_moves < 1) return refuse("coupling damping must be at least 0");
+  if (!(config.coupling_damping >= 0.0 && std::isfinite(config.coupling_damping)))
+    return refuse("coupling damping must be finite and at least 0");
+  if (config.max_moves < 1) return refuse("there must be at least one move in a step");
   if (shell.size() == 0 || shell.size() > kMaxShellPoints) return refuse("the point shell must hold 1 to 200000 points");
+  if (shell.inward_normals.size() != shell.size() || shell.cutting.size() != shell.size())
+    return refuse("each point of the shell needs an inward normal and whether it cuts");
   return ConstrainedTool(config, shell, voxel_edge);
 }
 
@@ -182,6 +180,7 @@ void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
   state_.world_from_tool = world_from_tool;
   engaged_ = Vec3(0.0);
   solver_.clear();
+  grip_.clear();
   placed_ = false;
 }
 
@@ -197,17 +196,16 @@ ConstrainedTool::Pull ConstrainedTool::pull_of(const HandMotion& hand, double dt
   // Turning alike, with the same time constant; the hand's own turn in this period stands for its rate.
   const double share = config_.coupling_stiffness / pull.stiffness;
   pull.turn_stiffness = config_.turn_stiffness / share;
-  const Vec3 whole = log_of(hand.world_from_hand.rotation * glm::conjugate(before.rotation));
-  const Vec3 hands = log_of(hand.world_from_hand.rotation * glm::conjugate(hand_before_));
+  const Vec3 whole = rotation_vector(hand.world_from_hand.rotation * glm::conjugate(before.rotation));
+  const Vec3 hands = rotation_vector(hand.world_from_hand.rotation * glm::conjugate(hand_before_));
   const Vec3 turn = std::isinf(config_.turn_stiffness) ? whole : share * whole + (1.0 - share) * hands;
-  pull.world_from_target.rotation = glm::normalize(exp_of(turn) * before.rotation);
+  pull.world_from_target.rotation = glm::normalize(rotation_of(turn) * before.rotation);
   return pull;
 }
 
 Vec3 ConstrainedTool::drawn_in(std::size_t point) const noexcept {
   if (play_ == 0.0 || shell_.cutting[point] == 0) return shell_.positions[point];
-  const Vec3& inward = shell_.inward_normals[point];
-  return shell_.positions[point] + (inward - push_ * glm::dot(inward, push_)) * play_;
+  return burrhole::drawn_in(shell_.positions[point], shell_.inward_normals[point], push_, play_);
 }
 
 void ConstrainedTool::set_play(bool spinning) noexcept {
@@ -218,13 +216,19 @@ void ConstrainedTool::set_play(bool spinning) noexcept {
   if (std::abs(play - play_) < kNewPlay * edge_ && glm::length(push - push_) < kNewPlay && (play > 0.0) == (play_ > 0.0)) return;
   play_ = play;
   push_ = push;
-  ContactShellPart& part = points_.cutting;
-  for (std::size_t n = 0; n < part.x.size(); ++n) {
-    const Vec3 p = drawn_in(part.point[std::min(n, part.size() - 1)]) - middle_;
-    part.x[n] = static_cast<float>(p.x);
-    part.y[n] = static_cast<float>(p.y);
-    part.z[n] = static_cast<float>(p.z);
+  drawn_.draw(push_, play_, points_.cutting);
+}
+
+void ConstrainedTool::grip(const SurfaceView& bone, bool spinning) noexcept {
+  if (!spinning || config_.side_grip == 0.0 || engaged_ == Vec3(0.0)) {
+    grip_.clear();
+    return;
   }
+  hits_.clear();
+  probe_surface(bone.records, points_.cutting,
+                bone.records.bone_from_index.inverse() * Affine::from_pose({bone_from_tool_.rotation, bone_from_tool_ * middle_}), 0.0,
+                hits_);
+  grip_.look(hits_, shell_, bone_from_tool_, engaged_, config_.side_grip * config_.cutting_stiffness);
 }
 
 void ConstrainedTool::look(const SurfaceView& bone, bool spinning) noexcept {
@@ -240,6 +244,7 @@ void ConstrainedTool::look(const SurfaceView& bone, bool spinning) noexcept {
 HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept {
   const Affine index_from_bone = bone.records.bone_from_index.inverse();
   solver_.refresh([&](HoldPlane& plane) {
+    if (plane.both_ways) return false;  // made anew below
     plane.arm = bone_from_tool_.rotate(drawn_in(plane.point));
     plane.cutting = spinning && shell_.cutting[plane.point] != 0;
     const Vec3 position = bone_from_tool_.translation + plane.arm + (plane.cutting ? engaged_ : Vec3(0.0));
@@ -250,9 +255,11 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
     plane.yield = yield_of(config_, bone, position - plane.normal * (plane.gap + 0.5 * edge_), plane.cutting);
     return true;
   });
+  for (const HoldPlane& plane : grip_.planes(bone_from_tool_))
+    if (plane.yield > 0.0) solver_.add(plane);
   Candidates candidates(*this, bone, spinning);
   return solver_.solve({.target = bone_from_target.translation - bone_from_tool_.translation,
-                        .turn = log_of(bone_from_target.rotation * glm::conjugate(bone_from_tool_.rotation)),
+                        .turn = rotation_vector(bone_from_target.rotation * glm::conjugate(bone_from_tool_.rotation)),
                         .engaged = engaged_,
                         .stiffness = pull.stiffness,
                         .turn_stiffness = pull.turn_stiffness,
@@ -263,7 +270,7 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
 
 void ConstrainedTool::apply(const HoldMove& move, double part) noexcept {
   bone_from_tool_.translation += move.translation * part;
-  bone_from_tool_.rotation = glm::normalize(exp_of(move.turn * part) * bone_from_tool_.rotation);
+  bone_from_tool_.rotation = glm::normalize(rotation_of(move.turn * part) * bone_from_tool_.rotation);
   engaged_ += (move.engagement - engaged_) * part;
 }
 
@@ -274,7 +281,8 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
   Vec3 known_engaged = engaged_;
   double relaxation = 1.0;
   state_.moves = 0;
-  for (bool at_rest = false; !at_rest && state_.moves < static_cast<std::uint32_t>(config_.max_moves); ++state_.moves) {
+  bool at_rest = false;
+  for (; !at_rest && state_.moves < static_cast<std::uint32_t>(config_.max_moves); ++state_.moves) {
     look(bone, spinning);
     if (hits_.outside) {
       // What the window does not know is not free: wait for it to follow, or a fast hand would outrun the bone.
@@ -286,44 +294,49 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
     known = bone_from_tool_;
     known_engaged = engaged_;
     const HoldMove move = solve(bone, bone_from_target, pull, spinning);
+    if (!solver_.converged()) state_.flags |= kContactUnsettled;
     const Vec3 engaging = move.engagement - engaged_;
     const double turned = glm::length(move.turn) * (points_.reach + glm::length(middle_));
     const double length = std::max(glm::length(move.translation), glm::length(move.translation + engaging)) + turned;
     // Where nothing is near, the way is free as far as the nearest point of bone.
     const double free = std::max(kLongestMove, static_cast<double>(hits_.nearest) - kLookAhead) * edge_;
     // Planes found anew at each pose may disagree by a little; a reversal means that the truth lies between.
-    if (glm::dot(move.translation, last.translation) + glm::dot(engaging, last.engagement) < 0.0)
+    const double lever = points_.reach * points_.reach;
+    if (glm::dot(move.translation, last.translation) + glm::dot(engaging, last.engagement) + lever * glm::dot(move.turn, last.turn) < 0.0)
       relaxation = std::max(0.125, 0.5 * relaxation);
     const double part = std::min(relaxation, length > free ? free / length : 1.0);
     apply(move, part);
     last = {move.translation, move.turn, engaging};
     at_rest = length <= kSettled * edge_ || (relaxation <= 0.25 && length <= 4.0 * kSettled * edge_);
   }
+  if (!at_rest) state_.flags |= kContactUnsettled;
 }
 
 void ConstrainedTool::report(const SurfaceView& bone) noexcept {
   state_.world_from_tool = bone.world_from_bone * bone_from_tool_;
   Vec3 cutting(0.0);
-  state_.planes = static_cast<std::uint32_t>(solver_.planes().size());
   state_.on_hand = {};
-  state_.deepest = 0.0;
   for (const HoldPlane& plane : solver_.planes()) {
     const Vec3 force = bone.world_from_bone.rotate(plane.normal * plane.force);
     state_.on_hand.force += force;
     if (plane.cutting) cutting += force;
     state_.on_hand.torque += glm::cross(bone.world_from_bone.rotate(plane.arm), force);
-    state_.deepest = std::max(state_.deepest, plane.yield * plane.force);
   }
   state_.cutting_force = glm::length(cutting);
   state_.engagement = state_.cutting_force / config_.cutting_stiffness;
+  grip_.settle(bone_from_tool_, engaged_, state_.cutting_force);
+  state_.aside = bone.world_from_bone.rotate(grip_.aside());
 }
 
 const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const HandMotion& hand, double dt) noexcept {
   state_.flags = 0;
   const Quat& turn = hand.world_from_hand.rotation;
   if (!is_finite(hand.world_from_hand.translation) || !is_finite(hand.velocity) || !std::isfinite(turn.w + turn.x + turn.y + turn.z)) {
+    // Motion that means nothing gives no force and cuts nothing; the tool stays where it was.
+    const Pose stays = state_.world_from_tool;
+    state_ = {};
+    state_.world_from_tool = stays;
     state_.flags = kContactNotFinite;
-    state_.on_hand = {};  // no force from motion that means nothing; the tool stays where it was
     return state_;
   }
   if (!placed_) {
@@ -334,6 +347,7 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   bone_from_tool_ = world_from_bone_.inverse() * state_.world_from_tool;  // carried along by a bone that moved
   const Pull pull = pull_of(hand, dt);
   set_play(hand.spinning);
+  grip(bone, hand.spinning);
   sweep(bone, pull, hand.spinning);
   report(bone);
   world_from_bone_ = bone.world_from_bone;

@@ -3,7 +3,7 @@
 ///   Frame  world; poses are of the tool frame.   Units SI.   Thread contact.
 ///   What bone resists: a tool at rest cannot enter the surface; a spinning one engages by F / K_cut where it cuts, along the push, and nowhere
 ///   else. The *held* pose is the tool moved back by its engagement: cutting points are felt there, so bone is met from its own side however
-///   deep the tool is engaged; points that cannot cut are felt where the tool is. Massless: coupling and contact forces balance.
+///   deep the tool is engaged; points that cannot cut are felt where the tool is. Across the push the engaged flanks hold it (side_grip.h). Massless: coupling and contact forces balance.
 ///   Swept: no move is longer than what its look-ahead has seen, so a fast stroke passes nothing unseen.
 ///   Source  own derivation (hold_solver.h); proxies held back by a surface are the field's custom.
 #pragma once
@@ -13,7 +13,9 @@
 #include "core/base/assert.h"
 #include "core/base/result.h"
 #include "core/contact/contact_model.h"
+#include "core/contact/drawn_shell.h"
 #include "core/contact/hold_solver.h"
+#include "core/contact/side_grip.h"
 #include "core/contact/surface_probe.h"
 
 namespace burrhole {
@@ -23,7 +25,8 @@ struct ConstrainedToolConfig {
   double coupling_damping = 10.0;      ///< [N s/m]
   double turn_stiffness = 20.0;  ///< [N m/rad] hand to tool; infinite: rotation is the hand's. Damped with the time constant of the above
   double cutting_stiffness = 100e3;  ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
-  double bone_stiffness = 20e6;      ///< [N/m] of bone of hardness 1 under one plane; scaled by max(hardness, 0.1)
+  double bone_stiffness = 20e6;      ///< [N/m] of bone of relative stiffness 1 under one plane; scaled by max(relative stiffness, 0.1)
+  double side_grip = 1.0;            ///< [-] part of what engaged flanks resist sideways; 0: none
   int max_moves = 40;                ///< moves in one step: bounds cost and speed, never safety
 };
 
@@ -37,17 +40,16 @@ struct HandMotion {
 /// Bone as the constrained tool reads it; what it points to must outlive the view.
 struct SurfaceView {
   RecordView records;
-  const std::uint8_t* hardness = nullptr;  ///< 255 is 1; dense over records.box; null: 1 everywhere
+  const std::uint8_t* stiffness = nullptr;  ///< relative, 255 is 1 (contact_window.h); dense over records.box; null: 1 everywhere
   Pose world_from_bone;
 };
 
 struct ConstrainedToolState {
   Pose world_from_tool;
+  Vec3 aside{0.0};             ///< [m] world: of what is engaged, from where it is cut, across the push
   Wrench on_hand;              ///< what the tool exerts on the hand: force [N], torque [N m] about the tool origin
   double engagement = 0.0;     ///< [m] engaged depth of the cutting points, F / K_cut
   double cutting_force = 0.0;  ///< [N] of the planes that are cut, as one vector
-  double deepest = 0.0;        ///< [m] greatest depth of a shell point under the surface, beyond what it is engaged by
-  std::uint32_t planes = 0;
   std::uint32_t moves = 0;
   std::uint32_t flags = 0;  ///< ContactFlag
 };
@@ -79,6 +81,8 @@ class ConstrainedTool {
   /// A shell point, drawn in across the push by the play where it cuts [m], tool frame.
   [[nodiscard]] Vec3 drawn_in(std::size_t point) const noexcept;
   void set_play(bool spinning) noexcept;
+  /// Feels what is engaged at the true pose.
+  void grip(const SurfaceView& bone, bool spinning) noexcept;
   void look(const SurfaceView& bone, bool spinning) noexcept;
   [[nodiscard]] HoldMove solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept;
   void sweep(const SurfaceView& bone, const Pull& pull, bool spinning) noexcept;
@@ -89,10 +93,12 @@ class ConstrainedTool {
   PointShell shell_;
   Vec3 middle_{0.0};  // [m] tool frame: points_ are about it
   ContactShell points_;
+  DrawnShell drawn_;   // draws the cutting points of points_
   double edge_ = 0.0;  // [m]
   ProbeHits hits_;
   std::size_t cutting_hits_ = 0;  // the first so many hits are of cutting points
   HoldSolver solver_;
+  SideGrip grip_;
   Pose bone_from_tool_;
   Vec3 engaged_{0.0};         // [m] bone frame: the held pose is the tool's moved by this
   double play_ = 0.0;         // [m]

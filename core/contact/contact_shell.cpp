@@ -3,21 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/morton.h"
+
 namespace burrhole {
 namespace {
 
-/// Bits of three 21-bit numbers interleaved.
-std::uint64_t morton_code(const Vec3i& cell) {
-  std::uint64_t code = 0;
-  for (std::uint64_t bit = 0; bit < 21; ++bit)
-    for (std::uint64_t axis = 0; axis < 3; ++axis)
-      code |= ((static_cast<std::uint64_t>(cell[static_cast<std::size_t>(axis)]) >> bit) & 1u) << (3 * bit + axis);
-  return code;
-}
-
 ContactShellPart make_part(const PointShell& shell, std::vector<std::uint32_t> order, const Vec3& lo, double cell) {
   std::vector<std::uint64_t> codes(shell.size());
-  for (const std::uint32_t n : order) codes[n] = morton_code(glm::min(floor_int((shell.positions[n] - lo) / cell), Vec3i((1 << 21) - 1)));
+  for (const std::uint32_t n : order)
+    codes[n] = morton_code(glm::min(floor_int((shell.positions[n] - lo) / cell), Vec3i(kMortonCells - 1)));
   std::ranges::stable_sort(order, {}, [&](std::uint32_t n) { return codes[n]; });
   ContactShellPart part;
   part.point = std::move(order);

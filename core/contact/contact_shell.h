@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/line_vector.h"
 #include "core/tool/tool.h"
 
 namespace burrhole {
@@ -14,7 +15,7 @@ namespace burrhole {
 inline constexpr std::size_t kShellPad = 16;
 
 struct ContactShellPart {
-  std::vector<float> x, y, z;        ///< [m], padded
+  LineVector<float> x, y, z;         ///< [m], padded
   std::vector<std::uint32_t> point;  ///< index into the shell it was made from, not padded
   [[nodiscard]] std::size_t size() const noexcept { return point.size(); }
 };

@@ -2,6 +2,7 @@
 ///   Frame  world for points that go in or out, index where said.   Units SI; density 0..1.   Thread contact, one reader a view.
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include "core/base/geometry.h"
@@ -12,6 +13,12 @@ namespace burrhole {
 
 /// The felt, drawn, meshed and measured surface: this level of occupancy x remaining.
 inline constexpr float kSurfaceLevel = 0.5f;
+
+/// Whether an index fits an int with room for a march: a device may report any place, and a cast beyond int has no meaning. False for NaN.
+[[nodiscard]] inline bool holds_index(const Vec3& index) noexcept {
+  constexpr double kLargest = 1e9;
+  return std::abs(index.x) < kLargest && std::abs(index.y) < kLargest && std::abs(index.z) < kLargest;
+}
 
 /// A point of the 0.5 surface with its outward unit normal, world frame.
 struct SurfacePoint {

@@ -32,12 +32,6 @@ bool GradientPlane::collides(const ContactView& bone, const Vec3& index) const n
 
 namespace {
 
-/// Whether an index fits an int with room for a march: a device may report any place, and a cast beyond int has no meaning.
-bool holds_index(const Vec3& index) noexcept {
-  constexpr double kLargest = 1e9;
-  return std::abs(index.x) < kLargest && std::abs(index.y) < kLargest && std::abs(index.z) < kLargest;
-}
-
 Vec3 densest_corner(const ContactView& bone, const Vec3& index) {
   const Vec3i base = floor_int(index);
   Vec3i best = base;
@@ -103,6 +97,8 @@ void GradientPlane::evaluate(const ContactView& bone, const Pose& world_from_too
   out.wrench = {};
   out.force_gradient = Mat3(0.0);
   out.contacts.clear();
+  out.touching = 0;
+  out.deepest = 0.0;
   out.flags = 0;
   const Quat& turn = world_from_tool.rotation;
   if (!is_finite(world_from_tool.translation) || !std::isfinite(turn.w + turn.x + turn.y + turn.z))
@@ -139,10 +135,12 @@ void GradientPlane::evaluate_points(const ContactView& bone, const Pose& world_f
     const double depth = std::max(0.0, glm::dot(plane_point - position, normal));  // [AcostaLiu07] eq. 1, zero above the plane
     out.contacts.push_back({static_cast<std::uint32_t>(n), position, plane_point, normal, depth});
   }
+  out.touching = out.contacts.size();
   if (out.contacts.empty()) return;
 
   const double share = 1.0 / static_cast<double>(out.contacts.size());  // the average over colliding points, d = 0 included
   for (const Contact& contact : out.contacts) {
+    out.deepest = std::max(out.deepest, contact.depth);
     const Vec3 force = contact.normal * (contact.depth * config_.stiffness * share);  // eq. 2
     out.wrench.force += force;
     out.wrench.torque += glm::cross(contact.position - world_from_tool.translation, force);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace burrhole {
 namespace {
@@ -70,6 +71,19 @@ void HoldSolver::drop(std::size_t n) noexcept {
   --count_;
 }
 
+void HoldSolver::drop_least() noexcept {
+  const auto carries = [](const HoldPlane& plane) { return plane.both_ways ? std::numeric_limits<double>::infinity() : plane.force; };
+  const auto kept = planes();
+  const auto least = std::ranges::min_element(kept, {}, carries);
+  drop(static_cast<std::size_t>(least - kept.begin()));
+}
+
+void HoldSolver::add(const HoldPlane& plane) noexcept {
+  if (count_ == kMaxHoldPlanes) drop_least();
+  planes_[count_] = plane;
+  planes_[count_++].force = 0.0;
+}
+
 void HoldSolver::settle(const HoldProblem& problem) noexcept {
   std::array<double, kMaxHoldPlanes> wanted{};
   while (count_ > 0) {
@@ -81,7 +95,7 @@ void HoldSolver::settle(const HoldProblem& problem) noexcept {
     double part = 1.0;
     std::size_t first = count_;
     for (std::size_t n = 0; n < count_; ++n) {
-      if (wanted[n] > 0.0) continue;
+      if (wanted[n] > 0.0 || planes_[n].both_ways) continue;
       const double reach = planes_[n].force / (planes_[n].force - wanted[n]);
       if (first == count_ || reach < part) {
         part = planes_[n].force > 0.0 ? reach : 0.0;
@@ -93,7 +107,10 @@ void HoldSolver::settle(const HoldProblem& problem) noexcept {
       return;
     }
     // The one that stops the way ends at 0, and another at the same place may end a rounding below.
-    for (std::size_t n = 0; n < count_; ++n) planes_[n].force = std::max(0.0, planes_[n].force + part * (wanted[n] - planes_[n].force));
+    for (std::size_t n = 0; n < count_; ++n) {
+      const double force = planes_[n].force + part * (wanted[n] - planes_[n].force);
+      planes_[n].force = planes_[n].both_ways ? force : std::max(0.0, force);
+    }
     drop(first);
   }
 }
@@ -109,12 +126,7 @@ HoldMove HoldSolver::solve(const HoldProblem& problem, HoldCandidates& candidate
       return move;
     }
     const std::size_t before = count_;
-    if (count_ == kMaxHoldPlanes) {
-      const auto least = std::min_element(planes_.begin(), planes_.end(), [](const auto& a, const auto& b) { return a.force < b.force; });
-      drop(static_cast<std::size_t>(least - planes_.begin()));
-    }
-    planes_[count_] = *found;
-    planes_[count_++].force = 0.0;
+    add(*found);
     settle(problem);
     // Dropped at once while all others stayed: the same would be found again, and again.
     if (count_ == before && std::ranges::find(planes(), found->point, &HoldPlane::point) == planes().end()) break;

@@ -8,6 +8,7 @@
 ///   however deep the tool is engaged. The multipliers f_i >= 0 are the contact forces. At the optimum K (t - target) = sum N_i f_i: what bone
 ///   does is what the coupling feels; and K_cut e = sum over cutting planes of N_i f_i: engaged depth = F / K_cut. Opposed walls push against
 ///   each other through their yields and add nothing to e, so a blade in a slot is not let down by its sides.
+///   A plane that holds `both_ways` is a spring of stiffness 1 / yield along its normal: N . (t + w x a) + y = -gap with f of either sign.
 ///   Method: active set on the multipliers (Lawson & Hanson's NNLS on the dual), where the plane to add is the most violated of all
 ///   candidates, asked from a source: exact for any number of contacts, with a matrix as small as the number of planes that carry load.
 #pragma once
@@ -28,7 +29,8 @@ struct HoldPlane {
   double yield = 0.0;          ///< [m/N] > 0: bone's own give under this plane
   bool cutting = false;
   std::uint32_t point = 0;  ///< which shell point: a plane is added once only
-  double force = 0.0;       ///< [N] out: >= 0
+  double force = 0.0;       ///< [N] out: >= 0, but for both ways
+  bool both_ways = false;   ///< pulls as well as pushes, and is never dropped; not cutting
 };
 
 struct HoldProblem {
@@ -70,6 +72,8 @@ class HoldSolver {
   [[nodiscard]] std::span<HoldPlane> planes() noexcept { return {planes_.data(), count_}; }
   [[nodiscard]] std::span<const HoldPlane> planes() const noexcept { return {planes_.data(), count_}; }
   void clear() noexcept { count_ = 0; }
+  /// Adds a plane before solve(), in place of the one that carries least when there is no room.
+  void add(const HoldPlane& plane) noexcept;
   /// Drops planes for which keep(plane) is false; keep may change the plane.
   template <class Keep>
   void refresh(Keep&& keep) noexcept {
@@ -88,6 +92,7 @@ class HoldSolver {
   /// Brings the forces to the optimum over the kept planes, dropping those that would pull.
   void settle(const HoldProblem& problem) noexcept;
   void drop(std::size_t n) noexcept;
+  void drop_least() noexcept;
 
   std::array<HoldPlane, kMaxHoldPlanes> planes_{};
   std::size_t count_ = 0;

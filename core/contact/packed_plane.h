@@ -5,6 +5,7 @@
 ///   Density   of 1/255, gradient of 1/254 (contact_words.h); the 0.5 surface is where the trilinear density, in float, meets 127.5.
 ///   Plane     normal and way to it in float (1e-7 of its length); sums and what goes out in double. Positions are those on the 1/16384 grid.
 ///   Sums      sixteen, the n-th touching point of the sorted shell in sum n % 16, added by halves at the end: the same bits on all SIMD levels.
+///   List      contacts are listed only when asked for; sums do not need them.
 ///   Source    [AcostaLiu07] section 2; leaps and lockstep are our own derivation.
 #pragma once
 
@@ -25,7 +26,7 @@ struct GradientPlaneConfig;
 class PackedPlane {
  public:
   explicit PackedPlane(const PointShell& shell);
-  /// `bone` must hold words. Contacts come in the order of the sorted shell and carry the caller's point numbers.
+  /// `bone` must hold words. Contacts, if listed, come in the order of the sorted shell and carry the caller's point numbers.
   void evaluate(const GradientPlaneConfig& config, const ContactView& bone, const Pose& world_from_tool,
                 ContactResult& out) const noexcept BH_REALTIME;
 

@@ -1,9 +1,12 @@
 /// core/contact/surface_probe.h: distance and normal of the bone's surface at many points at once, from surface records.
 ///   Frame  distances in voxel edges, normals in the axes of the bone frame.   Thread  contact; never allocates after reserve().
-///   Source own derivation: one record near a point bounds its distance; points near the surface are then interpolated between eight.
+///   Source own derivation: one record near a point bounds its distance; points near the surface are then interpolated between eight, each of
+///   which says d + n.(p - v) / 2 of a point p, v its voxel: weighted as usual that is exact for distances of second order, where d alone is
+///   off by up to f (1 - f) / 2 an axis over the radius of curvature.
 ///   Single precision, the same bits on every SIMD level.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -22,12 +25,30 @@ struct RecordView {
   Affine bone_from_index;
 };
 
+inline constexpr std::size_t kHitBlock = 128;  ///< points of the shell, at most, whose hits are one block
+
+struct HitRange {
+  std::size_t first, last;
+};
+
+/// What neighbouring hits have in common, so that a search may pass them by. One array a figure.
+struct HitBlocks {
+  std::vector<std::uint32_t> end;            ///< a block's hits begin where those of the block before end
+  std::vector<float> distance;               ///< [voxel edges] least
+  std::array<std::vector<float>, 6> lo, hi;  ///< least and greatest x, y, z, nx, ny, nz
+  std::size_t count = 0;
+
+  void reserve(std::size_t points);
+  [[nodiscard]] HitRange hits_of(std::size_t block) const noexcept { return {block == 0 ? 0 : end[block - 1], end[block]}; }
+};
+
 /// Points of the shell within reach of the surface; sizes agree.
 struct ProbeHits {
-  std::vector<float> x, y, z;               ///< [m] tool frame
-  std::vector<float> distance, nx, ny, nz;  ///< [voxel edges], [-] bone frame, not normalised
-  std::vector<std::uint32_t> point;         ///< index into the shell
+  LineVector<float> x, y, z;               ///< [m] tool frame
+  LineVector<float> distance, nx, ny, nz;  ///< [voxel edges], [-] bone frame, not normalised
+  LineVector<std::uint32_t> point;         ///< index into the shell
   std::size_t count = 0;
+  HitBlocks blocks;      ///< of all hits, in order
   float nearest = 0.0f;  ///< [voxel edges] no point looked at is nearer to the surface; at most the records' band, inside too
   bool outside = false;  ///< a point lay outside what the records know
 
@@ -42,19 +63,5 @@ void probe_surface(const RecordView& bone, const ContactShellPart& points, const
 /// The same at one point, plainly. @param index in index coordinates. @returns nothing outside what the records know; the normal is of length 1,
 /// or zero where there is none.
 [[nodiscard]] std::optional<SurfaceSample> sample_records(const RecordView& bone, const Vec3& index) noexcept;
-
-/// A rigid motion's small step and what it does to points: p moves by linear * p_tool + offset [voxel edges], bone frame.
-struct PointMotion {
-  Mat3 linear{0.0};
-  Vec3 offset{0.0};
-};
-
-struct ProbeWorst {
-  std::size_t hit = 0;
-  float distance = 0.0f;  ///< [voxel edges] after the motion, linearised
-};
-
-/// The hit in [first, last) with the least distance after `motion`; ties go to the first. @pre first < last.
-[[nodiscard]] ProbeWorst find_worst(const ProbeHits& hits, std::size_t first, std::size_t last, const PointMotion& motion) noexcept;
 
 }  // namespace burrhole

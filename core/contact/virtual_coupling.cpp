@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/portable_math.h"
+#include "core/base/rotation.h"
 
 namespace burrhole {
 namespace {
@@ -61,14 +61,6 @@ Vec3 turn_to(const Quat& hand, const Quat& tool) noexcept {
   const Quat turn = hand * glm::conjugate(tool);
   const double sign = turn.w < 0.0 ? -2.0 : 2.0;
   return {sign * turn.x, sign * turn.y, sign * turn.z};
-}
-
-Quat turned(const Quat& q, const Vec3& rotation) noexcept {
-  // Beyond a million turns a step the direction has lost its meaning, and so has the sine's argument.
-  const double angle = std::min(glm::length(rotation), 1e6);
-  if (angle == 0.0) return q;
-  const Vec3 axis = glm::normalize(rotation) * portable_sin(0.5 * angle);
-  return glm::normalize(Quat(portable_cos(0.5 * angle), axis.x, axis.y, axis.z) * q);
 }
 
 }  // namespace
@@ -136,7 +128,8 @@ const VirtualCouplingState& VirtualCoupling::step(const ContactView& bone, const
   VirtualCouplingState next;
   next.velocity = {u[0], u[1], u[2]};
   next.angular_velocity = {u[3], u[4], u[5]};
-  next.world_from_tool = {turned(before.rotation, dt * next.angular_velocity), before.translation + dt * next.velocity};
+  next.world_from_tool = {glm::normalize(rotation_of(dt * next.angular_velocity) * before.rotation),
+                          before.translation + dt * next.velocity};
   next.on_hand.force =
       c.stiffness * (next.world_from_tool.translation - hand.world_from_hand.translation) + c.damping * (next.velocity - hand.velocity);
   next.on_hand.torque = c.angular_damping * (next.angular_velocity - hand.angular_velocity) -

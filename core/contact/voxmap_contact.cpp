@@ -5,12 +5,6 @@
 namespace burrhole {
 namespace {
 
-/// Whether an index fits an int with room for a march: a device may report any place. False for NaN.
-bool holds_index(const Vec3& index) noexcept {
-  constexpr double kLargest = 1e9;
-  return std::abs(index.x) < kLargest && std::abs(index.y) < kLargest && std::abs(index.z) < kLargest;
-}
-
 /// [Petersik03] magnitude and direction: u = S / |S| with S the sum of the vectors d N, and m = the longest projection of one of them on u.
 struct Longest {
   Vec3 direction{0.0};
@@ -73,6 +67,8 @@ void VoxmapContact::evaluate(const ContactView& bone, const Pose& world_from_too
   out.wrench = {};
   out.force_gradient = Mat3(0.0);
   out.contacts.clear();
+  out.touching = 0;
+  out.deepest = 0.0;
   out.flags = 0;
   const Quat& turn = world_from_tool.rotation;
   if (!is_finite(world_from_tool.translation) || !std::isfinite(turn.w + turn.x + turn.y + turn.z)) {
@@ -107,7 +103,9 @@ void VoxmapContact::evaluate(const ContactView& bone, const Pose& world_from_too
     const Vec3 centre = bone.world_of(Vec3(voxel));
     const double depth = std::max(0.0, glm::dot(centre - position, normal));  // under the plane through the centre
     out.contacts.push_back({static_cast<std::uint32_t>(n), position, centre, normal, depth});
+    out.deepest = std::max(out.deepest, depth);
   }
+  out.touching = out.contacts.size();
   if (!out.contacts.empty()) stack(out, world_from_tool.translation);
 }
 

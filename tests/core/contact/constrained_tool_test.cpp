@@ -213,6 +213,54 @@ TEST_CASE("constrained tool: in free space it follows the hand without force") {
   }
 }
 
+TEST_CASE(
+    "constrained tool: motion that is not finite gives no force, cuts nothing and loses no pose; the next that is finite is answered") {
+  const Bench bench(every_stroke().front());
+  const SurfaceView view = bench.view();
+  ConstrainedTool tool = bench.tool();
+  HandMotion pressed{{glm::identity<Quat>(), bench.stroke.from}, Vec3(0.0), true};
+  const auto press = [&] {
+    for (int tick = 0; tick < 400; ++tick) {
+      if (tool.state().on_hand.force.z < 5.0) pressed.world_from_hand.translation.z -= 0.02e-3;
+      (void)tool.step(view, pressed, kPeriod);
+    }
+    return tool.state();
+  };
+  const ConstrainedToolState before = press();
+  REQUIRE(before.cutting_force > 1.0);
+  REQUIRE(before.engagement > 0.0);
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()})
+    for (int part = 0; part < 3; ++part) {
+      HandMotion broken = pressed;
+      if (part == 0) broken.world_from_hand.translation.x = bad;
+      if (part == 1) broken.world_from_hand.rotation.y = bad;
+      if (part == 2) broken.velocity.z = bad;
+      const ConstrainedToolState state = tool.step(view, broken, kPeriod);
+      CHECK(state.flags == kContactNotFinite);
+      CHECK(state.on_hand.force == Vec3(0.0));
+      CHECK(state.on_hand.torque == Vec3(0.0));
+      CHECK(state.cutting_force == 0.0);
+      CHECK(state.engagement == 0.0);
+      CHECK(state.world_from_tool.translation == before.world_from_tool.translation);
+    }
+  // The same press again: the tool was where it had been.
+  (void)tool.step(view, pressed, kPeriod);
+  CHECK(std::abs(tool.state().on_hand.force.z / before.on_hand.force.z - 1.0) < 0.01);
+}
+
+TEST_CASE("constrained tool: a step cut short by its bound on moves says so, and one that comes to rest does not") {
+  const Bench bench(every_stroke().front());
+  const SurfaceView view = bench.view();
+  for (const int moves : {1, 40}) {
+    auto tool = ConstrainedTool::create({.max_moves = moves}, bench.shell, kFine);
+    REQUIRE(tool.ok());
+    tool.value().place({glm::identity<Quat>(), bench.stroke.from});
+    // Half a millimetre into bone in one step: several looks' worth.
+    const HandMotion hand{{glm::identity<Quat>(), bench.stroke.from + Vec3(0.0, 0.0, -8e-3)}, Vec3(0.0), false};
+    CHECK((tool.value().step(view, hand, kPeriod).flags & kContactUnsettled) == (moves == 1 ? kContactUnsettled : 0u));
+  }
+}
+
 TEST_CASE("constrained tool: create refuses stiffnesses and limits it could not use") {
   const PointShell shell = shell_of({Vec3(0.0)});
   const auto refused = [&](ConstrainedToolConfig config) { return !ConstrainedTool::create(config, shell, kFine).ok(); };
@@ -221,7 +269,14 @@ TEST_CASE("constrained tool: create refuses stiffnesses and limits it could not 
   CHECK(refused({.coupling_damping = -1.0}));
   CHECK(refused({.turn_stiffness = 0.0}));
   CHECK(refused({.cutting_stiffness = -1.0}));
+  CHECK(refused({.coupling_damping = std::numeric_limits<double>::infinity()}));
   CHECK(refused({.bone_stiffness = std::nan("")}));
   CHECK(refused({.max_moves = 0}));
   CHECK_FALSE(ConstrainedTool::create({}, PointShell{}, kFine).ok());
+  CHECK_FALSE(ConstrainedTool::create({}, shell, std::nan("")).ok());
+  PointShell short_of_normals = shell, short_of_edges = shell;
+  short_of_normals.inward_normals.clear();
+  short_of_edges.cutting.clear();
+  CHECK_FALSE(ConstrainedTool::create({}, short_of_normals, kFine).ok());
+  CHECK_FALSE(ConstrainedTool::create({}, short_of_edges, kFine).ok());
 }

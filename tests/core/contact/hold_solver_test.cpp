@@ -55,6 +55,34 @@ TEST_CASE("hold solver: equals the best of all active sets") {
   for (std::size_t n = 1; n <= 4; ++n) CHECK_MESSAGE(loaded[n] > 5, n);  // sets of many sizes were met
 }
 
+TEST_CASE("hold solver: springs that hold both ways take part in the best of all active sets, pulling or pushing") {
+  int pulling = 0, told = 0;
+  for (std::uint64_t n = 0; n < 200; ++n) {
+    CAPTURE(n);
+    const HoldProblem problem = random_problem(n);
+    std::vector<HoldPlane> planes = random_planes(n, 3 + mix64(n) % 4);
+    HoldSolver solver;
+    for (std::size_t k = 0; k < 2; ++k) {
+      planes[k].both_ways = true;
+      planes[k].cutting = false;
+      planes[k].yield = 1e-4;  // 10 kN/m: a spring, not a wall
+      solver.add(planes[k]);
+    }
+    const auto truth = enumerate(problem, planes);
+    REQUIRE(truth);
+    const HoldMove move = solved(solver, problem, planes);
+    CHECK(solver.converged());
+    CHECK(disagreement(solver, move, *truth, planes.size()) <= 1.0);
+    if (std::min(truth->forces[0], truth->forces[1]) >= 0.0) continue;
+    ++pulling;
+    // Sabotage: the same as planes that only push are told.
+    const auto one_way = enumerate(problem, planes, Sabotage::one_way);
+    if (!one_way || disagreement(solver, move, *one_way, planes.size()) > 1.0) ++told;
+  }
+  CHECK(pulling > 50);
+  CHECK(told == pulling);
+}
+
 TEST_CASE("hold solver: sabotaged twins disagree") {
   // Without the turn's lever arms, with one depth of engagement for all planes, with gaps that forget the engagement they were measured at.
   for (const Sabotage sabotage : {Sabotage::no_arms, Sabotage::scalar_engagement, Sabotage::engaged_forgotten, Sabotage::no_yield}) {

@@ -104,17 +104,19 @@ class ActiveSet {
     still.engaged = Vec3(0.0);
     return static_cast<Real>(gap_by(still, bare, move_from(unit), sabotage_));
   }
-  /// Nobody pulls and nobody is broken.
+  [[nodiscard]] bool springs(const HoldPlane& plane) const { return plane.both_ways && sabotage_ != Sabotage::one_way; }
+  /// Nobody pulls and nobody is broken, but for springs, which always take part.
   std::optional<HoldTruth> checked(const std::vector<Real>& found, const std::vector<std::size_t>& on) const {
     std::array<double, 9> u{};
     for (std::size_t k = 0; k < 9; ++k) u[k] = static_cast<double>(found[k] * scale(k));
     HoldTruth out{move_from(u), std::vector<double>(planes_->size())};
     for (std::size_t i = 0; i < on.size(); ++i) {
       out.forces[on[i]] = static_cast<double>(found[9 + on.size() + i]);
-      if (out.forces[on[i]] < 0.0) return std::nullopt;
+      if (out.forces[on[i]] < 0.0 && !springs((*planes_)[on[i]])) return std::nullopt;
     }
     for (std::size_t n = 0; n < planes_->size(); ++n)
-      if (std::ranges::find(on, n) == on.end() && gap_by(*problem_, (*planes_)[n], out.move, sabotage_) < -kTightTolerance)
+      if (std::ranges::find(on, n) == on.end() &&
+          (springs((*planes_)[n]) || gap_by(*problem_, (*planes_)[n], out.move, sabotage_) < -kTightTolerance))
         return std::nullopt;
     return out;
   }

@@ -27,7 +27,7 @@ struct HoldTruth {
 };
 
 /// What a broken solver would solve.
-enum class Sabotage { none, no_arms, scalar_engagement, engaged_forgotten, no_yield };
+enum class Sabotage { none, no_arms, scalar_engagement, engaged_forgotten, no_yield, one_way };
 
 /// Gap of a plane after a move, without its yield: the definition.
 double gap_of(const HoldProblem& problem, const HoldPlane& plane, const HoldMove& move);

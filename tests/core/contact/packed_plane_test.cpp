@@ -13,10 +13,6 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20240707;
 
-struct BackToAuto {
-  ~BackToAuto() { (void)choose_simd("auto"); }
-};
-
 struct Case {
   std::string name;
   DenseBone bone;
@@ -72,7 +68,7 @@ WordsTwin twin_of(const ContactView& view, const GradientPlaneConfig& config) {
 
 TEST_CASE("packed gradient-plane: equals a plain twin over the same words, bit for bit, at every SIMD level") {
   MESSAGE("seed " << kSeed);
-  const BackToAuto guard;
+  const SimdLevelGuard guard;
   const PointShell shell = shipped_shell("acosta_liu_round");
   const std::vector<std::uint32_t> order = morton_order(shell.positions);
   std::vector<std::string> levels{"auto"};
@@ -150,6 +146,38 @@ TEST_CASE("packed gradient-plane: contacts name the caller's points and a place 
   }
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(evaluated(*model, bone.view(), {{}, Vec3(0.0, nan, 0.0)}).flags == kContactNotFinite);
+}
+
+TEST_CASE("packed gradient-plane: without a list of contacts all else is the same bits") {
+  const PointShell shell = shipped_shell("acosta_liu_round");
+  const FeltBone bone(phantom_of(small_spec(PhantomKind::sphere)).bone, {}, 0.08f, {}, kWordsOnly);
+  const SimdLevelGuard guard;
+  std::vector<std::string> levels{"auto"};
+  for (const SimdLevel level : simd_levels()) levels.emplace_back(name_of(level));
+  std::size_t touched = 0;
+  for (const bool paper : {false, true}) {
+    const auto model = model_of(shell, {.paper_mode = paper});
+    for (std::uint64_t n = 0; n < 40; ++n)
+      for (const std::string& level : levels) {
+        CAPTURE(level);
+        REQUIRE(choose_simd(level).ok());
+        ContactResult listed, unlisted;
+        unlisted.list_contacts = false;
+        model->evaluate(bone.view(), tool_pose(n, {}), listed);
+        model->evaluate(bone.view(), tool_pose(n, {}), unlisted);
+        double deepest = 0.0;
+        for (const Contact& contact : listed.contacts) deepest = std::max(deepest, contact.depth);
+        CHECK(unlisted.contacts.empty());
+        for (const ContactResult* result : {&listed, &unlisted}) {
+          CHECK(result->touching == listed.contacts.size());
+          CHECK(result->deepest == deepest);
+        }
+        touched += unlisted.touching;
+        unlisted.contacts = listed.contacts;
+        CHECK(same_bits(listed, unlisted));
+      }
+  }
+  CHECK(touched > 1000);
 }
 
 TEST_CASE("packed gradient-plane: evaluating into a reserved result does not allocate") {

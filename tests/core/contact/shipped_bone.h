@@ -3,7 +3,7 @@
 #pragma once
 
 #include "contact_support.h"
-#include "core/contact/constrained_tool.h"
+#include "core/contact/surface_view.h"
 #include "core/drill/erosion.h"
 
 namespace burrhole::contact_test {
@@ -12,7 +12,7 @@ class ShippedBone {
  public:
   /// The window is the whole grid and `margin` voxels round it; records are known to within seven voxels of the window's edge.
   explicit ShippedBone(const DenseBone& dense, const Pose& world_from_bone = {}, RecordPrecision precision = RecordPrecision::bits16,
-                       int margin = 19)
+                       int margin = 19, const LabelFactors& label_stiffness = kAllAlike)
       : map_(dense.bone_from_index), world_from_bone_(world_from_bone) {
     auto bone = BoneModel::create(dense);
     REQUIRE(bone.ok());
@@ -20,19 +20,17 @@ class ShippedBone {
     REQUIRE(voxmap.ok());
     voxmap_ = std::make_unique<Voxmap>(std::move(voxmap).value());
     REQUIRE(voxmap_->place_window(voxmap_->bone().bounds().grown(margin)).ok());
-    publisher_ =
-        std::make_unique<ContactWindowPublisher>(*voxmap_, ContactFields{.density = true, .gradient = false, .records = precision});
+    publisher_ = std::make_unique<ContactWindowPublisher>(
+        *voxmap_, ContactFields{.density = true, .gradient = false, .records = precision, .label_stiffness = label_stiffness});
     publish();
   }
   explicit ShippedBone(const Phantom& phantom, const Pose& world_from_bone = {}, RecordPrecision precision = RecordPrecision::bits16)
       : ShippedBone(phantom.bone, world_from_bone, precision) {}
 
   [[nodiscard]] SurfaceView view() const {
-    const auto* r8 = std::get_if<std::vector<Record8>>(&window_->records);
-    const auto* r16 = std::get_if<std::vector<Record16>>(&window_->records);
-    return {{window_->box, window_->records_valid, r8 != nullptr ? r8->data() : nullptr, r16 != nullptr ? r16->data() : nullptr, map_},
-            window_->hardness.data(),
-            world_from_bone_};
+    const auto out = surface_view(*window_, map_, world_from_bone_);
+    REQUIRE(out.has_value());
+    return *out;
   }
   void move_bone(const Pose& world_from_bone) noexcept { world_from_bone_ = world_from_bone; }
 

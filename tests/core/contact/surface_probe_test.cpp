@@ -10,6 +10,7 @@
 
 #include "core/base/random.h"
 #include "core/base/simd.h"
+#include "every_level.h"
 #include "surface_probe_twin.h"
 
 using namespace burrhole;
@@ -19,21 +20,6 @@ namespace {
 
 constexpr double kLookAhead = 0.6;  // [voxel edges]
 constexpr RecordPrecision kPrecisions[] = {RecordPrecision::bits8, RecordPrecision::bits16};
-
-/// Calls f once a level of this machine, then goes back to the best.
-template <class F>
-void at_all_levels(F&& f) {
-  struct BackToAuto {
-    ~BackToAuto() { (void)choose_simd("auto"); }
-  } guard;
-  for (const SimdLevel level : simd_levels()) {
-    REQUIRE(choose_simd(name_of(level)).ok());
-    CAPTURE(std::string(name_of(level)));
-    f();
-  }
-  REQUIRE(choose_simd("auto").ok());
-  f();
-}
 
 const VoxelBox kBox{Vec3i(-12, -10, -11), Vec3i(14, 13, 12)};
 
@@ -248,44 +234,6 @@ TEST_CASE("surface probe: a second part is appended and the first kept") {
       CHECK(hits.nearest == std::min(expected.nearest, more.nearest));
       CHECK(hits.outside == (expected.outside || more.outside));
     }
-  });
-}
-
-TEST_CASE("surface probe: the worst hit is that of a plain loop and ties go to the first") {
-  constexpr std::size_t kCount = 700;
-  ProbeHits hits;
-  hits.reserve(kCount);
-  hits.clear();
-  hits.count = kCount;
-  const auto number = [](std::uint64_t n) { return static_cast<float>(uniform11(31, n)); };
-  for (std::size_t n = 0; n < hits.count; ++n) {
-    const std::uint64_t at = 8 * (n % 100);  // every hit has its like, 100 further on
-    hits.x[n] = 0.01f * number(at), hits.y[n] = 0.01f * number(at + 1), hits.z[n] = 0.01f * number(at + 2);
-    hits.nx[n] = number(at + 3), hits.ny[n] = number(at + 4), hits.nz[n] = number(at + 5);
-    hits.distance[n] = 0.6f * number(at + 6);
-  }
-  hits.distance[55] = 1e9f;  // hidden, as the tool does with planes that it has
-  const auto check = [&](std::size_t first, std::size_t last, const PointMotion& motion) {
-    const ProbeWorst found = find_worst(hits, first, last, motion), expected = worst_plainly(hits, first, last, motion);
-    CHECK(found.hit == expected.hit);
-    CHECK(found.distance == expected.distance);
-  };
-  at_all_levels([&] {
-    for (std::uint64_t trial = 0; trial < 300; ++trial) {
-      PointMotion motion;
-      for (std::size_t a = 0; a < 3; ++a) motion.offset[a] = uniform11(41, 3 * trial + a);
-      for (std::size_t a = 0; a < 9; ++a) motion.linear[a / 3][a % 3] = 50.0 * uniform11(42, 9 * trial + a);
-      if (trial % 10 == 0) motion = {};
-      const std::size_t first = mix64(trial) % 300;
-      check(first, first + 1 + trial % 70, motion);
-      check(first, kCount, motion);
-      check(0, kCount, motion);
-    }
-    PointMotion broken;
-    broken.offset.x = std::numeric_limits<double>::quiet_NaN();
-    const ProbeWorst worst = find_worst(hits, 200, 300, broken);  // whatever it says, it is one of those asked for
-    CHECK(worst.hit >= 200);
-    CHECK(worst.hit < 300);
   });
 }
 

@@ -29,18 +29,49 @@ Four between(const Four& a, const Four& b, float t) {
   return out;
 }
 
-/// First along k, then j, then i.
-Four interpolated(const RecordView& bone, const std::array<float, 3>& p) {
+/// First along k, then j, then i; and how every channel changes along i, j and k, mixed along the other two in the same order.
+struct Cell {
+  Four value;
+  std::array<Four, 3> change;
+};
+
+Four less(const Four& a, const Four& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]}; }
+
+Cell interpolated(const RecordView& bone, const std::array<float, 3>& p) {
   const int i = static_cast<int>(p[0]), j = static_cast<int>(p[1]), k = static_cast<int>(p[2]);
   const float fx = p[0] - static_cast<float>(i), fy = p[1] - static_cast<float>(j), fz = p[2] - static_cast<float>(k);
-  std::array<Four, 2> faces;
+  std::array<Four, 2> faces, over_j, over_k;
   for (int x = 0; x < 2; ++x) {
-    std::array<Four, 2> edges;
-    for (int y = 0; y < 2; ++y)
-      edges[static_cast<std::size_t>(y)] = between(stored(bone, i + x, j + y, k), stored(bone, i + x, j + y, k + 1), fz);
-    faces[static_cast<std::size_t>(x)] = between(edges[0], edges[1], fy);
+    std::array<Four, 2> edges, rises;
+    for (int y = 0; y < 2; ++y) {
+      const Four low = stored(bone, i + x, j + y, k), high = stored(bone, i + x, j + y, k + 1);
+      edges[static_cast<std::size_t>(y)] = between(low, high, fz);
+      rises[static_cast<std::size_t>(y)] = less(high, low);
+    }
+    const auto side = static_cast<std::size_t>(x);
+    faces[side] = between(edges[0], edges[1], fy);
+    over_j[side] = less(edges[1], edges[0]);
+    over_k[side] = between(rises[0], rises[1], fy);
   }
-  return between(faces[0], faces[1], fx);
+  return {between(faces[0], faces[1], fx),
+          {less(faces[1], faces[0]), between(over_j[0], over_j[1], fx), between(over_k[0], over_k[1], fx)}};
+}
+
+/// [stored steps] what bends the distance: by axis f (1 - f) / 2 times how much less the normal, on the way of the axis, is past than before.
+float bend(const RecordView& bone, const Cell& cell, const std::array<float, 3>& p) {
+  const bool small = bone.records8 != nullptr;
+  const double scale = small ? kRecord8Normal / kRecord8Distance : kRecord16Normal / kRecord16Distance;
+  std::array<float, 3> by_channel{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::array<float, 3> part{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float f = p[axis] - static_cast<float>(static_cast<int>(p[axis]));
+      const auto way = static_cast<float>(-0.5 * scale * bone.bone_from_index.linear[axis][c] / bone.bone_from_index.mean_edge());
+      part[axis] = cell.change[axis][c + 1] * (way * (f * (1.0f - f)));
+    }
+    by_channel[c] = (part[0] + part[1]) + part[2];
+  }
+  return (by_channel[0] + by_channel[1]) + by_channel[2];
 }
 
 std::array<float, 3> times(const Affine& map, float x, float y, float z) {
@@ -82,8 +113,9 @@ TwinProbe probe_plainly(const RecordView& bone, const ContactShellPart& points, 
     const float first = stored(bone, static_cast<int>(p[0] + 0.5f), static_cast<int>(p[1] + 0.5f), static_cast<int>(p[2] + 0.5f))[0];
     least = std::min(least, first);
     if (!(first < (reach + slack) * steps)) continue;
-    const Four found = interpolated(bone, p);
-    const float distance = found[0] * (1.0f / steps);
+    const Cell cell = interpolated(bone, p);
+    const Four& found = cell.value;
+    const float distance = (found[0] + bend(bone, cell, p)) * (1.0f / steps);
     if (!(distance < reach)) continue;
     out.hits.push_back({points.point[n], points.x[n], points.y[n], points.z[n], distance, found[1] * normal_scale, found[2] * normal_scale,
                         found[3] * normal_scale});
@@ -92,15 +124,15 @@ TwinProbe probe_plainly(const RecordView& bone, const ContactShellPart& points, 
   return out;
 }
 
-ProbeWorst worst_plainly(const ProbeHits& hits, std::size_t first, std::size_t last, const PointMotion& motion) {
-  std::optional<ProbeWorst> worst;
+std::optional<WorstHit> worst_plainly(const ProbeHits& hits, std::size_t first, std::size_t last, const PointMotion& motion, float limit) {
+  std::optional<WorstHit> worst;
   for (std::size_t n = first; n < last; ++n) {
     const std::array<float, 3> m = times({motion.linear, motion.offset}, hits.x[n], hits.y[n], hits.z[n]);
     const float along = (hits.nx[n] * m[0] + hits.ny[n] * m[1]) + hits.nz[n] * m[2];
     const float after = hits.distance[n] + along;
-    if (!worst || after < worst->distance) worst = ProbeWorst{n, after};
+    if (after < (worst ? worst->distance : limit)) worst = WorstHit{n, after};
   }
-  return *worst;
+  return worst;
 }
 
 std::vector<TwinHit> hits_of(const ProbeHits& hits) {

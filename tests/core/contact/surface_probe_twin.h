@@ -4,10 +4,12 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "core/contact/surface_probe.h"
+#include "core/contact/worst_hit.h"
 
 namespace burrhole::probe_test {
 
@@ -26,8 +28,9 @@ struct TwinProbe {
 
 [[nodiscard]] TwinProbe probe_plainly(const RecordView& bone, const ContactShellPart& points, const Affine& index_from_tool,
                                       double look_ahead);
-/// As find_worst().
-[[nodiscard]] ProbeWorst worst_plainly(const ProbeHits& hits, std::size_t first, std::size_t last, const PointMotion& motion);
+/// As find_worst(), all hits looked at.
+[[nodiscard]] std::optional<WorstHit> worst_plainly(const ProbeHits& hits, std::size_t first, std::size_t last, const PointMotion& motion,
+                                                    float limit = std::numeric_limits<float>::infinity());
 [[nodiscard]] std::vector<TwinHit> hits_of(const ProbeHits& hits);
 
 /// Truth at a point of the bone frame: distance [m] and outward normal.

@@ -1,0 +1,97 @@
+#include "core/contact/side_grip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace burrhole {
+namespace {
+
+constexpr double kLeastEngaged = 1e-7;   // [m] less is rounding of a tool that only touches
+constexpr double kLeastStiffness = 1.0;  // [N/m] less is felt by no one, and its inverse would swamp the other planes
+constexpr double kRelieved = -0.05;      // [-] sine of 3 degrees: a straight flank is one still while the push leans a little
+constexpr double kLargestShare = 0.5;    // [-] of the thrust that flanks carry
+constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max() - 2;  // beyond every shell point
+
+Vec3 across(const Vec3& v, const Vec3& push) noexcept { return v - push * glm::dot(v, push); }
+
+}  // namespace
+
+void SideGrip::clear() noexcept {
+  stiffness_ = {};
+  aside_ = Vec3(0.0);
+  to_cut_ = 0.0;
+}
+
+void SideGrip::look(const ProbeHits& inside, const PointShell& shell, const Pose& bone_from_tool, const Vec3& engaged,
+                    double stiffness) noexcept {
+  stiffness_ = {};
+  const double depth = glm::length(engaged);
+  if (depth < kLeastEngaged) return clear();
+  push_ = engaged / depth;
+  const Vec3 u = glm::normalize(glm::cross(push_, std::abs(push_.x) < 0.7 ? Vec3(1.0, 0.0, 0.0) : Vec3(0.0, 1.0, 0.0)));
+  const Vec3 v = glm::cross(push_, u);
+  const Mat3 turn = glm::mat3_cast(bone_from_tool.rotation);
+  double along = 0.0, uu = 0.0, uv = 0.0, vv = 0.0, spread = 0.0;
+  Vec3 middle(0.0);
+  for (std::size_t n = 0; n < inside.count; ++n) {
+    if (inside.distance[n] >= 0.0f) continue;
+    const Vec3 normal = turn * shell.inward_normals[inside.point[n]];
+    const double facing = glm::dot(normal, push_);
+    if (facing < kRelieved) continue;  // relieved: it is drawn away from bone
+    const double load = facing * facing, nu = glm::dot(normal, u), nv = glm::dot(normal, v);
+    const Vec3& at = shell.positions[inside.point[n]];
+    const Vec3 place = across(turn * at, push_);
+    along += load;
+    middle += load * at;
+    spread += load * glm::dot(place, place);
+    uu += nu * nu;
+    uv += nu * nv;
+    vv += nv * nv;
+  }
+  if (along <= 0.0) return clear();
+  arm_ = middle / along;
+  const Vec3 off = across(turn * arm_, push_);
+  half_width_ = std::sqrt(std::max(0.0, 2.0 * (spread / along - glm::dot(off, off))));  // of a disc the mean square is half the radius's
+  const double mean = 0.5 * (uu + vv), apart = std::hypot(0.5 * (uu - vv), uv), angle = 0.5 * std::atan2(2.0 * uv, uu - vv);
+  axes_ = {u * std::cos(angle) + v * std::sin(angle), v * std::cos(angle) - u * std::sin(angle)};
+  stiffness_ = {stiffness * (mean + apart) / (2.0 * along), stiffness * (mean - apart) / (2.0 * along)};
+  start_ = bone_from_tool * arm_;
+  engaged_ = engaged;
+  aside_ = across(aside_, push_);
+}
+
+Vec3 SideGrip::aside_at(const Pose& bone_from_tool) const noexcept { return across(aside_ + bone_from_tool * arm_ - start_, push_); }
+
+std::array<HoldPlane, 2> SideGrip::planes(const Pose& bone_from_tool) const noexcept {
+  std::array<HoldPlane, 2> out;
+  const Vec3 aside = aside_at(bone_from_tool);
+  for (std::size_t n = 0; n < 2; ++n) {
+    out[n].normal = axes_[n];
+    out[n].arm = bone_from_tool.rotate(arm_);
+    out[n].gap = glm::dot(axes_[n], aside);
+    out[n].yield = stiffness_[n] >= kLeastStiffness ? 1.0 / stiffness_[n] : 0.0;
+    out[n].both_ways = true;
+    out[n].point = kNoPoint + static_cast<std::uint32_t>(n);
+  }
+  return out;
+}
+
+void SideGrip::settle(const Pose& bone_from_tool, const Vec3& engaged, double thrust) noexcept {
+  if (stiffness_[0] < kLeastStiffness) return clear();
+  const Vec3 moved = bone_from_tool * arm_ - start_;
+  aside_ = aside_at(bone_from_tool);
+  // The pose without engagement follows the surface: what it has gone against the push is what was cut. Back and forth cuts nothing.
+  const double depth = std::max(glm::dot(engaged, push_), kLeastEngaged);
+  to_cut_ = std::max(to_cut_ - glm::dot(moved + engaged - engaged_, push_), -depth);
+  if (to_cut_ > 0.0) {
+    aside_ *= std::max(0.0, 1.0 - to_cut_ / depth);
+    to_cut_ = 0.0;
+  }
+  const double far = glm::length(aside_);
+  const Vec3 force = axes_[0] * (stiffness_[0] * glm::dot(axes_[0], aside_)) + axes_[1] * (stiffness_[1] * glm::dot(axes_[1], aside_));
+  const double most = kLargestShare * thrust, felt = glm::length(force);
+  aside_ *= std::min({1.0, far > half_width_ ? half_width_ / far : 1.0, felt > most ? most / felt : 1.0});
+}
+
+}  // namespace burrhole
