@@ -35,6 +35,8 @@ void add_check(CLI::App& app, int& exit_code) {
     constexpr double kGrazing = 45.0;  // [degrees] a drill is held square to the skull; beyond this it slips before it cuts
     if (angle_deg > kGrazing)
       fmt::print(stderr, "{}: warning: the axis meets the bone {:.0f} degrees off its normal\n", loaded->scene.file, angle_deg);
+    if (simulation->approach().from_inside)
+      fmt::print(stderr, "{}: warning: the axis points out of the skull: brain or dura lies before the entry\n", loaded->scene.file);
     print(fmt::format("{}: ok; {:.2f} mm of bone along the axis, {:.1f} degrees off its normal\n", loaded->scene.file, thickness_mm,
                       angle_deg));
   });

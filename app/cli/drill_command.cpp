@@ -71,6 +71,25 @@ std::vector<double> speeds(const std::vector<RunSample>& samples, std::size_t sp
   return out;
 }
 
+std::string setting_of(const Scene& scene) {
+  std::string out = fmt::format("{:.0f} rpm, {:g} N of thrust", scene.tool.spin / kRevPerMinute, scene.hand.push);
+  if (scene.contact) {
+    const ContactModelKind model = scene.contact->model;
+    out += std::string(", contact ") + (model == ContactModelKind::surface  ? "surface"
+                                        : model == ContactModelKind::voxmap ? "voxmap"
+                                                                            : "gradient-plane");
+  }
+  if (scene.erosion) {
+    const ErosionConfig& erosion = scene.erosion->config;
+    out += std::string(", erosion law ") +
+           (erosion.law == ErosionLaw::rate     ? "rate"
+            : erosion.law == ErosionLaw::energy ? "energy"
+                                                : "per-update") +
+           (erosion.subvoxel ? ", sub-voxel" : ", whole voxels");
+  }
+  return out + ".";
+}
+
 DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary,
                         const std::vector<std::string>& pictures) {
   DrillReport r;
@@ -86,7 +105,9 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.speed_mm_s = speeds(simulation.samples(), static_cast<std::size_t>(std::max(2, rate / 10)));
   for (const Approach::Layer& layer : simulation.approach().layers)
     if (const std::string name = layer_name(layer.label); !name.empty()) r.layers.push_back({name, layer.from * 1e3, layer.to * 1e3});
-  if (summary.breakthrough_s) r.events.push_back({*summary.breakthrough_s, "breakthrough"});
+  for (const RunEvent& event : simulation.events())
+    r.events.push_back({event.time, event.kind == "hand" ? "hand: " + event.text : event.kind});
+  r.setting = setting_of(loaded.scene);
   for (const std::string& file : pictures) r.pictures.push_back({file, caption_of(file)});
   r.thickness_mm = summary.thickness_mm;
   r.depth_mm_at_breakthrough = summary.depth_mm;
@@ -98,6 +119,8 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.hole_diameter_mm = summary.hole_diameter_mm;
   r.inner_diameter_mm = summary.inner_diameter_mm;
   r.breakthrough_s = summary.breakthrough_s;
+  r.outcome = outcome_text(summary);
+  r.warnings = summary.warnings;
   r.duration_s = summary.duration_s;
   for (const auto& [name, t] : summary.timing)
     if (t.count > 0) r.timing.push_back({name, t.count, t.p50_us, t.p99_us, t.p999_us, t.max_us});
@@ -168,12 +191,9 @@ void print_figures(const RunSummary& s) {
   const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f} mm", *value) : std::string("-"); };
   fmt::print(stderr,
              "thickness {:.2f} mm, breakthrough at {} deep, plunge {}, hole {} outside, {} inside, peak force {:.1f} N, {:.1f} s drilled "
-             "in {:.1f} s\n",
+             "in {:.1f} s\n{}\n",
              s.thickness_mm, mm(s.depth_mm), mm(s.plunge_mm), mm(s.hole_diameter_mm), mm(s.inner_diameter_mm), s.peak_force_N, s.duration_s,
-             s.wall_s);
-  if (!s.breakthrough_s && s.end == "done")
-    fmt::print(stderr, "no breakthrough: the hand let go {:.2f} mm deep in {:.2f} mm of bone, as it felt a give\n", s.reached_mm,
-               s.thickness_mm);
+             s.wall_s, outcome_text(s));
 }
 
 }  // namespace
@@ -211,6 +231,8 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
   thickness = simulation->approach().thickness;
+  if (simulation->approach().from_inside && !quiet)
+    fmt::print(stderr, "{}: warning: the axis points out of the skull: brain or dura lies before the entry\n", loaded.scene.file);
   if (Status made = make_folder(files.folder); !made) return made.error();
   remove_old_pictures(files.folder);
   auto session = open_session(loaded, files);

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 
 #include "app/cli/drilling.h"
 #include "app/cli/front.h"
@@ -23,7 +24,11 @@ std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSum
     out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}; {}\n", row.effect.table, name_of(row.effect.clock), rate,
                        size_text(row.bytes), time, row.effect.step, row.detail);
   }
-  out += fmt::format("\nnot built: {}\n", fmt::join(plan.not_built, ", "));
+  std::vector<std::string> absent, later;
+  for (const std::string& name : plan.not_built)
+    (std::ranges::find(known_effects(), name, &EffectInfo::table) != known_effects().end() ? absent : later).push_back(name);
+  if (!absent.empty()) out += fmt::format("\nnot built, as this scene does not name it: {}", fmt::join(absent, ", "));
+  out += fmt::format("\nnot in this version: {}\n", fmt::join(later, ", "));
   for (const std::string& warning : plan.warnings) out += "warning: " + warning + "\n";
   return out;
 }

@@ -8,6 +8,7 @@
 namespace burrhole {
 namespace {
 
+constexpr double kInside = 3e-3;  // [m] before the entry in which dura or brain tells that the axis comes from inside
 constexpr double kSearch = 0.020, kDeepest = 0.060, kGap = 0.002;  // [m]
 
 /// Bisects the 0.5 level between two depths on a line, the first outside bone or the second, as given.
@@ -81,6 +82,10 @@ Result<Approach> make_approach(const BoneModel& bone, const ApproachScene& scene
   out.thickness = refine(bone, index_from_bone, entry, scene.axis, last_inside, last_inside + step, true);
   out.angle = std::acos(std::clamp(glm::dot(-scene.axis, outward_normal(bone, index_from_bone, entry)), -1.0, 1.0));
   list_layers(bone, out);
+  for (double above = step; above < kInside && !out.from_inside; above += step) {
+    const VoxelLabel label = bone.label(voxel_of(index_from_bone * (entry - scene.axis * above)));
+    out.from_inside = label == VoxelLabel::dura || label == VoxelLabel::brain;
+  }
   return out;
 }
 

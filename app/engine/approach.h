@@ -11,9 +11,10 @@
 namespace burrhole {
 
 struct Approach {
-  Pose bone_from_approach;  ///< origin on the outer surface
-  double thickness = 0.0;   ///< [m] of bone along the axis, by the 0.5 level of occupancy
-  double angle = 0.0;       ///< [rad] between the tool's axis and the outward normal at the entry
+  Pose bone_from_approach;   ///< origin on the outer surface
+  double thickness = 0.0;    ///< [m] of bone along the axis, by the 0.5 level of occupancy
+  double angle = 0.0;        ///< [rad] between the tool's axis and the outward normal at the entry
+  bool from_inside = false;  ///< dura or brain lies before the entry: the axis points out of the skull
   /// Places along the axis inside bone as loaded, a quarter voxel apart, outer first: index coordinates and depth from the entry [m].
   std::vector<Vec3> axis_index;
   std::vector<double> axis_depth;

@@ -25,6 +25,7 @@ BoneStep::BoneStep(const Scene& scene, const Tool& tool, Voxmap& voxmap)
     : tool_(&tool),
       voxmap_(&voxmap),
       index_from_world_((Affine::from_pose(scene.volume.world_from_bone) * voxmap.bone().bone_from_index()).inverse()),
+      margins_(window_margins(scene, voxmap.bone().bone_from_index())),
       spin_(scene.tool.spin),
       slowest_spin_(scene.tool.spin) {}
 
@@ -43,7 +44,7 @@ Result<BoneStep> BoneStep::create(const Scene& scene, const Tool& tool, Voxmap& 
     out.spindle_.emplace(std::move(spindle).value());
   }
   out.last_ = world_from_tool;
-  if (Status placed = voxmap.place_window(tool_box(tool, out.index_from_tool(world_from_tool), kWindowReach)); !placed)
+  if (Status placed = voxmap.place_window(tool_box(tool, out.index_from_tool(world_from_tool), out.margins_.placed)); !placed)
     return Error{placed.error().code, "tool \"" + tool.name + "\" is too large for this bone's voxels: " + placed.error().message, {}};
   out.publisher_ = std::make_unique<ContactWindowPublisher>(voxmap, contact_fields(scene));
   out.publisher_->publish(voxmap);
@@ -58,6 +59,7 @@ ContactFields contact_fields(const Scene& scene) {
   switch (scene.contact->model) {
     case ContactModelKind::surface:
       fields.records = scene.contact->record_bits;
+      fields.label_stiffness = scene.contact->label_stiffness;
       break;
     case ContactModelKind::gradient_plane:
       fields.words = scene.contact->storage == ContactStorage::window;
@@ -68,12 +70,22 @@ ContactFields contact_fields(const Scene& scene) {
   return fields;
 }
 
+WindowMargins window_margins(const Scene& scene, const Affine& bone_from_index) {
+  // Marches go seven voxels deep at the least, and so far in are records known on even voxels; on uneven ones it is further.
+  int blind = 7;
+  if (contact_fields(scene).records) {
+    const Vec3i reach = record_reach(bone_from_index);
+    blind = std::max({blind, reach.x, reach.y, reach.z});
+  }
+  return {.placed = blind + 9, .least = blind + 3};
+}
+
 Affine BoneStep::index_from_tool(const Pose& world_from_tool) const { return index_from_world_ * Affine::from_pose(world_from_tool); }
 
 Status BoneStep::keep_window(const ErosionPath& path) {
   const auto swept = [&](int margin) { return tool_box(*tool_, path.from, margin).unite(tool_box(*tool_, path.to, margin)); };
-  if (voxmap_->window().box.contains(swept(kWindowLeast))) return {};
-  return voxmap_->place_window(swept(kWindowReach));
+  if (voxmap_->window().box.contains(swept(margins_.least))) return {};
+  return voxmap_->place_window(swept(margins_.placed));
 }
 
 bool BoneStep::erode(const ErosionPath& path, double cutting_force, double dt) {

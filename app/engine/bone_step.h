@@ -15,14 +15,18 @@
 
 namespace burrhole {
 
-/// Free voxels kept round the tool's bounding box when the window is placed, and the least before it slides.
-inline constexpr int kWindowReach = 16, kWindowLeast = 10;
-
 /// Box of voxels that a tool needs at a pose, `margin` voxels wider on each side.
 [[nodiscard]] VoxelBox tool_box(const Tool& tool, const Affine& index_from_tool, int margin);
 
 /// What a scene's contact model and the drill monitor read of the window.
 [[nodiscard]] ContactFields contact_fields(const Scene& scene);
+
+/// Voxels kept round the tool's bounding box when the window is placed, and the least before it slides.
+struct WindowMargins {
+  int placed, least;
+};
+/// As wide as the contact model's look needs, and then some for the way of the tool in a step.
+[[nodiscard]] WindowMargins window_margins(const Scene& scene, const Affine& bone_from_index);
 
 struct BoneStepTimers {
   StepTimer erosion, spindle, gradient, publish;
@@ -57,6 +61,7 @@ class BoneStep {
   const Tool* tool_;
   Voxmap* voxmap_;
   Affine index_from_world_;
+  WindowMargins margins_;
   double spin_ = 0.0, slowest_spin_ = 0.0;  // [rev/s]
   std::optional<Erosion> erosion_;
   std::optional<Spindle> spindle_;

@@ -1,18 +1,13 @@
 #include "app/engine/contact_step.h"
 
+#include "core/contact/surface_view.h"
+
 namespace burrhole {
 
 BoneView ContactBone::view() const {
   if (grids != nullptr) return {ContactView(*grids, bone_from_index, world_from_bone), {}};
   const ContactWindow& copy = window->latest();
-  BoneView out{ContactView(copy, bone_from_index, world_from_bone), {}};
-  const auto* records8 = std::get_if<std::vector<Record8>>(&copy.records);
-  const auto* records16 = std::get_if<std::vector<Record16>>(&copy.records);
-  const Record8* first8 = records8 != nullptr && !records8->empty() ? records8->data() : nullptr;
-  const Record16* first16 = records16 != nullptr && !records16->empty() ? records16->data() : nullptr;
-  if (first8 != nullptr || first16 != nullptr)
-    out.surface = SurfaceView{{copy.box, copy.records_valid, first8, first16, bone_from_index}, copy.hardness.data(), world_from_bone};
-  return out;
+  return {ContactView(copy, bone_from_index, world_from_bone), surface_view(copy, bone_from_index, world_from_bone)};
 }
 
 Result<ContactStep> ContactStep::create(const ContactScene& scene, const PointShell& shell, double voxel_edge, bool spinning) {
@@ -36,6 +31,7 @@ Result<ContactStep> ContactStep::create(const ContactScene& scene, const PointSh
   }
   out.model_ = std::move(model).value();
   out.result_.contacts.reserve(shell.size());
+  out.result_.list_contacts = false;
   return out;
 }
 
@@ -58,8 +54,7 @@ void ContactStep::push(const ContactView& bone, const HandState& hand) noexcept 
   model_->evaluate(bone, hand.world_from_hand, result_);
   state_.world_from_tool = hand.world_from_hand;
   state_.on_hand = result_.wrench;
-  state_.engagement = 0.0;
-  for (const Contact& contact : result_.contacts) state_.engagement = std::max(state_.engagement, contact.depth);
+  state_.engagement = result_.deepest;
   state_.cutting_force = glm::length(result_.wrench.force);
   state_.flags = result_.flags;
 }

@@ -45,7 +45,7 @@ class ContactStep {
   void push(const ContactView& bone, const HandState& hand) noexcept;
   void couple(const ContactView& bone, const HandState& hand, double dt) noexcept;
 
-  bool spinning_ = false;
+  bool spinning_ = false;  // when asked to: a bit that stalled stays engaged in what it was cutting, by F / K_cut and no further
   std::size_t shell_points_ = 0;
   std::optional<ConstrainedTool> tool_;     // model `surface`: the tool held back
   std::unique_ptr<ContactModel> model_;     // or a penalty model of the papers, device pose = tool pose

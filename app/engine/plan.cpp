@@ -18,7 +18,8 @@ std::uint64_t window_voxels(const LoadedScene& loaded) {
   const BoneModel& bone = *loaded.bone;
   const Vec3 up = -loaded.scene.approach.axis;
   const Pose bone_from_tool{rotation_from_z(up), loaded.scene.approach.entry};
-  return tool_box(loaded.tool, bone.bone_from_index().inverse() * Affine::from_pose(bone_from_tool), kWindowReach).count();
+  const WindowMargins margins = window_margins(loaded.scene, bone.bone_from_index());
+  return tool_box(loaded.tool, bone.bone_from_index().inverse() * Affine::from_pose(bone_from_tool), margins.placed).count();
 }
 
 PlanRow hand_row(const EffectInfo& effect, const LoadedScene& loaded) {
@@ -29,7 +30,7 @@ PlanRow hand_row(const EffectInfo& effect, const LoadedScene& loaded) {
 
 PlanRow volume_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const Vec3i d = loaded.bone->dims();
-  const std::uint64_t bytes = loaded.bone->bytes() + window_voxels(loaded) * (4 * sizeof(float) + sizeof(Vec3f));
+  const std::uint64_t bytes = loaded.bone->bytes() + window_voxels(loaded) * 4 * sizeof(float);
   return {effect, 0.0, bytes,
           fmt::format("{} x {} x {} voxels of {:.3g} mm", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge())};
 }
@@ -70,9 +71,9 @@ const char* name_of(ErosionLaw law) {
 PlanRow erosion_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const ErosionConfig& erosion = loaded.scene.erosion->config;
   const std::uint64_t points = loaded.tool.erosion.size() * (sizeof(Vec3) + sizeof(float));
-  // By points a float of exposure a voxel of the window; sub-voxel the tool's own field and a mask a voxel where the bit has been.
+  // By points a float of exposure a voxel of the window; sub-voxel the tool's own field and a mask and its sleep a voxel where the bit has been.
   const std::uint64_t field = erosion.subvoxel && loaded.tool.cutting ? loaded.tool.cutting->bytes() : 0;
-  const std::uint64_t voxels = window_voxels(loaded) * (erosion.subvoxel ? sizeof(std::uint64_t) : sizeof(float));
+  const std::uint64_t voxels = window_voxels(loaded) * (erosion.subvoxel ? sizeof(std::uint64_t) + sizeof(double) : sizeof(float));
   return {effect, static_cast<double>(loaded.scene.erosion->rate_hz), points + field + voxels,
           fmt::format("{} points, law {}{}", loaded.tool.erosion.size(), name_of(erosion.law), erosion.subvoxel ? ", sub-voxel" : "")};
 }
@@ -126,12 +127,13 @@ void warn(const LoadedScene& loaded, Plan& plan) {
     plan.warnings.push_back(
         fmt::format("{} leaves walls as rough as a voxel, on which the model \"surface\" may hold the bit for good: {}",
                     scene.erosion->config.law == ErosionLaw::per_update ? "[erosion] law = \"per-update\"" : "[erosion] subvoxel = false",
-                    scene.erosion->config.law == ErosionLaw::per_update ? "take [contact] model = \"gradient-plane\" for it, or another law"
-                                                                        : "leave it true, or take [contact] model = \"gradient-plane\""));
+                    scene.erosion->config.law == ErosionLaw::per_update ? "another law takes parts of voxels" : "leave it true"));
   if (scene.spindle && !(scene.erosion && scene.contact && scene.tool.spin > 0.0))
     plan.warnings.push_back("[spindle] without [contact], [erosion] and a spin: nothing loads it, so it does not slow");
   if (loaded.import)
     for (const std::string& line : loaded.import->scan.assumed) plan.warnings.push_back("[volume] assumed: " + line);
+  if (scene.erosion && !scene.contact && scene.erosion->config.law == ErosionLaw::energy)
+    plan.warnings.push_back("[erosion] law = \"energy\" without [contact]: there is no thrust, so nothing is removed");
   if (scene.erosion && !scene.contact)
     plan.warnings.push_back("no [contact]: the hand feels nothing and the tool goes where the script goes");
 }

@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 NumberRule at_least_zero(double fallback, double to_si = 1.0, double max = 1e9) {
   return {.fallback = fallback, .min = 0.0, .max = max, .to_si = to_si};
 }
+NumberRule within(double fallback, double min, double max) { return {.fallback = fallback, .min = min, .max = max}; }
 NumberRule above_zero(double fallback, double to_si = 1.0, double max = 1e9) {
   return {.fallback = fallback, .min = 0.0, .max = max, .min_open = true, .to_si = to_si};
 }
@@ -116,6 +117,20 @@ HandConfig read_hand(TableReader table, Issues& issues) {
 constexpr const char* kModeText = "what collides: the 0.5 surface of the bone, or, as in the papers, any density above 0";
 constexpr const char* kStiffnessText = "stiffness of the penalty force, over the depth of a point";
 
+LabelFactors read_label_stiffness(TableReader table) {
+  LabelFactors out = kAllAlike;
+  const auto read = [&](VoxelLabel label, std::string_view key, std::string_view about) {
+    out[static_cast<std::size_t>(label)] = static_cast<float>(table.number(key, {.fallback = 1.0, .min = 0.01, .max = 1.0}, about));
+  };
+  read(VoxelLabel::bone, "bone", "bone whose layers are not told apart: scans and simple phantoms");
+  read(VoxelLabel::outer_table, "outer_table", "outer table of the skull");
+  read(VoxelLabel::diploe, "diploe", "diploe between the tables");
+  read(VoxelLabel::inner_table, "inner_table", "inner table of the skull");
+  read(VoxelLabel::forbidden, "forbidden", "bone marked as not to be cut");
+  table.finish();
+  return out;
+}
+
 /// The model `surface`.
 void read_surface(TableReader& table, ContactScene& out) {
   ConstrainedToolConfig& tool = out.surface;
@@ -133,6 +148,9 @@ void read_surface(TableReader& table, ContactScene& out) {
                                         "thrust over the depth to which a spinning tool is engaged");
   tool.bone_stiffness = table.number("bone_N_per_m", above_zero(tool.bone_stiffness, 1.0, 1e12),
                                      "stiffness of bone of hardness 1 under a point that does not cut; in proportion to the hardness");
+  if (auto labels =
+          table.table("label_stiffness", "factors on that stiffness by tissue, so that a layer gives more than its hardness says"))
+    out.label_stiffness = read_label_stiffness(*labels);
   out.record_bits =
       table.choice("record_bits", "16", {"8", "16"}, "bits of each number stored of the surface: memory against accuracy") == "8"
           ? RecordPrecision::bits8
@@ -173,15 +191,14 @@ void read_coupling(TableReader& table, ContactScene& out) {
                    "whether the tool is where the hand is, or a body of its own on a spring and damper") == "none")
     return;
   VirtualCouplingConfig& coupling = out.coupling.emplace();
-  coupling.stiffness =
-      table.number("coupling_N_per_m", above_zero(coupling.stiffness, 1.0, 1e6), "stiffness of the spring from hand to tool");
+  coupling.stiffness = table.number("coupling_N_per_m", within(coupling.stiffness, 1.0, 1e6), "stiffness of the spring from hand to tool");
   coupling.damping = table.number("coupling_N_s_per_m", at_least_zero(coupling.damping, 1.0, 1e4), "damper from hand to tool");
   coupling.angular_stiffness =
-      table.number("coupling_Nm_per_rad", above_zero(coupling.angular_stiffness, 1.0, 1e4), "stiffness of that spring against turning");
+      table.number("coupling_Nm_per_rad", within(coupling.angular_stiffness, 1e-6, 1e4), "stiffness of that spring against turning");
   coupling.angular_damping =
       table.number("coupling_Nm_s_per_rad", at_least_zero(coupling.angular_damping, 1.0, 100.0), "damper against turning");
-  coupling.mass = table.number("mass_kg", above_zero(coupling.mass, 1.0, 100.0), "mass of the body on the spring");
-  coupling.inertia = table.number("inertia_kg_m2", above_zero(coupling.inertia, 1.0, 10.0), "its inertia, the same about every axis");
+  coupling.mass = table.number("mass_kg", within(coupling.mass, 1e-6, 100.0), "mass of the body on the spring");
+  coupling.inertia = table.number("inertia_kg_m2", within(coupling.inertia, 1e-12, 10.0), "its inertia, the same about every axis");
 }
 
 ContactScene read_contact(TableReader table) {
@@ -189,7 +206,7 @@ ContactScene read_contact(TableReader table) {
   const std::string model = table.choice(
       "model", "surface", {"surface", "gradient-plane", "voxmap"},
       "how a touch becomes a force: the tool held back by the bone's surface, or a penalty by planes from the density's gradient "
-      "or across the tool's own vectors",
+      "or across the tool's own vectors; a strong push goes through a penalty",
       {"mesh"});
   if (model == "surface") {
     read_surface(table, out);

@@ -43,6 +43,7 @@ struct ContactScene {
   ContactModelKind model = ContactModelKind::surface;
   ConstrainedToolConfig surface;                          ///< of the models, the one in use
   RecordPrecision record_bits = RecordPrecision::bits16;  ///< surface
+  LabelFactors label_stiffness = kAllAlike;               ///< surface
   GradientPlaneConfig gradient_plane;                     ///< mode = "paper" collides on any density
   ContactStorage storage = ContactStorage::window;        ///< gradient-plane
   VoxmapContactConfig voxmap;

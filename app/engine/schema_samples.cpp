@@ -31,6 +31,7 @@ std::vector<SchemaSample> scene_samples() {
                        scene({.volume = "source = \"SCAN\"\nunit = \"" + unit + "\"\n[[volume.hardness]]\nvalue = 0\nhardness = 0"}),
                        "is not there"});
   samples.push_back({"turning locked", scene({.contact = "turning = \"locked\""}), {}});
+  samples.push_back({"stiffness by label", scene({.contact = "[contact.label_stiffness]"}), {}});
   samples.push_back({"8-bit records", scene({.contact = "record_bits = \"8\""}), {}});
   const auto contact = [&](const std::string& name, const std::string& model, const std::string& line) {
     samples.push_back({name, scene({.contact = "model = \"" + model + "\"\n" + line}), {}});

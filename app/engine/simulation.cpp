@@ -127,11 +127,21 @@ void Simulation::run_contact() {
     contact_now_.tick = hand.tick;
   }
   flags_seen_ |= contact_now_.flags;
+  thrust_sum_ += contact_now_.cutting_force;
+  ++thrust_count_;
   force_hash_.add(contact_now_.on_hand.force);
   force_hash_.add(contact_now_.on_hand.torque);
   const Vec3 tip = scene_.volume.world_from_bone.inverse() * contact_now_.world_from_tool.translation;
   monitor_->look(view.voxels, tip, contact_now_.on_hand.force, contact_now_.engagement, static_cast<double>(tick_ + 1) * period_);
   samples_.push_back({static_cast<double>(tick_ + 1) * period_, glm::length(contact_now_.on_hand.force), monitor_->progress().depth});
+}
+
+void Simulation::run_bone() {
+  // The mean over the step: one sample of a force that rings would alias into what is cut. No contact in this step: the last force holds.
+  if (thrust_count_ > 0) thrust_ = thrust_sum_ / static_cast<double>(thrust_count_);
+  thrust_sum_ = 0.0;
+  thrust_count_ = 0;
+  (*bone_)(contact_now_.world_from_tool, thrust_, period_ * static_cast<double>(bone_every_));
 }
 
 Status Simulation::run() {
@@ -145,8 +155,7 @@ Status Simulation::run() {
     if (tick_ % contact_every_ == 0) run_contact();
     in_flight_[tick_ % in_flight_.size()] = contact_now_;
     ++tick_;
-    if (tick_ % bone_every_ == 0)
-      (*bone_)(contact_now_.world_from_tool, contact_now_.cutting_force, period_ * static_cast<double>(bone_every_));
+    if (tick_ % bone_every_ == 0) run_bone();
     if (Status status = after_tick(); !status) return status;
     if (options_.progress && progress_every > 0 && tick_ % progress_every == 0) options_.progress(time(), monitor_->progress());
     if (finished()) break;
@@ -176,9 +185,14 @@ Status Simulation::after_tick() {
     drew_half_ = true;
     if (Status drawn = draw("during", true, false); !drawn) return drawn;
   }
+  if (!noted_passing_ && progress.passed_time) {
+    noted_passing_ = true;
+    if (!progress.breakthrough_time)
+      if (Status noted = note("passed", "the tip is beyond the bone, which is not cut through on the axis"); !noted) return noted;
+  }
   if (!drew_breakthrough_ && progress.breakthrough_time) {
     drew_breakthrough_ = true;
-    if (Status noted = note("breakthrough", "no bone ahead on the axis"); !noted) return noted;
+    if (Status noted = note("breakthrough", "no bone ahead, and none behind but what the bit is engaged in"); !noted) return noted;
     if (Status drawn = draw("breakthrough", true, true); !drawn) return drawn;
   }
   return {};
@@ -212,6 +226,7 @@ Status Simulation::record_row() {
 }
 
 Status Simulation::note(const std::string& kind, const std::string& text) {
+  events_.push_back({time(), kind, text});
   if (options_.session == nullptr) return {};
   return options_.session->event({time(), static_cast<std::int64_t>(tick_), kind, text, {}});
 }

@@ -40,6 +40,12 @@ struct RunSample {
   double depth = 0.0;  ///< [m] of the tip
 };
 
+/// What happened when, for people.
+struct RunEvent {
+  double time = 0.0;  ///< [s]
+  std::string kind, text;
+};
+
 struct RunTimers {
   StepTimer servo, contact, record;
 };
@@ -65,6 +71,7 @@ class Simulation {
   [[nodiscard]] const Approach& approach() const noexcept { return approach_; }
   [[nodiscard]] const DrillProgress& progress() const noexcept { return monitor_->progress(); }
   [[nodiscard]] const std::vector<RunSample>& samples() const noexcept { return samples_; }
+  [[nodiscard]] const std::vector<RunEvent>& events() const noexcept { return events_; }
   [[nodiscard]] const ContactState& contact_state() const noexcept { return contact_now_; }
   [[nodiscard]] const ServoOutput& servo_output() const noexcept { return servo_now_; }
   [[nodiscard]] std::uint64_t force_hash() const noexcept { return force_hash_.value(); }
@@ -80,6 +87,7 @@ class Simulation {
   Simulation(const Scene& scene, const Tool& tool, const SimulationOptions& options);
   [[nodiscard]] Status build(std::shared_ptr<const BoneModel> bone);
   void run_contact();
+  void run_bone();
   void deliver_due();
   [[nodiscard]] Status after_tick();
   [[nodiscard]] Status record_row();
@@ -108,13 +116,16 @@ class Simulation {
 
   std::uint64_t tick_ = 0;
   ContactState contact_now_;
+  double thrust_sum_ = 0.0, thrust_ = 0.0;  // [N] cutting force since the last step of bone, and its mean
+  int thrust_count_ = 0;
   ServoOutput servo_now_;
   Hash64 force_hash_;
   std::vector<RunSample> samples_;
+  std::vector<RunEvent> events_;
   std::vector<double> row_;  // scratch of record_row
   std::uint32_t flags_seen_ = 0;
   HandPhase phase_seen_ = HandPhase::approach;
-  bool drew_half_ = false, drew_breakthrough_ = false;
+  bool drew_half_ = false, noted_passing_ = false, drew_breakthrough_ = false;
   RunEnd end_ = RunEnd::done;
   RunTimers timers_;
 };

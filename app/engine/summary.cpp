@@ -2,6 +2,8 @@
 
 #include <sys/resource.h>
 
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -56,8 +58,9 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   out.breakthrough_s = progress.breakthrough_time;
   if (progress.breakthrough_depth) {
     out.plunge_mm = (progress.deepest - *progress.breakthrough_depth) * kMm;
-    out.removed_at_breakthrough = progress.removed_at_breakthrough;
   }
+  out.passed_s = progress.passed_time;
+  if (progress.passed_time) out.removed_at_passing = progress.removed_at_passing;
   if (simulation.bone_step().spindle() != nullptr) out.slowest_rpm = simulation.bone_step().slowest_spin() / kRevPerMinute;
   if (progress.largest_ahead > -1.0) out.largest_ahead_mm = progress.largest_ahead * kMm;
 }
@@ -102,6 +105,9 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.scene = loaded.scene.file;
   out.title = loaded.scene.title;
   out.tool = loaded.tool.name;
+  out.spin_rpm = loaded.scene.tool.spin / kRevPerMinute;
+  out.push_N = loaded.scene.hand.push;
+  out.warnings = plan.warnings;
   out.end = end_name(simulation.end());
   out.dims = loaded.bone->dims();
   out.spacing_mm = loaded.bone->bone_from_index().mean_edge() / kMillimetre;
@@ -128,18 +134,43 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   return out;
 }
 
+std::string outcome_text(const RunSummary& s) {
+  const std::string how_far = fmt::format("{:.2f} mm deep in {:.2f} mm of bone", s.reached_mm, s.thickness_mm);
+  if (s.breakthrough_s) {
+    std::string out = fmt::format("The bone was drilled through after {:.2f} s", *s.breakthrough_s);
+    out += s.plunge_mm ? fmt::format("; the tip then went {:.2f} mm further.", *s.plunge_mm) : ".";
+    return out;
+  }
+  if (s.passed_s)
+    return fmt::format(
+        "The bit passed the bone after {:.2f} s without cutting all of it: {:.0f} % of the bone on the axis was gone by then. Where that "
+        "is "
+        "not a crown's core, the contact model gave way; this is no burrhole.",
+        *s.passed_s, 100.0 * s.removed_at_passing.value_or(0.0));
+  if (s.end == "stopped") return "The run was interrupted, " + how_far + ".";
+  if (s.end == "done") return "The hand let go " + how_far + ", as it felt a give.";
+  const char* why = s.spin_rpm == 0.0 ? " The bit does not spin." : "";
+  return fmt::format("The time of the scene ended, {}.{}", how_far, why);
+}
+
 std::string summary_json(const RunSummary& s) {
   Json json;
   json["schema"] = kSummarySchema;
   json["scene"] = s.scene;
   json["title"] = s.title;
   json["end"] = s.end;
+  json["outcome"] = outcome_text(s);
+  json["warnings"] = s.warnings;
   json["duration_s"] = s.duration_s;
   json["wall_s"] = s.wall_s;
   json["volume"] = {{"format", s.volume_format},  {"dims", {s.dims.x, s.dims.y, s.dims.z}},
                     {"spacing_mm", s.spacing_mm}, {"bone_voxels", s.bone_voxels},
                     {"bytes", s.volume_bytes},    {"assumed", s.assumed}};
-  json["tool"] = {{"name", s.tool}, {"haptic_points", s.haptic_points}, {"erosion_points", s.erosion_points}};
+  json["tool"] = {{"name", s.tool},
+                  {"spin_rpm", s.spin_rpm},
+                  {"push_N", s.push_N},
+                  {"haptic_points", s.haptic_points},
+                  {"erosion_points", s.erosion_points}};
   json["drilling"] = {{"removed_mm3", s.removed_mm3},
                       {"removed_mass_mm3", s.removed_mass_mm3},
                       {"hole_diameter_mm", optional_number(s.hole_diameter_mm)},
@@ -152,7 +183,8 @@ std::string summary_json(const RunSummary& s) {
                       {"peak_force_N", s.peak_force_N},
                       {"slowest_rpm", optional_number(s.slowest_rpm)},
                       {"angle_deg", s.angle_deg},
-                      {"axis_removed_at_breakthrough", optional_number(s.removed_at_breakthrough)},
+                      {"passed_s", optional_number(s.passed_s)},
+                      {"axis_removed_at_passing", optional_number(s.removed_at_passing)},
                       {"largest_ahead_of_engagement_mm", optional_number(s.largest_ahead_mm)}};
   for (const auto& [name, t] : s.timing)
     json["timing"][name] = {{"count", t.count}, {"p50_us", t.p50_us}, {"p99_us", t.p99_us}, {"p999_us", t.p999_us}, {"max_us", t.max_us}};

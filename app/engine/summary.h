@@ -17,6 +17,8 @@ inline constexpr int kSummarySchema = 1;
 /// Figures of one finished (or interrupted) run.
 struct RunSummary {
   std::string scene, title, tool, end;
+  double spin_rpm = 0.0, push_N = 0.0;
+  std::vector<std::string> warnings;  ///< of the plan
   Vec3i dims{0};
   double spacing_mm = 0.0;
   std::string volume_format;         ///< "phantom:NAME", or the format of the scan
@@ -25,7 +27,8 @@ struct RunSummary {
   double duration_s = 0.0, wall_s = 0.0;
   double removed_mm3 = 0.0, removed_mass_mm3 = 0.0, thickness_mm = 0.0, angle_deg = 0.0, peak_force_N = 0.0;
   double reached_mm = 0.0;  ///< furthest tip, along the axis from the entry
-  std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, plunge_mm, removed_at_breakthrough, largest_ahead_mm;
+  std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, plunge_mm, passed_s, removed_at_passing,
+      largest_ahead_mm;
   std::optional<double> slowest_rpm;                       ///< of a scene with [spindle]
   std::vector<std::pair<std::string, StepTiming>> timing;  ///< servo, contact, erosion, spindle, gradient, publish, upload, frame, record
   std::uint64_t missed = 0;                                ///< lockstep misses none
@@ -41,6 +44,8 @@ struct RunSummary {
   std::string voxel_hash, force_hash, image_hash;
 };
 
+/// How the run ended, in a sentence for people.
+[[nodiscard]] std::string outcome_text(const RunSummary& summary);
 /// Measures the hole too; `wall_s` is the caller's.
 [[nodiscard]] RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const Plan& plan, double wall_s);
 [[nodiscard]] std::string summary_json(const RunSummary& summary);

@@ -34,7 +34,7 @@ std::vector<HtmlTile> key_figures(const DrillReport& report) {
 
 /// One sentence on how the run ended.
 std::string verdict(const DrillReport& report) {
-  if (!report.breakthrough_s) return "The run ended before the bone was drilled through.";
+  if (!report.breakthrough_s) return report.outcome.empty() ? "The run ended before the bone was drilled through." : report.outcome;
   std::string out = fmt::format("The bone was drilled through after {:.2f} s", *report.breakthrough_s);
   if (!report.plunge_mm) return out + ".";
   if (*report.plunge_mm > report.plunge_limit_mm)
@@ -118,6 +118,8 @@ void add_tables(const DrillReport& report, HtmlPage& page) {
 Result<std::string> make_drill_report(const DrillReport& report) {
   HtmlPage page(report.title, report.tool + " · " + report.scene);
   page.paragraph(verdict(report));
+  if (!report.setting.empty()) page.paragraph(report.setting);
+  for (const std::string& warning : report.warnings) page.paragraph("Warning: " + warning + ".");
   page.tiles(key_figures(report));
   if (const Status added = add_plot(report, page); !added) return added.error();
   if (const Status added = add_pictures(report, page); !added) return added.error();

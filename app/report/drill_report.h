@@ -38,6 +38,9 @@ struct DrillReport {
   std::string title;  ///< of the scene
   std::string scene;  ///< its file
   std::string tool;
+  std::string setting;                ///< what was chosen for the run, in a line
+  std::string outcome;                ///< how a run ended that did not break through, in a sentence
+  std::vector<std::string> warnings;  ///< of the scene
 
   // Over time; sizes equal that of time_s, or empty.
   std::vector<double> time_s;

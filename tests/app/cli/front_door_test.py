@@ -3,6 +3,7 @@
 Run by ctest with the program's path in BURRHOLE_PROGRAM.
 """
 import functools
+import json
 import os
 import pathlib
 import re
@@ -102,6 +103,20 @@ class References(unittest.TestCase):
 
     def test_a_formatless_call_is_a_usage_fault(self):
         self.assertEqual(run("docs").returncode, 2)
+
+
+class Readme(unittest.TestCase):
+    def test_the_table_of_bits_is_what_the_program_foretells(self):
+        """Figures as printed, to the two digits of the table."""
+        readme = (SOURCE / "README.md").read_text()
+        table = {row[0]: row[1:] for row in re.findall(r"^\| `(\w+)` \| (.+?) \| (\d+) \| (\S+?)(?: mm3/s)? \| (\S+?)(?: mm3/s)? \|$", readme, re.M)}
+        self.assertEqual(sorted(table), TOOLS)
+        for bit in json.loads(printed("tools", "--json")):
+            sheet = printed("tools", bit["name"])
+            rates = [re.search(rf"^  {way} +([\d.]+) mm3/s", sheet, re.M) for way in ("plunging", "sideways")]
+            told = tuple(f"{float(rate.group(1)):.2g}" if rate and float(rate.group(1)) > 0.0 else "-" for rate in rates)
+            with self.subTest(bit=bit["name"]):
+                self.assertEqual(table[bit["name"]], (bit["title"], str(bit["haptic_points"]), *told))
 
 
 class Completion(unittest.TestCase):

@@ -46,7 +46,8 @@ TEST_CASE("monitor: bone left on the axis ahead of the tip is no breakthrough, n
   REQUIRE(monitor.progress().breakthrough_time.has_value());
   CHECK(*monitor.progress().breakthrough_time == 2.0);
   CHECK(std::abs(*monitor.progress().breakthrough_depth - 2.9e-3) < 1e-6);
-  CHECK(monitor.progress().removed_at_breakthrough == 1.0);
+  CHECK(monitor.progress().passed_time == 2.0);
+  CHECK(monitor.progress().removed_at_passing == 1.0);
   CHECK(std::abs(monitor.progress().front - ClearedPlate::kThickness) < 1e-6);
   look(monitor, plate, 4.0e-3, 0.0, 3.0);
   CHECK(*monitor.progress().breakthrough_time == 2.0);
@@ -64,14 +65,36 @@ TEST_CASE("monitor: a tip ahead of the front by more than it may engage is told 
   CHECK(tunnelled.progress().largest_ahead > ClearedPlate::kPitch);
 }
 
-TEST_CASE("monitor: a tip that passed the far side through bone shows how little of the axis was removed") {
+TEST_CASE("monitor: a tip that passed the far side through bone is told as such, and is no breakthrough") {
   ClearedPlate plate;
   plate.clear(2e-3, 1.0e-3);
   DrillMonitor monitor(plate.approach);
   look(monitor, plate, 3.5e-3, 0.0, 1.0);
-  REQUIRE(monitor.progress().breakthrough_time.has_value());
+  CHECK(monitor.progress().passed_time == 1.0);
+  CHECK_FALSE(monitor.progress().breakthrough_time.has_value());
   // A third of the axis is cleared; one place of 48 either way.
-  CHECK(std::abs(monitor.progress().removed_at_breakthrough - 1.0 / 3.0) < 0.04);
+  CHECK(std::abs(monitor.progress().removed_at_passing - 1.0 / 3.0) < 0.04);
+  // Nor is it one for a tool pushed so hard that its engaged depth is most of the bone.
+  look(monitor, plate, 3.5e-3, 3.4e-3, 1.5);
+  CHECK_FALSE(monitor.progress().breakthrough_time.has_value());
+  // Once the rest is cut it is one.
+  plate.clear(2e-3, 10e-3);
+  look(monitor, plate, 3.5e-3, 0.0, 2.0);
+  CHECK(monitor.progress().breakthrough_time == 2.0);
+  CHECK(monitor.progress().passed_time == 1.0);
+}
+
+TEST_CASE("monitor: a bit that comes out while it is engaged in the last of the bone has broken through") {
+  ClearedPlate plate;
+  plate.clear(2e-3, 2.5e-3);
+  DrillMonitor engaged(plate.approach), loose(plate.approach);
+  const double tip = ClearedPlate::kThickness + 0.1e-3, uncut = tip - 2.5e-3;
+  look(engaged, plate, tip, uncut, 1.0);
+  CHECK(engaged.progress().breakthrough_time == 1.0);
+  CHECK(engaged.progress().removed_at_passing < 0.9);
+  look(loose, plate, tip, uncut - 1.5 * ClearedPlate::kPitch, 1.0);
+  CHECK_FALSE(loose.progress().breakthrough_time.has_value());
+  CHECK(loose.progress().passed_time == 1.0);
 }
 
 }  // namespace

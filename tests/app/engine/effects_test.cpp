@@ -71,7 +71,7 @@ TEST_CASE("window: a copy holds what its contact model and the monitor read, and
     CHECK(copy.density.size() == copy.box.count());
     CHECK(copy.gradient.empty());
     CHECK(copy.words.size() == (c.fields.words ? copy.box.count() : 0));
-    CHECK(copy.hardness.size() == (c.fields.records ? copy.box.count() : 0));
+    CHECK(copy.stiffness.size() == (c.fields.records ? copy.box.count() : 0));
     const std::size_t records = std::visit([](const auto& array) { return array.size(); }, copy.records);
     CHECK(records == (c.fields.records ? copy.box.count() : 0));
     // What the publisher keeps besides the three copies is made of the same fields: nothing where the copies have density alone.

@@ -122,6 +122,20 @@ TEST_CASE("every law of erosion drills, with and without sub-voxel removal, and 
   }
 }
 
+TEST_CASE("spindle: a bit that stalls stays engaged by F / K_cut, cuts no further, and stalls for as long as it is pressed") {
+  const std::vector<std::string> common{"duration_s=1", "hand.push_N=20", "spindle.stall_torque_Nm=1e-5", "spindle.inertia_kg_m2=1e-9"};
+  DrillRun stalled = drilled({.name = "stalled", .spindle = true}, common);
+  Simulation& simulation = stalled.simulation();
+  CHECK(simulation.bone_step().spin() == 0.0);
+  const double engaged = simulation.contact_state().engagement, depth = simulation.progress().deepest;
+  MESSAGE("engaged by " << engaged * 1e3 << " mm, tip at most " << depth * 1e3 << " mm deep");
+  CHECK(engaged > 0.0);
+  // All that is ever deeper than the engagement is what was cut in the steps before it stood, a voxel at most.
+  CHECK(depth < engaged + 1.0 * stalled.voxel());
+  DrillRun free_running = drilled({.name = "free", .spindle = true}, {"duration_s=1", "hand.push_N=20", "spindle.stall_torque_Nm=1000"});
+  CHECK(simulation.bone_step().removed_mass() < 0.05 * free_running.simulation().bone_step().removed_mass());
+}
+
 TEST_CASE("spindle: a motor of 1000 N m is not slowed by a hand, and drills what one without it does within 0.1 %") {
   const std::vector<std::string> common{"duration_s=1"};
   DrillRun without = drilled({.name = "no spindle"}, common);

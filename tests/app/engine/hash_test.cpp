@@ -1,7 +1,6 @@
 // Same scene, same bits: voxels and forces; a session's hand brings both back, and one bit of it changed does not.
 
 #include <doctest/doctest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <bit>
@@ -9,7 +8,6 @@
 #include <memory>
 
 #include "app/engine/recorded_hand.h"
-#include "core/base/simd.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
 

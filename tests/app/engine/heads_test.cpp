@@ -57,15 +57,15 @@ void drill_head(const char* name) {
   const auto scan = read_scan(source.request.path, {});
   REQUIRE(scan);
   const double ray = ray_thickness(scan->scan, offset, run.loaded().scene.approach);
-  MESSAGE(std::string(name) << ": ray " << ray * 1e3 << " mm, thickness " << run.simulation().approach().thickness * 1e3 << " mm, breakthrough at "
-               << *p.breakthrough_depth * 1e3 << " mm after " << *p.breakthrough_time << " s, angle "
-               << run.simulation().approach().angle * 57.2957795 << " degrees");
+  MESSAGE(std::string(name) << ": ray " << ray * 1e3 << " mm, thickness " << run.simulation().approach().thickness * 1e3
+                            << " mm, breakthrough at " << *p.breakthrough_depth * 1e3 << " mm after " << *p.breakthrough_time
+                            << " s, angle " << run.simulation().approach().angle * 57.2957795 << " degrees");
   CHECK(ray > 3e-3);
   // The refined surface is the scan's own to a tenth of its voxel (see bone_from_scan_test), at both ends.
   CHECK(std::abs(run.simulation().approach().thickness - ray) < 0.4e-3);
   // The tip leaves when the last engaged layer, F/K = 0.28 mm, is in the bit; with a voxel of the scan on top 1 mm.
   CHECK(std::abs(*p.breakthrough_depth - ray) < 1e-3);
-  CHECK(p.removed_at_breakthrough >= 0.95);
+  CHECK(p.removed_at_passing >= 0.95);
 }
 
 }  // namespace

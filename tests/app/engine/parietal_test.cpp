@@ -54,13 +54,13 @@ void check_breakthrough(DrillRun& run) {
   const double thickness = Truth(*run.loaded().scene.volume.phantom).thickness_along(entry - axis * 5e-3, axis);
   const double plunge = p.deepest - *p.breakthrough_depth;
   MESSAGE("breakthrough after " << *p.breakthrough_time << " s at " << *p.breakthrough_depth * 1e3 << " mm of " << thickness * 1e3
-                                << " mm by closed form, " << p.removed_at_breakthrough << " of the axis removed; plunge " << plunge * 1e3
+                                << " mm by closed form, " << p.removed_at_passing << " of the axis removed; plunge " << plunge * 1e3
                                 << " mm; furthest ahead of front and engagement " << p.largest_ahead / run.voxel() << " voxels; peak force "
                                 << p.peak_force << " N");
   CHECK(std::abs(run.simulation().approach().thickness - thickness) < 0.02e-3);
   // The last engaged layer, 28 N over 100 kN/m = 0.28 mm, is inside the bit when the tip leaves; with a voxel of rounding 0.5 mm.
   CHECK(std::abs(*p.breakthrough_depth - thickness) < 0.5e-3);
-  CHECK(p.removed_at_breakthrough >= 0.95);
+  CHECK(p.removed_at_passing >= 0.95);
   CHECK(p.largest_ahead <= run.voxel());
   // A hand of 150 ms reaction goes on a little; the shoulder of the outer drill, 3 mm up, ends it.
   CHECK(plunge > 0.3e-3);
@@ -91,19 +91,32 @@ void check_hole(DrillRun& run) {
   CHECK(std::abs(hole.removed / expected - 1.0) < 0.03);
 }
 
-void check_sway(const std::string& session) {
-  double touching_down = 0.0, in_bore = 0.0;
+struct Sway {
+  double touching_down = 0.0, in_bore = 0.0;  ///< [m] farthest off the axis, until a millimetre in and after it
+};
+
+Sway sway_of(const std::string& session) {
+  Sway out;
   const std::vector<double> x = session_column(session, "tool_x"), y = session_column(session, "tool_y"),
                             z = session_column(session, "tool_z");
   std::size_t n = 0;
-  for (; n < x.size() && z[n] > -1e-3; ++n) touching_down = std::max(touching_down, std::hypot(x[n], y[n]));
+  for (; n < x.size() && z[n] > -1e-3; ++n) out.touching_down = std::max(out.touching_down, std::hypot(x[n], y[n]));
   const auto deepest = static_cast<std::size_t>(std::ranges::min_element(z) - z.begin());
-  for (; n < deepest; ++n) in_bore = std::max(in_bore, std::hypot(x[n], y[n]));
-  MESSAGE("bit at most " << touching_down * 1e3 << " mm off the axis before it is a millimetre in, " << in_bore * 1e3 << " mm after");
-  // A bore leaves a bit the play across its push, three quarters of a voxel; its wall lies within a tenth of a voxel of where it should, and the
-  // hand's tremor of 0.04 mm is on top. On the surface nothing but the hand holds it, and until it is a few engaged depths in it skates, as flat
-  // bits do: the hole's diameter at the outer surface says by how much.
-  CHECK(in_bore < 0.85 * 0.25e-3 + 0.04e-3);
+  for (; n < deepest; ++n) out.in_bore = std::max(out.in_bore, std::hypot(x[n], y[n]));
+  return out;
+}
+
+// Over the whole run. A flat end of 11 mm that 28 N engage by 0.28 mm is held sideways by K_cut d / (2 R) = 2.5 kN/m, and by the hand's 1 kN/m.
+// While the floor of the first dent forms it is felt in steps of voxels: one that lies two voxels lower on one side than on the other, 2.6
+// degrees, presses with 1.27 N and gives 0.36 mm; the tremor's 0.04 mm are swung up by half on top. Seen are 0.36 mm, once; 1.07 mm without hold.
+constexpr double kMostSway = 0.42e-3;  // [m]
+
+void check_sway(const std::string& session) {
+  const Sway sway = sway_of(session);
+  MESSAGE("bit at most " << sway.touching_down * 1e3 << " mm off the axis before it is a millimetre in, " << sway.in_bore * 1e3
+                         << " mm after");
+  CHECK(sway.touching_down < kMostSway);
+  CHECK(sway.in_bore < kMostSway);
 }
 
 TEST_CASE("parietal: the shipped scene breaks through, leaves a ledged 14/11 mm hole and replays to the bit") {
@@ -129,6 +142,21 @@ TEST_CASE("parietal: the shipped scene breaks through, leaves a ledged 14/11 mm 
   again.run();
   CHECK(again.voxel_hash() == run.voxel_hash());
   CHECK(again.simulation().force_hash() == run.simulation().force_hash());
+}
+
+TEST_CASE("parietal: without what its flanks hold the bit skates, and the check of its sway tells (sabotage)") {
+  const TemporaryFolder folder;
+  for (const double grip : {0.0, 1.0}) {
+    CAPTURE(grip);
+    const std::string path = folder.file(grip == 0.0 ? "skating.sqlite" : "held.sqlite");
+    LoadedScene loaded = load_shipped({"duration_s=3"});  // until it is half a millimetre in: it skates at 1.8 s
+    loaded.scene.contact->surface.side_grip = grip;
+    DrillRun run(std::move(loaded));
+    run_recorded(run, path);
+    const double off = sway_of(path).touching_down;
+    MESSAGE("share of the grip " << grip << ": " << off * 1e3 << " mm off the axis");
+    CHECK((off < kMostSway) == (grip == 1.0));
+  }
 }
 
 TEST_CASE("parietal: the perforator at rest under 40 N does not pass an inner table of 1.7 mm") {

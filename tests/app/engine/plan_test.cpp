@@ -112,7 +112,7 @@ TEST_CASE("plan: warns of walls on which the surface model may hold the bit, and
   REQUIRE(rough.size() == 1);
   CHECK(rough.front() ==
         "[erosion] subvoxel = false leaves walls as rough as a voxel, on which the model \"surface\" may hold the "
-        "bit for good: leave it true, or take [contact] model = \"gradient-plane\"");
+        "bit for good: leave it true");
   const std::vector<std::string> by_update = warnings({.sets = {"erosion.law=per-update"}});
   REQUIRE(by_update.size() == 1);
   CHECK(by_update.front().starts_with("[erosion] law = \"per-update\""));
@@ -120,6 +120,9 @@ TEST_CASE("plan: warns of walls on which the surface model may hold the bit, and
   CHECK(warnings({.sets = {"erosion.subvoxel=false", "tool.spin_rpm=0"}}).empty());
   CHECK(warnings({.contact_keys = kPenaltyKeys, .sets = {"erosion.subvoxel=false"}}).empty());
   CHECK(warnings({.sets = {"erosion.law=energy"}}).empty());
+  // Without [contact] a law by power has no thrust.
+  CHECK(warnings({.contact = false}).size() == 1);
+  CHECK(warnings({.contact = false, .sets = {"erosion.law=energy"}}).size() == 2);
 
   for (const SmallScene& idle : {SmallScene{.erosion = false, .spindle = true}, SmallScene{.spindle = true, .sets = {"tool.spin_rpm=0"}}}) {
     REQUIRE(warnings(idle).size() == 1);

@@ -75,9 +75,13 @@ const BadScene kBadScenes[] = {
     // A key of another branch is as unknown as one that was never there.
     {"[contact]", "[contact]\nmodel = \"gradient-plane\"", {"~unknown key \"cutting_N_per_m\" in [contact]"}},
     {"[contact]", "[contact]\ntool = \"device\"", {"~unknown key \"tool\" in [contact]"}},
+    {"[contact]",
+     "[contact]\nmodel = \"voxmap\"\ncoupling = \"virtual\"\ncoupling_N_per_m = 0.5",
+     {"~contact.coupling_N_per_m = 0.5 must be in [1, ", "~unknown key \"cutting_N_per_m\""}},
     {"[contact]", "[contact]\nmass_kg = 0.05", {"~unknown key \"mass_kg\" in [contact]"}},
     {"[contact]", "[contact]\nturning = \"locked\"\ncoupling_Nm_per_rad = 20", {"~unknown key \"coupling_Nm_per_rad\" in [contact]"}},
     {"[contact]", "[contact]\nrecord_bits = \"12\"", {"~contact.record_bits = \"12\""}},
+    {"[contact]", "[contact]\nrecord_bits = 12", {"~contact.record_bits = 12 must be one of \"8\", \"16\""}},
     {"[erosion]", "[erosion]\nlaw = \"power\"", {"~erosion.law = \"power\""}},
     {"[erosion]", "[erosion]\nlaw = \"per-update\"\nsubvoxel = true", {"~unknown key \"subvoxel\" in [erosion]"}},
     {"[erosion]", "[erosion]\ncutting_ratio = 0.5", {"~unknown key \"cutting_ratio\" in [erosion]"}},

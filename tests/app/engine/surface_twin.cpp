@@ -32,6 +32,7 @@ struct Touch {
   Vec3 normal, arm, lever;  // lever: arm x normal
   double gap, yield, force;
   bool cutting;
+  bool spring = false;  // holds both ways
 };
 
 /// Records interpolated plainly; false where a corner is not known or bone has no direction.
@@ -46,7 +47,8 @@ bool look_up(const SurfaceView& bone, const Vec3& p_bone, double& gap, Vec3& nor
     const Vec3 weight = glm::mix(1.0 - t, t, step);
     const std::size_t at = bone.records.box.offset_of(v);
     const SurfaceSample s = bone.records.records16 != nullptr ? decode(bone.records.records16[at]) : decode(bone.records.records8[at]);
-    gap += weight.x * weight.y * weight.z * s.distance;
+    const Vec3 way = bone.records.bone_from_index.linear * (t - step) / bone.records.bone_from_index.mean_edge();
+    gap += weight.x * weight.y * weight.z * (s.distance + 0.5 * glm::dot(s.normal, way));
     normal += weight.x * weight.y * weight.z * s.normal;
   }
   if (glm::length(normal) < 0.1) return false;
@@ -67,6 +69,9 @@ class Plain {
     const double e = glm::length(engaged_);
     play_ = std::min(e, kPlay * edge_);
     push_ = e > 0.0 ? glm::conjugate(pose_.rotation) * engaged_ / e : Vec3(0.0, 0.0, 1.0);
+    aside_ = start.aside;
+    to_cut_ = start.to_cut;
+    if (e > 0.0) hold_sideways();
   }
 
   TwinForce run(const HandMotion& hand, const TwinStart& start, double dt) {
@@ -84,18 +89,92 @@ class Plain {
       if (move(target, turned, k, config_.turn_stiffness / share, hand.spinning)) break;
     for (const Touch& touch : touches_) out.force += touch.normal * touch.force;
     out.points = static_cast<int>(touches_.size());
+    out.after = {pose_, engaged_, settled(start), hand.world_from_hand.rotation, to_cut_};
     return out;
   }
 
  private:
+  /// How far aside the tool is left, by the words of side_grip.h: what was cut is let go, and half the thrust is the most that is held.
+  Vec3 settled(const TwinStart& start) {
+    if (grips_.empty()) return Vec3(0.0);
+    const auto across = [&](const Vec3& v) { return v - world_push_ * glm::dot(v, world_push_); };
+    const Vec3 moved = pose_ * grip_at_ - grip_start_;
+    Vec3 aside = across(aside_ + moved), force(0.0);
+    const double depth = std::max(glm::dot(engaged_, world_push_), 1e-9);
+    const double receded = -glm::dot(moved + engaged_ - start.engaged, world_push_);
+    to_cut_ = std::max(start.to_cut + receded, -depth);
+    if (to_cut_ > 0.0) aside *= std::max(0.0, 1.0 - to_cut_ / depth);
+    to_cut_ = std::min(to_cut_, 0.0);
+    double thrust = 0.0;
+    Vec3 cut(0.0);
+    for (const Touch& touch : touches_)
+      if (touch.cutting) cut += touch.normal * touch.force;
+    thrust = glm::length(cut);
+    for (const Grip& grip : grips_) force += grip.axis * (grip.stiffness * glm::dot(grip.axis, aside));
+    return glm::length(force) > 0.5 * thrust ? aside * (0.5 * thrust / glm::length(force)) : aside;
+  }
+  /// Where a cutting point is looked for, tool frame.
+  Vec3 drawn_in(std::size_t n) const {
+    const Vec3& in = shell_.inward_normals[n];
+    return shell_.positions[n] + (in - push_ * glm::dot(in, push_)) * play_;
+  }
+  /// The tensor of side_grip.h, from every cutting point under the surface at the true pose; all in the tool frame, where push_ is.
+  void hold_sideways() {
+    double along = 0.0;
+    Mat3 flanks(0.0);
+    for (std::size_t n = 0; n < shell_.size(); ++n) {
+      if (shell_.cutting[n] == 0) continue;
+      double gap = 0.0;
+      Vec3 unused;
+      const Vec3 in = shell_.inward_normals[n];
+      const bool known = look_up(bone_, pose_ * drawn_in(n), gap, unused) || unused == Vec3(0.0);
+      const double facing = glm::dot(in, push_);
+      if (!known || gap >= 0.0 || facing < -0.05) continue;
+      along += facing * facing;
+      grip_at_ += facing * facing * shell_.positions[n];
+      const Vec3 side = in - push_ * facing;
+      flanks += glm::outerProduct(side, side);
+    }
+    if (along == 0.0) return;
+    grip_at_ /= along;
+    grip_start_ = pose_ * grip_at_;
+    world_push_ = pose_.rotate(push_);
+    flanks *= config_.side_grip * config_.cutting_stiffness / (2.0 * along);
+    // Principal axes by turning until the tensor is diagonal.
+    Vec3 u = glm::normalize(glm::cross(push_, Vec3(0.31, 0.83, 0.46))), v = glm::cross(push_, u);
+    for (int turn = 0; turn < 60; ++turn) {
+      const double mixed = glm::dot(u, flanks * v), apart = glm::dot(u, flanks * u) - glm::dot(v, flanks * v);
+      const double t = 0.5 * std::atan2(mixed, 0.5 * std::abs(apart) + 1e-30) * (apart < 0.0 ? -1.0 : 1.0);
+      const Vec3 turned = u * std::cos(t) + v * std::sin(t);
+      v = v * std::cos(t) - u * std::sin(t);
+      u = turned;
+    }
+    for (const Vec3& axis : {u, v})
+      if (const double k = glm::dot(axis, flanks * axis); k >= 1.0) grips_.push_back({pose_.rotate(axis), k});
+  }
+
   void gather(bool spinning) {
     std::map<std::size_t, double> before;
     for (const Touch& touch : touches_) before[touch.point] = touch.force;
     touches_.clear();
+    const Vec3 moved = aside_ + pose_ * grip_at_ - grip_start_, aside = moved - world_push_ * glm::dot(moved, world_push_);
+    for (std::size_t n = 0; n < grips_.size(); ++n) {
+      const std::size_t name = shell_.size() + n;
+      Touch touch{name,
+                  grips_[n].axis,
+                  pose_.rotate(grip_at_),
+                  Vec3(0.0),
+                  glm::dot(grips_[n].axis, aside),
+                  1.0 / grips_[n].stiffness,
+                  before.contains(name) ? before[name] : 0.0,
+                  false,
+                  true};
+      touch.lever = glm::cross(touch.arm, touch.normal);
+      touches_.push_back(touch);
+    }
     for (std::size_t n = 0; n < shell_.size(); ++n) {
       const bool cutting = spinning && shell_.cutting[n] != 0;
-      const Vec3& in = shell_.inward_normals[n];
-      const Vec3 local = shell_.positions[n] + (cutting ? (in - push_ * glm::dot(in, push_)) * play_ : Vec3(0.0));
+      const Vec3 local = cutting ? drawn_in(n) : shell_.positions[n];
       Touch touch{n, Vec3(0.0), pose_.rotate(local), Vec3(0.0), 0.0, 0.0, before.contains(n) ? before[n] : 0.0, cutting};
       const Vec3 at = pose_.translation + touch.arm + (cutting ? engaged_ : Vec3(0.0));
       if (!look_up(bone_, at, touch.gap, touch.normal) || touch.gap > kNear) continue;
@@ -109,7 +188,7 @@ class Plain {
     const Vec3 index = bone_.records.bone_from_index.inverse() * p_bone;
     const Vec3i v(glm::floor(index + 0.5));
     double hardness = 1.0;
-    if (bone_.hardness != nullptr && bone_.records.box.contains(v)) hardness = bone_.hardness[bone_.records.box.offset_of(v)] / 255.0;
+    if (bone_.stiffness != nullptr && bone_.records.box.contains(v)) hardness = bone_.stiffness[bone_.records.box.offset_of(v)] / 255.0;
     return 1.0 / (config_.bone_stiffness * std::max(hardness, 0.1));
   }
   /// One look, one solve, one move. @returns whether the tool rests.
@@ -128,7 +207,7 @@ class Plain {
         const double give = 1.0 / k + glm::dot(touch.lever, touch.lever) / k_turn + (touch.cutting ? cutting_give_ : 0.0) + touch.yield;
         const double left = touch.gap + glm::dot(touch.normal, t) + glm::dot(touch.lever, w) +
                             (touch.cutting ? glm::dot(touch.normal, e - engaged_) : 0.0) + touch.yield * touch.force;
-        const double force = std::max(0.0, touch.force - left / give);
+        const double free = touch.force - left / give, force = touch.spring ? free : std::max(0.0, free);
         if (force != touch.force) add(touch, force - touch.force);
         touch.force = force;
       }
@@ -149,8 +228,15 @@ class Plain {
   double cutting_give_;
   double play_ = 0.0;
   Vec3 push_{0.0};
+  struct Grip {
+    Vec3 axis;         // bone frame
+    double stiffness;  // [N/m]
+  };
+  std::vector<Grip> grips_;
+  Vec3 aside_{0.0}, world_push_{0.0}, grip_at_{0.0}, grip_start_{0.0};
   std::vector<Touch> touches_;
   int looks_ = 0;
+  double to_cut_ = 0.0;
 };
 
 }  // namespace

@@ -1,6 +1,9 @@
 /// tests/app/engine/surface_twin.h: what the constrained tool feels, plainly: every near point of the shell in double, distances interpolated
-///   from decoded records corner by corner, the hold problem by projected Gauss-Seidel over all of them with many sweeps. Slow; shares with
-///   the product only how a record is decoded and what its headers define.
+///   from decoded records corner by corner, the hold problem by projected Gauss-Seidel over all of them with many sweeps. Slow.
+///   Its own: which points take part, interpolation, the solver, how a move is cut and when it rests.
+///   Shared with the product, and so not judged here: the records and stiffness that it reads; the law itself (implicit spring and damper,
+///   give of bone and of what is cut, play across the push) and its constants, copied from constrained_tool.cpp; and, when it looks at one
+///   period alone, the state that the product left before it. A run of its own (`after` as the next start) keeps that state itself.
 ///   Frame  as named.   Units  SI.
 #pragma once
 
@@ -12,13 +15,16 @@ namespace burrhole::test {
 struct TwinStart {
   Pose bone_from_tool;                   ///< after the period before
   Vec3 engaged{0.0};                     ///< [m] bone frame
+  Vec3 aside{0.0};                       ///< [m] bone frame: ConstrainedToolState::aside
   Quat hand_before{1.0, 0.0, 0.0, 0.0};  ///< the hand's rotation then
+  double to_cut = 0.0;                   ///< [m] <= 0: until the surface is lower than ever
 };
 
 struct TwinForce {
   Vec3 force{0.0};  ///< [N] bone frame
   int points = 0;   ///< of the shell that took part
   int moves = 0;
+  TwinStart after;  ///< what the next period starts from
 };
 
 /// One period of a tool whose bone is at rest.
