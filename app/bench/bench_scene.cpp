@@ -32,7 +32,8 @@ Result<Tool> load_shipped_tool(const std::string& name, double erosion_pitch) {
 }
 
 Result<DrilledScene> drill_parietal_half_way(bool quick) {
-  auto loaded = load_parietal_scene(quick ? std::vector<std::string>{"tool.erosion_scale=10"} : std::vector<std::string>{});
+  auto loaded =
+      load_parietal_scene(quick ? std::vector<std::string>{"tool.erosion_scale=10", "hand.give_mm_per_s=100"} : std::vector<std::string>{});
   if (!loaded) return loaded.error();
   DrilledScene out;
   out.loaded = std::move(loaded).value();

@@ -3,7 +3,6 @@
 #include "app/bench/areas.h"
 #include "app/bench/contact_bones.h"
 #include "app/bench/records_rows.h"
-#include "core/base/simd.h"
 
 namespace burrhole {
 namespace {
@@ -22,17 +21,6 @@ double mean_march(const ContactView& bone, const PointShell& shell, const std::v
   return steps / static_cast<double>(shell.size() * poses.size());
 }
 
-/// What is felt in the packed form, once by the best vectors and once by the weakest: the same bits.
-bool levels_agree(Bench& bench, const std::string& name, const ContactModel& model, const ContactView& words,
-                  const std::vector<Pose>& poses, Felt& best) {
-  best = feel(model, words, poses);
-  const auto levels = simd_levels();
-  if (!levels.empty()) (void)choose_simd(name_of(levels.front()));
-  const Felt weakest = feel(model, words, poses);
-  (void)choose_simd("auto");
-  return bench.agree(name, bytes_of(weakest.numbers), bytes_of(best.numbers));
-}
-
 // Densities of 1/255 and gradients of 1/254 (tests/core/contact/packed_force_test.cpp); forces from all sides nearly cancel here.
 constexpr double kPackedDifference = 0.02;
 
@@ -45,10 +33,11 @@ Status compare_forms(Bench& bench, const BoneForms& bone, const PointShell& shel
   const std::string what =
       fmt::format("gradient-plane, {} points inside bone, {}", shell.size(), paper_mode ? "paper mode" : "0.5 surface");
   const Felt by_grids = feel(**model, grids, poses), by_floats = feel(**model, floats, poses);
-  Felt by_words;
+  const auto feel_words = [&] { return feel(**model, words, poses); };
+  const Felt by_words = feel_words();
   const std::string float_name = what + ": floats", word_name = what + ": words";
   const bool floats_agree = bench.agree(float_name, bytes_of(by_grids.numbers), bytes_of(by_floats.numbers));
-  const bool words_agree = levels_agree(bench, word_name, **model, words, poses, by_words);
+  const bool words_agree = levels_agree(bench, word_name, by_words, feel_words);
   if (!floats_agree || !words_agree) return {};
   const double difference = force_difference(by_grids, by_words);
   if (!bench.require(word_name, difference < kPackedDifference, fmt::format("forces differ by {} of the largest", difference))) return {};
@@ -88,9 +77,10 @@ Status compare_depths(Bench& bench) {
   const ContactView words = bone->word_view();
   const std::string name = fmt::format("gradient-plane, {} points 16 voxels deep over 2 voxels deep", disc.size());
   const std::size_t evaluations = disc.size() * shallow.size();
-  Felt felt_shallow, felt_deep;
-  if (!levels_agree(bench, name, **model, words, shallow, felt_shallow) || !levels_agree(bench, name, **model, words, deep, felt_deep))
-    return {};
+  const auto feel_shallow = [&] { return feel(**model, words, shallow); };
+  const auto feel_deep = [&] { return feel(**model, words, deep); };
+  const Felt felt_shallow = feel_shallow(), felt_deep = feel_deep();
+  if (!levels_agree(bench, name, felt_shallow, feel_shallow) || !levels_agree(bench, name, felt_deep, feel_deep)) return {};
   if (!bench.require(name, felt_shallow.contacts == evaluations && felt_deep.contacts == evaluations, "not all points touch")) return {};
   ContactResult scratch;
   scratch.contacts.reserve(disc.size());

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "app/engine/contact_step.h"
 #include "core/base/random.h"
+#include "core/contact/surface_view.h"
 #include "core/tool/point_shell.h"
 #include "volumes/phantom/phantom.h"
 
@@ -54,8 +54,7 @@ ContactView BoneForms::grid_view(const Pose& world_from_bone) const { return {*g
 
 SurfaceView BoneForms::surface_view(RecordPrecision precision, const Pose& world_from_bone) const {
   ContactWindowPublisher& publisher = precision == RecordPrecision::bits8 ? *records8 : *records16;
-  const ContactBone bone{&publisher.exchange(), nullptr, voxmap->bone().bone_from_index(), world_from_bone};
-  return *bone.view().surface;
+  return *burrhole::surface_view(publisher.exchange().latest(), voxmap->bone().bone_from_index(), world_from_bone);
 }
 
 Result<BoneForms> make_ball_of_bone() {
@@ -156,6 +155,7 @@ double force_difference(const Felt& a, const Felt& b) {
 }
 
 Side evaluate_all(const ContactModel& model, const ContactView& bone, const std::vector<Pose>& poses, ContactResult& scratch) {
+  scratch.list_contacts = false;  // as a tick of this model asks
   return {.prepare = {}, .run = [&] {
             for (const Pose& pose : poses) model.evaluate(bone, pose, scratch);
           }};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/bench/bench.h"
+#include "core/base/simd.h"
 #include "core/contact/constrained_tool.h"
 #include "core/contact/gradient_plane.h"
 
@@ -51,6 +52,17 @@ struct Felt {
 [[nodiscard]] double force_difference(const Felt& a, const Felt& b);
 
 [[nodiscard]] Side evaluate_all(const ContactModel& model, const ContactView& bone, const std::vector<Pose>& poses, ContactResult& scratch);
+
+/// Whether what was felt by the vectors in use is, bit for bit, what f() feels by the weakest that the machine has. What was in use is in use
+/// again afterwards.
+template <class Numbers, class F>
+[[nodiscard]] bool levels_agree(Bench& bench, const std::string& name, const Numbers& felt, F&& f) {
+  const SimdLevelGuard guard;
+  const auto levels = simd_levels();
+  if (!levels.empty()) (void)choose_simd(name_of(levels.front()));
+  const Numbers weakest = f();
+  return bench.agree(name, bytes_of(weakest.numbers), bytes_of(felt.numbers));
+}
 
 /// The rows of other files of this area.
 [[nodiscard]] Status bench_held_tool(Bench& bench);

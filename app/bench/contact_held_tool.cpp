@@ -3,7 +3,6 @@
 
 #include "app/bench/bench_scene.h"
 #include "app/bench/contact_bones.h"
-#include "core/base/simd.h"
 
 namespace burrhole {
 namespace {
@@ -57,16 +56,6 @@ HeldTicks hold(LedTool& led, const SurfaceView& bone) {
   return out;
 }
 
-/// The same ticks by the best vectors and by the weakest: the same bits.
-bool levels_agree(Bench& bench, const std::string& name, LedTool& led, const SurfaceView& bone, HeldTicks& best) {
-  best = hold(led, bone);
-  const auto levels = simd_levels();
-  if (!levels.empty()) (void)choose_simd(name_of(levels.front()));
-  const HeldTicks weakest = hold(led, bone);
-  (void)choose_simd("auto");
-  return bench.agree(name, bytes_of(weakest.numbers), bytes_of(best.numbers));
-}
-
 // A distance of 8 bits is off by up to 1/64 voxel and a normal by up to 1/254; what holds the tool are a few planes among many, and another
 // choice among them moves it by a few such steps. Forces follow by the coupling's stiffness and the tilt of the normals.
 constexpr double kPlaceDifference = 0.1;  // [voxel edges]
@@ -102,9 +91,9 @@ Status compare_ticks(Bench& bench, const TickRows& rows, LedTool& led, const Bon
   };
   const SurfaceView small = bone.surface_view(RecordPrecision::bits8, world_from_bone),
                     large = bone.surface_view(RecordPrecision::bits16, world_from_bone);
-  HeldTicks by_small, by_large;
-  const bool small_agrees = levels_agree(bench, name_of_row(8), led, small, by_small);
-  const bool large_agrees = levels_agree(bench, name_of_row(16), led, large, by_large);
+  const HeldTicks by_small = hold(led, small), by_large = hold(led, large);
+  const bool small_agrees = levels_agree(bench, name_of_row(8), by_small, [&] { return hold(led, small); });
+  const bool large_agrees = levels_agree(bench, name_of_row(16), by_large, [&] { return hold(led, large); });
   const bool held = bench.require(name_of_row(16), by_large.least_force > rows.least_force,
                                   fmt::format("the bone holds with {} N only", by_large.least_force));
   const double edge = bone.voxmap->bone().bone_from_index().mean_edge();
@@ -171,12 +160,8 @@ Status compare_penalty(Bench& bench, const std::string& what, const PointShell& 
   if (!model) return model.error();
   const std::string name = fmt::format("{}, {} points: penalty evaluation, words over paper's storage", what, shell.size());
   const ContactView words = bone.word_view(world_from_bone), grids = bone.grid_view(world_from_bone);
-  const Felt best = feel(**model, words, poses);
-  const auto levels = simd_levels();
-  if (!levels.empty()) (void)choose_simd(name_of(levels.front()));
-  const Felt weakest = feel(**model, words, poses);
-  (void)choose_simd("auto");
-  if (!bench.agree(name, bytes_of(weakest.numbers), bytes_of(best.numbers))) return {};
+  const auto feel_words = [&] { return feel(**model, words, poses); };
+  if (!levels_agree(bench, name, feel_words(), feel_words)) return {};
   ContactResult scratch;
   scratch.contacts.reserve(shell.size());
   bench.add_speed_up(name, "us", 1e6 / static_cast<double>(poses.size()),

@@ -4,6 +4,7 @@
 #include "app/bench/bench_scene.h"
 #include "app/bench/vdb_baselines.h"
 #include "core/base/random.h"
+#include "core/voxel/word_packing.h"
 
 namespace burrhole {
 namespace {
@@ -39,7 +40,10 @@ Result<BuriedBurr> bury_burr() {
                                 Vec3(0.21e-3, 0.13e-3, -0.5 * approach->thickness - 2.5e-3)};
   out.index_from_tool =
       out.loaded->bone->bone_from_index().inverse() * Affine::from_pose(approach->bone_from_approach * approach_from_tool);
-  if (Status placed = out.voxmap->place_window(tool_box(out.burr, out.index_from_tool, kWindowReach)); !placed) return placed.error();
+  if (Status placed = out.voxmap->place_window(
+          tool_box(out.burr, out.index_from_tool, window_margins(out.loaded->scene, out.loaded->bone->bone_from_index()).placed));
+      !placed)
+    return placed.error();
   out.as_placed = out.voxmap->window().remaining;
   return out;
 }
@@ -220,20 +224,59 @@ void roughen(Voxmap& voxmap, const VoxelBox& box, std::uint64_t seed) {
   });
 }
 
+/// Words against the floats that they were rounded from: density by half a step of 1/255 (a whole one where there is little bone, which is
+/// never rounded to none), each part of a gradient by half a step of 1/254; a float's rounding besides.
+bool within_steps(std::span<const float> density, std::span<const Vec3f> gradient, std::span<const ContactWord> words, const VoxelBox& box,
+                  const VoxelBox& compared) {
+  bool all = true;
+  for_each_voxel(compared, [&](const Vec3i& v) {
+    const std::size_t at = box.offset_of(v);
+    const auto byte = [&](int n) { return static_cast<std::int8_t>((words[at] >> (8 * n)) & 0xFFu); };
+    const int filled = static_cast<int>(words[at] & 0xFFu);
+    const bool still = byte(3) == -128;
+    all = all && std::abs(filled / 255.0 - static_cast<double>(density[at])) <= (filled == 1 ? 1.0 : 0.5) / 255.0 + 1e-6;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double part = still ? 0.0 : byte(static_cast<int>(axis) + 1) / 254.0;
+      all = all && std::abs(part - static_cast<double>(gradient[at][axis])) <= 0.5 / 254.0 + 1e-6;
+    }
+  });
+  return all;
+}
+
+/// Both in the form that contact reads: the paper's grids, and words straight from the density. As floats besides, for who asks for them.
 void compare_commit(Bench& bench, Voxmap& voxmap, const Vec3i& centre, int edge, const Bars& bars) {
-  const VoxelBox box{centre - edge / 2, centre + edge / 2};
+  const VoxelBox box{centre - edge / 2, centre + edge / 2}, halo = box.grown(1);
   const std::string name = fmt::format("density and gradient of a box of {}^3", edge);
   roughen(voxmap, box, static_cast<std::uint64_t>(edge));
-  VdbGradient by_accessors(voxmap.window(), voxmap.config().gradient_dead_zone);
-  const Side window{{}, [&] { voxmap.commit(box); }}, accessors{{}, [&] { by_accessors.commit(box); }};
-  const std::vector<float> density_before = voxmap.window().density;
-  window.run();
+  const MasterWindow& master = voxmap.window();
+  VdbGradient by_accessors(master, master.gradient_dead_zone);
+  std::vector<ContactWord> words(master.box.count(), kEmptyWord);
+  std::vector<std::uint8_t> sides(master.box.count(), 0);
+  std::vector<Vec3f> floats(master.box.count());
+  derive_gradient(master, master.box, floats);
+  const Side accessors{{}, [&] { by_accessors.commit(box); }},
+      packed{{},
+             [&] {
+               voxmap.commit(box);
+               pack_words({master.box, master.density}, halo, master.gradient_dead_zone, words, sides);
+             }},
+      plain{{}, [&] {
+              voxmap.commit(box);
+              derive_gradient(master, halo, floats);
+            }};
+  const std::vector<float> density_before = master.density;
+  packed.run();
+  plain.run();
   accessors.run();
   // Both halve the difference of the same floats, so that not even rounding may differ.
-  const bool changed = bench.require(name, density_before != voxmap.window().density, "no density changed");
-  if (changed && bench.agree(name, bytes_of(by_accessors.density()), bytes_of(voxmap.window().density)) &&
-      bench.agree(name, bytes_of(by_accessors.gradient()), bytes_of(voxmap.window().gradient)))
-    bench.add_speed_up(name, "us", 1e6, bench.time(accessors, window), bars);
+  const bool changed = bench.require(name, density_before != master.density, "no density changed");
+  if (!changed || !bench.agree(name, bytes_of(by_accessors.density()), bytes_of(master.density)) ||
+      !bench.agree(name, bytes_of(by_accessors.gradient()), bytes_of(floats)) ||
+      !bench.require(name, within_steps(by_accessors.density(), by_accessors.gradient(), words, master.box, halo),
+                     "a word is more than half a step off"))
+    return;
+  bench.add_speed_up(name + ", packed", "us", 1e6, bench.time(accessors, packed), bars);
+  bench.add_speed_up(name + ", floats", "us", 1e6, bench.time(accessors, plain));
 }
 
 Status compare_commits(Bench& bench, const BuriedBurr& bone) {
@@ -254,7 +297,10 @@ Status compare_publish(Bench& bench, const LoadedScene& loaded) {
   const auto approach = make_approach(*loaded.bone, loaded.scene.approach);
   if (!approach) return approach.error();
   const Affine index_from_tool = loaded.bone->bone_from_index().inverse() * Affine::from_pose(approach->bone_from_approach);
-  if (Status placed = voxmap->place_window(tool_box(loaded.tool, index_from_tool, kWindowReach)); !placed) return placed;
+  if (Status placed =
+          voxmap->place_window(tool_box(loaded.tool, index_from_tool, window_margins(loaded.scene, loaded.bone->bone_from_index()).placed));
+      !placed)
+    return placed;
   ContactWindowPublisher publisher(*voxmap);
   const MasterWindow& master = voxmap->window();
   const Vec3i tip = voxel_of(index_from_tool * Vec3(0.0));
@@ -269,10 +315,10 @@ Status compare_publish(Bench& bench, const LoadedScene& loaded) {
   };
   ContactWindow copy;
   copy.density = master.density;
-  copy.gradient = master.gradient;
+  copy.gradient.resize(master.density.size());
   const Side whole{change, [&] {
                      std::ranges::copy(master.density, copy.density.begin());
-                     std::ranges::copy(master.gradient, copy.gradient.begin());
+                     derive_gradient(master, master.box, copy.gradient);
                    }};
   const Side boxes{[&] {
                      (void)publisher.exchange().latest();  // a reader that keeps up: all three copies go round

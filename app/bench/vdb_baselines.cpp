@@ -127,9 +127,11 @@ VdbGradient::VdbGradient(const MasterWindow& window, float dead_zone) : impl_(st
   impl_->remaining = make_grid(window.box, window.remaining);
   impl_->density = make_grid(window.box, window.density);
   auto write = impl_->gradient->getAccessor();
+  std::vector<Vec3f> gradient(window.box.count());
+  derive_gradient(window, window.box, gradient);
   std::size_t n = 0;
   for_each_voxel(window.box, [&](const Vec3i& v) {
-    const Vec3f& g = window.gradient[n++];
+    const Vec3f& g = gradient[n++];
     write.setValueOn(coord(v), openvdb::Vec3f(g.x, g.y, g.z));
   });
 }

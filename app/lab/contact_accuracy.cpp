@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "app/lab/contact_reference.h"
@@ -85,11 +86,6 @@ Pose placed(const LabBone& bone, const ContactAccuracyOptions& options, double d
   return {to_surface * about_axis, aside - depth * bone.out};
 }
 
-double at_share(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-}
-
 /// What one setting gave, one value a placement (times: one an evaluation).
 struct Samples {
   std::vector<double> own_law, translation;  // [%] of the reference force
@@ -121,6 +117,7 @@ Samples sample(const LabBone& bone, const ContactRig& rig, const ContactView& vi
   return out;
 }
 
+constexpr const char* kShippedForm = "gradient-plane, words";
 constexpr const char* kLawReference = "average over colliding points of closed-form depths";
 constexpr const char* kWayReference = "k x closed-form way out along the push";
 
@@ -146,16 +143,24 @@ Status measure_bone(const LabBone& bone, const std::vector<LabTool>& tools, cons
                     std::vector<CostRow>& rows) {
   auto rig = ContactRig::create(bone.spec);
   if (!rig) return rig.error();
+  struct Form {
+    const char* model;
+    ContactView view;
+    double bytes;
+  };
+  const Form forms[] = {{kShippedForm, rig->word_view(), rig->word_bytes()},
+                        {"gradient-plane, floats", rig->float_view(), rig->float_bytes()},
+                        {"gradient-plane, vdb", rig->vdb_view(), std::numeric_limits<double>::quiet_NaN()}};
   for (const LabTool& tool : tools)
     for (const double depth : options.depths_voxel)
-      for (const bool vdb : {false, true}) {
+      for (const Form& form : forms) {
         CostRow common;
         common.subject = tool.name + " on " + bone.name;
-        common.model = vdb ? "gradient-plane, vdb" : "gradient-plane, window";
+        common.model = form.model;
         common.knob = "depth_voxel";
         common.setting = depth;
-        if (!vdb) common.bytes = rig->window_bytes();
-        add_rows(rows, common, sample(bone, *rig, vdb ? rig->vdb_view() : rig->window_view(), tool, depth * options.pitch, options));
+        common.bytes = form.bytes;
+        add_rows(rows, common, sample(bone, *rig, form.view, tool, depth * options.pitch, options));
       }
   return {};
 }
@@ -194,7 +199,7 @@ Result<std::vector<ForceCurve>> measure_force_curves(const ContactAccuracyOption
     for (int step = 1; step <= 380; ++step) {  // to 1.9 mm, just short of the middle of the plate
       const double depth = step * 0.005 * kMillimetre;
       const Pose pose = placed(level, options, depth, 0);
-      tool.model->evaluate(rig->window_view(), pose, result);
+      tool.model->evaluate(rig->word_view(), pose, result);
       const double k = options.model.stiffness;
       curve.depth_mm.push_back(depth / kMillimetre);
       curve.model_N.push_back(glm::dot(result.wrench.force, level.out));
@@ -216,7 +221,7 @@ Result<std::vector<CostRow>> measure_contact_accuracy(const ContactAccuracyOptio
   auto curves = measure_force_curves(options);
   if (!curves) return curves.error();
   for (const ForceCurve& curve : *curves)
-    for (const auto& [model, force] : {std::pair{"gradient-plane, window", &curve.model_N}, {"exact average", &curve.law_N}}) {
+    for (const auto& [model, force] : {std::pair{kShippedForm, &curve.model_N}, {"exact average", &curve.law_N}}) {
       CostRow row;
       row.subject = curve.tool + " pressed into plate, level";
       row.model = model;

@@ -24,7 +24,7 @@ struct ContactAccuracyOptions {
   GradientPlaneConfig model;                                        ///< the shipped default
 };
 
-/// For each tool, bone (clean and noisy), depth and storage, errors over the placements, of the vector difference of forces:
+/// For each tool, bone (clean and noisy), depth and form of the bone (packed words as a run publishes them, floats, OpenVDB grids), errors over the placements, of the vector difference of forces:
 ///   own_law_median, own_law_worst          [%] of the average over colliding points of exact depths
 ///   own_law_worst_length                   [voxel] the same difference over the stiffness: how far off the model puts the surface
 ///   translation_median, translation_worst  [%] of k x the way out along the push

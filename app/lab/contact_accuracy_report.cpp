@@ -21,7 +21,7 @@ PlotPanel error_panel(const std::vector<CostRow>& rows, const PanelChoice& choic
   panel.from_zero = true;
   const std::string tool = rows.front().subject.substr(0, rows.front().subject.find(" on "));
   for (const CostRow& row : rows) {
-    if (row.error_name != choice.error_name || row.model != "gradient-plane, window" || !row.subject.starts_with(tool + " on ")) continue;
+    if (row.error_name != choice.error_name || row.model != "gradient-plane, words" || !row.subject.starts_with(tool + " on ")) continue;
     const std::string bone = row.subject.substr(tool.size() + 4);
     if (bone.starts_with("plate") != choice.plates || (bone.find("noise") != std::string::npos) != choice.noisy) continue;
     auto series = std::find_if(panel.series.begin(), panel.series.end(), [&](const PlotSeries& s) { return s.name == bone; });

@@ -1,6 +1,18 @@
 #include "app/lab/contact_rig.h"
 
+#include "app/engine/bone_step.h"
+
 namespace burrhole {
+namespace {
+
+/// What a run publishes for a model, by the engine's own word.
+ContactFields shipped_fields(ContactModelKind model) {
+  Scene scene;
+  scene.contact.emplace().model = model;
+  return contact_fields(scene);
+}
+
+}  // namespace
 
 Result<ContactRig> ContactRig::create(const PhantomSpec& spec) {
   auto phantom = make_phantom(spec);
@@ -15,19 +27,26 @@ Result<ContactRig> ContactRig::create(const PhantomSpec& spec) {
   rig.voxmap_ = std::make_unique<Voxmap>(std::move(voxmap).value());
   // Ten voxels of air round it: a gradient needs two, a record seven, and a bit may stand out a little.
   if (const Status placed = rig.voxmap_->place_window(rig.voxmap_->bone().bounds().grown(10)); !placed) return placed.error();
-  rig.publisher_ = std::make_unique<ContactWindowPublisher>(*rig.voxmap_, ContactFields{.records = RecordPrecision::bits16});
-  rig.publisher_->publish(*rig.voxmap_);
+  const auto publish = [&](const ContactFields& fields) {
+    auto publisher = std::make_unique<ContactWindowPublisher>(*rig.voxmap_, fields);
+    publisher->publish(*rig.voxmap_);
+    return publisher;
+  };
+  rig.words_ = publish(shipped_fields(ContactModelKind::gradient_plane));
+  rig.floats_ = publish({.density = true, .gradient = true});
+  rig.records_ = publish(shipped_fields(ContactModelKind::surface));
   rig.grids_ = std::make_unique<VdbContactGrids>(*rig.voxmap_);
   return rig;
 }
 
 SurfaceView ContactRig::surface_view() const {
-  const ContactWindow& copy = publisher_->exchange().latest();
-  return {{copy.box, copy.records_valid, nullptr, std::get<std::vector<Record16>>(copy.records).data(), bone_from_index_},
-          copy.hardness.data(),
-          Pose{}};
+  const auto view = burrhole::surface_view(records_->exchange().latest(), bone_from_index_, Pose{});
+  BH_ASSERT(view.has_value());
+  return *view;
 }
 
-double ContactRig::window_bytes() const { return static_cast<double>(voxmap_->window().box.count() * (sizeof(float) + sizeof(Vec3f))); }
+double ContactRig::bytes_of(const ContactWindowPublisher& publisher) const {
+  return static_cast<double>(voxmap_->window().box.count() * bytes_a_voxel(publisher.fields()));
+}
 
 }  // namespace burrhole

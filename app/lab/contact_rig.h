@@ -1,11 +1,11 @@
-/// app/lab/contact_rig.h: a phantom held up to contact in both storages, the shipped voxmap and window between.
+/// app/lab/contact_rig.h: a phantom held up to contact in every form that a run may publish, the shipped voxmap and windows between.
 ///   Frame  world = bone frame.   Units  SI.   Thread  one.
 #pragma once
 
 #include <memory>
 
-#include "core/contact/constrained_tool.h"
 #include "core/contact/contact_view.h"
+#include "core/contact/surface_view.h"
 #include "volumes/phantom/phantom.h"
 
 namespace burrhole {
@@ -16,18 +16,24 @@ class ContactRig {
   [[nodiscard]] static Result<ContactRig> create(const PhantomSpec& spec);
 
   [[nodiscard]] const Truth& truth() const noexcept { return *truth_; }
-  [[nodiscard]] ContactView window_view() const { return {publisher_->exchange().latest(), bone_from_index_, Pose{}}; }
-  /// The same copy as the constrained tool reads it: 16-bit records of its surface.
-  [[nodiscard]] SurfaceView surface_view() const;
+  /// What a scene with `model = "gradient-plane"` publishes: packed words, and the density that `voxmap` reads, too.
+  [[nodiscard]] ContactView word_view() const { return {words_->exchange().latest(), bone_from_index_, Pose{}}; }
+  /// The plain form: density and gradient in floats, point by point.
+  [[nodiscard]] ContactView float_view() const { return {floats_->exchange().latest(), bone_from_index_, Pose{}}; }
+  /// The paper's storage.
   [[nodiscard]] ContactView vdb_view() const { return {*grids_, bone_from_index_, Pose{}}; }
-  [[nodiscard]] double window_bytes() const;  ///< of one published copy
+  /// What a scene with `model = "surface"` publishes.
+  [[nodiscard]] SurfaceView surface_view() const;
+  [[nodiscard]] double word_bytes() const { return bytes_of(*words_); }  ///< of one published copy
+  [[nodiscard]] double float_bytes() const { return bytes_of(*floats_); }
 
  private:
   ContactRig() = default;
+  [[nodiscard]] double bytes_of(const ContactWindowPublisher& publisher) const;
   std::unique_ptr<Truth> truth_;
   Affine bone_from_index_;
   std::unique_ptr<Voxmap> voxmap_;
-  std::unique_ptr<ContactWindowPublisher> publisher_;
+  std::unique_ptr<ContactWindowPublisher> words_, floats_, records_;
   std::unique_ptr<VdbContactGrids> grids_;
 };
 

@@ -1,8 +1,15 @@
 #include "app/lab/cost_row.h"
 
+#include <algorithm>
+
 #include "app/report/csv.h"
 
 namespace burrhole {
+
+double at_share(std::vector<double> values, double share) {
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
 
 Status write_cost_csv(std::span<const CostRow> rows, const std::string& path) {
   CsvTable table({"subject", "model", "knob", "setting", "error_name", "error", "unit", "reference", "median_us", "p99_us", "bytes"});

@@ -18,11 +18,10 @@
 namespace burrhole {
 namespace {
 
-constexpr double kSlidingStiffness = 2000.0;  // [N/m] as the penalty models'
-constexpr double kAir = 1.5e-3;               // [m] above its first pose: deeper than the deepest slide
-constexpr double kHead = 5e-3;                // [m] of a bit's height is felt
-constexpr int kSettle = 20;                   // steps at the first pose before the slide begins
-constexpr double kPeriod = 1e-3;              // [s] without damping it means nothing
+constexpr double kAir = 1.5e-3;   // [m] above its first pose: deeper than the deepest slide
+constexpr double kHead = 5e-3;    // [m] of a bit's height is felt
+constexpr int kSettle = 20;       // steps at the first pose before the slide begins
+constexpr double kPeriod = 1e-3;  // [s] without damping it means nothing
 
 Status check(const SlidingOptions& options) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
@@ -67,14 +66,10 @@ Pose start_of(const SlidingOptions& options, const Slope& slope, double depth, i
           slope.down * along + Vec3(0.0, 0.5 * options.pitch * uniform11(seed, at + 2), 0.0) - slope.normal * depth};
 }
 
-double at_share(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-}
-
 SlidingRow slide(const SlidingSubject& subject, const SlidingBone& bone, const Slope& slope, double depth, const SlidingOptions& options) {
   SlidingRow row;
   row.model = subject.model;
+  row.true_N = kSlidingStiffness * depth;
   std::vector<double> time_us;
   double squares = 0.0;
   const int steps = static_cast<int>(options.length / options.step + 0.5);
@@ -131,7 +126,7 @@ Result<std::vector<SlidingRow>> measure_sliding(const SlidingOptions& options, s
     const Slope slope(tilt);
     auto rig = ContactRig::create(plate_of(options, slope.normal));
     if (!rig) return rig.error();
-    const SlidingBone bone{rig->window_view(), rig->surface_view()};
+    const SlidingBone bone{rig->word_view(), rig->surface_view()};
     for (const double depth : options.depths_voxel)
       for (const SlidingSubject& subject : subjects) {
         rows.push_back(slide(subject, bone, slope, depth * options.pitch, options));
@@ -201,12 +196,12 @@ Result<std::vector<SlidingSubject>> sliding_subjects(const SlidingOptions& optio
     return {};
   };
   const auto voxmap = [&](PlaneVoxel voxel, Stacking stacking) {
-    return VoxmapContact::create({.stacking = stacking, .plane_voxel = voxel}, tool->shell);
+    return VoxmapContact::create({.stiffness = kSlidingStiffness, .stacking = stacking, .plane_voxel = voxel}, tool->shell);
   };
   auto surface = surface_subject(tool->shell, options.pitch);
   if (!surface) return surface.error();
   subjects.push_back(std::move(surface).value());
-  if (const Status ok = add("gradient-plane", GradientPlane::create({}, tool->shell)); !ok) return ok.error();
+  if (const Status ok = add("gradient-plane", GradientPlane::create({.stiffness = kSlidingStiffness}, tool->shell)); !ok) return ok.error();
   if (const Status ok = add("voxmap, own voxel, sum limited", voxmap(PlaneVoxel::own, Stacking::sum_limited)); !ok) return ok.error();
   if (const Status ok = add("voxmap, surface voxel, average", voxmap(PlaneVoxel::surface, Stacking::average)); !ok) return ok.error();
   if (const Status ok = add("voxmap, surface voxel, deepest", voxmap(PlaneVoxel::surface, Stacking::deepest)); !ok) return ok.error();

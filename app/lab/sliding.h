@@ -15,6 +15,8 @@
 
 namespace burrhole {
 
+inline constexpr double kSlidingStiffness = 2000.0;  ///< [N/m] of every model that is compared
+
 /// Force [N] on the tool at a pose.
 using ForceAt = std::function<Vec3(const Pose&)>;
 
@@ -50,6 +52,7 @@ struct SlidingRow {
   double tilt_deg = 0.0;
   double depth_voxel = 0.0;
   std::string model;
+  double true_N = 0.0;          ///< stiffness times depth: the way out of the plate along its normal
   double mean_N = 0.0;          ///< along the normal; steps are read beside it, as stacking alone may scale both
   double largest_step_N = 0.0;  ///< length of the largest change of the force vector in one step
   double rms_step_N = 0.0;
@@ -71,7 +74,8 @@ struct SlideFigures {
 /// is a tenth of it wherever ten points touch); voxmap with the surface's voxel, average and deepest.
 [[nodiscard]] Result<std::vector<SlidingSubject>> sliding_subjects(const SlidingOptions& options);
 
-/// Four rows of cost.csv each: mean_force, largest_step, rms_step [N] and ripple [-] against tilt.
+/// Four rows of cost.csv each, against tilt: mean_force_off (mean less the true force, below 0 where a model gives less), largest_step and
+/// rms_step [N], ripple [-].
 [[nodiscard]] std::vector<CostRow> sliding_cost_rows(const std::vector<SlidingRow>& rows, const std::string& tool);
 /// Writes sliding.svg into a folder: largest step over mean force, and ripple, against tilt, two panels a depth. `unavailable` without
 /// gnuplot.

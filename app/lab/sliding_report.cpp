@@ -43,7 +43,7 @@ std::vector<CostRow> sliding_cost_rows(const std::vector<SlidingRow>& rows, cons
       common.reference = reference;
       out.push_back(common);
     };
-    add("mean_force", row.mean_N, "N", "0");
+    add("mean_force_off", row.mean_N - row.true_N, "N", "k x closed-form way out along the normal");
     add("largest_step", row.largest_step_N, "N", "the force a step before");
     add("rms_step", row.rms_step_N, "N", "the force a step before");
     add("ripple", row.ripple, "-", "mean force along the normal");

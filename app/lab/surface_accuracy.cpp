@@ -9,8 +9,7 @@
 
 #include "app/report/plot.h"
 #include "core/base/random.h"
-#include "core/contact/surface_probe.h"
-#include "core/voxel/contact_window.h"
+#include "core/contact/surface_view.h"
 #include "volumes/phantom/phantom.h"
 
 namespace burrhole {
@@ -39,12 +38,6 @@ std::vector<Shape> shapes_at(double pitch) {
   return {{"tilted plate", plate}, {"ball of 4 mm", ball}, {"skull patch", patch}};
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Places within a voxel of the surface and over two voxels from any edge: where the closed form's normal holds all round.
 std::vector<Vec3> places_near(const Truth& truth, const VoxelBox& valid, const Affine& bone_from_index, double pitch,
                               const SurfaceAccuracyOptions& options) {
@@ -71,13 +64,7 @@ std::vector<Vec3> places_near(const Truth& truth, const VoxelBox& valid, const A
 struct Records {
   std::unique_ptr<Voxmap> voxmap;
   std::unique_ptr<ContactWindowPublisher> publisher;
-  [[nodiscard]] RecordView view() const {
-    const ContactWindow& copy = publisher->exchange().latest();
-    const auto* small = std::get_if<std::vector<Record8>>(&copy.records);
-    const auto* large = std::get_if<std::vector<Record16>>(&copy.records);
-    return {copy.box, copy.records_valid, small != nullptr ? small->data() : nullptr, large != nullptr ? large->data() : nullptr,
-            voxmap->bone().bone_from_index()};
-  }
+  [[nodiscard]] RecordView view() const { return record_view(publisher->exchange().latest(), voxmap->bone().bone_from_index()); }
 };
 
 Result<Records> publish(const DenseBone& dense, RecordPrecision precision) {
@@ -112,7 +99,7 @@ Errors errors_at(const std::vector<Vec3>& places, const RecordView& view, const 
   return out;
 }
 
-/// Microseconds a point, one entry a look-up of all places by the shipped probe.
+/// Microseconds of each look-up of all places by the shipped probe.
 std::vector<double> times_of(const std::vector<Vec3>& places, const RecordView& view, int repeats) {
   PointShell shell;
   shell.positions = places;
@@ -128,9 +115,8 @@ std::vector<double> times_of(const std::vector<Vec3>& places, const RecordView& 
     const auto start = std::chrono::steady_clock::now();
     probe_surface(view, points.cutting, index_from_tool, 1.0, hits);
     const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
-    if (n >= 0) out.push_back(took.count() / static_cast<double>(places.size()));
+    if (n >= 0) out.push_back(took.count());
   }
-  std::ranges::sort(out);
   return out;
 }
 
@@ -157,8 +143,8 @@ Result<std::vector<CostRow>> measure_surface_accuracy(const SurfaceAccuracyOptio
                        .error_name = {},
                        .unit = "voxel",
                        .reference = "closed form"};
-        common.median_us = times[times.size() / 2];
-        common.p99_us = times.back();
+        common.median_us = at_share(times, 0.5);
+        common.p99_us = at_share(times, 0.99);
         common.bytes = precision == RecordPrecision::bits8 ? sizeof(Record8) : sizeof(Record16);
         const auto add = [&](const char* name, double error, const char* unit) {
           common.error_name = name;
@@ -166,10 +152,10 @@ Result<std::vector<CostRow>> measure_surface_accuracy(const SurfaceAccuracyOptio
           common.unit = unit;
           rows.push_back(common);
         };
-        add("distance_median", median_of(errors.distance), "voxel");
-        add("distance_worst", *std::ranges::max_element(errors.distance), "voxel");
-        add("normal_median", median_of(errors.normal), "deg");
-        add("normal_worst", *std::ranges::max_element(errors.normal), "deg");
+        add("distance_median", at_share(errors.distance, 0.5), "voxel");
+        add("distance_worst", at_share(errors.distance, 1.0), "voxel");
+        add("normal_median", at_share(errors.normal, 0.5), "deg");
+        add("normal_worst", at_share(errors.normal, 1.0), "deg");
       }
     }
   return rows;

@@ -40,11 +40,11 @@ const std::vector<CostRow>& quick_rows() {
   return rows;
 }
 
-/// Largest error of one kind a bone, window storage, over depths.
-std::map<std::string, double> worst_by_bone(const std::string& error_name) {
+/// Largest error of one kind a bone, of bone in one form, over depths.
+std::map<std::string, double> worst_by_bone(const std::string& error_name, const std::string& model = "gradient-plane, words") {
   std::map<std::string, double> worst;
   for (const CostRow& row : quick_rows()) {
-    if (row.error_name != error_name || row.model != "gradient-plane, window") continue;
+    if (row.error_name != error_name || row.model != model) continue;
     double& error = worst[row.subject.substr(row.subject.find(" on ") + 4)];
     error = std::max(error, row.error);
   }
@@ -96,13 +96,17 @@ TEST_CASE("contact accuracy: the references agree with sums by hand") {
   CHECK(std::abs(exact_way_out(Truth(spec), points({Vec3(3.0, 0.0, -1.25) * kMm}), {}, {0.0, 0.0, 1.0}) - 0.25 * kMm) <= 1e-15);
 }
 
-TEST_CASE("contact accuracy: errors stay within the bounds that docs/accuracy.md states") {
-  const std::map<std::string, double> bounds = documented_bounds(), worst = worst_by_bone("own_law_worst_length");
-  CHECK(bounds.size() == worst.size());
-  for (const auto& [bone, error] : worst) {
-    CAPTURE(bone);
-    REQUIRE(bounds.contains(bone));
-    CHECK(error <= bounds.at(bone));
+TEST_CASE("contact accuracy: errors stay within the bounds that docs/accuracy.md states, read as words and as floats") {
+  const std::map<std::string, double> bounds = documented_bounds();
+  for (const char* model : {"gradient-plane, words", "gradient-plane, floats"}) {
+    CAPTURE(model);
+    const std::map<std::string, double> worst = worst_by_bone("own_law_worst_length", model);
+    CHECK(bounds.size() == worst.size());
+    for (const auto& [bone, error] : worst) {
+      CAPTURE(bone);
+      REQUIRE(bounds.contains(bone));
+      CHECK(error <= bounds.at(bone));
+    }
   }
 }
 
@@ -110,21 +114,28 @@ TEST_CASE("contact accuracy: the bounds would catch a law that does not average 
   // k x the way out is what an unaveraged law would answer: on the level plate it is voxels away from the average, not thousandths.
   const double percent = worst_by_bone("translation_worst").at("plate, level");
   CHECK(percent > 10.0);
-  CHECK(worst_by_bone("own_law_worst").at("plate, level") < 1e-6);  // facets on the surface: nothing but roundings
+  // Facets on the surface: nothing but roundings. Words are read in single precision: places some 60 voxels from the origin are known to a
+  // few 1e-6 of a voxel and pass through several products; 0.05 % of the half voxel that is pressed is 2.5e-4 of one.
+  CHECK(worst_by_bone("own_law_worst", "gradient-plane, floats").at("plate, level") < 1e-6);
+  CHECK(worst_by_bone("own_law_worst").at("plate, level") < 0.05);
 }
 
-TEST_CASE("contact accuracy: both storages give the same errors, and each row has its time") {
-  std::map<std::string, double> window, vdb;
+TEST_CASE("contact accuracy: floats and the paper's storage give the same errors, words their own, and each row has its time") {
+  std::map<std::string, std::map<std::string, double>> errors;
   for (const CostRow& row : quick_rows()) {
     if (row.error_name == "force_lost") continue;
-    auto& errors = row.model == "gradient-plane, vdb" ? vdb : window;
-    errors[row.subject + "/" + row.error_name + "/" + std::to_string(row.setting)] = row.error;
+    errors[row.model][row.subject + "/" + row.error_name + "/" + std::to_string(row.setting)] = row.error;
     CHECK(row.median_us > 0.0);
     CHECK(row.p99_us >= row.median_us);
-    CHECK((row.bytes > 0.0) == (row.model == "gradient-plane, window"));
+    CHECK((row.bytes > 0.0) == (row.model != "gradient-plane, vdb"));
   }
-  CHECK(window.size() > 200);
-  CHECK(window == vdb);
+  REQUIRE(errors.size() == 3);
+  const auto &words = errors["gradient-plane, words"], &floats = errors["gradient-plane, floats"], &vdb = errors["gradient-plane, vdb"];
+  CHECK(words.size() > 200);
+  CHECK(floats == vdb);
+  // Sabotage of what this file measures: were the rows of words taken from floats, they would be the same to the last bit.
+  CHECK(words.size() == floats.size());
+  CHECK(words != floats);
 }
 
 TEST_CASE("contact accuracy: the paper's average loses force as a ring of points joins, by 1 - 1/7 at the first of the 72-point bit") {
