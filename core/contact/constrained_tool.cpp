@@ -22,8 +22,32 @@ constexpr double kOwnGive = 0.05;
 // nothing left to cut (half the play: 40 % slower through the shipped scene; none: stuck after 0.5 mm). Along the push nothing is drawn in,
 // so on a face that the push meets squarely the engaged depth stays F / K_cut.
 constexpr double kPlay = 0.75;
-constexpr double kSameFace = 0.94;  // [-] cosine of 20 degrees: two directions this near each other are of one face
-constexpr double kNewPlay = 0.01;   // [-] change of the push's direction from which the drawn-in points are made anew
+constexpr std::size_t kGripPoints = 1200;  // tell how bone holds sideways well enough: every bit that ships has fewer that cut
+constexpr double kSameFace = 0.94;         // [-] cosine of 20 degrees: two directions this near each other are of one face
+constexpr double kNewPlay = 0.01;          // [-] change of the push's direction from which the drawn-in points are made anew
+
+/// Every so many points of a part that has more than are asked to tell how bone holds sideways: they lie near each other in order, so what is left
+/// is even. `to` has its sizes.
+void thin_out(const ContactShellPart& from, ContactShellPart& to) noexcept {
+  const std::size_t every = from.size() == 0 ? 1 : (from.size() + kGripPoints - 1) / kGripPoints;
+  for (std::size_t n = 0; n < to.x.size(); ++n) {
+    const std::size_t source = std::min(n, to.size() - 1) * every;
+    to.x[n] = from.x[source];
+    to.y[n] = from.y[source];
+    to.z[n] = from.z[source];
+  }
+}
+
+/// The points that thin_out() fills in.
+ContactShellPart thinned(const ContactShellPart& from) {
+  ContactShellPart out;
+  const std::size_t every = from.size() == 0 ? 1 : (from.size() + kGripPoints - 1) / kGripPoints;
+  for (std::size_t n = 0; n < from.size(); n += every) out.point.push_back(from.point[n]);
+  const std::size_t padded = (out.size() + kShellPad - 1) / kShellPad * kShellPad;
+  for (auto* axis : {&out.x, &out.y, &out.z}) axis->assign(padded, 0.0f);
+  thin_out(from, out);
+  return out;
+}
 
 Affine moved(Affine affine, const Vec3& by) noexcept {
   affine.offset += by;
@@ -153,6 +177,7 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
       shell_(shell),
       middle_(middle_of(shell)),
       points_(make_contact_shell(about(shell, middle_), voxel_edge)),
+      gripping_(thinned(points_.cutting)),
       drawn_(shell, points_.cutting, middle_),
       edge_(voxel_edge) {
   hits_.reserve(shell_.size());
@@ -217,6 +242,7 @@ void ConstrainedTool::set_play(bool spinning) noexcept {
   play_ = play;
   push_ = push;
   drawn_.draw(push_, play_, points_.cutting);
+  thin_out(points_.cutting, gripping_);
 }
 
 void ConstrainedTool::grip(const SurfaceView& bone, bool spinning) noexcept {
@@ -225,7 +251,7 @@ void ConstrainedTool::grip(const SurfaceView& bone, bool spinning) noexcept {
     return;
   }
   hits_.clear();
-  probe_surface(bone.records, points_.cutting,
+  probe_surface(bone.records, gripping_,
                 bone.records.bone_from_index.inverse() * Affine::from_pose({bone_from_tool_.rotation, bone_from_tool_ * middle_}), 0.0,
                 hits_);
   grip_.look(hits_, shell_, bone_from_tool_, engaged_, config_.side_grip * config_.cutting_stiffness);

@@ -93,8 +93,9 @@ class ConstrainedTool {
   PointShell shell_;
   Vec3 middle_{0.0};  // [m] tool frame: points_ are about it
   ContactShell points_;
-  DrawnShell drawn_;   // draws the cutting points of points_
-  double edge_ = 0.0;  // [m]
+  ContactShellPart gripping_;  // cutting points that tell how bone holds sideways: all of them, or so many evenly chosen
+  DrawnShell drawn_;           // draws the cutting points of points_
+  double edge_ = 0.0;          // [m]
   ProbeHits hits_;
   std::size_t cutting_hits_ = 0;  // the first so many hits are of cutting points
   HoldSolver solver_;

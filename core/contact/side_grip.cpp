@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/portable_math.h"
+
 namespace burrhole {
 namespace {
 
@@ -31,30 +33,33 @@ void SideGrip::look(const ProbeHits& inside, const PointShell& shell, const Pose
   push_ = engaged / depth;
   const Vec3 u = glm::normalize(glm::cross(push_, std::abs(push_.x) < 0.7 ? Vec3(1.0, 0.0, 0.0) : Vec3(0.0, 1.0, 0.0)));
   const Vec3 v = glm::cross(push_, u);
-  const Mat3 turn = glm::mat3_cast(bone_from_tool.rotation);
+  // Summed in the tool frame, where the points are.
+  const Quat tool_from_bone = glm::conjugate(bone_from_tool.rotation);
+  const Vec3 push = tool_from_bone * push_, tool_u = tool_from_bone * u, tool_v = tool_from_bone * v;
   double along = 0.0, uu = 0.0, uv = 0.0, vv = 0.0, spread = 0.0;
   Vec3 middle(0.0);
   for (std::size_t n = 0; n < inside.count; ++n) {
     if (inside.distance[n] >= 0.0f) continue;
-    const Vec3 normal = turn * shell.inward_normals[inside.point[n]];
-    const double facing = glm::dot(normal, push_);
+    const Vec3& normal = shell.inward_normals[inside.point[n]];
+    const double facing = glm::dot(normal, push);
     if (facing < kRelieved) continue;  // relieved: it is drawn away from bone
-    const double load = facing * facing, nu = glm::dot(normal, u), nv = glm::dot(normal, v);
+    const double load = facing * facing, nu = glm::dot(normal, tool_u), nv = glm::dot(normal, tool_v);
     const Vec3& at = shell.positions[inside.point[n]];
-    const Vec3 place = across(turn * at, push_);
+    const double height = glm::dot(at, push);
     along += load;
     middle += load * at;
-    spread += load * glm::dot(place, place);
+    spread += load * (glm::dot(at, at) - height * height);
     uu += nu * nu;
     uv += nu * nv;
     vv += nv * nv;
   }
   if (along <= 0.0) return clear();
   arm_ = middle / along;
-  const Vec3 off = across(turn * arm_, push_);
+  const Vec3 off = across(arm_, push);
   half_width_ = std::sqrt(std::max(0.0, 2.0 * (spread / along - glm::dot(off, off))));  // of a disc the mean square is half the radius's
-  const double mean = 0.5 * (uu + vv), apart = std::hypot(0.5 * (uu - vv), uv), angle = 0.5 * std::atan2(2.0 * uv, uu - vv);
-  axes_ = {u * std::cos(angle) + v * std::sin(angle), v * std::cos(angle) - u * std::sin(angle)};
+  const double mean = 0.5 * (uu + vv), skew = 0.5 * (uu - vv), apart = std::sqrt(skew * skew + uv * uv);
+  const double angle = 0.5 * portable_atan2(uv, skew), cosine = portable_cos(angle), sine = portable_sin(angle);
+  axes_ = {u * cosine + v * sine, v * cosine - u * sine};
   stiffness_ = {stiffness * (mean + apart) / (2.0 * along), stiffness * (mean - apart) / (2.0 * along)};
   start_ = bone_from_tool * arm_;
   engaged_ = engaged;
