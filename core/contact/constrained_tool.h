@@ -1,9 +1,11 @@
 /// core/contact/constrained_tool.h: contact model `surface`: the tool as a body of its own, tied to the hand by springs and dampers in all
 ///   six degrees of freedom and held back, without friction, by the 0.5 surface of bone.
 ///   Frame  world; poses are of the tool frame.   Units SI.   Thread contact.
-///   What bone resists: a tool at rest cannot enter the surface; a spinning one engages by F / K_cut where it cuts, along the push, and nowhere
-///   else. The *held* pose is the tool moved back by its engagement: cutting points are felt there, so bone is met from its own side however
-///   deep the tool is engaged; points that cannot cut are felt where the tool is. Across the push the engaged flanks hold it (side_grip.h). Massless: coupling and contact forces balance.
+///   What bone resists: a tool at rest cannot enter the surface; a spinning one engages by F / K_cut where it cuts, along the push; across it cutting
+///   points have a play of up to three quarters of a voxel, and the engaged flanks hold (side_grip.h). The *held* pose is the tool moved back by
+///   its engagement: cutting points are felt there, so bone is met from its own side however deep the tool is engaged; points that cannot cut
+///   are felt where the tool is. Massless: coupling and contact forces balance.
+///   Outside what the window knows the tool waits, and its force stays that of the last look.
 ///   Swept: no move is longer than what its look-ahead has seen, so a fast stroke passes nothing unseen.
 ///   Source  own derivation (hold_solver.h); proxies held back by a surface are the field's custom.
 #pragma once
