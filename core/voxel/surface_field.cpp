@@ -88,9 +88,9 @@ void SmoothGradient(SurfaceTile& tile) {
   const D d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const int row = tile.row, slab = tile.slab, words = tile.words, height = slab / row;
-  float* scratch[5];
-  for (int n = 0; n < 5; ++n) scratch[n] = tile.plane.data() + 32 + n * (slab + 64);
-  auto& [smooth_z, slope_z, smooth_yz, slope_y, slope_zy] = scratch;
+  const auto plane = [&](int n) { return tile.plane.data() + 32 + n * (slab + 64); };
+  float *const smooth_z = plane(0), *const slope_z = plane(1), *const smooth_yz = plane(2), *const slope_y = plane(3),
+               *const slope_zy = plane(4);
   std::uint64_t *const by_y = tile.widened.data(), *const by_z = by_y + height * words;
   for (int k = 2; k < tile.padded.size().z - 2; ++k) {
     const std::uint64_t* const wanted = tile.wanted.data() + k * height * words;
