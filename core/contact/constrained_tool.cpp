@@ -26,10 +26,14 @@ constexpr std::size_t kGripPoints = 1200;  // tell how bone holds sideways well 
 constexpr double kSameFace = 0.94;         // [-] cosine of 20 degrees: two directions this near each other are of one face
 constexpr double kNewPlay = 0.01;          // [-] change of the push's direction from which the drawn-in points are made anew
 
+std::size_t grip_stride(const ContactShellPart& part) noexcept {
+  return std::max<std::size_t>(1, (part.size() + kGripPoints - 1) / kGripPoints);
+}
+
 /// Every so many points of a part that has more than are asked to tell how bone holds sideways: they lie near each other in order, so what is left
 /// is even. `to` has its sizes.
 void thin_out(const ContactShellPart& from, ContactShellPart& to) noexcept {
-  const std::size_t every = from.size() == 0 ? 1 : (from.size() + kGripPoints - 1) / kGripPoints;
+  const std::size_t every = grip_stride(from);
   for (std::size_t n = 0; n < to.x.size(); ++n) {
     const std::size_t source = std::min(n, to.size() - 1) * every;
     to.x[n] = from.x[source];
@@ -41,7 +45,7 @@ void thin_out(const ContactShellPart& from, ContactShellPart& to) noexcept {
 /// The points that thin_out() fills in.
 ContactShellPart thinned(const ContactShellPart& from) {
   ContactShellPart out;
-  const std::size_t every = from.size() == 0 ? 1 : (from.size() + kGripPoints - 1) / kGripPoints;
+  const std::size_t every = grip_stride(from);
   for (std::size_t n = 0; n < from.size(); n += every) out.point.push_back(from.point[n]);
   const std::size_t padded = (out.size() + kShellPad - 1) / kShellPad * kShellPad;
   for (auto* axis : {&out.x, &out.y, &out.z}) axis->assign(padded, 0.0f);
