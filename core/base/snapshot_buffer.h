@@ -26,6 +26,8 @@ class SnapshotBuffer {
     if ((shared_.load(std::memory_order_relaxed) & kFresh) != 0) front_ = shared_.exchange(front_, std::memory_order_acq_rel) & kIndex;
     return slots_[front_];
   }
+  /// Reader: what latest() gave, without looking for a newer one.
+  [[nodiscard]] const T& front() const noexcept { return slots_[front_]; }
   /// All slots, for set-up before the threads run.
   [[nodiscard]] std::array<T, 3>& slots() noexcept { return slots_; }
   [[nodiscard]] const std::array<T, 3>& slots() const noexcept { return slots_; }

@@ -4,12 +4,14 @@
 
 #include "core/base/rotation.h"
 #include "core/contact/distance_slope.h"
+#include "core/contact/hollow_direction.h"
 #include "core/contact/worst_hit.h"
 
 namespace burrhole {
 namespace {
 
-constexpr double kLookAhead = 0.6;    // [voxel edges] planes nearer than this are known to a move
+constexpr double kLookAhead = 0.6;                   // [voxel edges] planes nearer than this are known to a move
+constexpr double kFarthestLook = kRecordBand - 1.0;  // [voxel edges] all eight records round a point still tell their distance there
 constexpr double kLongestMove = 0.4;  // [voxel edges] of any point while bone is near: within the look-ahead, with room for its curvature
 constexpr double kSettled = 0.05;     // [voxel edges] a last move this short need not be looked at again: its error is of second order
 constexpr double kTolerance = 0.002;  // [voxel edges] of the planes
@@ -17,10 +19,10 @@ constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are b
 // Part of a cutting plane's give that is its own; the rest is the engagement shared by all. Opposed walls push against each other through
 // this part alone, so it sets how hard a tool that is a little too wide for its hole is pinched.
 constexpr double kOwnGive = 0.05;
-// [voxel edges] by which a spinning tool is drawn in across its push, at points that cut. On voxels the corner between wall and floor is
-// rounded, and records blend the normals of both within two voxels of it: without this play the rim of a bit rests there, where it has
-// nothing left to cut (half the play: 40 % slower through the shipped scene; none: stuck after 0.5 mm). Along the push nothing is drawn in,
-// so on a face that the push meets squarely the engaged depth stays F / K_cut.
+// [voxel edges] by which a spinning tool is drawn in across its push, at points that cut and face away from the push (drawn_shell.h). On voxels
+// the corner between wall and floor is rounded: without this play the rim of a bit rests there, where it has nothing left to cut (half the
+// play: 40 % slower through the shipped scene; none: stuck after 0.5 mm), and a burr sits on the wall of its own bore. Along the push nothing is
+// drawn in, nor on faces within 23 degrees of it: there the engaged depth stays F / K_cut.
 constexpr double kPlay = 0.75;
 constexpr std::size_t kGripPoints = 1200;  // tell how bone holds sideways well enough: every bit that ships has fewer that cut
 constexpr double kSameFace = 0.94;         // [-] cosine of 20 degrees: two directions this near each other are of one face
@@ -124,13 +126,6 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     return std::nullopt;
   }
 
- private:
-  [[nodiscard]] PointMotion motion(const HoldMove& move, const Vec3& shift) const noexcept {
-    PointMotion out;
-    for (std::size_t c = 0; c < 3; ++c) out.linear[c] = glm::cross(move.turn, axes_[c]) / tool_->edge_;
-    out.offset = (move.translation + shift + glm::cross(move.turn, axes_ * tool_->middle_)) / tool_->edge_;
-    return out;
-  }
   [[nodiscard]] HoldPlane plane_of(std::size_t hit) const noexcept {
     const ProbeHits& hits = tool_->hits_;
     HoldPlane plane;
@@ -143,9 +138,17 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     plane.gap = static_cast<double>(hits.distance[hit]) * tool_->edge_;
     plane.cutting = spinning_ && hit < tool_->cutting_hits_;
     const Vec3 position = tool_->bone_from_tool_.translation + plane.arm + (plane.cutting ? tool_->engaged_ : Vec3(0.0));
-    if (!plane.cutting) plane.normal = steadied(*bone_, position, plane.normal);
+    if (!plane.cutting) plane.normal = tool_->direction(*bone_, plane, position, plane.normal, spinning_);
     plane.yield = yield_of(tool_->config_, *bone_, position - plane.normal * (plane.gap + 0.5 * tool_->edge_), plane.cutting);
     return plane;
+  }
+
+ private:
+  [[nodiscard]] PointMotion motion(const HoldMove& move, const Vec3& shift) const noexcept {
+    PointMotion out;
+    for (std::size_t c = 0; c < 3; ++c) out.linear[c] = glm::cross(move.turn, axes_[c]) / tool_->edge_;
+    out.offset = (move.translation + shift + glm::cross(move.turn, axes_ * tool_->middle_)) / tool_->edge_;
+    return out;
   }
   void mask(std::size_t hit) noexcept {
     if (masked_ == hidden_.size()) return;
@@ -183,7 +186,8 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
       points_(make_contact_shell(about(shell, middle_), voxel_edge)),
       gripping_(thinned(points_.cutting)),
       drawn_(shell, points_.cutting, middle_),
-      edge_(voxel_edge) {
+      edge_(voxel_edge),
+      spots_(shell) {
   hits_.reserve(shell_.size());
 }
 
@@ -246,7 +250,7 @@ void ConstrainedTool::set_play(bool spinning) noexcept {
   play_ = play;
   push_ = push;
   drawn_.draw(push_, play_, points_.cutting);
-  thin_out(points_.cutting, gripping_);
+  if (grip_stride(points_.cutting) > 1) thin_out(points_.cutting, gripping_);
 }
 
 void ConstrainedTool::grip(const SurfaceView& bone, bool spinning) noexcept {
@@ -255,20 +259,20 @@ void ConstrainedTool::grip(const SurfaceView& bone, bool spinning) noexcept {
     return;
   }
   hits_.clear();
-  probe_surface(bone.records, gripping_,
+  probe_surface(bone.records, grip_stride(points_.cutting) > 1 ? gripping_ : points_.cutting,
                 bone.records.bone_from_index.inverse() * Affine::from_pose({bone_from_tool_.rotation, bone_from_tool_ * middle_}), 0.0,
                 hits_);
   grip_.look(hits_, shell_, bone_from_tool_, engaged_, config_.side_grip * config_.cutting_stiffness);
 }
 
-void ConstrainedTool::look(const SurfaceView& bone, bool spinning) noexcept {
+void ConstrainedTool::look(const SurfaceView& bone, bool spinning, double look_ahead) noexcept {
   const Affine index_from_tool =
       bone.records.bone_from_index.inverse() * Affine::from_pose({bone_from_tool_.rotation, bone_from_tool_ * middle_});
   const Vec3 back = spinning ? bone.records.bone_from_index.inverse().linear * engaged_ : Vec3(0.0);
   hits_.clear();
-  probe_surface(bone.records, points_.cutting, moved(index_from_tool, back), kLookAhead, hits_);
+  probe_surface(bone.records, points_.cutting, moved(index_from_tool, back), look_ahead, hits_);
   cutting_hits_ = hits_.count;
-  probe_surface(bone.records, points_.passive, index_from_tool, kLookAhead, hits_);
+  probe_surface(bone.records, points_.passive, index_from_tool, look_ahead, hits_);
 }
 
 HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept {
@@ -281,7 +285,7 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
     const auto sample = sample_records(bone.records, index_from_bone * position);
     if (!sample || sample->distance > kLookAhead || sample->normal == Vec3(0.0)) return false;
     plane.gap = sample->distance * edge_;
-    plane.normal = plane.cutting ? sample->normal : steadied(bone, position, sample->normal);
+    plane.normal = plane.cutting ? sample->normal : direction(bone, plane, position, sample->normal, spinning);
     plane.yield = yield_of(config_, bone, position - plane.normal * (plane.gap + 0.5 * edge_), plane.cutting);
     return true;
   });
@@ -296,6 +300,16 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
                         .cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGive),
                         .tolerance = kTolerance * edge_},
                        candidates);
+}
+
+Vec3 ConstrainedTool::direction(const SurfaceView& bone, const HoldPlane& plane, const Vec3& position, const Vec3& normal,
+                                bool spinning) const noexcept {
+  return hollow_direction(hits_, {spinning ? cutting_hits_ : 0, hits_.count},
+                          {.place = shell_.positions[plane.point] - middle_,
+                           .gap = plane.gap / edge_,
+                           .normal = normal,
+                           .steadied = steadied(bone, position, normal)},
+                          glm::mat3_cast(bone_from_tool_.rotation), edge_);
 }
 
 void ConstrainedTool::apply(const HoldMove& move, double part) noexcept {
@@ -313,7 +327,7 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
   state_.moves = 0;
   bool at_rest = false;
   for (; !at_rest && state_.moves < static_cast<std::uint32_t>(config_.max_moves); ++state_.moves) {
-    look(bone, spinning);
+    look(bone, spinning, kLookAhead);
     if (hits_.outside) {
       // What the window does not know is not free: wait for it to follow, or a fast hand would outrun the bone.
       state_.flags |= kContactOutsideWindow;
@@ -336,6 +350,7 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
       relaxation = std::max(0.125, 0.5 * relaxation);
     const double part = std::min(relaxation, length > free ? free / length : 1.0);
     apply(move, part);
+    since_look_ = {move.translation * part, move.turn * part, engaging * part};
     last = {move.translation, move.turn, engaging};
     at_rest = length <= kSettled * edge_ || (relaxation <= 0.25 && length <= 4.0 * kSettled * edge_);
   }
@@ -358,6 +373,37 @@ void ConstrainedTool::report(const SurfaceView& bone) noexcept {
   state_.aside = bone.world_from_bone.rotate(grip_.aside());
 }
 
+void ConstrainedTool::describe(const SurfaceView& bone, double reach, LocalContact& out) noexcept {
+  out.count = 0;
+  out.kind = LocalKind::none;
+  if ((state_.flags & (kContactOutsideWindow | kContactNotFinite)) != 0) return;
+  out.kind = LocalKind::coupled;
+  out.engaged = bone.world_from_bone.rotate(engaged_);
+  out.coupling_stiffness = config_.coupling_stiffness;
+  out.coupling_damping = config_.coupling_damping;
+  out.turn_stiffness = config_.turn_stiffness;
+  out.cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGive);
+  const auto list = [&](HoldPlane plane) {
+    if (out.count == kMaxLocalPlanes) return;
+    plane.gap += glm::dot(plane.normal, since_look_.translation + glm::cross(since_look_.turn, plane.arm) +
+                                            (plane.cutting ? since_look_.engagement : Vec3(0.0)));
+    plane.normal = bone.world_from_bone.rotate(plane.normal);
+    plane.arm = bone.world_from_bone.rotate(plane.arm);
+    out.planes[out.count++] = plane;
+  };
+  for (const HoldPlane& plane : solver_.planes()) list(plane);
+  if (reach > kLookAhead * edge_) {
+    look(bone, spinning_, std::min(reach / edge_, kFarthestLook));
+    since_look_ = {};
+  }
+  std::array<std::uint32_t, kMaxSpots> near;
+  spots_.pick(hits_, near);
+  const Candidates candidates(*this, bone, spinning_);
+  for (const std::uint32_t hit : near)
+    if (hit != kNoHit && std::ranges::find(solver_.planes(), hits_.point[hit], &HoldPlane::point) == solver_.planes().end())
+      list(candidates.plane_of(hit));
+}
+
 const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const HandMotion& hand, double dt) noexcept {
   state_.flags = 0;
   const Quat& turn = hand.world_from_hand.rotation;
@@ -376,6 +422,7 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   }
   bone_from_tool_ = world_from_bone_.inverse() * state_.world_from_tool;  // carried along by a bone that moved
   const Pull pull = pull_of(hand, dt);
+  spinning_ = hand.spinning;
   set_play(hand.spinning);
   grip(bone, hand.spinning);
   sweep(bone, pull, hand.spinning);

@@ -17,6 +17,8 @@
 #include "core/contact/contact_model.h"
 #include "core/contact/drawn_shell.h"
 #include "core/contact/hold_solver.h"
+#include "core/contact/local_contact.h"
+#include "core/contact/near_spots.h"
 #include "core/contact/side_grip.h"
 #include "core/contact/surface_probe.h"
 
@@ -68,6 +70,10 @@ class ConstrainedTool {
   const ConstrainedToolState& step(const SurfaceView& bone, const HandMotion& hand, double dt) noexcept BH_REALTIME;
   [[nodiscard]] const ConstrainedToolState& state() const noexcept { return state_; }
   [[nodiscard]] const PointShell& shell() const noexcept { return shell_; }
+  /// After a step on that bone: its contact as planes, loaded ones first, then the nearest of each spot of the tool. Kind `none` where the
+  /// window did not know enough.
+  /// @param reach [m] how far the tool may come before it is asked again: what is nearer is listed, as far as records know.
+  void describe(const SurfaceView& bone, double reach, LocalContact& out) noexcept BH_REALTIME;
   /// Planes that carry load at the state; normals and arms in the axes of the bone frame.
   [[nodiscard]] std::span<const HoldPlane> planes() const noexcept { return solver_.planes(); }
 
@@ -85,8 +91,11 @@ class ConstrainedTool {
   void set_play(bool spinning) noexcept;
   /// Feels what is engaged at the true pose.
   void grip(const SurfaceView& bone, bool spinning) noexcept;
-  void look(const SurfaceView& bone, bool spinning) noexcept;
+  void look(const SurfaceView& bone, bool spinning, double look_ahead) noexcept;
   [[nodiscard]] HoldMove solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept;
+  /// Of a plane that does not cut: where it is felt, and the record's normal there.
+  [[nodiscard]] Vec3 direction(const SurfaceView& bone, const HoldPlane& plane, const Vec3& position, const Vec3& normal,
+                               bool spinning) const noexcept;
   void sweep(const SurfaceView& bone, const Pull& pull, bool spinning) noexcept;
   void apply(const HoldMove& move, double part) noexcept;
   void report(const SurfaceView& bone) noexcept;
@@ -98,17 +107,20 @@ class ConstrainedTool {
   ContactShellPart gripping_;  // cutting points that tell how bone holds sideways: all of them, or so many evenly chosen
   DrawnShell drawn_;           // draws the cutting points of points_
   double edge_ = 0.0;          // [m]
+  NearSpots spots_;
   ProbeHits hits_;
   std::size_t cutting_hits_ = 0;  // the first so many hits are of cutting points
   HoldSolver solver_;
   SideGrip grip_;
   Pose bone_from_tool_;
   Vec3 engaged_{0.0};         // [m] bone frame: the held pose is the tool's moved by this
+  HoldMove since_look_;       // how the tool moved since gaps were measured; engagement: by how much it grew
   double play_ = 0.0;         // [m]
   Vec3 push_{0.0, 0.0, 1.0};  // unit, tool frame: against the thrust
   Pose world_from_bone_;
   Quat hand_before_{1.0, 0.0, 0.0, 0.0};
-  bool placed_ = false;  // the frames above are from the step before
+  bool spinning_ = false;  // in the step before
+  bool placed_ = false;    // the frames above are from the step before
   ConstrainedToolState state_;
 };
 

@@ -37,8 +37,10 @@ void Draw(const DrawJob& job) {
   for (std::size_t n = 0; n < job.count; n += hn::Lanes(d)) {
     const V x = hn::LoadU(d, job.inward[0] + n), y = hn::LoadU(d, job.inward[1] + n), z = hn::LoadU(d, job.inward[2] + n);
     const V along = hn::Add(hn::Add(hn::Mul(x, px), hn::Mul(y, py)), hn::Mul(z, pz));
+    const V part = hn::Mul(hn::Sub(hn::Set(d, kDrawnBelow), hn::Mul(along, along)), hn::Set(d, kDrawnRise));
+    const V by = hn::Mul(play, hn::Clamp(part, hn::Zero(d), hn::Set(d, 1.0)));
     const auto draw = [&](std::size_t axis, V inward, V push) HWY_ATTR {
-      const V way = hn::Mul(hn::Sub(inward, hn::Mul(push, along)), play);
+      const V way = hn::Mul(hn::Sub(inward, hn::Mul(push, along)), by);
       const V to = hn::Sub(hn::Add(hn::LoadU(d, job.position[axis] + n), way), hn::Set(d, job.middle[axis]));
       hn::StoreU(hn::DemoteTo(df, to), df, job.out[axis] + n);
     };

@@ -3,6 +3,7 @@
 ///   Source own derivation. Double precision, the same bits on every SIMD level as drawn_in() of each point.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -11,9 +12,13 @@
 
 namespace burrhole {
 
-/// Where a point is drawn to: along its inward normal by `play` [m], but not along `push` (unit).
+/// Faces within 23 degrees of the push (by the square of the cosine) are not drawn in, those over 51 degrees off it wholly.
+inline constexpr double kDrawnBelow = 0.85, kDrawnRise = 2.2;
+
+/// Where a point is drawn to: along its inward normal, but not along `push` (unit), by up to `play` [m].
 [[nodiscard]] inline Vec3 drawn_in(const Vec3& position, const Vec3& inward, const Vec3& push, double play) noexcept {
-  return position + (inward - push * glm::dot(inward, push)) * play;
+  const double along = glm::dot(inward, push), part = std::clamp((kDrawnBelow - along * along) * kDrawnRise, 0.0, 1.0);
+  return position + (inward - push * along) * (play * part);
 }
 
 class DrawnShell {

@@ -1,5 +1,5 @@
-// core/contact/probe_cell-inl.h: one cell of surface records interpolated. Included by SIMD kernels only, once a target (hence no #pragma once);
-// the plain twin is tests/core/contact/surface_probe_twin.cpp.
+// core/contact/probe_cell-inl.h: cells of surface records interpolated, as many at once as a vector has lanes. Included by SIMD kernels
+// only, once a target (hence no #pragma once); the plain twin is tests/core/contact/surface_probe_twin.cpp.
 #if defined(BURRHOLE_PROBE_CELL_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_PROBE_CELL_INL_H
 #undef BURRHOLE_PROBE_CELL_INL_H
@@ -12,117 +12,211 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/contact/probe_lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace burrhole {
 namespace HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
+// Lanes are cells. A row of a cell, two records, is one load, and rows of as many cells are transposed as words: nothing is gathered.
+// Channels are mixed along k, then j, then i, in one order of operations for every width, and so are the bits. Beside them goes what bends
+// the distance (surface_probe.h): f (1 - f) times the change of the normal along each axis, weighted by `metric`.
 
-// The four channels of one cell, mixed along k, then j, then i. Lanes are channels, of as many corners as a vector holds, so that a row is one
-// load and nothing is gathered. The order is the same for every width, and so are the bits.
-// Beside them goes what bends the distance (surface_probe.h): f (1 - f) times the change of the normal along each axis, by channel and weighted by
-// `metric`, four channels an axis; the sum of its lanes belongs to the distance.
-#if HWY_MAX_BYTES >= 16
-
-template <std::size_t kLanes, class Channel>
-HWY_INLINE hn::Vec<hn::FixedTag<float, kLanes>> read_channels(const Channel* from) {
-  const hn::FixedTag<float, kLanes> df;
-  const hn::FixedTag<std::int32_t, kLanes> di;
-  const hn::FixedTag<Channel, kLanes> stored;
-  return hn::ConvertTo(df, hn::PromoteTo(di, hn::LoadU(stored, from)));
-}
-
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V mix(D d, V a, V b, float t) {
-  return hn::Add(a, hn::Mul(hn::Sub(b, a), hn::Set(d, t)));
-}
-
-/// Of the changes of all channels along the axes.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V bend_of(D d, V along_i, V along_j, V along_k, float fx, float fy, float fz, const float* metric) {
-  const V i = hn::Mul(along_i, hn::Mul(hn::Load(d, metric), hn::Set(d, fx * (1.0f - fx))));
-  const V j = hn::Mul(along_j, hn::Mul(hn::Load(d, metric + 4), hn::Set(d, fy * (1.0f - fy))));
-  const V k = hn::Mul(along_k, hn::Mul(hn::Load(d, metric + 8), hn::Set(d, fz * (1.0f - fz))));
-  return hn::Add(hn::Add(i, j), k);
-}
-
-#endif
-#if HWY_MAX_BYTES >= 32  // sixteen lanes gain nothing: two corners along j are then two loads all the same
-
+/// Channels stay in the upper bits of their words, which saves a shift: what comes out is what is stored times this power of two, and no
+/// bit of what follows depends on it.
 template <class Channel>
-HWY_INLINE void interpolate(const Channel* first, std::ptrdiff_t row, std::ptrdiff_t slab, float fx, float fy, float fz,
-                            const float* metric, float* out, float* bend) {
-  const hn::FixedTag<float, 8> d8;
-  const hn::FixedTag<float, 4> d4;
-  const auto near0 = read_channels<8>(first), near1 = read_channels<8>(first + slab);
-  const auto past0 = read_channels<8>(first + row), past1 = read_channels<8>(first + row + slab);
-  const auto near = mix(d8, near0, near1, fz), past = mix(d8, past0, past1, fz);
-  const auto pair = mix(d8, near, past, fy);
-  const auto left = hn::LowerHalf(d4, pair), right = hn::UpperHalf(d4, pair);
-  hn::Store(mix(d4, left, right, fx), d4, out);
-  const auto over_j = hn::Sub(past, near);
-  const auto over_k = mix(d8, hn::Sub(near1, near0), hn::Sub(past1, past0), fy);
-  const auto along_j = mix(d4, hn::LowerHalf(d4, over_j), hn::UpperHalf(d4, over_j), fx);
-  const auto along_k = mix(d4, hn::LowerHalf(d4, over_k), hn::UpperHalf(d4, over_k), fx);
-  hn::Store(bend_of(d4, hn::Sub(right, left), along_j, along_k, fx, fy, fz, metric), d4, bend);
-}
+inline constexpr float kChannelScale = static_cast<float>(std::uint64_t{1} << (32 - 8 * sizeof(Channel)));
 
-#elif HWY_MAX_BYTES >= 16
-
-/// One side of a cell, mixed along k and j.
-struct CellSide {
-  hn::Vec<hn::FixedTag<float, 4>> mixed, along_j, along_k;
-
-  template <class Channel>
-  HWY_INLINE CellSide(const Channel* first, std::ptrdiff_t row, std::ptrdiff_t slab, float fy, float fz) {
-    const hn::FixedTag<float, 4> d4;
-    const auto near0 = read_channels<4>(first), near1 = read_channels<4>(first + slab);
-    const auto past0 = read_channels<4>(first + row), past1 = read_channels<4>(first + row + slab);
-    const auto near = mix(d4, near0, near1, fz), past = mix(d4, past0, past1, fz);
-    mixed = mix(d4, near, past, fy);
-    along_j = hn::Sub(past, near);
-    along_k = mix(d4, hn::Sub(near1, near0), hn::Sub(past1, past0), fy);
-  }
+/// One row of cells: words of the record at i, and of that at i + 1.
+template <class Channel>
+struct CellRow {
+  Vi here[sizeof(Channel)], next[sizeof(Channel)];
 };
 
+/// The four rows of cells, by (j, k).
 template <class Channel>
-HWY_INLINE void interpolate(const Channel* first, std::ptrdiff_t row, std::ptrdiff_t slab, float fx, float fy, float fz,
-                            const float* metric, float* out, float* bend) {
-  const hn::FixedTag<float, 4> d4;
-  const CellSide left(first, row, slab, fy, fz), right(first + 4, row, slab, fy, fz);
-  hn::Store(mix(d4, left.mixed, right.mixed, fx), d4, out);
-  hn::Store(bend_of(d4, hn::Sub(right.mixed, left.mixed), mix(d4, left.along_j, right.along_j, fx),
-                    mix(d4, left.along_k, right.along_k, fx), fx, fy, fz, metric),
-            d4, bend);
+struct CellRows {
+  CellRow<Channel> row00, row01, row10, row11;
+};
+
+/// Where the rows of the cell of record 0 lie.
+template <class Channel>
+struct RowStarts {
+  const Channel *row00, *row01, *row10, *row11;
+};
+
+#if HWY_MAX_BYTES >= 16
+
+inline constexpr std::size_t kCellLanes = HWY_MIN(HWY_MAX_BYTES, 64) / 4;
+
+/// Rows of two records, 4 words each, of cells first, first + 4, first + 8 and so on. Loads repeat them over the vector for nothing, and
+/// blends keep each where it belongs.
+HWY_INLINE Vi load_rows(const std::int16_t* row, const std::int32_t* cells, std::size_t first) {
+  const Ints di;
+  const hn::Repartition<std::int16_t, Ints> stored;
+  const auto block = [&](std::size_t n) HWY_ATTR {
+    return hn::BitCast(di, hn::LoadDup128(stored, row + 4 * static_cast<std::ptrdiff_t>(cells[first + 4 * n])));
+  };
+  if constexpr (kCellLanes == 4)
+    return block(0);
+  else if constexpr (kCellLanes == 8)
+    return hn::ConcatUpperLower(di, block(1), block(0));
+  else
+    return hn::ConcatUpperLower(di, hn::OddEvenBlocks(block(3), block(2)), hn::OddEvenBlocks(block(1), block(0)));
+}
+
+/// The same of records of 2 words a row, of cells first, first + 1, first + 2 and so on.
+template <std::size_t kWords>
+HWY_INLINE hn::Vec<hn::FixedTag<std::int32_t, kWords>> load_pairs(const std::int8_t* row, const std::int32_t* cells, std::size_t first) {
+  const hn::FixedTag<std::int32_t, kWords> d;
+  if constexpr (kWords == 2)
+    return hn::BitCast(d, hn::LoadU(hn::FixedTag<std::int8_t, 8>(), row + 4 * static_cast<std::ptrdiff_t>(cells[first])));
+  else
+    return hn::Combine(d, load_pairs<kWords / 2>(row, cells, first + kWords / 4), load_pairs<kWords / 2>(row, cells, first));
+}
+HWY_INLINE Vi load_rows(const std::int8_t* row, const std::int32_t* cells, std::size_t first) {
+  return load_pairs<kCellLanes>(row, cells, first);
+}
+
+/// All four rows at once, so that each cell's place is read once.
+struct LoadedRows {
+  template <class Channel>
+  HWY_INLINE LoadedRows(const RowStarts<Channel>& starts, const std::int32_t* cells, std::size_t first)
+      : row00(load_rows(starts.row00, cells, first)),
+        row01(load_rows(starts.row01, cells, first)),
+        row10(load_rows(starts.row10, cells, first)),
+        row11(load_rows(starts.row11, cells, first)) {}
+  Vi row00, row01, row10, row11;
+};
+
+/// Four words of cell n, n + 4 and so on as n goes from 0 to 3, to one word of all cells.
+HWY_INLINE CellRow<std::int16_t> transposed(Vi r0, Vi r1, Vi r2, Vi r3) {
+  const Ints di;
+  const hn::Repartition<std::int64_t, Ints> dw;
+  const auto low01 = hn::BitCast(dw, hn::InterleaveLower(di, r0, r1)), low23 = hn::BitCast(dw, hn::InterleaveLower(di, r2, r3));
+  const auto high01 = hn::BitCast(dw, hn::InterleaveUpper(di, r0, r1)), high23 = hn::BitCast(dw, hn::InterleaveUpper(di, r2, r3));
+  return {{hn::BitCast(di, hn::InterleaveLower(dw, low01, low23)), hn::BitCast(di, hn::InterleaveUpper(dw, low01, low23))},
+          {hn::BitCast(di, hn::InterleaveLower(dw, high01, high23)), hn::BitCast(di, hn::InterleaveUpper(dw, high01, high23))}};
+}
+
+HWY_INLINE CellRows<std::int16_t> read_cells(const RowStarts<std::int16_t>& starts, const std::int32_t* cells) {
+  const LoadedRows a(starts, cells, 0), b(starts, cells, 1), c(starts, cells, 2), d(starts, cells, 3);
+  return {transposed(a.row00, b.row00, c.row00, d.row00), transposed(a.row01, b.row01, c.row01, d.row01),
+          transposed(a.row10, b.row10, c.row10, d.row10), transposed(a.row11, b.row11, c.row11, d.row11)};
+}
+
+HWY_INLINE CellRow<std::int8_t> transposed(Vi lower, Vi upper) {
+  const Ints di;
+  return {{hn::ConcatEven(di, upper, lower)}, {hn::ConcatOdd(di, upper, lower)}};
+}
+
+HWY_INLINE CellRows<std::int8_t> read_cells(const RowStarts<std::int8_t>& starts, const std::int32_t* cells) {
+  const LoadedRows a(starts, cells, 0), b(starts, cells, kCellLanes / 2);
+  return {transposed(a.row00, b.row00), transposed(a.row01, b.row01), transposed(a.row10, b.row10), transposed(a.row11, b.row11)};
 }
 
 #else  // one lane
 
-HWY_INLINE float mix(float a, float b, float t) { return a + (b - a) * t; }
+template <class Channel>
+HWY_INLINE CellRow<Channel> read_row(const Channel* row, std::int32_t cell) {
+  CellRow<Channel> out;
+  for (std::size_t n = 0; n < sizeof(Channel); ++n) {
+    const auto word = [&](std::size_t record) {
+      std::int32_t bits;
+      hwy::CopyBytes<4>(row + 4 * (static_cast<std::ptrdiff_t>(cell) + static_cast<std::ptrdiff_t>(record)) + n * 4 / sizeof(Channel),
+                        &bits);
+      return hn::Set(Ints(), bits);
+    };
+    out.here[n] = word(0);
+    out.next[n] = word(1);
+  }
+  return out;
+}
 
 template <class Channel>
-HWY_INLINE void interpolate(const Channel* first, std::ptrdiff_t row, std::ptrdiff_t slab, float fx, float fy, float fz,
-                            const float* metric, float* out, float* bend) {
-  for (std::size_t c = 0; c < 4; ++c, ++first) {
-    float side[2], over_j[2], over_k[2];
-    for (std::ptrdiff_t i = 0; i < 2; ++i) {
-      const Channel* at = first + 4 * i;
-      const auto near0 = static_cast<float>(at[0]), near1 = static_cast<float>(at[slab]);
-      const auto past0 = static_cast<float>(at[row]), past1 = static_cast<float>(at[row + slab]);
-      const float near = mix(near0, near1, fz), past = mix(past0, past1, fz);
-      side[i] = mix(near, past, fy);
-      over_j[i] = past - near;
-      over_k[i] = mix(near1 - near0, past1 - past0, fy);
-    }
-    out[c] = mix(side[0], side[1], fx);
-    const float i = (side[1] - side[0]) * (metric[c] * (fx * (1.0f - fx)));
-    const float j = mix(over_j[0], over_j[1], fx) * (metric[4 + c] * (fy * (1.0f - fy)));
-    const float k = mix(over_k[0], over_k[1], fx) * (metric[8 + c] * (fz * (1.0f - fz)));
-    bend[c] = (i + j) + k;
-  }
+HWY_INLINE CellRows<Channel> read_cells(const RowStarts<Channel>& starts, const std::int32_t* cells) {
+  return {read_row(starts.row00, *cells), read_row(starts.row01, *cells), read_row(starts.row10, *cells), read_row(starts.row11, *cells)};
 }
 
 #endif
+
+/// Channel `kChannel` of four of a record, from its words.
+template <std::size_t kChannel, class Channel, std::size_t kWords>
+HWY_INLINE Vf channel_of(const Vi (&words)[kWords]) {
+  constexpr std::size_t kBits = 8 * sizeof(Channel), kInWord = 32 / kBits, kPlace = kChannel % kInWord;
+  static_assert(kChannel / kInWord < kWords);
+  const Vi top = hn::ShiftLeft<static_cast<int>(32 - kBits * (kPlace + 1))>(words[kChannel / kInWord]);
+  if constexpr (kPlace == 0) return hn::ConvertTo(Floats(), top);  // nothing lies below it
+  constexpr auto kTop = static_cast<std::int32_t>(~std::uint32_t{0} << (32 - kBits));
+  return hn::ConvertTo(Floats(), hn::And(top, hn::Set(Ints(), kTop)));
+}
+
+HWY_INLINE Vf mix(Vf a, Vf b, Vf t) { return hn::Add(a, hn::Mul(hn::Sub(b, a), t)); }
+
+/// One channel on the side i or i + 1 of cells.
+struct CellSide {
+  HWY_INLINE CellSide(Vf v00, Vf v01, Vf v10, Vf v11, Vf fy, Vf fz) {
+    const Vf near = mix(v00, v01, fz), past = mix(v10, v11, fz);
+    value = mix(near, past, fy);
+    over_j = hn::Sub(past, near);
+    over_k = mix(hn::Sub(v01, v00), hn::Sub(v11, v10), fy);
+  }
+  Vf value, over_j, over_k;
+};
+
+/// One channel in cells, and how it changes along each axis.
+struct CellChannel {
+  HWY_INLINE CellChannel(const CellSide& left, const CellSide& right, Vf fx)
+      : value(mix(left.value, right.value, fx)),
+        along_i(hn::Sub(right.value, left.value)),
+        along_j(mix(left.over_j, right.over_j, fx)),
+        along_k(mix(left.over_k, right.over_k, fx)) {}
+  Vf value, along_i, along_j, along_k;
+};
+
+template <std::size_t kChannel, class Channel>
+HWY_INLINE CellChannel channel_in(const CellRows<Channel>& rows, Vf fx, Vf fy, Vf fz) {
+  const CellSide left(channel_of<kChannel, Channel>(rows.row00.here), channel_of<kChannel, Channel>(rows.row01.here),
+                      channel_of<kChannel, Channel>(rows.row10.here), channel_of<kChannel, Channel>(rows.row11.here), fy, fz);
+  const CellSide right(channel_of<kChannel, Channel>(rows.row00.next), channel_of<kChannel, Channel>(rows.row01.next),
+                       channel_of<kChannel, Channel>(rows.row10.next), channel_of<kChannel, Channel>(rows.row11.next), fy, fz);
+  return CellChannel(left, right, fx);
+}
+
+/// Points in their cells; all times kChannelScale.
+struct CellSample {
+  Vf distance, nx, ny, nz;
+};
+
+/// `metric` holds four channels an axis, of which the first is not read. `kStraight`: only those of each axis with itself are not zero.
+template <bool kStraight, class Channel>
+HWY_INLINE CellSample interpolate(const CellRows<Channel>& rows, Vf fx, Vf fy, Vf fz, const float* metric) {
+  const Floats df;
+  const Vf one = hn::Set(df, 1.0f);
+  const Vf gx = hn::Mul(fx, hn::Sub(one, fx)), gy = hn::Mul(fy, hn::Sub(one, fy)), gz = hn::Mul(fz, hn::Sub(one, fz));
+  const CellChannel distance = channel_in<0>(rows, fx, fy, fz), nx = channel_in<1>(rows, fx, fy, fz), ny = channel_in<2>(rows, fx, fy, fz),
+                    nz = channel_in<3>(rows, fx, fy, fz);
+  const auto weighed = [&](Vf change, std::size_t at, Vf g) HWY_ATTR { return hn::Mul(change, hn::Mul(hn::Set(df, metric[at]), g)); };
+  const auto whole = [&](const CellChannel& n, std::size_t c) HWY_ATTR {
+    return hn::Add(hn::Add(weighed(n.along_i, c, gx), weighed(n.along_j, 4 + c, gy)), weighed(n.along_k, 8 + c, gz));
+  };
+  Vf bend;
+  if constexpr (kStraight)
+    bend = hn::Add(hn::Add(weighed(nx.along_i, 1, gx), weighed(ny.along_j, 4 + 2, gy)), weighed(nz.along_k, 8 + 3, gz));
+  else
+    bend = hn::Add(hn::Add(whole(nx, 1), whole(ny, 2)), whole(nz, 3));
+  return {hn::Add(distance.value, bend), nx.value, ny.value, nz.value};
+}
+
+/// The distance of one record of each cell, times kChannelScale: of that at i + 1, j + 1, k + 1 where the masks say so.
+template <class Channel>
+HWY_INLINE Vf distance_at(const CellRows<Channel>& rows, hn::Mask<Floats> up_i, hn::Mask<Floats> up_j, hn::Mask<Floats> up_k) {
+  const Ints di;
+  const auto choose = [&](hn::Mask<Floats> up, Vi next, Vi here) HWY_ATTR { return hn::IfThenElse(hn::RebindMask(di, up), next, here); };
+  const auto side = [&](const CellRow<Channel>& row) HWY_ATTR { return choose(up_i, row.next[0], row.here[0]); };
+  const Vi past = choose(up_k, side(rows.row11), side(rows.row10)), near = choose(up_k, side(rows.row01), side(rows.row00));
+  return channel_of<0, Channel>({choose(up_j, past, near)});
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace burrhole

@@ -65,6 +65,9 @@ void probe_surface(const RecordView& bone, const ContactShellPart& points, const
       job.metric[4 * axis + 1 + c] =
           static_cast<float>(-0.5 * (small ? kRecord8Normal / kRecord8Distance : kRecord16Normal / kRecord16Distance) * cell[axis][c] /
                              bone.bone_from_index.mean_edge());
+  job.straight = true;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t c = 0; c < 3; ++c) job.straight = job.straight && (c == axis || job.metric[4 * axis + 1 + c] == 0.0f);
   job.look_ahead = static_cast<float>(look_ahead);
   // Distance changes by no more than the way: half a cell's diagonal, and a hundredth for rounding of stored values.
   job.slack = static_cast<float>(0.5 * diagonal / bone.bone_from_index.mean_edge() + 0.02);

@@ -1,9 +1,9 @@
-// Points are taken in blocks through four passes: those that one record says are near, their cells, interpolated, those that are near.
+// Points are taken in blocks through three passes: those that one record says are near; their cells; interpolated, those that are near.
+// Where most of the block before were near all is done in one: which way is taken changes no bit.
 // The plain twin is tests/core/contact/surface_probe_twin.cpp: thread sanitizers do not see gathers.
 #include "core/contact/surface_probe_kernel.h"
 
 #include <algorithm>
-#include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/contact/surface_probe_kernel.cpp"
@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 
 #include "core/contact/probe_cell-inl.h"
+#include "core/contact/probe_hits-inl.h"
 #include "core/contact/probe_lanes-inl.h"
 
 #ifndef BURRHOLE_SURFACE_PROBE_ONCE
@@ -25,11 +26,9 @@ inline constexpr std::size_t kProbeBlock = kHitBlock;
 struct ProbeBlock {
   static constexpr std::size_t kRoom = kProbeBlock + kShellPad;
   alignas(64) float x[kRoom], y[kRoom], z[kRoom];     // [m] tool frame
-  alignas(64) float fx[kRoom], fy[kRoom], fz[kRoom];  // window coordinates; then the part of them past the record
+  alignas(64) float wx[kRoom], wy[kRoom], wz[kRoom];  // window coordinates
   alignas(64) std::int32_t point[kRoom];              // index into the shell
   alignas(64) std::int32_t record[kRoom];             // least corner of the cell
-  alignas(64) float channels[4 * kRoom];              // interpolated: distance, nx, ny, nz of one, then of the next
-  alignas(64) float bends[4 * kRoom];                 // the sum of each four belongs to the distance
 };
 
 }  // namespace burrhole
@@ -59,9 +58,22 @@ HWY_INLINE Vf read_distance(const ProbeJob& job, Vi at) {
   return hn::ConvertTo(df, hn::ShiftRight<kShift>(hn::ShiftLeft<kShift>(w)));
 }
 
-HWY_INLINE Vi record_of(const ProbeJob& job, Vi i, Vi j, Vi k) {
+template <class Channel>
+HWY_INLINE RowStarts<Channel> rows_of(const ProbeJob& job) {
+  const std::ptrdiff_t row = 4 * static_cast<std::ptrdiff_t>(job.row), slab = 4 * static_cast<std::ptrdiff_t>(job.slab);
+  const Channel* const first = records_of<Channel>(job);
+  return {first, first + slab, first + row, first + slab + row};
+}
+
+/// Records at whole coordinates, not negative and below 2^22. Their sum with 2^23 has them in its lowest bits: Highway's own conversions
+/// mind overflow, in four more instructions each. The bits above are taken off once for all three.
+HWY_INLINE Vi record_of(const ProbeJob& job, Vf i, Vf j, Vf k) {
   const Ints di;
-  return hn::Add(hn::Add(hn::Mul(k, hn::Set(di, job.slab)), hn::Mul(j, hn::Set(di, job.row))), i);
+  constexpr std::uint32_t kAbove = 0x4b000000u;
+  const auto bits = [](Vf whole) HWY_ATTR { return hn::BitCast(Ints(), hn::Add(whole, hn::Set(Floats(), 8388608.0f))); };
+  const Vi sum = hn::Add(hn::Add(hn::Mul(bits(k), hn::Set(di, job.slab)), hn::Mul(bits(j), hn::Set(di, job.row))), bits(i));
+  const std::uint32_t above = kAbove * (static_cast<std::uint32_t>(job.slab) + static_cast<std::uint32_t>(job.row) + 1u);
+  return hn::Sub(sum, hn::Set(di, static_cast<std::int32_t>(above)));
 }
 
 /// Point numbers, which alone are not padded.
@@ -75,42 +87,51 @@ HWY_INLINE Vi names(const ContactShellPart& part, std::size_t first) {
   return hn::Load(di, last);
 }
 
+/// A vector of points in window coordinates; those without a record, which are not usable, are put at the first one.
+struct Placed {
+  Vf px, py, pz, x, y, z;
+  hn::Mask<Floats> usable;
+};
+HWY_INLINE Placed place(const ProbeJob& job, const ContactShellPart& part, std::size_t n, std::size_t last, bool& outside) {
+  const Floats df;
+  const Vf px = hn::LoadU(df, part.x.data() + n), py = hn::LoadU(df, part.y.data() + n), pz = hn::LoadU(df, part.z.data() + n);
+  const Vf x = row_times(job.linear, px, py, pz, job.offset[0]);
+  const Vf y = row_times(job.linear + 1, px, py, pz, job.offset[1]);
+  const Vf z = row_times(job.linear + 2, px, py, pz, job.offset[2]);
+  auto known = hn::And(hn::And(hn::Ge(x, hn::Set(df, job.lo[0])), hn::Lt(x, hn::Set(df, job.hi[0]))),
+                       hn::And(hn::Ge(y, hn::Set(df, job.lo[1])), hn::Lt(y, hn::Set(df, job.hi[1]))));
+  known = hn::And(known, hn::And(hn::Ge(z, hn::Set(df, job.lo[2])), hn::Lt(z, hn::Set(df, job.hi[2]))));
+  const auto real = hn::FirstN(df, last - n);
+  if (!hn::AllFalse(df, hn::AndNot(known, real))) outside = true;
+  const auto usable = hn::And(known, real);
+  return {px, py, pz, hn::IfThenElseZero(usable, x), hn::IfThenElseZero(usable, y), hn::IfThenElseZero(usable, z), usable};
+}
+
+/// The voxels whose centres are nearest.
+HWY_INLINE Vf nearest_voxel(Vf x) { return hn::Floor(hn::Add(x, hn::Set(Floats(), 0.5f))); }
+
 /// First pass: points [first, last) against the one record of their voxel. @returns how many survive, written one after another.
 template <class Channel>
 HWY_INLINE std::size_t keep_near(const ProbeJob& job, const ContactShellPart& part, std::size_t first, std::size_t last, ProbeBlock& block,
                                  Vf& nearest, bool& outside) {
   const Floats df;
   const Ints di;
-  const std::size_t lanes = hn::Lanes(df);
-  const Vf half = hn::Set(df, 0.5f), zero = hn::Zero(df), limit = hn::Set(df, (job.look_ahead + job.slack) * job.steps_a_edge);
+  const Vf limit = hn::Set(df, (job.look_ahead + job.slack) * job.steps_a_edge);
   std::size_t kept = 0;
-  for (std::size_t n = first; n < last; n += lanes) {
-    const Vf px = hn::LoadU(df, part.x.data() + n), py = hn::LoadU(df, part.y.data() + n), pz = hn::LoadU(df, part.z.data() + n);
-    const Vf x = row_times(job.linear, px, py, pz, job.offset[0]);
-    const Vf y = row_times(job.linear + 1, px, py, pz, job.offset[1]);
-    const Vf z = row_times(job.linear + 2, px, py, pz, job.offset[2]);
-    auto known = hn::And(hn::And(hn::Ge(x, hn::Set(df, job.lo[0])), hn::Lt(x, hn::Set(df, job.hi[0]))),
-                         hn::And(hn::Ge(y, hn::Set(df, job.lo[1])), hn::Lt(y, hn::Set(df, job.hi[1]))));
-    known = hn::And(known, hn::And(hn::Ge(z, hn::Set(df, job.lo[2])), hn::Lt(z, hn::Set(df, job.hi[2]))));
-    const auto real = hn::FirstN(df, last - n);
-    if (!hn::AllFalse(df, hn::AndNot(known, real))) outside = true;
-    const auto usable = hn::And(known, real);
-    // Lanes without a record look at the first one, and are dropped.
-    const Vi i = hn::ConvertTo(di, hn::Add(hn::IfThenElse(usable, x, zero), half));
-    const Vi j = hn::ConvertTo(di, hn::Add(hn::IfThenElse(usable, y, zero), half));
-    const Vi k = hn::ConvertTo(di, hn::Add(hn::IfThenElse(usable, z, zero), half));
-    const Vf distance = read_distance<Channel>(job, record_of(job, i, j, k));
-    nearest = hn::Min(nearest, hn::IfThenElse(usable, distance, nearest));
-    const auto near = hn::And(usable, hn::Lt(distance, limit));
+  for (std::size_t n = first; n < last; n += hn::Lanes(df)) {
+    const Placed at = place(job, part, n, last, outside);
+    const Vf distance = read_distance<Channel>(job, record_of(job, nearest_voxel(at.x), nearest_voxel(at.y), nearest_voxel(at.z)));
+    nearest = hn::Min(nearest, hn::IfThenElse(at.usable, distance, nearest));
+    const auto near = hn::And(at.usable, hn::Lt(distance, limit));
     if (hn::AllFalse(df, near)) continue;
     const Vi name = names(part, n);
     keep_lanes(near, [&](auto keep) HWY_ATTR {
-      keep(x, df, block.fx + kept);
-      keep(y, df, block.fy + kept);
-      keep(z, df, block.fz + kept);
-      keep(px, df, block.x + kept);
-      keep(py, df, block.y + kept);
-      keep(pz, df, block.z + kept);
+      keep(at.x, df, block.wx + kept);
+      keep(at.y, df, block.wy + kept);
+      keep(at.z, df, block.wz + kept);
+      keep(at.px, df, block.x + kept);
+      keep(at.py, df, block.y + kept);
+      keep(at.pz, df, block.z + kept);
       keep(name, di, block.point + kept);
     });
     kept += hn::CountTrue(df, near);
@@ -118,122 +139,129 @@ HWY_INLINE std::size_t keep_near(const ProbeJob& job, const ContactShellPart& pa
   return kept;
 }
 
-/// Second pass: the cell of each survivor; its four rows of records are asked for.
+/// Second pass: the cell of each survivor, to a whole vector; its four rows of records are asked for.
 template <class Channel>
 HWY_INLINE void find_cells(const ProbeJob& job, ProbeBlock& block, std::size_t kept) {
   const Floats df;
   const Ints di;
-  const std::size_t lanes = hn::Lanes(df);
-  for (std::size_t n = 0; n < kept; n += lanes) {
+  for (std::size_t n = 0; n < kept; n += hn::Lanes(df)) {
     const auto real = hn::FirstN(df, kept - n);  // past them lies what earlier stores touched
-    const Vf x = hn::IfThenElseZero(real, hn::Load(df, block.fx + n)), y = hn::IfThenElseZero(real, hn::Load(df, block.fy + n)),
-             z = hn::IfThenElseZero(real, hn::Load(df, block.fz + n));
-    const Vi i = hn::ConvertTo(di, x), j = hn::ConvertTo(di, y), k = hn::ConvertTo(di, z);  // coordinates are not negative
-    hn::Store(record_of(job, i, j, k), di, block.record + n);
-    hn::Store(hn::Sub(x, hn::ConvertTo(df, i)), df, block.fx + n);
-    hn::Store(hn::Sub(y, hn::ConvertTo(df, j)), df, block.fy + n);
-    hn::Store(hn::Sub(z, hn::ConvertTo(df, k)), df, block.fz + n);
+    const Vf x = hn::IfThenElseZero(real, hn::Load(df, block.wx + n)), y = hn::IfThenElseZero(real, hn::Load(df, block.wy + n)),
+             z = hn::IfThenElseZero(real, hn::Load(df, block.wz + n));
+    hn::Store(record_of(job, hn::Floor(x), hn::Floor(y), hn::Floor(z)), di, block.record + n);
   }
+  const RowStarts<Channel> rows = rows_of<Channel>(job);
   for (std::size_t n = 0; n < kept; ++n) {
-    const Channel* first = records_of<Channel>(job) + 4 * static_cast<std::ptrdiff_t>(block.record[n]);
-    const std::ptrdiff_t row = 4 * static_cast<std::ptrdiff_t>(job.row), slab = 4 * static_cast<std::ptrdiff_t>(job.slab);
-    hwy::Prefetch(first);
-    hwy::Prefetch(first + row);
-    hwy::Prefetch(first + slab);
-    hwy::Prefetch(first + slab + row);
+    const std::ptrdiff_t at = 4 * static_cast<std::ptrdiff_t>(block.record[n]);
+    hwy::Prefetch(rows.row00 + at);
+    hwy::Prefetch(rows.row01 + at);
+    hwy::Prefetch(rows.row10 + at);
+    hwy::Prefetch(rows.row11 + at);
   }
 }
 
-/// Third pass: survivors interpolated, one after another.
+/// A vector of points of a block in window coordinates, and what their cells say.
 template <class Channel>
-HWY_INLINE void interpolate_all(const ProbeJob& job, ProbeBlock& block, std::size_t kept) {
-  const std::ptrdiff_t row = 4 * static_cast<std::ptrdiff_t>(job.row), slab = 4 * static_cast<std::ptrdiff_t>(job.slab);
-  const Channel* records = records_of<Channel>(job);
-  const auto cell = [&](std::size_t n) { return records + 4 * static_cast<std::ptrdiff_t>(block.record[n]); };
-  for (std::size_t n = 0; n < kept; ++n)
-    interpolate(cell(n), row, slab, block.fx[n], block.fy[n], block.fz[n], job.metric, block.channels + 4 * n, block.bends + 4 * n);
-}
-
-/// Least and greatest of what one block of hits holds.
-struct BlockRange {
-  Vf distance, lo[6], hi[6];  // place, then normal
-
-  HWY_INLINE void clear() {
-    const Floats df;
-    distance = hn::Set(df, std::numeric_limits<float>::infinity());
-    for (int a = 0; a < 6; ++a) lo[a] = distance, hi[a] = hn::Neg(distance);
+struct InCells {
+  HWY_INLINE InCells(const RowStarts<Channel>& starts, const ProbeBlock& block, std::size_t n)
+      : x(hn::Load(Floats(), block.wx + n)),
+        y(hn::Load(Floats(), block.wy + n)),
+        z(hn::Load(Floats(), block.wz + n)),
+        i(hn::Floor(x)),
+        j(hn::Floor(y)),
+        k(hn::Floor(z)),
+        rows(read_cells(starts, block.record + n)) {}
+  template <bool kStraight>
+  [[nodiscard]] HWY_INLINE CellSample sample(const float* metric) const {
+    return interpolate<kStraight>(rows, hn::Sub(x, i), hn::Sub(y, j), hn::Sub(z, k), metric);
   }
-  HWY_INLINE void add(hn::Mask<Floats> near, Vf at, const Vf (&values)[6]) {
-    distance = hn::IfThenElse(near, hn::Min(distance, at), distance);
-    for (int a = 0; a < 6; ++a) {
-      lo[a] = hn::IfThenElse(near, hn::Min(lo[a], values[a]), lo[a]);
-      hi[a] = hn::IfThenElse(near, hn::Max(hi[a], values[a]), hi[a]);
-    }
+  /// Of the voxel whose centre is nearest, which is one of the cell's corners; in steps.
+  [[nodiscard]] HWY_INLINE Vf nearest_record() const {
+    const Vf scaled = distance_at(rows, hn::Ne(nearest_voxel(x), i), hn::Ne(nearest_voxel(y), j), hn::Ne(nearest_voxel(z), k));
+    return hn::Mul(scaled, hn::Set(Floats(), 1.0f / kChannelScale<Channel>));
   }
-  HWY_INLINE void append(std::size_t end, HitBlocks& blocks) const {
-    const Floats df;
-    const std::size_t n = blocks.count++;
-    blocks.end[n] = static_cast<std::uint32_t>(end);
-    blocks.distance[n] = hn::GetLane(hn::MinOfLanes(df, distance));
-    for (std::size_t a = 0; a < 6; ++a) {
-      blocks.lo[a][n] = hn::GetLane(hn::MinOfLanes(df, lo[a]));
-      blocks.hi[a][n] = hn::GetLane(hn::MaxOfLanes(df, hi[a]));
-    }
-  }
+  Vf x, y, z, i, j, k;
+  CellRows<Channel> rows;
 };
 
-/// Last pass: those within reach are appended, as one block.
-HWY_INLINE void append_near(const ProbeJob& job, const ProbeBlock& block, std::size_t kept, ProbeHits& hits) {
+/// Last pass: survivors interpolated; those within reach are appended.
+template <bool kStraight, class Channel>
+HWY_INLINE void append_near(const ProbeJob& job, const ProbeBlock& block, std::size_t kept, BlockRange& range, ProbeHits& hits) {
   const Floats df;
-  const Ints di;
-  const std::size_t lanes = hn::Lanes(df), before = hits.count;
-  const Vf to_edges = hn::Set(df, 1.0f / job.steps_a_edge), to_one = hn::Set(df, job.normal_scale);
-  auto* named = reinterpret_cast<std::int32_t*>(hits.point.data());
-  float* const arrays[6] = {hits.x.data(), hits.y.data(), hits.z.data(), hits.nx.data(), hits.ny.data(), hits.nz.data()};
-  BlockRange range;
-  range.clear();
-  for (std::size_t n = 0; n < kept; n += lanes) {
-    const auto real = hn::FirstN(df, kept - n);
-    Vf distance, nx, ny, nz;
-    hn::LoadInterleaved4(df, block.channels + 4 * n, distance, nx, ny, nz);
-    Vf none, bx, by, bz;
-    hn::LoadInterleaved4(df, block.bends + 4 * n, none, bx, by, bz);
-    distance = hn::Mul(hn::Add(distance, hn::Add(hn::Add(bx, by), bz)), to_edges);
-    const auto near = hn::And(real, hn::Lt(distance, hn::Set(df, job.look_ahead)));
-    const std::size_t out = hits.count;
-    const Vf values[6] = {hn::Load(df, block.x + n), hn::Load(df, block.y + n), hn::Load(df, block.z + n),
-                          hn::Mul(nx, to_one),       hn::Mul(ny, to_one),       hn::Mul(nz, to_one)};
-    range.add(near, distance, values);
-    keep_lanes(near, [&](auto keep) HWY_ATTR {
-      keep(distance, df, hits.distance.data() + out);
-      for (int a = 0; a < 6; ++a) keep(values[a], df, arrays[a] + out);
-      keep(hn::Load(di, block.point + n), di, named + out);
-    });
-    hits.count += hn::CountTrue(df, near);
+  const RowStarts<Channel> starts = rows_of<Channel>(job);
+  for (std::size_t n = 0; n < kept; n += hn::Lanes(df)) {
+    const InCells<Channel> cells(starts, block, n);
+    append<Channel>(job, hn::FirstN(df, kept - n), cells.template sample<kStraight>(job.metric), hn::Load(df, block.x + n),
+                    hn::Load(df, block.y + n), hn::Load(df, block.z + n), hn::Load(Ints(), block.point + n), range, hits);
   }
-  if (hits.count > before) range.append(hits.count, hits.blocks);
 }
 
-template <class Channel>
+/// The cells of all points of a block. @returns false, and nothing is known, where one has none.
+HWY_INLINE bool find_all_cells(const ProbeJob& job, const ContactShellPart& part, std::size_t first, std::size_t last, ProbeBlock& block) {
+  const Floats df;
+  for (std::size_t n = first; n < last; n += hn::Lanes(df)) {
+    bool outside = false;
+    const Placed at = place(job, part, n, last, outside);
+    if (outside) return false;
+    hn::Store(at.x, df, block.wx + (n - first));
+    hn::Store(at.y, df, block.wy + (n - first));
+    hn::Store(at.z, df, block.wz + (n - first));
+    hn::Store(record_of(job, hn::Floor(at.x), hn::Floor(at.y), hn::Floor(at.z)), Ints(), block.record + (n - first));
+  }
+  return true;
+}
+
+/// What the passes do, for a block of points that have cells: each is interpolated, and the record of its voxel is one of its cell's.
+/// @returns how many that record says are near.
+template <bool kStraight, class Channel>
+HWY_INLINE std::size_t append_all(const ProbeJob& job, const ContactShellPart& part, std::size_t first, std::size_t last,
+                                  const ProbeBlock& block, BlockRange& range, Vf& nearest, ProbeHits& hits) {
+  const Floats df;
+  const RowStarts<Channel> starts = rows_of<Channel>(job);
+  const Vf limit = hn::Set(df, (job.look_ahead + job.slack) * job.steps_a_edge);
+  std::size_t kept = 0;
+  for (std::size_t n = first; n < last; n += hn::Lanes(df)) {
+    const InCells<Channel> cells(starts, block, n - first);
+    const auto real = hn::FirstN(df, last - n);
+    const Vf distance = cells.nearest_record();
+    nearest = hn::Min(nearest, hn::IfThenElse(real, distance, nearest));
+    const auto near = hn::And(real, hn::Lt(distance, limit));
+    kept += hn::CountTrue(df, near);
+    append<Channel>(job, near, cells.template sample<kStraight>(job.metric), hn::LoadU(df, part.x.data() + n),
+                    hn::LoadU(df, part.y.data() + n), hn::LoadU(df, part.z.data() + n), names(part, n), range, hits);
+  }
+  return kept;
+}
+
+template <bool kStraight, class Channel>
 HWY_INLINE void probe(const ProbeJob& job, const ContactShellPart& part, ProbeHits& hits) {
   const Floats df;
   Vf nearest = hn::Set(df, hits.nearest * job.steps_a_edge);
   ProbeBlock block;
+  bool most_near = false;  // of the block before, which lies beside this one
   for (std::size_t first = 0; first < part.size(); first += kProbeBlock) {
-    const std::size_t last = HWY_MIN(first + kProbeBlock, part.size());
-    const std::size_t kept = keep_near<Channel>(job, part, first, last, block, nearest, hits.outside);
-    find_cells<Channel>(job, block, kept);
-    interpolate_all<Channel>(job, block, kept);
-    append_near(job, block, kept, hits);
+    const std::size_t last = HWY_MIN(first + kProbeBlock, part.size()), before = hits.count;
+    BlockRange range;
+    range.clear();
+    std::size_t kept = 0;
+    if (most_near && find_all_cells(job, part, first, last, block)) {
+      kept = append_all<kStraight, Channel>(job, part, first, last, block, range, nearest, hits);
+    } else {
+      kept = keep_near<Channel>(job, part, first, last, block, nearest, hits.outside);
+      find_cells<Channel>(job, block, kept);
+      append_near<kStraight, Channel>(job, block, kept, range, hits);
+    }
+    if (hits.count > before) range.append(hits.count, hits.blocks);
+    most_near = 4 * kept >= 3 * (last - first);
   }
   hits.nearest = hn::GetLane(hn::MinOfLanes(df, nearest)) / job.steps_a_edge;
 }
 
 void Probe(const ProbeJob& job, const ContactShellPart& part, ProbeHits& hits) {
   if (job.records8 != nullptr)
-    probe<std::int8_t>(job, part, hits);
+    job.straight ? probe<true, std::int8_t>(job, part, hits) : probe<false, std::int8_t>(job, part, hits);
   else
-    probe<std::int16_t>(job, part, hits);
+    job.straight ? probe<true, std::int16_t>(job, part, hits) : probe<false, std::int16_t>(job, part, hits);
 }
 
 }  // namespace

@@ -103,6 +103,26 @@ void VirtualCoupling::stay(std::uint32_t flags) noexcept {
   state_.flags = flags;
 }
 
+void VirtualCoupling::describe(LocalContact& out) const noexcept {
+  out.count = 0;
+  out.kind = LocalKind::none;
+  if ((state_.flags & kContactNotFinite) != 0) return;
+  std::size_t touching = 0;
+  for (const Contact& contact : contacts_.contacts) touching += contact.depth > 0.0 ? 1 : 0;
+  list_penalty(contacts_.contacts, looked_from_, weight_of(contacts_, touching), out);
+  out.kind = LocalKind::coupled;
+  const Vec3 moved = state_.world_from_tool.translation - looked_from_;
+  for (HoldPlane& plane : std::span(out.planes.data(), out.count)) {
+    plane.gap += glm::dot(plane.normal, moved);
+    plane.force = std::max(0.0, -plane.gap / plane.yield);
+  }
+  out.engaged = Vec3(0.0);
+  out.coupling_stiffness = config_.stiffness;
+  out.coupling_damping = config_.damping;
+  out.turn_stiffness = config_.angular_stiffness;
+  out.cutting_stiffness = config_.stiffness;  // nothing engages
+}
+
 const VirtualCouplingState& VirtualCoupling::step(const ContactView& bone, const CoupledHand& hand, double dt) noexcept {
   if (!(std::isfinite(dt) && dt > 0.0) || !is_finite(hand.world_from_hand) || !burrhole::is_finite(hand.velocity) ||
       !burrhole::is_finite(hand.angular_velocity)) {
@@ -110,6 +130,7 @@ const VirtualCouplingState& VirtualCoupling::step(const ContactView& bone, const
     return state_;
   }
   const Pose before = state_.world_from_tool;
+  looked_from_ = before.translation;
   model_->evaluate(bone, before, contacts_);
   const VirtualCouplingConfig& c = config_;
 

@@ -83,6 +83,7 @@ HWY_INLINE void find_candidates(const MeetJob& job, std::uint64_t asked, Candida
   const D d;
   const DI di;
   constexpr std::size_t kStep = hn::MaxLanes(d);
+  const auto lane = hn::Iota(di, 0);  // made once: it goes through memory
   F nearest = hn::Set(d, out.nearest);
   const auto set = [&](float v) { return hn::Set(d, v); };
   for (std::size_t n = 0; n < kCoverageSamples; n += kStep) {
@@ -101,7 +102,8 @@ HWY_INLINE void find_candidates(const MeetJob& job, std::uint64_t asked, Candida
     hn::StoreU(hn::Compress(x, near), d, out.x + out.count);
     hn::StoreU(hn::Compress(y, near), d, out.y + out.count);
     hn::StoreU(hn::Compress(z, near), d, out.z + out.count);
-    hn::StoreU(hn::Compress(hn::Iota(di, static_cast<std::int32_t>(n)), hn::RebindMask(di, near)), di, out.sample + out.count);
+    hn::StoreU(hn::Compress(hn::Add(lane, hn::Set(di, static_cast<std::int32_t>(n))), hn::RebindMask(di, near)), di,
+               out.sample + out.count);
     out.count += hn::CountTrue(d, near);
   }
   out.nearest = hn::GetLane(hn::MinOfLanes(d, nearest));

@@ -132,6 +132,7 @@ void ContactWindowPublisher::publish(Voxmap& voxmap) {
   }
   const std::size_t slot = buffer_.back_index();
   catch_up(buffer_.back(), missed_[slot], voxmap);
+  buffer_.back().number = ++published_;
   buffer_.publish();
 }
 

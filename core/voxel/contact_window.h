@@ -43,6 +43,7 @@ struct ContactWindow {
   std::vector<std::uint8_t> stiffness;  ///< relative: hardness times its label's factor, 255 is 1; beside records
   std::uint64_t window_epoch = 0;
   std::uint64_t growth_epoch = 0;
+  std::uint64_t number = 0;  ///< of the publication, from 1
 
   [[nodiscard]] std::size_t bytes() const noexcept;
 };
@@ -64,6 +65,7 @@ class ContactWindowPublisher {
   [[nodiscard]] const ContactFields& fields() const noexcept { return fields_; }
   /// Window epoch of the newest copy handed over.
   [[nodiscard]] std::uint64_t published_epoch() const noexcept { return published_epoch_; }
+  [[nodiscard]] std::uint64_t published() const noexcept { return published_; }  ///< how many copies were handed over
   [[nodiscard]] std::uint64_t copied_voxels() const noexcept { return copied_voxels_; }
   /// Of the three copies and of the fields kept for them.
   [[nodiscard]] std::size_t bytes() const noexcept;
@@ -87,6 +89,7 @@ class ContactWindowPublisher {
   SnapshotBuffer<ContactWindow> buffer_;
   std::array<DirtyBoxes, 3> missed_;
   std::uint64_t published_epoch_ = 0;
+  std::uint64_t published_ = 0;
   std::uint64_t growth_epoch_;
   std::uint64_t copied_voxels_ = 0;
 };

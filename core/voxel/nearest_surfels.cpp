@@ -54,6 +54,7 @@ struct OfferPlan {
         wide(to, tile, 3),
         step{to.metric_from_index[0][0], to.metric_from_index[1][0], to.metric_from_index[2][0]},
         c(dot(step, step)) {
+    for (int n = 0; n < 8; ++n) lane[n] = n;
     for (const std::size_t axis : {0, 1, 2}) across[axis] = std::sqrt(dot(map.index_from_metric[axis], map.index_from_metric[axis]));
   }
 
@@ -63,6 +64,7 @@ struct OfferPlan {
   Metric step;  // along a row
   float c;      // its length squared
   Metric across;
+  HWY_ALIGN std::int32_t lane[8];  // 0, 1, 2 and so on: made anew they go through memory
 };
 
 /// What a block of surfels is offered to: the rows along each one's normal, as wide as surfels are apart, widening as the normals spread;
@@ -167,6 +169,7 @@ HWY_INLINE void offer(const OfferPlan& plan, const Surfel& s, const Offers& offe
   const int bits = plan.map.code_bits, width = 1 << block.width_bits, depth = 64 >> block.width_bits;
   const auto distance_bits = hn::Set(du, ~plan.map.code_mask());
   const auto c = hn::Set(d, plan.c);
+  const auto lane = hn::Load(di, plan.lane);
   HWY_ALIGN float row_a[64], row_b[64];
   for (int k = first.z; k <= last.z; k += depth)
     for (int j = first.y; j <= last.y; j += width) {
@@ -174,7 +177,7 @@ HWY_INLINE void offer(const OfferPlan& plan, const Surfel& s, const Offers& offe
       const int code = ((j + spread.y) << bits) + ((k + spread.z) << 2 * bits) + spread.x;
       std::uint32_t* const at = tile.nearest.data() + cell.x + (cell.y + j) * tile.row + (cell.z + k) * tile.slab;
       for (int i = first.x; i <= last.x; i += lanes) {
-        const auto along = hn::Iota(di, i), place = hn::Add(along, hn::Set(di, code));
+        const auto along = hn::Add(lane, hn::Set(di, i)), place = hn::Add(along, hn::Set(di, code));
         const auto t = hn::ConvertTo(d, along), tc = hn::Mul(t, c);
         for (std::uint64_t left = wanted; left != 0; left &= left - 1) {
           const int r = std::countr_zero(left);

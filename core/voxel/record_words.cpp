@@ -19,6 +19,7 @@ void list_near(const SurfaceMap& map, SurfaceTile& tile) {
   const hn::RebindToUnsigned<DI> du;
   const int lanes = static_cast<int>(hn::Lanes(di));
   const auto far = hn::Set(du, map.far_key());
+  const I lane = hn::Iota(di, 0);  // made once: it goes through memory
   const Vec3i lo = tile.records.lo - tile.padded.lo, hi = tile.records.hi - tile.padded.lo;
   std::size_t near = 0;
   for (int k = lo.z; k < hi.z; ++k)
@@ -27,7 +28,8 @@ void list_near(const SurfaceMap& map, SurfaceTile& tile) {
         const auto best = hn::LoadU(du, tile.nearest.data() + i + j * tile.row + k * tile.slab);
         const auto in = hn::And(hn::Lt(best, far), hn::FirstN(du, static_cast<std::size_t>(hi.x - i)));
         if (hn::AllFalse(du, in)) continue;
-        near += hn::CompressStore(hn::Iota(di, pack_position(i, j, k)), hn::RebindMask(di, in), di, tile.voxels.data() + near);
+        near +=
+            hn::CompressStore(hn::Add(lane, hn::Set(di, pack_position(i, j, k))), hn::RebindMask(di, in), di, tile.voxels.data() + near);
       }
   tile.near = near;
   if (near > 0) std::fill_n(tile.voxels.data() + near, kMostLanes, tile.voxels[near - 1]);
@@ -49,7 +51,8 @@ HWY_INLINE I offset(const SurfaceTile& tile, const I3& v) {
 /// A block of records: the foot of each voxel on its surfel's plane, and the smoothed field there.
 struct Feet {
   static constexpr std::size_t kMost = 64;
-  HWY_ALIGN std::int32_t at[kMost];              // cell of the field that the foot is in
+  HWY_ALIGN std::int32_t surfel[kMost];
+  HWY_ALIGN std::int32_t at[kMost];              // cell of the field that the foot is in; before, that of the surfel
   HWY_ALIGN float x[kMost], y[kMost], z[kMost];  // within it
   HWY_ALIGN float gradient[4 * kMost];           // there, x y z and nothing side by side
   HWY_ALIGN float normal[3][kMost], foot[3][kMost], rest[3][kMost], height[kMost], along[kMost];
@@ -78,21 +81,42 @@ HWY_INLINE void place_foot(const SurfaceTile& tile, I cell, const F3& p, Feet& f
   hn::Store(hn::Add(cell, shift), di, feet.at + n);
 }
 
-/// The field at each foot, x y z in one vector: eight loads, where gathers would take 24 for a vector of feet.
+#if HWY_TARGET == HWY_SCALAR
+
 void read_gradients(const SurfaceTile& tile, std::size_t count, Feet& feet) {
-  const hn::CappedTag<float, 4> d;
   const float* const samples = &tile.samples.data()->gx;
   const int row = 4 * tile.row, slab = 4 * tile.slab;
+  const auto between = [](float a, float b, float t) { return a + (b - a) * t; };
   for (std::size_t n = 0; n < count; ++n)
-    for (std::size_t part = 0; part < 4; part += hn::Lanes(d)) {
+    for (std::size_t part = 0; part < 4; ++part) {
       const float* const at = samples + 4 * feet.at[n] + part;
-      const auto x = hn::Set(d, feet.x[n]), y = hn::Set(d, feet.y[n]), z = hn::Set(d, feet.z[n]);
-      const auto between = [&](auto a, auto b, auto t) { return hn::Add(a, hn::Mul(hn::Sub(b, a), t)); };
-      const auto along_x = [&](const float* from) { return between(hn::LoadU(d, from), hn::LoadU(d, from + 4), x); };
-      const auto low = between(along_x(at), along_x(at + row), y), high = between(along_x(at + slab), along_x(at + slab + row), y);
-      hn::Store(between(low, high, z), d, feet.gradient + 4 * n + part);
+      const auto along_x = [&](const float* from) { return between(from[0], from[4], feet.x[n]); };
+      const float low = between(along_x(at), along_x(at + row), feet.y[n]);
+      const float high = between(along_x(at + slab), along_x(at + slab + row), feet.y[n]);
+      feet.gradient[4 * n + part] = between(low, high, feet.z[n]);
     }
 }
+
+#else
+
+/// The field at each foot, x y z side by side, of as many feet as a vector has blocks: eight loads each, where gathers would take 24 for
+/// one.
+void read_gradients(const SurfaceTile& tile, std::size_t count, Feet& feet) {
+  const D d;
+  const float* const samples = &tile.samples.data()->gx;
+  const int row = 4 * tile.row, slab = 4 * tile.slab;
+  for (std::size_t n = 0; n < count; n += hn::Lanes(d) / 4) {
+    const auto corner = [&](int shift) HWY_ATTR { return load_blocks<4, 1>(samples + shift, feet.at + n); };
+    const auto part = [&](const float* of)
+                          HWY_ATTR { return by_block([&](std::size_t block) HWY_ATTR { return hn::Set(d, of[n + block]); }); };
+    const F x = part(feet.x), y = part(feet.y), z = part(feet.z);
+    const auto along_x = [&](int shift) HWY_ATTR { return lerp(corner(shift), corner(shift + 4), x); };
+    const F low = lerp(along_x(0), along_x(row), y), high = lerp(along_x(slab), along_x(slab + row), y);
+    hn::Store(lerp(low, high, z), d, feet.gradient + 4 * n);
+  }
+}
+
+#endif
 
 HWY_INLINE I rounded(F v) {
   const D d;
@@ -120,22 +144,40 @@ HWY_INLINE I3 cell_of(const SurfaceMap& map, const I3& voxel, I key) {
   return {hn::Sub(voxel.x, back(0, map.spread.x)), hn::Sub(voxel.y, back(1, map.spread.y)), hn::Sub(voxel.z, back(2, map.spread.z))};
 }
 
-/// Feet of the voxels listed from `start`.
-HWY_INLINE void find_feet(const SurfaceMap& map, const SurfaceTile& tile, std::size_t start, std::size_t count, Feet& feet) {
+/// Places within their cells, and normals.
+struct SurfelPart {
+  F3 place, normal;
+};
+HWY_INLINE SurfelPart read_surfels(const Surfel* surfels, const std::int32_t* which) {
+  const F4 place = read_fours<8>(&surfels->x, which), normal = read_fours<8>(&surfels->nx, which);
+  return {{place.x, place.y, place.z}, {normal.x, normal.y, normal.z}};
+}
+
+/// Surfels of the voxels listed from `start`, and their cells: in the tile, and as seen from the voxel (in `rest`, for now).
+HWY_INLINE void find_surfels(const SurfaceMap& map, const SurfaceTile& tile, std::size_t start, std::size_t count, Feet& feet) {
   const D d;
   const DI di;
-  const F one = hn::Set(d, 1.0f), fan = hn::Set(d, map.fan);
   for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
     const I3 voxel = unpack(hn::LoadU(di, tile.voxels.data() + start + n));
     const I key = hn::BitCast(di, hn::GatherIndex(hn::RebindToUnsigned<DI>(), tile.nearest.data(), offset(tile, voxel)));
     const I3 cell = cell_of(map, voxel, key);
-    const I surfel = hn::ShiftLeft<3>(hn::GatherIndex(di, tile.surfel_at.data(), offset(tile, cell)));
-    const float* const all = &tile.surfels.data()->x;
-    const auto part = [&](int which) { return hn::GatherIndex(d, all + which, surfel); };
-    const F3 s{part(0), part(1), part(2)}, ns{part(4), part(5), part(6)};
-    const F3 off{hn::ConvertTo(d, hn::Sub(voxel.x, cell.x)), hn::ConvertTo(d, hn::Sub(voxel.y, cell.y)),
-                 hn::ConvertTo(d, hn::Sub(voxel.z, cell.z))};
-    const F3 r = times(map.metric_from_index, sub(off, s));
+    const I at = offset(tile, cell);
+    hn::Store(at, di, feet.at + n);
+    hn::Store(hn::GatherIndex(di, tile.surfel_at.data(), at), di, feet.surfel + n);
+    store({hn::ConvertTo(d, hn::Sub(voxel.x, cell.x)), hn::ConvertTo(d, hn::Sub(voxel.y, cell.y)),
+           hn::ConvertTo(d, hn::Sub(voxel.z, cell.z))},
+          feet.rest, n);
+  }
+}
+
+/// Feet of those voxels.
+HWY_INLINE void find_feet(const SurfaceMap& map, const SurfaceTile& tile, std::size_t count, Feet& feet) {
+  const D d;
+  const F one = hn::Set(d, 1.0f), fan = hn::Set(d, map.fan);
+  for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
+    const SurfelPart surfel = read_surfels(tile.surfels.data(), feet.surfel + n);
+    const F3 &s = surfel.place, &ns = surfel.normal;
+    const F3 r = times(map.metric_from_index, sub(load(feet.rest, n), s));
     const F height = dot(ns, r);
     const F3 t = sub(r, scale(height, ns));
     const F along = hn::Sqrt(dot(t, t));
@@ -143,7 +185,7 @@ HWY_INLINE void find_feet(const SurfaceMap& map, const SurfaceTile& tile, std::s
     const F3 foot = scale(kept, t);
     store(ns, feet.normal, n), store(foot, feet.foot, n), store(sub(t, foot), feet.rest, n);
     hn::Store(height, d, feet.height + n), hn::Store(along, d, feet.along + n);
-    place_foot(tile, offset(tile, cell), add(s, times(map.index_from_metric, foot)), feet, n);
+    place_foot(tile, hn::Load(DI(), feet.at + n), add(s, times(map.index_from_metric, foot)), feet, n);
   }
 }
 
@@ -152,6 +194,10 @@ struct Found {
   F steps;  // not yet rounded
   F3 normal;
 };
+// Cosine of 20 degrees, by which a surface turns within a fan where its radius is three voxels. More is an edge, across which smoothing
+// mixes two faces: distance goes by the surfel's plane there. Further out than the fan nc tells the way round the edge.
+constexpr float kSameBend = 0.94f;
+
 HWY_INLINE Found measure(const SurfaceMap& map, const Feet& feet, std::size_t n, hn::Mask<D> bone, F per_edge) {
   const D d;
   const F zero = hn::Zero(d), half = hn::Set(d, 0.5f);
@@ -161,12 +207,14 @@ HWY_INLINE Found measure(const SurfaceMap& map, const Feet& feet, std::size_t n,
   F unused;
   hn::LoadInterleaved4(d, feet.gradient + 4 * n, g.x, g.y, g.z, unused);
   const F3 smooth = unit(outward(map, g));
-  const F3 nc = choose(hn::Gt(dot(smooth, ns), zero), smooth, ns);
+  const F turn = dot(smooth, ns);
+  const F3 nc = choose(hn::Gt(turn, zero), smooth, ns);
+  const auto beyond = hn::Gt(hn::Load(d, feet.along + n), hn::Set(d, map.fan));
+  const F3 near = choose(hn::Or(beyond, hn::Gt(turn, hn::Set(d, kSameBend))), nc, ns);
   const F side = hn::IfThenElse(bone, hn::Set(d, -1.0f), hn::Set(d, 1.0f));
   const F3 q = add(foot, scale(height, ns));
-  const F across = hn::Max(zero, hn::Mul(side, hn::Mul(half, hn::Add(dot(ns, q), dot(nc, q)))));
+  const F across = hn::Max(zero, hn::Mul(side, hn::Mul(half, hn::Add(dot(ns, q), dot(near, q)))));
   const F distance = hn::Min(hn::Set(d, static_cast<float>(kRecordBand)), hn::Sqrt(hn::Add(hn::Mul(across, across), dot(rest, rest))));
-  const auto beyond = hn::Gt(hn::Load(d, feet.along + n), hn::Set(d, map.fan));
   return {hn::Mul(hn::Mul(side, distance), per_edge), choose(beyond, unit(add(scale(across, nc), scale(side, rest))), nc)};
 }
 
@@ -181,7 +229,8 @@ void MakeRecords(const SurfaceMap& map, RecordPrecision precision, SurfaceTile& 
   Feet feet;
   for (std::size_t start = 0; start < tile.near; start += Feet::kMost) {
     const std::size_t count = std::min(Feet::kMost, tile.near - start);
-    find_feet(map, tile, start, count, feet);
+    find_surfels(map, tile, start, count, feet);
+    find_feet(map, tile, count, feet);
     read_gradients(tile, count, feet);
     for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
       const I here = offset(tile, unpack(hn::LoadU(di, tile.voxels.data() + start + n)));

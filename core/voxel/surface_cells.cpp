@@ -50,7 +50,7 @@ void want_about(SurfaceTile& tile, int j, int k, int w, std::uint64_t passed) no
 
 void find_cells(SurfaceTile& tile) noexcept {
   const VoxelBox cells{tile.cells.lo - tile.padded.lo, tile.cells.hi - tile.padded.lo};
-  std::fill(tile.wanted.begin(), tile.wanted.end(), 0);
+  std::fill_n(tile.wanted.data(), tile.slab / tile.row * tile.words * tile.padded.size().z, 0);
   std::size_t found = 0;
   for (int k = cells.lo.z; k < cells.hi.z; ++k)
     for (int j = cells.lo.y; j < cells.hi.y; ++j)

@@ -1,6 +1,6 @@
 // core/voxel/surface_vectors-inl.h: vectors of three, corners of a cell and what is read between them, for the kernels that make records.
 // Included by them only, once a target (hence no #pragma once). Every lane is computed for itself in one order of operations without fused
-// multiply-add: same bits at every level. Gathers are used throughout; the plain twin, which sanitizers see through, is in
+// multiply-add: same bits at every level. Gathers are used; the plain twin, which sanitizers see through, is in
 // tests/core/voxel/surface_twin.cpp.
 #if defined(BURRHOLE_SURFACE_VECTORS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_SURFACE_VECTORS_INL_H
@@ -23,6 +23,36 @@ using DI = hn::RebindToSigned<D>;
 using F = hn::Vec<D>;
 using I = hn::Vec<DI>;
 
+#if HWY_TARGET != HWY_SCALAR
+/// Block n of what comes out is that of make(n): blends, where each is repeated over its vector by the load that makes it.
+template <class Make>
+HWY_INLINE F by_block(const Make& make) {
+  const D d;
+  if constexpr (hn::MaxLanes(D()) == 4)
+    return make(0);
+  else if constexpr (hn::MaxLanes(D()) == 8)
+    return hn::ConcatUpperLower(d, make(1), make(0));
+  else
+    return hn::ConcatUpperLower(d, hn::OddEvenBlocks(make(3), make(2)), hn::OddEvenBlocks(make(1), make(0)));
+}
+
+/// Block n is the four floats at kStride times places[kStep n]. Put together from plain loads: on loads that repeat a block over a vector GCC 12 ends
+/// in an internal error under the thread sanitizer.
+template <int kStride, int kStep>
+HWY_INLINE F load_blocks(const float* first, const std::int32_t* places) {
+  const hn::CappedTag<float, 4> quarter;
+  const auto block = [&](int n) HWY_ATTR { return hn::LoadU(quarter, first + kStride * places[kStep * n]); };
+  if constexpr (hn::MaxLanes(D()) == 4) {
+    return block(0);
+  } else if constexpr (hn::MaxLanes(D()) == 8) {
+    return hn::Combine(D(), block(1), block(0));
+  } else {
+    const hn::Half<D> half;
+    return hn::Combine(D(), hn::Combine(half, block(3), block(2)), hn::Combine(half, block(1), block(0)));
+  }
+}
+#endif
+
 /// Three vectors as one; plain operators, so that formulas read as formulas.
 struct F3 {
   F x, y, z;
@@ -41,6 +71,27 @@ HWY_INLINE F3 unit(const F3& a) {
   const F length2 = dot(a, a);
   const F inverse = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(length2));
   return scale(hn::IfThenElseZero(hn::Gt(length2, hn::Set(d, 1e-12f)), inverse), a);
+}
+
+struct F4 {
+  F x, y, z, w;
+};
+/// Four floats of each lane, at kStride times its place: loaded whole and transposed, where gathers cost by the element.
+template <int kStride>
+HWY_INLINE F4 read_fours(const float* first, const std::int32_t* places) {
+  const D d;
+#if HWY_TARGET == HWY_SCALAR
+  const float* const at = first + kStride * places[0];
+  return {hn::Set(d, at[0]), hn::Set(d, at[1]), hn::Set(d, at[2]), hn::Set(d, at[3])};
+#else
+  const auto quarter = [&](std::size_t r) HWY_ATTR { return load_blocks<kStride, 4>(first, places + r); };
+  const F r0 = quarter(0), r1 = quarter(1), r2 = quarter(2), r3 = quarter(3);
+  const hn::Repartition<double, D> pairs;
+  const auto low01 = hn::BitCast(pairs, hn::InterleaveLower(d, r0, r1)), low23 = hn::BitCast(pairs, hn::InterleaveLower(d, r2, r3));
+  const auto high01 = hn::BitCast(pairs, hn::InterleaveUpper(d, r0, r1)), high23 = hn::BitCast(pairs, hn::InterleaveUpper(d, r2, r3));
+  return {hn::BitCast(d, hn::InterleaveLower(pairs, low01, low23)), hn::BitCast(d, hn::InterleaveUpper(pairs, low01, low23)),
+          hn::BitCast(d, hn::InterleaveLower(pairs, high01, high23)), hn::BitCast(d, hn::InterleaveUpper(pairs, high01, high23))};
+#endif
 }
 
 /// Rows of a matrix times a vector, or columns (the transpose).
@@ -68,29 +119,12 @@ struct Corners {
 struct Cell {
   Corners gx, gy, gz, density;
 };
-HWY_INLINE Cell gather(const FieldSample* samples, I cell, int row, int slab) {
-  const D d;
+/// Of as many cells as lanes, each where `offsets` say.
+HWY_INLINE Cell read_cells(const FieldSample* samples, const std::int32_t* offsets, int row, int slab) {
   Cell out;
   for (int n = 0; n < 8; ++n) {
-    const float* const base = &samples[(n & 1) + ((n >> 1) & 1) * row + (n >> 2) * slab].gx;
-#if HWY_TARGET == HWY_SCALAR
-    const I at = hn::ShiftLeft<2>(cell);
-    const auto part = [&](int which) { return hn::GatherIndex(d, base + which, at); };
-    out.gx.v[n] = part(0), out.gy.v[n] = part(1), out.gz.v[n] = part(2), out.density.v[n] = part(3);
-#else
-    // Two floats at a time: a gather costs by the element.
-    const hn::Repartition<std::int64_t, D> dw;
-    const hn::Half<DI> half;
-    const auto low = hn::ShiftLeft<1>(hn::PromoteTo(dw, hn::LowerHalf(half, cell)));
-    const auto high = hn::ShiftLeft<1>(hn::PromoteTo(dw, hn::UpperHalf(half, cell)));
-    const auto* const pairs = reinterpret_cast<const std::int64_t*>(base);
-    const F low_xy = hn::BitCast(d, hn::GatherIndex(dw, pairs, low)), high_xy = hn::BitCast(d, hn::GatherIndex(dw, pairs, high));
-    const F low_zd = hn::BitCast(d, hn::GatherIndex(dw, pairs + 1, low)), high_zd = hn::BitCast(d, hn::GatherIndex(dw, pairs + 1, high));
-    out.gx.v[n] = hn::ConcatEven(d, high_xy, low_xy);
-    out.gy.v[n] = hn::ConcatOdd(d, high_xy, low_xy);
-    out.gz.v[n] = hn::ConcatEven(d, high_zd, low_zd);
-    out.density.v[n] = hn::ConcatOdd(d, high_zd, low_zd);
-#endif
+    const F4 at = read_fours<4>(&samples[(n & 1) + ((n >> 1) & 1) * row + (n >> 2) * slab].gx, offsets);
+    out.gx.v[n] = at.x, out.gy.v[n] = at.y, out.gz.v[n] = at.z, out.density.v[n] = at.w;
   }
   return out;
 }

@@ -33,12 +33,18 @@ HWY_INLINE F3 mean_crossing(const Corners& c) {
   return {hn::Div(sum[0], count), hn::Div(sum[1], count), hn::Div(sum[2], count)};
 }
 
-/// Normal of the smoothed field; where it contradicts the density in the cell (detail finer than the smoothing), that of the density.
+// Cosine of 14 degrees. Plain differences on a ramp one voxel wide alias by less; where they are further from the smoothed direction, that has
+// mixed the face with another, up to two voxels from an edge.
+constexpr float kSameFace = 0.97f;
+
+/// Normal of the smoothed field; where it is not that of the face in the cell (an edge near by, detail finer than the smoothing), the
+/// density's own.
 HWY_INLINE F3 normal_at(const SurfaceMap& map, const Cell& cell, const F3& p) {
   const D d;
-  const F3 smooth = outward(map, {interpolate(cell.gx, p), interpolate(cell.gy, p), interpolate(cell.gz, p)});
-  const F3 sharp = outward(map, slope(cell.density, p));
-  return unit(choose(hn::Gt(dot(smooth, sharp), hn::Zero(d)), smooth, sharp));
+  const F3 smooth = unit(outward(map, {interpolate(cell.gx, p), interpolate(cell.gy, p), interpolate(cell.gz, p)}));
+  const F3 sharp = unit(outward(map, slope(cell.density, p)));
+  const auto same = hn::Gt(dot(smooth, sharp), hn::Set(d, kSameFace)), flat = hn::Eq(dot(sharp, sharp), hn::Zero(d));
+  return choose(hn::Or(same, flat), smooth, sharp);
 }
 
 /// Moves p along the normal to where the trilinear density is 0.5, at most to the walls of its cell.
@@ -68,12 +74,10 @@ HWY_INLINE F bend_of(const SurfaceMap& map, const Cell& cell, const F3& normal) 
 
 void MakeSurfels(const SurfaceMap& map, SurfaceTile& tile) {
   const D d;
-  const DI di;
   const std::size_t lanes = hn::Lanes(d);
   HWY_ALIGN float x[kMostLanes], y[kMostLanes], z[kMostLanes], nx[kMostLanes], ny[kMostLanes], nz[kMostLanes], bend[kMostLanes];
   for (std::size_t n = 0; n < tile.found; n += lanes) {
-    const I at = hn::LoadU(di, tile.cell_offsets.data() + n);
-    const Cell cell = gather(tile.samples.data(), at, tile.row, tile.slab);
+    const Cell cell = read_cells(tile.samples.data(), tile.cell_offsets.data() + n, tile.row, tile.slab);
     F3 p = mean_crossing(cell.density);
     p = project(map, cell.density, normal_at(map, cell, p), p);
     const F3 normal = normal_at(map, cell, p);

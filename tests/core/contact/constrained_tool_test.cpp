@@ -11,12 +11,14 @@ namespace {
 
 struct Outcome {
   double deepest = 0.0;  ///< [voxel] of any shell point under the true surface, over all ticks
+  double felt = 0.0;     ///< [voxel] the same under the 0.5 level of the voxels, where records are made of them
   bool crossed = false;  ///< the ball's centre went through bone between two ticks
 };
 
 /// Moves the hand along the stroke by `voxels` a tick; `step(hand)` gives the tool's pose.
 template <class Step>
-Outcome run(const Stroke& stroke, const Truth& truth, const PointShell& shell, double voxels, Step&& step) {
+Outcome run(const Bench& bench, const Stroke& stroke, double voxels, Step&& step) {
+  const Truth& truth = bench.phantom.truth;
   Outcome out;
   const double speed = voxels * kFine / kPeriod;
   Vec3 before = stroke.from + Vec3(0.0, 0.0, kBallRadius);
@@ -31,13 +33,16 @@ Outcome run(const Stroke& stroke, const Truth& truth, const PointShell& shell, d
     if (glm::length(way) > 0.0)
       if (const auto entry = truth.entry_distance(before, way)) out.crossed = out.crossed || *entry < glm::length(way);
     before = centre;
-    out.deepest = std::max(out.deepest, deepest_of(shell, pose, truth));
+    out.deepest = std::max(out.deepest, deepest_of(bench.shell, pose, truth));
+    if (bench.shipped_bone) out.felt = std::max(out.felt, felt_deepest_of(bench.shell, pose, *bench.shipped_bone));
   }
   return out;
 }
 
 /// Whether nothing entered bone and nothing came out on the far side.
-bool held(const Bench& bench, const Outcome& outcome) { return outcome.deepest <= bench.stroke.allowed && !outcome.crossed; }
+bool held(const Bench& bench, const Outcome& outcome) {
+  return outcome.deepest <= bench.stroke.allowed && outcome.felt <= kHeld && !outcome.crossed;
+}
 
 }  // namespace
 
@@ -110,9 +115,10 @@ TEST_CASE("constrained tool: strokes of 0.5 to 10 voxels a tick do not pass a 1.
         CAPTURE(voxels);
         ConstrainedTool tool = bench.tool();
         const SurfaceView view = bench.view();
-        const Outcome outcome = run(stroke, bench.phantom.truth, bench.shell, voxels,
-                                    [&](const HandMotion& hand) { return tool.step(view, hand, kPeriod).world_from_tool; });
+        const Outcome outcome =
+            run(bench, stroke, voxels, [&](const HandMotion& hand) { return tool.step(view, hand, kPeriod).world_from_tool; });
         CAPTURE(outcome.deepest);
+        CAPTURE(outcome.felt);
         CAPTURE(outcome.crossed);
         CHECK(held(bench, outcome));
       }
@@ -141,9 +147,10 @@ TEST_CASE("constrained tool: strokes from any side at any speed do not pass eith
         stroke.length = 8e-3;
         ConstrainedTool tool = bench.tool();
         tool.place({Quat(1.0, 0.0, 0.0, 0.0), stroke.from});
-        const Outcome outcome = run(stroke, bench.phantom.truth, bench.shell, 0.5 + 9.5 * uniform01(kSeed + 2, n),
+        const Outcome outcome = run(bench, stroke, 0.5 + 9.5 * uniform01(kSeed + 2, n),
                                     [&](const HandMotion& hand) { return tool.step(view, hand, kPeriod).world_from_tool; });
         CAPTURE(outcome.deepest);
+        CAPTURE(outcome.felt);
         CAPTURE(outcome.crossed);
         CHECK(held(bench, outcome));
       }
@@ -177,18 +184,38 @@ TEST_CASE("constrained tool: engagement at spin 0 would fail the same check (sab
   config.cutting_stiffness = 50e3;
   ConstrainedTool tool = bench.tool(config);
   const SurfaceView view = bench.view();
-  const Outcome outcome = run(bench.stroke, bench.phantom.truth, bench.shell, 1.0, [&](HandMotion hand) {
+  const Outcome outcome = run(bench, bench.stroke, 1.0, [&](HandMotion hand) {
     hand.spinning = true;  // what a tool that forgot to ask would do
     return tool.step(view, hand, kPeriod).world_from_tool;
   });
   CHECK_FALSE(held(bench, outcome));
 }
 
+TEST_CASE("constrained tool: records of a corner a sixth of a voxel further in would fail the check of the felt surface (sabotage)") {
+  for (const Stroke& stroke : every_stroke()) {
+    if (stroke.name != "corner") continue;
+    const Bench bench(stroke, Records::shipped);
+    Stroke less = stroke;
+    less.spec.block_size -= kFine / 6.0 * Vec3(2.0, 2.0, 0.0);  // both sides of either axis
+    const Bench further_in(less, Records::shipped);
+    for (const bool sabotaged : {false, true}) {
+      CAPTURE(sabotaged);
+      ConstrainedTool tool = bench.tool();
+      const SurfaceView view = sabotaged ? further_in.view() : bench.view();
+      const Outcome outcome =
+          run(bench, stroke, 1.0, [&](const HandMotion& hand) { return tool.step(view, hand, kPeriod).world_from_tool; });
+      CAPTURE(outcome.felt);
+      CHECK((outcome.felt <= kHeld) == !sabotaged);
+      CHECK(outcome.deepest <= stroke.allowed);  // the check against the true shape alone would let it pass
+    }
+  }
+}
+
 TEST_CASE("constrained tool: jumping to the target instead of sweeping there would fail the same check (sabotage)") {
   const Bench bench(every_stroke().front());
   const SurfaceView view = bench.view();
   ConstrainedTool tool = bench.tool();
-  const Outcome outcome = run(bench.stroke, bench.phantom.truth, bench.shell, 10.0, [&](const HandMotion& hand) {
+  const Outcome outcome = run(bench, bench.stroke, 10.0, [&](const HandMotion& hand) {
     tool.place(hand.world_from_hand);
     return tool.step(view, hand, kPeriod).world_from_tool;
   });

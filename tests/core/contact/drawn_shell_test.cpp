@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "core/base/random.h"
 #include "every_level.h"
 
@@ -60,6 +62,19 @@ TEST_CASE("drawn shell: nothing moves along the push") {
     // Rounding of a place of 0.08 m.
     CHECK(std::abs(glm::dot(way, push)) < 1e-16);
   }
+}
+
+TEST_CASE("drawn shell: faces that meet the push are left where they are, flanks are drawn in by all of the play") {
+  const Vec3 push(0.0, 0.0, 1.0);
+  const auto way_at = [&](double degrees) {
+    const double angle = degrees / 180.0 * 3.14159265358979323846;
+    return glm::length(drawn_in(Vec3(0.0), {std::sin(angle), 0.0, std::cos(angle)}, push, 1e-3));
+  };
+  for (const double degrees : {0.0, 10.0, 22.0, 158.0, 180.0}) CHECK(way_at(degrees) == 0.0);
+  for (const double degrees : {52.0, 70.0, 90.0, 128.0})
+    CHECK(way_at(degrees) == doctest::Approx(1e-3 * std::sin(degrees / 180.0 * 3.14159265358979323846)));
+  // No jump between, which would be one of the force.
+  for (double degrees = 0.0; degrees < 90.0; degrees += 0.5) CHECK(std::abs(way_at(degrees + 0.5) - way_at(degrees)) < 0.03e-3);
 }
 
 TEST_CASE("drawn shell: a shell without cutting points is drawn as nothing") {

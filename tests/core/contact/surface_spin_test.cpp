@@ -144,16 +144,13 @@ TEST_CASE("surface: spinning on uncut bone it is engaged by F / K_cut, pushed ba
         ConstrainedToolConfig config;
         config.cutting_stiffness = 50e3;  // 0.2 to 0.8 mm
         const Pressed seen = press(bench, config, push);
-        // [voxel] What a spinning tool's play across its push (constrained_tool.cpp) lets it in by where walls carry part of the push: a
-        // seventh of three quarters of a voxel in a slot, a third at a corner. It is more than 10 % of an engaged depth of under a voxel.
-        const double rounded = stroke.name == "corner" ? 0.25 : stroke.name == "slot" ? 0.11 : 0.1;
         std::printf("%-30s %-15s %3.0f %6.2f  %.4f %.4f%s\n", stroke.name.c_str(), name_of(records), push, seen.force, 1e3 * seen.expected,
                     1e3 * seen.true_depth, seen.crossed ? " CROSSED" : "");
         CHECK(seen.points_back);
         CHECK_FALSE(seen.crossed);
         CHECK(seen.force > 0.5 * push);
         // Within 10 %, or what a tool at rest is allowed: 0.1 voxel.
-        CHECK(std::abs(seen.true_depth - seen.expected) <= std::max(0.1 * seen.expected, rounded * kFine));
+        CHECK(std::abs(seen.true_depth - seen.expected) <= std::max(0.1 * seen.expected, 0.1 * kFine));
       }
     }
   }

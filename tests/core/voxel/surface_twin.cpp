@@ -60,6 +60,20 @@ Vec3 SurfaceTwin::normal_of(const Vec3& at) const {
   return unit(-(glm::transpose(index_) * g));
 }
 
+Vec3 SurfaceTwin::surfel_normal(const Vec3i& cell, const Vec3& at) const {
+  const Vec3 smooth = normal_of(at), within = at - Vec3(cell);
+  Vec3 g(0.0);
+  for_each_voxel({Vec3i(0), Vec3i(2)}, [&](const Vec3i& c) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      Vec3 on_face = within;
+      on_face[a] = c[a];
+      g[a] += (c[a] != 0 ? 1.0 : -1.0) * weight(c, on_face) * density(cell + c);
+    }
+  });
+  const Vec3 sharp = unit(-(glm::transpose(index_) * g));
+  return sharp == Vec3(0.0) || glm::dot(smooth, sharp) > 0.97 ? smooth : sharp;
+}
+
 void SurfaceTwin::add_surfel(const Vec3i& cell) {
   Vec3 sum(0.0);
   int count = 0;
@@ -79,7 +93,7 @@ void SurfaceTwin::add_surfel(const Vec3i& cell) {
   if (count == 0) return;
   const Vec3 corner(cell), start = corner + sum / static_cast<double>(count);
   // The nearest place along the normal, by halving, inside the cell.
-  const Vec3 along = index_ * normal_of(start);
+  const Vec3 along = index_ * surfel_normal(cell, start);
   const auto off = [&](double t) { return trilinear(glm::clamp(start + t * along, corner + 1e-9, corner + 1.0 - 1e-9)) - 0.5; };
   double least = 0.0;
   for (double lo = -0.6, hi = 0.6; off(lo) * off(hi) < 0.0;) {
@@ -90,7 +104,7 @@ void SurfaceTwin::add_surfel(const Vec3i& cell) {
   }
   const Vec3 s = glm::clamp(start + least * along, corner, corner + 1.0);
   surfel_at_[window_->box.offset_of(cell)] = static_cast<int>(surfels_.size());
-  surfels_.push_back({s, normal_of(s)});
+  surfels_.push_back({s, surfel_normal(cell, s)});
 }
 
 SurfaceSample SurfaceTwin::record(const Vec3i& v) const {
@@ -112,7 +126,8 @@ SurfaceSample SurfaceTwin::record(const Vec3i& v) const {
   for (std::size_t c = 0; c < 3; ++c) fan = std::max(fan, glm::length(metric_[c]));
   const Vec3 across = r - height * ns, foot = across * std::min(1.0, fan / std::max(1e-12, glm::length(across)));
   const Vec3 rest = across - foot, nc = normal_of(nearest->index + index_ * foot);
-  const double d = std::max(0.0, side * 0.5 * glm::dot(ns + nc, foot + height * ns));
+  const bool one_face = glm::length(rest) >= 1e-9 || glm::dot(nc, ns) > 0.94;
+  const double d = std::max(0.0, side * 0.5 * glm::dot(ns + (one_face ? nc : ns), foot + height * ns));
   if (glm::length(rest) < 1e-9) return {side * d, nc};
   return {side * std::hypot(d, glm::length(rest)), unit(d * nc + side * rest)};
 }

@@ -30,6 +30,7 @@ class SurfaceTwin {
   [[nodiscard]] double density(const Vec3i& v) const;
   [[nodiscard]] double trilinear(const Vec3& at) const;
   [[nodiscard]] Vec3 normal_of(const Vec3& at) const;
+  [[nodiscard]] Vec3 surfel_normal(const Vec3i& cell, const Vec3& at) const;
   [[nodiscard]] Vec3 gradient(const Vec3i& v) const;
   void add_surfel(const Vec3i& cell);
 

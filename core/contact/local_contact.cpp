@@ -1,0 +1,136 @@
+#include "core/contact/local_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace burrhole {
+namespace {
+
+constexpr std::size_t kDirections = 24;  // faces of a cube, each in four
+static_assert(kDirections <= kMaxLocalPlanes);
+
+/// Which of kDirections a unit vector falls in.
+std::size_t direction_of(const Vec3& n) noexcept {
+  const Vec3 size = glm::abs(n);
+  const std::size_t axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
+  const auto positive = [&](std::size_t a) -> std::size_t { return n[a] >= 0.0 ? 1 : 0; };
+  return axis * 8 + positive(axis) * 4 + positive((axis + 1) % 3) * 2 + positive((axis + 2) % 3);
+}
+
+HoldPlane plane_of(const Vec3& normal, const Vec3& arm, double depth, double stiffness, std::uint32_t point) noexcept {
+  HoldPlane plane;
+  plane.normal = normal;
+  plane.arm = arm;
+  plane.gap = -depth;
+  plane.yield = 1.0 / stiffness;
+  plane.point = point;
+  plane.force = depth * stiffness;
+  return plane;
+}
+
+/// Sums over the contacts of one direction.
+struct Bundle {
+  Vec3 pull{0.0};  // sum of depth * normal
+  Vec3 arm{0.0};   // weighted with the depth
+  double depth = 0.0;
+  std::size_t count = 0;
+};
+
+/// Whether a plane resists a small motion of its own accord.
+bool carries(const HoldPlane& plane) noexcept { return plane.both_ways || plane.force > 0.0; }
+
+/// Lower factor of a symmetric positive definite matrix, in place, row by row.
+struct Factor {
+  std::array<std::array<double, kMaxLocalPlanes>, kMaxLocalPlanes> rows;
+  std::size_t size = 0;
+
+  void decompose() noexcept {
+    for (std::size_t i = 0; i < size; ++i)
+      for (std::size_t j = 0; j <= i; ++j) {
+        double sum = rows[i][j];
+        for (std::size_t k = 0; k < j; ++k) sum -= rows[i][k] * rows[j][k];
+        // The yields on the diagonal keep it positive; rounding beside planes that repeat each other must not.
+        rows[i][j] = i == j ? std::sqrt(std::max(sum, 1e-30)) : sum / rows[j][j];
+      }
+  }
+  /// L y = x in place.
+  void forward(std::array<Vec3, kMaxLocalPlanes>& x) const noexcept {
+    for (std::size_t i = 0; i < size; ++i) {
+      for (std::size_t k = 0; k < i; ++k) x[i] -= rows[i][k] * x[k];
+      x[i] /= rows[i][i];
+    }
+  }
+};
+
+Mat3 coupled_gradient(const LocalContact& local) noexcept {
+  Factor factor;
+  std::array<Vec3, kMaxLocalPlanes> normals{};
+  std::array<const HoldPlane*, kMaxLocalPlanes> loaded{};
+  for (const HoldPlane& plane : local.list())
+    if (carries(plane)) loaded[factor.size++] = &plane;
+  for (std::size_t i = 0; i < factor.size; ++i) {
+    const HoldPlane& a = *loaded[i];
+    normals[i] = a.normal;
+    for (std::size_t j = 0; j <= i; ++j) {
+      const HoldPlane& b = *loaded[j];
+      const double along = glm::dot(a.normal, b.normal);
+      double give =
+          along / local.coupling_stiffness + glm::dot(glm::cross(a.arm, a.normal), glm::cross(b.arm, b.normal)) / local.turn_stiffness;
+      if (a.cutting && b.cutting) give += along / local.cutting_stiffness;
+      if (i == j) give += a.yield;
+      factor.rows[i][j] = give;
+    }
+  }
+  factor.decompose();
+  factor.forward(normals);
+  Mat3 out(0.0);
+  for (std::size_t i = 0; i < factor.size; ++i) out -= glm::outerProduct(normals[i], normals[i]);
+  return out;
+}
+
+}  // namespace
+
+void list_penalty(std::span<const Contact> contacts, const Vec3& tool_origin, double point_stiffness, LocalContact& out) noexcept {
+  out.kind = LocalKind::penalty;
+  out.count = 0;
+  if (!(point_stiffness > 0.0)) return;
+  if (contacts.size() <= kMaxLocalPlanes) {
+    for (const Contact& contact : contacts)
+      out.planes[out.count++] = plane_of(contact.normal, contact.position - tool_origin, contact.depth, point_stiffness, contact.point);
+    return;
+  }
+  std::array<Bundle, kDirections> bundles{};
+  for (const Contact& contact : contacts) {
+    Bundle& bundle = bundles[direction_of(contact.normal)];
+    bundle.pull += contact.depth * contact.normal;
+    bundle.arm += contact.depth * (contact.position - tool_origin);
+    bundle.depth += contact.depth;
+    ++bundle.count;
+  }
+  for (std::size_t n = 0; n < kDirections; ++n) {
+    const Bundle& bundle = bundles[n];
+    const double pull = glm::length(bundle.pull);
+    if (pull == 0.0) continue;  // points on their planes only: nothing pushes yet
+    const double count = static_cast<double>(bundle.count);
+    out.planes[out.count++] =
+        plane_of(bundle.pull / pull, bundle.arm / bundle.depth, pull / count, count * point_stiffness, static_cast<std::uint32_t>(n));
+  }
+}
+
+Mat3 force_gradient(const LocalContact& local) noexcept {
+  switch (local.kind) {
+    case LocalKind::none:
+      break;
+    case LocalKind::penalty: {
+      Mat3 out(0.0);
+      for (const HoldPlane& plane : local.list())
+        if (plane.gap < 0.0) out -= glm::outerProduct(plane.normal, plane.normal) / plane.yield;
+      return out;
+    }
+    case LocalKind::coupled:
+      return coupled_gradient(local);
+  }
+  return Mat3(0.0);
+}
+
+}  // namespace burrhole
