@@ -19,8 +19,10 @@ class MassSpringDamper {
   /// out_of_range when a value is not finite or outside its range, or period <= 0 [s].
   [[nodiscard]] static Result<MassSpringDamper> create(const MassSpringDamperConfig& config, double period);
   /// `input` [N] is every force but the spring's and damper's own, the spring's rest position included as stiffness * rest.
-  void step(Vec3& position, Vec3& velocity, const Vec3& input) const noexcept BH_REALTIME {
-    const Vec3 x = position;
+  /// @tparam V Vec3, or double for one axis alone: the same bits.
+  template <class V>
+  void step(V& position, V& velocity, const V& input) const noexcept BH_REALTIME {
+    const V x = position;
     position = a_xx_ * x + a_xv_ * velocity + b_x_ * input;
     velocity = a_vx_ * x + a_vv_ * velocity + b_v_ * input;
   }

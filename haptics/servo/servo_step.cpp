@@ -1,21 +1,176 @@
 #include "haptics/servo/servo_step.h"
 
-namespace burrhole {
+#include <algorithm>
+#include <cmath>
+#include <string>
 
-const ServoOutput& ServoStep::operator()() noexcept {
-  faults_ &= kServoForceNotFinite;  // all that is latched
-  Vec3 force = contact_in_->latest().on_hand.force;
-  if (!is_finite(force)) faults_ |= kServoForceNotFinite;
-  if ((faults_ & kServoForceNotFinite) != 0) force = Vec3(0.0);
-  const double magnitude = glm::length(force);
-  if (magnitude > config_.largest_force) {
-    force *= config_.largest_force / magnitude;
-    faults_ |= kServoForceCapped;
+namespace burrhole {
+namespace {
+
+bool is_finite(const HandState& hand) noexcept {
+  const Quat& q = hand.world_from_hand.rotation;
+  return burrhole::is_finite(hand.world_from_hand.translation) && burrhole::is_finite(hand.velocity) && std::isfinite(hand.thrust) &&
+         std::isfinite(q.w) && std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z);
+}
+
+}  // namespace
+
+const char* name_of(ServoFault fault) noexcept {
+  switch (fault) {
+    case kServoForceNotFinite:
+      return "force not finite";
+    case kServoForceCapped:
+      return "force capped";
+    case kServoSlewLimited:
+      return "force change limited";
+    case kServoHandNotFinite:
+      return "hand not finite";
+    case kServoHandLost:
+      return "hand lost";
+    case kServoContactStale:
+      return "contact stale";
+    case kServoEnergy:
+      return "energy given out";
+    case kServoStopped:
+      return "stopped";
+    case kServoDamped:
+      return "damped";
   }
-  output_.force = force;
-  output_.hand = hand_->step(force);
-  output_.faults = faults_;
+  return "unknown";
+}
+
+Status check(const ServoConfig& config) {
+  struct Named {
+    const char* name;
+    double value;
+  };
+  const auto refuse = [](const char* name, const char* range) {
+    return Error{ErrorCode::out_of_range, std::string("servo: ") + name + " must be " + range, {}};
+  };
+  const Named above_zero[] = {{"period", config.period}, {"largest_force", config.largest_force}};
+  for (const Named& named : above_zero)
+    if (!(named.value > 0.0 && std::isfinite(named.value))) return refuse(named.name, "finite and above 0");
+  if (!(config.multi_rate.max_distance > 0.0)) return refuse("max_distance", "above 0");
+  if (config.multi_rate.contact_ticks < 1) return refuse("contact_ticks", "at least 1");
+  if (!(config.largest_slew >= 0.0)) return refuse("largest_slew", "at least 0");
+  const Named not_below_zero[] = {{"soft_start", config.soft_start},
+                                  {"soft_stop", config.soft_stop},
+                                  {"energy.damping", config.energy.damping},
+                                  {"energy.tolerance", config.energy.tolerance},
+                                  {"energy.largest_damping", config.energy.largest_damping}};
+  for (const Named& named : not_below_zero)
+    if (!(named.value >= 0.0 && std::isfinite(named.value))) return refuse(named.name, "finite and at least 0");
+  return {};
+}
+
+ServoStep::ServoStep(const ServoConfig& config, HandSource& hand, TripleBuffer<ContactState>& contact_in,
+                     TripleBuffer<HandState>& hand_out) noexcept
+    : config_(config),
+      hand_(&hand),
+      contact_in_(&contact_in),
+      hand_out_(&hand_out),
+      multi_rate_(config.multi_rate),
+      energy_(config.energy, config.period),
+      slew_(config.largest_slew * config.period),
+      gain_(config.soft_start, config.soft_stop, config.period) {}
+
+void ServoStep::look_at_hand() noexcept {
+  const HandState& read = hand_->read();
+  hand_age_ = counts_.ticks > 0 && read.tick == output_.hand.tick ? hand_age_ + 1 : 0;
+  hand_faults_ = 0;
+  if (is_finite(read)) {
+    output_.hand = read;
+  } else {
+    // What is not finite goes no further: contact and erosion see the last motion that meant something, at rest.
+    output_.hand.velocity = Vec3(0.0);
+    output_.hand.tick = read.tick;
+    output_.hand.flags = read.flags | kHandNotFinite;
+    hand_faults_ |= kServoHandNotFinite;
+  }
+  if ((read.flags & kHandLost) != 0 || (config_.max_hand_age > 0 && hand_age_ > config_.max_hand_age)) hand_faults_ |= kServoHandLost;
+}
+
+const HandState& ServoStep::sense() noexcept {
+  look_at_hand();
   hand_out_->publish(output_.hand);
+  return output_.hand;
+}
+
+void ServoStep::latch(std::uint32_t fault) noexcept {
+  if ((fault & ~faults_) == 0) return;
+  faults_ |= fault;
+  ++counts_.latched;
+}
+
+bool ServoStep::reset() noexcept {
+  if (hand_faults_ != 0 || !burrhole::is_finite(contact_in_->latest().on_hand.force)) return false;
+  faults_ &= ~(kServoLatched | kServoStopped);
+  multi_rate_.clear();
+  energy_.clear();
+  slew_.clear();
+  gain_.cut();
+  return true;
+}
+
+void ServoStep::answer_request() noexcept {
+  const Request request = request_.exchange(Request::none, std::memory_order_relaxed);
+  if (request == Request::stop) faults_ |= kServoStopped;
+  if (request == Request::reset) reset();
+}
+
+void ServoStep::watch(const ContactState& contact) noexcept {
+  latch(hand_faults_);
+  energy_(output_.hand.world_from_hand.translation, output_.hand.velocity, output_.force);
+  if (energy_.fault()) latch(kServoEnergy);
+  output_.contact_number = contact.number;
+  output_.contact_age = contact.number > 0 && output_.hand.tick > contact.tick ? output_.hand.tick - contact.tick : 0;
+  if (config_.max_contact_age > 0 && output_.contact_age > config_.max_contact_age) {
+    faults_ |= kServoContactStale;
+    ++counts_.stale;
+  }
+}
+
+Vec3 ServoStep::limited(Vec3 force) noexcept {
+  const Vec3 damping = energy_.repay();
+  if (damping != Vec3(0.0)) {
+    force += damping;
+    faults_ |= kServoDamped;
+    ++counts_.damped;
+  }
+  force = slew_(force);
+  if (slew_.limited()) {
+    faults_ |= kServoSlewLimited;
+    ++counts_.slewed;
+  }
+  const Vec3 capped = shortened(force, config_.largest_force);
+  if (capped != force) {
+    faults_ |= kServoForceCapped;
+    ++counts_.capped;
+  }
+  return capped * gain_((faults_ & (kServoContactStale | kServoStopped)) == 0);
+}
+
+const ServoOutput& ServoStep::act() noexcept {
+  answer_request();
+  faults_ &= kServoLatched | kServoStopped;  // the others are told anew
+  const ContactState& contact = contact_in_->latest();
+  watch(contact);
+  output_.wanted = multi_rate_(contact, output_.hand, config_.period).force;
+  if (!burrhole::is_finite(output_.wanted) || !burrhole::is_finite(contact.on_hand.force)) {
+    output_.wanted = Vec3(0.0);
+    latch(kServoForceNotFinite);
+  }
+  if ((faults_ & kServoLatched) != 0) {
+    slew_.clear();
+    gain_.cut();
+    output_.force = Vec3(0.0);
+  } else {
+    output_.force = limited(output_.wanted);
+  }
+  output_.gain = gain_.gain();
+  output_.faults = faults_;
+  ++counts_.ticks;
+  hand_->apply({output_.force, Vec3(0.0)});
   return output_;
 }
 

@@ -59,6 +59,7 @@ std::string scene_text(const SmallScene& scene) {
   if (scene.erosion) text += "\n[erosion]\n";
   if (scene.spindle) text += "\n[spindle]\n";
   if (scene.record) text += "\n[record]\n";
+  if (scene.display) text += "\n[display]\n";
   return text;
 }
 
@@ -110,10 +111,11 @@ SimulatedHand make_hand(const LoadedScene& loaded) {
 
 WatchedHand::WatchedHand(const LoadedScene& loaded, std::function<void()> watch) : hand_(make_hand(loaded)), watch_(std::move(watch)) {}
 
-DrillRun& run_recorded(DrillRun& run, const std::string& path) {
+DrillRun& run_recorded(DrillRun& run, const std::string& path, bool live) {
   const LoadedScene& loaded = run.loaded();
   const SessionMeta meta{"test", loaded.scene.file, loaded.scene.text, loaded.tool_text, loaded.scene.hand.seed, "2026-01-01T00:00:00Z"};
-  auto session = SessionWriter::create(path, meta, session_columns(loaded.scene), loaded.scene.servo_hz);
+  const SessionLayout layout = session_layout(loaded.scene, live);
+  auto session = SessionWriter::create(path, meta, layout.columns, loaded.scene.servo_hz, layout.streams);
   REQUIRE_MESSAGE(session.ok(), (session ? "" : session.error().text()));
   run.simulation().set_session(&*session);
   run.run();

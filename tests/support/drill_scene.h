@@ -49,7 +49,7 @@ inline constexpr const char* kPenaltyKeys = "model = \"gradient-plane\"\nstiffne
 /// What a small scene is made of. A table that is left out is not in the text at all.
 struct SmallScene {
   std::string volume = kPlateKeys;
-  bool contact = true, erosion = true, spindle = false, record = false;
+  bool contact = true, erosion = true, spindle = false, record = false, display = false;
   std::string contact_keys = kHeldKeys;
   std::vector<std::string> sets = {};  ///< "table.key=value", applied as --set does
 };
@@ -86,9 +86,10 @@ class WatchedHand final : public HandSource {
  public:
   /// `watch` is called before the hand moves.
   WatchedHand(const LoadedScene& loaded, std::function<void()> watch);
-  const HandState& step(const Vec3& force_on_hand) noexcept override {
+  [[nodiscard]] const HandState& read() noexcept override { return hand_.read(); }
+  void apply(const Wrench& on_hand) noexcept override {
     watch_();
-    return hand_.step(force_on_hand);
+    hand_.apply(on_hand);
   }
 
  private:
@@ -97,7 +98,7 @@ class WatchedHand final : public HandSource {
 };
 
 /// Runs with a session at `path`, hashes noted, and closes it: what `burrhole drill` records.
-DrillRun& run_recorded(DrillRun& run, const std::string& path);
+DrillRun& run_recorded(DrillRun& run, const std::string& path, bool live = false);
 /// One column of a session, a value a tick; a session or column that is not there fails the test.
 [[nodiscard]] std::vector<double> session_column(const std::string& path, const std::string& name);
 

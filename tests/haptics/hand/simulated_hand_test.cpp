@@ -33,8 +33,11 @@ struct Wall {
 };
 
 std::vector<HandState> run(SimulatedHand& hand, const Wall& wall, int ticks) {
-  std::vector<HandState> states{hand.state()};
-  for (int n = 0; n < ticks; ++n) states.push_back(hand.step(wall.force(states.back())));
+  std::vector<HandState> states{hand.read()};
+  for (int n = 0; n < ticks; ++n) {
+    hand.apply({wall.force(states.back()), Vec3(0.0)});
+    states.push_back(hand.read());
+  }
   return states;
 }
 

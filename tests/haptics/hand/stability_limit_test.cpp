@@ -1,10 +1,10 @@
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "haptics/hand/mass_spring_damper.h"
+#include "tests/support/stability_search.h"
 
 using namespace burrhole;
 
@@ -19,33 +19,22 @@ struct Loop {
   int delay = 0;         ///< [ticks] between sample and force
 };
 
-/// Log growth of the oscillation's envelope against a wall of that stiffness, late against early. Stops once it is beyond doubt.
-double log_growth(const Loop& loop, double stiffness) {
-  constexpr int kTicks = 200000, kWindow = 20000;
+double growth_at(const Loop& loop, double stiffness) {
   const auto body = MassSpringDamper::create(loop.body, loop.period);
   REQUIRE(body.ok());
   std::array<double, 4> past{};  // positions, newest first
   Vec3 x(1e-3, 0.0, 0.0), v(0.0);
-  double early = 0.0, late = 0.0;
-  for (int n = 0; n < kTicks; ++n) {
+  const auto step = [&] {
     for (std::size_t d = past.size() - 1; d > 0; --d) past[d] = past[d - 1];
     past[0] = x.x;
     body->step(x, v, Vec3(-stiffness * past[static_cast<std::size_t>(loop.delay)], 0.0, 0.0));
-    const double size = std::abs(x.x);
-    if (size > 1e6) return 1.0;
-    if (n >= kWindow && n < 2 * kWindow) early = std::max(early, size);
-    if (n >= kTicks - kWindow) late = std::max(late, size);
-  }
-  return early > 1e-200 && late > 0.0 ? std::log(late / early) : -1.0;
+    return x.x;
+  };
+  return test::log_growth(step, 120000);
 }
 
 double largest_stiffness(const Loop& loop) {
-  double stable = 10.0, unstable = 1e6;
-  while (unstable / stable > 1.001) {
-    const double middle = std::sqrt(stable * unstable);
-    (log_growth(loop, middle) > 0.0 ? unstable : stable) = middle;
-  }
-  return std::sqrt(stable * unstable);
+  return test::largest_stiffness([&](double stiffness) { return growth_at(loop, stiffness); });
 }
 
 struct Row {

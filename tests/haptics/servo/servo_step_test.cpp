@@ -12,11 +12,11 @@ namespace {
 /// A hand that records the force it was given.
 class RecordingHand final : public HandSource {
  public:
-  const HandState& step(const Vec3& force_on_hand) noexcept override {
-    force = force_on_hand;
+  [[nodiscard]] const HandState& read() noexcept override { return state_; }
+  void apply(const Wrench& on_hand) noexcept override {
+    force = on_hand.force;
     ++state_.tick;
     state_.world_from_hand.translation.x = static_cast<double>(state_.tick);
-    return state_;
   }
   Vec3 force{-1.0};
 
@@ -40,19 +40,19 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("ServoStep: a sound force reaches the hand unchanged, and the hand's new state is published") {
+TEST_CASE("ServoStep: a sound force reaches the hand unchanged, and where the hand was read is published") {
   Bench bench;
   const Vec3 force(1.0, -2.0, 30.0);
   const ServoOutput& output = bench.tick(force);
   CHECK(output.force == force);
   CHECK(bench.hand.force == force);
   CHECK(output.faults == 0);
-  CHECK(output.hand.tick == 1);
-  CHECK(bench.out.latest().tick == 1);
-  CHECK(bench.out.latest().world_from_hand.translation.x == 1.0);
+  CHECK(output.hand.tick == 0);
+  CHECK(bench.out.latest().tick == 0);
   static_cast<void>(bench.servo());  // no newer contact: the last force is held
   CHECK(bench.hand.force == force);
-  CHECK(bench.out.latest().tick == 2);
+  CHECK(bench.out.latest().tick == 1);
+  CHECK(bench.out.latest().world_from_hand.translation.x == 1.0);
 }
 
 TEST_CASE("ServoStep: a force that is not finite in any component becomes zero, at once and for good") {

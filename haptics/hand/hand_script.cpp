@@ -1,0 +1,93 @@
+#include "haptics/hand/hand_script.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/base/portable_math.h"
+#include "core/base/random.h"
+
+namespace burrhole {
+namespace {
+
+constexpr double kAdvanceFilter = 0.005;  // [s] of the speed in which a give is felt
+constexpr double kSettling = 0.5;         // [s] after the ramp before a give can be felt: the lean itself moves the hand
+
+}  // namespace
+
+HandScript::HandScript(const HandScriptConfig& config, double period) : config_(config), period_(period), goal_height_(config.standoff) {}
+
+Result<HandScript> HandScript::create(const HandScriptConfig& config, double period) {
+  for (const double value : {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force,
+                             config.give_speed, config.standoff, config.tremor_amplitude, config.tremor_frequency})
+    if (!(std::isfinite(value) && value >= 0.0))
+      return Error{ErrorCode::out_of_range, "a value of the hand's script is negative or not finite", {}};
+  if (!(config.follow_time > 0.0)) return Error{ErrorCode::out_of_range, "the hand's follow time must be above 0", {}};
+  if (!(std::isfinite(period) && period > 0.0))
+    return Error{ErrorCode::out_of_range, "the period of the hand's script must be above 0", {}};
+  return HandScript(config, period);
+}
+
+Vec3 HandScript::tremor() const noexcept {
+  const double t = static_cast<double>(tick_) * period_;
+  // Two axes, slightly different rates and seeded phases: never a straight line.
+  const auto wave = [&](std::uint64_t axis, double ratio) {
+    const double phase = 2.0 * std::numbers::pi * (config_.tremor_frequency * ratio * t + uniform01(config_.seed, axis));
+    return config_.tremor_amplitude * portable_sin(phase);
+  };
+  return {wave(1, 1.0), wave(2, 1.13), 0.0};
+}
+
+const HandGoal& HandScript::advance(double felt, double height, double climb) noexcept {
+  advance_ += (-climb - advance_) * std::min(1.0, period_ / kAdvanceFilter);
+  follow(felt, height);
+  goal_.rest = Vec3(0.0, 0.0, goal_height_) + tremor();
+  ++tick_;
+  return goal_;
+}
+
+void HandScript::follow(double felt, double height) noexcept {
+  switch (phase_) {
+    case HandPhase::approach:
+      goal_height_ -= config_.feed * period_;
+      if (felt > config_.contact_force) {
+        phase_ = HandPhase::lean;
+        lean_tick_ = tick_;
+      }
+      break;
+    case HandPhase::lean:
+    case HandPhase::give_felt: {
+      const double ramp = config_.ramp > 0.0 ? std::min(1.0, seconds_since(lean_tick_) / config_.ramp) : 1.0;
+      goal_.thrust = config_.push * ramp;
+      goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
+      if (phase_ == HandPhase::lean && seconds_since(lean_tick_) > config_.ramp + kSettling && advance_ > config_.give_speed) {
+        phase_ = HandPhase::give_felt;
+        give_tick_ = tick_;
+      }
+      if (phase_ == HandPhase::give_felt && seconds_since(give_tick_) >= config_.reaction) {
+        phase_ = HandPhase::release;
+        release_tick_ = tick_;
+        release_thrust_ = goal_.thrust;
+      }
+      break;
+    }
+    case HandPhase::release: {
+      // The arm stays where it is while the muscles let go: dropped at once, the springs of arm and drill would throw the bit out.
+      const double left = config_.release > 0.0 ? 1.0 - seconds_since(release_tick_) / config_.release : 0.0;
+      goal_.thrust = release_thrust_ * std::max(0.0, left);
+      goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
+      if (left <= 0.0) phase_ = HandPhase::withdraw;
+      break;
+    }
+    case HandPhase::withdraw:
+      goal_height_ += 2.0 * config_.feed * period_;
+      if (goal_height_ >= config_.standoff) {
+        goal_height_ = config_.standoff;
+        if (height > 0.9 * config_.standoff) phase_ = HandPhase::done;
+      }
+      break;
+    case HandPhase::done:
+      break;
+  }
+}
+
+}  // namespace burrhole

@@ -1,0 +1,125 @@
+#include "haptics/servo/local_tool.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/rotation.h"
+
+namespace burrhole {
+namespace {
+
+// [m] of the planes. A plane that begins to carry does so with at most the coupling's stiffness times this: 5 to 60 kN/m with its damper
+// over a tick make 6e-5 N.
+constexpr double kTolerance = 1e-9;
+
+/// [m] Gap of a plane after a move, bone's own yield left out.
+double gap_after(const HoldProblem& problem, const HoldPlane& plane, const HoldMove& move) noexcept {
+  const Vec3 engaging = plane.cutting ? move.engagement - problem.engaged : Vec3(0.0);
+  return plane.gap + glm::dot(plane.normal, move.translation + glm::cross(move.turn, plane.arm) + engaging);
+}
+
+/// The listed planes, the most violated first.
+class ListedPlanes final : public HoldCandidates {
+ public:
+  explicit ListedPlanes(std::span<const HoldPlane> planes) : planes_(planes) {}
+
+  std::optional<HoldPlane> most_violated(const HoldProblem& problem, const HoldMove& move,
+                                         std::span<const HoldPlane> kept) noexcept override {
+    const HoldPlane* worst = nullptr;
+    double least = -problem.tolerance;
+    for (const HoldPlane& plane : planes_) {
+      const double gap = gap_after(problem, plane, move);
+      if (!(gap < least) || std::ranges::find(kept, plane.point, &HoldPlane::point) != kept.end()) continue;
+      worst = &plane;
+      least = gap;
+    }
+    return worst != nullptr ? std::optional(*worst) : std::nullopt;
+  }
+
+ private:
+  std::span<const HoldPlane> planes_;
+};
+
+/// Where springs and dampers alone would bring the tool, and how stiff they are together: ConstrainedTool's formula, over a servo tick.
+struct Pull {
+  Pose world_from_target;
+  double stiffness, turn_stiffness;
+};
+
+struct HandNow {
+  const Pose& pose;
+  const Vec3& velocity;
+  const Quat& rotation_before;
+};
+
+Pull pull_of(const LocalContact& local, const Pose& before, const HandNow& hand, double dt) noexcept {
+  const double damping = local.coupling_damping / dt;
+  Pull pull;
+  pull.stiffness = local.coupling_stiffness + damping;
+  // K (h - t) + B (h' - (t - t_before) / dt) vanishes at the target.
+  pull.world_from_target.translation =
+      (local.coupling_stiffness * hand.pose.translation + damping * (before.translation + hand.velocity * dt)) / pull.stiffness;
+  const double share = local.coupling_stiffness / pull.stiffness;
+  pull.turn_stiffness = local.turn_stiffness / share;
+  const Vec3 whole = rotation_vector(hand.pose.rotation * glm::conjugate(before.rotation));
+  const Vec3 hands = rotation_vector(hand.pose.rotation * glm::conjugate(hand.rotation_before));
+  const Vec3 turn = std::isinf(local.turn_stiffness) ? whole : share * whole + (1.0 - share) * hands;
+  pull.world_from_target.rotation = glm::normalize(rotation_of(turn) * before.rotation);
+  return pull;
+}
+
+}  // namespace
+
+void LocalTool::clear() noexcept {
+  placed_ = false;
+  solver_.clear();
+}
+
+void LocalTool::renew(const ContactState& state, double max_distance) noexcept {
+  const LocalContact& local = state.local;
+  if (!placed_) {
+    world_from_tool_ = state.world_from_tool;
+    hand_before_ = state.world_from_hand.rotation;
+    placed_ = true;
+  }
+  const Vec3 apart = world_from_tool_.translation - state.world_from_tool.translation;
+  const double distance = glm::length(apart);
+  if (!(distance <= max_distance)) world_from_tool_.translation = state.world_from_tool.translation + apart * (max_distance / distance);
+  // Planes go on with the load that they have, in place of the old ones of the same point.
+  solver_.refresh([&](HoldPlane& plane) {
+    const auto listed = std::ranges::find(local.list(), plane.point, &HoldPlane::point);
+    if (plane.both_ways || listed == local.list().end() || listed->both_ways) return false;
+    const double force = plane.force;
+    plane = *listed;
+    plane.force = force;
+    return true;
+  });
+  for (const HoldPlane& plane : local.list())
+    if (plane.both_ways) solver_.add(plane);
+}
+
+Wrench LocalTool::step(const ContactState& state, const Pose& world_from_hand, const Vec3& velocity, double dt) noexcept {
+  const LocalContact& local = state.local;
+  const Pose& sampled = state.world_from_tool;
+  const Pull pull = pull_of(local, world_from_tool_, {world_from_hand, velocity, hand_before_}, dt);
+  hand_before_ = world_from_hand.rotation;
+  ListedPlanes candidates(local.list());
+  const HoldMove move = solver_.solve({.target = pull.world_from_target.translation - sampled.translation,
+                                       .turn = rotation_vector(pull.world_from_target.rotation * glm::conjugate(sampled.rotation)),
+                                       .engaged = local.engaged,
+                                       .stiffness = pull.stiffness,
+                                       .turn_stiffness = pull.turn_stiffness,
+                                       .cutting_stiffness = local.cutting_stiffness > 0.0 ? local.cutting_stiffness : pull.stiffness,
+                                       .tolerance = kTolerance},
+                                      candidates);
+  world_from_tool_.translation = sampled.translation + move.translation;
+  world_from_tool_.rotation = glm::normalize(rotation_of(move.turn) * sampled.rotation);
+  Wrench on_hand;
+  for (const HoldPlane& plane : solver_.planes()) {
+    on_hand.force += plane.normal * plane.force;
+    on_hand.torque += glm::cross(plane.arm, plane.normal * plane.force);
+  }
+  return on_hand;
+}
+
+}  // namespace burrhole
