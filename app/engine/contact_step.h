@@ -28,12 +28,20 @@ struct ContactBone {
 
   /// The newest copy; valid until the next call.
   [[nodiscard]] BoneView view() const;
+  /// Which copy that was (ContactWindow::number); 0 of the paper's grids.
+  [[nodiscard]] std::uint64_t number() const noexcept;
 };
 
 class ContactStep {
  public:
-  /// Errors of the model's create() pass through. `voxel_edge` [m].
-  [[nodiscard]] static Result<ContactStep> create(const ContactScene& scene, const PointShell& shell, double voxel_edge, bool spinning);
+  struct Use {
+    double voxel_edge = 0.0;  ///< [m]
+    bool spinning = false;
+    bool planes = false;     ///< whether the state's `local` is asked for
+    double foresight = 0.0;  ///< [s] for how long one has to last: a contact period and the latency
+  };
+  /// Errors of the model's create() pass through.
+  [[nodiscard]] static Result<ContactStep> create(const ContactScene& scene, const PointShell& shell, const Use& use);
   /// `dt` [s] is the contact period. @returns the state for the mailboxes.
   const ContactState& operator()(const BoneView& bone, const HandState& hand, double dt) noexcept BH_REALTIME;
   void place(const Pose& world_from_tool) noexcept;
@@ -45,6 +53,8 @@ class ContactStep {
   void push(const ContactView& bone, const HandState& hand) noexcept;
   void couple(const ContactView& bone, const HandState& hand, double dt) noexcept;
 
+  bool planes_ = false;
+  double foresight_ = 0.0;
   bool spinning_ = false;  // when asked to: a bit that stalled stays engaged in what it was cutting, by F / K_cut and no further
   std::size_t shell_points_ = 0;
   std::optional<ConstrainedTool> tool_;     // model `surface`: the tool held back

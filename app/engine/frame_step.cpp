@@ -42,14 +42,20 @@ Result<FrameStep> FrameStep::create(const Scene& scene, const Approach& approach
   return out;
 }
 
+void FrameStep::gather() {
+  timers_.texels([&] {
+    for (const VoxelBox& box : voxmap_->take_dirty(listener_))
+      if (TexelBox texels = make_texels(*voxmap_, box); !texels.box.empty()) parcel_.push_back(std::move(texels));
+  });
+}
+
 Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut) {
   timers_.upload([&] {
-    for (const VoxelBox& box : voxmap_->take_dirty(listener_)) {
-      const TexelBox texels = make_texels(*voxmap_, box);
-      if (texels.box.empty()) continue;
+    for (const TexelBox& texels : parcel_) {
       texels_sent_ += texels.normal_opacity.size();
       sink_->update(texels);
     }
+    parcel_.clear();
   });
   FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach_, thickness_, cut);
   view.world_from_tool = world_from_tool;

@@ -22,7 +22,7 @@ class FrameSink {
 };
 
 struct FrameStepTimers {
-  StepTimer upload, frame;
+  StepTimer texels, upload, frame;
 };
 
 class FrameStep {
@@ -30,7 +30,9 @@ class FrameStep {
   /// Sends the whole volume once.
   [[nodiscard]] static Result<FrameStep> create(const Scene& scene, const Approach& approach, const Tool& tool, Voxmap& voxmap,
                                                 FrameSink& sink);
-  /// Sends the boxes changed since the last call, then draws. `tool`: nothing when it is out of the picture; `cut` opens the bone.
+  /// Takes what changed since the last call into the parcel; by whoever owns the bone, while no one draws.
+  void gather();
+  /// Sends the parcel, then draws. `tool`: nothing when it is out of the picture; `cut` opens the bone.
   [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);
   [[nodiscard]] FrameStepTimers& timers() noexcept { return timers_; }
   [[nodiscard]] std::uint64_t image_hash() const noexcept { return hash_.value(); }
@@ -44,6 +46,7 @@ class FrameStep {
   Voxmap* voxmap_;
   FrameSink* sink_;
   std::size_t listener_;
+  std::vector<TexelBox> parcel_;
   Hash64 hash_;
   std::uint64_t texels_sent_ = 0;
   FrameStepTimers timers_;

@@ -28,6 +28,20 @@ PlanRow hand_row(const EffectInfo& effect, const LoadedScene& loaded) {
                       loaded.scene.hand.dynamics.stiffness)};
 }
 
+double force_scale(const Scene& scene) {
+  const SimulatedDeviceConfig& config = scene.device->config;
+  return scene.device->force_scale ? *scene.device->force_scale
+                                   : fitting_force_scale({.name = config.name, .largest_force = config.largest_force}, scene.hand.push);
+}
+
+PlanRow device_row(const EffectInfo& effect, const LoadedScene& loaded) {
+  const SimulatedDeviceConfig& config = loaded.scene.device->config;
+  return {effect, static_cast<double>(loaded.scene.servo_hz), sizeof(SimulatedDevice),
+          fmt::format("{} in a {} hand, at most {:.3g} N, {:.3g} kg, {:.0f} um steps, {} ticks late, forces times {:.3g}", config.name,
+                      loaded.scene.device->hand, config.largest_force, config.plant.body.mass, config.quantum * 1e6, config.delay,
+                      force_scale(loaded.scene))};
+}
+
 PlanRow volume_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const Vec3i d = loaded.bone->dims();
   const std::uint64_t bytes = loaded.bone->bytes() + window_voxels(loaded) * 4 * sizeof(float);
@@ -100,14 +114,22 @@ PlanRow record_row(const EffectInfo& effect, const LoadedScene& loaded) {
 /// Stiffness of the coupling that the hand's and its own damping bear at this delay: K < (b + B) / (T/2 + d T), the linear rule for sampled
 /// systems with delay [Gil et al. 2009]. It overstates the limit where most damping is virtual, by a fifth at the figures in use.
 double bearable_coupling(const Scene& scene) {
-  const double contact_period = 1.0 / scene.contact->rate_hz;
-  const double delay =
-      scene.contact->latency_ticks >= 0 ? static_cast<double>(scene.contact->latency_ticks) / scene.servo_hz : contact_period;
+  // Forces made at the servo's rate answer the motion of their own tick, however old the planes are that they are made from.
+  const bool at_once = uses_planes(scene.servo.multi_rate.scheme);
+  const double contact_period = 1.0 / (at_once ? scene.servo_hz : scene.contact->rate_hz);
+  const double delay = at_once                             ? 0.0
+                       : scene.contact->latency_ticks >= 0 ? static_cast<double>(scene.contact->latency_ticks) / scene.servo_hz
+                                                           : contact_period;
   return 0.8 * (scene.hand.dynamics.damping + scene.contact->surface.coupling_damping) / (0.5 * contact_period + delay);
 }
 
 void warn(const LoadedScene& loaded, Plan& plan) {
   const Scene& scene = loaded.scene;
+  if (scene.device && force_scale(scene) < 1.0)
+    plan.warnings.push_back(
+        fmt::format("[device] {} cannot show {:.0f} N: forces at the grip are {:.3g} times those of the drill; figures and "
+                    "records are of the drill",
+                    scene.device->config.name, scene.hand.push, force_scale(scene)));
   if (scene.contact && scene.contact->holds_back() && scene.erosion && scene.tool.spin > 0.0) {
     const double engaged = scene.hand.push / scene.contact->surface.cutting_stiffness;
     const double edge = loaded.bone->bone_from_index().mean_edge();
@@ -118,7 +140,7 @@ void warn(const LoadedScene& loaded, Plan& plan) {
                       "or take a finer spacing_mm",
                       1e3 * engaged, 1e3 * edge, std::ceil(edge * scene.contact->surface.cutting_stiffness)));
   }
-  if (scene.contact && scene.contact->holds_back() && scene.hand.feels &&
+  if (scene.contact && scene.contact->holds_back() && scene.hand.feels && !scene.device &&
       scene.contact->surface.coupling_stiffness > bearable_coupling(scene))
     plan.warnings.push_back(
         fmt::format("coupling_N_per_m = {:.0f} is more than the damping bears at this latency (about {:.0f}): the hand may swing",
@@ -144,6 +166,7 @@ const std::vector<EffectInfo>& known_effects() {
   static const std::vector<EffectInfo> effects{
       {"volume", Clock::simulation, "master window: slide, write back", "bone model", "window, store of record", false},
       {"hand", Clock::servo, "hand integrated exactly over a tick under the latest force", "contact state", "hand motion", false},
+      {"device", Clock::servo, "simulated force device and the hand on it, integrated exactly over a tick", "force", "hand motion", true},
       {"contact", Clock::contact, "point shell against the window copy", "window copy, hand motion", "contact state", true},
       {"erosion", Clock::simulation, "erosion points along the tool's path, gradients, publishing", "window, contact state",
        "window copy, changed boxes", true},
@@ -174,6 +197,7 @@ Plan make_plan(const LoadedScene& loaded) {
   const auto row_maker = [&](const std::string& table) -> MakeRow {
     if (table == "volume") return volume_row;
     if (table == "hand") return hand_row;
+    if (table == "device" && scene.device) return device_row;
     if (table == "contact" && scene.contact) return contact_row;
     if (table == "erosion" && scene.erosion) return erosion_row;
     if (table == "spindle" && scene.spindle) return spindle_row;

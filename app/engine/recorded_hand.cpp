@@ -37,10 +37,13 @@ Result<RecordedHand> RecordedHand::create(const SessionReader& session) {
   return RecordedHand(std::move(states));
 }
 
-const HandState& RecordedHand::step(const Vec3&) noexcept {
-  const std::size_t now = std::min(next_, states_.size() - 1);
-  ++next_;
-  return states_[now];
+const HandState& RecordedHand::read() noexcept { return states_[std::min(next_, states_.size() - 1)]; }
+
+const HandState* RecordedHand::at(std::uint64_t tick) const noexcept {
+  const auto found = std::ranges::lower_bound(states_, tick, {}, &HandState::tick);
+  return found != states_.end() && found->tick == tick ? &*found : nullptr;
 }
+
+void RecordedHand::apply(const Wrench&) noexcept { ++next_; }
 
 }  // namespace burrhole

@@ -13,7 +13,10 @@ class RecordedHand final : public HandSource {
   /// bad_input when the session lacks a column of the hand or holds no row.
   [[nodiscard]] static Result<RecordedHand> create(const SessionReader& session);
   /// Past the last row the last motion stays.
-  const HandState& step(const Vec3& force_on_hand) noexcept BH_REALTIME override;
+  [[nodiscard]] const HandState& read() noexcept BH_REALTIME override;
+  void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
+  /// The motion of a servo tick by its own count; nothing where it was not recorded.
+  [[nodiscard]] const HandState* at(std::uint64_t tick) const noexcept;
   [[nodiscard]] std::size_t ticks() const noexcept { return states_.size(); }
 
  private:

@@ -5,6 +5,7 @@
 
 #include "app/engine/effect_names.h"
 #include "core/base/units.h"
+#include "haptics/servo/contact_age.h"
 
 namespace burrhole {
 namespace {
@@ -110,6 +111,70 @@ HandConfig read_hand(TableReader table, Issues& issues) {
   out.tremor_frequency = table.number("tremor_hz", at_least_zero(9.0, 1.0, 50.0), "frequency of the tremor");
   out.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, INT64_MAX, "seed of the tremor's phases"));
   out.feels = table.boolean("feels", true, "whether the force reaches the hand; false is for comparison");
+  table.finish();
+  return out;
+}
+
+/// [servo]: all that can be left as it is, so the table may be missing.
+ServoConfig shipped_servo() {
+  ServoConfig out;
+  out.multi_rate.scheme = MultiRateScheme::planes;
+  out.soft_stop = 0.05;
+  return out;
+}
+
+ServoConfig read_servo(TableReader table) {
+  ServoConfig out = shipped_servo();
+  const std::string scheme = table.choice(
+      "multirate", "planes", {"planes", "gradient", "hold", "linear"},
+      "how forces are made between two contact results: from the planes of the last one, from its gradient, held, or on a line to it");
+  out.multi_rate.scheme = scheme == "planes"     ? MultiRateScheme::planes
+                          : scheme == "gradient" ? MultiRateScheme::gradient
+                          : scheme == "hold"     ? MultiRateScheme::hold
+                                                 : MultiRateScheme::linear;
+  out.multi_rate.max_distance = table.number("reach_mm", above_zero(out.multi_rate.max_distance / kMillimetre, kMillimetre, 100.0),
+                                             "how far from its pose planes and gradient are believed");
+  out.largest_force = table.number("force_N", above_zero(out.largest_force, 1.0, 1e4), "largest force that reaches the hand");
+  out.largest_slew = table.number("slew_N_per_s", at_least_zero(0.0, 1.0, 1e9), "largest change of it; 0 for no limit");
+  out.soft_start =
+      table.number("soft_start_s", at_least_zero(0.0, 1.0, 60.0), "time from no force to all of it, at the start and after a fault");
+  out.soft_stop = table.number("soft_stop_s", at_least_zero(out.soft_stop, 1.0, 60.0),
+                               "time in which it fades when contact is late or a stop is asked for");
+  out.energy.damping =
+      table.number("relied_on_N_s_per_m", at_least_zero(0.0, 1.0, 1e4), "damping of device and hand that the energy detector may rely on");
+  out.energy.tolerance = table.number("energy_mJ", at_least_zero(0.0, 1e-3, 1e6),
+                                      "energy that the loop may give out beyond what is swallowed before it is a fault; 0 for no detector");
+  out.energy.largest_damping = table.number("passivity_N_s_per_m", at_least_zero(0.0, 1.0, 1e4),
+                                            "most damping that the passivity controller may add while energy is owed; 0 for none");
+  table.finish();
+  return out;
+}
+
+DeviceScene read_device(TableReader table, Issues& issues) {
+  DeviceScene out;
+  const std::string name = table.text("name", "generic", "simulated device; `burrhole devices` lists them");
+  const std::string hand = table.text("hand", "nominal", "who holds it: none, light, nominal, firm or arm");
+  const auto model = find_device(name);
+  const auto holder = find_hand(hand);
+  if (!model) issues.push_back(bad_input(model.error().message, table.place_of("name")));
+  if (!holder) issues.push_back(bad_input(holder.error().message, table.place_of("hand")));
+  if (model && holder) out.config = make_simulated_config(**model, **holder);
+  out.hand = hand;
+  SimulatedDeviceConfig& config = out.config;
+  out.position_scale = table.number("position_scale", above_zero(1.0, 1.0, 100.0), "millimetres of the drill for one of the grip");
+  if (table.has("force_scale"))
+    out.force_scale =
+        table.number("force_scale", above_zero(1.0, 1.0, 1.0), "newtons at the grip for one of the drill; left out: fitted to the push");
+  config.plant.body.mass = table.number("mass_kg", above_zero(config.plant.body.mass, 1.0, 10.0), "mass of device and hand");
+  config.plant.body.damping = table.number("damping_N_s_per_m", at_least_zero(config.plant.body.damping, 1.0, 1e4), "their damping");
+  config.plant.body.stiffness =
+      table.number("stiffness_N_per_m", at_least_zero(config.plant.body.stiffness, 1.0, 1e5), "the hand's stiffness");
+  config.plant.friction = table.number("friction_N", at_least_zero(config.plant.friction, 1.0, 10.0), "Coulomb friction on each axis");
+  config.quantum =
+      table.number("step_mm", at_least_zero(config.quantum / kMillimetre, kMillimetre, 10.0), "step of the positions that it tells");
+  config.largest_force = table.number("force_N", above_zero(config.largest_force, 1.0, 1e3), "most force that it can show");
+  config.delay =
+      static_cast<int>(table.integer("delay_ticks", config.delay, 0, kMaxReadingDelay, "servo ticks by which its positions are late"));
   table.finish();
   return out;
 }
@@ -292,6 +357,17 @@ void check_rates(const Scene& scene, TableReader& root) {
   if (scene.erosion) check("erosion", scene.erosion->rate_hz);
 }
 
+void set_servo_rates(Scene& scene) {
+  const int contact_hz = scene.contact ? scene.contact->rate_hz : scene.servo_hz;
+  ServoConfig& servo = scene.servo;
+  servo.period = 1.0 / scene.servo_hz;
+  servo.multi_rate.contact_ticks = std::max(1, scene.servo_hz / std::max(1, contact_hz));
+  servo.max_contact_age = contact_age_limit(servo.multi_rate.contact_ticks, servo.period);
+  // Where a scene's own latency makes results old by design, that is no fault.
+  if (scene.contact && scene.contact->latency_ticks > 0) servo.max_contact_age += static_cast<std::uint64_t>(scene.contact->latency_ticks);
+  if (!scene.contact) servo.max_contact_age = 0;
+}
+
 }  // namespace
 
 std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext& context, Issues& issues, KeyLog* log) {
@@ -314,6 +390,11 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   if (auto table = required("approach", "where the drill enters, and which way; every scene has it"))
     scene.approach = read_approach(*table);
   if (auto table = required("hand", "who holds the drill, and how; every scene has it")) scene.hand = read_hand(*table, issues);
+  scene.servo = shipped_servo();
+  if (auto table = root.table("servo", "how forces are made and limited at the servo's rate; every scene has it, with these values"))
+    scene.servo = read_servo(*table);
+  if (auto table = root.table("device", "a simulated force device between hand and drill; without it the hand holds the drill itself"))
+    scene.device = read_device(*table, issues);
   if (auto table = root.table("contact", "force feedback; without it bone is not felt")) scene.contact = read_contact(*table);
   if (auto table = root.table("erosion", "drilling; without it no bone is removed"))
     scene.erosion = read_erosion(*table, scene.tool.erosion_pitch_voxels);
@@ -327,6 +408,7 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   for (const std::string_view later : kLaterEffects)
     if (root.has(later)) root.fault(later, "is an effect that is not in this version");
   check_rates(scene, root);
+  set_servo_rates(scene);
   root.finish();
   if (issues.size() != before) return std::nullopt;
   return scene;

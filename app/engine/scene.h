@@ -14,7 +14,9 @@
 #include "core/contact/virtual_coupling.h"
 #include "core/contact/voxmap_contact.h"
 #include "core/drill/erosion.h"
+#include "haptics/device/device_hand.h"
 #include "haptics/hand/simulated_hand.h"
+#include "haptics/servo/servo_step.h"
 
 namespace burrhole {
 
@@ -61,6 +63,14 @@ struct ErosionScene {
   int rate_hz = 100;
 };
 
+/// [device]: a force device between the hand and the drill. This version simulates one.
+struct DeviceScene {
+  SimulatedDeviceConfig config;
+  std::string hand = "nominal";       ///< who holds it
+  std::optional<double> force_scale;  ///< newtons at the grip for one in the world; nothing: what shows the script's push as all it has
+  double position_scale = 1.0;        ///< metres in the world for one of the grip
+};
+
 /// [spindle]
 struct SpindleScene {
   double stall_torque = 2.0;  ///< [N m]
@@ -91,6 +101,8 @@ struct Scene {
   ToolScene tool;
   ApproachScene approach;
   HandConfig hand;
+  ServoConfig servo;  ///< table [servo]; its rates follow from the others
+  std::optional<DeviceScene> device;
   std::optional<ContactScene> contact;
   std::optional<ErosionScene> erosion;
   std::optional<SpindleScene> spindle;

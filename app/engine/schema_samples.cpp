@@ -48,6 +48,9 @@ std::vector<SchemaSample> scene_samples() {
   samples.push_back({"eq. 4", scene({.erosion = "law = \"per-update\""}), {}});
   samples.push_back({"energy", scene({.erosion = "law = \"energy\""}), {}});
   samples.push_back({"spindle", scene({.after = "[spindle]\n"}), {}});
+  samples.push_back({"device", scene({.after = "[device]\nforce_scale = 0.5\n"}), {}});
+  for (const std::string scheme : {"planes", "gradient", "hold", "linear"})
+    samples.push_back({"servo " + scheme, scene({.after = "[servo]\nmultirate = \"" + scheme + "\"\n"}), {}});
   return samples;
 }
 

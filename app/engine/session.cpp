@@ -21,12 +21,19 @@ namespace {
 constexpr int kApplicationId = 0x62757272;  // "burr"
 constexpr const char* kSchemaSql =
     "CREATE TABLE meta(key TEXT PRIMARY KEY, value TEXT NOT NULL);"
-    "CREATE TABLE columns(position INTEGER PRIMARY KEY, name TEXT NOT NULL, unit TEXT NOT NULL);"
-    "CREATE TABLE ticks(first_row INTEGER PRIMARY KEY, rows INTEGER NOT NULL, data BLOB NOT NULL);"
     "CREATE TABLE events(id INTEGER PRIMARY KEY, time_s REAL NOT NULL, tick INTEGER NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL, data "
     "BLOB "
     "NOT NULL);"
     "CREATE TABLE hashes(kind TEXT PRIMARY KEY, value TEXT NOT NULL);";
+
+/// What the names of a stream's tables end in; the ticks' own have no ending.
+std::string ending_of(const std::string& stream) { return stream.empty() ? "" : "_" + stream; }
+
+std::string tables_sql(const std::string& stream) {
+  const std::string ending = ending_of(stream);
+  return "CREATE TABLE columns" + ending + "(position INTEGER PRIMARY KEY, name TEXT NOT NULL, unit TEXT NOT NULL);" +
+         "CREATE TABLE ticks" + ending + "(first_row INTEGER PRIMARY KEY, rows INTEGER NOT NULL, data BLOB NOT NULL);";
+}
 
 struct CloseDatabase {
   void operator()(sqlite3* database) const noexcept { sqlite3_close(database); }
@@ -39,9 +46,9 @@ using Database = std::unique_ptr<sqlite3, CloseDatabase>;
 /// A prepared statement. Binding counts from 1, columns from 0, as in SQLite; an SQL text that does not compile is a damaged file.
 class Statement {
  public:
-  Statement(sqlite3* database, const char* sql) {
+  Statement(sqlite3* database, const std::string& sql) {
     sqlite3_stmt* statement = nullptr;
-    sqlite3_prepare_v2(database, sql, -1, &statement, nullptr);
+    sqlite3_prepare_v2(database, sql.c_str(), -1, &statement, nullptr);
     statement_.reset(statement);
   }
   void bind(int index, double value) { sqlite3_bind_double(statement_.get(), index, value); }
@@ -105,7 +112,19 @@ std::vector<std::pair<const char*, std::string SessionMeta::*>> meta_texts() {
           {"created", &SessionMeta::created}};
 }
 
-bool write_meta(sqlite3* database, const SessionMeta& meta, const std::vector<SessionColumn>& columns) {
+bool write_columns(sqlite3* database, const SessionStream& stream) {
+  Statement insert(database, "INSERT INTO columns" + ending_of(stream.name) + " VALUES(?, ?, ?)");
+  bool done = true;
+  for (std::size_t i = 0; i < stream.columns.size(); ++i) {
+    insert.bind(1, static_cast<std::int64_t>(i));
+    insert.bind(2, stream.columns[i].name);
+    insert.bind(3, stream.columns[i].unit);
+    done = done && insert.run();
+  }
+  return done;
+}
+
+bool write_meta(sqlite3* database, const SessionMeta& meta) {
   Statement insert(database, "INSERT INTO meta VALUES(?, ?)");
   const auto put = [&](const std::string& key, const std::string& value) {
     insert.bind(1, key);
@@ -114,13 +133,6 @@ bool write_meta(sqlite3* database, const SessionMeta& meta, const std::vector<Se
   };
   bool done = put("seed", std::to_string(meta.seed));
   for (const auto& [key, field] : meta_texts()) done = done && put(key, meta.*field);
-  Statement insert_column(database, "INSERT INTO columns VALUES(?, ?, ?)");
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    insert_column.bind(1, static_cast<std::int64_t>(i));
-    insert_column.bind(2, columns[i].name);
-    insert_column.bind(3, columns[i].unit);
-    done = done && insert_column.run();
-  }
   return done;
 }
 
@@ -171,32 +183,49 @@ Status make_way(const std::string& path) {
 
 Error damaged(const std::string& path, const std::string& what) { return bad_input("is damaged: " + what, path); }
 
+/// Rows of one stream on their way into blocks.
+struct RowBlocks {
+  std::string ending;          // of the table's name
+  std::size_t columns = 0;     // values in a row
+  std::int64_t first_row = 0;  // of the block being filled
+  std::int64_t rows = 0;       // in it
+  std::string block;
+
+  void add(std::span<const double> row) {
+    BH_ASSERT(row.size() == columns);
+    for (const double value : row) put_little_endian(value, block);
+    ++rows;
+  }
+  /// Puts the block away.
+  bool flush(sqlite3* database) {
+    if (rows == 0) return true;
+    Statement insert(database, "INSERT INTO ticks" + ending + " VALUES(?, ?, ?)");
+    insert.bind(1, first_row);
+    insert.bind(2, rows);
+    insert.bind_blob(3, block);
+    if (!insert.run()) return false;
+    first_row += rows;
+    rows = 0;
+    block.clear();
+    return true;
+  }
+};
+
 }  // namespace
 
 struct SessionWriter::State {
   std::string path;
   Database database;
   std::int64_t rows_per_block = 1;
-  std::size_t columns = 0;
-  std::int64_t first_row = 0;  // of the block being filled
-  std::int64_t rows = 0;       // in it
-  std::string block;
+  std::vector<RowBlocks> streams;  // the ticks first
 
   Error fault(const char* doing) const {
     return bad_input(std::string("cannot ") + doing + " the session: " + (database ? sqlite3_errmsg(database.get()) : "no memory"), path);
   }
-  /// Puts the block away and makes everything so far permanent; the next transaction begins at once.
+  /// Puts the blocks away and makes everything so far permanent; the next transaction begins at once.
   Status commit() {
-    if (rows > 0) {
-      Statement insert(database.get(), "INSERT INTO ticks VALUES(?, ?, ?)");
-      insert.bind(1, first_row);
-      insert.bind(2, rows);
-      insert.bind_blob(3, block);
-      if (!insert.run()) return fault("write");
-      first_row += rows;
-      rows = 0;
-      block.clear();
-    }
+    for (RowBlocks& stream : streams)
+      if (!stream.flush(database.get())) return fault("write");
     if (!execute(database.get(), "COMMIT; BEGIN")) return fault("write");
     return {};
   }
@@ -216,33 +245,45 @@ SessionWriter::~SessionWriter() {
 }
 
 Result<SessionWriter> SessionWriter::create(const std::string& path, const SessionMeta& meta, const std::vector<SessionColumn>& columns,
-                                            std::int64_t rows_per_second) {
+                                            std::int64_t rows_per_second, const std::vector<SessionStream>& streams) {
   BH_ASSERT(rows_per_second > 0 && !columns.empty());
   if (const Status free = make_way(path); !free) return free.error();
   auto state = std::make_unique<State>();
   state->path = path;
   state->rows_per_block = rows_per_second;
-  state->columns = columns.size();
+  std::vector<SessionStream> all{{"", columns}};
+  all.insert(all.end(), streams.begin(), streams.end());
   sqlite3* raw = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
   state->database.reset(raw);
   if (code != SQLITE_OK) return state->fault("create");
   // NORMAL: no wait for the disk at a commit, which a killed process does not need. The checkpoint puts the schema into the file itself.
-  const std::string set_up = "PRAGMA application_id = " + std::to_string(kApplicationId) +
-                             "; PRAGMA user_version = " + std::to_string(kSessionSchema) +
-                             "; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; BEGIN;" + kSchemaSql;
-  if (!execute(raw, set_up) || !write_meta(raw, meta, columns) || !execute(raw, "COMMIT; PRAGMA wal_checkpoint; BEGIN"))
-    return state->fault("create");
+  std::string set_up = "PRAGMA application_id = " + std::to_string(kApplicationId) +
+                       "; PRAGMA user_version = " + std::to_string(kSessionSchema) +
+                       "; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; BEGIN;" + kSchemaSql;
+  for (const SessionStream& stream : all) set_up += tables_sql(stream.name);
+  bool made = execute(raw, set_up) && write_meta(raw, meta);
+  for (const SessionStream& stream : all) {
+    made = made && write_columns(raw, stream);
+    state->streams.push_back({ending_of(stream.name), stream.columns.size(), 0, 0, {}});
+  }
+  if (!made || !execute(raw, "COMMIT; PRAGMA wal_checkpoint; BEGIN")) return state->fault("create");
   return SessionWriter(std::move(state));
 }
 
 Status SessionWriter::append(std::span<const double> row) {
-  BH_ASSERT(state_ && state_->database && row.size() == state_->columns);
-  for (const double value : row) put_little_endian(value, state_->block);
-  ++state_->rows;
+  BH_ASSERT(state_ && state_->database);
+  RowBlocks& ticks = state_->streams.front();
+  ticks.add(row);
   // The first row alone: a session is never without one for a second after its start.
-  if (state_->rows < state_->rows_per_block && state_->first_row > 0) return {};
+  if (ticks.rows < state_->rows_per_block && ticks.first_row > 0) return {};
   return state_->commit();
+}
+
+Status SessionWriter::append_to(std::size_t stream, std::span<const double> row) {
+  BH_ASSERT(state_ && state_->database && stream + 1 < state_->streams.size());
+  state_->streams[stream + 1].add(row);
+  return {};
 }
 
 Status SessionWriter::event(const SessionEvent& event) {
@@ -278,15 +319,18 @@ struct SessionReader::State {
   std::string path;
   Database database;
   SessionMeta meta;
-  std::vector<SessionColumn> columns;
+  std::vector<SessionStream> streams;    // the ticks first, without a name
+  std::vector<std::int64_t> row_counts;  // of each stream
   std::vector<SessionEvent> events;
   std::vector<SessionHash> hashes;
-  std::int64_t row_count = 0;
 
   Status check_identity();
   Status read_meta();
+  Status read_streams();
   Status read_events_and_hashes();
   Status check_blocks();
+  Result<std::int64_t> count_rows(const SessionStream& stream) const;
+  Result<std::vector<double>> rows(std::size_t stream, std::int64_t first, std::int64_t count) const;
 };
 
 /// Is it SQLite, ours, not newer than we are, and whole?
@@ -325,10 +369,24 @@ Status SessionReader::State::read_meta() {
       return damaged(path, "its seed is '" + value + "'");
   }
   if (code != SQLITE_DONE) return damaged(path, sqlite3_errmsg(database.get()));
-  Statement column(database.get(), "SELECT name, unit FROM columns ORDER BY position");
-  while ((code = column.step()) == SQLITE_ROW) columns.push_back({column.bytes(0), column.bytes(1)});
-  if (code != SQLITE_DONE) return damaged(path, sqlite3_errmsg(database.get()));
-  if (columns.empty()) return damaged(path, "it has no columns");
+  return {};
+}
+
+Status SessionReader::State::read_streams() {
+  streams.push_back({});
+  constexpr std::size_t kPrefix = std::string_view("ticks_").size();
+  Statement table(database.get(), "SELECT name FROM sqlite_master WHERE type = 'table' AND name GLOB 'ticks_*' ORDER BY name");
+  while (table.step() == SQLITE_ROW) streams.push_back({table.bytes(0).substr(kPrefix), {}});
+  for (SessionStream& stream : streams) {
+    // The name comes from a file that may be anyone's, and goes into a statement.
+    constexpr const char* kLetters = "abcdefghijklmnopqrstuvwxyz_";
+    if (stream.name.find_first_not_of(kLetters) != std::string::npos) return damaged(path, "it names a stream '" + stream.name + "'");
+    Statement column(database.get(), "SELECT name, unit FROM columns" + ending_of(stream.name) + " ORDER BY position");
+    int code = SQLITE_DONE;
+    while ((code = column.step()) == SQLITE_ROW) stream.columns.push_back({column.bytes(0), column.bytes(1)});
+    if (code != SQLITE_DONE) return damaged(path, sqlite3_errmsg(database.get()));
+    if (stream.columns.empty()) return damaged(path, "it has no columns");
+  }
   return {};
 }
 
@@ -344,10 +402,20 @@ Status SessionReader::State::read_events_and_hashes() {
   return {};
 }
 
-/// Blocks must follow one another without a hole and hold as many values as they say.
 Status SessionReader::State::check_blocks() {
-  Statement block(database.get(), "SELECT first_row, rows, length(data) FROM ticks ORDER BY first_row");
-  const auto row_bytes = static_cast<std::int64_t>(8 * columns.size());
+  for (const SessionStream& stream : streams) {
+    const auto count = count_rows(stream);
+    if (!count) return count.error();
+    row_counts.push_back(*count);
+  }
+  return {};
+}
+
+/// Blocks must follow one another without a hole and hold as many values as they say.
+Result<std::int64_t> SessionReader::State::count_rows(const SessionStream& stream) const {
+  Statement block(database.get(), "SELECT first_row, rows, length(data) FROM ticks" + ending_of(stream.name) + " ORDER BY first_row");
+  const auto row_bytes = static_cast<std::int64_t>(8 * stream.columns.size());
+  std::int64_t row_count = 0;
   int code = SQLITE_DONE;
   while ((code = block.step()) == SQLITE_ROW) {
     const std::int64_t rows = block.integer(1);
@@ -356,7 +424,7 @@ Status SessionReader::State::check_blocks() {
     row_count += rows;
   }
   if (code != SQLITE_DONE) return damaged(path, sqlite3_errmsg(database.get()));
-  return {};
+  return row_count;
 }
 
 SessionReader::SessionReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -371,25 +439,41 @@ Result<SessionReader> SessionReader::open(const std::string& path) {
   state->path = path;
   state->database = open_existing(path);
   if (!state->database) return bad_input("cannot be opened: no memory", path);
-  for (const auto step : {&State::check_identity, &State::read_meta, &State::read_events_and_hashes, &State::check_blocks})
+  for (const auto step :
+       {&State::check_identity, &State::read_meta, &State::read_streams, &State::read_events_and_hashes, &State::check_blocks})
     if (const Status done = (state.get()->*step)(); !done) return done.error();
   return SessionReader(std::move(state));
 }
 
 const SessionMeta& SessionReader::meta() const noexcept { return state_->meta; }
-const std::vector<SessionColumn>& SessionReader::columns() const noexcept { return state_->columns; }
+const std::vector<SessionColumn>& SessionReader::columns() const noexcept { return state_->streams.front().columns; }
 const std::vector<SessionEvent>& SessionReader::events() const noexcept { return state_->events; }
 const std::vector<SessionHash>& SessionReader::hashes() const noexcept { return state_->hashes; }
-std::int64_t SessionReader::row_count() const noexcept { return state_->row_count; }
+std::int64_t SessionReader::row_count() const noexcept { return state_->row_counts.front(); }
 
-Result<std::vector<double>> SessionReader::rows(std::int64_t first, std::int64_t count) const {
-  const std::int64_t begin = std::clamp<std::int64_t>(first, 0, row_count());
-  const std::int64_t end = begin + std::clamp<std::int64_t>(count, 0, row_count() - begin);
-  const std::size_t width = columns().size();
+const SessionStream* SessionReader::stream(const std::string& name) const noexcept {
+  const auto found =
+      std::find_if(state_->streams.begin() + 1, state_->streams.end(), [&](const SessionStream& s) { return s.name == name; });
+  return found == state_->streams.end() ? nullptr : &*found;
+}
+
+Result<std::vector<double>> SessionReader::stream_rows(const std::string& name) const {
+  const SessionStream* found = stream(name);
+  if (found == nullptr) return bad_input("the session has no rows of " + name, state_->path);
+  const auto at = static_cast<std::size_t>(found - state_->streams.data());
+  return state_->rows(at, 0, state_->row_counts[at]);
+}
+
+Result<std::vector<double>> SessionReader::rows(std::int64_t first, std::int64_t count) const { return state_->rows(0, first, count); }
+
+Result<std::vector<double>> SessionReader::State::rows(std::size_t stream, std::int64_t first, std::int64_t count) const {
+  const std::int64_t begin = std::clamp<std::int64_t>(first, 0, row_counts[stream]);
+  const std::int64_t end = begin + std::clamp<std::int64_t>(count, 0, row_counts[stream] - begin);
+  const std::size_t width = streams[stream].columns.size();
   std::vector<double> values;
   values.reserve(static_cast<std::size_t>(end - begin) * width);
-  Statement block(state_->database.get(),
-                  "SELECT first_row, rows, data FROM ticks WHERE first_row < ? AND first_row + rows > ? ORDER BY first_row");
+  Statement block(database.get(), "SELECT first_row, rows, data FROM ticks" + ending_of(streams[stream].name) +
+                                      " WHERE first_row < ? AND first_row + rows > ? ORDER BY first_row");
   block.bind(1, end);
   block.bind(2, begin);
   int code = SQLITE_DONE;
@@ -401,7 +485,7 @@ Result<std::vector<double>> SessionReader::rows(std::int64_t first, std::int64_t
     for (std::size_t i = from; i < to; ++i) values.push_back(get_little_endian(data.data() + 8 * i));
   }
   if (code != SQLITE_DONE || values.size() != static_cast<std::size_t>(end - begin) * width)
-    return damaged(state_->path, sqlite3_errmsg(state_->database.get()));
+    return damaged(path, sqlite3_errmsg(database.get()));
   return values;
 }
 

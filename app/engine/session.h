@@ -3,6 +3,7 @@
 ///   meta(key, value)                            program, scene_path, scene, tool, seed, created
 ///   columns(position, name, unit)               of a row
 ///   ticks(first_row, rows, data)                blocks of rows: little-endian IEEE 754 doubles, row after row
+///   columns_NAME, ticks_NAME                    the same of a further stream of rows, where there is one (steps that ran at their own pace)
 ///   events(id, time_s, tick, kind, text, data)  in order of id
 ///   hashes(kind, value)
 #pragma once
@@ -36,6 +37,12 @@ struct SessionColumn {
   friend bool operator==(const SessionColumn&, const SessionColumn&) = default;
 };
 
+/// Rows of their own beside the ticks.
+struct SessionStream {
+  std::string name;  ///< letters and underscores
+  std::vector<SessionColumn> columns;
+};
+
 struct SessionEvent {
   double time_s = 0.0;  ///< finite
   std::int64_t tick = 0;
@@ -59,13 +66,16 @@ class SessionWriter {
   /// Replaces an older session at `path`; refuses any other file there. Makes the folder.
   /// @param rows_per_second > 0, the recorded rate [Hz]. @param columns at least one.
   [[nodiscard]] static Result<SessionWriter> create(const std::string& path, const SessionMeta& meta,
-                                                    const std::vector<SessionColumn>& columns, std::int64_t rows_per_second);
+                                                    const std::vector<SessionColumn>& columns, std::int64_t rows_per_second,
+                                                    const std::vector<SessionStream>& streams = {});
   SessionWriter(SessionWriter&&) noexcept;
   SessionWriter& operator=(SessionWriter&&) noexcept;
   ~SessionWriter();  ///< closes; a fault then goes unheard, so call close() first
 
   /// One value a column, kept bit by bit.
   [[nodiscard]] Status append(std::span<const double> row);
+  /// To a further stream, by its place in the list given to create(); made permanent with the ticks.
+  [[nodiscard]] Status append_to(std::size_t stream, std::span<const double> row);
   [[nodiscard]] Status event(const SessionEvent& event);
   /// A later value of the same kind replaces the earlier one.
   [[nodiscard]] Status hash(const SessionHash& hash);
@@ -92,6 +102,10 @@ class SessionReader {
   [[nodiscard]] const std::vector<SessionEvent>& events() const noexcept;
   [[nodiscard]] const std::vector<SessionHash>& hashes() const noexcept;
   [[nodiscard]] std::int64_t row_count() const noexcept;
+  /// The columns of a further stream; nothing when there is none of that name.
+  [[nodiscard]] const SessionStream* stream(const std::string& name) const noexcept;
+  /// All its rows, as rows() gives them.
+  [[nodiscard]] Result<std::vector<double>> stream_rows(const std::string& name) const;
   /// Rows [first, first + count), cut to those there are. @returns their values row after row: size() == rows * columns().size().
   [[nodiscard]] Result<std::vector<double>> rows(std::int64_t first, std::int64_t count) const;
 

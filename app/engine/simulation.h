@@ -9,15 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "app/engine/approach.h"
-#include "app/engine/bone_step.h"
-#include "app/engine/contact_step.h"
-#include "app/engine/drill_monitor.h"
-#include "app/engine/frame_step.h"
+#include "app/engine/drill_parts.h"
 #include "app/engine/hole_measure.h"
-#include "app/engine/scene.h"
+#include "app/engine/live_replay.h"
+#include "app/engine/live_run.h"
+#include "app/engine/run_log.h"
 #include "app/engine/session.h"
-#include "haptics/servo/servo_step.h"
 
 namespace burrhole {
 
@@ -29,28 +26,24 @@ struct SimulationOptions {
   std::string restore_path;                                         ///< checkpoint to start from
   const std::atomic<bool>* stop = nullptr;                          ///< set from a signal handler: end cleanly after this tick
   std::function<void(double time, const DrillProgress&)> progress;  ///< called ten times a simulated second
+  bool live = false;                                                ///< on threads against the clock, instead of in lockstep
+  bool require_realtime = false;                                    ///< live: a refused priority is an error instead of a warning
+  std::function<void(const std::string&)> warn;                     ///< live: what was refused
 };
 
 enum class RunEnd { done, duration, stopped };
-
-/// One moment for plots, at contact rate.
-struct RunSample {
-  double time = 0.0;   ///< [s]
-  double force = 0.0;  ///< [N] on the hand
-  double depth = 0.0;  ///< [m] of the tip
-};
-
-/// What happened when, for people.
-struct RunEvent {
-  double time = 0.0;  ///< [s]
-  std::string kind, text;
-};
 
 struct RunTimers {
   StepTimer servo, contact, record;
 };
 
-/// Columns of a session row, one row a servo tick: what the tick took (hand) and gave (tool, force, loss), of the effects in the scene only.
+/// How the session of a run is laid out, lockstep or live.
+struct SessionLayout {
+  std::vector<SessionColumn> columns;
+  std::vector<SessionStream> streams;
+};
+[[nodiscard]] SessionLayout session_layout(const Scene& scene, bool live);
+/// Lockstep: columns of a session row, one row a servo tick: what the tick took (hand) and gave (tool, force, loss), of the effects in the scene only.
 [[nodiscard]] std::vector<SessionColumn> session_columns(const Scene& scene);
 
 class Simulation {
@@ -61,71 +54,51 @@ class Simulation {
   ~Simulation();
 
   /// For a session opened after everything else was found sound; before run().
-  void set_session(SessionWriter* session) noexcept { options_.session = session; }
+  void set_session(SessionWriter* session);
   /// Runs to the end of the script, of duration_s, or until stopped. An error (display, session file) ends it; what was done stays.
   [[nodiscard]] Status run();
 
+  /// Instead of run(): the steps in the order of a live session's record; `hand` is the one given in the options.
+  [[nodiscard]] Status run_recorded(const SessionReader& session, RecordedHand& hand);
+
   [[nodiscard]] RunEnd end() const noexcept { return end_; }
-  [[nodiscard]] double time() const noexcept { return static_cast<double>(tick_) * period_; }
+  [[nodiscard]] double time() const noexcept { return static_cast<double>(tick_) * parts_->period; }
   [[nodiscard]] std::uint64_t ticks() const noexcept { return tick_; }
-  [[nodiscard]] const Approach& approach() const noexcept { return approach_; }
-  [[nodiscard]] const DrillProgress& progress() const noexcept { return monitor_->progress(); }
-  [[nodiscard]] const std::vector<RunSample>& samples() const noexcept { return samples_; }
-  [[nodiscard]] const std::vector<RunEvent>& events() const noexcept { return events_; }
-  [[nodiscard]] const ContactState& contact_state() const noexcept { return contact_now_; }
+  [[nodiscard]] const Approach& approach() const noexcept { return parts_->approach; }
+  [[nodiscard]] const DrillProgress& progress() const noexcept { return parts_->contact->progress(); }
+  [[nodiscard]] const std::vector<RunSample>& samples() const noexcept { return log_->samples(); }
+  [[nodiscard]] const std::vector<RunEvent>& events() const noexcept { return log_->events(); }
+  [[nodiscard]] const ContactState& contact_state() const noexcept { return parts_->contact->state(); }
   [[nodiscard]] const ServoOutput& servo_output() const noexcept { return servo_now_; }
-  [[nodiscard]] std::uint64_t force_hash() const noexcept { return force_hash_.value(); }
+  [[nodiscard]] std::uint64_t force_hash() const noexcept { return parts_->contact->hash(); }
   [[nodiscard]] std::optional<std::uint64_t> image_hash() const;
-  [[nodiscard]] Voxmap& voxmap() noexcept { return *voxmap_; }
-  [[nodiscard]] BoneStep& bone_step() noexcept { return *bone_; }
+  [[nodiscard]] Voxmap& voxmap() noexcept { return *parts_->voxmap; }
+  [[nodiscard]] BoneStep& bone_step() noexcept { return *parts_->bone; }
   [[nodiscard]] RunTimers& timers() noexcept { return timers_; }
-  [[nodiscard]] FrameStep* frame_step() noexcept { return frame_ ? &*frame_ : nullptr; }
-  [[nodiscard]] std::uint32_t contact_flags() const noexcept { return flags_seen_; }
-  [[nodiscard]] std::size_t contact_points() const noexcept { return contact_ ? contact_->points() : 0; }
+  /// Of a live run; nothing otherwise.
+  [[nodiscard]] const std::optional<LiveReport>& live() const noexcept { return live_; }
+  /// Of all forces sent to the hand.
+  [[nodiscard]] std::uint64_t sent_hash() const noexcept { return live_ ? live_->force_hash : sent_.value(); }
+  [[nodiscard]] FrameStep* frame_step() noexcept { return parts_->frame ? &*parts_->frame : nullptr; }
+  [[nodiscard]] std::uint32_t contact_flags() const noexcept { return parts_->contact->flags_seen(); }
+  [[nodiscard]] std::size_t contact_points() const noexcept { return parts_->contact->points(); }
 
  private:
-  Simulation(const Scene& scene, const Tool& tool, const SimulationOptions& options);
-  [[nodiscard]] Status build(std::shared_ptr<const BoneModel> bone);
-  void run_contact();
-  void run_bone();
-  void deliver_due();
-  [[nodiscard]] Status after_tick();
+  Simulation(std::unique_ptr<DrillParts> parts, const SimulationOptions& options);
+  [[nodiscard]] Status run_lockstep();
+  [[nodiscard]] Status run_on_threads();
   [[nodiscard]] Status record_row();
-  [[nodiscard]] Status note(const std::string& kind, const std::string& text);
-  [[nodiscard]] Status draw(const std::string& name, bool with_tool, bool cut);
   [[nodiscard]] bool finished();
 
-  Scene scene_;
-  const Tool* tool_;
+  std::unique_ptr<DrillParts> parts_;
   SimulationOptions options_;
-  double period_ = 1e-3;  // [s] of the servo
-  std::uint64_t contact_every_ = 1, bone_every_ = 4;
-  std::uint64_t latency_ = 1;
-
-  Approach approach_;
-  std::unique_ptr<Voxmap> voxmap_;
-  std::optional<SimulatedHand> own_hand_;
-  TripleBuffer<ContactState> force_mailbox_;  // contact -> servo
-  TripleBuffer<HandState> hand_mailbox_;      // servo -> contact
-  std::vector<ContactState> in_flight_;       // contact results on their way: ring of latency + 1
-  std::unique_ptr<ServoStep> servo_;
-  std::optional<ContactStep> contact_;
-  std::optional<BoneStep> bone_;
-  std::optional<FrameStep> frame_;
-  std::optional<DrillMonitor> monitor_;
-
+  ParcelDesk desk_;
+  std::unique_ptr<RunLog> log_;
+  std::optional<LiveReport> live_;
+  Hash64 sent_;
   std::uint64_t tick_ = 0;
-  ContactState contact_now_;
-  double thrust_sum_ = 0.0, thrust_ = 0.0;  // [N] cutting force since the last step of bone, and its mean
-  int thrust_count_ = 0;
   ServoOutput servo_now_;
-  Hash64 force_hash_;
-  std::vector<RunSample> samples_;
-  std::vector<RunEvent> events_;
   std::vector<double> row_;  // scratch of record_row
-  std::uint32_t flags_seen_ = 0;
-  HandPhase phase_seen_ = HandPhase::approach;
-  bool drew_half_ = false, noted_passing_ = false, drew_breakthrough_ = false;
   RunEnd end_ = RunEnd::done;
   RunTimers timers_;
 };

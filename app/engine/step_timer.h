@@ -24,10 +24,14 @@ class StepTimer {
     } stop{*this};
     return f();
   }
-  [[nodiscard]] StepTiming timing() const {
+  /// A call that was timed elsewhere.
+  void add(float us) { samples_.push_back(us); }
+  /// @param skip so many calls at the start are left out.
+  [[nodiscard]] StepTiming timing(std::size_t skip = 0) const {
     StepTiming out;
-    if (samples_.empty()) return out;
-    std::vector<float> sorted = samples_;
+    if (samples_.size() <= skip) return out;
+    const std::vector<float> taken(samples_.begin() + static_cast<std::ptrdiff_t>(skip), samples_.end());
+    std::vector<float> sorted = taken;
     std::sort(sorted.begin(), sorted.end());
     const auto at = [&](double share) {
       return static_cast<double>(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
@@ -37,7 +41,7 @@ class StepTimer {
     out.p99_us = at(0.99);
     out.p999_us = at(0.999);
     out.max_us = at(1.0);
-    for (const float sample : samples_) out.total_us += static_cast<double>(sample);
+    for (const float sample : taken) out.total_us += static_cast<double>(sample);
     return out;
   }
 

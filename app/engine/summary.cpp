@@ -67,33 +67,42 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
 
 void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
   BoneStepTimers& bone = simulation.bone_step().timers();
+  FrameStep* frame = simulation.frame_step();
+  const auto of_frame = [&](StepTimer FrameStepTimers::*timer) {
+    return frame != nullptr ? (frame->timers().*timer).timing() : StepTiming{};
+  };
   out.timing = {{"servo", simulation.timers().servo.timing()},
                 {"contact", simulation.timers().contact.timing()},
                 {"erosion", bone.erosion.timing()},
                 {"spindle", bone.spindle.timing()},
                 {"gradient", bone.gradient.timing()},
                 {"publish", bone.publish.timing()},
-                {"upload", {}},
-                {"frame", {}},
+                {"texels", of_frame(&FrameStepTimers::texels)},
+                {"upload", of_frame(&FrameStepTimers::upload)},
+                {"frame", of_frame(&FrameStepTimers::frame)},
                 {"record", simulation.timers().record.timing()}};
-  if (FrameStep* frame = simulation.frame_step()) {
-    out.timing[6].second = frame->timers().upload.timing();
-    out.timing[7].second = frame->timers().frame.timing();
-    out.uploaded_texels = frame->texels_sent();
+  if (frame != nullptr) out.uploaded_texels = frame->texels_sent();
+  if (simulation.live()) {
+    const LiveReport& live = *simulation.live();
+    out.timing.insert(out.timing.end(), {{"servo_late", live.servo_late.timing()}, {"contact_late", live.contact_late.timing()}});
+    out.missed = live.servo_skipped;
+    out.live = RunSummary::Live{live.contact_skipped, live.bone_skipped, live.unrecorded, live.faults};
   }
-  const auto total = [&](std::initializer_list<std::size_t> which) {
+  const auto total = [&](std::initializer_list<const char*> names) {
     double sum = 0.0;
-    for (const std::size_t n : which) sum += out.timing[n].second.total_us;
+    for (const char* name : names)
+      for (const auto& [step, timing] : out.timing)
+        if (step == name) sum += timing.total_us;
     return sum;
   };
   for (const PlanRow& row : plan.rows) {
     double time = 0.0;
-    if (row.effect.table == "hand") time = total({0});
-    if (row.effect.table == "contact") time = total({1});
-    if (row.effect.table == "erosion") time = total({2, 4, 5});
-    if (row.effect.table == "spindle") time = total({3});
-    if (row.effect.table == "display") time = total({6, 7});
-    if (row.effect.table == "record") time = total({8});
+    if (row.effect.table == "hand") time = total({"servo"});
+    if (row.effect.table == "contact") time = total({"contact"});
+    if (row.effect.table == "erosion") time = total({"erosion", "gradient", "publish"});
+    if (row.effect.table == "spindle") time = total({"spindle"});
+    if (row.effect.table == "display") time = total({"texels", "upload", "frame"});
+    if (row.effect.table == "record") time = total({"record"});
     out.effects.push_back({row.effect.table, row.effect.step, time, row.bytes});
   }
 }
@@ -189,6 +198,13 @@ std::string summary_json(const RunSummary& s) {
   for (const auto& [name, t] : s.timing)
     json["timing"][name] = {{"count", t.count}, {"p50_us", t.p50_us}, {"p99_us", t.p99_us}, {"p999_us", t.p999_us}, {"max_us", t.max_us}};
   json["timing"]["missed"] = s.missed;
+  json["live"] = nullptr;
+  if (s.live)
+    json["live"] = {{"servo_ticks_missed", s.missed},
+                    {"contact_ticks_missed", s.live->contact_missed},
+                    {"bone_steps_missed", s.live->bone_missed},
+                    {"rows_not_recorded", s.live->unrecorded},
+                    {"servo_faults", s.live->faults}};
   json["memory"] = {{"peak_bytes", s.peak_bytes}};
   json["effects"] = Json::array();
   for (const RunSummary::EffectCost& effect : s.effects)

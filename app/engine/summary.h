@@ -30,8 +30,13 @@ struct RunSummary {
   std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, plunge_mm, passed_s, removed_at_passing,
       largest_ahead_mm;
   std::optional<double> slowest_rpm;                       ///< of a scene with [spindle]
-  std::vector<std::pair<std::string, StepTiming>> timing;  ///< servo, contact, erosion, spindle, gradient, publish, upload, frame, record
-  std::uint64_t missed = 0;                                ///< lockstep misses none
+  std::vector<std::pair<std::string, StepTiming>> timing;  ///< in the order of the JSON
+  std::uint64_t missed = 0;                                ///< servo ticks; lockstep misses none
+  struct Live {
+    std::uint64_t contact_missed = 0, bone_missed = 0, unrecorded = 0;
+    std::uint32_t faults = 0;  ///< ServoFault, all seen
+  };
+  std::optional<Live> live;  ///< of a live run
   std::uint64_t peak_bytes = 0;
   std::uint64_t uploaded_texels = 0, points_outside = 0;
   std::uint32_t contact_flags = 0;

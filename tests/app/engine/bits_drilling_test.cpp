@@ -41,9 +41,10 @@ constexpr double kThickness = 1.25e-3;  // [m] of the plate
 class WatchedSource final : public HandSource {
  public:
   WatchedSource(HandSource* hand, std::function<void()> watch) : hand_(hand), watch_(std::move(watch)) {}
-  const HandState& step(const Vec3& force_on_hand) noexcept override {
+  [[nodiscard]] const HandState& read() noexcept override { return hand_->read(); }
+  void apply(const Wrench& on_hand) noexcept override {
     watch_();
-    return hand_->step(force_on_hand);
+    hand_->apply(on_hand);
   }
 
  private:
@@ -248,19 +249,19 @@ class Rail final : public HandSource {
     double speed;  // [m/s]
   };
   Rail(const Vec3& start, std::vector<Leg> legs) : legs_(std::move(legs)) { state_.world_from_hand.translation = start; }
-  const HandState& step(const Vec3&) noexcept override {
+  [[nodiscard]] const HandState& read() noexcept override { return state_; }
+  void apply(const Wrench&) noexcept override {
     constexpr double kTick = 1e-3;
     state_.phase = HandPhase::lean;
     ++state_.tick;
     state_.velocity = Vec3(0.0);
-    if (done()) return state_;
+    if (done()) return;
     const Vec3 left = legs_[leg_].to - state_.world_from_hand.translation;
     const double length = glm::length(left);
     const double move = legs_[leg_].speed * kTick;
     state_.velocity = length > 0.0 ? left / length * legs_[leg_].speed : Vec3(0.0);
     state_.world_from_hand.translation += length > move ? left / length * move : left;
     if (length <= move) ++leg_;
-    return state_;
   }
   [[nodiscard]] bool done() const noexcept { return leg_ >= legs_.size(); }
 

@@ -32,12 +32,12 @@ std::vector<std::string> with_later(std::vector<std::string> names) {
 TEST_CASE("plan: the rows are the tables, in the order of their steps, and the rest is not built") {
   const Plan least = make_plan(load_small({.contact = false, .erosion = false}));
   CHECK(row_names(least) == std::vector<std::string>{"volume", "hand"});
-  CHECK(least.not_built == with_later({"contact", "erosion", "spindle", "display", "record"}));
+  CHECK(least.not_built == with_later({"device", "contact", "erosion", "spindle", "display", "record"}));
   CHECK(least.warnings.empty());
 
   const Plan drilling = make_plan(load_small({.record = true}));
   CHECK(row_names(drilling) == std::vector<std::string>{"volume", "hand", "contact", "erosion", "record"});
-  CHECK(drilling.not_built == with_later({"spindle", "display"}));
+  CHECK(drilling.not_built == with_later({"device", "spindle", "display"}));
   CHECK(drilling.rows[1].rate_hz == 1000.0);
   CHECK(drilling.rows[2].rate_hz == 1000.0);
   CHECK(drilling.rows[3].rate_hz == 100.0);
@@ -52,7 +52,7 @@ TEST_CASE("plan: the shipped scene has every row this version knows") {
   REQUIRE_MESSAGE(loaded.has_value(), (issues.empty() ? "" : issues.front().text()));
   const Plan plan = make_plan(*loaded);
   CHECK(row_names(plan) == std::vector<std::string>{"volume", "hand", "contact", "erosion", "display", "record"});
-  CHECK(plan.not_built == with_later({"spindle"}));
+  CHECK(plan.not_built == with_later({"device", "spindle"}));
   CHECK(plan.warnings.empty());
 }
 

@@ -89,6 +89,37 @@ TEST_CASE("session: rows come back bit by bit, whatever the bits") {
   CHECK(same);
 }
 
+TEST_CASE("session: further streams keep their own columns and rows, and a run without them has none") {
+  TemporaryFolder folder;
+  const std::string path = folder.file("streams.sqlite");
+  {
+    auto writer =
+        SessionWriter::create(path, kMeta, kColumns, 10, {{"contact", {{"tick", ""}, {"force", "N"}}}, {"bone", {{"mass", "m^3"}}}});
+    REQUIRE(writer.ok());
+    for (std::uint64_t n = 0; n < 25; ++n) {
+      REQUIRE(writer->append(any_bits(n)).ok());
+      for (std::uint64_t m = 0; m < n % 3; ++m) REQUIRE(writer->append_to(0, std::vector<double>{double(n), double(m)}).ok());
+      if (n % 10 == 0) REQUIRE(writer->append_to(1, std::vector<double>{double(n)}).ok());
+    }
+    REQUIRE(writer->close().ok());
+  }
+  const SessionReader reader = open_reader(path);
+  CHECK(reader.row_count() == 25);
+  CHECK(reader.columns() == kColumns);
+  REQUIRE(reader.stream("contact") != nullptr);
+  CHECK(reader.stream("contact")->columns.size() == 2);
+  CHECK(reader.stream("frame") == nullptr);
+  CHECK(!reader.stream_rows("frame").ok());
+  std::vector<double> expected;
+  for (std::uint64_t n = 0; n < 25; ++n)
+    for (std::uint64_t m = 0; m < n % 3; ++m) expected.insert(expected.end(), {double(n), double(m)});
+  CHECK(*reader.stream_rows("contact") == expected);
+  CHECK(*reader.stream_rows("bone") == std::vector<double>{0.0, 10.0, 20.0});
+  const std::string plain = folder.file("plain.sqlite");
+  (void)make_writer(plain).append(any_bits(1));
+  CHECK(open_reader(plain).stream("contact") == nullptr);
+}
+
 TEST_CASE("session: what was asked, what happened and the hashes come back") {
   const TemporaryFolder folder;
   const std::string path = folder.file("run.session");

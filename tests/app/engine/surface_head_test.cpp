@@ -103,7 +103,8 @@ Drilled drill(LoadedScene& loaded, double deep, double longest) {
   Vec3 felt(0.0);
   Quat hand_before = start.rotation;
   for (int tick = 0; tick < static_cast<int>(longest / period) && out.depth < deep; ++tick) {
-    const HandState& now = hand->step(felt);
+    hand->apply({felt, Vec3(0.0)});
+    const HandState& now = hand->read();
     const HandMotion motion{now.world_from_hand, now.velocity, true};
     const ContactBone window{&bone->publisher().exchange(), nullptr, loaded.bone->bone_from_index(), scene.volume.world_from_bone};
     const SurfaceView view = *window.view().surface;

@@ -1,0 +1,88 @@
+#include "app/engine/drill_parts.h"
+
+namespace burrhole {
+
+DrillParts::DrillParts(const Scene& from, const Tool& with) : scene(from), tool(&with), period(1.0 / from.servo_hz) {
+  const auto ticks = [&](int rate_hz) { return static_cast<std::uint64_t>(scene.servo_hz / rate_hz); };
+  if (scene.contact) contact_every = ticks(scene.contact->rate_hz);
+  if (scene.erosion) bone_every = ticks(scene.erosion->rate_hz);
+  contact_period = period * static_cast<double>(contact_every);
+  bone_period = period * static_cast<double>(bone_every);
+  latency = scene.contact && scene.contact->latency_ticks >= 0 ? static_cast<std::uint64_t>(scene.contact->latency_ticks) : contact_every;
+}
+
+Result<std::unique_ptr<DrillParts>> DrillParts::make(const Scene& scene, std::shared_ptr<const BoneModel> bone, const Tool& tool,
+                                                     const Outside& outside) {
+  std::unique_ptr<DrillParts> out(new DrillParts(scene, tool));
+  if (Status built = out->build(std::move(bone), outside); !built) return built.error();
+  return out;
+}
+
+Status DrillParts::build_hand(const Pose& world_from_approach, HandSource* given) {
+  if (given != nullptr) {
+    hand = given;
+    return {};
+  }
+  if (!scene.device) {
+    auto created = SimulatedHand::create(scene.hand, world_from_approach, period);
+    if (!created) return created.error();
+    own_hand.emplace(std::move(created).value());
+    hand = &*own_hand;
+    return {};
+  }
+  auto created = SimulatedDevice::create(scene.device->config, period);
+  if (!created) return created.error();
+  device = std::make_unique<SimulatedDevice>(std::move(created).value());
+  const double scale = scene.device->force_scale ? *scene.device->force_scale : fitting_force_scale(device->info(), scene.hand.push);
+  const DeviceMap map{.world_from_device = world_from_approach, .position_scale = scene.device->position_scale, .force_scale = scale};
+  auto scripted = ScriptedDeviceHand::create(*device, map, scene.hand, world_from_approach, period, scene.hand.feels);
+  if (!scripted) return scripted.error();
+  device_hand.emplace(std::move(scripted).value());
+  hand = &*device_hand;
+  return {};
+}
+
+Status DrillParts::build(std::shared_ptr<const BoneModel> model, const Outside& outside) {
+  auto found = make_approach(*model, scene.approach);
+  if (!found) return Error{found.error().code, found.error().message, scene.approach.place};
+  approach = std::move(found).value();
+
+  auto made = Voxmap::create(model, {static_cast<float>(scene.volume.gradient_dead_zone)});
+  if (!made) return made.error();
+  voxmap = std::make_unique<Voxmap>(std::move(made).value());
+  if (!outside.restore_path.empty())
+    if (Status restored = voxmap->restore(outside.restore_path); !restored) return restored;
+
+  const Pose world_from_approach = scene.volume.world_from_bone * approach.bone_from_approach;
+  if (Status held = build_hand(world_from_approach, outside.hand); !held) return held;
+  servo.emplace(scene.servo, *hand, force_mailbox, hand_mailbox);
+
+  const Pose start{world_from_approach.rotation, world_from_approach * Vec3(0.0, 0.0, scene.hand.standoff)};
+  auto bone_step = BoneStep::create(scene, *tool, *voxmap, start);
+  if (!bone_step) return Error{bone_step.error().code, bone_step.error().message, scene.tool.place};
+  bone.emplace(std::move(bone_step).value());
+
+  const Affine& bone_from_index = model->bone_from_index();
+  std::optional<ContactStep> step;
+  if (scene.contact) {
+    auto created = ContactStep::create(*scene.contact, tool->shell,
+                                       {bone_from_index.mean_edge(), scene.tool.spin > 0.0, uses_planes(scene.servo.multi_rate.scheme),
+                                        contact_period + period * static_cast<double>(latency)});
+    if (!created) return created.error();
+    step.emplace(std::move(created).value());
+  }
+  contact.emplace(
+      std::move(step), approach,
+      ContactTickConfig{
+          {&bone->publisher().exchange(), bone->grids(), bone_from_index, scene.volume.world_from_bone}, period, contact_period});
+  contact->place(start);
+
+  if (scene.display && outside.sink != nullptr) {
+    auto created = FrameStep::create(scene, approach, *tool, *voxmap, *outside.sink);
+    if (!created) return created.error();
+    frame.emplace(std::move(created).value());
+  }
+  return {};
+}
+
+}  // namespace burrhole

@@ -1,0 +1,297 @@
+#include "app/engine/live_run.h"
+
+#include <chrono>
+#include <thread>
+
+#include "app/engine/live_rows.h"
+#include "app/engine/realtime.h"
+#include "core/base/hash.h"
+#include "core/base/spsc_queue.h"
+#include "haptics/servo/force_guard.h"
+
+namespace burrhole {
+namespace {
+
+constexpr int kServoAbove = 60, kContactAbove = 50;  // of the lowest FIFO priority
+constexpr double kContactOffset = 0.3;               // [servo periods] contact starts once the servo has told the hand's motion
+constexpr std::uint64_t kMostCatchUp = 4;            // steps of bone made up for at once; what is more stays lost, and is told
+constexpr auto kLookEvery = std::chrono::milliseconds(5);
+constexpr double kProgressEvery = 0.1;  // [s]
+
+}  // namespace
+
+bool ParcelDesk::fetch() {
+  if (closed()) return false;
+  state_.store(kAsked, std::memory_order_release);
+  while (state_.load(std::memory_order_acquire) != kFilled) {
+    if (closed()) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  state_.store(kIdle, std::memory_order_relaxed);
+  return true;
+}
+
+std::optional<std::string> refusal_of_live(const Scene& scene) {
+  if (scene.contact && scene.contact->storage == ContactStorage::vdb)
+    return "contact.storage = \"vdb\" cannot be read while another thread cuts: take storage = \"window\" for a live run";
+  return {};
+}
+
+namespace {
+
+/// The threads of one live run. Constructed at rest; the destructor stops and joins whatever runs.
+class Loops {
+ public:
+  Loops(DrillParts& parts, RunLog& log, const LiveOptions& options, ParcelDesk& desk, LiveReport& report)
+      : parts_(&parts), log_(&log), options_(options), desk_(&desk), report_(&report) {}
+  ~Loops() { halt(); }
+
+  Status run();
+
+ private:
+  void start();
+  void halt() noexcept;
+  void servo_loop() noexcept;
+  void contact_loop() noexcept;
+  void bone_loop() noexcept;
+  void cut_on();
+  bool granted() const noexcept { return waiting_.load(std::memory_order_acquire) == 0; }
+  void prepare(int priority) noexcept;
+  Status tell_refusals(const std::string& memory);
+  Status drain();
+  Status drain_servo();
+  Status drain_contact();
+  Status drain_bone();
+
+  DrillParts* parts_;
+  RunLog* log_;
+  LiveOptions options_;
+  ParcelDesk* desk_;
+  LiveReport* report_;
+
+  timespec start_{};
+  std::atomic<bool> stop_{false}, hand_told_{false}, servo_ended_{false};
+  std::atomic<int> waiting_{2};  // real-time threads that have not asked yet
+  std::atomic<int> refused_{0};  // errno of a priority that was not granted
+  std::atomic<std::uint64_t> unrecorded_{0};
+  std::atomic<bool> broken_{false};  // the simulation thread met an exception
+  SpscQueue<ServoRow, 1 << 14> servo_rows_;
+  SpscQueue<ContactRow, 1 << 14> contact_rows_;
+  SpscQueue<BoneRow, 1 << 12> bone_rows_;
+  Hash64 sent_;  // servo thread
+  std::vector<double> row_;
+  DrillProgress progress_;
+  double told_ = 0.0;  // [s] of the last progress
+  std::thread servo_, contact_, bone_;
+};
+
+void Loops::prepare(int priority) noexcept {
+  if (const int fault = ask_for_fifo(priority); fault != 0) refused_.store(fault, std::memory_order_relaxed);
+  waiting_.fetch_sub(1, std::memory_order_acq_rel);
+}
+
+void Loops::servo_loop() noexcept {
+  prepare(kServoAbove);
+  const ForceGuard zero_at_the_end(*parts_->hand);
+  TickClock clock(start_, parts_->period, 0.0);
+  const auto last = static_cast<std::uint64_t>(parts_->scene.duration * parts_->scene.servo_hz + 0.5);
+  Vec3 held(0.0);
+  std::uint64_t ticks = 0;
+  while (!stop_.load(std::memory_order_relaxed) && ticks < last) {
+    const TickClock::Wake wake = clock.wait();
+    const timespec begin = now_monotonic();
+    // In ticks that were slept through the hand moved on under the force that it had.
+    for (std::uint64_t n = 1; n < wake.ticks; ++n) parts_->hand->apply({held, Vec3(0.0)});
+    parts_->servo->sense();
+    hand_told_.store(true, std::memory_order_release);
+    const ServoOutput& out = parts_->servo->act();
+    held = out.force;
+    ticks += wake.ticks;
+    sent_.add(out.force);
+    report_->last = out;
+    ServoRow row;
+    row.hand = out.hand;
+    row.force = out.force;
+    row.contact = out.contact_number;
+    row.faults = out.faults;
+    row.skipped = static_cast<std::uint32_t>(wake.ticks - 1);
+    row.late_us = wake.late_us;
+    row.compute_us = microseconds(begin, now_monotonic());
+    if (!servo_rows_.push(row)) unrecorded_.fetch_add(1, std::memory_order_relaxed);
+    if (out.hand.phase == HandPhase::done) break;
+  }
+  report_->ticks = ticks;
+  report_->force_hash = sent_.value();
+  servo_ended_.store(true, std::memory_order_release);
+}
+
+void Loops::contact_loop() noexcept {
+  prepare(kContactAbove);
+  TickClock clock(start_, parts_->contact_period, kContactOffset * parts_->period);
+  ContactTick& contact = *parts_->contact;
+  while (!stop_.load(std::memory_order_relaxed)) {
+    const TickClock::Wake wake = clock.wait();
+    if (!hand_told_.load(std::memory_order_acquire)) continue;  // no pose yet: a default one would send the tool to the origin
+    const timespec begin = now_monotonic();
+    const ContactState& state = contact(parts_->hand_mailbox.latest());
+    parts_->force_mailbox.publish(state);
+    parts_->tool_mailbox.publish(state);
+    ContactRow row;
+    row.number = state.number;
+    row.hand_tick = contact.hand_tick();
+    row.window = contact.window();
+    row.time = contact.time();
+    row.world_from_tool = state.world_from_tool;
+    row.on_hand = state.on_hand;
+    row.engagement = state.engagement;
+    row.flags = state.flags;
+    row.skipped = static_cast<std::uint32_t>(wake.ticks - 1);
+    row.progress = contact.progress();
+    row.late_us = wake.late_us;
+    row.step_us = contact.step_us();
+    row.compute_us = microseconds(begin, now_monotonic());
+    if (!contact_rows_.push(row)) unrecorded_.fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
+void Loops::bone_loop() noexcept {
+  struct CloseDesk {
+    ParcelDesk* desk;
+    ~CloseDesk() { desk->close(); }
+  } const closes{desk_};
+  try {
+    cut_on();
+  } catch (...) {
+    broken_.store(true, std::memory_order_relaxed);
+  }
+}
+
+void Loops::cut_on() {
+  TickClock clock(start_, parts_->bone_period, 0.5 * parts_->period);
+  while (!stop_.load(std::memory_order_relaxed)) {
+    const TickClock::Wake wake = clock.wait();
+    for (std::uint64_t n = 0; n < std::min(wake.ticks, kMostCatchUp); ++n) {
+      const ContactState& found = parts_->tool_mailbox.latest();
+      if (found.number == 0) break;  // contact has not looked yet
+      const timespec begin = now_monotonic();
+      parts_->cut(found);
+      BoneRow row;
+      row.contact = found.number;
+      row.published = parts_->bone->publisher().published();
+      row.removed_mass = parts_->bone->removed_mass();
+      row.spin = parts_->bone->spin();
+      row.skipped = n == 0 && wake.ticks > kMostCatchUp ? static_cast<std::uint32_t>(wake.ticks - kMostCatchUp) : 0;
+      row.compute_us = microseconds(begin, now_monotonic());
+      if (!bone_rows_.push(row)) unrecorded_.fetch_add(1, std::memory_order_relaxed);
+    }
+    desk_->serve([&] { parts_->frame->gather(); });
+  }
+}
+
+void Loops::start() {
+  start_ = now_monotonic();
+  desk_->open();
+  servo_ = std::thread([this] { servo_loop(); });
+  contact_ = std::thread([this] { contact_loop(); });
+  bone_ = std::thread([this] { bone_loop(); });
+}
+
+void Loops::halt() noexcept {
+  if (servo_.joinable() && !servo_ended_.load(std::memory_order_acquire)) parts_->servo->request_stop();
+  stop_.store(true, std::memory_order_relaxed);
+  for (std::thread* thread : {&servo_, &contact_, &bone_})
+    if (thread->joinable()) thread->join();
+}
+
+Status Loops::tell_refusals(const std::string& memory) {
+  const std::string text = refusal_text(refused_.load(std::memory_order_relaxed), memory);
+  if (text.empty()) return {};
+  if (options_.require_realtime) return Error{ErrorCode::unavailable, text, {}};
+  if (options_.warn) options_.warn(text + ": forces may be late");
+  return {};
+}
+
+Status Loops::drain_servo() {
+  ServoRow row;
+  while (servo_rows_.pop(row)) {
+    report_->servo.add(row.compute_us);
+    report_->servo_late.add(row.late_us);
+    report_->servo_skipped += row.skipped;
+    report_->faults |= row.faults;
+    if (Status noted = log_->hand(row.hand); !noted) return noted;
+    if (log_->session() == nullptr) continue;
+    put(row, row_);
+    if (Status written = log_->session()->append(row_); !written) return written;
+  }
+  return {};
+}
+
+Status Loops::drain_contact() {
+  ContactRow row;
+  while (contact_rows_.pop(row)) {
+    report_->contact.add(row.compute_us);
+    report_->contact_step.add(row.step_us);
+    report_->contact_late.add(row.late_us);
+    report_->contact_skipped += row.skipped;
+    progress_ = row.progress;
+    if (log_->session() != nullptr) {
+      put(row, row_);
+      if (Status written = log_->session()->append_to(kContactStream, row_); !written) return written;
+    }
+    if (Status seen = log_->contact({row.time, glm::length(row.on_hand.force), row.progress.depth}, row.progress, row.world_from_tool);
+        !seen)
+      return seen;
+    if (options_.progress && row.time - told_ >= kProgressEvery) {
+      told_ = row.time;
+      options_.progress(row.time, row.progress);
+    }
+  }
+  return {};
+}
+
+Status Loops::drain_bone() {
+  BoneRow row;
+  while (bone_rows_.pop(row)) {
+    report_->bone.add(row.compute_us);
+    report_->bone_skipped += row.skipped;
+    if (log_->session() == nullptr) continue;
+    put(row, row_);
+    if (Status written = log_->session()->append_to(kBoneStream, row_); !written) return written;
+  }
+  return {};
+}
+
+Status Loops::drain() {
+  if (Status done = drain_servo(); !done) return done;
+  if (Status done = drain_contact(); !done) return done;
+  return drain_bone();
+}
+
+Status Loops::run() {
+  const LockedMemory locked;
+  start();
+  while (!granted()) std::this_thread::sleep_for(kLookEvery);
+  if (Status granted = tell_refusals(locked.refusal()); !granted) return granted;
+  while (!servo_ended_.load(std::memory_order_acquire)) {
+    if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) {
+      report_->stopped = true;
+      break;
+    }
+    if (broken_.load(std::memory_order_relaxed)) break;
+    if (Status drained = drain(); !drained) return drained;
+    std::this_thread::sleep_for(kLookEvery);
+  }
+  halt();
+  report_->unrecorded = unrecorded_.load();
+  report_->done = report_->last.hand.phase == HandPhase::done;
+  if (broken_.load()) return Error{ErrorCode::internal, "the simulation ended on an exception", {}};
+  return drain();
+}
+
+}  // namespace
+
+Status run_live(DrillParts& parts, RunLog& log, const LiveOptions& options, ParcelDesk& desk, LiveReport& report) {
+  return Loops(parts, log, options, desk, report).run();
+}
+
+}  // namespace burrhole
