@@ -1,0 +1,180 @@
+#include "app/lab/multirate.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "app/lab/frontier_search.h"
+#include "core/base/portable_math.h"
+
+namespace burrhole {
+namespace {
+
+constexpr std::array<MultiRateScheme, 4> kSchemes{MultiRateScheme::hold, MultiRateScheme::linear, MultiRateScheme::gradient,
+                                                  MultiRateScheme::planes};
+constexpr double kRadii = 10e-3;                            // [m] of sphere and tool together
+constexpr int kServoHz = 1000, kTicks = 3000, kFrom = 500;  // compared once every loop has looked, the slowest after 100 ticks
+
+/// A hand that goes its way whatever it feels.
+class GuidedHand final : public HandSource {
+ public:
+  GuidedHand(const Pose& world_from_approach, bool drilling) : world_from_approach_(world_from_approach), drilling_(drilling) { go(); }
+  [[nodiscard]] const HandState& read() noexcept override { return state_; }
+  void apply(const Wrench&) noexcept override {
+    ++state_.tick;
+    go();
+  }
+
+ private:
+  /// Approach frame. Sliding: 3 mm to and fro over the sphere's top, half a millimetre in, 19 mm/s at most; drilling: in at 0.5 mm/s with a
+  /// tremble of 0.1 mm, 3 times a second.
+  [[nodiscard]] Vec3 at(double t) const noexcept {
+    const double turns = 2.0 * std::numbers::pi * t;
+    if (drilling_) return {0.0, 0.0, -0.3e-3 - 0.5e-3 * t + 0.1e-3 * portable_sin(3.0 * turns)};
+    const double x = 3e-3 * portable_sin(turns), reach = kRadii - 0.5e-3;
+    return {x, 0.0, std::sqrt(reach * reach - x * x) - kRadii};
+  }
+  void go() noexcept {
+    constexpr double kPeriod = 1.0 / kServoHz;
+    const double t = static_cast<double>(state_.tick) * kPeriod;
+    state_.world_from_hand = {world_from_approach_.rotation, world_from_approach_ * at(t)};
+    state_.velocity = world_from_approach_.rotate((at(t) - at(t - kPeriod)) / kPeriod);
+  }
+  Pose world_from_approach_;
+  bool drilling_;
+  HandState state_;
+};
+
+FrontierLoopConfig config_of(MultiRateScheme scheme, int contact_ticks, bool drilling) {
+  const auto device = find_device("generic");
+  const auto hand = find_hand("nominal");
+  BH_ASSERT(device.ok() && hand.ok());
+  return {.device = make_simulated_config(**device, **hand),
+          .servo_hz = kServoHz,
+          .contact_ticks = contact_ticks,
+          .latency_ticks = -1,
+          .scheme = scheme,
+          .bone = FrontierBone::sphere,
+          .drilling = drilling};
+}
+
+struct Trace {
+  std::vector<Vec3> force;  ///< [N] wanted by the servo, a tick
+  StepTiming servo;
+};
+
+Result<Trace> trace_of(const FrontierLoopConfig& config, double stiffness) {
+  const auto loop = FrontierLoop::create(config);
+  if (!loop) return loop.error();
+  GuidedHand hand(loop->world_from_approach(), config.drilling);
+  const auto parts = loop->parts(stiffness, hand);
+  if (!parts) return parts.error();
+  Lockstep lockstep(**parts);
+  Trace out;
+  for (int n = 0; n < kTicks; ++n) {
+    const Vec3 force = lockstep.tick().force;
+    if (n >= kFrom) out.force.push_back(force);
+  }
+  out.servo = lockstep.timers().servo.timing();
+  return out;
+}
+
+/// [%] of the mean force of `reference`: root mean square and largest difference.
+std::pair<double, double> off(const std::vector<Vec3>& force, const std::vector<Vec3>& reference) {
+  double square = 0.0, worst = 0.0, mean = 0.0;
+  for (std::size_t n = 0; n < force.size(); ++n) {
+    const double apart = glm::length(force[n] - reference[n]);
+    square += apart * apart;
+    worst = std::max(worst, apart);
+    mean += glm::length(reference[n]);
+  }
+  const double count = static_cast<double>(force.size());
+  mean /= count;
+  return {100.0 * std::sqrt(square / count) / mean, 100.0 * worst / mean};
+}
+
+class Measurement {
+ public:
+  explicit Measurement(const MultirateOptions& options) : options_(options) {}
+
+  Result<std::vector<CostRow>> operator()() {
+    for (const bool drilling : {false, true}) {
+      const auto reference = trace_of(config_of(MultiRateScheme::hold, 1, drilling), options_.stiffness);
+      if (!reference) return reference.error();
+      for (const MultiRateScheme scheme : kSchemes) {
+        double at_full_rate = 0.0;
+        for (const int ticks : options_.contact_ticks) {
+          const FrontierLoopConfig config = config_of(scheme, ticks, drilling);
+          if (const Status added = add_force(config, *reference); !added) return added.error();
+          if (options_.limits)
+            if (const Status added = add_limit(config, at_full_rate); !added) return added.error();
+          ++done_;
+          if (options_.progress)
+            options_.progress(static_cast<double>(done_) / (2.0 * kSchemes.size() * static_cast<double>(options_.contact_ticks.size())));
+        }
+      }
+    }
+    return rows_;
+  }
+
+ private:
+  static CostRow row_of(const FrontierLoopConfig& config) {
+    CostRow row;
+    row.subject = config.drilling ? "drilling into a sphere" : "sliding over a sphere";
+    row.model = name_of(config.scheme);
+    row.knob = "contact_rate_hz";
+    row.setting = static_cast<double>(config.servo_hz) / config.contact_ticks;
+    return row;
+  }
+  Status add_force(const FrontierLoopConfig& config, const Trace& reference) {
+    const auto trace = trace_of(config, options_.stiffness);
+    if (!trace) return trace.error();
+    const auto [rms, worst] = off(trace->force, reference.force);
+    CostRow row = row_of(config);
+    row.unit = "% of mean force";
+    row.reference = "hold, contact at 1 kHz";
+    row.median_us = trace->servo.p50_us;
+    row.p99_us = trace->servo.p99_us;
+    row.error_name = "force_rms_off";
+    row.error = rms;
+    rows_.push_back(row);
+    row.error_name = "force_worst_off";
+    row.error = worst;
+    rows_.push_back(row);
+    return {};
+  }
+  Status add_limit(const FrontierLoopConfig& config, double& at_full_rate) {
+    const auto loop = FrontierLoop::create(config);
+    if (!loop) return loop.error();
+    const auto limit = let_go_limit(*loop, {.pressed = true}, 50.0);
+    if (!limit) return limit.error();
+    if (config.contact_ticks == 1) at_full_rate = *limit;
+    CostRow row = row_of(config);
+    row.subject = config.drilling ? "drilling into a sphere" : "pressed onto a sphere";
+    row.error_name = "stiffness_kept";
+    row.error = *limit / at_full_rate;
+    row.unit = "-";
+    row.reference = "the same scheme, contact at 1 kHz";
+    rows_.push_back(row);
+    row.error_name = "stiffness_limit";
+    row.error = *limit;
+    row.unit = "N/m";
+    row.reference = "largest that comes to rest";
+    rows_.push_back(row);
+    return {};
+  }
+
+  const MultirateOptions& options_;
+  std::size_t done_ = 0;
+  std::vector<CostRow> rows_;
+};
+
+}  // namespace
+
+Result<std::vector<CostRow>> measure_multirate(const MultirateOptions& options) {
+  if (options.contact_ticks.empty() || options.contact_ticks.front() != 1)
+    return Error{ErrorCode::out_of_range, "the first contact period must be one tick: the others are compared with it", {}};
+  return Measurement(options)();
+}
+
+}  // namespace burrhole

@@ -1,0 +1,85 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <string>
+
+#include "app/lab/frontier.h"
+#include "app/lab/frontier_search.h"
+
+using namespace burrhole;
+
+// The whole shipped loop (scene, contact, multi-rate, servo, simulated device) on a plate under a preload, against exact sampled systems that
+// were derived for this project twice independently. Bisection stops at 0.5 %; 1 % leaves as much again for the sign of slow growth.
+
+namespace {
+
+double limit_of(const FrontierLoopConfig& config, double hint) {
+  const auto loop = FrontierLoop::create(config);
+  REQUIRE_MESSAGE(loop.ok(), (loop ? "" : loop.error().text()));
+  const auto limit = pressed_limit(*loop, hint, config.servo_hz > 5000 ? 16000 : 8000);
+  REQUIRE_MESSAGE(limit.ok(), (limit ? "" : limit.error().text()));
+  return *limit;
+}
+
+double let_go_limit_of(const FrontierLoopConfig& config, const LetGo& start) {
+  const auto loop = FrontierLoop::create(config);
+  REQUIRE_MESSAGE(loop.ok(), (loop ? "" : loop.error().text()));
+  const auto limit = let_go_limit(*loop, start, 50.0);
+  REQUIRE_MESSAGE(limit.ok(), (limit ? "" : limit.error().text()));
+  return *limit;
+}
+
+}  // namespace
+
+TEST_CASE("frontier: every known limit is met through the whole shipped loop within 1 %") {
+  for (const KnownLimit& known : known_limits()) {
+    CAPTURE(std::string(known.name));
+    const double found = limit_of(loop_of(known), known.stiffness);
+    CAPTURE(found);
+    CHECK(std::abs(found / known.stiffness - 1.0) < 0.01);
+  }
+}
+
+TEST_CASE("frontier: one tick of delay more, a weaker damper or another scheme misses the known limit by far") {
+  const KnownLimit& plain = known_limits()[2];
+  REQUIRE(plain.stiffness == 10084);
+  FrontierLoopConfig late = loop_of(plain);
+  late.latency_ticks = 1;
+  CHECK(std::abs(limit_of(late, 5000.0) / plain.stiffness - 1.0) > 0.5);
+  FrontierLoopConfig weak = loop_of(plain);
+  weak.device.plant.body.damping *= 0.9;
+  CHECK(std::abs(limit_of(weak, 9000.0) / plain.stiffness - 1.0) > 0.05);
+  FrontierLoopConfig drawn = loop_of(plain);
+  drawn.contact_ticks = 10;
+  drawn.scheme = MultiRateScheme::linear;
+  CHECK(std::abs(limit_of(drawn, 1000.0) / 1091.0 - 1.0) > 0.3);  // not the held figure
+}
+
+TEST_CASE("frontier: the hint saves runs and does not move the limit") {
+  const KnownLimit& plain = known_limits()[2];
+  CHECK(std::abs(limit_of(loop_of(plain), 300.0) / plain.stiffness - 1.0) < 0.01);
+  CHECK(std::abs(limit_of(loop_of(plain), 2e5) / plain.stiffness - 1.0) < 0.01);
+}
+
+// At 20 Hz of contact on curved, unilateral bone, by a device with its friction, steps, delay and cap, in the nominal hand.
+TEST_CASE("frontier: at 20 Hz the default scheme keeps three times the stiffness of hold and linear, on a sphere and while drilling") {
+  const auto device = find_device("generic");
+  const auto hand = find_hand("nominal");
+  REQUIRE((device.ok() && hand.ok()));
+  for (const bool drilling : {false, true})
+    for (const int latency : {0, -1}) {
+      FrontierLoopConfig config{.device = make_simulated_config(**device, **hand),
+                                .contact_ticks = 50,
+                                .latency_ticks = latency,
+                                .bone = FrontierBone::sphere,
+                                .drilling = drilling};
+      const auto limit = [&](MultiRateScheme scheme) {
+        config.scheme = scheme;
+        return let_go_limit_of(config, {.pressed = true});
+      };
+      const double hold = limit(MultiRateScheme::hold), linear = limit(MultiRateScheme::linear), planes = limit(MultiRateScheme::planes);
+      MESSAGE(std::string(drilling ? "drilling" : "pressed")
+              << ", latency " << latency << ": hold " << hold << ", linear " << linear << ", planes " << planes << " N/m");
+      CHECK(planes > 3.0 * std::max(hold, linear));
+    }
+}

@@ -1,0 +1,48 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "app/lab/multirate.h"
+
+using namespace burrhole;
+
+namespace {
+
+std::vector<CostRow> rows_of(std::vector<int> contact_ticks) {
+  MultirateOptions options;
+  options.contact_ticks = std::move(contact_ticks);
+  options.limits = false;
+  const auto rows = measure_multirate(options);
+  REQUIRE_MESSAGE(rows.ok(), (rows ? "" : rows.error().text()));
+  return *rows;
+}
+
+double figure(const std::vector<CostRow>& rows, const std::string& model, double rate, const std::string& name) {
+  const auto found = std::ranges::find_if(rows, [&](const CostRow& row) {
+    return row.subject == "sliding over a sphere" && row.model == model && row.setting == rate && row.error_name == name;
+  });
+  REQUIRE(found != rows.end());
+  return found->error;
+}
+
+}  // namespace
+
+TEST_CASE("multirate cost: held at 1 kHz a loop is its own reference, and a slower one is off by what the hand does in the time it lacks") {
+  const std::vector<CostRow> rows = rows_of({1, 10});
+  CHECK(rows.size() == 2 * 4 * 2 * 2);
+  CHECK(figure(rows, "hold", 1000.0, "force_rms_off") == 0.0);
+  CHECK(figure(rows, "hold", 1000.0, "force_worst_off") == 0.0);
+  // At 100 Hz a held force is of a hand 10 to 19 ticks ago, 1 to 10 more than the planes of the same look answer.
+  const double held = figure(rows, "hold", 100.0, "force_rms_off");
+  CHECK(held > 3.0);
+  CHECK(figure(rows, "linear", 100.0, "force_rms_off") > held);
+  CHECK(figure(rows, "planes", 100.0, "force_rms_off") < held);
+  CHECK(figure(rows, "hold", 100.0, "force_worst_off") > held);
+}
+
+TEST_CASE("multirate cost: a list of rates that does not begin with the servo's own is refused") {
+  MultirateOptions options;
+  options.contact_ticks = {10, 1};
+  CHECK(!measure_multirate(options));
+}
