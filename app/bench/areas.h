@@ -7,6 +7,8 @@ namespace burrhole {
 
 [[nodiscard]] Status bench_contact(Bench& bench);
 [[nodiscard]] Status bench_erosion(Bench& bench);
+/// The live loops: minutes by the clock, whatever the machine.
+[[nodiscard]] Status bench_servo(Bench& bench);
 /// Needs the real slices of $BURRHOLE_DATA; without them it says so and adds nothing.
 [[nodiscard]] Status bench_import(Bench& bench);
 [[nodiscard]] Status bench_render(Bench& bench);  ///< only in a build with the renderer

@@ -19,10 +19,11 @@ namespace burrhole {
 class KeepingHand final : public HandSource {
  public:
   explicit KeepingHand(SimulatedHand hand) : hand_(std::move(hand)) {}
-  const HandState& step(const Vec3& force_on_hand) noexcept override {
-    states_.push_back(hand_.step(force_on_hand));
+  [[nodiscard]] const HandState& read() noexcept override {
+    states_.push_back(hand_.read());
     return states_.back();
   }
+  void apply(const Wrench& on_hand) noexcept override { hand_.apply(on_hand); }
   [[nodiscard]] const std::vector<HandState>& states() const noexcept { return states_; }
 
  private:

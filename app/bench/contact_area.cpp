@@ -110,10 +110,6 @@ Status count_points(Bench& bench, const BoneForms& bone) {
 Status bench_contact(Bench& bench) {
   auto bone = make_ball_of_bone();
   if (!bone) return bone.error();
-  struct BallSize {
-    int stacks, slices;
-    std::size_t points;
-  };
   for (const BallSize& size : {BallSize{23, 50, 729}, BallSize{66, 138, 5800}}) {
     const auto shell = make_ball(size.stacks, size.slices, size.points);
     if (!shell) return shell.error();

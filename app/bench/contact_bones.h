@@ -34,6 +34,12 @@ struct BoneForms {
 /// A round hole in bone, a tenth of a voxel wider all round than the balls of make_ball(): all their points are near its surface.
 [[nodiscard]] Result<BoneForms> make_socket();
 
+/// A ball's facets, and how many points of it are kept.
+struct BallSize {
+  int stacks, slices;
+  std::size_t points;
+};
+
 /// A cutting ball of 3 mm with exactly `points` points, its centre the origin, in Morton order. Rings have even counts: up to two points at
 /// the top are left out to meet a number.
 [[nodiscard]] Result<PointShell> make_ball(int stacks, int slices, std::size_t points);

@@ -136,10 +136,6 @@ std::vector<HandMotion> circle(std::size_t count, double first_angle) {
 Status compare_balls(Bench& bench) {
   auto bone = make_socket();
   if (!bone) return bone.error();
-  struct BallSize {
-    int stacks, slices;
-    std::size_t points;
-  };
   for (const BallSize& size : {BallSize{23, 50, 729}, BallSize{66, 138, 5800}, BallSize{214, 367, 50'000}}) {
     const auto shell = make_ball(size.stacks, size.slices, size.points);
     if (!shell) return shell.error();

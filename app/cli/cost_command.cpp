@@ -3,7 +3,9 @@
 #include <filesystem>
 
 #include "app/cli/front.h"
+#include "app/cli/progress.h"
 #include "app/lab/contact_accuracy.h"
+#include "app/lab/multirate.h"
 #include "app/lab/sliding.h"
 #include "app/lab/surface_accuracy.h"
 
@@ -29,6 +31,35 @@ Status measure_contact(const std::string& folder, std::size_t& row_count) {
   row_count = rows->size();
   if (const Status written = write_contact_accuracy(*rows, *curves, folder); !written) return written;
   return write_sliding(*sliding, folder);
+}
+
+Status measure_multirate_cost(const std::string& folder, std::size_t& row_count) {
+  Progress progress(false);
+  MultirateOptions options;
+  options.progress = [&](double share) { progress.show(share, "schemes by contact rate"); };
+  const auto rows = measure_multirate(options);
+  if (!rows) return rows.error();
+  row_count = rows->size();
+  return write_multirate(*rows, folder);
+}
+
+void add_multirate(CLI::App& cost, int& exit_code) {
+  CLI::App* command = add_command(
+      cost, "multirate", "Subjects",
+      {.summary = "What contact slower than the servo costs, by the scheme that makes up for it",
+       .about = "Slides and drills with contact at 1 kHz down to 20 Hz: how far the force is off that of contact at 1 kHz, how much of the "
+                "largest stable stiffness is kept, and what a servo step takes.",
+       .examples = {"burrhole cost multirate --out out/cost_multirate"},
+       .exits = {}});
+  auto folder = std::make_shared<std::string>("out/cost_multirate");
+  command->add_option("--out", *folder, "folder for cost.csv, the plot and the page")->type_name(kFolderValue)->capture_default_str();
+  add_simd_option(*command);
+  command->callback([folder, &exit_code] {
+    std::size_t rows = 0;
+    const Status written = measure_multirate_cost(*folder, rows);
+    exit_code = written ? kDone : report(written.error());
+    if (written) print(fmt::format("{} rows in {}/cost.csv, multirate.svg and multirate.html beside it\n", rows, *folder));
+  });
 }
 
 }  // namespace
@@ -79,6 +110,7 @@ void add_cost(CLI::App& app, int& exit_code) {
     exit_code = written ? kDone : report(written.error());
     if (written) print(fmt::format("{} rows in {}/cost.csv, plot surface_error.svg beside it\n", rows->size(), *surface_folder));
   });
+  add_multirate(*command, exit_code);
 }
 
 }  // namespace burrhole::cli

@@ -8,6 +8,7 @@
 #include "app/cli/drilling.h"
 #include "app/cli/front.h"
 #include "app/cli/progress.h"
+#include "app/engine/realtime.h"
 #include "app/engine/simulation.h"
 #include "app/report/drill_report.h"
 #include "app/report/file.h"
@@ -130,7 +131,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
 }
 
 /// The session of a run, opened before the first tick; nothing when the scene has no [record] or nothing is written.
-Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, const DrillingFiles& files) {
+Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, const DrillingFiles& files, bool live) {
   if (!loaded.scene.record || files.folder.empty()) return std::optional<SessionWriter>();
   SessionMeta meta;
   meta.program = BH_VERSION;
@@ -140,7 +141,8 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   meta.seed = loaded.scene.hand.seed;
   meta.created = now_iso8601();
   const std::string path = (fs::path(files.folder) / loaded.scene.record->path).string();
-  auto session = SessionWriter::create(path, meta, session_columns(loaded.scene), loaded.scene.servo_hz);
+  const SessionLayout layout = session_layout(loaded.scene, live);
+  auto session = SessionWriter::create(path, meta, layout.columns, loaded.scene.servo_hz, layout.streams);
   if (!session) return session.error();
   if (!files.restore_path.empty()) {
     auto checkpoint = read_file(files.restore_path);
@@ -150,9 +152,9 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   return std::optional<SessionWriter>(std::move(session).value());
 }
 
-Status close_session(SessionWriter& session, const RunSummary& summary) {
-  for (const auto& [kind, value] :
-       {std::pair{"voxels", summary.voxel_hash}, std::pair{"forces", summary.force_hash}, std::pair{"image", summary.image_hash}})
+Status close_session(SessionWriter& session, const RunSummary& summary, std::uint64_t sent_hash) {
+  for (const auto& [kind, value] : {std::pair{"voxels", summary.voxel_hash}, std::pair{"forces", summary.force_hash},
+                                    std::pair{"sent", fmt::format("{:016x}", sent_hash)}, std::pair{"image", summary.image_hash}})
     if (!value.empty())
       if (Status noted = session.hash({kind, value}); !noted) return noted;
   return session.close();
@@ -209,11 +211,16 @@ void catch_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet) {
+Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet, const LiveAsked& asked) {
   SimulationOptions options;
   options.restore_path = files.restore_path;
   options.stop = &stop_flag;
+  options.live = asked.live;
+  options.require_realtime = asked.require_realtime;
+  options.warn = [](const std::string& text) { fmt::print(stderr, "warning: {}\n", text); };
   // Everything that can refuse is asked before the first file is written.
+  if (asked.live && asked.require_realtime)
+    if (std::string refused = realtime_refusal(); !refused.empty()) return Error{ErrorCode::unavailable, std::move(refused), {}};
   std::unique_ptr<PictureSink> sink;
   if (loaded.scene.display) {
     auto made = make_picture_sink(files.folder);
@@ -235,7 +242,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
     fmt::print(stderr, "{}: warning: the axis points out of the skull: brain or dura lies before the entry\n", loaded.scene.file);
   if (Status made = make_folder(files.folder); !made) return made.error();
   remove_old_pictures(files.folder);
-  auto session = open_session(loaded, files);
+  auto session = open_session(loaded, files, asked.live);
   if (!session) return session.error();
   if (*session) simulation->set_session(&**session);
 
@@ -244,7 +251,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const RunSummary summary = make_summary(loaded, *simulation, make_plan(loaded), wall);
   if (*session)
-    if (Status closed = close_session(**session, summary); !closed) return closed.error();
+    if (Status closed = close_session(**session, summary, simulation->sent_hash()); !closed) return closed.error();
   if (!files.folder.empty())
     if (Status written = write_results(loaded, *simulation, summary, sink ? sink->files() : std::vector<std::string>(), files.folder);
         !written)
@@ -256,6 +263,7 @@ void add_drill(CLI::App& app, int& exit_code) {
   struct Options {
     SceneOption scene;
     DrillingFiles files{"out", {}};
+    LiveAsked asked;
     bool json = false, quiet = false, offscreen = false;
   };
   CLI::App* command = add_command(
@@ -263,27 +271,34 @@ void add_drill(CLI::App& app, int& exit_code) {
       {.summary = "Drills a scene and writes pictures, figures and a report",
        .about = "The main job. Runs the scene offscreen, in lockstep, and leaves in a folder: pictures, the bone as it was left, a "
                 "session that can be replayed, summary.json with every figure, and report.html. The same scene gives the same bits. "
-                "Ctrl-C ends the run cleanly with what was done so far.",
+                "With --live servo, contact and bone run on threads against the clock, as with a device in the hand; the session then "
+                "holds what each step took, and replays to the same bits. Ctrl-C ends the run cleanly with what was done so far.",
        .examples = {"burrhole drill parietal --out out/parietal",
                     "burrhole drill parietal --set tool.spin_rpm=800 --set hand.push_N=35 --out out/harder",
-                    "burrhole drill parietal --json --quiet | jq .drilling"},
-       .exits = "Exit 130 after Ctrl-C, 4 where a scene asks for pictures and no OpenGL can be had."});
+                    "burrhole drill parietal --live --out out/live", "burrhole drill parietal --json --quiet | jq .drilling"},
+       .exits = "Exit 130 after Ctrl-C, 4 where a scene asks for pictures and no OpenGL can be had, or --require-realtime is refused."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   command->add_option("--out", option->files.folder, "folder for the results")->type_name(kFolderValue)->capture_default_str();
   command->add_option("--restore", option->files.restore_path, "start from this checkpoint: the bone.vdb of an earlier run")
       ->type_name(kFileValue);
   add_simd_option(*command);
+  command->add_flag("--live", option->asked.live, "on threads against the clock instead of in lockstep");
+  command->add_flag("--require-realtime", option->asked.require_realtime, "end where the system refuses real-time priority (with --live)");
   command->add_flag("--offscreen", option->offscreen, "no window (this version never opens one)");
   command->add_flag("--json", option->json, "print summary.json on stdout, and nothing else there");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
+    if (option->asked.require_realtime && !option->asked.live) {
+      exit_code = report(bad_input("--require-realtime asks for what only --live needs"));
+      return;
+    }
     const auto loaded = load_or_report(option->scene, exit_code, option->quiet);
     if (!loaded) return;
     if (!option->quiet)
       for (const std::string& warning : make_plan(*loaded).warnings) fmt::print(stderr, "{}: warning: {}\n", loaded->scene.file, warning);
     catch_signals();
-    const auto summary = drill_scene(*loaded, option->files, option->quiet);
+    const auto summary = drill_scene(*loaded, option->files, option->quiet, option->asked);
     if (!summary) {
       exit_code = report(summary.error());
       return;

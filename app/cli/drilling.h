@@ -19,7 +19,14 @@ struct DrillingFiles {
   std::string restore_path;  ///< checkpoint to start from; empty: bone as loaded
 };
 
+/// Against the clock, on threads, instead of in lockstep.
+struct LiveAsked {
+  bool live = false;
+  bool require_realtime = false;
+};
+
 /// Runs and writes pictures, session, bone.vdb, summary.json and report.html. @returns the summary; faults are printed by the caller.
-[[nodiscard]] Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet);
+[[nodiscard]] Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet,
+                                             const LiveAsked& asked = {});
 
 }  // namespace burrhole::cli

@@ -29,7 +29,9 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_check(app, exit_code);
   add_explain(app, exit_code);
   add_tools(app, exit_code);
+  add_devices(app, exit_code);
   add_cost(app, exit_code);
+  add_stability(app, exit_code);
   add_docs(app, exit_code);
   add_completion(app, exit_code);
   add_man(app, exit_code);

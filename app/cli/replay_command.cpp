@@ -76,10 +76,15 @@ Result<std::vector<Comparison>> replay(const std::string& path, bool quiet) {
   }
   auto simulation = Simulation::create(loaded->scene, loaded->bone, loaded->tool, options, issues);
   if (!simulation) return issues.front();
-  if (Status ran = simulation->run(); !ran) return ran.error();
+  if (is_live(*session)) {
+    if (Status ran = simulation->run_recorded(*session, *hand); !ran) return Error{ran.error().code, ran.error().message, path};
+  } else if (Status ran = simulation->run(); !ran) {
+    return ran.error();
+  }
   const auto hex = [](std::uint64_t value) { return fmt::format("{:016x}", value); };
   return std::vector<Comparison>{{"voxels", recorded_hash(*session, "voxels"), hex(simulation->voxmap().hash())},
-                                 {"forces", recorded_hash(*session, "forces"), hex(simulation->force_hash())}};
+                                 {"forces", recorded_hash(*session, "forces"), hex(simulation->force_hash())},
+                                 {"sent", recorded_hash(*session, "sent"), hex(simulation->sent_hash())}};
 }
 
 }  // namespace
@@ -89,13 +94,13 @@ void add_replay(CLI::App& app, int& exit_code) {
     std::string session;
     bool quiet = false;
   };
-  CLI::App* command = add_command(
-      app, "replay", kDrillGroup,
-      {.summary = "Runs a recorded session again and compares every bit",
-       .about = "Feeds the recorded hand to the same steps and compares voxels and contact forces with those of the run that was recorded. "
-                "The session holds scene, tool and checkpoint: no other file is needed.",
-       .examples = {"burrhole replay out/session.sqlite"},
-       .exits = "Exit 3 if voxels or forces differ, 130 after Ctrl-C."});
+  CLI::App* command = add_command(app, "replay", kDrillGroup,
+                                  {.summary = "Runs a recorded session again and compares every bit",
+                                   .about = "Feeds the recorded hand to the same steps and compares voxels, contact forces and forces sent "
+                                            "to the hand with those of the run that was recorded. "
+                                            "The session holds scene, tool and checkpoint: no other file is needed.",
+                                   .examples = {"burrhole replay out/session.sqlite"},
+                                   .exits = "Exit 3 if voxels or forces differ, 130 after Ctrl-C."});
   auto option = std::make_shared<Options>();
   command->add_option("session", option->session, "session file of an earlier drill")->type_name(kFileValue)->required();
   add_simd_option(*command);

@@ -7,6 +7,7 @@ import math
 import os
 import pathlib
 import re
+import resource
 import shutil
 import signal
 import sqlite3
@@ -72,7 +73,52 @@ class Drill(WithFolder):
         self.assertGreater(summaries[0]["drilling"]["removed_mm3"], 1.0)
         replayed = run("replay", self.folder / "a" / "session.sqlite", "--quiet")
         self.assertEqual(replayed.returncode, 0, replayed.stderr)
-        self.assertEqual(replayed.stdout.count(" same"), 2, replayed.stdout)
+        self.assertEqual(replayed.stdout.count(" same"), 3, replayed.stdout)
+
+    def test_a_live_run_is_on_the_clock_and_its_record_replays_to_the_same_bits(self):
+        out = self.folder / "live"
+        began = time.monotonic()
+        result = run("drill", QUICK, "--live", "--out", out, "--json", "--quiet", "--set", "duration_s=2")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertGreaterEqual(time.monotonic() - began, 2.0)
+        told = json.loads(result.stdout)
+        self.assertEqual(told["live"]["rows_not_recorded"], 0)
+        self.assertEqual(told["live"]["servo_ticks_missed"], told["timing"]["missed"])
+        self.assertGreater(told["timing"]["servo_late"]["count"], 0)
+        replayed = run("replay", out / "session.sqlite", "--quiet")
+        self.assertEqual((replayed.returncode, replayed.stdout.count(" same")), (0, 3), replayed.stdout + replayed.stderr)
+
+    def test_a_live_run_ends_in_order_on_a_signal(self):
+        out = self.folder / "stopped"
+        program = subprocess.Popen([PROGRAM, "drill", QUICK, "--live", "--out", out, "--quiet", "--set", "duration_s=60"], stderr=subprocess.PIPE)
+        time.sleep(3.0)
+        program.send_signal(signal.SIGTERM)
+        self.assertEqual(program.wait(timeout=60), 130, program.stderr.read())
+        program.stderr.close()
+        self.assertEqual(json.loads((out / "summary.json").read_text())["end"], "stopped")
+
+    @unittest.skipIf(os.geteuid() != 0, "real-time priority is taken away from an unprivileged user, which only root can become")
+    def test_without_real_time_priority_a_live_run_warns_or_refuses(self):
+        def unprivileged():
+            resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
+            os.setgroups([])
+            os.setgid(65534)
+            os.setuid(65534)
+
+        try:
+            if run("--help", preexec_fn=unprivileged).returncode != 0:
+                self.skipTest("another user cannot run the program where it lies")
+        except (PermissionError, subprocess.SubprocessError):
+            self.skipTest("another user cannot run the program where it lies")
+        for more, code in (([], 0), (["--require-realtime"], 4)):
+            folder = self.folder / f"user{code}"
+            folder.mkdir()
+            self.folder.chmod(0o755)
+            os.chown(folder, 65534, 65534)
+            result = run("drill", QUICK, "--live", "--out", folder, "--quiet", "--set", "duration_s=0.3", *more, preexec_fn=unprivileged)
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertIn("real-time priority was refused", result.stderr)
+            self.assertEqual(bool(list(folder.iterdir())), code == 0)
 
     def test_one_core_gives_the_same_hashes(self):
         everywhere = run("drill", QUICK, "--out", self.folder / "all", "--json", "--quiet")
@@ -95,7 +141,7 @@ class Drill(WithFolder):
         for level, told in drilled.items():
             self.assertEqual(told["hash"], drilled["auto"]["hash"], level)
             replayed = run("replay", self.folder / "auto" / "session.sqlite", "--simd", level, "--quiet")
-            self.assertEqual((replayed.returncode, replayed.stdout.count(" same")), (0, 2), replayed.stdout + replayed.stderr)
+            self.assertEqual((replayed.returncode, replayed.stdout.count(" same")), (0, 3), replayed.stdout + replayed.stderr)
         self.assertGreater(drilled["auto"]["drilling"]["removed_mass_mm3"], 0.1)
 
     def test_another_seed_is_another_run(self):
@@ -261,6 +307,15 @@ class BadInput(WithFolder):
 
 
 class OtherCommands(WithFolder):
+    def test_devices_are_listed_with_where_each_figure_comes_from(self):
+        told = run("devices")
+        self.assertEqual((told.returncode, told.stderr), (0, ""))
+        self.assertIn("falcon", told.stdout)
+        listed = json.loads(run("devices", "--json").stdout)
+        falcon = next(device for device in listed["devices"] if device["name"] == "falcon")
+        self.assertIn("CHAI3D", json.dumps(falcon))
+        self.assertEqual({hand["name"] for hand in listed["hands"]}, {"none", "nominal", "light", "firm", "arm"})
+
     def test_explain_tells_what_runs_and_what_does_not(self):
         plan = json.loads(run("explain", QUICK, "--json").stdout)
         self.assertEqual([e["name"] for e in plan["effects"]], ["volume", "hand", "contact", "erosion", "display", "record"])
@@ -380,10 +435,24 @@ class OtherCommands(WithFolder):
         (self.folder / "pin_2mm.toml").unlink()
         result = run("replay", self.folder / "out" / "session.sqlite", "--quiet")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
-        self.assertEqual(result.stdout.count(" same"), 2, result.stdout)
+        self.assertEqual(result.stdout.count(" same"), 3, result.stdout)
+
+    def test_hard_cases_are_tabled_and_sabotage_is_caught(self):
+        out = self.folder / "stability"
+        result = run("stability", "--case", "rest", "--model", "surface", "--out", out, "--json")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        told = json.loads(result.stdout)
+        self.assertFalse(told["failed"])
+        self.assertEqual({row["case"] for row in told["rows"]}, {"rest"})
+        self.assertEqual(lines((out / "stability.csv").read_text())[0], "case,model,measure,value,bound,pass")
+        self.assertEqual(len(lines((out / "stability.csv").read_text())), 1 + len(told["rows"]))
+        self.assertIn("rest", (out / "stability.html").read_text())
+        self.assertEqual(run("stability", "--case", "rest", "--sabotage", "--out", out).returncode, 0)
+        refused = run("stability", "--case", "rst", "--out", out)
+        self.assertEqual((refused.returncode, len(lines(refused.stderr))), (2, 1))
 
     def test_every_command_has_help(self):
-        for command in ("drill", "render", "check", "explain", "tools", "replay", "cost"):
+        for command in ("drill", "render", "check", "explain", "tools", "replay", "cost", "stability"):
             result = run(command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Usage", result.stdout)

@@ -1,0 +1,201 @@
+// The live loops: the shipped scene on threads, at rest on bone, while a picture is drawn over and over on the other core; in turns with an empty
+// loop of the same priority, which shows what this machine gives anyone.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "app/bench/areas.h"
+#include "app/bench/bench_scene.h"
+#include "app/bench/contact_bones.h"
+#include "app/engine/realtime.h"
+#include "app/engine/texels.h"
+#ifdef BH_WITH_RENDER
+#include "app/render/renderer.h"
+#endif
+
+namespace burrhole {
+namespace {
+
+constexpr int kWindows = 5;
+constexpr double kSettle = 2.5;         // [s] from the start until the tool rests on bone; not counted
+constexpr double kWindow = 10.0;        // [s]
+constexpr double kQuickWindow = 0.5;    // [s]
+constexpr double kMostCompute = 100.0;  // [us] p99.9
+constexpr int kServoAbove = 60;         // of the lowest FIFO priority, as the live servo
+
+/// Draws until it goes out of scope: what a live run shares the machine with.
+class DrawingOn {
+ public:
+  explicit DrawingOn(const LoadedScene& loaded) {
+#ifdef BH_WITH_RENDER
+    thread_ = std::thread([this, &loaded] {
+      auto renderer = Renderer::create({});
+      auto voxmap = Voxmap::create(loaded.bone, {});
+      auto approach = make_approach(*loaded.bone, loaded.scene.approach);
+      if (!renderer || !voxmap || !approach || !renderer->set_volume(make_volume_view(*voxmap))) return;
+      const Pose world_from_approach = loaded.scene.volume.world_from_bone * approach->bone_from_approach;
+      const FrameView view =
+          make_frame_view(*loaded.scene.display, loaded.scene.volume.world_from_bone, world_from_approach, approach->thickness, false);
+      while (!stop_.load(std::memory_order_relaxed) && renderer->draw(view, 512, 512)) frames_.fetch_add(1, std::memory_order_relaxed);
+    });
+#else
+    static_cast<void>(loaded);
+#endif
+  }
+  ~DrawingOn() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  DrawingOn(const DrawingOn&) = delete;
+  DrawingOn& operator=(const DrawingOn&) = delete;
+  [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> frames_{0};
+  std::thread thread_;
+};
+
+/// How late an empty loop wakes, at the servo's period and priority.
+StepTiming empty_loop(double seconds, double period) {
+  StepTimer late;
+  std::thread loop([&] {
+    (void)ask_for_fifo(kServoAbove);
+    TickClock clock(now_monotonic(), period, 0.0);
+    for (int n = 0; n < static_cast<int>(seconds / period); ++n) late.add(clock.wait().late_us);
+  });
+  loop.join();
+  return late.timing();
+}
+
+struct Window {
+  StepTiming servo, contact, late, empty;
+  std::uint64_t missed = 0;
+};
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+double median_of(const std::vector<Window>& windows, StepTiming Window::*step, double StepTiming::*figure) {
+  std::vector<double> values;
+  for (const Window& window : windows) values.push_back(window.*step.*figure);
+  return median(std::move(values));
+}
+
+/// One window of the shipped path: bit at rest, thrust on it.
+Result<Window> live_window(const LoadedScene& loaded, double settle, std::string& refused) {
+  SimulationOptions options;
+  options.live = true;
+  options.warn = [&](const std::string& text) { refused = text; };
+  Issues issues;
+  auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
+  if (!simulation) return issues.front();
+  if (Status ran = simulation->run(); !ran) return ran.error();
+  const LiveReport& live = *simulation->live();
+  if (simulation->progress().peak_force < 1.0) return Error{ErrorCode::internal, "the tool does not rest on bone", {}};
+  const auto skip = static_cast<std::size_t>(settle * loaded.scene.servo_hz);
+  return Window{live.servo.timing(skip),
+                live.contact.timing(skip),
+                live.servo_late.timing(skip),
+                {},
+                live.servo_skipped + live.contact_skipped + live.bone_skipped + live.unrecorded};
+}
+
+Status measure(Bench& bench, const std::string& what, const LoadedScene& loaded, double seconds, bool spread) {
+  std::vector<Window> windows;
+  std::string refused;
+  const int count = bench.quick() ? 1 : kWindows;
+  for (int n = 0; n < count; ++n) {
+    auto window = live_window(loaded, bench.quick() ? 0.0 : kSettle, refused);
+    if (!window) return window.error();
+    window->empty = empty_loop(seconds, 1.0 / loaded.scene.servo_hz);
+    windows.push_back(*window);
+  }
+  if (!refused.empty()) fmt::print(stderr, "bench: servo: {}; what follows was measured without it\n", refused);
+  const auto name = [&](const char* figure) { return what + ": " + figure; };
+  const auto p999 = &StepTiming::p999_us;
+  const auto us = [&](const char* figure, StepTiming Window::*step, double StepTiming::*of, const Bars& bars) {
+    bench.add_absolute(name(figure), "us", median_of(windows, step, of), true, bars);
+  };
+  us("servo compute, p99.9", &Window::servo, p999, {kMostCompute, {}});
+  us("contact compute, p99.9", &Window::contact, p999, {kMostCompute, {}});
+  us("servo compute, longest", &Window::servo, &StepTiming::max_us, {});
+  us("contact compute, longest", &Window::contact, &StepTiming::max_us, {});
+  us("servo wakes late, p99.9", &Window::late, p999, {});
+  us("servo wakes late, longest", &Window::late, &StepTiming::max_us, {});
+  us("an empty loop wakes late, p99.9", &Window::empty, p999, {});
+  std::vector<double> over_empty, over_median, kept;
+  for (const Window& w : windows) {
+    over_empty.push_back(w.late.p999_us / w.empty.p999_us);
+    over_median.push_back(w.contact.p999_us / w.contact.p50_us);
+    const double due = static_cast<double>(w.servo.count + w.contact.count);
+    kept.push_back(due / (due + static_cast<double>(w.missed)));
+  }
+  bench.add_absolute(name("servo wakes late over an empty loop, p99.9"), "1", median(over_empty), true, {1.5, 1.1});
+  bench.add_absolute(name("contact compute, p99.9 over p50"), "1", median(over_median), true, spread ? Bars{2.0, 1.4} : Bars{});
+  bench.add_absolute(name("share of ticks, steps and rows that were kept"), "1", median(kept), false);
+  return {};
+}
+
+/// A live run and its record fed again: the forces sent must be the same bits, or the times above are of something else.
+Status compare_replay(Bench& bench, const std::string& what, const LoadedScene& loaded) {
+  const std::string path = (std::filesystem::temp_directory_path() / fmt::format("burrhole-bench-{}.sqlite", ::getpid())).string();
+  struct Remove {
+    std::string path;
+    ~Remove() {
+      std::error_code ignored;
+      for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(path + suffix, ignored);
+    }
+  } const remove{path};
+  const SessionLayout layout = session_layout(loaded.scene, true);
+  auto writer = SessionWriter::create(path, {}, layout.columns, loaded.scene.servo_hz, layout.streams);
+  if (!writer) return writer.error();
+  SimulationOptions options;
+  options.live = true;
+  options.session = &*writer;
+  Issues issues;
+  auto live = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
+  if (!live) return issues.front();
+  if (Status ran = live->run(); !ran) return ran.error();
+  if (Status closed = writer->close(); !closed) return closed;
+
+  auto session = SessionReader::open(path);
+  if (!session) return session.error();
+  auto hand = RecordedHand::create(*session);
+  if (!hand) return hand.error();
+  SimulationOptions again;
+  again.hand = &*hand;
+  auto replayed = Simulation::create(loaded.scene, loaded.bone, loaded.tool, again, issues);
+  if (!replayed) return issues.front();
+  if (Status ran = replayed->run_recorded(*session, *hand); !ran) return ran.error();
+  const std::array<std::uint64_t, 2> recorded{live->force_hash(), live->sent_hash()}, fed{replayed->force_hash(), replayed->sent_hash()};
+  bench.agree(what + ": a live run and its record fed again", bytes_of(recorded), bytes_of(fed));
+  return {};
+}
+
+}  // namespace
+
+Status bench_servo(Bench& bench) {
+  const double seconds = bench.quick() ? kQuickWindow : kWindow;
+  for (const BallSize& size : {BallSize{23, 50, 729}, BallSize{66, 138, 5800}}) {
+    auto loaded = load_parietal_scene({"tool.spin_rpm=0", "hand.standoff_mm=0.2", "hand.ramp_s=0.1",
+                                       fmt::format("duration_s={}", bench.quick() ? seconds : kSettle + seconds)});
+    if (!loaded) return loaded.error();
+    LoadedScene& scene = **loaded;
+    auto shell = make_ball(size.stacks, size.slices, size.points);
+    if (!shell) return shell.error();
+    scene.tool.shell = std::move(shell).value();
+    const std::string what = fmt::format("{} points at rest on bone", size.points);
+    if (Status compared = compare_replay(bench, what, scene); !compared) return compared;
+    const DrawingOn drawing(scene);
+    if (Status done = measure(bench, what, scene, seconds, size.points > 1000); !done) return done;
+    bench.add_absolute(what + ": pictures of 512 x 512 drawn meanwhile", "1", static_cast<double>(drawing.frames()), false);
+  }
+  return {};
+}
+
+}  // namespace burrhole

@@ -1,0 +1,22 @@
+#include "app/cli/frontier_option.h"
+
+#include <fmt/format.h>
+
+#include "app/cli/front.h"
+#include "app/cli/progress.h"
+#include "app/lab/frontier.h"
+
+namespace burrhole::cli {
+
+int run_frontier(const std::string& folder, bool quiet) {
+  Progress progress(quiet);
+  FrontierOptions options;
+  options.progress = [&](double share) { progress.show(share, "points of the frontier"); };
+  const auto rows = measure_frontier(options);
+  if (!rows) return report(rows.error());
+  if (const Status written = write_frontier(*rows, folder); !written) return report(written.error());
+  if (!quiet) print(fmt::format("{} rows in {}/frontier.csv, frontier.html and its plots beside it\n", rows->size(), folder));
+  return kDone;
+}
+
+}  // namespace burrhole::cli

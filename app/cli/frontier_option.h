@@ -1,0 +1,11 @@
+/// app/cli/frontier_option.h: `--map` of `burrhole stability`.
+#pragma once
+
+#include <string>
+
+namespace burrhole::cli {
+
+/// Measures the frontier on all cores, with a bar, and writes frontier.csv, its plots and its page into the folder. @returns the exit code.
+int run_frontier(const std::string& folder, bool quiet);
+
+}  // namespace burrhole::cli
