@@ -23,7 +23,6 @@ constexpr double kSettle = 2.5;         // [s] from the start until the tool res
 constexpr double kWindow = 10.0;        // [s]
 constexpr double kQuickWindow = 0.5;    // [s]
 constexpr double kMostCompute = 100.0;  // [us] p99.9
-constexpr int kServoAbove = 60;         // of the lowest FIFO priority, as the live servo
 
 /// Draws until it goes out of scope: what a live run shares the machine with.
 class DrawingOn {

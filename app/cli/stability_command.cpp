@@ -53,8 +53,9 @@ void print_failures(const std::vector<StabilityOutcome>& outcomes) {
 }
 
 Status write_files(const std::vector<StabilityOutcome>& outcomes, const StabilityCommand& command) {
+  // What was broken on purpose never lies where the figures of the program do.
+  if (command.options.sabotage) return write_stability_csv(outcomes, command.folder + "/sabotage.csv");
   if (Status csv = write_stability_csv(outcomes, command.folder + "/stability.csv"); !csv) return csv;
-  if (command.options.sabotage) return {};
   if (Status table = write_file(command.folder + "/stability.md", stability_markdown(outcomes)); !table) return table;
   return write_stability_page(outcomes, command.folder + "/stability.html");
 }
@@ -98,16 +99,21 @@ void add_stability(CLI::App& app, int& exit_code) {
   command->add_option("--out", option->folder, "folder for stability.csv, stability.md and stability.html")
       ->type_name(kFolderValue)
       ->capture_default_str();
-  command->add_option("--case", option->options.only_case, "this case alone");
-  command->add_option("--model", option->options.only_model, "this model alone");
+  CLI::Option* map =
+      command->add_flag("--map", option->map, "measure the frontier instead: frontier.csv, its plots and frontier.html, on all cores");
+  command->add_option("--case", option->options.only_case, "this case alone")->excludes(map);
+  command->add_option("--model", option->options.only_model, "this model alone")->excludes(map);
   command->add_option("--threads", option->options.threads, "cases that run at once; 0 for as many as there are cores")
-      ->capture_default_str();
-  command->add_flag("--long", option->options.long_runs, "the longest case runs for ten million ticks");
-  command->add_flag("--sabotage", option->options.sabotage, "breaks each case on purpose; exit 3 when one is not caught");
-  command->add_flag("--map", option->map, "measure the frontier instead: frontier.csv, its plots and frontier.html, on all cores");
-  command->add_flag("--json", option->json, "print the rows as JSON on stdout, and nothing else there");
+      ->capture_default_str()
+      ->excludes(map);
+  command->add_flag("--long", option->options.long_runs, "the longest case runs for ten million ticks")->excludes(map);
+  CLI::Option* sabotage = command
+                              ->add_flag("--sabotage", option->options.sabotage,
+                                         "breaks each case on purpose, into sabotage.csv; exit 3 when one is not caught")
+                              ->excludes(map);
+  command->add_flag("--json", option->json, "print the rows as JSON on stdout, and nothing else there")->excludes(map)->excludes(sabotage);
   add_simd_option(*command);
-  command->callback([option, &exit_code] { exit_code = option->map ? run_frontier(option->folder, option->json) : run(*option); });
+  command->callback([option, &exit_code] { exit_code = option->map ? run_frontier(option->folder, false) : run(*option); });
 }
 
 }  // namespace burrhole::cli

@@ -1,5 +1,7 @@
 #include "app/engine/drill_parts.h"
 
+#include <algorithm>
+
 namespace burrhole {
 
 DrillParts::DrillParts(const Scene& from, const Tool& with) : scene(from), tool(&with), period(1.0 / from.servo_hz) {
@@ -18,6 +20,13 @@ Result<std::unique_ptr<DrillParts>> DrillParts::make(const Scene& scene, std::sh
   return out;
 }
 
+double force_scale_of(const Scene& scene) noexcept {
+  if (!scene.device) return 1.0;
+  const SimulatedDeviceConfig& config = scene.device->config;
+  return scene.device->force_scale ? *scene.device->force_scale
+                                   : fitting_force_scale({.name = config.name, .largest_force = config.largest_force}, scene.hand.push);
+}
+
 Status DrillParts::build_hand(const Pose& world_from_approach, HandSource* given) {
   if (given != nullptr) {
     hand = given;
@@ -33,7 +42,7 @@ Status DrillParts::build_hand(const Pose& world_from_approach, HandSource* given
   auto created = SimulatedDevice::create(scene.device->config, period);
   if (!created) return created.error();
   device = std::make_unique<SimulatedDevice>(std::move(created).value());
-  const double scale = scene.device->force_scale ? *scene.device->force_scale : fitting_force_scale(device->info(), scene.hand.push);
+  const double scale = force_scale_of(scene);
   const DeviceMap map{.world_from_device = world_from_approach, .position_scale = scene.device->position_scale, .force_scale = scale};
   auto scripted = ScriptedDeviceHand::create(*device, map, scene.hand, world_from_approach, period, scene.hand.feels);
   if (!scripted) return scripted.error();
@@ -55,7 +64,11 @@ Status DrillParts::build(std::shared_ptr<const BoneModel> model, const Outside& 
 
   const Pose world_from_approach = scene.volume.world_from_bone * approach.bone_from_approach;
   if (Status held = build_hand(world_from_approach, outside.hand); !held) return held;
-  servo.emplace(scene.servo, *hand, force_mailbox, hand_mailbox);
+  // Beyond what the device shows, slew limit and energy account would go by a force that nobody gets.
+  ServoConfig limits = scene.servo;
+  if (scene.device) limits.largest_force = std::min(limits.largest_force, scene.device->config.largest_force / force_scale_of(scene));
+  if (Status valid = check(limits); !valid) return valid;
+  servo.emplace(limits, *hand, force_mailbox, hand_mailbox);
 
   const Pose start{world_from_approach.rotation, world_from_approach * Vec3(0.0, 0.0, scene.hand.standoff)};
   auto bone_step = BoneStep::create(scene, *tool, *voxmap, start);

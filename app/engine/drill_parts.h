@@ -30,6 +30,9 @@ class MeanThrust {
   std::uint64_t number_ = 0;
 };
 
+/// Of [device]: by what the drill's force is multiplied at the grip; 1 without a device.
+[[nodiscard]] double force_scale_of(const Scene& scene) noexcept;
+
 struct DrillParts {
   struct Outside {
     FrameSink* sink = nullptr;

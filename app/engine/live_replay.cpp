@@ -27,7 +27,7 @@ Result<std::vector<std::uint64_t>> counts(const SessionReader& session, const st
 
 /// What each step took, as far as its order depends on it.
 struct Journal {
-  std::vector<std::uint64_t> servo_contact;                 // a servo tick: the result that it used
+  std::vector<std::uint64_t> servo_contact, servo_faults;   // a servo tick: the result that it used, and what was wrong
   std::vector<std::uint64_t> contact_hand, contact_window;  // an evaluation: the motion and the copy of bone
   std::vector<std::uint64_t> bone_contact, bone_published;  // a step of bone: the result that it cut by, copies handed over after it
 };
@@ -38,9 +38,9 @@ Result<Journal> read_journal(const SessionReader& session) {
     const char *stream, *name;
     std::vector<std::uint64_t>* values;
   };
-  for (const Column& column : {Column{"", "contact", &out.servo_contact}, Column{"contact", "hand_tick", &out.contact_hand},
-                               Column{"contact", "window", &out.contact_window}, Column{"bone", "contact", &out.bone_contact},
-                               Column{"bone", "published", &out.bone_published}}) {
+  for (const Column& column : {Column{"", "contact", &out.servo_contact}, Column{"", "faults", &out.servo_faults},
+                               Column{"contact", "hand_tick", &out.contact_hand}, Column{"contact", "window", &out.contact_window},
+                               Column{"bone", "contact", &out.bone_contact}, Column{"bone", "published", &out.bone_published}}) {
     auto values = counts(session, column.stream, column.name);
     if (!values) return values.error();
     *column.values = std::move(values).value();
@@ -57,6 +57,8 @@ class Replay {
     while (contacts_ < journal_.servo_contact[tick])
       if (Status looked = contact(); !looked) return looked;
     parts_->servo->sense();
+    // A stop came from outside: the tick in which it was answered tells it.
+    if ((journal_.servo_faults[tick] & kServoStopped) != 0) parts_->servo->request_stop();
     sent_.add(parts_->servo->act().force);
     return {};
   }
@@ -69,20 +71,26 @@ class Replay {
     return {};
   }
   [[nodiscard]] const Hash64& sent() const noexcept { return sent_; }
+  /// A step was asked for of which no row is there: what a killed run leaves at its end.
+  [[nodiscard]] bool ran_out() const noexcept { return ran_out_; }
 
  private:
   static Error disorder() {
     return bad_input("the session's steps do not follow from one another: rows of it are missing or were changed");
   }
+  Error out_of_rows() {
+    ran_out_ = true;
+    return disorder();
+  }
 
   Status contact() {
-    if (contacts_ == journal_.contact_hand.size()) return disorder();
+    if (contacts_ == journal_.contact_hand.size()) return out_of_rows();
     // It read this copy of bone, so the steps that made it came before; later ones may wait for what they cut by.
     while (parts_->bone->publisher().published() < journal_.contact_window[contacts_])
       if (Status cut = bone(); !cut) return cut;
     if (parts_->bone->publisher().published() != journal_.contact_window[contacts_]) return disorder();
     const HandState* hand = hand_->at(journal_.contact_hand[contacts_]);
-    if (hand == nullptr) return disorder();
+    if (hand == nullptr) return out_of_rows();
     const ContactState& state = (*parts_->contact)(*hand);
     ++contacts_;
     parts_->force_mailbox.publish(state);
@@ -90,7 +98,7 @@ class Replay {
     return {};
   }
   Status bone() {
-    if (bones_ == journal_.bone_contact.size()) return disorder();
+    if (bones_ == journal_.bone_contact.size()) return out_of_rows();
     const auto by = kept_.find(journal_.bone_contact[bones_]);
     if (by == kept_.end()) return disorder();
     kept_.erase(kept_.begin(), by);  // steps cut by ever newer results
@@ -107,6 +115,7 @@ class Replay {
   std::map<std::uint64_t, ContactState> kept_;  // of those, the ones found and still needed
   std::uint64_t contacts_ = 0;
   std::size_t bones_ = 0;
+  bool ran_out_ = false;
   Hash64 sent_;
 };
 
@@ -119,16 +128,25 @@ Result<LiveReplayed> replay_live(DrillParts& parts, RecordedHand& hand, const Se
   auto journal = read_journal(session);
   if (!journal) return journal.error();
   const std::size_t ticks = journal->servo_contact.size();
+  const bool unfinished = session.hashes().empty();  // the run did not come to its end
   const FlushToZero guard;
   Replay replay(parts, hand, std::move(journal).value());
   LiveReplayed out;
   for (std::size_t tick = 0; tick < ticks; ++tick) {
     if (stop != nullptr && stop->load(std::memory_order_relaxed)) return out;
-    if (Status done = replay.servo(tick); !done) return done.error();
+    if (Status done = replay.servo(tick); !done) {
+      if (!(replay.ran_out() && unfinished)) return done.error();
+      out.cut_short = true;
+      break;
+    }
     ++out.ticks;
     if (progress && tick % 100 == 0) progress(static_cast<double>(tick) * parts.period);
   }
-  if (Status done = replay.finish(); !done) return done.error();
+  if (!out.cut_short)
+    if (Status done = replay.finish(); !done) {
+      if (!(replay.ran_out() && unfinished)) return done.error();
+      out.cut_short = true;
+    }
   parts.voxmap->write_back();
   out.sent = replay.sent();
   return out;

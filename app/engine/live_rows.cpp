@@ -3,15 +3,29 @@
 namespace burrhole {
 
 std::vector<SessionColumn> hand_columns() {
-  return {{"hand_x", "m"}, {"hand_y", "m"}, {"hand_z", "m"}, {"hand_vx", "m/s"}, {"hand_vy", "m/s"}, {"hand_vz", "m/s"}, {"hand_qw", ""},
-          {"hand_qx", ""}, {"hand_qy", ""}, {"hand_qz", ""}, {"thrust", "N"},    {"phase", ""},      {"hand_tick", ""}};
+  return {{"hand_x", "m"},    {"hand_y", "m"}, {"hand_z", "m"},   {"hand_vx", "m/s"}, {"hand_vy", "m/s"},
+          {"hand_vz", "m/s"}, {"hand_qw", ""}, {"hand_qx", ""},   {"hand_qy", ""},    {"hand_qz", ""},
+          {"thrust", "N"},    {"phase", ""},   {"hand_tick", ""}, {"hand_flags", ""}};
 }
 
 std::array<double, kHandColumns> hand_values(const HandState& hand) noexcept {
   const Vec3& h = hand.world_from_hand.translation;
   const Quat& q = hand.world_from_hand.rotation;
   const Vec3& v = hand.velocity;
-  return {h.x, h.y, h.z, v.x, v.y, v.z, q.w, q.x, q.y, q.z, hand.thrust, static_cast<double>(hand.phase), static_cast<double>(hand.tick)};
+  return {h.x,
+          h.y,
+          h.z,
+          v.x,
+          v.y,
+          v.z,
+          q.w,
+          q.x,
+          q.y,
+          q.z,
+          hand.thrust,
+          static_cast<double>(hand.phase),
+          static_cast<double>(hand.tick),
+          static_cast<double>(hand.flags)};
 }
 
 std::vector<SessionColumn> servo_columns() {

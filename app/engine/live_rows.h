@@ -13,7 +13,7 @@
 namespace burrhole {
 
 struct ServoRow {
-  HandState hand;             ///< as read
+  HandState hand;             ///< as the servo took it: where it was told wrong, mended and flagged
   Vec3 force{0.0};            ///< [N] on the hand
   std::uint64_t contact = 0;  ///< number of the result that the force was made from
   std::uint32_t faults = 0;
@@ -43,7 +43,7 @@ struct BoneRow {
   float compute_us = 0.0f;
 };
 
-inline constexpr std::size_t kHandColumns = 13;
+inline constexpr std::size_t kHandColumns = 14;
 [[nodiscard]] std::vector<SessionColumn> hand_columns();
 [[nodiscard]] std::array<double, kHandColumns> hand_values(const HandState& hand) noexcept;
 

@@ -12,11 +12,11 @@
 namespace burrhole {
 namespace {
 
-constexpr int kServoAbove = 60, kContactAbove = 50;  // of the lowest FIFO priority
-constexpr double kContactOffset = 0.3;               // [servo periods] contact starts once the servo has told the hand's motion
-constexpr std::uint64_t kMostCatchUp = 4;            // steps of bone made up for at once; what is more stays lost, and is told
+constexpr double kContactOffset = 0.3;          // [servo periods] contact starts once the servo has told the hand's motion
+constexpr std::uint64_t kMostCatchUp = 4;       // steps of bone made up for at once; what is more stays lost, and is told
+constexpr std::uint64_t kMostHandCatchUp = 50;  // ticks for which a simulated hand is moved on at once, likewise
+constexpr double kStopGrace = 0.1;              // [s] beyond the soft stop after which a servo that does not end is told to
 constexpr auto kLookEvery = std::chrono::milliseconds(5);
-constexpr double kProgressEvery = 0.1;  // [s]
 
 }  // namespace
 
@@ -59,6 +59,7 @@ class Loops {
   void prepare(int priority) noexcept;
   Status tell_refusals(const std::string& memory);
   Status drain();
+  Status tell_faults(const ServoRow& row);
   Status drain_servo();
   Status drain_contact();
   Status drain_bone();
@@ -74,7 +75,9 @@ class Loops {
   std::atomic<int> waiting_{2};  // real-time threads that have not asked yet
   std::atomic<int> refused_{0};  // errno of a priority that was not granted
   std::atomic<std::uint64_t> unrecorded_{0};
-  std::atomic<bool> broken_{false};  // the simulation thread met an exception
+  std::atomic<bool> broken_{false};  // the simulation thread met an exception, `why_` tells which
+  std::string why_;
+  std::uint32_t told_faults_ = 0;  // latched ones that were warned of
   SpscQueue<ServoRow, 1 << 14> servo_rows_;
   SpscQueue<ContactRow, 1 << 14> contact_rows_;
   SpscQueue<BoneRow, 1 << 12> bone_rows_;
@@ -101,7 +104,9 @@ void Loops::servo_loop() noexcept {
     const TickClock::Wake wake = clock.wait();
     const timespec begin = now_monotonic();
     // In ticks that were slept through the hand moved on under the force that it had.
-    for (std::uint64_t n = 1; n < wake.ticks; ++n) parts_->hand->apply({held, Vec3(0.0)});
+    for (std::uint64_t n = 1; n < std::min(wake.ticks, kMostHandCatchUp); ++n) parts_->hand->apply({held, Vec3(0.0)});
+    // Here and not by the thread that draws: a picture may take seconds.
+    if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) parts_->servo->request_stop();
     parts_->servo->sense();
     hand_told_.store(true, std::memory_order_release);
     const ServoOutput& out = parts_->servo->act();
@@ -118,7 +123,7 @@ void Loops::servo_loop() noexcept {
     row.late_us = wake.late_us;
     row.compute_us = microseconds(begin, now_monotonic());
     if (!servo_rows_.push(row)) unrecorded_.fetch_add(1, std::memory_order_relaxed);
-    if (out.hand.phase == HandPhase::done) break;
+    if (out.hand.phase == HandPhase::done || ((out.faults & kServoStopped) != 0 && out.gain == 0.0)) break;
   }
   report_->ticks = ticks;
   report_->force_hash = sent_.value();
@@ -161,8 +166,12 @@ void Loops::bone_loop() noexcept {
   } const closes{desk_};
   try {
     cut_on();
+  } catch (const std::exception& fault) {
+    why_ = fault.what();
+    broken_.store(true, std::memory_order_release);
   } catch (...) {
-    broken_.store(true, std::memory_order_relaxed);
+    why_ = "of no known kind";
+    broken_.store(true, std::memory_order_release);
   }
 }
 
@@ -197,7 +206,13 @@ void Loops::start() {
 }
 
 void Loops::halt() noexcept {
-  if (servo_.joinable() && !servo_ended_.load(std::memory_order_acquire)) parts_->servo->request_stop();
+  if (servo_.joinable() && !servo_ended_.load(std::memory_order_acquire)) {
+    // The servo ends by itself once the force has faded; contact and bone go on until then.
+    parts_->servo->request_stop();
+    const auto latest = std::chrono::steady_clock::now() + std::chrono::duration<double>(parts_->scene.servo.soft_stop + kStopGrace);
+    while (!servo_ended_.load(std::memory_order_acquire) && std::chrono::steady_clock::now() < latest)
+      std::this_thread::sleep_for(kLookEvery);
+  }
   stop_.store(true, std::memory_order_relaxed);
   for (std::thread* thread : {&servo_, &contact_, &bone_})
     if (thread->joinable()) thread->join();
@@ -211,6 +226,16 @@ Status Loops::tell_refusals(const std::string& memory) {
   return {};
 }
 
+Status Loops::tell_faults(const ServoRow& row) {
+  for (std::uint32_t fresh = row.faults & kServoLatched & ~told_faults_; fresh != 0; fresh &= fresh - 1) {
+    const std::string name = name_of(static_cast<ServoFault>(fresh & ~(fresh - 1)));
+    if (options_.warn) options_.warn("servo: " + name + ": the hand is without force from here on");
+    if (Status noted = log_->note(static_cast<double>(row.hand.tick) * parts_->period, "fault", name); !noted) return noted;
+  }
+  told_faults_ |= row.faults & kServoLatched;
+  return {};
+}
+
 Status Loops::drain_servo() {
   ServoRow row;
   while (servo_rows_.pop(row)) {
@@ -218,6 +243,7 @@ Status Loops::drain_servo() {
     report_->servo_late.add(row.late_us);
     report_->servo_skipped += row.skipped;
     report_->faults |= row.faults;
+    if (Status told = tell_faults(row); !told) return told;
     if (Status noted = log_->hand(row.hand); !noted) return noted;
     if (log_->session() == nullptr) continue;
     put(row, row_);
@@ -273,19 +299,19 @@ Status Loops::run() {
   while (!granted()) std::this_thread::sleep_for(kLookEvery);
   if (Status granted = tell_refusals(locked.refusal()); !granted) return granted;
   while (!servo_ended_.load(std::memory_order_acquire)) {
-    if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) {
-      report_->stopped = true;
-      break;
-    }
-    if (broken_.load(std::memory_order_relaxed)) break;
+    if (broken_.load(std::memory_order_acquire)) break;
     if (Status drained = drain(); !drained) return drained;
     std::this_thread::sleep_for(kLookEvery);
   }
   halt();
   report_->unrecorded = unrecorded_.load();
   report_->done = report_->last.hand.phase == HandPhase::done;
-  if (broken_.load()) return Error{ErrorCode::internal, "the simulation ended on an exception", {}};
-  return drain();
+  report_->stopped = !report_->done && options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
+  if (Status drained = drain(); !drained) return drained;
+  if (broken_.load(std::memory_order_acquire)) return Error{ErrorCode::internal, "the simulation ended on an exception: " + why_, {}};
+  if (report_->unrecorded > 0 && options_.warn)
+    options_.warn(std::to_string(report_->unrecorded) + " rows found the record too far behind: this session cannot be replayed");
+  return {};
 }
 
 }  // namespace

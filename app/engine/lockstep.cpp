@@ -1,8 +1,11 @@
 #include "app/engine/lockstep.h"
 
+#include "app/engine/realtime.h"
+
 namespace burrhole {
 
 const ServoOutput& Lockstep::tick() {
+  const FlushToZero guard;
   DrillParts& parts = *parts_;
   parts.servo->sense();
   looked_ = tick_ % parts.contact_every == 0;

@@ -28,18 +28,12 @@ PlanRow hand_row(const EffectInfo& effect, const LoadedScene& loaded) {
                       loaded.scene.hand.dynamics.stiffness)};
 }
 
-double force_scale(const Scene& scene) {
-  const SimulatedDeviceConfig& config = scene.device->config;
-  return scene.device->force_scale ? *scene.device->force_scale
-                                   : fitting_force_scale({.name = config.name, .largest_force = config.largest_force}, scene.hand.push);
-}
-
 PlanRow device_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const SimulatedDeviceConfig& config = loaded.scene.device->config;
   return {effect, static_cast<double>(loaded.scene.servo_hz), sizeof(SimulatedDevice),
           fmt::format("{} in a {} hand, at most {:.3g} N, {:.3g} kg, {:.0f} um steps, {} ticks late, forces times {:.3g}", config.name,
                       loaded.scene.device->hand, config.largest_force, config.plant.body.mass, config.quantum * 1e6, config.delay,
-                      force_scale(loaded.scene))};
+                      force_scale_of(loaded.scene))};
 }
 
 PlanRow volume_row(const EffectInfo& effect, const LoadedScene& loaded) {
@@ -123,13 +117,25 @@ double bearable_coupling(const Scene& scene) {
   return 0.8 * (scene.hand.dynamics.damping + scene.contact->surface.coupling_damping) / (0.5 * contact_period + delay);
 }
 
-void warn(const LoadedScene& loaded, Plan& plan) {
-  const Scene& scene = loaded.scene;
-  if (scene.device && force_scale(scene) < 1.0)
+void warn_of_device(const Scene& scene, Plan& plan) {
+  if (force_scale_of(scene) < 1.0)
     plan.warnings.push_back(
         fmt::format("[device] {} cannot show {:.0f} N: forces at the grip are {:.3g} times those of the drill; figures and "
                     "records are of the drill",
-                    scene.device->config.name, scene.hand.push, force_scale(scene)));
+                    scene.device->config.name, scene.hand.push, force_scale_of(scene)));
+  if (!scene.contact || !scene.contact->holds_back()) return;
+  const auto model = find_device(scene.device->config.name);
+  if (!model || (*model)->library_stiffness.provenance == Provenance::absent) return;
+  const double coupling = scene.contact->surface.coupling_stiffness, most = (*model)->library_stiffness.value;
+  const double shown = coupling * scene.device->position_scale * force_scale_of(scene);
+  if (shown > most)
+    plan.warnings.push_back(fmt::format("coupling_N_per_m = {:.0f} is {:.0f} N/m at the grip of {}, whose library allows {:.0f}", coupling,
+                                        shown, scene.device->config.name, most));
+}
+
+void warn(const LoadedScene& loaded, Plan& plan) {
+  const Scene& scene = loaded.scene;
+  if (scene.device) warn_of_device(scene, plan);
   if (scene.contact && scene.contact->holds_back() && scene.erosion && scene.tool.spin > 0.0) {
     const double engaged = scene.hand.push / scene.contact->surface.cutting_stiffness;
     const double edge = loaded.bone->bone_from_index().mean_edge();

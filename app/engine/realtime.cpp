@@ -3,6 +3,8 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cmath>
@@ -34,7 +36,13 @@ FlushToZero::~FlushToZero() = default;
 #endif
 
 LockedMemory::LockedMemory() noexcept {
-  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) refusal_ = std::strerror(errno);
+  // Under a limit what is there may fit, and memory asked for later is then refused to the program as a whole.
+  rlimit limit{};
+  const bool limited = ::geteuid() != 0 && ::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  if (limited)
+    refusal_ = "at most " + std::to_string(limit.rlim_cur / 1024) + " KiB";
+  else if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
+    refusal_ = std::strerror(errno);
 }
 LockedMemory::~LockedMemory() {
   if (refusal_.empty()) ::munlockall();
@@ -55,27 +63,35 @@ std::string refusal_text(int priority_fault, const std::string& memory) {
 
 std::string realtime_refusal() {
   int fault = 0;
-  std::thread([&] { fault = ask_for_fifo(0); }).join();
+  std::thread([&] { fault = ask_for_fifo(kServoAbove); }).join();
   return refusal_text(fault, LockedMemory().refusal());
 }
 
 TickClock::TickClock(const timespec& start, double period, double offset) noexcept
-    : next_ns_(nanoseconds(start) + std::llround(offset * 1e9)), period_ns_(std::llround(period * 1e9)) {}
+    : plan_(nanoseconds(start) + std::llround(offset * 1e9), std::llround(period * 1e9)) {}
+
+TickPlan::Tick TickPlan::next(std::int64_t now) noexcept {
+  Tick out;
+  if (const std::int64_t late = now - next_; late <= 0) {
+    hurried_ = false;
+  } else {
+    // The newest that is past, or the first that is to come.
+    const std::int64_t given_up = late / period_ + (hurried_ ? 1 : 0);
+    out.ticks += static_cast<std::uint64_t>(given_up);
+    next_ += given_up * period_;
+    hurried_ = !hurried_;
+  }
+  out.due = next_;
+  next_ += period_;
+  return out;
+}
 
 TickClock::Wake TickClock::wait() noexcept {
-  Wake wake;
-  const std::int64_t before = nanoseconds(now_monotonic());
-  if (before > next_ns_ + period_ns_) {
-    // Whole periods were missed: the newest tick is taken at once, the others are told.
-    wake.ticks += static_cast<std::uint64_t>((before - next_ns_) / period_ns_);
-    next_ns_ += static_cast<std::int64_t>(wake.ticks - 1) * period_ns_;
-  }
-  const timespec due{static_cast<time_t>(next_ns_ / kSecond), static_cast<long>(next_ns_ % kSecond)};
+  const TickPlan::Tick tick = plan_.next(nanoseconds(now_monotonic()));
+  const timespec due{static_cast<time_t>(tick.due / kSecond), static_cast<long>(tick.due % kSecond)};
   while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) == EINTR) {
   }
-  wake.late_us = static_cast<float>(nanoseconds(now_monotonic()) - next_ns_) * 1e-3f;
-  next_ns_ += period_ns_;
-  return wake;
+  return {tick.ticks, static_cast<float>(nanoseconds(now_monotonic()) - tick.due) * 1e-3f};
 }
 
 timespec now_monotonic() noexcept {

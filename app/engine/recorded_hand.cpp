@@ -15,6 +15,9 @@ Result<RecordedHand> RecordedHand::create(const SessionReader& session) {
     if (found == session.columns().end()) return bad_input(std::string("the session has no column ") + kNeeded[n]);
     at[n] = static_cast<std::size_t>(found - session.columns().begin());
   }
+  // Sessions of before do not tell what was wrong with a hand.
+  const auto flags =
+      std::find_if(session.columns().begin(), session.columns().end(), [](const SessionColumn& c) { return c.name == "hand_flags"; });
   const auto rows = session.rows(0, session.row_count());
   if (!rows) return rows.error();
   const std::size_t width = session.columns().size();
@@ -32,6 +35,11 @@ Result<RecordedHand> RecordedHand::create(const SessionReader& session) {
     state.thrust = value(10);
     state.phase = static_cast<HandPhase>(static_cast<std::uint32_t>(phase));
     state.tick = static_cast<std::uint64_t>(std::max(0.0, value(12)));
+    if (flags != session.columns().end()) {
+      const double told = (*rows)[start + static_cast<std::size_t>(flags - session.columns().begin())];
+      if (!(told >= 0.0 && told <= 1e9)) return bad_input("the session holds unknown flags of the hand");
+      state.flags = static_cast<std::uint32_t>(told);
+    }
     states.push_back(state);
   }
   return RecordedHand(std::move(states));

@@ -11,6 +11,8 @@
 
 namespace burrhole {
 
+inline constexpr double kProgressEvery = 0.1;  ///< [s] between two reports of progress
+
 /// One moment for plots, at contact rate.
 struct RunSample {
   double time = 0.0;   ///< [s]

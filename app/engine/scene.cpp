@@ -152,7 +152,7 @@ ServoConfig read_servo(TableReader table) {
 
 DeviceScene read_device(TableReader table, Issues& issues) {
   DeviceScene out;
-  const std::string name = table.text("name", "generic", "simulated device; `burrhole devices` lists them");
+  const std::string name = table.text("name", "generic", "simulated device, one that the command devices lists");
   const std::string hand = table.text("hand", "nominal", "who holds it: none, light, nominal, firm or arm");
   const auto model = find_device(name);
   const auto holder = find_hand(hand);

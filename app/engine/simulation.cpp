@@ -7,7 +7,6 @@
 namespace burrhole {
 namespace {
 
-constexpr double kProgressEvery = 0.1;  // [s]
 
 }  // namespace
 

@@ -36,7 +36,7 @@ struct StabilityOutcome {
 struct StabilityOptions {
   std::string only_case, only_model;  ///< empty: all
   bool long_runs = false;
-  bool sabotage = false;  ///< each case broken as it says, default model; a row passes when the measure fails
+  bool sabotage = false;  ///< each case broken as it says, default model; the measure it names is then expected to fail
   unsigned threads = 0;   ///< 0: as many as the machine has
 };
 /// All cases, each for every model, in fixed order whatever the threads. bad_input for a case or model that there is not.

@@ -14,7 +14,7 @@ namespace burrhole {
 /// [TellesONeill10] eq. (2), a bound on the change of force a tick, measured from the force *shown* before: |F'_t - F'_(t-1)| <= delta. As printed it
 /// starts from F_(t-1), the force asked for before; then a jump passes whole one tick later (a step of A: delta, then A), and while the force
 /// asked for changes faster than delta the shown one follows it a tick late at any speed.
-/// A later cap on magnitude keeps the bound: shortening to a ball brings any two vectors nearer, never further apart.
+/// A cap on magnitude belongs before it: between two forces inside a ball every step stays inside, and nothing winds up beyond it.
 class SlewLimit {
  public:
   /// @param per_tick [N] delta; 0 or infinite: off.

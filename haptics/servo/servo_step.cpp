@@ -78,7 +78,7 @@ void ServoStep::look_at_hand() noexcept {
   const HandState& read = hand_->read();
   hand_age_ = counts_.ticks > 0 && read.tick == output_.hand.tick ? hand_age_ + 1 : 0;
   hand_faults_ = 0;
-  if (is_finite(read)) {
+  if (is_finite(read) && (read.flags & kHandNotFinite) == 0) {
     output_.hand = read;
   } else {
     // What is not finite goes no further: contact and erosion see the last motion that meant something, at rest.
@@ -112,10 +112,9 @@ bool ServoStep::reset() noexcept {
   return true;
 }
 
-void ServoStep::answer_request() noexcept {
-  const Request request = request_.exchange(Request::none, std::memory_order_relaxed);
-  if (request == Request::stop) faults_ |= kServoStopped;
-  if (request == Request::reset) reset();
+void ServoStep::answer_requests() noexcept {
+  if (reset_asked_.exchange(false, std::memory_order_relaxed)) reset();
+  if (stop_asked_.exchange(false, std::memory_order_relaxed)) faults_ |= kServoStopped;
 }
 
 void ServoStep::watch(const ContactState& contact) noexcept {
@@ -137,21 +136,22 @@ Vec3 ServoStep::limited(Vec3 force) noexcept {
     faults_ |= kServoDamped;
     ++counts_.damped;
   }
-  force = slew_(force);
-  if (slew_.limited()) {
-    faults_ |= kServoSlewLimited;
-    ++counts_.slewed;
-  }
+  // The cap first: a slew limit that starts from forces beyond it would hold the cap long after the wish is gone.
   const Vec3 capped = shortened(force, config_.largest_force);
   if (capped != force) {
     faults_ |= kServoForceCapped;
     ++counts_.capped;
   }
-  return capped * gain_((faults_ & (kServoContactStale | kServoStopped)) == 0);
+  const Vec3 shown = slew_(capped);
+  if (slew_.limited()) {
+    faults_ |= kServoSlewLimited;
+    ++counts_.slewed;
+  }
+  return shown * gain_((faults_ & (kServoContactStale | kServoStopped)) == 0);
 }
 
 const ServoOutput& ServoStep::act() noexcept {
-  answer_request();
+  answer_requests();
   faults_ &= kServoLatched | kServoStopped;  // the others are told anew
   const ContactState& contact = contact_in_->latest();
   watch(contact);

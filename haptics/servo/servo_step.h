@@ -1,6 +1,6 @@
 /// haptics/servo/servo_step.h: one tick of the servo: the hand in, a force out of what contact told last, limits, the force to the hand.
 ///   Units SI, world frame.   Thread servo: no lock, allocation, log, file or exception. request_stop() and request_reset() from any thread.
-///   Order in act()  faults -> multi-rate force -> finite? -> passivity controller -> slew -> cap on magnitude -> soft gain.
+///   Order in act()  faults -> multi-rate force -> finite? -> passivity controller -> cap on magnitude -> slew -> soft gain.
 ///   A latched fault is zero force from that tick on, until reset() finds its cause gone; the force then comes back through the soft start.
 ///   Torque is not limited and so not shown: no device that is served here has one.
 #pragma once
@@ -76,10 +76,10 @@ class ServoStep {
     return act();
   }
 
-  /// Any thread or signal handler: the force fades over soft_stop and stays away until reset(). Of requests in one tick the last counts.
-  void request_stop() noexcept { request_.store(Request::stop, std::memory_order_relaxed); }
+  /// Any thread or signal handler: the force fades over soft_stop and stays away until reset(). In one tick a stop outranks a reset.
+  void request_stop() noexcept { stop_asked_.store(true, std::memory_order_relaxed); }
   /// Any thread: reset() at the next tick; forgotten if that refuses.
-  void request_reset() noexcept { request_.store(Request::reset, std::memory_order_relaxed); }
+  void request_reset() noexcept { reset_asked_.store(true, std::memory_order_relaxed); }
   /// Servo thread: takes latched faults and a stop back. @returns false, with all as it was, while a cause is still there.
   bool reset() noexcept BH_REALTIME;
 
@@ -87,10 +87,9 @@ class ServoStep {
   [[nodiscard]] const ServoCounts& counts() const noexcept { return counts_; }
 
  private:
-  enum class Request : std::uint32_t { none, stop, reset };
   void look_at_hand() noexcept;
   void latch(std::uint32_t fault) noexcept;
-  void answer_request() noexcept;
+  void answer_requests() noexcept;
   /// Faults of this tick but those of the force; the age of contact.
   void watch(const ContactState& contact) noexcept;
   [[nodiscard]] Vec3 limited(Vec3 force) noexcept;
@@ -99,7 +98,7 @@ class ServoStep {
   HandSource* hand_;
   TripleBuffer<ContactState>* contact_in_;
   TripleBuffer<HandState>* hand_out_;
-  std::atomic<Request> request_{Request::none};
+  std::atomic<bool> stop_asked_{false}, reset_asked_{false};
   MultiRate multi_rate_;
   EnergyObserver energy_;
   SlewLimit slew_;

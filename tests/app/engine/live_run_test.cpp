@@ -8,6 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "app/engine/realtime.h"
 #include "app/engine/texels.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
@@ -138,6 +139,72 @@ TEST_CASE("live: a record whose steps were changed or lost is refused or comes t
   in_lockstep.hand = &*hand;
   DrillRun again(short_scene(), in_lockstep);
   CHECK(again.run().simulation().force_hash() != run.simulation().force_hash());
+}
+
+TEST_CASE("live: a run that a signal ends while it presses fades, and replays to the same forces") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("stopped.sqlite");
+  std::atomic<bool> stop{false};
+  SimulationOptions options;
+  options.live = true;
+  options.stop = &stop;
+  options.progress = [&](double, const DrillProgress& progress) { stop = stop || progress.peak_force > 1.0; };
+  SmallScene scene = short_scene();
+  scene.sets.push_back("duration_s=20");
+  DrillRun run(scene, options);
+  run_recorded(run, path, true);
+  const LiveReport& live = *run.simulation().live();
+  CHECK(live.stopped);
+  CHECK(live.last.gain == 0.0);  // the soft stop came to its end
+  CHECK((live.faults & kServoStopped) != 0);
+  const Replayed replayed = replay_of(run.loaded(), path);
+  REQUIRE_MESSAGE(replayed.status.ok(), (replayed.status ? "" : replayed.status.error().text()));
+  CHECK(replayed.sent == run.simulation().sent_hash());
+  CHECK(replayed.forces == run.simulation().force_hash());
+}
+
+TEST_CASE("live: of a killed run all is replayed that its last rows name") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("killed.sqlite");
+  SimulationOptions options;
+  options.live = true;
+  DrillRun run(short_scene(), options);
+  run_recorded(run, path, true);
+  // What a kill leaves: no hashes, and servo rows that name results which are not there any more.
+  change(path, "DELETE FROM hashes; DELETE FROM ticks_contact WHERE first_row = (SELECT max(first_row) FROM ticks_contact)");
+  const Replayed killed = replay_of(run.loaded(), path);
+  CHECK_MESSAGE(killed.status.ok(), (killed.status ? "" : killed.status.error().text()));
+  CHECK(killed.sent != run.simulation().sent_hash());
+}
+
+TEST_CASE("TickPlan: a tick that is past is taken at once, the newest, and never two in a row") {
+  constexpr std::int64_t kPeriod = 1000;
+  TickPlan plan(0, kPeriod);
+  CHECK(plan.next(-5).due == 0);
+  CHECK(plan.next(900).due == 1000);  // in time
+  const TickPlan::Tick late = plan.next(2300);
+  CHECK(late.due == 2000);
+  CHECK(late.ticks == 1);
+  const TickPlan::Tick given_up = plan.next(3700);  // late again: the tick of 3000 is given up
+  CHECK(given_up.due == 4000);
+  CHECK(given_up.ticks == 2);
+  CHECK(plan.next(4100).due == 5000);
+  const TickPlan::Tick stall = plan.next(20'450);
+  CHECK(stall.due == 20'000);
+  CHECK(stall.ticks == 15);
+  // A loop that computes for one and a half periods: no tick is counted twice or lost, and it waits in every second.
+  std::int64_t now = 20'450, waits = 0, last = 20'000;
+  for (int n = 0; n < 1000; ++n) {
+    now += 3 * kPeriod / 2;
+    const TickPlan::Tick tick = plan.next(now);
+    CHECK(tick.due == last + static_cast<std::int64_t>(tick.ticks) * kPeriod);
+    last = tick.due;
+    if (tick.due > now) {
+      ++waits;
+      now = tick.due;
+    }
+  }
+  CHECK(waits >= 500);
 }
 
 TEST_CASE("live: what the display was sent is the bone as it is, whenever it asked") {

@@ -248,10 +248,45 @@ TEST_CASE("ServoStep: a stop asked for from another thread fades the force, whic
   CHECK(bench.servo.faults() == kServoStopped);
   bench.servo.request_reset();
   check_soft_start(bench);
-  bench.servo.request_reset();  // of two requests in a tick the last counts
-  bench.servo.request_stop();
-  CHECK(bench.tick() < 5.0);
-  CHECK(bench.servo.faults() == kServoStopped);
+  // In one tick a stop outranks a reset, whichever came last: a panel must not undo a signal.
+  for (const bool stop_first : {true, false}) {
+    bench.servo.request_reset();
+    bench.run(20);
+    if (stop_first) bench.servo.request_stop();
+    bench.servo.request_reset();
+    if (!stop_first) bench.servo.request_stop();
+    CHECK(bench.tick() < 5.0);
+    CHECK(bench.servo.faults() == kServoStopped);
+  }
+}
+
+TEST_CASE("ServoStep: a wish far beyond the cap winds nothing up, the force is gone in the cap's own ticks") {
+  ServoConfig config;
+  config.largest_force = 8.0;
+  config.largest_slew = 1000.0;  // 1 N a tick
+  Bench bench(config);
+  for (int n = 0; n < 200; ++n) static_cast<void>(bench.tick(100.0));
+  CHECK(bench.tick(100.0) == 8.0);
+  for (int n = 1; n <= 8; ++n) CHECK(std::abs(bench.tick(0.0) - (8.0 - n)) < 1e-12);
+  // Sabotage: the limits the other way round hold the cap for as long as the way from 100 N down to it takes.
+  SlewLimit slew(1.0);
+  Vec3 shown(0.0);
+  for (int n = 0; n < 200; ++n) shown = shortened(slew({0.0, 0.0, 100.0}), 8.0);
+  for (int n = 0; n < 8; ++n) shown = shortened(slew(Vec3(0.0)), 8.0);
+  CHECK(shown.z == 8.0);
+}
+
+TEST_CASE("ServoStep: a recorded hand that was mended is taken as the servo took it then") {
+  Bench live(soft()), again(soft());
+  live.run(20);
+  again.run(20);
+  live.hand.state.velocity.x = kNan;
+  CHECK(live.tick() == 0.0);
+  again.hand.state = live.servo.sense();
+  CHECK((again.hand.state.flags & kHandNotFinite) != 0);
+  CHECK(is_finite(again.hand.state.velocity));
+  CHECK(again.tick() == 0.0);
+  CHECK(again.servo.faults() == live.servo.faults());
 }
 
 TEST_CASE("ServoStep: a reset that is asked for while a cause lasts is forgotten, not kept for later") {
