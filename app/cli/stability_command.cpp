@@ -100,14 +100,17 @@ void add_stability(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--case", option->options.only_case, "this case alone");
   command->add_option("--model", option->options.only_model, "this model alone");
-  command->add_option("--threads", option->options.threads, "cases that run at once; 0 for as many as there are cores")
+  command
+      ->add_option("--threads", option->options.threads, "cases, or points of the map, that run at once; 0 for as many as there are cores")
       ->capture_default_str();
   command->add_flag("--long", option->options.long_runs, "the longest case runs for ten million ticks");
   command->add_flag("--sabotage", option->options.sabotage, "breaks each case on purpose; exit 3 when one is not caught");
-  command->add_flag("--map", option->map, "measure the frontier instead: frontier.csv, its plots and frontier.html, on all cores");
+  command->add_flag("--map", option->map, "measure the frontier instead: frontier.csv, its plots and frontier.html");
   command->add_flag("--json", option->json, "print the rows as JSON on stdout, and nothing else there");
   add_simd_option(*command);
-  command->callback([option, &exit_code] { exit_code = option->map ? run_frontier(option->folder, option->json) : run(*option); });
+  command->callback([option, &exit_code] {
+    exit_code = option->map ? run_frontier(option->folder, option->options.threads, option->json) : run(*option);
+  });
 }
 
 }  // namespace burrhole::cli
