@@ -8,9 +8,10 @@
 
 namespace burrhole::cli {
 
-int run_frontier(const std::string& folder, bool quiet) {
+int run_frontier(const std::string& folder, unsigned workers, bool quiet) {
   Progress progress(quiet);
   FrontierOptions options;
+  options.workers = workers;
   options.progress = [&](double share) { progress.show(share, "points of the frontier"); };
   const auto rows = measure_frontier(options);
   if (!rows) return report(rows.error());

@@ -5,7 +5,7 @@
 
 namespace burrhole::cli {
 
-/// Measures the frontier on all cores, with a bar, and writes frontier.csv, its plots and its page into the folder. @returns the exit code.
-int run_frontier(const std::string& folder, bool quiet);
+/// Measures the frontier on `workers` threads, 0 for all cores, with a bar, and writes frontier.csv, its plots and its page into the folder. @returns the exit code.
+int run_frontier(const std::string& folder, unsigned workers, bool quiet);
 
 }  // namespace burrhole::cli

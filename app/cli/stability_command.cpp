@@ -99,13 +99,12 @@ void add_stability(CLI::App& app, int& exit_code) {
   command->add_option("--out", option->folder, "folder for stability.csv, stability.md and stability.html")
       ->type_name(kFolderValue)
       ->capture_default_str();
-  CLI::Option* map =
-      command->add_flag("--map", option->map, "measure the frontier instead: frontier.csv, its plots and frontier.html, on all cores");
+  CLI::Option* map = command->add_flag("--map", option->map, "measure the frontier instead: frontier.csv, its plots and frontier.html");
   command->add_option("--case", option->options.only_case, "this case alone")->excludes(map);
   command->add_option("--model", option->options.only_model, "this model alone")->excludes(map);
-  command->add_option("--threads", option->options.threads, "cases that run at once; 0 for as many as there are cores")
-      ->capture_default_str()
-      ->excludes(map);
+  command
+      ->add_option("--threads", option->options.threads, "cases, or points of the map, that run at once; 0 for as many as there are cores")
+      ->capture_default_str();
   command->add_flag("--long", option->options.long_runs, "the longest case runs for ten million ticks")->excludes(map);
   CLI::Option* sabotage = command
                               ->add_flag("--sabotage", option->options.sabotage,
@@ -113,7 +112,8 @@ void add_stability(CLI::App& app, int& exit_code) {
                               ->excludes(map);
   command->add_flag("--json", option->json, "print the rows as JSON on stdout, and nothing else there")->excludes(map)->excludes(sabotage);
   add_simd_option(*command);
-  command->callback([option, &exit_code] { exit_code = option->map ? run_frontier(option->folder, false) : run(*option); });
+  command->callback(
+      [option, &exit_code] { exit_code = option->map ? run_frontier(option->folder, option->options.threads, false) : run(*option); });
 }
 
 }  // namespace burrhole::cli

@@ -14,7 +14,7 @@ void ContactTick::place(const Pose& world_from_tool) noexcept {
 
 const ContactState& ContactTick::operator()(const HandState& hand) noexcept {
   using Clock = std::chrono::steady_clock;
-  if (stalled_) return state_;
+  if (stalled_.load(std::memory_order_relaxed)) return state_;
   const BoneView view = config_.bone.view();
   window_ = config_.bone.number();
   const Clock::time_point start = Clock::now();

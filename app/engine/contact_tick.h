@@ -3,6 +3,7 @@
 ///   Thread contact; never waits, never allocates after its construction.
 #pragma once
 
+#include <atomic>
 #include <optional>
 
 #include "app/engine/contact_step.h"
@@ -25,7 +26,8 @@ class ContactTick {
   /// Bone lies there from the next evaluation on. The voxels kept round the tool are still those for the scene's own pose.
   void move_bone(const Pose& world_from_bone) noexcept { config_.bone.world_from_bone = world_from_bone; }
   /// A stalled contact thread: nothing is looked at and the last result stays, its age growing (tests and labs).
-  void set_stalled(bool stalled) noexcept { stalled_ = stalled; }
+  /// Any thread.
+  void set_stalled(bool stalled) noexcept { stalled_.store(stalled, std::memory_order_relaxed); }
   /// @returns the result for the mailboxes; the reference stays good until the next call.
   const ContactState& operator()(const HandState& hand) noexcept BH_REALTIME;
 
@@ -50,7 +52,7 @@ class ContactTick {
   std::uint64_t window_ = 0;
   std::uint32_t flags_seen_ = 0;
   float step_us_ = 0.0f;
-  bool stalled_ = false;
+  std::atomic<bool> stalled_{false};
 };
 
 }  // namespace burrhole

@@ -3,6 +3,21 @@
 #include <algorithm>
 
 namespace burrhole {
+namespace {
+
+/// `voxmap` has the plane of the voxel that a point is in, and its own force never passes that of half a voxel; a point that pushes leaves its
+/// plane after a quarter on average. Believed further, planes become walls of ten times a point's stiffness, which throw the hand.
+ServoConfig servo_of(const Scene& scene, double edge) {
+  ServoConfig out = scene.servo;
+  const bool one_voxel = scene.contact && scene.contact->model == ContactModelKind::voxmap && !scene.contact->coupling &&
+                         scene.contact->voxmap.plane_voxel != PlaneVoxel::surface;
+  if (one_voxel) out.multi_rate.max_distance = std::min(out.multi_rate.max_distance, 0.25 * edge);
+  // Beyond what the device shows, slew limit and energy account would go by a force that nobody gets.
+  if (scene.device) out.largest_force = std::min(out.largest_force, scene.device->config.largest_force / force_scale_of(scene));
+  return out;
+}
+
+}  // namespace
 
 DrillParts::DrillParts(const Scene& from, const Tool& with) : scene(from), tool(&with), period(1.0 / from.servo_hz) {
   const auto ticks = [&](int rate_hz) { return static_cast<std::uint64_t>(scene.servo_hz / rate_hz); };
@@ -64,9 +79,7 @@ Status DrillParts::build(std::shared_ptr<const BoneModel> model, const Outside& 
 
   const Pose world_from_approach = scene.volume.world_from_bone * approach.bone_from_approach;
   if (Status held = build_hand(world_from_approach, outside.hand); !held) return held;
-  // Beyond what the device shows, slew limit and energy account would go by a force that nobody gets.
-  ServoConfig limits = scene.servo;
-  if (scene.device) limits.largest_force = std::min(limits.largest_force, scene.device->config.largest_force / force_scale_of(scene));
+  const ServoConfig limits = servo_of(scene, model->bone_from_index().mean_edge());
   if (Status valid = check(limits); !valid) return valid;
   servo.emplace(limits, *hand, force_mailbox, hand_mailbox);
 

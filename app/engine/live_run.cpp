@@ -12,7 +12,8 @@
 namespace burrhole {
 namespace {
 
-constexpr double kContactOffset = 0.3;          // [servo periods] contact starts once the servo has told the hand's motion
+constexpr float kRest = 0.25f;          // of what a step of bone took it then rests: at FIFO it never has more than four fifths of one core
+constexpr double kContactOffset = 0.3;  // [servo periods] contact starts once the servo has told the hand's motion
 constexpr std::uint64_t kMostCatchUp = 4;       // steps of bone made up for at once; what is more stays lost, and is told
 constexpr std::uint64_t kMostHandCatchUp = 50;  // ticks for which a simulated hand is moved on at once, likewise
 constexpr double kStopGrace = 0.1;              // [s] beyond the soft stop after which a servo that does not end is told to
@@ -176,9 +177,12 @@ void Loops::bone_loop() noexcept {
 }
 
 void Loops::cut_on() {
+  // At leisure it slept through most of its steps on a busy machine. A refusal is told by servo and contact, who ask for more.
+  const bool before_others = ask_for_fifo(kBoneAbove) == 0;
   TickClock clock(start_, parts_->bone_period, 0.5 * parts_->period);
   while (!stop_.load(std::memory_order_relaxed)) {
     const TickClock::Wake wake = clock.wait();
+    const timespec woke = now_monotonic();
     for (std::uint64_t n = 0; n < std::min(wake.ticks, kMostCatchUp); ++n) {
       const ContactState& found = parts_->tool_mailbox.latest();
       if (found.number == 0) break;  // contact has not looked yet
@@ -194,6 +198,7 @@ void Loops::cut_on() {
       if (!bone_rows_.push(row)) unrecorded_.fetch_add(1, std::memory_order_relaxed);
     }
     desk_->serve([&] { parts_->frame->gather(); });
+    if (before_others) std::this_thread::sleep_for(std::chrono::duration<float, std::micro>(kRest * microseconds(woke, now_monotonic())));
   }
 }
 

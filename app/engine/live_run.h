@@ -1,7 +1,7 @@
 /// app/engine/live_run.h: the steps of a scene on threads of their own, each at its own pace, over the mailboxes of the parts.
 ///   servo        SCHED_FIFO, highest: reads the hand, makes its force from the latest contact, sends it
 ///   contact      SCHED_FIFO, next: the latest motion against the newest copy of bone
-///   simulation   cuts, publishes
+///   simulation   SCHED_FIFO, lowest: cuts, publishes; rests a quarter of the time that it took, so that it cannot hold a core for itself
 ///   the caller   pictures and record, at leisure
 ///   Whatever ends the run (script, time, a signal, an exception in a picture or the record), the force fades over the servo's soft stop and the
 ///   last thing that the hand gets is a force of zero. A latched fault of the servo ends nothing: the hand is without force, and the run says so.

@@ -39,7 +39,8 @@ class LockedMemory {
   std::string refusal_;
 };
 
-inline constexpr int kServoAbove = 60, kContactAbove = 50;  ///< FIFO priorities of the live threads, over the lowest there is
+inline constexpr int kServoAbove = 60, kContactAbove = 50,
+                     kBoneAbove = 10;  ///< FIFO priorities of the live threads, over the lowest there is
 
 /// Asks for SCHED_FIFO for this thread, at `above` of the lowest such priority. @returns why not; 0: it was granted (an errno).
 [[nodiscard]] int ask_for_fifo(int above) noexcept;

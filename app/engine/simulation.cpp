@@ -5,10 +5,7 @@
 #include "app/engine/realtime.h"
 
 namespace burrhole {
-namespace {
-
-
-}  // namespace
+namespace {}  // namespace
 
 std::vector<SessionColumn> session_columns(const Scene& scene) {
   std::vector<SessionColumn> columns = hand_columns();

@@ -77,6 +77,10 @@ class Simulation {
   [[nodiscard]] RunTimers& timers() noexcept { return timers_; }
   /// Of a live run; nothing otherwise.
   [[nodiscard]] const std::optional<LiveReport>& live() const noexcept { return live_; }
+  /// [N] that the simulated device shows now: after a live run, what that left in the hand. Nothing without [device], or where a hand was given.
+  [[nodiscard]] std::optional<double> shown_force() const noexcept {
+    return parts_->device ? std::optional(glm::length(parts_->device->force())) : std::nullopt;
+  }
   /// Of all forces sent to the hand.
   [[nodiscard]] std::uint64_t sent_hash() const noexcept { return live_ ? live_->force_hash : sent_.value(); }
   [[nodiscard]] FrameStep* frame_step() noexcept { return parts_->frame ? &*parts_->frame : nullptr; }

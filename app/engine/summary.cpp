@@ -86,7 +86,7 @@ void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
     const LiveReport& live = *simulation.live();
     out.timing.insert(out.timing.end(), {{"servo_late", live.servo_late.timing()}, {"contact_late", live.contact_late.timing()}});
     out.missed = live.servo_skipped;
-    out.live = RunSummary::Live{live.contact_skipped, live.bone_skipped, live.unrecorded, live.faults};
+    out.live = RunSummary::Live{live.contact_skipped, live.bone_skipped, live.unrecorded, live.faults, simulation.shown_force()};
   }
   const auto total = [&](std::initializer_list<const char*> names) {
     double sum = 0.0;
@@ -200,11 +200,9 @@ std::string summary_json(const RunSummary& s) {
   json["timing"]["missed"] = s.missed;
   json["live"] = nullptr;
   if (s.live)
-    json["live"] = {{"servo_ticks_missed", s.missed},
-                    {"contact_ticks_missed", s.live->contact_missed},
-                    {"bone_steps_missed", s.live->bone_missed},
-                    {"rows_not_recorded", s.live->unrecorded},
-                    {"servo_faults", s.live->faults}};
+    json["live"] = {{"servo_ticks_missed", s.missed},           {"contact_ticks_missed", s.live->contact_missed},
+                    {"bone_steps_missed", s.live->bone_missed}, {"rows_not_recorded", s.live->unrecorded},
+                    {"servo_faults", s.live->faults},           {"force_left_N", s.live->force_left ? Json(*s.live->force_left) : Json()}};
   json["memory"] = {{"peak_bytes", s.peak_bytes}};
   json["effects"] = Json::array();
   for (const RunSummary::EffectCost& effect : s.effects)

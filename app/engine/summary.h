@@ -34,7 +34,8 @@ struct RunSummary {
   std::uint64_t missed = 0;                                ///< servo ticks; lockstep misses none
   struct Live {
     std::uint64_t contact_missed = 0, bone_missed = 0, unrecorded = 0;
-    std::uint32_t faults = 0;  ///< ServoFault, all seen
+    std::uint32_t faults = 0;          ///< ServoFault, all seen
+    std::optional<double> force_left;  ///< [N] that the simulated device shows after the end
   };
   std::optional<Live> live;  ///< of a live run
   std::uint64_t peak_bytes = 0;

@@ -177,6 +177,7 @@ Result<std::vector<FrontierRow>> measure_frontier(const FrontierOptions& options
   add_known(points);
   add_dampings(points, options.thin);
   add_rates(points, options.thin);
+  if (!options.part.empty()) std::erase_if(points, [&](const Point& point) { return point.row.part != options.part; });
   if (const Status measured = measure_all(points, options); !measured) return measured.error();
   std::vector<FrontierRow> rows;
   rows.reserve(points.size());

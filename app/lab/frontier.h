@@ -47,6 +47,7 @@ struct FrontierRow {
 
 struct FrontierOptions {
   bool thin = false;                     ///< one device and a few points: for tests
+  std::string part{};                    ///< of `FrontierRow::part`: these rows alone; empty: all
   unsigned workers = 0;                  ///< 0: one a core
   std::function<void(double)> progress;  ///< share done 0..1, from any worker, one at a time; may be empty
 };

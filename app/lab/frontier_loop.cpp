@@ -51,7 +51,8 @@ std::string text_of(const FrontierLoopConfig& config) {
                                  config.servo_hz, config.bone == FrontierBone::plate ? kPlate : kSphere, config.drilling ? 1000 : 0);
   text += "[approach]\nentry_mm = [0.0, 0.0, 0.0]\n[hand]\nstandoff_mm = 0.01\n";
   // The servo's own cap lies beyond what any device shows; planes are believed as far as docs/servo.md asks.
-  text += fmt::format("[servo]\nmultirate = \"{}\"\nforce_N = 1e4\nreach_mm = 10.0\n[device]\n", name_of(config.scheme));
+  // Grips that start pressed have their whole force at once.
+  text += fmt::format("[servo]\nmultirate = \"{}\"\nforce_N = 1e4\nreach_mm = 10.0\nsoft_start_s = 0\n[device]\n", name_of(config.scheme));
   text += fmt::format(
       "[contact]\nmodel = \"surface\"\nturning = \"locked\"\nbone_N_per_m = {}\ncoupling_N_per_m = 1000.0\ncoupling_N_s_per_m = {}\n"
       "rate_hz = {}\nlatency_ticks = {}\n",

@@ -23,8 +23,11 @@ inline constexpr double kCurved =
     kPenetration + 0.25 / (4.0 * 2.0);       ///< [voxel] in a hollow of 2 mm, whose 0.5 surface is off by edge / (4 R)
 inline constexpr double kSlideStep = 0.3;    ///< [N] a tenth of the 3 N with which slides press, on a device of exact positions
 inline constexpr double kDeviceStep = 0.42;  ///< [N] one step of position over the coupling: 5000 N/m x 0.05 mm + 10 N s/m x 0.05 mm / 3 ms
-/// [mm/s] What is set free when bone is felt again after a fault, the hand 3 mm in it by then: 3 mm x sqrt(1430 N/m / 0.25 kg) and no more.
-inline constexpr double kKick = 227.0;
+/// [mJ] Bone that is felt again under a hand 3 mm in it stretches the hand's spring of 300 N/m and the wall's own of 1429 N/m (the coupling's 5000, as the
+/// device shows it) by 3 mm between them: in series 248 N/m, and half of that times 3 mm squared must come from the wall, however slowly.
+inline constexpr double kLifted = 1.116 + kEnergy;
+/// [mm/s] As fast as that hand goes with the balance of the two springs, fastest at first: 3 mm x 1429 / 300 over the 0.2 s of the soft start.
+inline constexpr double kLiftSpeed = 71.5;
 inline constexpr double kDrag = 0.03;  ///< [mJ/mm] 1 % of those 3 N: bone of this version has no friction
 
 /// A ball of 4 mm that cuts where it spins, its points `pitch_mm` apart.

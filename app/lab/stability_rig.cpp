@@ -142,7 +142,9 @@ void StabilityRig::prepare(double time) {
   parts_->contact->set_stalled(stalled);
   if (trouble.reset_at >= 0.0 && std::abs(time - trouble.reset_at) < 0.5 * parts_->period) parts_->servo->request_reset();
   if (case_->swing != 0.0 || case_->turn != 0.0 || case_->loose_drag > 0.0) move_bone(time);
+  const Vec3 before = hand_->grip().position;
   hand_->begin_tick(time);
+  carried_ += hand_->grip().position - before;  // put elsewhere: no motion, and no work
 }
 
 void StabilityRig::tick(std::vector<StabilitySample>& samples) {

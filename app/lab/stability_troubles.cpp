@@ -34,12 +34,12 @@ void add_clocks(std::vector<StabilityCase>& out) {
   StabilityCase stalled =
       resting("contact_stalled", "Contact stands still for 200 ms while the hand rests on bone, and again while it leaves.");
   stalled.trouble.contact_stalls = {{0.8, 1.0}, {1.45, 1.9}};
-  // Bone that is felt again under a hand that sank into it sets energy free: how fast it may throw the hand is asked instead.
   // Three contact periods, at least 10 ms, until it is told; 50 ms until the force is gone.
   stalled.checks = {{StabilityMeasure::not_finite, 0.0},
                     {StabilityMeasure::force, kForceBound},
+                    {StabilityMeasure::energy_owed, kLifted},
                     {StabilityMeasure::force_without_bone, 60.0},
-                    {StabilityMeasure::rest_speed, kKick, {1.0, 1.45}},
+                    {StabilityMeasure::rest_speed, kLiftSpeed, {1.0, 1.45}},
                     {StabilityMeasure::pull, kPull, {1.5, kPressTime}},
                     {StabilityMeasure::ticks_missed, 0.0, {0.812, 0.998}, ForModels::all, kServoContactStale},
                     {StabilityMeasure::cycle, kCycle, {1.3, 1.45}},
@@ -63,24 +63,22 @@ void add_devices(std::vector<StabilityCase>& out) {
   StabilityCase teleport = resting("teleport", "The device's position jumps 20 mm into bone, and 25 mm out again.");
   teleport.trouble.teleports = {{0.8, {0.0, 0.0, -20e-3}}, {1.2, {0.0, 0.0, 5e-3}}};
   teleport.far_side = -3.5e-3;
-  // A jump is no motion: what work it does has no meaning, and no account is kept.
-  teleport.checks = {{StabilityMeasure::not_finite, 0.0},
-                     {StabilityMeasure::force, kForceBound},
-                     {StabilityMeasure::force_without_bone, 0.0},
-                     {StabilityMeasure::pull, kPull},
-                     {StabilityMeasure::rest_speed, kRestSpeed, kLeft}};
+  teleport.checks = {
+      {StabilityMeasure::not_finite, 0.0},      {StabilityMeasure::force, kForceBound}, {StabilityMeasure::force_without_bone, 0.0},
+      {StabilityMeasure::energy_owed, kLifted}, {StabilityMeasure::pull, kPull},        {StabilityMeasure::rest_speed, kRestSpeed, kLeft}};
   teleport.checks = with(teleport.checks, held_back());
-  teleport.sabotage = {.what = "the cap on the force is off", .must_fail = StabilityMeasure::force, .sets = {"servo.force_N=1000"}};
+  teleport.sabotage = {
+      .what = "a jump is taken for a motion", .must_fail = StabilityMeasure::energy_owed, .sets = {"servo.jump_m_per_s=0"}};
   out.push_back(teleport);
   StabilityCase number = resting("device_nan", "The device tells a position that is no number for 10 ms; the user resets after 200 ms.");
   number.trouble.hand_not_number = TimeSpan{0.6, 0.61};
   number.trouble.reset_at = 0.8;
-  // Bone that is felt again under a hand that sank into it sets energy free: how fast it may throw the hand is asked instead.
   const TimeSpan settled{1.35, 1.5};
   number.checks = {{StabilityMeasure::not_finite, 0.0},
                    {StabilityMeasure::force, kForceBound},
                    {StabilityMeasure::force_without_bone, 0.0},
-                   {StabilityMeasure::rest_speed, kKick, {0.8, 1.5}},
+                   {StabilityMeasure::energy_owed, kLifted},
+                   {StabilityMeasure::rest_speed, kLiftSpeed, {0.8, 1.5}},
                    {StabilityMeasure::cycle, kCycle, settled},
                    {StabilityMeasure::ripple, kRipple, settled},
                    {StabilityMeasure::pull, kPull, {1.5, kPressTime}},

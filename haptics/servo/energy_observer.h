@@ -30,6 +30,8 @@ class EnergyObserver {
   /// [HannafordRyu02] passivity controller: while energy is owed, a damping of -E / (T v^2), capped, v the last tick's. @returns force [N] to add.
   [[nodiscard]] Vec3 repay() const noexcept BH_REALTIME;
   void clear() noexcept;
+  /// The hand was put elsewhere: its way there is no motion and does no work. What is owed stays owed.
+  void jump() noexcept { started_ = false; }
 
  private:
   EnergyObserverConfig config_;

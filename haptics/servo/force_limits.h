@@ -35,7 +35,8 @@ class SoftGain {
   SoftGain(double soft_start, double soft_stop, double dt) noexcept;
   /// One tick towards 1 (on) or 0. @returns the gain of this tick.
   double operator()(bool on) noexcept BH_REALTIME;
-  void cut() noexcept { gain_ = 0.0; }  ///< to zero at once
+  void cut() noexcept { gain_ = 0.0; }   ///< to zero at once
+  void open() noexcept { gain_ = 1.0; }  ///< to the whole at once
   [[nodiscard]] double gain() const noexcept { return gain_; }
 
  private:

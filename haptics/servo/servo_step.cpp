@@ -7,6 +7,8 @@
 namespace burrhole {
 namespace {
 
+constexpr double kNothing = 1e-6;  // [N] roundings of a tool that touches nothing; a device's friction is 1e4 times that
+
 bool is_finite(const HandState& hand) noexcept {
   const Quat& q = hand.world_from_hand.rotation;
   return burrhole::is_finite(hand.world_from_hand.translation) && burrhole::is_finite(hand.velocity) && std::isfinite(hand.thrust) &&
@@ -35,6 +37,8 @@ const char* name_of(ServoFault fault) noexcept {
       return "stopped";
     case kServoDamped:
       return "damped";
+    case kServoHandJumped:
+      return "hand jumped";
   }
   return "unknown";
 }
@@ -55,6 +59,7 @@ Status check(const ServoConfig& config) {
   if (!(config.largest_slew >= 0.0)) return refuse("largest_slew", "at least 0");
   const Named not_below_zero[] = {{"soft_start", config.soft_start},
                                   {"soft_stop", config.soft_stop},
+                                  {"jump_speed", config.jump_speed},
                                   {"energy.damping", config.energy.damping},
                                   {"energy.tolerance", config.energy.tolerance},
                                   {"energy.largest_damping", config.energy.largest_damping}};
@@ -78,7 +83,11 @@ void ServoStep::look_at_hand() noexcept {
   const HandState& read = hand_->read();
   hand_age_ = counts_.ticks > 0 && read.tick == output_.hand.tick ? hand_age_ + 1 : 0;
   hand_faults_ = 0;
+  jumped_ = false;
   if (is_finite(read) && (read.flags & kHandNotFinite) == 0) {
+    const double ticks = static_cast<double>(read.tick - std::min(read.tick, output_.hand.tick));
+    const double moved = glm::length(read.world_from_hand.translation - output_.hand.world_from_hand.translation);
+    jumped_ = counts_.ticks > 0 && config_.jump_speed > 0.0 && moved > config_.jump_speed * config_.period * std::max(1.0, ticks);
     output_.hand = read;
   } else {
     // What is not finite goes no further: contact and erosion see the last motion that meant something, at rest.
@@ -105,11 +114,16 @@ void ServoStep::latch(std::uint32_t fault) noexcept {
 bool ServoStep::reset() noexcept {
   if (hand_faults_ != 0 || !burrhole::is_finite(contact_in_->latest().on_hand.force)) return false;
   faults_ &= ~(kServoLatched | kServoStopped);
-  multi_rate_.clear();
   energy_.clear();
+  restart_softly();
+  return true;
+}
+
+void ServoStep::restart_softly() noexcept {
+  multi_rate_.clear();
   slew_.clear();
   gain_.cut();
-  return true;
+  soft_since_ = output_.hand.tick;
 }
 
 void ServoStep::answer_requests() noexcept {
@@ -119,13 +133,21 @@ void ServoStep::answer_requests() noexcept {
 
 void ServoStep::watch(const ContactState& contact) noexcept {
   latch(hand_faults_);
+  if (jumped_) {
+    faults_ |= kServoHandJumped;
+    ++counts_.jumped;
+    energy_.jump();
+    restart_softly();
+  }
   energy_(output_.hand.world_from_hand.translation, output_.hand.velocity, output_.force);
   if (energy_.fault()) latch(kServoEnergy);
   output_.contact_number = contact.number;
+  contact_tick_ = contact.tick;
   output_.contact_age = contact.number > 0 && output_.hand.tick > contact.tick ? output_.hand.tick - contact.tick : 0;
   if (config_.max_contact_age > 0 && output_.contact_age > config_.max_contact_age) {
     faults_ |= kServoContactStale;
     ++counts_.stale;
+    soft_since_ = output_.hand.tick;
   }
 }
 
@@ -147,7 +169,11 @@ Vec3 ServoStep::limited(Vec3 force) noexcept {
     faults_ |= kServoSlewLimited;
     ++counts_.slewed;
   }
-  return shown * gain_((faults_ & (kServoContactStale | kServoStopped)) == 0);
+  const bool on = (faults_ & (kServoContactStale | kServoStopped)) == 0;
+  const double gain = gain_(on);
+  // Nothing can jump where nothing is felt, by a contact that saw the hand where it is now.
+  if (on && output_.contact_number > 0 && contact_tick_ >= soft_since_ && glm::length(output_.wanted) <= kNothing) gain_.open();
+  return shown * gain;
 }
 
 const ServoOutput& ServoStep::act() noexcept {

@@ -2,6 +2,7 @@
 
 Run by ctest with the program's path in BURRHOLE_PROGRAM; exits 77 when it cannot draw here.
 """
+import contextlib
 import json
 import math
 import os
@@ -88,14 +89,39 @@ class Drill(WithFolder):
         replayed = run("replay", out / "session.sqlite", "--quiet")
         self.assertEqual((replayed.returncode, replayed.stdout.count(" same")), (0, 3), replayed.stdout + replayed.stderr)
 
-    def test_a_live_run_ends_in_order_on_a_signal(self):
-        out = self.folder / "stopped"
-        program = subprocess.Popen([PROGRAM, "drill", QUICK, "--live", "--out", out, "--quiet", "--set", "duration_s=60"], stderr=subprocess.PIPE)
-        time.sleep(3.0)
-        program.send_signal(signal.SIGTERM)
-        self.assertEqual(program.wait(timeout=60), 130, program.stderr.read())
-        program.stderr.close()
-        self.assertEqual(json.loads((out / "summary.json").read_text())["end"], "stopped")
+    def test_a_live_run_ends_in_order_on_a_signal_and_leaves_the_device_without_force(self):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            out = self.folder / number.name
+            # A bit that stands still on a plate is pressed on for as long as the run lasts.
+            program = subprocess.Popen([PROGRAM, "drill", QUICK, "--live", "--out", out, "--quiet", "--set", "duration_s=60", "--set", "tool.spin_rpm=0",
+                                        "--set", "device.name=generic"], stderr=subprocess.PIPE)
+            self.wait_until_pressed(out / "session.sqlite")
+            program.send_signal(number)
+            self.assertEqual(program.wait(timeout=60), 130, program.stderr.read())
+            program.stderr.close()
+            told = json.loads((out / "summary.json").read_text())
+            self.assertEqual(told["end"], "stopped")
+            self.assertGreater(self.sent(out / "session.sqlite"), 0.5, "the hand was not pushed on when the signal came")
+            self.assertEqual(told["live"]["force_left_N"], 0)
+
+    @staticmethod
+    def sent(session):
+        """[N] The force of the last tick that is on the disk, which is written once a second; 0: there is none yet."""
+        try:
+            with contextlib.closing(sqlite3.connect(f"file:{session}?mode=ro", uri=True)) as database:
+                names = [name for (name,) in database.execute("SELECT name FROM columns ORDER BY position")]
+                row = database.execute("SELECT data FROM ticks ORDER BY first_row DESC LIMIT 1").fetchone()
+        except sqlite3.OperationalError:
+            return 0.0
+        if row is None:
+            return 0.0
+        last = dict(zip(names, struct.unpack(f"<{len(names)}d", row[0][-8 * len(names):])))
+        return math.hypot(last["sent_x"], last["sent_y"], last["sent_z"])
+
+    def wait_until_pressed(self, session):
+        deadline = time.monotonic() + 60
+        while self.sent(session) < 0.5 and time.monotonic() < deadline:
+            time.sleep(0.2)
 
     @unittest.skipIf(os.geteuid() != 0, "real-time priority is taken away from an unprivileged user, which only root can become")
     def test_without_real_time_priority_a_live_run_warns_or_refuses(self):

@@ -1,6 +1,8 @@
 #include <doctest/doctest.h>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "app/lab/frontier.h"
@@ -27,6 +29,15 @@ double let_go_limit_of(const FrontierLoopConfig& config, const LetGo& start) {
   const auto limit = let_go_limit(*loop, start, 50.0);
   REQUIRE_MESSAGE(limit.ok(), (limit ? "" : limit.error().text()));
   return *limit;
+}
+
+/// All figures of a map in its order, as bits.
+std::vector<std::uint64_t> bits_of(const std::vector<FrontierRow>& rows) {
+  std::vector<std::uint64_t> out;
+  for (const FrontierRow& row : rows)
+    for (const double value : {row.coupling_damping, row.measured, row.exact, row.known, row.passive, row.quantised, row.linear})
+      out.push_back(std::bit_cast<std::uint64_t>(value));
+  return out;
 }
 
 }  // namespace
@@ -82,4 +93,32 @@ TEST_CASE("frontier: at 20 Hz the default scheme keeps three times the stiffness
               << ", latency " << latency << ": hold " << hold << ", linear " << linear << ", planes " << planes << " N/m");
       CHECK(planes > 3.0 * std::max(hold, linear));
     }
+}
+
+// Four hands at a few dampings, let go over the plate with all limits of the device on. Whoever is free takes the next point.
+TEST_CASE("frontier: a map measured by three workers is that of one, in every bit") {
+  const auto map = [](unsigned workers) {
+    std::size_t told = 0;
+    double share = 0.0;
+    auto rows = measure_frontier({.thin = true, .part = "let go", .workers = workers, .progress = [&](double now) {
+                                    ++told;
+                                    CHECK(now > share);
+                                    share = now;
+                                  }});
+    REQUIRE(rows.ok());
+    CHECK(told == rows->size());
+    CHECK(share == 1.0);
+    return std::move(rows).value();
+  };
+  const std::vector<FrontierRow> one = map(1), three = map(3);
+  REQUIRE(one.size() >= 8);
+  CHECK(bits_of(one) == bits_of(three));
+  for (std::size_t n = 0; n < one.size(); ++n) {
+    CHECK(one[n].scheme == three[n].scheme);
+    CHECK(one[n].start == three[n].start);
+    CHECK(one[n].hand == three[n].hand);
+  }
+  std::vector<FrontierRow> swapped = three;  // sabotage: two rows in each other's place
+  std::swap(swapped.front(), swapped.back());
+  CHECK(bits_of(one) != bits_of(swapped));
 }

@@ -150,3 +150,27 @@ TEST_CASE("stability: table and page say what failed") {
   CHECK(read_file(page)->find("cycle_mm 0.3 (bound 0.1)") != std::string::npos);
   CHECK(stability_markdown(outcomes).find("- `cycle_mm`: rest 0.3 (0.1)") != std::string::npos);
 }
+
+TEST_CASE("stability: voxmap rests with slow contact, as the servo believes its planes no further than a quarter of a voxel") {
+  const StabilityModel plain{.name = "voxmap", .keys = "model = \"voxmap\"\n"};
+  // Sabotage: planes of the surface voxel are believed as far as the hand goes, and stacked they are ten times a point's stiffness.
+  const StabilityModel believed{.name = "voxmap", .keys = "model = \"voxmap\"\nplane = \"surface\"\n"};
+  for (const char* name : {"contact_50_hz", "contact_20_hz"}) {
+    CAPTURE(std::string(name));
+    const StabilityOutcome rests = run_stability_case(case_of(name), plain, false);
+    CHECK(rests.error == "");
+    for (const StabilityMeasure measure : {StabilityMeasure::cycle, StabilityMeasure::ripple, StabilityMeasure::pull})
+      CHECK(!fails(rests, measure));
+    CHECK(fails(run_stability_case(case_of(name), believed, false), StabilityMeasure::cycle));
+  }
+}
+
+TEST_CASE("stability: the page's table of cases is what the program prints") {
+  const std::string printed = stability_markdown({});
+  const std::string cases = printed.substr(0, printed.find("\n## What fails"));
+  REQUIRE(cases.size() > 1000);
+  const auto page = read_file(BH_SOURCE_DIR "/docs/stability.md");
+  REQUIRE(page.ok());
+  const bool same = page->find(cases) != std::string::npos;
+  CHECK_MESSAGE(same, "docs/stability.md is out of date; run: scripts/stability_page");
+}

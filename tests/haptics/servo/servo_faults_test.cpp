@@ -332,12 +332,70 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("ServoStep: bone that is touched after a moment in air is felt whole at once, also right after a reset or a stall") {
+  ServoConfig config = soft();
+  config.max_contact_age = 10;
+  for (const bool stalls : {false, true}) {
+    Bench bench(config);
+    bench.run(20);
+    if (stalls) {
+      bench.answering = false;
+      for (int n = 0; n < 40; ++n) static_cast<void>(bench.tick());
+      bench.answering = true;
+    } else {
+      static_cast<void>(bench.tick(kNan));
+      CHECK(bench.tick(0.0) == 0.0);
+      CHECK(bench.servo.reset());
+    }
+    CHECK(bench.tick(0.0) == 0.0);  // nothing is felt, by a contact that saw the hand of now
+    CHECK(bench.tick(5.0) == 5.0);
+  }
+}
+
+TEST_CASE("ServoStep: an old contact that felt nothing does not give the whole force back") {
+  Bench bench(soft());
+  bench.run(20);
+  static_cast<void>(bench.tick(0.0));
+  const ContactState old = bench.contact.latest();  // in air, a tick before the reset
+  bench.answering = false;
+  static_cast<void>(bench.tick());
+  CHECK(bench.servo.reset());
+  bench.contact.publish(old);
+  static_cast<void>(bench.tick());
+  bench.answering = true;
+  CHECK(bench.tick(5.0) < 5.0 * 0.3);
+}
+
+TEST_CASE("ServoStep: a hand that is told where it cannot have moved to feels the force softly from there, without a latch") {
+  ServoConfig config = soft();
+  config.jump_speed = 5.0;  // 5 mm a tick
+  Bench bench(config);
+  bench.run(20);
+  bench.hand.state.world_from_hand.translation.z += 4.9e-3;
+  CHECK(bench.tick() == 5.0);
+  bench.hand.state.world_from_hand.translation.z += 5.1e-3;
+  CHECK(std::abs(bench.tick() - 0.5) < 1e-12);
+  CHECK(bench.servo.faults() == kServoHandJumped);
+  CHECK(bench.servo.counts().jumped == 1);
+  CHECK(bench.servo.counts().latched == 0);
+  for (int n = 2; n <= 10; ++n) CHECK(std::abs(bench.tick() - 0.5 * n) < 1e-12);
+  CHECK(bench.servo.faults() == 0);
+  bench.hand.state.world_from_hand.translation.z += 9.0e-3;  // two ticks went by unread: no jump
+  ++bench.hand.state.tick;
+  CHECK(bench.tick() == 5.0);
+  config.jump_speed = 0.0;  // sabotage: nobody looks
+  Bench unguarded(config);
+  unguarded.run(20);
+  unguarded.hand.state.world_from_hand.translation.z += 20e-3;
+  CHECK(unguarded.tick() == 5.0);
+}
+
 TEST_CASE("ServoStep: every fault has a name of its own, and no other bit has one") {
   std::set<std::string> names;
-  for (unsigned bit = 0; bit < 9; ++bit) names.insert(name_of(static_cast<ServoFault>(1u << bit)));
-  CHECK(names.size() == 9);
+  for (unsigned bit = 0; bit < 10; ++bit) names.insert(name_of(static_cast<ServoFault>(1u << bit)));
+  CHECK(names.size() == 10);
   CHECK(names.count("unknown") == 0);
-  CHECK(std::string(name_of(static_cast<ServoFault>(1u << 9))) == "unknown");
+  CHECK(std::string(name_of(static_cast<ServoFault>(1u << 10))) == "unknown");
 }
 
 TEST_CASE("contact_age_limit: three contact periods, at least ten milliseconds") {
@@ -359,6 +417,7 @@ TEST_CASE("check: a servo config out of range is refused with the name of the va
     CHECK(refused({.largest_slew = bad}, "largest_slew"));
     CHECK(refused({.soft_start = bad}, "soft_start"));
     CHECK(refused({.soft_stop = bad}, "soft_stop"));
+    CHECK(refused({.jump_speed = bad}, "jump_speed"));
     CHECK(refused({.multi_rate = {.max_distance = bad}}, "max_distance"));
     CHECK(refused({.energy = {.damping = bad}}, "energy.damping"));
     CHECK(refused({.energy = {.tolerance = bad}}, "energy.tolerance"));
