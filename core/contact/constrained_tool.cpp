@@ -108,22 +108,18 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
   std::optional<HoldPlane> most_violated(const HoldProblem& problem, const HoldMove& move,
                                          std::span<const HoldPlane> kept) noexcept override {
     unmask_dropped(kept);
-    ProbeHits& hits = tool_->hits_;
-    for (std::size_t look = 0; look <= kept.size(); ++look) {
-      std::optional<WorstHit> worst;
-      const auto consider = [&](std::size_t first, std::size_t last, const Vec3& shift) {
-        // A little more than what counts as a violation: that is decided in double below.
-        const float limit = worst ? worst->distance : static_cast<float>(-0.99 * problem.tolerance / tool_->edge_);
-        if (const auto found = find_worst(hits, first, last, motion(move, shift), limit)) worst = found;
-      };
-      consider(0, tool_->cutting_hits_, spinning_ ? move.engagement - problem.engaged : Vec3(0.0));
-      consider(tool_->cutting_hits_, hits.count, Vec3(0.0));
-      if (!worst || static_cast<double>(worst->distance) * tool_->edge_ > -problem.tolerance) return std::nullopt;
-      const std::uint32_t point = hits.point[worst->hit];
-      if (std::ranges::find(kept, point, &HoldPlane::point) == kept.end()) return plane_of(worst->hit);
-      mask(worst->hit);  // it yields under its own load: look past it
-    }
-    return std::nullopt;
+    mask_kept(kept);
+    const ProbeHits& hits = tool_->hits_;
+    std::optional<WorstHit> worst;
+    const auto consider = [&](std::size_t first, std::size_t last, const Vec3& shift) {
+      // A little more than what counts as a violation: that is decided in double below.
+      const float limit = worst ? worst->distance : static_cast<float>(-0.99 * problem.tolerance / tool_->edge_);
+      if (const auto found = find_worst(hits, first, last, motion(move, shift), limit)) worst = found;
+    };
+    consider(0, tool_->cutting_hits_, spinning_ ? move.engagement - problem.engaged : Vec3(0.0));
+    consider(tool_->cutting_hits_, hits.count, Vec3(0.0));
+    if (!worst || static_cast<double>(worst->distance) * tool_->edge_ > -problem.tolerance) return std::nullopt;
+    return plane_of(worst->hit);
   }
 
   [[nodiscard]] HoldPlane plane_of(std::size_t hit) const noexcept {
@@ -150,10 +146,15 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     out.offset = (move.translation + shift + glm::cross(move.turn, axes_ * tool_->middle_)) / tool_->edge_;
     return out;
   }
-  void mask(std::size_t hit) noexcept {
-    if (masked_ == hidden_.size()) return;
-    hidden_[masked_++] = {hit, tool_->hits_.distance[hit]};
-    tool_->hits_.distance[hit] = 1e9f;
+  /// A plane that is kept yields under its own load: the search looks past it.
+  void mask_kept(std::span<const HoldPlane> kept) noexcept {
+    ProbeHits& hits = tool_->hits_;
+    for (const HoldPlane& plane : kept) {
+      const std::size_t hit = tool_->places_.find(hits, plane.point);
+      if (hit == hits.count || hits.distance[hit] == kHidden) continue;
+      hidden_[masked_++] = {hit, hits.distance[hit]};
+      hits.distance[hit] = kHidden;
+    }
   }
   void restore(std::size_t n) noexcept { tool_->hits_.distance[hidden_[n].hit] = hidden_[n].distance; }
   void unmask_dropped(std::span<const HoldPlane> kept) noexcept {
@@ -167,6 +168,7 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     masked_ = left;
   }
 
+  static constexpr float kHidden = 1e9f;  // [voxel edges] further than any hit
   struct Hidden {
     std::size_t hit;
     float distance;
@@ -185,9 +187,11 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
       middle_(middle_of(shell)),
       points_(make_contact_shell(about(shell, middle_), voxel_edge)),
       gripping_(thinned(points_.cutting)),
+      facing_(shell, gripping_),
       drawn_(shell, points_.cutting, middle_),
       edge_(voxel_edge),
-      spots_(shell) {
+      spots_(shell),
+      places_(points_) {
   hits_.reserve(shell_.size());
 }
 
@@ -258,8 +262,10 @@ void ConstrainedTool::grip(const SurfaceView& bone, bool spinning) noexcept {
     grip_.clear();
     return;
   }
-  hits_.clear();
-  probe_surface(bone.records, grip_stride(points_.cutting) > 1 ? gripping_ : points_.cutting,
+  hits_.clear(false);
+  const Vec3 push = glm::conjugate(bone_from_tool_.rotation) * (engaged_ / glm::length(engaged_));
+  const ContactShellPart& asked = grip_stride(points_.cutting) > 1 ? gripping_ : points_.cutting;
+  probe_surface(bone.records, facing_.pick(asked, push, SideGrip::kLeastFacing),
                 bone.records.bone_from_index.inverse() * Affine::from_pose({bone_from_tool_.rotation, bone_from_tool_ * middle_}), 0.0,
                 hits_);
   grip_.look(hits_, shell_, bone_from_tool_, engaged_, config_.side_grip * config_.cutting_stiffness);
@@ -269,7 +275,7 @@ void ConstrainedTool::look(const SurfaceView& bone, bool spinning, double look_a
   const Affine index_from_tool =
       bone.records.bone_from_index.inverse() * Affine::from_pose({bone_from_tool_.rotation, bone_from_tool_ * middle_});
   const Vec3 back = spinning ? bone.records.bone_from_index.inverse().linear * engaged_ : Vec3(0.0);
-  hits_.clear();
+  hits_.clear(shell_.size() > kScannedHits);
   probe_surface(bone.records, points_.cutting, moved(index_from_tool, back), look_ahead, hits_);
   cutting_hits_ = hits_.count;
   probe_surface(bone.records, points_.passive, index_from_tool, look_ahead, hits_);
@@ -277,12 +283,13 @@ void ConstrainedTool::look(const SurfaceView& bone, bool spinning, double look_a
 
 HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept {
   const Affine index_from_bone = bone.records.bone_from_index.inverse();
+  const RecordSampler records(bone.records);
   solver_.refresh([&](HoldPlane& plane) {
     if (plane.both_ways) return false;  // made anew below
     plane.arm = bone_from_tool_.rotate(drawn_in(plane.point));
     plane.cutting = spinning && shell_.cutting[plane.point] != 0;
     const Vec3 position = bone_from_tool_.translation + plane.arm + (plane.cutting ? engaged_ : Vec3(0.0));
-    const auto sample = sample_records(bone.records, index_from_bone * position);
+    const auto sample = records.at(index_from_bone * position);
     if (!sample || sample->distance > kLookAhead || sample->normal == Vec3(0.0)) return false;
     plane.gap = sample->distance * edge_;
     plane.normal = plane.cutting ? sample->normal : direction(bone, plane, position, sample->normal, spinning);

@@ -16,6 +16,8 @@
 #include "core/base/result.h"
 #include "core/contact/contact_model.h"
 #include "core/contact/drawn_shell.h"
+#include "core/contact/facing_points.h"
+#include "core/contact/hit_places.h"
 #include "core/contact/hold_solver.h"
 #include "core/contact/local_contact.h"
 #include "core/contact/near_spots.h"
@@ -105,9 +107,11 @@ class ConstrainedTool {
   Vec3 middle_{0.0};  // [m] tool frame: points_ are about it
   ContactShell points_;
   ContactShellPart gripping_;  // cutting points that tell how bone holds sideways: all of them, or so many evenly chosen
+  FacingPoints facing_;        // picks from those
   DrawnShell drawn_;           // draws the cutting points of points_
   double edge_ = 0.0;          // [m]
   NearSpots spots_;
+  HitPlaces places_;
   ProbeHits hits_;
   std::size_t cutting_hits_ = 0;  // the first so many hits are of cutting points
   HoldSolver solver_;

@@ -10,13 +10,6 @@ namespace {
 // A plane's compliance that is its own, not shared with those before it: less than this part is rounding, and would give any force.
 constexpr double kOwnPart = 1e-13;
 
-/// How a unit force on plane b moves the gap of plane a [m/N].
-double compliance(const HoldProblem& problem, const HoldPlane& a, const HoldPlane& b) noexcept {
-  const double along = glm::dot(a.normal, b.normal);
-  const double turned = glm::dot(glm::cross(a.arm, a.normal), glm::cross(b.arm, b.normal));
-  return along / problem.stiffness + turned / problem.turn_stiffness + (a.cutting && b.cutting ? along / problem.cutting_stiffness : 0.0);
-}
-
 /// Gap of a plane after a move, its yield included.
 double gap_after(const HoldProblem& problem, const HoldPlane& plane, const HoldMove& move) noexcept {
   const Vec3 engaging = plane.cutting ? move.engagement - problem.engaged : Vec3(0.0);
@@ -36,31 +29,43 @@ HoldMove HoldSolver::move_of(const HoldProblem& problem) const noexcept {
   return out;
 }
 
-bool HoldSolver::solve_kept(const HoldProblem& problem, std::array<double, kMaxHoldPlanes>& forces) const noexcept {
-  // Cholesky of the compliance among the kept planes; the right side is the gap without any force, with its sign turned.
-  std::array<std::array<double, kMaxHoldPlanes>, kMaxHoldPlanes> l;
-  const HoldMove free{problem.target, problem.turn, Vec3(0.0)};
-  for (std::size_t r = 0; r < count_; ++r) {
-    HoldPlane plane = planes_[r];
-    plane.force = 0.0;
-    forces[r] = -gap_after(problem, plane, free);
-    for (std::size_t c = 0; c <= r; ++c) {
-      const double whole = compliance(problem, planes_[r], planes_[c]) + (r == c ? planes_[r].yield : 0.0);
-      double sum = whole;
-      for (std::size_t k = 0; k < c; ++k) sum -= l[r][k] * l[c][k];
-      if (r == c) {
-        if (!(sum > kOwnPart * whole)) return false;
-        l[r][r] = std::sqrt(sum);
-      } else {
-        l[r][c] = sum / l[c][c];
-      }
+bool HoldSolver::factor_row(const HoldProblem& problem, std::size_t r) noexcept {
+  const HoldPlane& plane = planes_[r];
+  auto& rows = factor_.rows;
+  auto& right = factor_.right;
+  auto& turning = factor_.turning;
+  turning[r] = glm::cross(plane.arm, plane.normal);
+  for (std::size_t c = 0; c <= r; ++c) {
+    // How a unit force on one plane moves the gap of the other [m/N].
+    const double along = glm::dot(plane.normal, planes_[c].normal);
+    double whole = along / problem.stiffness + glm::dot(turning[r], turning[c]) / problem.turn_stiffness +
+                   (plane.cutting && planes_[c].cutting ? along / problem.cutting_stiffness : 0.0);
+    if (r == c) whole += plane.yield;
+    double sum = whole;
+    for (std::size_t k = 0; k < c; ++k) sum -= rows[r][k] * rows[c][k];
+    if (r != c) {
+      rows[r][c] = sum / rows[c][c];
+    } else {
+      if (!(sum > kOwnPart * whole)) return false;
+      rows[r][r] = std::sqrt(sum);
     }
-    for (std::size_t k = 0; k < r; ++k) forces[r] -= l[r][k] * forces[k];
-    forces[r] /= l[r][r];
   }
+  // The right side is the gap without any force, with its sign turned.
+  HoldPlane unloaded = plane;
+  unloaded.force = 0.0;
+  right[r] = -gap_after(problem, unloaded, {problem.target, problem.turn, Vec3(0.0)});
+  for (std::size_t k = 0; k < r; ++k) right[r] -= rows[r][k] * right[k];
+  right[r] /= rows[r][r];
+  return true;
+}
+
+bool HoldSolver::solve_kept(const HoldProblem& problem, std::array<double, kMaxHoldPlanes>& forces) noexcept {
+  for (; factor_.known < count_; ++factor_.known)
+    if (!factor_row(problem, factor_.known)) return false;
+  forces = factor_.right;
   for (std::size_t r = count_; r-- > 0;) {
-    for (std::size_t k = r + 1; k < count_; ++k) forces[r] -= l[k][r] * forces[k];
-    forces[r] /= l[r][r];
+    for (std::size_t k = r + 1; k < count_; ++k) forces[r] -= factor_.rows[k][r] * forces[k];
+    forces[r] /= factor_.rows[r][r];
   }
   return true;
 }
@@ -69,6 +74,7 @@ void HoldSolver::drop(std::size_t n) noexcept {
   std::copy(planes_.begin() + static_cast<std::ptrdiff_t>(n) + 1, planes_.begin() + static_cast<std::ptrdiff_t>(count_),
             planes_.begin() + static_cast<std::ptrdiff_t>(n));
   --count_;
+  factor_.known = std::min(factor_.known, n);
 }
 
 void HoldSolver::drop_least() noexcept {
@@ -116,6 +122,7 @@ void HoldSolver::settle(const HoldProblem& problem) noexcept {
 }
 
 HoldMove HoldSolver::solve(const HoldProblem& problem, HoldCandidates& candidates) noexcept {
+  factor_.known = 0;
   settle(problem);
   converged_ = false;
   for (rounds_ = 0; rounds_ < kMaxHoldRounds; ++rounds_) {

@@ -88,14 +88,25 @@ class HoldSolver {
  private:
   [[nodiscard]] HoldMove move_of(const HoldProblem& problem) const noexcept;
   /// Equality solve on all kept planes; false when the matrix is not positive definite to rounding.
-  [[nodiscard]] bool solve_kept(const HoldProblem& problem, std::array<double, kMaxHoldPlanes>& forces) const noexcept;
+  [[nodiscard]] bool solve_kept(const HoldProblem& problem, std::array<double, kMaxHoldPlanes>& forces) noexcept;
+  /// Row r of the factor, from those before it; false likewise.
+  [[nodiscard]] bool factor_row(const HoldProblem& problem, std::size_t r) noexcept;
   /// Brings the forces to the optimum over the kept planes, dropping those that would pull.
   void settle(const HoldProblem& problem) noexcept;
   void drop(std::size_t n) noexcept;
   void drop_least() noexcept;
 
+  /// Cholesky's factor of the compliance among the kept planes. Its rows hold for one problem, until a plane before them is dropped.
+  struct Factor {
+    std::array<std::array<double, kMaxHoldPlanes>, kMaxHoldPlanes> rows;
+    std::array<double, kMaxHoldPlanes> right;  // solved forward
+    std::array<Vec3, kMaxHoldPlanes> turning;  // [m] lever arm times normal, of each plane
+    std::size_t known = 0;                     // rows
+  };
+
   std::array<HoldPlane, kMaxHoldPlanes> planes_{};
   std::size_t count_ = 0;
+  Factor factor_{};
   int rounds_ = 0;
   bool converged_ = false;
 };

@@ -66,7 +66,7 @@ HWY_INLINE void append(const ProbeJob& job, hn::Mask<Floats> real, const CellSam
   float* const arrays[6] = {hits.x.data(), hits.y.data(), hits.z.data(), hits.nx.data(), hits.ny.data(), hits.nz.data()};
   const auto near = hn::And(real, hn::Lt(distance, hn::Set(df, job.look_ahead)));
   const std::size_t out = hits.count;
-  range.add(near, distance, values);
+  if (hits.blocks.wanted) range.add(near, distance, values);
   keep_lanes(near, [&](auto keep) HWY_ATTR {
     keep(distance, df, hits.distance.data() + out);
     for (int a = 0; a < 6; ++a) keep(values[a], df, arrays[a] + out);

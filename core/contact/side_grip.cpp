@@ -5,13 +5,13 @@
 #include <limits>
 
 #include "core/base/portable_math.h"
+#include "core/contact/grip_sums.h"
 
 namespace burrhole {
 namespace {
 
 constexpr double kLeastEngaged = 1e-7;   // [m] less is rounding of a tool that only touches
 constexpr double kLeastStiffness = 1.0;  // [N/m] less is felt by no one, and its inverse would swamp the other planes
-constexpr double kRelieved = -0.05;      // [-] sine of 3 degrees: a straight flank is one still while the push leans a little
 constexpr double kLargestShare = 0.5;    // [-] of the thrust that flanks carry
 constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max() - 2;  // beyond every shell point
 
@@ -36,31 +36,16 @@ void SideGrip::look(const ProbeHits& inside, const PointShell& shell, const Pose
   // Summed in the tool frame, where the points are.
   const Quat tool_from_bone = glm::conjugate(bone_from_tool.rotation);
   const Vec3 push = tool_from_bone * push_, tool_u = tool_from_bone * u, tool_v = tool_from_bone * v;
-  double along = 0.0, uu = 0.0, uv = 0.0, vv = 0.0, spread = 0.0;
-  Vec3 middle(0.0);
-  for (std::size_t n = 0; n < inside.count; ++n) {
-    if (inside.distance[n] >= 0.0f) continue;
-    const Vec3& normal = shell.inward_normals[inside.point[n]];
-    const double facing = glm::dot(normal, push);
-    if (facing < kRelieved) continue;  // relieved: it is drawn away from bone
-    const double load = facing * facing, nu = glm::dot(normal, tool_u), nv = glm::dot(normal, tool_v);
-    const Vec3& at = shell.positions[inside.point[n]];
-    const double height = glm::dot(at, push);
-    along += load;
-    middle += load * at;
-    spread += load * (glm::dot(at, at) - height * height);
-    uu += nu * nu;
-    uv += nu * nv;
-    vv += nv * nv;
-  }
-  if (along <= 0.0) return clear();
-  arm_ = middle / along;
+  const GripSums sums = sum_grip(inside, shell, {push, tool_u, tool_v}, kLeastFacing);
+  if (sums.along <= 0.0) return clear();
+  arm_ = sums.middle / sums.along;
   const Vec3 off = across(arm_, push);
-  half_width_ = std::sqrt(std::max(0.0, 2.0 * (spread / along - glm::dot(off, off))));  // of a disc the mean square is half the radius's
-  const double mean = 0.5 * (uu + vv), skew = 0.5 * (uu - vv), apart = std::sqrt(skew * skew + uv * uv);
-  const double angle = 0.5 * portable_atan2(uv, skew), cosine = portable_cos(angle), sine = portable_sin(angle);
+  half_width_ =
+      std::sqrt(std::max(0.0, 2.0 * (sums.spread / sums.along - glm::dot(off, off))));  // of a disc the mean square is half the radius's
+  const double mean = 0.5 * (sums.uu + sums.vv), skew = 0.5 * (sums.uu - sums.vv), apart = std::sqrt(skew * skew + sums.uv * sums.uv);
+  const double angle = 0.5 * portable_atan2(sums.uv, skew), cosine = portable_cos(angle), sine = portable_sin(angle);
   axes_ = {u * cosine + v * sine, v * cosine - u * sine};
-  stiffness_ = {stiffness * (mean + apart) / (2.0 * along), stiffness * (mean - apart) / (2.0 * along)};
+  stiffness_ = {stiffness * (mean + apart) / (2.0 * sums.along), stiffness * (mean - apart) / (2.0 * sums.along)};
   start_ = bone_from_tool * arm_;
   engaged_ = engaged;
   aside_ = across(aside_, push_);

@@ -19,9 +19,12 @@ namespace burrhole {
 
 class SideGrip {
  public:
+  /// [-] along the push, of inward normals: less is relieved. Sine of 3 degrees: a straight flank is one still while the push leans a little.
+  static constexpr double kLeastFacing = -0.05;
+
   /// Holds nothing, and forgets how far aside the tool is.
   void clear() noexcept;
-  /// At the start of a period. @param inside cutting points at the tool's true pose; those under the surface count. @param engaged [m] of the
+  /// At the start of a period. @param inside cutting points at the tool's true pose; those under the surface that face the push count. @param engaged [m] of the
   /// period before. @param stiffness [N/m] K_cut.
   void look(const ProbeHits& inside, const PointShell& shell, const Pose& bone_from_tool, const Vec3& engaged, double stiffness) noexcept;
   /// The two directions held, at a pose of the same period; `both_ways`, force 0. Of yield 0: not held.

@@ -13,6 +13,22 @@ void copy_matrix(const Mat3& m, const Vec3& offset, float* linear, float* moved)
   for (std::size_t r = 0; r < 3; ++r) moved[r] = static_cast<float>(offset[r]);
 }
 
+/// Between the eight records of the cell that begins at `first`, not normalised.
+template <class Record>
+SurfaceSample between(const Record* first, const Vec3i& size, const Vec3& f, const Mat3& metric, double distance_step, double normal_step) {
+  SurfaceSample out{0.0, Vec3(0.0)};
+  const Vec3 rest = 1.0 - f;
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i d(n & 1, (n >> 1) & 1, n >> 2);
+    const double weight = (d.x != 0 ? f.x : rest.x) * (d.y != 0 ? f.y : rest.y) * (d.z != 0 ? f.z : rest.z);
+    const Record& r = first[(static_cast<std::ptrdiff_t>(d.z) * size.y + d.y) * size.x + d.x];
+    const Vec3 normal = normal_step * Vec3(r.nx, r.ny, r.nz);
+    out.distance += weight * (distance_step * r.distance + 0.5 * glm::dot(normal, metric * (f - Vec3(d))));
+    out.normal += weight * normal;
+  }
+  return out;
+}
+
 }  // namespace
 
 void HitBlocks::reserve(std::size_t points) {
@@ -31,9 +47,10 @@ void ProbeHits::reserve(std::size_t points) {
   blocks.reserve(points);
 }
 
-void ProbeHits::clear() noexcept {
+void ProbeHits::clear(bool blocked) noexcept {
   count = 0;
   blocks.count = 0;
+  blocks.wanted = blocked;
   nearest = static_cast<float>(kRecordBand);
   outside = false;
 }
@@ -43,6 +60,7 @@ void probe_surface(const RecordView& bone, const ContactShellPart& points, const
   if (points.size() == 0) return;
   const Vec3i size = bone.box.size();
   const bool small = bone.records8 != nullptr;
+  const double edge = bone.bone_from_index.mean_edge();
   const Mat3& cell = bone.bone_from_index.linear;
   const double diagonal = std::max({glm::length(cell[0] + cell[1] + cell[2]), glm::length(cell[0] + cell[1] - cell[2]),
                                     glm::length(cell[0] - cell[1] + cell[2]), glm::length(cell[0] - cell[1] - cell[2])});
@@ -62,37 +80,32 @@ void probe_surface(const RecordView& bone, const ContactShellPart& points, const
   // -1/2 f (1 - f) times the change of the normal along an axis, on the way of that axis.
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t c = 0; c < 3; ++c)
-      job.metric[4 * axis + 1 + c] =
-          static_cast<float>(-0.5 * (small ? kRecord8Normal / kRecord8Distance : kRecord16Normal / kRecord16Distance) * cell[axis][c] /
-                             bone.bone_from_index.mean_edge());
+      job.metric[4 * axis + 1 + c] = static_cast<float>(
+          -0.5 * (small ? kRecord8Normal / kRecord8Distance : kRecord16Normal / kRecord16Distance) * cell[axis][c] / edge);
   job.straight = true;
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t c = 0; c < 3; ++c) job.straight = job.straight && (c == axis || job.metric[4 * axis + 1 + c] == 0.0f);
   job.look_ahead = static_cast<float>(look_ahead);
   // Distance changes by no more than the way: half a cell's diagonal, and a hundredth for rounding of stored values.
-  job.slack = static_cast<float>(0.5 * diagonal / bone.bone_from_index.mean_edge() + 0.02);
+  job.slack = static_cast<float>(0.5 * diagonal / edge + 0.02);
   const float nearest_before = hits.nearest;
   hits.nearest = static_cast<float>(kRecordBand);
   probe_points(job, points, hits);
   hits.nearest = std::min(nearest_before, hits.nearest - job.slack);
 }
 
-std::optional<SurfaceSample> sample_records(const RecordView& bone, const Vec3& index) noexcept {
-  if (!is_finite(index) || glm::any(glm::lessThan(index, Vec3(bone.valid.lo))) ||
-      glm::any(glm::greaterThanEqual(index, Vec3(bone.valid.hi - 1))))
+RecordSampler::RecordSampler(const RecordView& bone) noexcept
+    : bone_(bone), metric_(bone.bone_from_index.linear / bone.bone_from_index.mean_edge()) {}
+
+std::optional<SurfaceSample> RecordSampler::at(const Vec3& index) const noexcept {
+  if (!is_finite(index) || glm::any(glm::lessThan(index, Vec3(bone_.valid.lo))) ||
+      glm::any(glm::greaterThanEqual(index, Vec3(bone_.valid.hi - 1))))
     return std::nullopt;
-  const Vec3i base = floor_int(index);
+  const Vec3i base = floor_int(index), size = bone_.box.size();
   const Vec3 f = index - Vec3(base);
-  const Mat3 metric = bone.bone_from_index.linear / bone.bone_from_index.mean_edge();
-  SurfaceSample out{0.0, Vec3(0.0)};
-  for_each_voxel({base, base + 2}, [&](const Vec3i& v) {
-    const Vec3i d = v - base;
-    const double weight = (d.x != 0 ? f.x : 1.0 - f.x) * (d.y != 0 ? f.y : 1.0 - f.y) * (d.z != 0 ? f.z : 1.0 - f.z);
-    const std::size_t at = bone.box.offset_of(v);
-    const SurfaceSample one = bone.records8 != nullptr ? decode(bone.records8[at]) : decode(bone.records16[at]);
-    out.distance += weight * (one.distance + 0.5 * glm::dot(one.normal, metric * (f - Vec3(d))));
-    out.normal += weight * one.normal;
-  });
+  const std::size_t first = bone_.box.offset_of(base);
+  SurfaceSample out = bone_.records8 != nullptr ? between(bone_.records8 + first, size, f, metric_, kRecord8Distance, kRecord8Normal)
+                                                : between(bone_.records16 + first, size, f, metric_, kRecord16Distance, kRecord16Normal);
   const double length = glm::length(out.normal);
   out.normal = length > 0.0 ? out.normal / length : Vec3(0.0);
   return out;

@@ -37,6 +37,7 @@ struct HitBlocks {
   std::vector<float> distance;               ///< [voxel edges] least
   std::array<std::vector<float>, 6> lo, hi;  ///< least and greatest x, y, z, nx, ny, nz
   std::size_t count = 0;
+  bool wanted = true;  ///< or none are made
 
   void reserve(std::size_t points);
   [[nodiscard]] HitRange hits_of(std::size_t block) const noexcept { return {block == 0 ? 0 : end[block - 1], end[block]}; }
@@ -48,20 +49,32 @@ struct ProbeHits {
   LineVector<float> distance, nx, ny, nz;  ///< [voxel edges], [-] bone frame, not normalised
   LineVector<std::uint32_t> point;         ///< index into the shell
   std::size_t count = 0;
-  HitBlocks blocks;      ///< of all hits, in order
+  HitBlocks blocks;      ///< of all hits, in order, or none
   float nearest = 0.0f;  ///< [voxel edges] no point looked at is nearer to the surface; at most the records' band, inside too
   bool outside = false;  ///< a point lay outside what the records know
 
   void reserve(std::size_t points);
-  void clear() noexcept;
+  /// @param blocked whether blocks are wanted of what is appended from now on; without them a search looks at all.
+  void clear(bool blocked = true) noexcept;
 };
 
 /// Appends the points whose surface is nearer than `look_ahead` [voxel edges] (inside bone counts as nearer).
 void probe_surface(const RecordView& bone, const ContactShellPart& points, const Affine& index_from_tool, double look_ahead,
                    ProbeHits& hits) noexcept;
 
-/// The same at one point, plainly. @param index in index coordinates. @returns nothing outside what the records know; the normal is of length 1,
-/// or zero where there is none.
-[[nodiscard]] std::optional<SurfaceSample> sample_records(const RecordView& bone, const Vec3& index) noexcept;
+/// The same at one point, plainly, and at others of the same records.
+class RecordSampler {
+ public:
+  explicit RecordSampler(const RecordView& bone) noexcept;
+  /// @param index in index coordinates. @returns nothing outside what the records know; the normal is of length 1, or zero where there is none.
+  [[nodiscard]] std::optional<SurfaceSample> at(const Vec3& index) const noexcept;
+
+ private:
+  RecordView bone_;
+  Mat3 metric_;  // voxel edges from index
+};
+[[nodiscard]] inline std::optional<SurfaceSample> sample_records(const RecordView& bone, const Vec3& index) noexcept {
+  return RecordSampler(bone).at(index);
+}
 
 }  // namespace burrhole

@@ -196,6 +196,18 @@ HWY_INLINE void append_near(const ProbeJob& job, const ProbeBlock& block, std::s
   }
 }
 
+/// Whether most points of a part's first vector are near: what is expected of its first block.
+template <class Channel>
+HWY_INLINE bool begins_near(const ProbeJob& job, const ContactShellPart& part) {
+  const Floats df;
+  bool outside = false;
+  const std::size_t last = HWY_MIN(part.size(), hn::Lanes(df));
+  const Placed at = place(job, part, 0, last, outside);
+  const Vf distance = read_distance<Channel>(job, record_of(job, nearest_voxel(at.x), nearest_voxel(at.y), nearest_voxel(at.z)));
+  const Vf limit = hn::Set(df, (job.look_ahead + job.slack) * job.steps_a_edge);
+  return 4 * hn::CountTrue(df, hn::And(at.usable, hn::Lt(distance, limit))) >= 3 * last;
+}
+
 /// The cells of all points of a block. @returns false, and nothing is known, where one has none.
 HWY_INLINE bool find_all_cells(const ProbeJob& job, const ContactShellPart& part, std::size_t first, std::size_t last, ProbeBlock& block) {
   const Floats df;
@@ -238,7 +250,7 @@ HWY_INLINE void probe(const ProbeJob& job, const ContactShellPart& part, ProbeHi
   const Floats df;
   Vf nearest = hn::Set(df, hits.nearest * job.steps_a_edge);
   ProbeBlock block;
-  bool most_near = false;  // of the block before, which lies beside this one
+  bool most_near = begins_near<Channel>(job, part);  // later, of the block before, which lies beside this one
   for (std::size_t first = 0; first < part.size(); first += kProbeBlock) {
     const std::size_t last = HWY_MIN(first + kProbeBlock, part.size()), before = hits.count;
     BlockRange range;
@@ -251,7 +263,7 @@ HWY_INLINE void probe(const ProbeJob& job, const ContactShellPart& part, ProbeHi
       find_cells<Channel>(job, block, kept);
       append_near<kStraight, Channel>(job, block, kept, range, hits);
     }
-    if (hits.count > before) range.append(hits.count, hits.blocks);
+    if (hits.blocks.wanted && hits.count > before) range.append(hits.count, hits.blocks);
     most_near = 4 * kept >= 3 * (last - first);
   }
   hits.nearest = hn::GetLane(hn::MinOfLanes(df, nearest)) / job.steps_a_edge;

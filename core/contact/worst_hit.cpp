@@ -16,7 +16,7 @@
 #define BURRHOLE_WORST_HIT_ONCE
 namespace burrhole {
 
-inline constexpr std::size_t kFewBlocks = 8;  // so few are scanned as fast as they are bounded
+inline constexpr std::size_t kFewBlocks = kScannedHits / kHitBlock;
 inline constexpr std::size_t kMaxHitBlocks = kMaxShellPoints / kHitBlock + 2;
 // Of the sum of magnitudes behind a bound: what rounding may take from the bound and from the distances of its hits together, 12 operations
 // deep each, of half a unit in the last place (6e-8); and what is lost where numbers underflow.

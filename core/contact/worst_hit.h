@@ -18,6 +18,9 @@ struct PointMotion {
   Vec3 offset{0.0};
 };
 
+/// So few hits are scanned as fast as they are bounded: blocks of no more are not used.
+inline constexpr std::size_t kScannedHits = 8 * kHitBlock;
+
 struct WorstHit {
   std::size_t hit = 0;
   float distance = 0.0f;  ///< [voxel edges] after the motion, linearised

@@ -130,6 +130,30 @@ TEST_CASE("hold solver: meets the conditions of an optimum among 300 candidates"
   CHECK(most >= 5);
 }
 
+TEST_CASE("hold solver: forces are those of the planes kept, solved at once, to the last bit") {
+  // The factor grows and shrinks with the planes: what was added and dropped on the way must not show.
+  int loaded = 0, told = 0;
+  for (std::uint64_t n = 0; n < 300; ++n) {
+    CAPTURE(n);
+    const HoldProblem problem = random_problem(n);
+    HoldSolver solver, again, moved;
+    (void)solved(solver, problem, random_planes(n, 2 + mix64(n) % 60));
+    for (HoldPlane plane : solver.planes()) {
+      again.add(plane);
+      plane.gap -= 1e-9;
+      moved.add(plane);
+    }
+    (void)solved(again, problem, {});
+    (void)solved(moved, problem, {});
+    REQUIRE(again.planes().size() == solver.planes().size());
+    if (!solver.planes().empty()) ++loaded;
+    for (std::size_t k = 0; k < again.planes().size(); ++k) CHECK(again.planes()[k].force == solver.planes()[k].force);
+    if (!moved.planes().empty() && moved.planes()[0].force != solver.planes()[0].force) ++told;  // sabotage: gaps of another moment show
+  }
+  CHECK(loaded > 200);
+  CHECK(told > 200);
+}
+
 TEST_CASE("hold solver: a warm start gives the same answer in fewer rounds") {
   int cold_rounds = 0, warm_rounds = 0;
   for (std::uint64_t n = 0; n < 100; ++n) {
