@@ -5,8 +5,6 @@
 #include "app/engine/realtime.h"
 
 namespace burrhole {
-namespace {}  // namespace
-
 std::vector<SessionColumn> session_columns(const Scene& scene) {
   std::vector<SessionColumn> columns = hand_columns();
   if (scene.contact) {
