@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/lab/push_cone.h"
 #include "core/base/portable_math.h"
 #include "core/base/units.h"
 
@@ -170,7 +171,25 @@ void StabilityRig::tick(std::vector<StabilitySample>& samples) {
   }
 }
 
-void StabilityRig::look_at_tool(StabilitySample& sample) const {
+void StabilityRig::remember(const Pose& bone_from_tool) {
+  const std::uint64_t tick = loop_->ticks(), late = parts_->latency + parts_->contact_every + 1;
+  if (lately_.empty() || lately_.back().bone_from_tool.translation != bone_from_tool.translation) lately_.push_back({tick, bone_from_tool});
+  while (lately_.size() > 1 && lately_[1].since + late <= tick) lately_.erase(lately_.begin());
+}
+
+double StabilityRig::pull_of(const StabilitySample& sample) const {
+  const double towards = -glm::dot(sample.force, sample.normal);
+  if (!(towards > 0.0)) return std::isnan(towards) ? towards : 0.0;
+  if (loaded_->scene.erosion) return towards;
+  const Pose bone_from_world = world_from_bone_.inverse();
+  std::vector<Vec3> normals{bone_from_world.rotate(sample.normal)}, points;
+  for (const Was& was : lately_)
+    for (const Vec3& point : loaded_->tool.shell.positions) points.push_back(was.bone_from_tool * point);
+  touched_normals(parts_->voxmap->window(), parts_->voxmap->bone().bone_from_index(), points, normals);
+  return outside_cone(bone_from_world.rotate(sample.force), normals);
+}
+
+void StabilityRig::look_at_tool(StabilitySample& sample) {
   const ContactState& contact = parts_->contact->state();
   sample.tool = contact.world_from_tool.translation;
   const Pose bone_from_tool = world_from_bone_.inverse() * contact.world_from_tool;
@@ -179,6 +198,8 @@ void StabilityRig::look_at_tool(StabilitySample& sample) const {
   // Of bone that is being cut the shape as loaded is gone: there, out of bone is back along the axis.
   const bool cut = loaded_->scene.erosion.has_value();
   sample.normal = world_from_bone_.rotate(cut ? parts_->approach.bone_from_approach.rotate({0.0, 0.0, 1.0}) : least.normal);
+  remember(bone_from_tool);
+  sample.pull = pull_of(sample);
   const double height = (parts_->approach.bone_from_approach.inverse() * bone_from_tool.translation).z;
   if (case_->far_side != 0.0) sample.beyond = case_->far_side - height;
   if (glm::length(sample.force) > kNoForce) sample.bone_between = bone_between(contact.world_from_tool, hand_->world_grip());

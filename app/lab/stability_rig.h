@@ -28,7 +28,13 @@ class StabilityRig {
   /// Before a tick: what goes wrong in it, and where bone is now.
   void prepare(double time);
   void move_bone(double time);
-  void look_at_tool(StabilitySample& sample) const;
+  void look_at_tool(StabilitySample& sample);
+  /// [N] of the force, which bone cannot have pushed with. Where it does not point into the bone nearest to the tool's deepest point, none. Where it
+  /// does, and that is all the bone there is: its part towards bone, or of bone as loaded its whole length, which is more. Where other walls are
+  /// touched, by the tool as it was since the loop's latency, its distance from what all of them can push with (push_cone.h). Of bone that is cut
+  /// the walls are no excuse: what counts is the axis.
+  [[nodiscard]] double pull_of(const StabilitySample& sample) const;
+  void remember(const Pose& bone_from_tool);
   [[nodiscard]] bool bone_between(const Pose& world_from_tool, const Vec3& hand) const;
   /// Of the tool's points the deepest, or the nearest to bone as loaded.
   [[nodiscard]] SurfaceDistance nearest_of(const Pose& bone_from_tool) const;
@@ -47,6 +53,11 @@ class StabilityRig {
   Vec3 carried_{0.0}, shift_{0.0};  // device frame; world, of loose bone
   Vec3 last_force_{0.0};
   bool touched_ = false;
+  struct Was {
+    std::uint64_t since;  // tick
+    Pose bone_from_tool;
+  };
+  std::vector<Was> lately_;  // where the tool was while forces that are felt now were on their way, the oldest first
 };
 
 }  // namespace burrhole

@@ -54,7 +54,7 @@ double largest_force_step(const StabilityTrace& trace, const TimeSpan& span) noe
 }
 
 double largest_pull(const StabilityTrace& trace, const TimeSpan& span) noexcept {
-  return largest_in(trace, span, [](const StabilitySample& s) { return -glm::dot(s.force, s.normal); });
+  return largest_in(trace, span, [](const StabilitySample& s) { return s.pull; });
 }
 
 double longest_force_without_bone(const StabilityTrace& trace, double felt) noexcept {

@@ -21,6 +21,7 @@ struct StabilitySample {
   Vec3 force{0.0};            ///< [N] of the servo on the hand
   Vec3 hand{0.0}, tool{0.0};  ///< [m] where the hand would have the tool, and where it is
   Vec3 normal{0.0};     ///< outward, of the shape as loaded nearest to the tool's deepest point; where bone is cut, back along the axis
+  double pull = 0.0;    ///< [N] of the force: what no bone that the tool touches can have pushed with (StabilityRig::pull_of)
   double depth = 0.0;   ///< [m] of that point under the 0.5 surface; below 0: clear of it
   double beyond = 0.0;  ///< [m] of the tool's tip past the plane that the case calls its far side; below 0: on the near side
   bool bone_between = true;  ///< bone as it is lies on the way from the tool to the hand, or within a voxel of the hand
@@ -44,7 +45,7 @@ struct TimeSpan {
 [[nodiscard]] double largest_force(const StabilityTrace& trace, const TimeSpan& span) noexcept;
 /// [N] Largest change of it from one tick to the next.
 [[nodiscard]] double largest_force_step(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [N] Largest force towards bone: -F . N. Bone pushes; whatever pulls holds back a hand that leaves.
+/// [N] Largest pull. Bone pushes; whatever pulls holds back a hand that leaves.
 [[nodiscard]] double largest_pull(const StabilityTrace& trace, const TimeSpan& span) noexcept;
 /// [s] Longest time in a row for which more than `felt` [N] was given though no bone lay between tool and hand.
 [[nodiscard]] double longest_force_without_bone(const StabilityTrace& trace, double felt) noexcept;

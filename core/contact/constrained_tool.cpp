@@ -26,7 +26,9 @@ constexpr double kOwnGive = 0.05;
 constexpr double kPlay = 0.75;
 constexpr std::size_t kGripPoints = 1200;  // tell how bone holds sideways well enough: every bit that ships has fewer that cut
 constexpr double kSameFace = 0.94;         // [-] cosine of 20 degrees: two directions this near each other are of one face
-constexpr double kNewPlay = 0.01;          // [-] change of the push's direction from which the drawn-in points are made anew
+// [voxel edges] off its springs' rest by which a spinning tool's force may be passed over for a period: so deep it may lie in bone that it cuts.
+constexpr double kTurnsRound = 0.2;
+constexpr double kNewPlay = 0.01;  // [-] change of the push's direction from which the drawn-in points are made anew
 
 std::size_t grip_stride(const ContactShellPart& part) noexcept {
   return std::max<std::size_t>(1, (part.size() + kGripPoints - 1) / kGripPoints);
@@ -202,6 +204,7 @@ Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& con
   for (const double value : {config.coupling_stiffness, config.cutting_stiffness, config.bone_stiffness, voxel_edge})
     if (!(std::isfinite(value) && value > 0.0))
       return refuse("coupling, cutting and bone stiffness and the voxel's edge must be finite and above 0");
+  if (!(config.push_out >= 0.0)) return refuse("the force that pushes cutting points out of bone must be at least 0");
   if (!(config.turn_stiffness > 0.0)) return refuse("the coupling's stiffness against turning must be above 0");
   if (!(config.coupling_damping >= 0.0 && std::isfinite(config.coupling_damping)))
     return refuse("coupling damping must be finite and at least 0");
@@ -281,6 +284,15 @@ void ConstrainedTool::look(const SurfaceView& bone, bool spinning, double look_a
   probe_surface(bone.records, points_.passive, index_from_tool, look_ahead, hits_);
 }
 
+void ConstrainedTool::let_lie(double furthest_out) noexcept {
+  solver_.refresh([&](HoldPlane& plane) {
+    if (plane.cutting) plane.gap = std::max(plane.gap, -furthest_out - plane.yield * plane.force);
+    return true;
+  });
+  const auto least = static_cast<float>(-furthest_out / edge_);
+  for (std::size_t n = 0; n < cutting_hits_; ++n) hits_.distance[n] = std::max(hits_.distance[n], least);
+}
+
 HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept {
   const Affine index_from_bone = bone.records.bone_from_index.inverse();
   const RecordSampler records(bone.records);
@@ -296,17 +308,19 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
     plane.yield = yield_of(config_, bone, position - plane.normal * (plane.gap + 0.5 * edge_), plane.cutting);
     return true;
   });
+  const HoldProblem problem{.target = bone_from_target.translation - bone_from_tool_.translation,
+                            .turn = rotation_vector(bone_from_target.rotation * glm::conjugate(bone_from_tool_.rotation)),
+                            .engaged = engaged_,
+                            .stiffness = pull.stiffness,
+                            .turn_stiffness = pull.turn_stiffness,
+                            .cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGive),
+                            .tolerance = kTolerance * edge_};
+  // Within a sweep bone stands still: what a move brought under the surface, by planes that are not quite the surface, is not its doing.
+  if (spinning && std::isfinite(config_.push_out)) let_lie(state_.moves == 0 ? config_.push_out / pull.stiffness : 0.0);
   for (const HoldPlane& plane : grip_.planes(bone_from_tool_))
     if (plane.yield > 0.0) solver_.add(plane);
   Candidates candidates(*this, bone, spinning);
-  return solver_.solve({.target = bone_from_target.translation - bone_from_tool_.translation,
-                        .turn = rotation_vector(bone_from_target.rotation * glm::conjugate(bone_from_tool_.rotation)),
-                        .engaged = engaged_,
-                        .stiffness = pull.stiffness,
-                        .turn_stiffness = pull.turn_stiffness,
-                        .cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGive),
-                        .tolerance = kTolerance * edge_},
-                       candidates);
+  return solver_.solve(problem, candidates);
 }
 
 Vec3 ConstrainedTool::direction(const SurfaceView& bone, const HoldPlane& plane, const Vec3& position, const Vec3& normal,
@@ -364,6 +378,18 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
   if (!at_rest) state_.flags |= kContactUnsettled;
 }
 
+void ConstrainedTool::pass_through_nothing(const Pose& bone_from_target, const Vec3& before) noexcept {
+  Vec3 now(0.0);
+  for (const HoldPlane& plane : solver_.planes()) now += plane.normal * plane.force;
+  const Vec3 back = bone_from_target.translation - bone_from_tool_.translation;
+  if (glm::dot(now, before) >= 0.0 || glm::length(back) > kTurnsRound * edge_) return;
+  bone_from_tool_.translation += back;
+  since_look_.translation += back;
+  since_look_.engagement -= engaged_;
+  engaged_ = Vec3(0.0);
+  solver_.clear();
+}
+
 void ConstrainedTool::report(const SurfaceView& bone) noexcept {
   state_.world_from_tool = bone.world_from_bone * bone_from_tool_;
   Vec3 cutting(0.0);
@@ -394,6 +420,7 @@ void ConstrainedTool::describe(const SurfaceView& bone, double reach, LocalConta
     if (out.count == kMaxLocalPlanes) return;
     plane.gap += glm::dot(plane.normal, since_look_.translation + glm::cross(since_look_.turn, plane.arm) +
                                             (plane.cutting ? since_look_.engagement : Vec3(0.0)));
+    if (plane.cutting && plane.force == 0.0) plane.gap = std::max(plane.gap, 0.0);  // it lies: let_lie()
     plane.normal = bone.world_from_bone.rotate(plane.normal);
     plane.arm = bone.world_from_bone.rotate(plane.arm);
     out.planes[out.count++] = plane;
@@ -432,7 +459,9 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   spinning_ = hand.spinning;
   set_play(hand.spinning);
   grip(bone, hand.spinning);
+  const Vec3 before = bone.world_from_bone.inverse().rotate(state_.on_hand.force);
   sweep(bone, pull, hand.spinning);
+  if (hand.spinning) pass_through_nothing(bone.world_from_bone.inverse() * pull.world_from_target, before);
   report(bone);
   world_from_bone_ = bone.world_from_bone;
   hand_before_ = hand.world_from_hand.rotation;

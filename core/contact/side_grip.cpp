@@ -53,8 +53,13 @@ void SideGrip::look(const ProbeHits& inside, const PointShell& shell, const Pose
 
 Vec3 SideGrip::aside_at(const Pose& bone_from_tool) const noexcept { return across(aside_ + bone_from_tool * arm_ - start_, push_); }
 
+bool SideGrip::left(const Pose& bone_from_tool) const noexcept {
+  return std::abs(glm::dot(bone_from_tool * arm_ - start_, push_)) > glm::length(engaged_);
+}
+
 std::array<HoldPlane, 2> SideGrip::planes(const Pose& bone_from_tool) const noexcept {
   std::array<HoldPlane, 2> out;
+  if (left(bone_from_tool)) return out;
   const Vec3 aside = aside_at(bone_from_tool);
   for (std::size_t n = 0; n < 2; ++n) {
     out[n].normal = axes_[n];
@@ -68,7 +73,7 @@ std::array<HoldPlane, 2> SideGrip::planes(const Pose& bone_from_tool) const noex
 }
 
 void SideGrip::settle(const Pose& bone_from_tool, const Vec3& engaged, double thrust) noexcept {
-  if (stiffness_[0] < kLeastStiffness) return clear();
+  if (stiffness_[0] < kLeastStiffness || left(bone_from_tool)) return clear();
   const Vec3 moved = bone_from_tool * arm_ - start_;
   aside_ = aside_at(bone_from_tool);
   // The pose without engagement follows the surface: what it has gone against the push is what was cut. Back and forth cuts nothing.

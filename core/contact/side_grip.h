@@ -35,6 +35,8 @@ class SideGrip {
   [[nodiscard]] const Vec3& aside() const noexcept { return aside_; }  ///< [m] from where it is cut, across the push
 
  private:
+  /// Within the period the tool has gone further along the push than it was engaged: what held is no more round it.
+  [[nodiscard]] bool left(const Pose& bone_from_tool) const noexcept;
   [[nodiscard]] Vec3 aside_at(const Pose& bone_from_tool) const noexcept;
 
   Vec3 push_{0.0, 0.0, 1.0};  // unit, out of bone

@@ -82,13 +82,11 @@ TEST_CASE("stability: what is not finite is counted, and no bound holds it") {
   CHECK(std::isnan(largest_force(trace, {})));
 }
 
-TEST_CASE("stability: a pull is force against the outward normal, and a push is none") {
-  const auto with_force = [](double z) {
-    return make_trace(5, [z](int n, StabilitySample& s) { s.force = {3.0, 0.0, n == 2 ? z : 1.0}; });
-  };
-  CHECK(largest_pull(with_force(2.0), {}) == 0.0);
-  CHECK(largest_pull(with_force(-2.0), {}) == 2.0);
-  CHECK(largest_pull(with_force(-2.0), {3e-3, 1.0}) == 0.0);
+TEST_CASE("stability: the pull is the largest of the span, and one that is no number stays") {
+  const auto pulling = [](double newton) { return make_trace(5, [newton](int n, StabilitySample& s) { s.pull = n == 2 ? newton : 0.0; }); };
+  CHECK(largest_pull(pulling(2.0), {}) == 2.0);
+  CHECK(largest_pull(pulling(2.0), {3e-3, 1.0}) == 0.0);
+  CHECK(std::isnan(largest_pull(pulling(std::nan("")), {})));
 }
 
 TEST_CASE("stability: force that outlives its bone is timed by its longest stretch") {

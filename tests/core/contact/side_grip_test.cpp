@@ -161,3 +161,17 @@ TEST_CASE("side grip: a tool in air, or one that was cleared, is held by nothing
   CHECK(grip.aside() == Vec3(0.0));
   CHECK(grip.planes({})[0].yield == 0.0);
 }
+
+TEST_CASE("side grip: a tool that goes further along the push in a period than it was engaged is held by nothing and starts anew") {
+  const Vec3 engaged(0.0, 0.0, 0.2e-3);
+  const Felt felt = flat_end(2e-3, 0.2e-3, 1e-3, 0.1e-3);
+  for (const double way : {-0.19e-3, 0.19e-3, -0.21e-3, 0.21e-3}) {
+    CAPTURE(way);
+    SideGrip grip = gripped(felt, engaged);
+    const Pose there{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.05e-3, 0.0, way)};
+    const bool held = std::abs(way) < 0.2e-3;
+    CHECK((grip.planes(there)[0].yield > 0.0) == held);
+    grip.settle(there, engaged, 20.0);
+    CHECK((glm::length(grip.aside()) > 0.0) == held);
+  }
+}

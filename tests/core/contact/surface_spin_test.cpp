@@ -155,3 +155,65 @@ TEST_CASE("surface: spinning on uncut bone it is engaged by F / K_cut, pushed ba
     }
   }
 }
+
+namespace {
+
+/// A plate of 1 mm with a round hole all through, its wall at 0.5 as phantoms have it.
+ShippedBone ring_of(double radius) {
+  PhantomSpec spec = fine_spec(PhantomKind::plate);
+  spec.extent = Vec3(0.007, 0.007, 0.005);
+  spec.above = 0.002;
+  spec.thickness = 0.001;
+  DenseBone dense = phantom_of(spec).bone;
+  for (std::size_t n = 0; n < dense.occupancy.size(); ++n) {
+    const auto nx = static_cast<std::size_t>(dense.dims.x), ny = static_cast<std::size_t>(dense.dims.y);
+    const Vec3 at = dense.bone_from_index * Vec3(static_cast<double>(n % nx), static_cast<double>(n / nx % ny), 0.0);
+    const double left = std::clamp(0.5 + (std::hypot(at.x, at.y) - radius) / (2.0 * kFine), 0.0, 1.0);
+    dense.occupancy[n] = std::min(dense.occupancy[n], static_cast<float>(left));
+    if (dense.occupancy[n] > 0.0f) continue;
+    dense.hardness[n] = 0.0f;
+    dense.labels[n] = 0;
+  }
+  return ShippedBone(dense);
+}
+
+struct Release {
+  double first = 0.0, last = 0.0, least = 0.0, largest_rise = 0.0;  ///< [N] of the force out of bone
+  double height = 0.0;                                              ///< [m] of the tool at the end
+};
+
+/// A spinning ball of 2 mm is pressed on a ring that it does not fit through, which is then opened by 2 um a tick until it does.
+Release release(double push_out) {
+  const PointShell shell = ball_shell(kBallRadius, 200);
+  ConstrainedToolConfig config;
+  config.push_out = push_out;
+  auto tool = ConstrainedTool::create(config, shell, kFine);
+  REQUIRE(tool.ok());
+  const Pose hand{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, -2e-3)};  // of the ball's middle
+  tool->place({hand.rotation, Vec3(0.0, 0.0, 1.5e-3)});
+  Release out;
+  double before = 0.0;
+  for (int tick = 0; tick < 260; ++tick) {
+    const ShippedBone bone = ring_of(1.6e-3 + std::max(0, tick - 40) * 2e-6);
+    const double force = tool->step(bone.view(), {hand, Vec3(0.0), true}, kPeriod).on_hand.force.z;
+    if (tick == 40) out.first = force;
+    if (tick > 40) out.largest_rise = std::max(out.largest_rise, force - before);
+    out.least = std::min(out.least, force);
+    before = out.last = force;
+  }
+  out.height = tool->state().world_from_tool.translation.z;
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a spinning ball that comes through a ring: what holds it falls to nothing and never turns round") {
+  const Release held = release(ConstrainedToolConfig{}.push_out), thrown = release(std::numeric_limits<double>::infinity());
+  MESSAGE("held " << held.first << " N, least " << held.least << ", last " << held.last << ", largest rise " << held.largest_rise
+                  << "; thrown: least " << thrown.least << " N");
+  CHECK(held.first > 5.0);
+  CHECK(held.least >= -ConstrainedToolConfig{}.push_out);  // what bone may push out with
+  CHECK(std::abs(held.last) < 1e-6);
+  CHECK(std::abs(held.height + 2e-3) < 1e-6);                     // where the hand would have it
+  CHECK(thrown.least < -4.0 * ConstrainedToolConfig{}.push_out);  // sabotage: moved out as far as the surface, it is pulled through
+}
