@@ -30,6 +30,7 @@ class OffscreenSink final : public PictureSink {
     return {};
   }
   const std::vector<std::string>& files() const override { return files_; }
+  std::string driver() const override { return renderer_.driver(); }
 
  private:
   Renderer renderer_;
@@ -39,8 +40,10 @@ class OffscreenSink final : public PictureSink {
 
 }  // namespace
 
-Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder) {
+Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder, const std::string& gl) {
   RenderOptions options;
+  for (const GlBackend backend : gl_backends())
+    if (gl == gl_backend_name(backend)) options.gl = backend;
   options.supersample = 2;  // a handful of still pictures: smooth edges are worth four times the pixels
   auto renderer = Renderer::create(options);
   if (!renderer) return renderer.error();

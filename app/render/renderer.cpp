@@ -199,7 +199,7 @@ Result<Renderer> Renderer::create(const RenderOptions& options) {
     if (!read) return read.error();
     files = std::move(read).value();
   }
-  auto context = GlContext::create(16, 16);
+  auto context = GlContext::create(16, 16, options.gl);
   if (!context) return context.error();
   auto impl = std::make_unique<Impl>(options, std::move(context).value(), std::move(files));
   // A faulty shader is found here and not at the first frame.
@@ -283,6 +283,9 @@ Status Renderer::link_every_variant() {
 
 const RenderCounters& Renderer::counters() const noexcept { return impl_->counters; }
 
-std::string Renderer::driver() const { return impl_->context.version() + ", " + impl_->context.renderer(); }
+std::string Renderer::driver() const {
+  const GlContext& context = impl_->context;
+  return std::string(gl_backend_name(context.backend())) + ": " + context.version() + ", " + context.renderer();
+}
 
 }  // namespace burrhole

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/engine/view.h"
+#include "app/render/gl_context.h"
 #include "core/base/result.h"
 #include "core/tool/tool.h"
 
@@ -22,6 +23,7 @@ struct RenderOptions {
   bool skip_empty = true;                 ///< same picture, fewer samples
   bool finish = true;                     ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
   int supersample = 1;                    ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
+  GlBackend gl = GlBackend::automatic;    ///< where OpenGL comes from
   std::filesystem::path shader_folder{};  ///< empty: the shaders as built in
 };
 
@@ -68,7 +70,7 @@ class Renderer {
   /// Compiles and links every shader variant there is. @returns the first fault.
   [[nodiscard]] Status link_every_variant();
   [[nodiscard]] const RenderCounters& counters() const noexcept;
-  [[nodiscard]] std::string driver() const;  ///< OpenGL version and renderer as the driver states them
+  [[nodiscard]] std::string driver() const;  ///< "BACKEND: VERSION, RENDERER", the last two as the driver states them
 
  private:
   struct Impl;

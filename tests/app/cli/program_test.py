@@ -365,6 +365,31 @@ class OtherCommands(WithFolder):
         self.assertEqual(run("render", QUICK, "--image", self.folder / "x.jpg").returncode, 2)
         self.assertEqual(list(self.folder.iterdir()), [])
 
+    def test_opengl_comes_from_where_it_is_asked_of(self):
+        images = {}
+        for backend in ("osmesa", "egl"):
+            image = self.folder / f"{backend}.png"
+            result = run("render", QUICK, "--image", image, "--size", "64x48", "--gl", backend)
+            if result.returncode == 4:  # not here: it says why, in one line
+                self.assertEqual(len(lines(result.stderr)), 1, result.stderr)
+                continue
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn(f"picture by {backend}: 4.", result.stderr)
+            images[backend] = image.read_bytes()
+            if "llvmpipe" not in result.stderr:
+                images.pop(backend)
+        self.assertLessEqual(len(set(images.values())), 1, "software draws other bytes through another back end")
+
+    def test_opengl_that_cannot_be_had_is_one_line_and_exit_code_4(self):
+        bare = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+        for backend, variable in (("window", {}), ("osmesa", {"GALLIUM_DRIVER": "swrast"})):
+            with self.subTest(backend=backend):
+                result = run("render", QUICK, "--image", self.folder / "x.png", "--gl", backend, env=bare | variable)
+                self.assertEqual((result.returncode, len(lines(result.stderr))), (4, 1), result.stderr)
+                self.assertTrue(result.stderr.startswith(backend + ": "), result.stderr)
+        self.assertEqual(run("render", QUICK, "--gl", "glide").returncode, 2)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
     def test_tools_lists_and_tells(self):
         listed = run("tools").stdout
         for name in ("perforator_14_11", "round_burr_4mm", "acosta_liu_round"):
