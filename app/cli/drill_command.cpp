@@ -223,7 +223,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
     if (std::string refused = realtime_refusal(); !refused.empty()) return Error{ErrorCode::unavailable, std::move(refused), {}};
   std::unique_ptr<PictureSink> sink;
   if (loaded.scene.display) {
-    auto made = make_picture_sink(files.folder, files.gl);
+    auto made = make_picture_sink(files.folder, *loaded.scene.display, files.gl);
     if (!made) return made.error();
     sink = std::move(made).value();
     options.sink = sink.get();

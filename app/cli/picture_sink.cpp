@@ -40,10 +40,12 @@ class OffscreenSink final : public PictureSink {
 
 }  // namespace
 
-Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder, const std::string& gl) {
+Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder, const DisplayScene& display, const std::string& gl) {
   RenderOptions options;
   for (const GlBackend backend : gl_backends())
     if (gl == gl_backend_name(backend)) options.gl = backend;
+  if (display.method == "slices")
+    options.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
   options.supersample = 2;  // a handful of still pictures: smooth edges are worth four times the pixels
   auto renderer = Renderer::create(options);
   if (!renderer) return renderer.error();

@@ -333,7 +333,14 @@ ErosionScene read_erosion(TableReader table, double& pitch_voxels) {
 
 DisplayScene read_display(TableReader table) {
   DisplayScene out;
-  out.method = table.choice("method", "raycast", {"raycast"}, "how bone is drawn", {"slices", "mesh"});
+  out.method = table.choice("method", "raycast", {"raycast", "slices"},
+                            "how bone is drawn: by rays to its surface, or by slices blended back to front", {"mesh"});
+  if (out.method == "slices") {
+    out.slices_per_voxel = table.number("slices_per_voxel", {.fallback = 1.0, .min = 0.0, .max = 8.0, .min_open = true},
+                                        "slices for each voxel along the view's axis");
+    out.opacity_correction = table.boolean(
+        "opacity_correction", true, "opacity is per voxel edge, whatever the distance between slices; false: per slice, as in the paper");
+  }
   const auto size =
       table.numbers("size", std::vector<double>{1200, 900}, 2, {.min = 16, .max = 8192}, "width and height of a picture in pixels");
   out.width = static_cast<int>(size[0]);

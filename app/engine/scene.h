@@ -79,7 +79,9 @@ struct SpindleScene {
 
 /// [display]
 struct DisplayScene {
-  std::string method = "raycast";
+  std::string method = "raycast";  ///< "raycast" or "slices"
+  double slices_per_voxel = 1.0;
+  bool opacity_correction = true;
   int width = 1200, height = 900;
   double azimuth = 0.61;    ///< [rad] of the camera round the axis, from the patient's -y
   double elevation = 0.75;  ///< [rad] above the tangent plane

@@ -20,7 +20,7 @@ void flip_rows(std::vector<T>& pixels, int width, int height) {
 
 }  // namespace
 
-Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height, bool with_probe) {
+Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height, TargetKind kind) {
   GLint limit = 0;
   gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &limit);
   if (width < 1 || height < 1 || width > limit || height > limit)
@@ -29,8 +29,10 @@ Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height
   target.gl_ = &gl;
   target.width_ = width;
   target.height_ = height;
+  target.kind_ = kind;
+  const bool with_probe = kind == TargetKind::probed;
   target.framebuffer_ = make_framebuffer(gl);
-  target.color_ = make_renderbuffer(gl, GL_RGBA8, width, height);
+  target.color_ = make_renderbuffer(gl, kind == TargetKind::floats ? GL_RGBA32F : GL_RGBA8, width, height);
   target.depth_ = make_renderbuffer(gl, GL_DEPTH_COMPONENT32F, width, height);
   const GLuint framebuffer = target.framebuffer_.name();
   gl.NamedFramebufferRenderbuffer(framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color_.name());
@@ -46,8 +48,8 @@ Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height
   return target;
 }
 
-bool GlTarget::fits(int width, int height, bool with_probe) const noexcept {
-  return framebuffer_ && width == width_ && height == height_ && with_probe == static_cast<bool>(probe_);
+bool GlTarget::fits(int width, int height, TargetKind kind) const noexcept {
+  return framebuffer_ && width == width_ && height == height_ && kind == kind_;
 }
 
 void GlTarget::bind() const {

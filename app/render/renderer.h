@@ -1,11 +1,12 @@
 /// app/render/renderer.h: draws the volume and the tool offscreen. The only folder that knows OpenGL; no GL type shows here.
 ///   Frame  world, but for what FrameView says.   Units  SI; images: row 0 is the top, RGBA8, alpha 255.
-///   Source [AcostaLiu07] section 4: textures, eq. 5 and 6, the light. Ray casting in place of its slices is our own.
+///   Source [AcostaLiu07] section 4: textures, eq. 5 and 6, the light; section 5: slices. Ray casting in their place is our own.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,14 @@
 
 namespace burrhole {
 
+/// Slices across the axis of the volume that is nearest to the direction of view, back to front. Opacity is the density: no sharp surface, no
+/// finish, no skipping, and a probe has nothing to tell.
+struct SliceOptions {
+  double per_voxel = 1.0;  ///< (0, 8] slices for each voxel along the axis
+  bool correct =
+      true;  ///< opacity holds over a mean voxel edge, whatever the distance between slices; off: over that distance, as the paper's
+};
+
 /// What a picture costs and how it is finished; choices that are off are not in the shader.
 struct RenderOptions {
   double step_voxels = 0.5;               ///< (0, 1] distance of samples along a ray, in index coordinates
@@ -23,6 +32,7 @@ struct RenderOptions {
   bool skip_empty = true;                 ///< same picture, fewer samples
   bool finish = true;                     ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
   int supersample = 1;                    ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
+  std::optional<SliceOptions> slices{};   ///< in place of rays
   GlBackend gl = GlBackend::automatic;    ///< where OpenGL comes from
   std::filesystem::path shader_folder{};  ///< empty: the shaders as built in
 };
