@@ -66,6 +66,13 @@ Image GlTarget::read_picture() const {
   return image;
 }
 
+std::vector<float> GlTarget::read_depth() const {
+  std::vector<float> values(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  gl_->ReadPixels(0, 0, width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, values.data());
+  flip_rows(values, width_, height_);
+  return values;
+}
+
 std::vector<glm::fvec4> GlTarget::read_probe() const {
   BH_ASSERT(probe_);
   std::vector<glm::fvec4> values(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));

@@ -23,6 +23,7 @@ class GlTarget {
   void bind() const;
   [[nodiscard]] Image read_picture() const;                  ///< row 0 at the top
   [[nodiscard]] std::vector<glm::fvec4> read_probe() const;  ///< row 0 at the top; the target is probed
+  [[nodiscard]] std::vector<float> read_depth() const;       ///< 0..1, row 0 at the top
 
  private:
   const GladGLContext* gl_ = nullptr;

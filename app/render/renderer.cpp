@@ -128,6 +128,7 @@ struct Renderer::Impl {
   RenderCounters counters;
   GlObject no_vertices, frame_buffer;
   GlTarget target;
+  DepthRange range;  ///< of the last picture
   std::optional<VolumeTexture> volume;
   std::optional<ToolMesh> tool;
 
@@ -145,11 +146,11 @@ struct Renderer::Impl {
   void draw_screen(GLuint program) const;
   void draw_tool(const FrameView& view, GLuint program) const;
   void draw_slices(GLuint program, int count) const;
-  Result<FrameBlock> make_block(const FrameView& view, int width, int height) const;
+  Result<FrameBlock> make_block(const FrameView& view, int width, int height);
   Status render(const FrameView& view, int width, int height, bool probe);
 };
 
-Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, int height) const {
+Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, int height) {
   const Status valid = check_view(view);
   if (!valid) return valid.error();
   const auto rays = make_camera_rays(view.camera, static_cast<double>(width) / static_cast<double>(height));
@@ -170,7 +171,7 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   const bool with_tool = tool && view.world_from_tool;
   if (with_tool)
     for (const Vec3& corner : tool->corners()) points.push_back(*view.world_from_tool * corner);
-  const DepthRange range = fit_depth_range(rays.value(), points);
+  range = fit_depth_range(rays.value(), points);
   block.lens = Vec4f(glm::dvec4(range.near_plane, range.far_plane, width, height));
   if (volume && options.slices) {
     const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
@@ -330,6 +331,7 @@ Result<FrameProbe> Renderer::probe(const FrameView& view, int width, int height)
   if (!drawn) return drawn.error();
   FrameProbe probe;
   probe.image = impl_->target.read_picture();
+  for (const float depth : impl_->target.read_depth()) probe.view_depth.push_back(static_cast<float>(impl_->range.view_depth_of(depth)));
   impl_->counters.probe_samples = 0;
   for (const Vec4f& pixel : impl_->target.read_probe()) {
     probe.hit_index.emplace_back(pixel.x, pixel.y, pixel.z);

@@ -52,6 +52,7 @@ struct FrameProbe {
   Image image;
   std::vector<Vec3f> hit_index;   ///< where the ray met the volume, index coordinates; meaningful where hit is 1
   std::vector<std::uint8_t> hit;  ///< 1 where the volume is what the pixel shows
+  std::vector<float> view_depth;  ///< [m] along the view's direction, from the depth buffer: of bone or tool; meaningless on the background
   std::vector<int> samples;       ///< taken before the hit or the end of the ray; 0 where the tool is in front
 };
 
