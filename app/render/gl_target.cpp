@@ -66,6 +66,19 @@ Image GlTarget::read_picture() const {
   return image;
 }
 
+GlObject GlTarget::make_depth_texture() const {
+  GlObject texture = make_texture(*gl_, GL_TEXTURE_2D);
+  gl_->TextureStorage2D(texture.name(), 1, GL_DEPTH_COMPONENT32F, width_, height_);
+  gl_->TextureParameteri(texture.name(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl_->TextureParameteri(texture.name(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  return texture;
+}
+
+void GlTarget::copy_depth(GLuint texture) const {
+  gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  gl_->CopyTextureSubImage2D(texture, 0, 0, 0, 0, 0, width_, height_);
+}
+
 std::vector<float> GlTarget::read_depth() const {
   std::vector<float> values(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   gl_->ReadPixels(0, 0, width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, values.data());

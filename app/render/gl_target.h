@@ -23,6 +23,8 @@ class GlTarget {
   void bind() const;
   [[nodiscard]] Image read_picture() const;                  ///< row 0 at the top
   [[nodiscard]] std::vector<glm::fvec4> read_probe() const;  ///< row 0 at the top; the target is probed
+  void copy_depth(GLuint texture) const;                     ///< into a texture of make_depth_texture()
+  [[nodiscard]] GlObject make_depth_texture() const;         ///< of its size
   [[nodiscard]] std::vector<float> read_depth() const;       ///< 0..1, row 0 at the top
 
  private:

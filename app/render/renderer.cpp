@@ -9,6 +9,7 @@
 #include "app/render/gl_target.h"
 #include "app/render/shader_program.h"
 #include "app/render/tool_mesh.h"
+#include "app/render/transfer_texture.h"
 #include "app/render/volume_texture.h"
 #include "core/base/assert.h"
 
@@ -27,6 +28,8 @@ Status check_options(const RenderOptions& options) {
   if (options.supersample < 1 || options.supersample > 4) return out_of_range("supersampling must be in 1..4");
   if (options.slices && !(options.slices->per_voxel > 0.0 && options.slices->per_voxel <= 8.0))
     return out_of_range("slices must be in (0, 8] a voxel");
+  if (options.slices && options.translucent) return out_of_range("a transfer function is for rays: slices have their own opacity");
+  if (options.translucent) return check_transfer(*options.translucent);
   return {};
 }
 
@@ -129,6 +132,8 @@ struct Renderer::Impl {
   GlObject no_vertices, frame_buffer;
   GlTarget target;
   DepthRange range;  ///< of the last picture
+  GlObject transfer, opaque_depth;
+  std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
   std::optional<VolumeTexture> volume;
   std::optional<ToolMesh> tool;
 
@@ -137,6 +142,11 @@ struct Renderer::Impl {
     no_vertices = make_vertex_array(gl);
     frame_buffer = make_buffer(gl);
     gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
+    if (options.skip_empty && !options.slices) seen_from = kSolidOpacity;
+    if (!options.translucent) return;
+    const TransferTable table = make_transfer_table(*options.translucent);
+    transfer = make_transfer_texture(gl, table);
+    if (options.skip_empty) seen_from = burrhole::seen_from(table);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -146,6 +156,7 @@ struct Renderer::Impl {
   void draw_screen(GLuint program) const;
   void draw_tool(const FrameView& view, GLuint program) const;
   void draw_slices(GLuint program, int count) const;
+  void draw_translucent(GLuint program);
   Result<FrameBlock> make_block(const FrameView& view, int width, int height);
   Status render(const FrameView& view, int width, int height, bool probe);
 };
@@ -218,9 +229,26 @@ void Renderer::Impl::draw_slices(GLuint program, int count) const {
   gl.Disable(GL_BLEND);
 }
 
+/// Blends over what is there the part of each ray that lies before it.
+void Renderer::Impl::draw_translucent(GLuint program) {
+  target.copy_depth(opaque_depth.name());
+  volume->bind();
+  gl.BindTextureUnit(3, transfer.name());
+  gl.BindTextureUnit(4, opaque_depth.name());
+  gl.Disable(GL_DEPTH_TEST);  // depths were looked up instead
+  gl.Enablei(GL_BLEND, 0);    // the picture alone, not the probe
+  gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl.ColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  draw_screen(program);
+  gl.ColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.Disablei(GL_BLEND, 0);
+  gl.Enable(GL_DEPTH_TEST);
+}
+
 ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe) const {
   const bool soft = volume && volume->has_soft();
   if (options.slices) return slices_variant({.cut = cut, .soft = soft, .correct = options.slices->correct});
+  if (options.translucent) return translucent_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe});
   return raycast_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .finish = options.finish, .probe = probe});
 }
 
@@ -232,6 +260,7 @@ Status Renderer::Impl::render(const FrameView& view, int width, int height, bool
     auto made = GlTarget::create(gl, width, height, kind);
     if (!made) return made.error();
     target = std::move(made).value();
+    if (options.translucent) opaque_depth = target.make_depth_texture();
   }
   const auto block = make_block(view, width, height);
   if (!block) return block.error();
@@ -249,11 +278,12 @@ Status Renderer::Impl::render(const FrameView& view, int width, int height, bool
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LEQUAL);
-  const bool opaque = !volume || !options.slices;
+  const bool opaque = !volume || !(options.slices || options.translucent);
   if (opaque && volume) volume->bind();
   draw_screen(opaque ? bone.value() : empty.value());
   draw_tool(view, steel.value());
-  if (!opaque) draw_slices(bone.value(), static_cast<int>(block.value().slices.y));
+  if (!opaque && options.slices) draw_slices(bone.value(), static_cast<int>(block.value().slices.y));
+  if (!opaque && options.translucent) draw_translucent(bone.value());
   ++counters.frames;
   if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
   return {};
@@ -287,7 +317,7 @@ Renderer::~Renderer() = default;
 Status Renderer::set_volume(const VolumeView& view) {
   const Status current = impl_->context.make_current();
   if (!current) return current;
-  auto made = VolumeTexture::create(impl_->gl, view, impl_->options.skip_empty && !impl_->options.slices);
+  auto made = VolumeTexture::create(impl_->gl, view, impl_->seen_from);
   if (!made) return made.error();
   impl_->volume = std::move(made).value();
   impl_->counters.volume_bytes = impl_->volume->initial_bytes().texels;

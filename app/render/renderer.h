@@ -27,14 +27,15 @@ struct SliceOptions {
 
 /// What a picture costs and how it is finished; choices that are off are not in the shader.
 struct RenderOptions {
-  double step_voxels = 0.5;               ///< (0, 1] distance of samples along a ray, in index coordinates
-  int bisections = 5;                     ///< 0..16, each halves the error of the hit
-  bool skip_empty = true;                 ///< same picture, fewer samples
-  bool finish = true;                     ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
-  int supersample = 1;                    ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
-  std::optional<SliceOptions> slices{};   ///< in place of rays
-  GlBackend gl = GlBackend::automatic;    ///< where OpenGL comes from
-  std::filesystem::path shader_folder{};  ///< empty: the shaders as built in
+  double step_voxels = 0.5;              ///< (0, 1] distance of samples along a ray, in index coordinates
+  int bisections = 5;                    ///< 0..16, each halves the error of the hit
+  bool skip_empty = true;                ///< same picture, fewer samples
+  bool finish = true;                    ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
+  int supersample = 1;                   ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
+  std::optional<SliceOptions> slices{};  ///< in place of rays
+  std::optional<TransferFunction> translucent{};  ///< bone as a translucent body, front to back, in place of its surface; no finish
+  GlBackend gl = GlBackend::automatic;            ///< where OpenGL comes from
+  std::filesystem::path shader_folder{};          ///< empty: the shaders as built in
 };
 
 /// Counted, never timed.

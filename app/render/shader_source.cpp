@@ -58,6 +58,15 @@ ShaderVariant slices_variant(const SlicesChoice& choice) {
   return variant;
 }
 
+ShaderVariant translucent_variant(const TranslucentChoice& choice) {
+  ShaderVariant variant{"translucent", "screen.vert", "translucent.frag", {}};
+  add_define(variant, choice.cut, "CUT", "_cut");
+  add_define(variant, choice.soft, "SOFT", "_soft");
+  add_define(variant, choice.skip, "SKIP", "_skip");
+  add_define(variant, choice.probe, "PROBE", "_probe");
+  return variant;
+}
+
 ShaderVariant tool_variant(bool probe) {
   if (probe) return {"tool_probe", "tool.vert", "tool.frag", {"PROBE"}};
   return {"tool", "tool.vert", "tool.frag", {}};
@@ -73,6 +82,9 @@ std::vector<ShaderVariant> all_shader_variants() {
                                         .skip = (bits & 4u) != 0,
                                         .finish = (bits & 8u) != 0,
                                         .probe = (bits & 16u) != 0}));
+  for (unsigned bits = 0; bits < 16; ++bits)
+    variants.push_back(
+        translucent_variant({.cut = (bits & 1u) != 0, .soft = (bits & 2u) != 0, .skip = (bits & 4u) != 0, .probe = (bits & 8u) != 0}));
   for (unsigned bits = 0; bits < 8; ++bits)
     variants.push_back(slices_variant({.cut = (bits & 1u) != 0, .soft = (bits & 2u) != 0, .correct = (bits & 4u) != 0}));
   return variants;

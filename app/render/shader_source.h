@@ -40,6 +40,15 @@ struct SlicesChoice {
 };
 
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
+/// The same for translucent bone.
+struct TranslucentChoice {
+  bool cut = false;
+  bool soft = false;
+  bool skip = false;
+  bool probe = false;
+};
+
+[[nodiscard]] ShaderVariant translucent_variant(const TranslucentChoice& choice);
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
 [[nodiscard]] ShaderVariant tool_variant(bool probe);
 [[nodiscard]] ShaderVariant background_variant();
