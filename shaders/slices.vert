@@ -1,4 +1,4 @@
-// Slices through the volume across one of its axes, one instance a slice, the farthest from the eye first ([AcostaLiu07] section 5, after its
+// Slices through the volume across an axis of it, one instance a slice, the farthest from the eye first ([AcostaLiu07] section 5, after its
 // reference 3). On each side of the eye the order is from far to near, so it is right for every ray, wherever the eye is.
 #include "frame.glsl"
 layout(location = 0) out vec3 index;

@@ -1,4 +1,4 @@
-// Translucent bone: light kept back by density along each pixel's ray, gathered front to back. Emission and absorption after Beer and Lambert:
+// Translucent bone: light kept back by density along each pixel's ray, from front to back. Emission and absorption after Beer and Lambert:
 // over a length d with extinction s [1/m] a share exp(-s d) passes, so the picture does not depend on the step but for its error.
 #include "frame.glsl"
 #include "volume.glsl"
@@ -12,6 +12,15 @@ layout(location = 1) out vec4 probe;   // samples taken, negative: nothing is hi
 #endif
 
 const float kSpent = 1.0 / 1024.0;   // light that is left and no longer followed: a quarter of a level
+
+// Downhill direction of the soft tissue alone: where bone lies on it the seen field is flat.
+vec3 soft_normal(vec3 p, vec3 fallback) {
+  vec3 g = vec3(soft_at(p - vec3(1, 0, 0)) - soft_at(p + vec3(1, 0, 0)), soft_at(p - vec3(0, 1, 0)) - soft_at(p + vec3(0, 1, 0)),
+                soft_at(p - vec3(0, 0, 1)) - soft_at(p + vec3(0, 0, 1)));
+  vec3 n = world_from_gradient(g);
+  float size = length(n);
+  return size * edges.w > 0.02 ? n / size : fallback;
+}
 
 vec4 transfer_at(float density) { return textureLod(transfer, (255.0 * density + 0.5) / 256.0, 0.0); }
 
@@ -45,7 +54,8 @@ void main() {
     vec4 tissue = transfer_at(bone_at(p));
     vec3 stored = stored_normal(p);
     float size = length(stored);
-    vec3 normal = size > 0.15 ? stored / size : to_eye;
+    // A body is lit from both sides: a surface met from within would be dark.
+    vec3 normal = size > 0.15 ? stored * (dot(stored, to_eye) < 0.0 ? -1.0 : 1.0) / size : to_eye;
     float passes = exp(-tissue.a * width * metres);
     sum += left * (1.0 - passes) * tissue.rgb * shade(p, eye_world.xyz + t * direction_world, normal, to_eye, true);
     left *= passes;
@@ -57,7 +67,16 @@ void main() {
   }
 #ifdef SOFT
   if (soft) {   // dura and brain are no part of the transfer function: they are what is seen through the bone
-    sum += left * shade(p, eye_world.xyz + t * direction_world, difference_normal(p, to_eye), to_eye, true);
+    // Their level lies within the last step.
+    float outside = max(span.enter, t - step_depth);
+    for (int i = 0; i < 5; ++i) {
+      float middle = 0.5 * (outside + t);
+      bool solid = soft_at(eye_index.xyz + middle * direction_index) >= 0.5;
+      t = solid ? middle : t;
+      outside = solid ? outside : middle;
+    }
+    p = eye_index.xyz + t * direction_index;
+    sum += left * shade(p, eye_world.xyz + t * direction_world, soft_normal(p, to_eye), to_eye, false);
     left = 0.0;
   }
 #endif

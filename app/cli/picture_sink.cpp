@@ -46,6 +46,7 @@ Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder
     if (gl == gl_backend_name(backend)) options.gl = backend;
   if (display.method == "slices")
     options.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
+  if (!display.transfer.empty()) options.translucent = display.transfer;
   options.supersample = 2;  // a handful of still pictures: smooth edges are worth four times the pixels
   auto renderer = Renderer::create(options);
   if (!renderer) return renderer.error();

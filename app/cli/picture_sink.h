@@ -16,7 +16,7 @@ class PictureSink : public FrameSink {
   [[nodiscard]] virtual std::string driver() const = 0;  ///< what draws, in one line
 };
 
-/// @param display how bone is drawn. @param gl a word of --gl. @returns ErrorCode::unavailable where no such OpenGL can be had or the program was built without the renderer.
+/// @param display how bone is drawn. @param gl a word of --gl. @returns ErrorCode::unavailable where no such OpenGL or no renderer is.
 [[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder, const DisplayScene& display,
                                                                      const std::string& gl);
 

@@ -20,6 +20,7 @@ struct Options {
 
 Status apply_view(const Options& option, DisplayScene& display) {
   if (!option.method.empty()) display.method = option.method;
+  if (display.method != "raycast") display.transfer.clear();
   if (!option.size.empty()) {
     const auto size = split_numbers(option.size, 'x', 2);
     if (!size || !((*size)[0] >= 16 && (*size)[0] <= 8192 && (*size)[1] >= 16 && (*size)[1] <= 8192))

@@ -99,6 +99,7 @@ PlanRow spindle_row(const EffectInfo& effect, const LoadedScene& loaded) {
 }
 
 std::string method_text(const DisplayScene& display) {
+  if (!display.transfer.empty()) return fmt::format("{}, translucent", display.method);
   if (display.method != "slices") return display.method;
   return fmt::format("slices, {:g} a voxel{}", display.slices_per_voxel, display.opacity_correction ? "" : ", opacity a slice");
 }

@@ -17,7 +17,7 @@
 
 namespace burrhole {
 
-/// Slices across the axis of the volume that is nearest to the direction of view, back to front. Opacity is the density: no sharp surface, no
+/// Slices across the axis of the volume nearest to the direction of view, back to front. Opacity is the density: no sharp surface, no
 /// finish, no skipping, and a probe has nothing to tell.
 struct SliceOptions {
   double per_voxel = 1.0;  ///< (0, 8] slices for each voxel along the axis

@@ -13,7 +13,7 @@ namespace burrhole {
 /// One value for each 8-bit density: RGB tint, A extinction [1/m].
 using TransferTable = std::array<glm::fvec4, 256>;
 
-/// @returns ErrorCode::out_of_range when there is no corner, densities do not rise within 0..1, or a value is not finite, negative, or (tint)
+/// @returns ErrorCode::out_of_range if there is no corner, densities do not rise within 0..1, or a value is not finite, negative, or (tint)
 /// above 1.
 [[nodiscard]] Status check_transfer(const TransferFunction& transfer);
 /// Linear between corners. `transfer` has passed the check.

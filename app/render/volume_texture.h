@@ -24,7 +24,7 @@ inline constexpr std::uint8_t kSolidOpacity = 128;
 class VolumeTexture {
  public:
   VolumeTexture() = default;
-  /// @param seen_from the least opacity of bone, 0..255, that a picture shows: with it comes a skip map. A trilinear mean of lesser ones must
+  /// @param seen_from the least opacity of bone, 0..255, a picture shows: with it comes a skip map. A trilinear mean of lesser ones must
   /// be invisible.
   /// @returns ErrorCode::bad_input when sizes disagree or the affine is singular, ErrorCode::out_of_range beyond the driver's limit,
   /// ErrorCode::unavailable when the driver has no memory for it.

@@ -356,6 +356,25 @@ class OtherCommands(WithFolder):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(struct.unpack(">II", image.read_bytes()[16:24]), (64, 48))
 
+    def test_bone_is_drawn_as_the_scene_has_it(self):
+        ways = {"surface": [], "slices": ["--method", "slices"], "slices by key": ["--set", "display.method=slices"],
+                "uncorrected": ["--set", "display.method=slices", "--set", "display.opacity_correction=false", "--set", "display.slices_per_voxel=0.5"],
+                "translucent": ["--set", "display.shading=translucent"],
+                "denser": ["--set", "display.shading=translucent", "--set", "display.transfer=[{density=0.2, opacity_per_mm=0}, {density=1, opacity_per_mm=2}]"]}
+        drawn = {}
+        for name, arguments in ways.items():
+            image = self.folder / "x.png"
+            result = run("render", QUICK, "--image", image, "--size", "64x48", *arguments)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            drawn[name] = image.read_bytes()
+        self.assertEqual(drawn["slices"], drawn["slices by key"])
+        self.assertEqual(len(set(drawn.values())), len(drawn) - 1)
+        for wrong, needle in ((["display.method=mesh"], "not in this version"), (["display.slices_per_voxel=2"], "slices_per_voxel"),
+                              (["display.shading=translucent", "display.transfer=[{density=1, opacity_per_mm=1}, {density=0.5, opacity_per_mm=1}]"], "larger")):
+            result = run("check", QUICK, *[a for s in wrong for a in ("--set", s)])
+            self.assertEqual(result.returncode, 2, wrong)
+            self.assertIn(needle, result.stderr)
+
     def test_render_refuses_what_makes_no_picture(self):
         for wrong in (["--size", "64"], ["--size", "0x0"], ["--size", "9999x9999"], ["--camera", "1,2"], ["--camera", "0,95,30"], ["--camera", "0,40,0"]):
             with self.subTest(wrong=wrong):

@@ -173,7 +173,7 @@ TEST_CASE("translucent: soft tissue is seen through the bone, as a surface") {
 }
 
 TEST_CASE("translucent: a partial upload draws the same bytes as a full one, where bone goes and where it grows") {
-  for (const std::uint8_t opacity : {0, 255}) {
+  for (const std::uint8_t opacity : {std::uint8_t{0}, std::uint8_t{255}}) {
     const VoxelBox box{{10, 12, 14}, {30, 32, 50}};
     VolumeView after = ball_on_plate();
     for_each_voxel(box, [&](const Vec3i& v) {
