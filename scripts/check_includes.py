@@ -47,7 +47,7 @@ WRAPPED = [
     (r"png\.h$", "libpng", ["app/render/"]),
     (r"libusb", "libusb", ["haptics/device/"]),
     (r"hidapi", "hidapi", ["haptics/device/"]),
-    (r"GLFW/", "GLFW", ["app/window/"]),
+    (r"GLFW/", "GLFW", ["app/render/", "app/window/"]),
     (r"CLI/", "CLI11", ["app/cli/"]),
     (r"itk[A-Z]", "ITK", ["tests/"]),
     (r"gdcm", "GDCM", ["volumes/read/gdcm_codecs.cpp"]),

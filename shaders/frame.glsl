@@ -18,4 +18,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 edges;                  // voxel edges [m], longest in w
   mat4 clip_from_tool;
   mat4 world_from_tool;
+  mat4 clip_from_index;
+  mat4 world_from_index;
+  vec4 slices;                 // axis 0..2, count, how many of them lie beyond the eye along the axis, length an opacity holds over [m]
 };

@@ -3,78 +3,12 @@
 #include "frame.glsl"
 #include "background.glsl"
 #include "volume.glsl"
-#ifdef FINISH
-#include "finish.glsl"
-#endif
-#ifdef SKIP
-layout(binding = 2) uniform sampler3D skip_distance;   // Chebyshev distance [voxels / 255] to the nearest voxel that may be solid
-#endif
+#include "shade.glsl"
+#include "span.glsl"
 layout(location = 0) out vec4 picture;
 #ifdef PROBE
 layout(location = 1) out vec4 probe;   // xyz: hit in index coordinates; w: samples taken, negative where nothing was hit
 #endif
-
-struct Span {
-  float enter, leave;   // view depth [m]
-  vec3 normal;          // world normal of the face that the ray enters by
-};
-
-// The part of the ray inside the box of all voxel cells, in front of the near plane and on the kept side of the cut.
-Span visible_span(vec3 direction_index, vec3 direction_world) {
-  vec3 d = mix(direction_index, vec3(1e-9), lessThan(abs(direction_index), vec3(1e-9)));
-  vec3 a = (vec3(-0.5) - eye_index.xyz) / d;
-  vec3 b = (dims.xyz - 0.5 - eye_index.xyz) / d;
-  vec3 first = min(a, b);
-  vec3 last = max(a, b);
-  Span span = Span(max(first.x, max(first.y, first.z)), min(last.x, min(last.y, last.z)), vec3(0.0));
-  int axis = first.x >= first.y && first.x >= first.z ? 0 : (first.y >= first.z ? 1 : 2);
-  span.normal = -sign(d[axis]) * normalize(index_rows[axis].xyz);
-  if (span.enter < lens.x) {
-    span.enter = lens.x;
-    span.normal = -normalize(direction_world);
-  }
-#ifdef CUT
-  float height = dot(cut.xyz, eye_world.xyz) - cut.w;   // above 0: cut away
-  float slope = dot(cut.xyz, direction_world);
-  float crossing = -height / (abs(slope) < 1e-12 ? 1e-12 : slope);
-  if (slope < 0.0 && crossing > span.enter) {
-    span.enter = crossing;
-    span.normal = cut.xyz;
-  }
-  if (slope >= 0.0) span.leave = min(span.leave, height > 0.0 ? -1.0 : crossing);
-#endif
-  return span;
-}
-
-// How many samples ahead are surely empty, at least 1. A voxel q at Chebyshev distance D from the nearest voxel of p counts only where
-// |q - p'| < 1, and |q - p'| >= D - 0.5 - |p' - p|; 1.6 instead of 1.5 leaves room for rounding.
-int leap(vec3 p, float reach) {
-#ifdef SKIP
-  return max(1, int(floor((255.0 * textureLod(skip_distance, texture_from_index(p), 0.0).r - 1.6) / reach)));
-#else
-  return 1;
-#endif
-}
-
-vec3 shade(vec3 p, vec3 world, vec3 normal, vec3 to_eye, bool is_face) {
-  // The colour of what lies under the surface: half of what a filtered look-up sees at the surface itself is outside the bone.
-  vec3 inward = index_from_displacement(normal);
-  vec3 inside = is_face ? p : p - 0.75 * inward / length(inward);
-  vec3 color = textureLod(color_soft, texture_from_index(inside), 0.0).rgb;
-  float sky = 1.0;
-#ifdef FINISH
-  sky = open_sky(p, world, normal);
-  color *= grain(p);
-#endif
-  // [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); the headlight fill is ours and 0 switches it off.
-  float direct = light_terms.y * max(dot(normal, light.xyz), 0.0) * mix(0.45, 1.0, sky);
-  float fill = light_terms.z * max(dot(normal, to_eye), 0.0) * sky;
-  color *= light_terms.x * sky + direct + fill;
-#ifdef FINISH
-  color = rolled_off(color);
-#endif
-  return color;
-}
 
 void main() {
   vec2 ndc = 2.0 * gl_FragCoord.xy / lens.zw - 1.0;

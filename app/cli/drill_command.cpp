@@ -223,7 +223,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
     if (std::string refused = realtime_refusal(); !refused.empty()) return Error{ErrorCode::unavailable, std::move(refused), {}};
   std::unique_ptr<PictureSink> sink;
   if (loaded.scene.display) {
-    auto made = make_picture_sink(files.folder);
+    auto made = make_picture_sink(files.folder, *loaded.scene.display, files.gl);
     if (!made) return made.error();
     sink = std::move(made).value();
     options.sink = sink.get();
@@ -238,6 +238,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
   thickness = simulation->approach().thickness;
+  if (sink && !quiet) fmt::print(stderr, "pictures by {}\n", sink->driver());
   if (simulation->approach().from_inside && !quiet)
     fmt::print(stderr, "{}: warning: the axis points out of the skull: brain or dura lies before the entry\n", loaded.scene.file);
   if (Status made = make_folder(files.folder); !made) return made.error();
@@ -262,7 +263,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
 void add_drill(CLI::App& app, int& exit_code) {
   struct Options {
     SceneOption scene;
-    DrillingFiles files{"out", {}};
+    DrillingFiles files{.folder = "out", .restore_path = {}};
     LiveAsked asked;
     bool json = false, quiet = false, offscreen = false;
   };
@@ -283,6 +284,7 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->add_option("--restore", option->files.restore_path, "start from this checkpoint: the bone.vdb of an earlier run")
       ->type_name(kFileValue);
   add_simd_option(*command);
+  add_gl_option(*command, option->files.gl);
   command->add_flag("--live", option->asked.live, "on threads against the clock instead of in lockstep");
   command->add_flag("--require-realtime", option->asked.require_realtime, "end where the system refuses real-time priority (with --live)");
   command->add_flag("--offscreen", option->offscreen, "no window (this version never opens one)");

@@ -17,6 +17,7 @@ void catch_signals();
 struct DrillingFiles {
   std::string folder;        ///< empty: nothing is written
   std::string restore_path;  ///< checkpoint to start from; empty: bone as loaded
+  std::string gl = "auto";   ///< word of --gl
 };
 
 /// Against the clock, on threads, instead of in lockstep.

@@ -38,6 +38,7 @@ std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSum
 void add_explain(CLI::App& app, int& exit_code) {
   struct Options {
     SceneOption scene;
+    DrillingFiles files;
     bool json = false, measure = false;
   };
   CLI::App* command = add_command(
@@ -51,6 +52,7 @@ void add_explain(CLI::App& app, int& exit_code) {
   option->scene.add_to(*command);
   command->add_flag("--measure", option->measure, "run the scene, writing nothing, and add the time of each row");
   add_simd_option(*command);
+  add_gl_option(*command, option->files.gl);
   command->add_flag("--json", option->json, "print JSON on stdout, and nothing else there");
   command->callback([option, &exit_code] {
     const auto loaded = load_or_report(option->scene, exit_code);
@@ -59,7 +61,7 @@ void add_explain(CLI::App& app, int& exit_code) {
     std::optional<RunSummary> measured;
     if (option->measure) {
       catch_signals();
-      auto summary = drill_scene(*loaded, {}, false);
+      auto summary = drill_scene(*loaded, option->files, false);
       if (!summary) {
         exit_code = report(summary.error());
         return;

@@ -75,6 +75,13 @@ void add_simd_option(CLI::App& command) {
       ->type_name("LEVEL");
 }
 
+void add_gl_option(CLI::App& command, std::string& gl) {
+  command.add_option("--gl", gl, "OpenGL by auto (egl if it has a GPU, else osmesa), window (hidden), osmesa or egl")
+      ->type_name("BACKEND")
+      ->check(CLI::IsMember({"auto", "window", "osmesa", "egl"}))
+      ->capture_default_str();
+}
+
 Result<TomlDocument> SceneOption::document() const {
   auto document = TomlDocument::load(find_scene(scene));
   if (!document) return document.error();

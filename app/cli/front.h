@@ -38,6 +38,9 @@ struct SceneOption {
 /// `--simd`, for every command that steps the simulation: chosen while arguments are read, before any step.
 void add_simd_option(CLI::App& command);
 
+/// `--gl`, for every command that draws.
+void add_gl_option(CLI::App& command, std::string& gl);
+
 /// Document, scene, bone and tool in one go, with a bar on long reads. Nothing when something was at fault: it is then printed and
 /// `exit_code` set.
 [[nodiscard]] std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet = false);

@@ -30,6 +30,7 @@ class OffscreenSink final : public PictureSink {
     return {};
   }
   const std::vector<std::string>& files() const override { return files_; }
+  std::string driver() const override { return renderer_.driver(); }
 
  private:
   Renderer renderer_;
@@ -39,8 +40,13 @@ class OffscreenSink final : public PictureSink {
 
 }  // namespace
 
-Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder) {
+Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder, const DisplayScene& display, const std::string& gl) {
   RenderOptions options;
+  for (const GlBackend backend : gl_backends())
+    if (gl == gl_backend_name(backend)) options.gl = backend;
+  if (display.method == "slices")
+    options.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
+  if (!display.transfer.empty()) options.translucent = display.transfer;
   options.supersample = 2;  // a handful of still pictures: smooth edges are worth four times the pixels
   auto renderer = Renderer::create(options);
   if (!renderer) return renderer.error();

@@ -13,9 +13,11 @@ namespace burrhole::cli {
 class PictureSink : public FrameSink {
  public:
   [[nodiscard]] virtual const std::vector<std::string>& files() const = 0;
+  [[nodiscard]] virtual std::string driver() const = 0;  ///< what draws, in one line
 };
 
-/// @returns ErrorCode::unavailable where no OpenGL can be had or the program was built without the renderer.
-[[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder);
+/// @param display how bone is drawn. @param gl a word of --gl. @returns ErrorCode::unavailable where no such OpenGL or no renderer is.
+[[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder, const DisplayScene& display,
+                                                                     const std::string& gl);
 
 }  // namespace burrhole::cli

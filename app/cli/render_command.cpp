@@ -14,11 +14,13 @@ namespace fs = std::filesystem;
 
 struct Options {
   SceneOption scene;
-  std::string image = "burrhole.png", size, camera, restore;
+  std::string image = "burrhole.png", size, camera, method, restore, gl = "auto";
   bool cut = false, no_tool = false;
 };
 
 Status apply_view(const Options& option, DisplayScene& display) {
+  if (!option.method.empty()) display.method = option.method;
+  if (display.method != "raycast") display.transfer.clear();
   if (!option.size.empty()) {
     const auto size = split_numbers(option.size, 'x', 2);
     if (!size || !((*size)[0] >= 16 && (*size)[0] <= 8192 && (*size)[1] >= 16 && (*size)[1] <= 8192))
@@ -42,7 +44,7 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   if (Status applied = apply_view(option, *loaded.scene.display); !applied) return applied;
   const fs::path image(option.image);
   if (image.extension() != ".png") return bad_input("--image " + option.image + " must end in .png");
-  auto sink = make_picture_sink(image.has_parent_path() ? image.parent_path().string() : ".");
+  auto sink = make_picture_sink(image.has_parent_path() ? image.parent_path().string() : ".", *loaded.scene.display, option.gl);
   if (!sink) return sink.error();
   SimulationOptions options;
   options.sink = sink->get();
@@ -50,6 +52,7 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   Issues issues;
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
+  fmt::print(stderr, "picture by {}\n", (*sink)->driver());
   const std::optional<Pose> tool = option.no_tool ? std::nullopt : std::optional(simulation->contact_state().world_from_tool);
   return simulation->frame_step()->draw(image.stem().string(), tool, option.cut);
 }
@@ -71,7 +74,11 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--size", option->size, "in pixels; the scene's without it")->type_name("WIDTHxHEIGHT");
   command->add_option("--camera", option->camera, "degrees round and above the entry, mm away; the scene's without it")
       ->type_name("AZIMUTH,ELEVATION,DISTANCE");
+  command->add_option("--method", option->method, "how bone is drawn; the scene's without it")
+      ->type_name("METHOD")
+      ->check(CLI::IsMember({"raycast", "slices"}));
   command->add_option("--restore", option->restore, "checkpoint: the bone.vdb of a drill")->type_name(kFileValue);
+  add_gl_option(*command, option->gl);
   command->add_flag("--cut", option->cut, "cut open through the axis");
   command->add_flag("--no-tool", option->no_tool, "without the bit");
   command->callback([option, &exit_code] {

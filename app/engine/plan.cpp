@@ -92,10 +92,16 @@ PlanRow spindle_row(const EffectInfo& effect, const LoadedScene& loaded) {
           fmt::format("{:.0f} rpm free, stalls at {:.3g} N m", loaded.scene.tool.spin / kRevPerMinute, spindle.stall_torque)};
 }
 
+std::string method_text(const DisplayScene& display) {
+  if (!display.transfer.empty()) return fmt::format("{}, translucent", display.method);
+  if (display.method != "slices") return display.method;
+  return fmt::format("slices, {:g} a voxel{}", display.slices_per_voxel, display.opacity_correction ? "" : ", opacity a slice");
+}
+
 PlanRow display_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const std::uint64_t texels = 2 * loaded.bone->bounds().count() * 4;
   return {effect, 0.0, texels,
-          fmt::format("{}, {} x {} pixels, at events", loaded.scene.display->method, loaded.scene.display->width,
+          fmt::format("{}, {} x {} pixels, at events", method_text(*loaded.scene.display), loaded.scene.display->width,
                       loaded.scene.display->height)};
 }
 

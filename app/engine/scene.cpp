@@ -341,9 +341,41 @@ ErosionScene read_erosion(TableReader table, double& pitch_voxels) {
   return out;
 }
 
+/// Corners of [[display.transfer]]; without any, a bone that glows through where it is thin.
+TransferFunction read_transfer(TableReader& table) {
+  TransferFunction out;
+  for (TableReader& row :
+       table.tables("transfer", "corners of the line from density to what it does to light; by their default bone is hazy")) {
+    TransferPoint point;
+    point.density = row.number("density", {.fallback = std::nullopt, .min = 0.0, .max = 1.0}, "of bone, as left: 0 none, 1 whole");
+    point.extinction = row.number("opacity_per_mm", {.fallback = std::nullopt, .min = 0.0, .max = 1000.0, .to_si = 1.0 / kMillimetre},
+                                  "light falls by exp(-this) a millimetre");
+    const auto tint = row.numbers("tint", std::vector<double>{1.0, 1.0, 1.0}, 3, {.min = 0.0, .max = 1.0},
+                                  "red, green and blue, times the tissue's own colour");
+    point.tint = Vec3(tint[0], tint[1], tint[2]);
+    if (!out.empty() && point.density <= out.back().density) row.fault("density", "must be larger than the one before");
+    row.finish();
+    out.push_back(point);
+  }
+  if (out.empty()) out = {{.density = 0.3, .extinction = 0.0}, {.density = 1.0, .extinction = 0.25 / kMillimetre}};
+  return out;
+}
+
 DisplayScene read_display(TableReader table) {
   DisplayScene out;
-  out.method = table.choice("method", "raycast", {"raycast"}, "how bone is drawn", {"slices", "mesh"});
+  out.method = table.choice("method", "raycast", {"raycast", "slices"},
+                            "how bone is drawn: by rays to its surface, or by slices blended back to front", {"mesh"});
+  if (out.method == "raycast") {
+    const std::string shading = table.choice("shading", "surface", {"surface", "translucent"},
+                                             "bone as an opaque surface, or as a body that light passes, by a transfer function");
+    if (shading == "translucent") out.transfer = read_transfer(table);
+  }
+  if (out.method == "slices") {
+    out.slices_per_voxel = table.number("slices_per_voxel", {.fallback = 1.0, .min = 0.0, .max = 8.0, .min_open = true},
+                                        "slices for each voxel along the view's axis");
+    out.opacity_correction = table.boolean(
+        "opacity_correction", true, "opacity is per voxel edge, whatever the distance between slices; false: per slice, as in the paper");
+  }
   const auto size =
       table.numbers("size", std::vector<double>{1200, 900}, 2, {.min = 16, .max = 8192}, "width and height of a picture in pixels");
   out.width = static_cast<int>(size[0]);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/engine/view.h"
 #include "app/engine/volume_scene.h"
 #include "core/base/toml.h"
 #include "core/contact/constrained_tool.h"
@@ -79,7 +80,10 @@ struct SpindleScene {
 
 /// [display]
 struct DisplayScene {
-  std::string method = "raycast";
+  std::string method = "raycast";  ///< "raycast" or "slices"
+  double slices_per_voxel = 1.0;
+  bool opacity_correction = true;
+  TransferFunction transfer;  ///< empty: bone is drawn by its surface; key shading = "translucent"
   int width = 1200, height = 900;
   double azimuth = 0.61;    ///< [rad] of the camera round the axis, from the patient's -y
   double elevation = 0.75;  ///< [rad] above the tangent plane

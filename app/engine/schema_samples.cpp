@@ -13,12 +13,13 @@ struct SceneLines {
   std::string volume = "source = \"phantom:plate\"";
   std::string contact = {};
   std::string erosion = {};
+  std::string display = {};
   std::string after = {};  ///< tables of their own
 };
 std::string scene(const SceneLines& lines) {
   return "[volume]\n" + lines.volume +
          "\n[tool]\nname = \"perforator_14_11\"\nspin_rpm = 1000\n[approach]\nentry_mm = [0, 0, 0]\n[hand]\n" + "[contact]\n" +
-         lines.contact + "\n[erosion]\n" + lines.erosion + "\n[display]\n[record]\n" + lines.after;
+         lines.contact + "\n[erosion]\n" + lines.erosion + "\n[display]\n" + lines.display + "\n[record]\n" + lines.after;
 }
 
 std::vector<SchemaSample> scene_samples() {
@@ -47,6 +48,9 @@ std::vector<SchemaSample> scene_samples() {
   contact("plane of the surface voxel", "voxmap", "plane = \"surface\"");
   samples.push_back({"eq. 4", scene({.erosion = "law = \"per-update\""}), {}});
   samples.push_back({"energy", scene({.erosion = "law = \"energy\""}), {}});
+  samples.push_back({"slices", scene({.display = "method = \"slices\""}), {}});
+  samples.push_back(
+      {"translucent", scene({.display = "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}), {}});
   samples.push_back({"spindle", scene({.after = "[spindle]\n"}), {}});
   samples.push_back({"device", scene({.after = "[device]\nforce_scale = 0.5\n"}), {}});
   for (const std::string scheme : {"planes", "gradient", "hold", "linear"})

@@ -59,6 +59,15 @@ struct LightView {
   Vec3 direction_to_light{0.3, -0.5, 0.8};  ///< world; normalised on use
 };
 
+/// A corner of the piecewise linear line from density (occupancy x remaining) to what translucent bone does to light.
+struct TransferPoint {
+  double density = 0.0;     ///< 0..1, rising from corner to corner
+  double extinction = 0.0;  ///< [1/m] light falls by exp(-extinction * way)
+  Vec3 tint{1.0};           ///< 0..1, times the tissue's own colour
+};
+/// Level before the first corner and after the last.
+using TransferFunction = std::vector<TransferPoint>;
+
 /// Everything one frame shows.
 struct FrameView {
   CameraView camera;

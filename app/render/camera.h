@@ -23,6 +23,10 @@ struct DepthRange {
 
   /// Depth buffer value in 0..1 of a view depth t: far / (far - near) * (1 - near / t).
   [[nodiscard]] double depth_of(double t) const noexcept { return far_plane / (far_plane - near_plane) * (1.0 - near_plane / t); }
+  /// The other way round [m].
+  [[nodiscard]] double view_depth_of(double depth) const noexcept {
+    return near_plane / (1.0 - depth * (far_plane - near_plane) / far_plane);
+  }
 };
 
 /// @param aspect width / height > 0. An `up` along the view is replaced by another direction.

@@ -15,8 +15,9 @@ struct FrameBlock {
   Vec4f index_rows[3]{};
   Vec4f world_from_bone[3]{};
   Vec4f dims{1}, light{0}, light_terms{0}, cut{0}, lens{0}, edges{1};
-  glm::fmat4 clip_from_tool{1}, world_from_tool{1};
+  glm::fmat4 clip_from_tool{1}, world_from_tool{1}, clip_from_index{1}, world_from_index{1};
+  Vec4f slices{0};
 };
-static_assert(sizeof(FrameBlock) == 28 * 16);
+static_assert(sizeof(FrameBlock) == 37 * 16);
 
 }  // namespace burrhole

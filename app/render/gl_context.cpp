@@ -4,107 +4,122 @@
 #include <glad/gl.h>
 
 #include <cstdlib>
-#include <string_view>
-#include <vector>
+
+#include "app/render/gl_platform.h"
 
 namespace burrhole {
 namespace {
 
-// From Mesa's osmesa.h, which cannot be included: it drags in GL/gl.h, whose prototypes clash with the loader's.
-constexpr int kOsmesaRgba = 0x1908;
-constexpr int kOsmesaFormat = 0x22;
-constexpr int kOsmesaDepthBits = 0x30;
-constexpr int kOsmesaProfile = 0x33;
-constexpr int kOsmesaCoreProfile = 0x34;
-constexpr int kOsmesaMajorVersion = 0x36;
-constexpr int kOsmesaMinorVersion = 0x37;
-using OsmesaHandle = struct osmesa_context*;
+/// Drivers of one process share Mesa's dispatch table of a thread: before one back end's context becomes current, the other's lets go.
+thread_local GlPlatform* current_platform = nullptr;
 
-struct Osmesa {
-  OsmesaHandle (*create_attribs)(const int*, OsmesaHandle) = nullptr;
-  GLboolean (*make_current)(OsmesaHandle, void*, GLenum, GLsizei, GLsizei) = nullptr;
-  GLADapiproc (*get_proc_address)(const char*) = nullptr;
-  void (*destroy)(OsmesaHandle) = nullptr;
-};
-
-Error unavailable(std::string message) { return {ErrorCode::unavailable, std::move(message), {}}; }
-
-template <class F>
-bool find_symbol(void* library, const char* name, F& function) {
-  function = reinterpret_cast<F>(dlsym(library, name));
-  return function != nullptr;
-}
-
-/// The library stays loaded for the life of the process: its compiler threads and statics do not survive an unload.
-Result<Osmesa> load_osmesa() {
-  // Mesa 22.3 crashes on a driver name it does not know, and its softpipe has no 4.5 core context.
-  const char* driver = std::getenv("GALLIUM_DRIVER");
-  if (driver != nullptr && std::string_view(driver) != "llvmpipe")
-    return unavailable("GALLIUM_DRIVER=" + std::string(driver) + ": offscreen drawing needs llvmpipe; unset it");
-  void* library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) return unavailable("offscreen drawing needs libOSMesa.so.8 (Debian: libosmesa6), which cannot be loaded");
-  Osmesa mesa;
-  if (!find_symbol(library, "OSMesaCreateContextAttribs", mesa.create_attribs) ||
-      !find_symbol(library, "OSMesaMakeCurrent", mesa.make_current) ||
-      !find_symbol(library, "OSMesaGetProcAddress", mesa.get_proc_address) || !find_symbol(library, "OSMesaDestroyContext", mesa.destroy))
-    return unavailable("libOSMesa.so.8 lacks a function of OSMesa 11.2 or newer");
-  return mesa;
-}
-
-GLADapiproc load_function(void* user, const char* name) { return static_cast<const Osmesa*>(user)->get_proc_address(name); }
+GLADapiproc load_function(void* user, const char* name) { return static_cast<const GlPlatform*>(user)->find_function(name); }
 
 std::string gl_string(const GladGLContext& gl, GLenum name) {
   const GLubyte* text = gl.GetString(name);
   return text == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(text));
 }
 
+/// "4.5 (Core Profile) Mesa 22.3.6": at least the version that was asked for. A loader that failed in silence shows here too.
+bool is_new_enough(const std::string& version) {
+  char* rest = nullptr;
+  const long major = std::strtol(version.c_str(), &rest, 10);
+  if (*rest != '.') return false;
+  const long minor = std::strtol(rest + 1, nullptr, 10);
+  return major > kGlMajor || (major == kGlMajor && minor >= kGlMinor);
+}
+
+GlPlatformResult make_platform(GlBackend backend, int width, int height) {
+  switch (backend) {
+    case GlBackend::automatic:
+#ifdef BH_WITH_EGL
+      if (auto gpu = find_gpu_platform()) return std::move(*gpu);
+#endif
+      return make_osmesa_platform(width, height);
+    case GlBackend::osmesa:
+      return make_osmesa_platform(width, height);
+    case GlBackend::egl:
+#ifdef BH_WITH_EGL
+      return make_egl_platform();
+#else
+      return gl_unavailable("egl: this program was built without it");
+#endif
+    case GlBackend::window:
+#ifdef BH_WITH_WINDOW
+      return make_window_platform(width, height);
+#else
+      return gl_unavailable("window: this program was built without it");
+#endif
+  }
+  return gl_unavailable("no such back end of OpenGL");
+}
+
 }  // namespace
 
+std::string_view gl_backend_name(GlBackend backend) noexcept {
+  switch (backend) {
+    case GlBackend::automatic:
+      return "auto";
+    case GlBackend::osmesa:
+      return "osmesa";
+    case GlBackend::egl:
+      return "egl";
+    case GlBackend::window:
+      return "window";
+  }
+  return "auto";
+}
+
+const std::vector<GlBackend>& gl_backends() {
+  static const std::vector<GlBackend> all{GlBackend::automatic, GlBackend::window, GlBackend::osmesa, GlBackend::egl};
+  return all;
+}
+
+Error gl_unavailable(std::string message) { return {ErrorCode::unavailable, std::move(message), {}}; }
+
+Status check_gallium_driver() {
+  const char* driver = std::getenv("GALLIUM_DRIVER");
+  if (driver == nullptr || std::string_view(driver) == "llvmpipe") return {};
+  return gl_unavailable("GALLIUM_DRIVER=" + std::string(driver) + ": drawing in software needs llvmpipe; unset it");
+}
+
+Result<void*> open_gl_library(const char* file, const char* package) {
+  void* library = dlopen(file, RTLD_NOW | RTLD_LOCAL);
+  if (library != nullptr) return library;
+  return gl_unavailable(std::string(file) + " (Debian: " + package + ") cannot be loaded");
+}
+
+void* find_symbol(void* library, const char* name) { return dlsym(library, name); }
+
 struct GlContext::Impl {
-  Osmesa mesa;
-  OsmesaHandle handle = nullptr;
-  std::vector<unsigned char> surface;
-  int width = 0, height = 0;
+  std::unique_ptr<GlPlatform> platform;
   GladGLContext gl{};
   std::string version, renderer;
 
   ~Impl() {
-    if (handle != nullptr) mesa.destroy(handle);
+    if (current_platform == platform.get()) current_platform = nullptr;
   }
 };
 
-Result<GlContext> GlContext::create(int width, int height) {
+Result<GlContext> GlContext::create(int width, int height, GlBackend backend) {
   if (width < 1 || height < 1 || width > 16384 || height > 16384)
     return Error{ErrorCode::out_of_range, "a GL surface must be 1 to 16384 pixels wide and high", {}};
-  const auto mesa = load_osmesa();
-  if (!mesa) return mesa.error();
+  // GLFW makes a new window's context current for a moment, which an X server punishes by ending the program while EGL's is.
+  if (current_platform != nullptr) current_platform->release();
+  current_platform = nullptr;
+  auto platform = make_platform(backend, width, height);
+  if (!platform) return platform.error();
   auto impl = std::make_unique<Impl>();
-  impl->mesa = mesa.value();
-  impl->width = width;
-  impl->height = height;
-  impl->surface.resize(4u * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  const int attributes[] = {kOsmesaFormat,
-                            kOsmesaRgba,
-                            kOsmesaDepthBits,
-                            24,
-                            kOsmesaProfile,
-                            kOsmesaCoreProfile,
-                            kOsmesaMajorVersion,
-                            4,
-                            kOsmesaMinorVersion,
-                            5,
-                            0};
-  impl->handle = impl->mesa.create_attribs(attributes, nullptr);
-  if (impl->handle == nullptr) return unavailable("OSMesa gives no OpenGL 4.5 core context");
+  impl->platform = std::move(platform).value();
   GlContext context(std::move(impl));
-  const Status current = context.make_current();
-  if (!current) return current.error();
+  if (const Status current = context.make_current(); !current) return current.error();
   Impl& made = *context.impl_;
-  if (gladLoadGLContextUserPtr(&made.gl, load_function, &made.mesa) == 0) return unavailable("the OpenGL functions could not be loaded");
+  const std::string name(gl_backend_name(context.backend()));
+  if (gladLoadGLContextUserPtr(&made.gl, load_function, made.platform.get()) == 0)
+    return gl_unavailable(name + ": the OpenGL functions could not be loaded");
   made.version = gl_string(made.gl, GL_VERSION);
   made.renderer = gl_string(made.gl, GL_RENDERER);
-  // A loader that failed in silence shows here: no version, or not the one that was asked for.
-  if (!made.version.starts_with("4.5")) return unavailable("OpenGL 4.5 core was asked for, the driver gave \"" + made.version + "\"");
+  if (!is_new_enough(made.version)) return gl_unavailable(name + ": OpenGL 4.5 core is needed, the driver gives \"" + made.version + "\"");
   return context;
 }
 
@@ -114,12 +129,16 @@ GlContext& GlContext::operator=(GlContext&&) noexcept = default;
 GlContext::~GlContext() = default;
 
 Status GlContext::make_current() {
-  if (impl_->mesa.make_current(impl_->handle, impl_->surface.data(), GL_UNSIGNED_BYTE, impl_->width, impl_->height) == 0)
-    return unavailable("OSMesa refuses to make its context current");
+  GlPlatform* const own = impl_->platform.get();
+  if (current_platform != nullptr && current_platform->backend() != own->backend()) current_platform->release();
+  current_platform = nullptr;
+  if (Status made = own->make_current(); !made) return made;
+  current_platform = own;
   return {};
 }
 
 const GladGLContext& GlContext::functions() const noexcept { return impl_->gl; }
+GlBackend GlContext::backend() const noexcept { return impl_->platform->backend(); }
 const std::string& GlContext::version() const noexcept { return impl_->version; }
 const std::string& GlContext::renderer() const noexcept { return impl_->renderer; }
 

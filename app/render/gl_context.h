@@ -1,8 +1,13 @@
-/// app/render/gl_context.h: an OpenGL 4.5 core context without a display (OSMesa, loaded privately at run time).
+/// app/render/gl_context.h: an OpenGL 4.5 core context over one of three back ends, each loaded privately at run time.
+///   osmesa  Mesa's software renderer, needs no display and no GPU.
+///   egl     EGL without a surface: a GPU where there is one, else Mesa's software renderer.
+///   window  a hidden window of GLFW; needs a display.
 #pragma once
 
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
 
@@ -10,12 +15,21 @@ struct GladGLContext;
 
 namespace burrhole {
 
-/// Owns one context. Move-only; one owner thread at a time, which calls make_current() before it uses functions().
+/// `automatic`: egl on a GPU if there is one, else osmesa.
+enum class GlBackend { automatic, osmesa, egl, window };
+
+/// "auto", "osmesa", "egl" or "window".
+[[nodiscard]] std::string_view gl_backend_name(GlBackend backend) noexcept;
+[[nodiscard]] const std::vector<GlBackend>& gl_backends();  ///< all four, automatic first
+
+/// Owns one context. Move-only; one owner thread at a time, which calls make_current() before it uses functions(). GLFW wants the main
+/// thread for create() and the destructor of a window.
 class GlContext {
  public:
   /// @param width, height [pixels] of the context's own surface, 1..16384; pictures use framebuffers of their own.
-  /// @returns ErrorCode::unavailable when the library is absent, has no 4.5 core context, or GALLIUM_DRIVER names a driver it cannot run.
-  [[nodiscard]] static Result<GlContext> create(int width, int height);
+  /// @returns ErrorCode::unavailable with a reason of one line: a library is absent, there is no display, the driver has no 4.5 core
+  /// context, or GALLIUM_DRIVER names a driver that Mesa would crash on.
+  [[nodiscard]] static Result<GlContext> create(int width, int height, GlBackend backend = GlBackend::automatic);
   GlContext(GlContext&&) noexcept;
   GlContext& operator=(GlContext&&) noexcept;
   ~GlContext();
@@ -23,6 +37,7 @@ class GlContext {
   [[nodiscard]] Status make_current();
   /// The functions of this context; opaque outside app/render.
   [[nodiscard]] const GladGLContext& functions() const noexcept;
+  [[nodiscard]] GlBackend backend() const noexcept;           ///< the one in use, never automatic
   [[nodiscard]] const std::string& version() const noexcept;  ///< as the driver states it
   [[nodiscard]] const std::string& renderer() const noexcept;
 

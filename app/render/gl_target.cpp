@@ -20,7 +20,7 @@ void flip_rows(std::vector<T>& pixels, int width, int height) {
 
 }  // namespace
 
-Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height, bool with_probe) {
+Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height, TargetKind kind) {
   GLint limit = 0;
   gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &limit);
   if (width < 1 || height < 1 || width > limit || height > limit)
@@ -29,8 +29,10 @@ Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height
   target.gl_ = &gl;
   target.width_ = width;
   target.height_ = height;
+  target.kind_ = kind;
+  const bool with_probe = kind == TargetKind::probed;
   target.framebuffer_ = make_framebuffer(gl);
-  target.color_ = make_renderbuffer(gl, GL_RGBA8, width, height);
+  target.color_ = make_renderbuffer(gl, kind == TargetKind::floats ? GL_RGBA32F : GL_RGBA8, width, height);
   target.depth_ = make_renderbuffer(gl, GL_DEPTH_COMPONENT32F, width, height);
   const GLuint framebuffer = target.framebuffer_.name();
   gl.NamedFramebufferRenderbuffer(framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color_.name());
@@ -46,8 +48,8 @@ Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height
   return target;
 }
 
-bool GlTarget::fits(int width, int height, bool with_probe) const noexcept {
-  return framebuffer_ && width == width_ && height == height_ && with_probe == static_cast<bool>(probe_);
+bool GlTarget::fits(int width, int height, TargetKind kind) const noexcept {
+  return framebuffer_ && width == width_ && height == height_ && kind == kind_;
 }
 
 void GlTarget::bind() const {
@@ -62,6 +64,26 @@ Image GlTarget::read_picture() const {
   gl_->ReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
   flip_rows(image.pixels, width_, height_);
   return image;
+}
+
+GlObject GlTarget::make_depth_texture() const {
+  GlObject texture = make_texture(*gl_, GL_TEXTURE_2D);
+  gl_->TextureStorage2D(texture.name(), 1, GL_DEPTH_COMPONENT32F, width_, height_);
+  gl_->TextureParameteri(texture.name(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl_->TextureParameteri(texture.name(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  return texture;
+}
+
+void GlTarget::copy_depth(GLuint texture) const {
+  gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  gl_->CopyTextureSubImage2D(texture, 0, 0, 0, 0, 0, width_, height_);
+}
+
+std::vector<float> GlTarget::read_depth() const {
+  std::vector<float> values(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  gl_->ReadPixels(0, 0, width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, values.data());
+  flip_rows(values, width_, height_);
+  return values;
 }
 
 std::vector<glm::fvec4> GlTarget::read_probe() const {

@@ -9,21 +9,28 @@
 
 namespace burrhole {
 
-/// Colour RGBA8, depth 32F and, when asked for, a float probe of four values a pixel.
+/// What a pixel holds: `bytes` RGBA8; `floats` RGBA32F, for blending hundreds of times; `probed` RGBA8 and four floats beside it.
+enum class TargetKind { bytes, floats, probed };
+
+/// Colour, and depth 32F.
 class GlTarget {
  public:
   GlTarget() = default;
   /// @returns ErrorCode::out_of_range when the size is not in 1..the driver's limit, ErrorCode::unavailable when the driver refuses.
-  [[nodiscard]] static Result<GlTarget> create(const GladGLContext& gl, int width, int height, bool with_probe);
+  [[nodiscard]] static Result<GlTarget> create(const GladGLContext& gl, int width, int height, TargetKind kind);
 
-  [[nodiscard]] bool fits(int width, int height, bool with_probe) const noexcept;
+  [[nodiscard]] bool fits(int width, int height, TargetKind kind) const noexcept;
   void bind() const;
   [[nodiscard]] Image read_picture() const;                  ///< row 0 at the top
-  [[nodiscard]] std::vector<glm::fvec4> read_probe() const;  ///< row 0 at the top; the target has a probe
+  [[nodiscard]] std::vector<glm::fvec4> read_probe() const;  ///< row 0 at the top; the target is probed
+  void copy_depth(GLuint texture) const;                     ///< into a texture of make_depth_texture()
+  [[nodiscard]] GlObject make_depth_texture() const;         ///< of its size
+  [[nodiscard]] std::vector<float> read_depth() const;       ///< 0..1, row 0 at the top
 
  private:
   const GladGLContext* gl_ = nullptr;
   int width_ = 0, height_ = 0;
+  TargetKind kind_ = TargetKind::bytes;
   GlObject framebuffer_, color_, depth_, probe_;
 };
 

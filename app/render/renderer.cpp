@@ -1,5 +1,7 @@
 #include "app/render/renderer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "app/render/frame_block.h"
@@ -7,6 +9,7 @@
 #include "app/render/gl_target.h"
 #include "app/render/shader_program.h"
 #include "app/render/tool_mesh.h"
+#include "app/render/transfer_texture.h"
 #include "app/render/volume_texture.h"
 #include "core/base/assert.h"
 
@@ -23,6 +26,10 @@ Status check_options(const RenderOptions& options) {
   if (!(options.step_voxels > 0.0 && options.step_voxels <= 1.0)) return out_of_range("the ray step must be in (0, 1] voxels");
   if (options.bisections < 0 || options.bisections > 16) return out_of_range("bisections must be in 0..16");
   if (options.supersample < 1 || options.supersample > 4) return out_of_range("supersampling must be in 1..4");
+  if (options.slices && !(options.slices->per_voxel > 0.0 && options.slices->per_voxel <= 8.0))
+    return out_of_range("slices must be in (0, 8] a voxel");
+  if (options.slices && options.translucent) return out_of_range("a transfer function is for rays: slices have their own opacity");
+  if (options.translucent) return check_transfer(*options.translucent);
   return {};
 }
 
@@ -85,6 +92,27 @@ void fill_volume(FrameBlock& block, const CameraRays& rays, const VolumeTexture&
   block.edges = vec4({glm::length(cell[0]), glm::length(cell[1]), glm::length(cell[2])}, world_from_index.longest_edge());
 }
 
+/// The axis whose slices are met most squarely, their number, and on which side of the eye they lie.
+void fill_slices(FrameBlock& block, const CameraRays& rays, const VolumeTexture& volume, const Affine& world_from_index,
+                 const SliceOptions& options) {
+  const Affine index_from_world = world_from_index.inverse();
+  const Mat3 rows = glm::transpose(index_from_world.linear);
+  glm::length_t axis = 0;
+  double best = -1.0;
+  for (glm::length_t a = 0; a < 3; ++a) {
+    const double square_on = std::abs(glm::dot(glm::normalize(rows[a]), rays.forward));
+    if (square_on > best) {
+      best = square_on;
+      axis = a;
+    }
+  }
+  const double length = volume.dims()[axis];
+  const double count = std::max(1.0, std::round(length * options.per_voxel));
+  const double eye = ((index_from_world * rays.eye)[axis] + 0.5) / length * count;  // in slices
+  const double beyond = count - std::clamp(std::ceil(eye - 0.5), 0.0, count);
+  block.slices = vec4(Vec3(static_cast<double>(axis), count, beyond), world_from_index.mean_edge());
+}
+
 void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
   block.light = vec4(glm::normalize(view.light.direction_to_light));
   block.light_terms = vec4({view.light.ambient, view.light.diffuse, view.light.fill});
@@ -103,6 +131,9 @@ struct Renderer::Impl {
   RenderCounters counters;
   GlObject no_vertices, frame_buffer;
   GlTarget target;
+  DepthRange range;  ///< of the last picture
+  GlObject transfer, opaque_depth;
+  std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
   std::optional<VolumeTexture> volume;
   std::optional<ToolMesh> tool;
 
@@ -111,19 +142,26 @@ struct Renderer::Impl {
     no_vertices = make_vertex_array(gl);
     frame_buffer = make_buffer(gl);
     gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
+    if (options.skip_empty && !options.slices) seen_from = kSolidOpacity;
+    if (!options.translucent) return;
+    const TransferTable table = make_transfer_table(*options.translucent);
+    transfer = make_transfer_texture(gl, table);
+    if (options.skip_empty) seen_from = burrhole::seen_from(table);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() { static_cast<void>(context.make_current()); }  // the members delete their names in it
 
-  [[nodiscard]] RaycastChoice choice(bool cut, bool probe) const {
-    return {.cut = cut, .soft = volume && volume->has_soft(), .skip = options.skip_empty, .finish = options.finish, .probe = probe};
-  }
-  Result<FrameBlock> make_block(const FrameView& view, int width, int height) const;
+  [[nodiscard]] ShaderVariant volume_variant(bool cut, bool probe) const;
+  void draw_screen(GLuint program) const;
+  void draw_tool(const FrameView& view, GLuint program) const;
+  void draw_slices(GLuint program, int count) const;
+  void draw_translucent(GLuint program);
+  Result<FrameBlock> make_block(const FrameView& view, int width, int height);
   Status render(const FrameView& view, int width, int height, bool probe);
 };
 
-Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, int height) const {
+Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, int height) {
   const Status valid = check_view(view);
   if (!valid) return valid.error();
   const auto rays = make_camera_rays(view.camera, static_cast<double>(width) / static_cast<double>(height));
@@ -144,8 +182,16 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   const bool with_tool = tool && view.world_from_tool;
   if (with_tool)
     for (const Vec3& corner : tool->corners()) points.push_back(*view.world_from_tool * corner);
-  const DepthRange range = fit_depth_range(rays.value(), points);
+  range = fit_depth_range(rays.value(), points);
   block.lens = Vec4f(glm::dvec4(range.near_plane, range.far_plane, width, height));
+  if (volume && options.slices) {
+    const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
+    fill_slices(block, rays.value(), *volume, world_from_index, *options.slices);
+    glm::dmat4 matrix(world_from_index.linear);
+    matrix[3] = glm::dvec4(world_from_index.offset, 1.0);
+    block.world_from_index = glm::fmat4(matrix);
+    block.clip_from_index = glm::fmat4(clip_from_world(rays.value(), range) * matrix);
+  }
   if (with_tool) {
     glm::dmat4 world_from_tool(glm::mat3_cast(view.world_from_tool->rotation));
     world_from_tool[3] = glm::dvec4(view.world_from_tool->translation, 1.0);
@@ -155,18 +201,73 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   return block;
 }
 
+/// One triangle over the whole picture: a ray, or the background, at each pixel.
+void Renderer::Impl::draw_screen(GLuint program) const {
+  gl.UseProgram(program);
+  gl.BindVertexArray(no_vertices.name());
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Renderer::Impl::draw_tool(const FrameView& view, GLuint program) const {
+  if (!tool || !view.world_from_tool) return;
+  gl.UseProgram(program);
+  tool->draw();
+}
+
+/// Blends them over what is there; what is nearer, the tool, hides them.
+void Renderer::Impl::draw_slices(GLuint program, int count) const {
+  gl.UseProgram(program);
+  volume->bind();
+  gl.BindVertexArray(no_vertices.name());
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  gl.DepthMask(GL_FALSE);
+  gl.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
+  gl.DepthMask(GL_TRUE);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.Disable(GL_BLEND);
+}
+
+/// Blends over what is there the part of each ray that lies before it.
+void Renderer::Impl::draw_translucent(GLuint program) {
+  target.copy_depth(opaque_depth.name());
+  volume->bind();
+  gl.BindTextureUnit(3, transfer.name());
+  gl.BindTextureUnit(4, opaque_depth.name());
+  gl.Disable(GL_DEPTH_TEST);  // depths were looked up instead
+  gl.Enablei(GL_BLEND, 0);    // the picture alone, not the probe
+  gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl.ColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  draw_screen(program);
+  gl.ColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.Disablei(GL_BLEND, 0);
+  gl.Enable(GL_DEPTH_TEST);
+}
+
+ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe) const {
+  const bool soft = volume && volume->has_soft();
+  if (options.slices) return slices_variant({.cut = cut, .soft = soft, .correct = options.slices->correct});
+  if (options.translucent) return translucent_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe});
+  return raycast_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .finish = options.finish, .probe = probe});
+}
+
 Status Renderer::Impl::render(const FrameView& view, int width, int height, bool probe) {
   const Status current = context.make_current();
   if (!current) return current;
-  if (!target.fits(width, height, probe)) {
-    auto made = GlTarget::create(gl, width, height, probe);
+  const TargetKind kind = probe ? TargetKind::probed : (options.slices ? TargetKind::floats : TargetKind::bytes);
+  if (!target.fits(width, height, kind)) {
+    auto made = GlTarget::create(gl, width, height, kind);
     if (!made) return made.error();
     target = std::move(made).value();
+    if (options.translucent) opaque_depth = target.make_depth_texture();
   }
   const auto block = make_block(view, width, height);
   if (!block) return block.error();
-  const auto scene = programs.find_or_link(volume ? raycast_variant(choice(view.cut.has_value(), probe)) : background_variant());
-  if (!scene) return scene.error();
+  const auto empty = programs.find_or_link(background_variant());
+  if (!empty) return empty.error();
+  const auto bone = volume ? programs.find_or_link(volume_variant(view.cut.has_value(), probe)) : empty;
+  if (!bone) return bone.error();
   const auto steel = programs.find_or_link(tool_variant(probe));
   if (!steel) return steel.error();
 
@@ -177,14 +278,12 @@ Status Renderer::Impl::render(const FrameView& view, int width, int height, bool
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LEQUAL);
-  gl.UseProgram(scene.value());
-  if (volume) volume->bind();
-  gl.BindVertexArray(no_vertices.name());
-  gl.DrawArrays(GL_TRIANGLES, 0, 3);
-  if (tool && view.world_from_tool) {
-    gl.UseProgram(steel.value());
-    tool->draw();
-  }
+  const bool opaque = !volume || !(options.slices || options.translucent);
+  if (opaque && volume) volume->bind();
+  draw_screen(opaque ? bone.value() : empty.value());
+  draw_tool(view, steel.value());
+  if (!opaque && options.slices) draw_slices(bone.value(), static_cast<int>(block.value().slices.y));
+  if (!opaque && options.translucent) draw_translucent(bone.value());
   ++counters.frames;
   if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
   return {};
@@ -199,11 +298,11 @@ Result<Renderer> Renderer::create(const RenderOptions& options) {
     if (!read) return read.error();
     files = std::move(read).value();
   }
-  auto context = GlContext::create(16, 16);
+  auto context = GlContext::create(16, 16, options.gl);
   if (!context) return context.error();
   auto impl = std::make_unique<Impl>(options, std::move(context).value(), std::move(files));
   // A faulty shader is found here and not at the first frame.
-  for (const ShaderVariant& variant : {background_variant(), tool_variant(false), raycast_variant(impl->choice(false, false))}) {
+  for (const ShaderVariant& variant : {background_variant(), tool_variant(false), impl->volume_variant(false, false)}) {
     const auto linked = impl->programs.find_or_link(variant);
     if (!linked) return linked.error();
   }
@@ -218,7 +317,7 @@ Renderer::~Renderer() = default;
 Status Renderer::set_volume(const VolumeView& view) {
   const Status current = impl_->context.make_current();
   if (!current) return current;
-  auto made = VolumeTexture::create(impl_->gl, view, impl_->options.skip_empty);
+  auto made = VolumeTexture::create(impl_->gl, view, impl_->seen_from);
   if (!made) return made.error();
   impl_->volume = std::move(made).value();
   impl_->counters.volume_bytes = impl_->volume->initial_bytes().texels;
@@ -257,10 +356,12 @@ Result<Image> Renderer::draw(const FrameView& view, int width, int height) {
 
 Result<FrameProbe> Renderer::probe(const FrameView& view, int width, int height) {
   if (!impl_->volume) return bad_input("a probe needs a volume");
+  if (impl_->options.slices) return bad_input("a probe needs rays: slices meet no surface");
   const Status drawn = impl_->render(view, width, height, true);
   if (!drawn) return drawn.error();
   FrameProbe probe;
   probe.image = impl_->target.read_picture();
+  for (const float depth : impl_->target.read_depth()) probe.view_depth.push_back(static_cast<float>(impl_->range.view_depth_of(depth)));
   impl_->counters.probe_samples = 0;
   for (const Vec4f& pixel : impl_->target.read_probe()) {
     probe.hit_index.emplace_back(pixel.x, pixel.y, pixel.z);
@@ -283,6 +384,9 @@ Status Renderer::link_every_variant() {
 
 const RenderCounters& Renderer::counters() const noexcept { return impl_->counters; }
 
-std::string Renderer::driver() const { return impl_->context.version() + ", " + impl_->context.renderer(); }
+std::string Renderer::driver() const {
+  const GlContext& context = impl_->context;
+  return std::string(gl_backend_name(context.backend())) + ": " + context.version() + ", " + context.renderer();
+}
 
 }  // namespace burrhole

@@ -1,28 +1,41 @@
 /// app/render/renderer.h: draws the volume and the tool offscreen. The only folder that knows OpenGL; no GL type shows here.
 ///   Frame  world, but for what FrameView says.   Units  SI; images: row 0 is the top, RGBA8, alpha 255.
-///   Source [AcostaLiu07] section 4: textures, eq. 5 and 6, the light. Ray casting in place of its slices is our own.
+///   Source [AcostaLiu07] section 4: textures, eq. 5 and 6, the light; section 5: slices. Ray casting in their place is our own.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/engine/view.h"
+#include "app/render/gl_context.h"
 #include "core/base/result.h"
 #include "core/tool/tool.h"
 
 namespace burrhole {
 
+/// Slices across the axis of the volume nearest to the direction of view, back to front. Opacity is the density: no sharp surface, no
+/// finish, no skipping, and a probe has nothing to tell.
+struct SliceOptions {
+  double per_voxel = 1.0;  ///< (0, 8] slices for each voxel along the axis
+  bool correct =
+      true;  ///< opacity holds over a mean voxel edge, whatever the distance between slices; off: over that distance, as the paper's
+};
+
 /// What a picture costs and how it is finished; choices that are off are not in the shader.
 struct RenderOptions {
-  double step_voxels = 0.5;               ///< (0, 1] distance of samples along a ray, in index coordinates
-  int bisections = 5;                     ///< 0..16, each halves the error of the hit
-  bool skip_empty = true;                 ///< same picture, fewer samples
-  bool finish = true;                     ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
-  int supersample = 1;                    ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
-  std::filesystem::path shader_folder{};  ///< empty: the shaders as built in
+  double step_voxels = 0.5;              ///< (0, 1] distance of samples along a ray, in index coordinates
+  int bisections = 5;                    ///< 0..16, each halves the error of the hit
+  bool skip_empty = true;                ///< same picture, fewer samples
+  bool finish = true;                    ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
+  int supersample = 1;                   ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
+  std::optional<SliceOptions> slices{};  ///< in place of rays
+  std::optional<TransferFunction> translucent{};  ///< bone as a translucent body, front to back, in place of its surface; no finish
+  GlBackend gl = GlBackend::automatic;            ///< where OpenGL comes from
+  std::filesystem::path shader_folder{};          ///< empty: the shaders as built in
 };
 
 /// Counted, never timed.
@@ -40,6 +53,7 @@ struct FrameProbe {
   Image image;
   std::vector<Vec3f> hit_index;   ///< where the ray met the volume, index coordinates; meaningful where hit is 1
   std::vector<std::uint8_t> hit;  ///< 1 where the volume is what the pixel shows
+  std::vector<float> view_depth;  ///< [m] along the view's direction, from the depth buffer: of bone or tool; meaningless on the background
   std::vector<int> samples;       ///< taken before the hit or the end of the ray; 0 where the tool is in front
 };
 
@@ -68,7 +82,7 @@ class Renderer {
   /// Compiles and links every shader variant there is. @returns the first fault.
   [[nodiscard]] Status link_every_variant();
   [[nodiscard]] const RenderCounters& counters() const noexcept;
-  [[nodiscard]] std::string driver() const;  ///< OpenGL version and renderer as the driver states them
+  [[nodiscard]] std::string driver() const;  ///< "BACKEND: VERSION, RENDERER", the last two as the driver states them
 
  private:
   struct Impl;

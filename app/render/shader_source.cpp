@@ -32,20 +32,38 @@ Status append_expanded(const ShaderFiles& files, std::string_view file, const st
   return {};
 }
 
+void add_define(ShaderVariant& variant, bool on, const char* define, const char* suffix) {
+  if (!on) return;
+  variant.defines.emplace_back(define);
+  variant.name += suffix;
+}
+
 }  // namespace
 
 ShaderVariant raycast_variant(const RaycastChoice& choice) {
   ShaderVariant variant{"raycast", "screen.vert", "raycast.frag", {}};
-  const auto add = [&variant](bool on, const char* define, const char* suffix) {
-    if (!on) return;
-    variant.defines.emplace_back(define);
-    variant.name += suffix;
-  };
-  add(choice.cut, "CUT", "_cut");
-  add(choice.soft, "SOFT", "_soft");
-  add(choice.skip, "SKIP", "_skip");
-  add(choice.finish, "FINISH", "_finish");
-  add(choice.probe, "PROBE", "_probe");
+  add_define(variant, choice.cut, "CUT", "_cut");
+  add_define(variant, choice.soft, "SOFT", "_soft");
+  add_define(variant, choice.skip, "SKIP", "_skip");
+  add_define(variant, choice.finish, "FINISH", "_finish");
+  add_define(variant, choice.probe, "PROBE", "_probe");
+  return variant;
+}
+
+ShaderVariant slices_variant(const SlicesChoice& choice) {
+  ShaderVariant variant{"slices", "slices.vert", "slices.frag", {}};
+  add_define(variant, choice.cut, "CUT", "_cut");
+  add_define(variant, choice.soft, "SOFT", "_soft");
+  add_define(variant, choice.correct, "CORRECT", "_correct");
+  return variant;
+}
+
+ShaderVariant translucent_variant(const TranslucentChoice& choice) {
+  ShaderVariant variant{"translucent", "screen.vert", "translucent.frag", {}};
+  add_define(variant, choice.cut, "CUT", "_cut");
+  add_define(variant, choice.soft, "SOFT", "_soft");
+  add_define(variant, choice.skip, "SKIP", "_skip");
+  add_define(variant, choice.probe, "PROBE", "_probe");
   return variant;
 }
 
@@ -64,6 +82,11 @@ std::vector<ShaderVariant> all_shader_variants() {
                                         .skip = (bits & 4u) != 0,
                                         .finish = (bits & 8u) != 0,
                                         .probe = (bits & 16u) != 0}));
+  for (unsigned bits = 0; bits < 16; ++bits)
+    variants.push_back(
+        translucent_variant({.cut = (bits & 1u) != 0, .soft = (bits & 2u) != 0, .skip = (bits & 4u) != 0, .probe = (bits & 8u) != 0}));
+  for (unsigned bits = 0; bits < 8; ++bits)
+    variants.push_back(slices_variant({.cut = (bits & 1u) != 0, .soft = (bits & 2u) != 0, .correct = (bits & 4u) != 0}));
   return variants;
 }
 

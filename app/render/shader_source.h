@@ -32,7 +32,24 @@ struct RaycastChoice {
   bool probe = false;   ///< hit positions and sample counts come beside the picture
 };
 
+/// The same for slices.
+struct SlicesChoice {
+  bool cut = false;
+  bool soft = false;
+  bool correct = false;  ///< opacity corrected for the distance between slices
+};
+
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
+/// The same for translucent bone.
+struct TranslucentChoice {
+  bool cut = false;
+  bool soft = false;
+  bool skip = false;
+  bool probe = false;
+};
+
+[[nodiscard]] ShaderVariant translucent_variant(const TranslucentChoice& choice);
+[[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
 [[nodiscard]] ShaderVariant tool_variant(bool probe);
 [[nodiscard]] ShaderVariant background_variant();
 /// Every variant that draw() or probe() can ask for; the build validates and a test links each.

@@ -10,9 +10,6 @@
 namespace burrhole {
 namespace {
 
-/// The least 8-bit value at or above the drawn level 0.5; a trilinear mean of lesser ones stays below it.
-constexpr std::uint8_t kSolidAlpha = 128;
-
 Status check(const GladGLContext& gl, const VolumeView& view) {
   GLint limit = 0;
   gl.GetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &limit);
@@ -50,7 +47,7 @@ GlObject make_volume(const GladGLContext& gl, const Vec3i& dims, GLenum stored, 
 
 }  // namespace
 
-Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const VolumeView& view, bool with_skip_map) {
+Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const VolumeView& view, std::optional<std::uint8_t> seen_from) {
   const Status valid = check(gl, view);
   if (!valid) return valid.error();
   VolumeTexture made;
@@ -59,10 +56,11 @@ Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const Volum
   made.bone_from_index_ = view.bone_from_index;
   made.normal_opacity_ = make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.normal_opacity.data());
   made.color_soft_ = make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.color.data());
-  made.has_soft_ = std::any_of(view.color.begin(), view.color.end(), [](const Rgba8& c) { return c.a >= kSolidAlpha; });
-  if (with_skip_map) {
+  made.has_soft_ = std::any_of(view.color.begin(), view.color.end(), [](const Rgba8& c) { return c.a >= kSolidOpacity; });
+  if (seen_from) {
+    made.seen_from_ = *seen_from;
     std::vector<std::uint8_t> solid(view.color.size());
-    for (std::size_t n = 0; n < solid.size(); ++n) solid[n] = std::max(view.normal_opacity[n].a, view.color[n].a) >= kSolidAlpha;
+    for (std::size_t n = 0; n < solid.size(); ++n) solid[n] = view.normal_opacity[n].a >= *seen_from || view.color[n].a >= kSolidOpacity;
     made.skip_map_ = SkipMap(view.dims, solid);
     made.skip_texture_ = make_volume(gl, view.dims, GL_R8, GL_RED, GL_NEAREST, made.skip_map_.distances().data());
   }
@@ -79,7 +77,7 @@ UploadedBytes VolumeTexture::update(const TexelBox& texels) {
   if (!has_skip_map()) return sent;
   std::vector<std::uint8_t> solid(texels.normal_opacity.size());
   std::transform(texels.normal_opacity.begin(), texels.normal_opacity.end(), solid.begin(),
-                 [](const Rgba8& t) { return static_cast<std::uint8_t>(t.a >= kSolidAlpha); });
+                 [this](const Rgba8& t) { return static_cast<std::uint8_t>(t.a >= seen_from_); });
   const VoxelBox nearer = skip_map_.raise(texels.box, solid);
   if (nearer.empty()) return sent;
   // Only when bone grew: whole slabs, since rows of a part are not contiguous and this is rare.

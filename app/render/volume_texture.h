@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "app/engine/view.h"
 #include "app/render/gl_object.h"
@@ -17,12 +18,17 @@ struct UploadedBytes {
   std::uint64_t skip_map = 0;
 };
 
+/// The least 8-bit value at or above the drawn level 0.5; a trilinear mean of lesser ones stays below it.
+inline constexpr std::uint8_t kSolidOpacity = 128;
+
 class VolumeTexture {
  public:
   VolumeTexture() = default;
+  /// @param seen_from the least opacity of bone, 0..255, a picture shows: with it comes a skip map. A trilinear mean of lesser ones must
+  /// be invisible.
   /// @returns ErrorCode::bad_input when sizes disagree or the affine is singular, ErrorCode::out_of_range beyond the driver's limit,
   /// ErrorCode::unavailable when the driver has no memory for it.
-  [[nodiscard]] static Result<VolumeTexture> create(const GladGLContext& gl, const VolumeView& view, bool with_skip_map);
+  [[nodiscard]] static Result<VolumeTexture> create(const GladGLContext& gl, const VolumeView& view, std::optional<std::uint8_t> seen_from);
 
   /// Replaces exactly the texels of the box. @returns what was sent; the box lies inside the volume (ours to see to).
   UploadedBytes update(const TexelBox& texels);
@@ -39,6 +45,7 @@ class VolumeTexture {
   Vec3i dims_{0};
   Affine bone_from_index_;
   bool has_soft_ = false;
+  std::uint8_t seen_from_ = 0;
   GlObject normal_opacity_, color_soft_, skip_texture_;
   SkipMap skip_map_;
 };

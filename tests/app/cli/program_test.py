@@ -382,6 +382,25 @@ class OtherCommands(WithFolder):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(struct.unpack(">II", image.read_bytes()[16:24]), (64, 48))
 
+    def test_bone_is_drawn_as_the_scene_has_it(self):
+        ways = {"surface": [], "slices": ["--method", "slices"], "slices by key": ["--set", "display.method=slices"],
+                "uncorrected": ["--set", "display.method=slices", "--set", "display.opacity_correction=false", "--set", "display.slices_per_voxel=0.5"],
+                "translucent": ["--set", "display.shading=translucent"],
+                "denser": ["--set", "display.shading=translucent", "--set", "display.transfer=[{density=0.2, opacity_per_mm=0}, {density=1, opacity_per_mm=2}]"]}
+        drawn = {}
+        for name, arguments in ways.items():
+            image = self.folder / "x.png"
+            result = run("render", QUICK, "--image", image, "--size", "64x48", *arguments)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            drawn[name] = image.read_bytes()
+        self.assertEqual(drawn["slices"], drawn["slices by key"])
+        self.assertEqual(len(set(drawn.values())), len(drawn) - 1)
+        for wrong, needle in ((["display.method=mesh"], "not in this version"), (["display.slices_per_voxel=2"], "slices_per_voxel"),
+                              (["display.shading=translucent", "display.transfer=[{density=1, opacity_per_mm=1}, {density=0.5, opacity_per_mm=1}]"], "larger")):
+            result = run("check", QUICK, *[a for s in wrong for a in ("--set", s)])
+            self.assertEqual(result.returncode, 2, wrong)
+            self.assertIn(needle, result.stderr)
+
     def test_render_refuses_what_makes_no_picture(self):
         for wrong in (["--size", "64"], ["--size", "0x0"], ["--size", "9999x9999"], ["--camera", "1,2"], ["--camera", "0,95,30"], ["--camera", "0,40,0"]):
             with self.subTest(wrong=wrong):
@@ -389,6 +408,31 @@ class OtherCommands(WithFolder):
                 self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1), result.stderr)
                 self.assertIn(wrong[1], result.stderr)
         self.assertEqual(run("render", QUICK, "--image", self.folder / "x.jpg").returncode, 2)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_opengl_comes_from_where_it_is_asked_of(self):
+        images = {}
+        for backend in ("osmesa", "egl"):
+            image = self.folder / f"{backend}.png"
+            result = run("render", QUICK, "--image", image, "--size", "64x48", "--gl", backend)
+            if result.returncode == 4:  # not here: it says why, in one line
+                self.assertEqual(len(lines(result.stderr)), 1, result.stderr)
+                continue
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn(f"picture by {backend}: 4.", result.stderr)
+            images[backend] = image.read_bytes()
+            if "llvmpipe" not in result.stderr:
+                images.pop(backend)
+        self.assertLessEqual(len(set(images.values())), 1, "software draws other bytes through another back end")
+
+    def test_opengl_that_cannot_be_had_is_one_line_and_exit_code_4(self):
+        bare = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+        for backend, variable in (("window", {}), ("osmesa", {"GALLIUM_DRIVER": "swrast"})):
+            with self.subTest(backend=backend):
+                result = run("render", QUICK, "--image", self.folder / "x.png", "--gl", backend, env=bare | variable)
+                self.assertEqual((result.returncode, len(lines(result.stderr))), (4, 1), result.stderr)
+                self.assertTrue(result.stderr.startswith(backend + ": "), result.stderr)
+        self.assertEqual(run("render", QUICK, "--gl", "glide").returncode, 2)
         self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_tools_lists_and_tells(self):

@@ -26,6 +26,7 @@ TEST_CASE("camera: the projection and the rays agree on pixel and depth") {
         CHECK(c.x / c.w == doctest::Approx(x).epsilon(1e-9));
         CHECK(c.y / c.w == doctest::Approx(y).epsilon(1e-9));
         CHECK(0.5 * c.z / c.w + 0.5 == doctest::Approx(range.depth_of(t)).epsilon(1e-9));
+        CHECK(range.view_depth_of(range.depth_of(t)) == doctest::Approx(t).epsilon(1e-9));
       }
 }
 

@@ -68,7 +68,15 @@ TriangleMesh square(double half, double z) {
   return mesh;
 }
 
-Renderer require_renderer(const RenderOptions& options) {
+GlBackend tested_backend() {
+  const char* name = std::getenv("BURRHOLE_TEST_GL");
+  for (const GlBackend backend : gl_backends())
+    if (name != nullptr && gl_backend_name(backend) == name) return backend;
+  return GlBackend::osmesa;
+}
+
+Renderer require_renderer(RenderOptions options) {
+  options.gl = tested_backend();
   auto renderer = Renderer::create(options);
   if (!renderer && renderer.error().code == ErrorCode::unavailable) {
     std::cerr << "skipped: " << renderer.error().text() << '\n';

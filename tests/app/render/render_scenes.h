@@ -35,8 +35,11 @@ struct VolumeRecipe {
 /// Square of edge 2 * half, facing +z and -z, at height z in the tool frame.
 [[nodiscard]] TriangleMesh square(double half, double z);
 
-/// A renderer, or the end of the program with 77 (skipped) where no OpenGL context can be made.
-[[nodiscard]] Renderer require_renderer(const RenderOptions& options = {.finish = false});
+/// Where the tests' OpenGL comes from: $BURRHOLE_TEST_GL (osmesa, egl or window), osmesa without it. Tests run once over each.
+[[nodiscard]] GlBackend tested_backend();
+
+/// A renderer over that, or the end of the program with 77 (skipped) where there is no such context.
+[[nodiscard]] Renderer require_renderer(RenderOptions options = {.finish = false});
 
 /// The texels of a box, as update() takes them.
 [[nodiscard]] TexelBox texels_of(const VolumeView& volume, const VoxelBox& box);

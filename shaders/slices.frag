@@ -1,0 +1,28 @@
+// One slice: opacity is the density ([AcostaLiu07] section 4), the light is that of the rays; blending composites back to front.
+#include "frame.glsl"
+#include "volume.glsl"
+#include "shade.glsl"
+layout(location = 0) in vec3 index;
+layout(location = 0) out vec4 picture;
+
+void main() {
+  vec3 world = (world_from_index * vec4(index, 1.0)).xyz;
+  vec3 direction = world - eye_world.xyz;
+  vec3 to_eye = -normalize(direction);
+  float opacity = density_at(index);
+  bool is_face = false;
+  // How far this pixel's ray goes from one slice to the next.
+  int axis = int(slices.x);
+  float spacing = length(direction) * dims[axis] / (slices.y * max(abs(index[axis] - eye_index[axis]), 1e-6));
+#ifdef CUT
+  float depth = cut.w - dot(cut.xyz, world);
+  if (depth < 0.0) discard;
+  is_face = depth < spacing * max(dot(cut.xyz, to_eye), 0.0);   // the first slice behind the cut
+#endif
+  if (opacity <= 0.0) discard;
+#ifdef CORRECT
+  opacity = 1.0 - pow(1.0 - opacity, spacing / slices.w);
+#endif
+  vec3 normal = is_face ? cut.xyz : surface_normal(index, to_eye);
+  picture = vec4(shade(index, world, normal, to_eye, is_face), opacity);
+}

@@ -1,0 +1,45 @@
+// Where a ray runs through the volume, and how far it may leap over what is empty.
+#ifdef SKIP
+layout(binding = 2) uniform sampler3D skip_distance;   // Chebyshev distance [voxels / 255] to the nearest voxel that may be solid
+#endif
+struct Span {
+  float enter, leave;   // view depth [m]
+  vec3 normal;          // world normal of the face that the ray enters by
+};
+
+// The part of the ray inside the box of all voxel cells, in front of the near plane and on the kept side of the cut.
+Span visible_span(vec3 direction_index, vec3 direction_world) {
+  vec3 d = mix(direction_index, vec3(1e-9), lessThan(abs(direction_index), vec3(1e-9)));
+  vec3 a = (vec3(-0.5) - eye_index.xyz) / d;
+  vec3 b = (dims.xyz - 0.5 - eye_index.xyz) / d;
+  vec3 first = min(a, b);
+  vec3 last = max(a, b);
+  Span span = Span(max(first.x, max(first.y, first.z)), min(last.x, min(last.y, last.z)), vec3(0.0));
+  int axis = first.x >= first.y && first.x >= first.z ? 0 : (first.y >= first.z ? 1 : 2);
+  span.normal = -sign(d[axis]) * normalize(index_rows[axis].xyz);
+  if (span.enter < lens.x) {
+    span.enter = lens.x;
+    span.normal = -normalize(direction_world);
+  }
+#ifdef CUT
+  float height = dot(cut.xyz, eye_world.xyz) - cut.w;   // above 0: cut away
+  float slope = dot(cut.xyz, direction_world);
+  float crossing = -height / (abs(slope) < 1e-12 ? 1e-12 : slope);
+  if (slope < 0.0 && crossing > span.enter) {
+    span.enter = crossing;
+    span.normal = cut.xyz;
+  }
+  if (slope >= 0.0) span.leave = min(span.leave, height > 0.0 ? -1.0 : crossing);
+#endif
+  return span;
+}
+
+// How many samples ahead are surely empty, at least 1. A voxel q at Chebyshev distance D from the nearest voxel of p counts only where
+// |q - p'| < 1, and |q - p'| >= D - 0.5 - |p' - p|; 1.6 instead of 1.5 leaves room for rounding.
+int leap(vec3 p, float reach) {
+#ifdef SKIP
+  return max(1, int(floor((255.0 * textureLod(skip_distance, texture_from_index(p), 0.0).r - 1.6) / reach)));
+#else
+  return 1;
+#endif
+}

@@ -1,0 +1,87 @@
+// Translucent bone: light kept back by density along each pixel's ray, from front to back. Emission and absorption after Beer and Lambert:
+// over a length d with extinction s [1/m] a share exp(-s d) passes, so the picture does not depend on the step but for its error.
+#include "frame.glsl"
+#include "volume.glsl"
+#include "shade.glsl"
+#include "span.glsl"
+layout(binding = 3) uniform sampler1D transfer;    // by density, 256 values: RGB tint of the tissue's colour, A extinction [1/m]
+layout(binding = 4) uniform sampler2D tool_depth;  // depth buffer of what is opaque
+layout(location = 0) out vec4 picture;             // premultiplied by its opacity
+#ifdef PROBE
+layout(location = 1) out vec4 probe;   // samples taken, negative: nothing is hit
+#endif
+
+const float kSpent = 1.0 / 1024.0;   // light that is left and no longer followed: a quarter of a level
+
+// Downhill direction of the soft tissue alone: where bone lies on it the seen field is flat.
+vec3 soft_normal(vec3 p, vec3 fallback) {
+  vec3 g = vec3(soft_at(p - vec3(1, 0, 0)) - soft_at(p + vec3(1, 0, 0)), soft_at(p - vec3(0, 1, 0)) - soft_at(p + vec3(0, 1, 0)),
+                soft_at(p - vec3(0, 0, 1)) - soft_at(p + vec3(0, 0, 1)));
+  vec3 n = world_from_gradient(g);
+  float size = length(n);
+  return size * edges.w > 0.02 ? n / size : fallback;
+}
+
+vec4 transfer_at(float density) { return textureLod(transfer, (255.0 * density + 0.5) / 256.0, 0.0); }
+
+void main() {
+  vec2 ndc = 2.0 * gl_FragCoord.xy / lens.zw - 1.0;
+  vec3 direction_index = forward_index.xyz + ndc.x * right_index.xyz + ndc.y * up_index.xyz;
+  vec3 direction_world = forward_world.xyz + ndc.x * right_world.xyz + ndc.y * up_world.xyz;
+  Span span = visible_span(direction_index, direction_world);
+  float opaque = texelFetch(tool_depth, ivec2(gl_FragCoord.xy), 0).r;
+  span.leave = min(span.leave, lens.x / (1.0 - opaque * (lens.y - lens.x) / lens.y));
+  float step_depth = dims.w / length(direction_index);
+  float metres = length(direction_world);   // of a unit of view depth
+  vec3 stride = step_depth * direction_index;
+  float reach = max(abs(stride.x), max(abs(stride.y), abs(stride.z)));
+  int count = span.leave > span.enter ? int(ceil((span.leave - span.enter) / step_depth)) : 0;
+  vec3 to_eye = -normalize(direction_world);
+
+  vec3 sum = vec3(0.0);
+  float left = 1.0;
+  int n = 0;
+  int samples = 0;
+  bool soft = false;
+  vec3 p = eye_index.xyz + span.enter * direction_index;
+  float t = span.enter;
+  while (n < count && left > kSpent && !soft) {
+    // The middle of the step; the last one ends where the ray does.
+    float from = span.enter + float(n) * step_depth;
+    float width = min(step_depth, span.leave - from);
+    t = from + 0.5 * width;
+    p = eye_index.xyz + t * direction_index;
+    vec4 tissue = transfer_at(bone_at(p));
+    vec3 stored = stored_normal(p);
+    float size = length(stored);
+    // A body is lit from both sides: a surface met from within would be dark.
+    vec3 normal = size > 0.15 ? stored * (dot(stored, to_eye) < 0.0 ? -1.0 : 1.0) / size : to_eye;
+    float passes = exp(-tissue.a * width * metres);
+    sum += left * (1.0 - passes) * tissue.rgb * shade(p, eye_world.xyz + t * direction_world, normal, to_eye, true);
+    left *= passes;
+#ifdef SOFT
+    soft = soft_at(p) >= 0.5;
+#endif
+    n += leap(p, reach);
+    ++samples;
+  }
+#ifdef SOFT
+  if (soft) {   // dura and brain are no part of the transfer function: they are what is seen through the bone
+    // Their level lies within the last step.
+    float outside = max(span.enter, t - step_depth);
+    for (int i = 0; i < 5; ++i) {
+      float middle = 0.5 * (outside + t);
+      bool solid = soft_at(eye_index.xyz + middle * direction_index) >= 0.5;
+      t = solid ? middle : t;
+      outside = solid ? outside : middle;
+    }
+    p = eye_index.xyz + t * direction_index;
+    sum += left * shade(p, eye_world.xyz + t * direction_world, soft_normal(p, to_eye), to_eye, false);
+    left = 0.0;
+  }
+#endif
+  picture = vec4(sum, 1.0 - left);
+#ifdef PROBE
+  probe = vec4(0.0, 0.0, 0.0, -float(samples));
+#endif
+}
