@@ -82,7 +82,9 @@ void add_deep(std::vector<StabilityCase>& out) {
   // The grip's cap ends the spring there: only what holds at the cap is asked.
   deep.checks = with(with(always(), held_back()), {{StabilityMeasure::rest_speed, kRestSpeed, {2.8, 3.0}}});
   deep.duration = 3.0;
-  deep.sabotage = {.what = "the cap on the force is off", .must_fail = StabilityMeasure::force, .sets = {"servo.force_N=1000"}};
+  deep.sabotage = {.what = "no cap on the force, the device's own neither",
+                   .must_fail = StabilityMeasure::force,
+                   .sets = {"servo.force_N=1000", "device.force_N=1000"}};
   out.push_back(deep);
   StabilityCase embedded =
       pressing("start_embedded", "The run starts with the ball 1 mm under the surface; the hand then leaves.", plate(), 1.0);

@@ -151,8 +151,8 @@ TEST_CASE("[record]: a row a servo tick, and the run itself is the same to the b
 }
 
 TEST_CASE("session columns: those of the effects that are there, and no others") {
-  const std::vector<std::string> hand{"hand_x",  "hand_y",  "hand_z",  "hand_vx", "hand_vy", "hand_vz",  "hand_qw",
-                                      "hand_qx", "hand_qy", "hand_qz", "thrust",  "phase",   "hand_tick"};
+  const std::vector<std::string> hand{"hand_x",  "hand_y",  "hand_z",  "hand_vx", "hand_vy", "hand_vz",   "hand_qw",
+                                      "hand_qx", "hand_qy", "hand_qz", "thrust",  "phase",   "hand_tick", "hand_flags"};
   const std::vector<std::string> contact{"tool_x",   "tool_y",   "tool_z",   "force_x",    "force_y", "force_z",
                                          "torque_x", "torque_y", "torque_z", "engagement", "flags"};
   const auto joined = [](std::vector<std::string> a, const std::vector<std::string>& b) {
