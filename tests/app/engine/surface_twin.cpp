@@ -96,7 +96,7 @@ class Plain {
  private:
   /// How far aside the tool is left, by the words of side_grip.h: what was cut is let go, and half the thrust is the most that is held.
   Vec3 settled(const TwinStart& start) {
-    if (grips_.empty()) return Vec3(0.0);
+    if (grips_.empty() || gone()) return Vec3(0.0);
     const auto across = [&](const Vec3& v) { return v - world_push_ * glm::dot(v, world_push_); };
     const Vec3 moved = pose_ * grip_at_ - grip_start_;
     Vec3 aside = across(aside_ + moved), force(0.0);
@@ -139,6 +139,7 @@ class Plain {
     grip_at_ /= along;
     grip_start_ = pose_ * grip_at_;
     world_push_ = pose_.rotate(push_);
+    grip_depth_ = glm::length(engaged_);
     flanks *= config_.side_grip * config_.cutting_stiffness / (2.0 * along);
     // Principal axes by turning until the tensor is diagonal.
     Vec3 u = glm::normalize(glm::cross(push_, Vec3(0.31, 0.83, 0.46))), v = glm::cross(push_, u);
@@ -153,12 +154,15 @@ class Plain {
       if (const double k = glm::dot(axis, flanks * axis); k >= 1.0) grips_.push_back({pose_.rotate(axis), k});
   }
 
-  void gather(bool spinning) {
+  /// The tool has gone further along the push than it was engaged: its flanks hold nothing any more.
+  bool gone() const { return std::abs(glm::dot(pose_ * grip_at_ - grip_start_, world_push_)) > grip_depth_; }
+  /// @param push_out [m] by which points that lie in what is cut are moved out in this look.
+  void gather(bool spinning, double push_out) {
     std::map<std::size_t, double> before;
     for (const Touch& touch : touches_) before[touch.point] = touch.force;
     touches_.clear();
     const Vec3 moved = aside_ + pose_ * grip_at_ - grip_start_, aside = moved - world_push_ * glm::dot(moved, world_push_);
-    for (std::size_t n = 0; n < grips_.size(); ++n) {
+    for (std::size_t n = 0; n < grips_.size() && !gone(); ++n) {
       const std::size_t name = shell_.size() + n;
       Touch touch{name,
                   grips_[n].axis,
@@ -181,6 +185,8 @@ class Plain {
       touch.gap *= edge_;
       touch.lever = glm::cross(touch.arm, touch.normal);
       touch.yield = cutting ? kOwnGive / config_.cutting_stiffness : give_at(at - touch.normal * (touch.gap + 0.5 * edge_));
+      // Bone that is cut holds what lies in it; a period pushes it out a little, once.
+      if (cutting) touch.gap = std::max(touch.gap, -push_out - touch.yield * touch.force);
       touches_.push_back(touch);
     }
   }
@@ -193,7 +199,7 @@ class Plain {
   }
   /// One look, one solve, one move. @returns whether the tool rests.
   bool move(const Vec3& target, const Quat& turned, double k, double k_turn, bool spinning) {
-    gather(spinning);
+    gather(spinning, looks_ == 0 ? config_.push_out / k : 0.0);
     const Vec3 free_t = target - pose_.translation, free_w = rotation_vector(turned * glm::conjugate(pose_.rotation));
     Vec3 t = free_t, w = free_w, e(0.0);
     const auto add = [&](const Touch& touch, double force) {
@@ -236,7 +242,7 @@ class Plain {
   Vec3 aside_{0.0}, world_push_{0.0}, grip_at_{0.0}, grip_start_{0.0};
   std::vector<Touch> touches_;
   int looks_ = 0;
-  double to_cut_ = 0.0;
+  double to_cut_ = 0.0, grip_depth_ = 0.0;
 };
 
 }  // namespace
