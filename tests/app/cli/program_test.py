@@ -106,17 +106,16 @@ class Drill(WithFolder):
 
     @staticmethod
     def sent(session):
-        """[N] The force of the last tick that is on the disk, which is written once a second; 0: there is none yet."""
+        """[N] The largest force of the last two seconds on the disk, which is written once a second; 0: there is none yet. A run that is
+        stopped ends on none, as the force fades."""
         try:
             with contextlib.closing(sqlite3.connect(f"file:{session}?mode=ro", uri=True)) as database:
                 names = [name for (name,) in database.execute("SELECT name FROM columns ORDER BY position")]
-                row = database.execute("SELECT data FROM ticks ORDER BY first_row DESC LIMIT 1").fetchone()
+                blocks = database.execute("SELECT data FROM ticks ORDER BY first_row DESC LIMIT 2").fetchall()
         except sqlite3.OperationalError:
             return 0.0
-        if row is None:
-            return 0.0
-        last = dict(zip(names, struct.unpack(f"<{len(names)}d", row[0][-8 * len(names):])))
-        return math.hypot(last["sent_x"], last["sent_y"], last["sent_z"])
+        rows = (dict(zip(names, row)) for (data,) in blocks for row in struct.iter_unpack(f"<{len(names)}d", data))
+        return max((math.hypot(row["sent_x"], row["sent_y"], row["sent_z"]) for row in rows), default=0.0)
 
     def wait_until_pressed(self, session):
         deadline = time.monotonic() + 60
