@@ -88,7 +88,9 @@ const BadScene kBadScenes[] = {
     {"[erosion]", "[erosion]\nsubvoxel = 1", {"~erosion.subvoxel = 1 must be"}},
     {"[record]", "[spindle]\nstall_torque_Nm = 0", {"bad.toml:31:1: spindle.stall_torque_Nm = 0 must be in (0, 1000]"}},
     {"[record]", "[spindle]\ninertia = 1", {"bad.toml:31:1: spindle.inertia lacks its unit: write \"inertia_kg_m2\""}},
-    {"[record]", "[display]\nmethod = \"mesh\"", {"bad.toml:31:1: display.method = \"mesh\" is not in this version; it knows \"raycast\", \"slices\""}},
+    {"[record]",
+     "[display]\nmethod = \"mesh\"",
+     {"bad.toml:31:1: display.method = \"mesh\" is not in this version; it knows \"raycast\", \"slices\""}},
     {"[record]", "[heat]", {"bad.toml:30:2: heat is an effect that is not in this version"}},
     {"phantom:plate", "skull.nii", {"bad.toml:5:1: volume.source = \"skull.nii\" is not there: skull.nii"}},
 };
