@@ -4,7 +4,8 @@
 ///   simulation   SCHED_FIFO, lowest: cuts, publishes; rests a quarter of the time that it took, so that it cannot hold a core for itself
 ///   the caller   pictures and record, at leisure
 ///   Whatever ends the run (script, time, a signal, an exception in a picture or the record), the last thing that the hand gets is a force of
-///   zero. A signal or an exception lets it fade over the servo's soft stop first; where script or time are over it is zero at once. A latched fault of the servo ends nothing: the hand is without force, and the run says so.
+///   zero. A signal or an exception lets it fade over the servo's soft stop first; where script or time are over it is zero at once.
+///   A latched fault of the servo ends nothing: the hand is without force, and the run says so.
 #pragma once
 
 #include <atomic>
