@@ -10,7 +10,7 @@ namespace burrhole {
 namespace {
 
 /// RFC 4180 section 2, rules 5 to 7: quotes round a cell with a comma, quote or line break; a quote inside is doubled.
-std::string quoted(std::string_view cell) {
+std::string quoted_cell(std::string_view cell) {
   if (cell.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(cell);
   std::string out = "\"";
   for (const char c : cell) {
@@ -21,7 +21,7 @@ std::string quoted(std::string_view cell) {
 }
 
 struct CellText {
-  std::string operator()(const std::string& text) const { return quoted(text); }
+  std::string operator()(const std::string& text) const { return quoted_cell(text); }
   std::string operator()(double value) const { return std::isnan(value) ? std::string() : shortest_number(value); }
   std::string operator()(std::int64_t value) const { return std::to_string(value); }
   std::string operator()(bool value) const { return value ? "true" : "false"; }
