@@ -69,8 +69,36 @@ StepTiming empty_loop(double seconds, double period) {
   return late.timing();
 }
 
+/// How long work that never changes takes, at the contact loop's period and priority: the spread that is the machine's. @param work_us of one tick.
+StepTiming constant_loop(double seconds, double period, double work_us) {
+  const auto work = [](std::int64_t rounds) {
+    volatile double value = 1.0;
+    for (std::int64_t n = 0; n < rounds; ++n) value = value * 0.999 + 0.001;
+  };
+  const auto took_us = [&](std::int64_t rounds) {
+    const timespec start = now_monotonic();
+    work(rounds);
+    return microseconds(start, now_monotonic());
+  };
+  constexpr std::int64_t kProbe = 2000;
+  float least = took_us(kProbe);
+  for (int n = 0; n < 50; ++n) least = std::min(least, took_us(kProbe));
+  const auto rounds = static_cast<std::int64_t>(work_us / static_cast<double>(least) * static_cast<double>(kProbe));
+  StepTimer took;
+  std::thread loop([&] {
+    (void)ask_for_fifo(kContactAbove);
+    TickClock clock(now_monotonic(), period, 0.0);
+    for (int n = 0; n < static_cast<int>(seconds / period); ++n) {
+      (void)clock.wait();
+      took.add(took_us(rounds));
+    }
+  });
+  loop.join();
+  return took.timing();
+}
+
 struct Window {
-  StepTiming servo, contact, late, empty;
+  StepTiming servo, contact, late, empty, constant;
   std::uint64_t missed = 0;
 };
 
@@ -101,6 +129,7 @@ Result<Window> live_window(const LoadedScene& loaded, double settle, std::string
                 live.contact.timing(skip),
                 live.servo_late.timing(skip),
                 {},
+                {},
                 live.servo_skipped + live.contact_skipped + live.bone_skipped + live.unrecorded};
 }
 
@@ -112,6 +141,7 @@ Status measure(Bench& bench, const std::string& what, const LoadedScene& loaded,
     auto window = live_window(loaded, bench.quick() ? 0.0 : kSettle, refused);
     if (!window) return window.error();
     window->empty = empty_loop(seconds, 1.0 / loaded.scene.servo_hz);
+    window->constant = constant_loop(seconds, 1.0 / loaded.scene.contact->rate_hz, window->contact.p50_us);
     windows.push_back(*window);
   }
   if (!refused.empty()) fmt::print(stderr, "bench: servo: {}; what follows was measured without it\n", refused);
@@ -127,15 +157,18 @@ Status measure(Bench& bench, const std::string& what, const LoadedScene& loaded,
   us("servo wakes late, p99.9", &Window::late, p999, {});
   us("servo wakes late, longest", &Window::late, &StepTiming::max_us, {});
   us("an empty loop wakes late, p99.9", &Window::empty, p999, {});
-  std::vector<double> over_empty, over_median, kept;
+  us("work of the same length that never changes, p99.9", &Window::constant, p999, {});
+  std::vector<double> over_empty, over_median, constant_over_median, kept;
   for (const Window& w : windows) {
     over_empty.push_back(w.late.p999_us / w.empty.p999_us);
     over_median.push_back(w.contact.p999_us / w.contact.p50_us);
+    constant_over_median.push_back(w.constant.p999_us / w.constant.p50_us);
     const double due = static_cast<double>(w.servo.count + w.contact.count);
     kept.push_back(due / (due + static_cast<double>(w.missed)));
   }
   bench.add_absolute(name("servo wakes late over an empty loop, p99.9"), "1", median(over_empty), true, {1.5, 1.1});
   bench.add_absolute(name("contact compute, p99.9 over p50"), "1", median(over_median), true, spread ? Bars{2.0, 1.4} : Bars{});
+  bench.add_absolute(name("work that never changes, p99.9 over p50"), "1", median(constant_over_median), true);
   bench.add_absolute(name("share of ticks, steps and rows that were kept"), "1", median(kept), false);
   return {};
 }
