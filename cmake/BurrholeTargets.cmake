@@ -43,10 +43,10 @@ endfunction()
 function(bh_reuse_headers target name)
   if(BURRHOLE_PRECOMPILED_HEADERS)
     # Macros that the headers look at must be the same in both.
-    target_compile_definitions(${target} PRIVATE $<TARGET_PROPERTY:fmt::fmt,INTERFACE_COMPILE_DEFINITIONS>)
+    target_compile_definitions(${target} PRIVATE ${bh_glm_definitions} $<TARGET_PROPERTY:fmt::fmt,INTERFACE_COMPILE_DEFINITIONS>)
     target_precompile_headers(${target} REUSE_FROM ${name})
     # GCC 12 forgets there that a header is the system's and reports its own false alarms in <string>.
-    target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-restrict)
+    target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
   endif()
 endfunction()
 
