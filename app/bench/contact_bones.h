@@ -59,8 +59,8 @@ struct Felt {
 
 [[nodiscard]] Side evaluate_all(const ContactModel& model, const ContactView& bone, const std::vector<Pose>& poses, ContactResult& scratch);
 
-/// Whether what was felt by the vectors in use is, bit for bit, what f() feels by the weakest that the machine has. What was in use is in use
-/// again afterwards.
+/// Whether what was felt by the vectors in use is, bit for bit, what f() feels by the weakest that the machine has. What was in use is in
+/// use again afterwards.
 template <class Numbers, class F>
 [[nodiscard]] bool levels_agree(Bench& bench, const std::string& name, const Numbers& felt, F&& f) {
   const SimdLevelGuard guard;

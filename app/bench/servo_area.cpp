@@ -1,5 +1,5 @@
-// The live loops: the shipped scene on threads, at rest on bone, while a picture is drawn over and over on the other core; in turns with an empty
-// loop of the same priority, which shows what this machine gives anyone.
+// The live loops: the shipped scene on threads, at rest on bone, while a picture is drawn over and over on the other core; in turns with an
+// empty loop of the same priority, which shows what this machine gives anyone.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -69,7 +69,8 @@ StepTiming empty_loop(double seconds, double period) {
   return late.timing();
 }
 
-/// How long work that never changes takes, at the contact loop's period and priority: the spread that is the machine's. @param work_us of one tick.
+/// How long work that never changes takes, at the contact loop's period and priority: the spread that is the machine's. @param work_us of
+/// one tick.
 StepTiming constant_loop(double seconds, double period, double work_us) {
   const auto work = [](std::int64_t rounds) {
     volatile double value = 1.0;

@@ -1,5 +1,5 @@
-/// app/engine/contact_tick.h: all that happens at contact rate: the contact step on the newest copy of bone, what is watched along the axis, and
-/// the sums that go with the result.
+/// app/engine/contact_tick.h: all that happens at contact rate: the contact step on the newest copy of bone, what is watched along the
+/// axis, and the sums that go with the result.
 ///   Thread contact; never waits, never allocates after its construction.
 #pragma once
 

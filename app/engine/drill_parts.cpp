@@ -5,8 +5,8 @@
 namespace burrhole {
 namespace {
 
-/// `voxmap` has the plane of the voxel that a point is in, and its own force never passes that of half a voxel; a point that pushes leaves its
-/// plane after a quarter on average. Believed further, planes become walls of ten times a point's stiffness, which throw the hand.
+/// `voxmap` has the plane of the voxel that a point is in, and its own force never passes that of half a voxel; a point that pushes leaves
+/// its plane after a quarter on average. Believed further, planes become walls of ten times a point's stiffness, which throw the hand.
 ServoConfig servo_of(const Scene& scene, double edge) {
   ServoConfig out = scene.servo;
   const bool one_voxel = scene.contact && scene.contact->model == ContactModelKind::voxmap && !scene.contact->coupling &&

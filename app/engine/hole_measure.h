@@ -14,8 +14,8 @@ struct HoleMeasure {
   std::optional<double> inner_diameter;  ///< [m] likewise in the inner surface; nothing when the hole does not reach it
 };
 
-/// Rays parallel to the approach axis, half a voxel apart, over the box of changed bone: where a ray met the outer (last: the inner) surface
-/// as loaded, the area counts when the bone half a voxel behind that surface is gone. Volume by 4x4x4 trilinear samples a voxel.
+/// Rays parallel to the approach axis, half a voxel apart, over the box of changed bone: where a ray met the outer (last: the inner)
+/// surface as loaded, the area counts when the bone half a voxel behind that surface is gone. Volume by 4x4x4 trilinear samples a voxel.
 [[nodiscard]] HoleMeasure measure_hole(Voxmap& voxmap, const Approach& approach);
 
 }  // namespace burrhole

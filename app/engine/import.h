@@ -1,6 +1,7 @@
 /// app/engine/import.h: from a file or folder of any format to a bone model, with a report of what was found and assumed.
 /// One path for `burrhole import`, every command that takes a scene, tests and benchmarks.
-///   Units SI in structs, named units in texts.   Thread any.   Privacy: see volumes/read/scan.h; the report holds the path as the user gave it.
+///   Units SI in structs, named units in texts.   Thread any.   Privacy: see volumes/read/scan.h; the report holds the path as the user
+///   gave it.
 #pragma once
 
 #include <functional>
@@ -39,11 +40,13 @@ struct ImportedBone {
   ImportReport report;
 };
 
-/// Reads and classifies. A bone model of this program is taken as it is; another program's .vdb needs its unit. Options that a format has no use
-/// for are refused. @param say gets one line on the memory that the bone needs, before that is taken; may be empty. @returns bad_input with the path as place.
+/// Reads and classifies. A bone model of this program is taken as it is; another program's .vdb needs its unit. Options that a format has
+/// no use for are refused. @param say gets one line on the memory that the bone needs, before that is taken; may be empty. @returns
+/// bad_input with the path as place.
 [[nodiscard]] Result<ImportedBone> import_bone(const ImportRequest& request, const std::function<void(const std::string&)>& say);
 
-/// {schema, source, format, series[], dims, spacing_mm, direction, shear_deg, oblique_deg, values{..}, bone{..}, assumed[], skipped[], kept{}}
+/// {schema, source, format, series[], dims, spacing_mm, direction, shear_deg, oblique_deg, values{..}, bone{..}, assumed[], skipped[],
+/// kept{}}
 [[nodiscard]] std::string import_json(const ImportReport& report);
 /// The same for a terminal, a line a fact.
 [[nodiscard]] std::string import_text(const ImportReport& report);

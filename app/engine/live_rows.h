@@ -1,5 +1,5 @@
-/// app/engine/live_rows.h: what each step of a live run took and gave, as plain values from its thread to the log, and as rows of the session.
-/// With these the same steps can be fed again in the same order (live_replay.h).
+/// app/engine/live_rows.h: what each step of a live run took and gave, as plain values from its thread to the log, and as rows of the
+/// session. With these the same steps can be fed again in the same order (live_replay.h).
 #pragma once
 
 #include <array>

@@ -3,8 +3,8 @@
 ///   contact      SCHED_FIFO, next: the latest motion against the newest copy of bone
 ///   simulation   SCHED_FIFO, lowest: cuts, publishes; rests a quarter of the time that it took, so that it cannot hold a core for itself
 ///   the caller   pictures and record, at leisure
-///   Whatever ends the run (script, time, a signal, an exception in a picture or the record), the last thing that the hand gets is a force of
-///   zero. A signal or an exception lets it fade over the servo's soft stop first; where script or time are over it is zero at once.
+///   Whatever ends the run (script, time, a signal, an exception in a picture or the record), the last thing that the hand gets is a force
+///   of zero. A signal or an exception lets it fade over the servo's soft stop first; where script or time are over it is zero at once.
 ///   A latched fault of the servo ends nothing: the hand is without force, and the run says so.
 #pragma once
 
@@ -59,8 +59,8 @@ class ParcelDesk {
   std::atomic<bool> closed_{true};
 };
 
-/// `desk` is where `log` has its parcels filled. Runs to the end of the script, of the scene's duration, or until stopped. Errors: a refusal
-/// under require_realtime (unavailable), a session or picture that failed; the run is ended in order then too.
+/// `desk` is where `log` has its parcels filled. Runs to the end of the script, of the scene's duration, or until stopped. Errors: a
+/// refusal under require_realtime (unavailable), a session or picture that failed; the run is ended in order then too.
 [[nodiscard]] Status run_live(DrillParts& parts, RunLog& log, const LiveOptions& options, ParcelDesk& desk, LiveReport& report);
 
 /// Why this scene cannot run on threads; nothing: it can.

@@ -1,6 +1,6 @@
 /// app/engine/lockstep.h: the steps of a run in a fixed order, over the same mailboxes as on threads: the same bits whenever it runs.
-///   A tick  the hand is read; contact answers it where it is due; results due after the scene's latency reach the servo; the servo's force goes
-///           to the hand; bone is cut where it is due.
+///   A tick  the hand is read; contact answers it where it is due; results due after the scene's latency reach the servo; the servo's force
+///           goes to the hand; bone is cut where it is due.
 #pragma once
 
 #include <vector>

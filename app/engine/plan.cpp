@@ -79,7 +79,8 @@ const char* name_of(ErosionLaw law) {
 PlanRow erosion_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const ErosionConfig& erosion = loaded.scene.erosion->config;
   const std::uint64_t points = loaded.tool.erosion.size() * (sizeof(Vec3) + sizeof(float));
-  // By points a float of exposure a voxel of the window; sub-voxel the tool's own field and a mask and its sleep a voxel where the bit has been.
+  // By points a float of exposure a voxel of the window; sub-voxel the tool's own field and a mask and its sleep a voxel where the bit has
+  // been.
   const std::uint64_t field = erosion.subvoxel && loaded.tool.cutting ? loaded.tool.cutting->bytes() : 0;
   const std::uint64_t voxels = window_voxels(loaded) * (erosion.subvoxel ? sizeof(std::uint64_t) + sizeof(double) : sizeof(float));
   return {effect, static_cast<double>(loaded.scene.erosion->rate_hz), points + field + voxels,

@@ -50,8 +50,9 @@ inline constexpr int kServoAbove = 60, kContactAbove = 50,
 /// What of both the system would refuse a live run, and why; empty: nothing. Takes neither.
 [[nodiscard]] std::string realtime_refusal();
 
-/// Which tick comes next, by the clock's time alone. A tick whose moment is past is taken at once, the newest of them; never twice in a row: a
-/// loop that cannot keep its period would run free and starve all below its priority, so it gives ticks up and waits for a coming one.
+/// Which tick comes next, by the clock's time alone. A tick whose moment is past is taken at once, the newest of them; never twice in a
+/// row: a loop that cannot keep its period would run free and starve all below its priority, so it gives ticks up and waits for a coming
+/// one.
 class TickPlan {
  public:
   /// @param first [ns] moment of the first tick. @param period [ns] > 0.

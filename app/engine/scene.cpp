@@ -115,8 +115,8 @@ HandConfig read_hand(TableReader table, Issues& issues) {
   return out;
 }
 
-// Bone that is felt again under a hand that sank into it lifts that hand, and must give out what its spring takes. A return within 0.2 s gives no
-// more than a slower one; at once it gives four times as much, and throws the hand (docs/servo.md).
+// Bone that is felt again under a hand that sank into it lifts that hand, and must give out what its spring takes. A return within 0.2 s
+// gives no more than a slower one; at once it gives four times as much, and throws the hand (docs/servo.md).
 constexpr double kSoftReturn = 0.2;  // [s]
 constexpr double kJumpSpeed = 5.0;   // [m/s] of a hand: the quickest strokes of the hard cases have 1.25
 

@@ -3,8 +3,8 @@
 ///   meta(key, value)                            program, scene_path, scene, tool, seed, created
 ///   columns(position, name, unit)               of a row
 ///   ticks(first_row, rows, data)                blocks of rows: little-endian IEEE 754 doubles, row after row
-///   columns_NAME, ticks_NAME                    the same of a further stream of rows, where there is one (steps that ran at their own pace)
-///   events(id, time_s, tick, kind, text, data)  in order of id
+///   columns_NAME, ticks_NAME                    the same of a further stream of rows, where there is one (steps that ran at their own
+///   pace) events(id, time_s, tick, kind, text, data)  in order of id
 ///   hashes(kind, value)
 #pragma once
 

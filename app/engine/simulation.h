@@ -43,7 +43,8 @@ struct SessionLayout {
   std::vector<SessionStream> streams;
 };
 [[nodiscard]] SessionLayout session_layout(const Scene& scene, bool live);
-/// Lockstep: columns of a session row, one row a servo tick: what the tick took (hand) and gave (tool, force, loss), of the effects in the scene only.
+/// Lockstep: columns of a session row, one row a servo tick: what the tick took (hand) and gave (tool, force, loss), of the effects in the
+/// scene only.
 [[nodiscard]] std::vector<SessionColumn> session_columns(const Scene& scene);
 
 class Simulation {
@@ -77,7 +78,8 @@ class Simulation {
   [[nodiscard]] RunTimers& timers() noexcept { return timers_; }
   /// Of a live run; nothing otherwise.
   [[nodiscard]] const std::optional<LiveReport>& live() const noexcept { return live_; }
-  /// [N] that the simulated device shows now: after a live run, what that left in the hand. Nothing without [device], or where a hand was given.
+  /// [N] that the simulated device shows now: after a live run, what that left in the hand. Nothing without [device], or where a hand was
+  /// given.
   [[nodiscard]] std::optional<double> shown_force() const noexcept {
     return parts_->device ? std::optional(glm::length(parts_->device->force())) : std::nullopt;
   }

@@ -51,7 +51,8 @@ struct CameraView {
   double vertical_fov = 0.6;  ///< [rad] in (0, 3)
 };
 
-/// Light of [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); `fill` adds a weak headlight, fill Cv max(N.V, 0), 0 for the paper's own.
+/// Light of [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); `fill` adds a weak headlight, fill Cv max(N.V, 0), 0 for the paper's
+/// own.
 struct LightView {
   double ambient = 0.35;
   double diffuse = 0.75;

@@ -24,10 +24,10 @@ struct ContactAccuracyOptions {
   GradientPlaneConfig model;                                        ///< the shipped default
 };
 
-/// For each tool, bone (clean and noisy), depth and form of the bone (packed words as a run publishes them, floats, OpenVDB grids), errors over the placements, of the vector difference of forces:
-///   own_law_median, own_law_worst          [%] of the average over colliding points of exact depths
-///   own_law_worst_length                   [voxel] the same difference over the stiffness: how far off the model puts the surface
-///   translation_median, translation_worst  [%] of k x the way out along the push
+/// For each tool, bone (clean and noisy), depth and form of the bone (packed words as a run publishes them, floats, OpenVDB grids), errors
+///   over the placements, of the vector difference of forces: own_law_median, own_law_worst          [%] of the average over colliding
+///   points of exact depths own_law_worst_length                   [voxel] the same difference over the stiffness: how far off the model
+///   puts the surface translation_median, translation_worst  [%] of k x the way out along the push
 /// and one row a tool and law, force_lost [%]: how far force falls below what it was at a lesser depth, pressed into a level plate.
 /// Faults of tools and phantoms pass through; out_of_range when there is nothing to measure or a depth passes the middle of the plate.
 [[nodiscard]] Result<std::vector<CostRow>> measure_contact_accuracy(const ContactAccuracyOptions& options);

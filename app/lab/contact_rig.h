@@ -12,7 +12,8 @@ namespace burrhole {
 
 class ContactRig {
  public:
-  /// The window holds the whole phantom and ten voxels round it, at most kMaxWindowEdge - 20 voxels a side. Faults of the spec pass through.
+  /// The window holds the whole phantom and ten voxels round it, at most kMaxWindowEdge - 20 voxels a side. Faults of the spec pass
+  /// through.
   [[nodiscard]] static Result<ContactRig> create(const PhantomSpec& spec);
 
   [[nodiscard]] const Truth& truth() const noexcept { return *truth_; }

@@ -1,7 +1,7 @@
-/// app/lab/frontier.h: the measured stability frontier beside the lines of theory: which stiffness the whole shipped loop shows before it gets
-///   unstable, by device, hand, damping, contact rate and scheme.
-///   Units SI in the rows, units in the names of the CSV.   Thread rows are measured on workers of their own, results in fixed order: the same bits
-///   on any number of them.
+/// app/lab/frontier.h: the measured stability frontier beside the lines of theory: which stiffness the whole shipped loop shows before it
+///   gets unstable, by device, hand, damping, contact rate and scheme.
+///   Units SI in the rows, units in the names of the CSV.   Thread rows are measured on workers of their own, results in fixed order: the
+///   same bits on any number of them.
 #pragma once
 
 #include <functional>
@@ -55,7 +55,8 @@ struct FrontierOptions {
 /// All rows, in fixed order. The first fault of a run passes through.
 [[nodiscard]] Result<std::vector<FrontierRow>> measure_frontier(const FrontierOptions& options);
 
-/// frontier.csv, frontier_rates.svg, frontier_DEVICE.svg and frontier.html into a folder. `unavailable` without gnuplot: the CSV is then there.
+/// frontier.csv, frontier_rates.svg, frontier_DEVICE.svg and frontier.html into a folder. `unavailable` without gnuplot: the CSV is then
+/// there.
 [[nodiscard]] Status write_frontier(const std::vector<FrontierRow>& rows, const std::string& folder);
 
 }  // namespace burrhole

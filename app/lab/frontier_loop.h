@@ -1,8 +1,8 @@
-/// app/lab/frontier_loop.h: the whole shipped loop (scene, contact, multi-rate, servo, device) with a constant thrust on the grip, to be run at one
-///   stiffness after the other.
+/// app/lab/frontier_loop.h: the whole shipped loop (scene, contact, multi-rate, servo, device) with a constant thrust on the grip, to be
+///   run at one stiffness after the other.
 ///   Frame  world = bone frame; heights are along +z, out of bone.   Units SI.   Thread one owner; loops share nothing.
-///   The scene is TOML text through load_scene(), and DrillParts and Lockstep run it; of the lab's own are the hand's goal (one thrust, one rest
-///   point, no script) and what is read off the grip.
+///   The scene is TOML text through load_scene(), and DrillParts and Lockstep run it; of the lab's own are the hand's goal (one thrust, one
+///   rest point, no script) and what is read off the grip.
 ///   Bone gives way by its own stiffness in series with the coupling. It is set to kBoneStiffness here, so that a coupling of 1e6 N/m loses
 ///   1e-4 of its stiffness, and nothing is corrected.
 #pragma once

@@ -1,10 +1,11 @@
-/// app/lab/frontier_oracle.h: what theory says about a wall of stiffness K and damping B that a held device presses on, computed without a line
-///   of the loop that is measured.
+/// app/lab/frontier_oracle.h: what theory says about a wall of stiffness K and damping B that a held device presses on, computed without a
+///   line of the loop that is measured.
 ///   Units SI.   Thread any; pure functions.
-///   Exact   the sampled system, one vector of numbers mapped from one contact period to the next; stable while its spectral radius is below 1.
-///           Between ticks the body moves by exp of its own matrix (a Taylor series, not the closed form that the plant uses).
+///   Exact   the sampled system, one vector of numbers mapped from one contact period to the next; stable while its spectral radius is
+///           below 1. Between ticks the body moves by exp of its own matrix (a Taylor series, not the closed form that the plant uses).
 ///   Lines   the passive wall, the quantised passive wall, linear stability with delay: facts of the literature, as printed or evaluated.
-///   Source  exact system: own derivation. Colgate & Schenkel 1997, Abbott & Okamura 2005, Gil et al. 2009: formulas as the project's facts have them.
+///   Source  exact system: own derivation. Colgate & Schenkel 1997, Abbott & Okamura 2005, Gil et al. 2009: formulas as the project's facts
+///   have them.
 #pragma once
 
 #include <optional>
@@ -38,8 +39,9 @@ struct SquareMatrix {
 /// [N/m] Where the spectral radius first passes 1, going up from 1 N/m; infinite if not below 1e7.
 [[nodiscard]] double exact_limit(const SampledWall& wall);
 
-/// [N/m] Colgate & Schenkel's condition on the device alone (no hand), b > T/2 Re((1 - z^-1) H(z)) / (1 - cos wT) at every frequency, evaluated
-/// for H = z^-delay (K + B filtered difference): K T/2 + B without delay and filter, K (T/2 + d T) for B = 0. 0 where B alone breaks it.
+/// [N/m] Colgate & Schenkel's condition on the device alone (no hand), b > T/2 Re((1 - z^-1) H(z)) / (1 - cos wT) at every frequency,
+/// evaluated for H = z^-delay (K + B filtered difference): K T/2 + B without delay and filter, K (T/2 + d T) for B = 0. 0 where B alone
+/// breaks it.
 [[nodiscard]] double passive_limit(const SampledWall& wall, double device_damping);
 /// [N/m] Abbott & Okamura: min(2 b/T, 2 f_c/step); nothing where the device has no step.
 [[nodiscard]] std::optional<double> quantised_passive_limit(double device_damping, double friction, double quantum, double period);

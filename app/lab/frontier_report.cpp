@@ -42,7 +42,8 @@ LogCurve curve_of(const Rows& rows, std::string name, const std::string& style, 
   return out;
 }
 
-/// The K-B plane of one device in one hand: shaded from the passive line up to the measured frontier, where it is stable though not passive.
+/// The K-B plane of one device in one hand: shaded from the passive line up to the measured frontier, where it is stable though not
+/// passive.
 LogPanel plane_of(const std::vector<FrontierRow>& rows, std::string_view device, std::string_view hand) {
   const auto is = [&](const FrontierRow& row, std::string_view part) {
     return row.part == part && row.device == device && row.hand == hand;

@@ -71,19 +71,14 @@ Result<Settling> let_go(const FrontierLoop& loop, double stiffness, const LetGo&
   if (!run) return run.error();
   const int ticks = static_cast<int>(start.duration * loop.config().servo_hz), from = ticks - ticks / 3;
   std::vector<double> heights;
-  double least = std::numeric_limits<double>::infinity(), most = 0.0;
   Settling out;
   for (int n = 0; n < ticks; ++n) {
     const FrontierTick tick = run->tick();
-    if (!std::isfinite(tick.height)) return Settling{.swing = 1.0, .ring = 1e9, .aside = 1.0};
+    if (!std::isfinite(tick.height)) return Settling{.swing = 1.0, .aside = 1.0};
     out.aside = std::max(out.aside, tick.aside);
     if (n < from) continue;
     heights.push_back(tick.height);
-    const double shown = glm::length(tick.shown);
-    least = std::min(least, shown);
-    most = std::max(most, shown);
   }
-  out.ring = (most - least) / start.thrust;
   const double slope = (heights.back() - heights.front()) / static_cast<double>(heights.size() - 1);
   double low = 0.0, high = 0.0;
   for (std::size_t n = 0; n < heights.size(); ++n) {
@@ -92,7 +87,6 @@ Result<Settling> let_go(const FrontierLoop& loop, double stiffness, const LetGo&
     high = std::max(high, off);
   }
   out.swing = high - low;
-  out.feed = -slope * loop.config().servo_hz;
   return out;
 }
 

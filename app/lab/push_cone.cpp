@@ -13,8 +13,8 @@ constexpr double kHalfDiagonal = 0.8660254037844387;  // [voxel edges] of a cell
 constexpr int kDeep = 3;                              // [voxel edges]
 constexpr double kRounding = 1e-12;                   // [-] of the force
 
-/// The nearest place of the cone of up to four vectors, each pair of them tried: in space the nearest place lies on the vertex, on a ray, on a
-/// face between two rays, or is the force itself.
+/// The nearest place of the cone of up to four vectors, each pair of them tried: in space the nearest place lies on the vertex, on a ray,
+/// on a face between two rays, or is the force itself.
 Vec3 nearest_on_faces(const Vec3& force, std::span<const Vec3> rays) noexcept {
   Vec3 best(0.0);
   double least = glm::dot(force, force);
@@ -110,8 +110,8 @@ double density_at(const MasterWindow& window, const Vec3& index) {
 }  // namespace
 
 double outside_cone(const Vec3& force, std::span<const Vec3> normals) noexcept {
-  // Three rays span the face or corner at hand; the normal that is most along what is left joins them, until none is (Wolfe's method). Each round
-  // brings the place nearer, so there are no more than there are normals.
+  // Three rays span the face or corner at hand; the normal that is most along what is left joins them, until none is (Wolfe's method). Each
+  // round brings the place nearer, so there are no more than there are normals.
   const double size = glm::length(force);
   std::vector<Vec3> rays;
   Vec3 place(0.0);

@@ -9,7 +9,8 @@
 
 namespace burrhole::stability {
 
-// The loop that all cases are run with: a generic 8 N device in a nominal hand, told 8/28 of the force, so that its 8 N are a thrust of 28 N.
+// The loop that all cases are run with: a generic 8 N device in a nominal hand, told 8/28 of the force, so that its 8 N are a thrust of 28
+// N.
 inline constexpr double kForceLimit = 28.0;                         ///< [N] force_N of the servo
 inline constexpr double kForceBound = kForceLimit * (1.0 + 1e-12);  ///< [N] a vector shortened to a length is off by a few roundings
 // Bounds, each with its reason.
@@ -23,10 +24,12 @@ inline constexpr double kCurved =
     kPenetration + 0.25 / (4.0 * 2.0);       ///< [voxel] in a hollow of 2 mm, whose 0.5 surface is off by edge / (4 R)
 inline constexpr double kSlideStep = 0.3;    ///< [N] a tenth of the 3 N with which slides press, on a device of exact positions
 inline constexpr double kDeviceStep = 0.42;  ///< [N] one step of position over the coupling: 5000 N/m x 0.05 mm + 10 N s/m x 0.05 mm / 3 ms
-/// [mJ] Bone that is felt again under a hand 3 mm in it stretches the hand's spring of 300 N/m and the wall's own of 1429 N/m (the coupling's 5000, as the
-/// device shows it) by 3 mm between them: in series 248 N/m, and half of that times 3 mm squared must come from the wall, however slowly.
+/// [mJ] Bone that is felt again under a hand 3 mm in it stretches the hand's spring of 300 N/m and the wall's own of 1429 N/m (the
+/// coupling's 5000, as the device shows it) by 3 mm between them: in series 248 N/m, and half of that times 3 mm squared must come from the
+/// wall, however slowly.
 inline constexpr double kLifted = 1.116 + kEnergy;
-/// [mm/s] As fast as that hand goes with the balance of the two springs, fastest at first: 3 mm x 1429 / 300 over the 0.2 s of the soft start.
+/// [mm/s] As fast as that hand goes with the balance of the two springs, fastest at first: 3 mm x 1429 / 300 over the 0.2 s of the soft
+/// start.
 inline constexpr double kLiftSpeed = 71.5;
 inline constexpr double kDrag = 0.03;  ///< [mJ/mm] 1 % of those 3 N: bone of this version has no friction
 

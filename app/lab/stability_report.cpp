@@ -75,7 +75,8 @@ std::string picture(std::span<const StabilityOutcome> outcomes, const std::strin
   return drawn ? *drawn : std::string();
 }
 
-/// Checks of a case down, models across; what fails says so. The default model has all checks of a case, in order; a penalty leaves some out.
+/// Checks of a case down, models across; what fails says so. The default model has all checks of a case, in order; a penalty leaves some
+/// out.
 void add_table(HtmlPage& page, std::span<const StabilityOutcome> outcomes, const std::string& subject) {
   std::vector<std::string> columns{"measure", "bound"};
   std::vector<std::vector<std::string>> rows;

@@ -215,8 +215,8 @@ SurfaceDistance StabilityRig::nearest_of(const Pose& bone_from_tool) const {
 }
 
 double StabilityRig::depth_under(const Pose& bone_from_tool, const SurfaceDistance& least) const {
-  // Density falls from 1 to 0 over twice the voxel's width across the normal (volumes/phantom/phantom.h): inside that ramp it tells the depth under
-  // the 0.5 surface, which at edges is not quite the shape's own. Deeper, the shape's own distance does.
+  // Density falls from 1 to 0 over twice the voxel's width across the normal (volumes/phantom/phantom.h): inside that ramp it tells the
+  // depth under the 0.5 surface, which at edges is not quite the shape's own. Deeper, the shape's own distance does.
   double densest = 0.0;
   for (const Vec3& point : loaded_->tool.shell.positions) densest = std::max(densest, density_at(bone_from_tool * point));
   if (densest <= 0.0 || densest >= 1.0) return -least.signed_distance;

@@ -29,10 +29,10 @@ class StabilityRig {
   void prepare(double time);
   void move_bone(double time);
   void look_at_tool(StabilitySample& sample);
-  /// [N] of the force, which bone cannot have pushed with. Where it does not point into the bone nearest to the tool's deepest point, none. Where it
-  /// does, and that is all the bone there is: its part towards bone, or of bone as loaded its whole length, which is more. Where other walls are
-  /// touched, by the tool as it was since the loop's latency, its distance from what all of them can push with (push_cone.h). Of bone that is cut
-  /// the walls are no excuse: what counts is the axis.
+  /// [N] of the force, which bone cannot have pushed with. Where it does not point into the bone nearest to the tool's deepest point, none.
+  /// Where it does, and that is all the bone there is: its part towards bone, or of bone as loaded its whole length, which is more. Where
+  /// other walls are touched, by the tool as it was since the loop's latency, its distance from what all of them can push with
+  /// (push_cone.h). Of bone that is cut the walls are no excuse: what counts is the axis.
   [[nodiscard]] double pull_of(const StabilitySample& sample) const;
   void remember(const Pose& bone_from_tool);
   [[nodiscard]] bool bone_between(const Pose& world_from_tool, const Vec3& hand) const;

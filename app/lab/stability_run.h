@@ -1,5 +1,5 @@
-/// app/lab/stability_run.h: runs a hard case on the shipped path: scene text -> load_scene -> DrillParts -> Lockstep, tick by tick, and judges it.
-///   Thread  one a case; cases share nothing.
+/// app/lab/stability_run.h: runs a hard case on the shipped path: scene text -> load_scene -> DrillParts -> Lockstep, tick by tick, and
+///   judges it. Thread  one a case; cases share nothing.
 #pragma once
 
 #include <atomic>

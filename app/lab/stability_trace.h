@@ -1,5 +1,5 @@
-/// app/lab/stability_trace.h: what a run of a hard case left behind, tick by tick, and the figures that it is judged by: each a function of the
-///   trace alone, so that a test can hand it a trace in closed form.
+/// app/lab/stability_trace.h: what a run of a hard case left behind, tick by tick, and the figures that it is judged by: each a function of
+///   the trace alone, so that a test can hand it a trace in closed form.
 ///   Frames  grip columns: the device's, as the grip truly is; all others: world.   Units SI.
 #pragma once
 

@@ -63,8 +63,8 @@ void fill_triangle(Raster& raster, const std::array<Vec3, 3>& corners, const Rgb
     }
 }
 
-/// Does the surface at `p`, facing `normal`, cut? As the nearest shell point does that faces alike; points of edges, which face halfway, count
-/// at twice their distance, so that they speak only for faces too narrow to have points of their own.
+/// Does the surface at `p`, facing `normal`, cut? As the nearest shell point does that faces alike; points of edges, which face halfway,
+/// count at twice their distance, so that they speak only for faces too narrow to have points of their own.
 bool cuts_at(const PointShell& shell, const Vec3& p, const Vec3& normal) noexcept {
   double best = std::numeric_limits<double>::infinity();
   bool cuts = false;

@@ -1,5 +1,5 @@
-/// app/report/tool_sheet.h: one bit on one sheet, for who designs it or learns to use it: the bit as it looks, its point shell with the inward
-///   vectors, and a section that shows where and how fast it erodes. Drawn by gnuplot as PNG.
+/// app/report/tool_sheet.h: one bit on one sheet, for who designs it or learns to use it: the bit as it looks, its point shell with the
+///   inward vectors, and a section that shows where and how fast it erodes. Drawn by gnuplot as PNG.
 ///   Units  mm in the picture.   Source  the three views are those of [AcostaLiu07] Figs. 3 and 6.
 #pragma once
 

@@ -19,14 +19,15 @@ constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are b
 // Part of a cutting plane's give that is its own; the rest is the engagement shared by all. Opposed walls push against each other through
 // this part alone, so it sets how hard a tool that is a little too wide for its hole is pinched.
 constexpr double kOwnGive = 0.05;
-// [voxel edges] by which a spinning tool is drawn in across its push, at points that cut and face away from the push (drawn_shell.h). On voxels
-// the corner between wall and floor is rounded: without this play the rim of a bit rests there, where it has nothing left to cut (half the
-// play: 40 % slower through the shipped scene; none: stuck after 0.5 mm), and a burr sits on the wall of its own bore. Along the push nothing is
-// drawn in, nor on faces within 23 degrees of it: there the engaged depth stays F / K_cut.
+// [voxel edges] by which a spinning tool is drawn in across its push, at points that cut and face away from the push (drawn_shell.h). On
+// voxels the corner between wall and floor is rounded: without this play the rim of a bit rests there, where it has nothing left to cut
+// (half the play: 40 % slower through the shipped scene; none: stuck after 0.5 mm), and a burr sits on the wall of its own bore. Along the
+// push nothing is drawn in, nor on faces within 23 degrees of it: there the engaged depth stays F / K_cut.
 constexpr double kPlay = 0.75;
 constexpr std::size_t kGripPoints = 1200;  // tell how bone holds sideways well enough: every bit that ships has fewer that cut
 constexpr double kSameFace = 0.94;         // [-] cosine of 20 degrees: two directions this near each other are of one face
-// [voxel edges] off its springs' rest by which a spinning tool's force may be passed over for a period: so deep it may lie in bone that it cuts.
+// [voxel edges] off its springs' rest by which a spinning tool's force may be passed over for a period: so deep it may lie in bone that it
+// cuts.
 constexpr double kTurnsRound = 0.2;
 constexpr double kNewPlay = 0.01;  // [-] change of the push's direction from which the drawn-in points are made anew
 
@@ -34,8 +35,8 @@ std::size_t grip_stride(const ContactShellPart& part) noexcept {
   return std::max<std::size_t>(1, (part.size() + kGripPoints - 1) / kGripPoints);
 }
 
-/// Every so many points of a part that has more than are asked to tell how bone holds sideways: they lie near each other in order, so what is left
-/// is even. `to` has its sizes.
+/// Every so many points of a part that has more than are asked to tell how bone holds sideways: they lie near each other in order, so what
+/// is left is even. `to` has its sizes.
 void thin_out(const ContactShellPart& from, ContactShellPart& to) noexcept {
   const std::size_t every = grip_stride(from);
   for (std::size_t n = 0; n < to.x.size(); ++n) {
@@ -86,9 +87,9 @@ PointShell about(PointShell shell, const Vec3& middle) {
   return shell;
 }
 
-/// The direction of a plane that carries load and does not cut: of the distances round it, where the records' own normal agrees roughly. Where
-/// it does not, two faces are near and the normal says which one is meant. What is being cut keeps the records' normals: they see less far
-/// aside, and on a front narrower than four voxels the wider look tips the bit off it.
+/// The direction of a plane that carries load and does not cut: of the distances round it, where the records' own normal agrees roughly.
+/// Where it does not, two faces are near and the normal says which one is meant. What is being cut keeps the records' normals: they see
+/// less far aside, and on a front narrower than four voxels the wider look tips the bit off it.
 Vec3 steadied(const SurfaceView& bone, const Vec3& bone_point, const Vec3& normal) noexcept {
   const auto slope = distance_slope(bone.records, bone.records.bone_from_index.inverse() * bone_point);
   return slope && glm::dot(*slope, normal) >= kSameFace ? *slope : normal;

@@ -1,11 +1,11 @@
 /// core/contact/constrained_tool.h: contact model `surface`: the tool as a body of its own, tied to the hand by springs and dampers in all
 ///   six degrees of freedom and held back, without friction, by the 0.5 surface of bone.
 ///   Frame  world; poses are of the tool frame.   Units SI.   Thread contact.
-///   What bone resists: a tool at rest cannot enter the surface; a spinning one engages by F / K_cut where it cuts, along the push; across it cutting
-///   points have a play of up to three quarters of a voxel, and the engaged flanks hold (side_grip.h). The *held* pose is the tool moved back by
-///   its engagement: cutting points are felt there, so bone is met from its own side however deep the tool is engaged; points that cannot cut
-///   are felt where the tool is. Massless: coupling and contact forces balance. Bone that is cut holds what lies in it and throws nothing out
-///   (push_out).
+///   What bone resists: a tool at rest cannot enter the surface; a spinning one engages by F / K_cut where it cuts, along the push; across
+///   it cutting points have a play of up to three quarters of a voxel, and the engaged flanks hold (side_grip.h). The *held* pose is the
+///   tool moved back by its engagement: cutting points are felt there, so bone is met from its own side however deep the tool is engaged;
+///   points that cannot cut are felt where the tool is. Massless: coupling and contact forces balance. Bone that is cut holds what lies in
+///   it and throws nothing out (push_out).
 ///   Outside what the window knows the tool waits, and its force stays that of the last look.
 ///   Swept: no move is longer than what its look-ahead has seen, so a fast stroke passes nothing unseen.
 ///   Source  own derivation (hold_solver.h); proxies held back by a surface are the field's custom.
@@ -34,9 +34,10 @@ struct ConstrainedToolConfig {
   double cutting_stiffness = 100e3;  ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
   double bone_stiffness = 20e6;      ///< [N/m] of bone of relative stiffness 1 under one plane; scaled by max(relative stiffness, 0.1)
   double side_grip = 1.0;            ///< [-] part of what engaged flanks resist sideways; 0: none
-  /// [N] with which bone that is cut, in a period, pushes points out that lie in it; without bound: as far as the surface. What is cut has no work to
-  /// give: it holds. A ball whose widest part has passed a rim lies in the rim's far side, by its play and since planes are not quite the surface;
-  /// moved out of it at once it is thrown 0.4 mm ahead of its springs and pulls the hand by 4 N. Half of what a device's friction hides.
+  /// [N] with which bone that is cut, in a period, pushes points out that lie in it; without bound: as far as the surface. What is cut has
+  /// no work to give: it holds. A ball whose widest part has passed a rim lies in the rim's far side, by its play and since planes are not
+  /// quite the surface; moved out of it at once it is thrown 0.4 mm ahead of its springs and pulls the hand by 4 N. Half of what a device's
+  /// friction hides.
   double push_out = 0.025;
   int max_moves = 40;  ///< moves in one step: bounds cost and speed, never safety
 };
@@ -99,8 +100,8 @@ class ConstrainedTool {
   /// Feels what is engaged at the true pose.
   void grip(const SurfaceView& bone, bool spinning) noexcept;
   void look(const SurfaceView& bone, bool spinning, double look_ahead) noexcept;
-  /// Cutting points that lie deeper than bone gives way under their load and `furthest_out` [m] besides are taken to lie so deep: bone holds them
-  /// there and pushes them out by no more.
+  /// Cutting points that lie deeper than bone gives way under their load and `furthest_out` [m] besides are taken to lie so deep: bone
+  /// holds them there and pushes them out by no more.
   void let_lie(double furthest_out) noexcept;
   [[nodiscard]] HoldMove solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept;
   /// Of a plane that does not cut: where it is felt, and the record's normal there.
@@ -108,8 +109,8 @@ class ConstrainedTool {
                                bool spinning) const noexcept;
   void sweep(const SurfaceView& bone, const Pull& pull, bool spinning) noexcept;
   void apply(const HoldMove& move, double part) noexcept;
-  /// A force on the hand does not turn round within a period: where bone's give under a ring of loads throws a cutting tool a little past where its
-  /// springs balance, it rests there for that period. @param before [N] bone frame: the force of the period before.
+  /// A force on the hand does not turn round within a period: where bone's give under a ring of loads throws a cutting tool a little past
+  /// where its springs balance, it rests there for that period. @param before [N] bone frame: the force of the period before.
   void pass_through_nothing(const Pose& bone_from_target, const Vec3& before) noexcept;
   void report(const SurfaceView& bone) noexcept;
 

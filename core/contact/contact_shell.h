@@ -1,5 +1,5 @@
-/// core/contact/contact_shell.h: a point shell laid out for vector look-ups: single precision, one array a coordinate, points near each other
-///   in space near each other in memory, cutting points first.
+/// core/contact/contact_shell.h: a point shell laid out for vector look-ups: single precision, one array a coordinate, points near each
+///   other in space near each other in memory, cutting points first.
 ///   Frame  tool frame.   Units  SI.   Thread  built once, read by contact.
 #pragma once
 

@@ -14,7 +14,8 @@ class FacingPoints {
   /// `part` says which points of `shell` and in which order.
   FacingPoints(const PointShell& shell, const ContactShellPart& part);
   /// @param part the one that this was made of, wherever its points are now. @param push unit.
-  /// @returns its points, in its order, whose inward normals have `least` and more along `push`; some that have up to 1e-5 less are among them.
+  /// @returns its points, in its order, whose inward normals have `least` and more along `push`; some that have up to 1e-5 less are among
+  /// them.
   [[nodiscard]] const ContactShellPart& pick(const ContactShellPart& part, const Vec3& push, double least) noexcept;
 
  private:

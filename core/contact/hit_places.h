@@ -13,7 +13,8 @@ namespace burrhole {
 class HitPlaces {
  public:
   explicit HitPlaces(const ContactShell& shell);
-  /// @param hits of the cutting part, then of the passive one. @returns where the point is; hits.count where it is none of them, or no point.
+  /// @param hits of the cutting part, then of the passive one. @returns where the point is; hits.count where it is none of them, or no
+  /// point.
   [[nodiscard]] std::size_t find(const ProbeHits& hits, std::uint32_t point) const noexcept;
 
  private:

@@ -1,13 +1,13 @@
 /// core/contact/hold_solver.h: the pose nearest to where the hand wants the tool that bone allows, with all six degrees of freedom.
-///   Own derivation. Unknowns: the move t of the tool, its turn w (small), the engagement e of a spinning tool, and a yield y_i of bone at each
-///   plane. Minimise
+///   Own derivation. Unknowns: the move t of the tool, its turn w (small), the engagement e of a spinning tool, and a yield y_i of bone at
+///   each plane. Minimise
 ///       K/2 |t - target|^2 + K_r/2 |w - turn|^2 + K_cut/2 |e|^2 + sum y_i^2 / (2 yield_i)
 ///   subject to, for each plane i at lever arm a_i,
 ///       N_i . (t + w x a_i + [cutting] (e - engaged)) + y_i >= -gap_i.
 ///   A cutting plane is held against the tool moved back by e, the pose it would have without engagement, so bone is met from its own side
-///   however deep the tool is engaged. The multipliers f_i >= 0 are the contact forces. At the optimum K (t - target) = sum N_i f_i: what bone
-///   does is what the coupling feels; and K_cut e = sum over cutting planes of N_i f_i: engaged depth = F / K_cut. Opposed walls push against
-///   each other through their yields and add nothing to e, so a blade in a slot is not let down by its sides.
+///   however deep the tool is engaged. The multipliers f_i >= 0 are the contact forces. At the optimum K (t - target) = sum N_i f_i: what
+///   bone does is what the coupling feels; and K_cut e = sum over cutting planes of N_i f_i: engaged depth = F / K_cut. Opposed walls push
+///   against each other through their yields and add nothing to e, so a blade in a slot is not let down by its sides.
 ///   A plane that holds `both_ways` is a spring of stiffness 1 / yield along its normal: N . (t + w x a) + y = -gap with f of either sign.
 ///   Method: active set on the multipliers (Lawson & Hanson's NNLS on the dual), where the plane to add is the most violated of all
 ///   candidates, asked from a source: exact for any number of contacts, with a matrix as small as the number of planes that carry load.
@@ -64,8 +64,8 @@ inline constexpr int kMaxHoldRounds = 96;          ///< planes added in one solv
 
 class HoldSolver {
  public:
-  /// Starts from the planes that are kept (warm start: refresh their gaps, normals and arms first), adds and drops until nothing is violated
-  /// or the bound on rounds is met. Never allocates. @returns the move.
+  /// Starts from the planes that are kept (warm start: refresh their gaps, normals and arms first), adds and drops until nothing is
+  /// violated or the bound on rounds is met. Never allocates. @returns the move.
   HoldMove solve(const HoldProblem& problem, HoldCandidates& candidates) noexcept;
 
   /// Planes that carry load after solve(); to be refreshed or cleared before the next.

@@ -1,5 +1,5 @@
-// What does not depend on the mean is found once, by vectors, for the hits that count at all; then their sums, one after another: the bits of
-// the plain loop over hits in tests/core/contact/hollow_direction_test.cpp.
+// What does not depend on the mean is found once, by vectors, for the hits that count at all; then their sums, one after another: the bits
+// of the plain loop over hits in tests/core/contact/hollow_direction_test.cpp.
 #include "core/contact/hollow_direction.h"
 
 #include <algorithm>
@@ -14,13 +14,13 @@
 #define BURRHOLE_HOLLOW_DIRECTION_ONCE
 namespace burrhole {
 
-// [voxel edges] of gap, beyond the touching point's, within which a point counts: all that a look tells (its look-ahead). With half of it the
-// direction in a dent is off by twice as much.
+// [voxel edges] of gap, beyond the touching point's, within which a point counts: all that a look tells (its look-ahead). With half of it
+// the direction in a dent is off by twice as much.
 inline constexpr double kNearly = 0.6;
 inline constexpr double kReach = 8.0;  // [voxel edges] from the touching point: a wider patch may be of another place
 inline constexpr double kAlike = 0.3;  // [-] cosine of 73 degrees off the mean: a wall beside a floor is another face
-// [1/voxel edge] of outward bend by which a point counts half: a radius of 33 voxels; noise of normals is a quarter of it. Across an edge the
-// patch would lie about the edge and not about the touch.
+// [1/voxel edge] of outward bend by which a point counts half: a radius of 33 voxels; noise of normals is a quarter of it. Across an edge
+// the patch would lie about the edge and not about the touch.
 inline constexpr double kBulge = 0.03;
 // [-] of the patch, by weight, that does not bulge: from where the mean counts, and where it alone does.
 inline constexpr double kLeastShare = 0.8, kWholeShare = 0.95;

@@ -1,9 +1,9 @@
 /// core/contact/hollow_direction.h: which way a hollow or flat of bone pushes a tool that nearly fits it.
 ///   Frame  as named.   Thread  contact; never allocates.
-///   Source own derivation. Two surfaces that conform touch along a line, and a twentieth of a voxel of the wall moves the point of touch by a
-///   dozen degrees: its own normal says where that point is, not which way the hollow faces. On a drilled floor that leans to the grid a single
-///   place is off by two degrees. So all points that nearly touch are asked, each by how near it is to touching. Where bone bulges, on a ball or
-///   towards an edge, normals lean apart, the touch is at one place, and nothing is asked.
+///   Source own derivation. Two surfaces that conform touch along a line, and a twentieth of a voxel of the wall moves the point of touch
+///   by a dozen degrees: its own normal says where that point is, not which way the hollow faces. On a drilled floor that leans to the grid
+///   a single place is off by two degrees. So all points that nearly touch are asked, each by how near it is to touching. Where bone
+///   bulges, on a ball or towards an edge, normals lean apart, the touch is at one place, and nothing is asked.
 #pragma once
 
 #include "core/base/geometry.h"

@@ -6,8 +6,8 @@
 ///   coupled   the tool is a body of its own, held back by the planes and tied to the hand by springs: hold_solver.h with these planes as
 ///             the candidates says where it is, and K (tool - hand) what the hand feels. Planes that are near but not touched are there
 ///             too, so that the next contact is felt before the next evaluation.
-///   Source  [AcostaLiu07] eq. (3) extrapolates with the gradient of the same sum; clamping each plane to pushing and planes not yet touched
-///           are our own.
+///   Source  [AcostaLiu07] eq. (3) extrapolates with the gradient of the same sum; clamping each plane to pushing and planes not yet
+///           touched are our own.
 #pragma once
 
 #include <array>
@@ -41,8 +41,9 @@ struct LocalContact {
 };
 static_assert(std::is_trivially_copyable_v<LocalContact>);
 
-/// The planes of a penalty model's contacts, each of `point_stiffness` [N/m] (contacts averaged: the model's k over their number). More than
-/// kMaxLocalPlanes are merged by direction: the force at the pose stays, and each merged plane has the stiffness of all that it stands for.
+/// The planes of a penalty model's contacts, each of `point_stiffness` [N/m] (contacts averaged: the model's k over their number). More
+/// than kMaxLocalPlanes are merged by direction: the force at the pose stays, and each merged plane has the stiffness of all that it stands
+/// for.
 void list_penalty(std::span<const Contact> contacts, const Vec3& tool_origin, double point_stiffness,
                   LocalContact& out) noexcept BH_REALTIME;
 

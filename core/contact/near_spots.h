@@ -1,5 +1,5 @@
-/// core/contact/near_spots.h: which of many near points of a tool stand for all: the nearest of each spot of its surface, so that a handful of
-/// planes tells what the tool will meet next whichever way it goes.
+/// core/contact/near_spots.h: which of many near points of a tool stand for all: the nearest of each spot of its surface, so that a handful
+/// of planes tells what the tool will meet next whichever way it goes.
 ///   Frame  tool.   Units SI.   Thread contact; never allocates after its construction.
 #pragma once
 

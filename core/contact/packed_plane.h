@@ -3,9 +3,9 @@
 ///   Place     in the window, 1/16384 voxel as whole numbers, so that leaping and stepping meet the same voxels exactly. A step along the
 ///             tool vector or the gradient is rounded to the same, at most one voxel on each axis.
 ///   Density   of 1/255, gradient of 1/254 (contact_words.h); the 0.5 surface is where the trilinear density, in float, meets 127.5.
-///   Plane     normal and way to it in float (1e-7 of its length); sums and what goes out in double. Positions are those on the 1/16384 grid.
-///   Sums      sixteen, the n-th touching point of the sorted shell in sum n % 16, added by halves at the end: the same bits on all SIMD levels.
-///   List      contacts are listed only when asked for; sums do not need them.
+///   Plane     normal and way to it in float (1e-7 of its length); sums and what goes out in double. Positions are those on the 1/16384
+///   grid. Sums      sixteen, the n-th touching point of the sorted shell in sum n % 16, added by halves at the end: the same bits on all
+///   SIMD levels. List      contacts are listed only when asked for; sums do not need them.
 ///   Source    [AcostaLiu07] section 2; leaps and lockstep are our own derivation.
 #pragma once
 

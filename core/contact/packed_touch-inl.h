@@ -1,5 +1,5 @@
-// core/contact/packed_touch-inl.h: the first stage of packed_plane: points placed in the window, and those that touch queued. Included by SIMD
-// kernels only, once a target (hence no #pragma once).
+// core/contact/packed_touch-inl.h: the first stage of packed_plane: points placed in the window, and those that touch queued. Included by
+// SIMD kernels only, once a target (hence no #pragma once).
 #if defined(BURRHOLE_PACKED_TOUCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_PACKED_TOUCH_INL_H
 #undef BURRHOLE_PACKED_TOUCH_INL_H

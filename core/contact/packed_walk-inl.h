@@ -1,5 +1,5 @@
-// core/contact/packed_walk-inl.h: the second stage of packed_plane: from a touching point to the surface voxel and its plane point. Included by SIMD
-// kernels only, once a target (hence no #pragma once).
+// core/contact/packed_walk-inl.h: the second stage of packed_plane: from a touching point to the surface voxel and its plane point.
+// Included by SIMD kernels only, once a target (hence no #pragma once).
 #if defined(BURRHOLE_PACKED_WALK_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_PACKED_WALK_INL_H
 #undef BURRHOLE_PACKED_WALK_INL_H

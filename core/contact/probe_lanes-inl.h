@@ -1,5 +1,5 @@
-// core/contact/probe_lanes-inl.h: what the kernels of the surface probe share: how many lanes, points moved, lanes that are kept. Included by SIMD
-// kernels only, once a target (hence no #pragma once).
+// core/contact/probe_lanes-inl.h: what the kernels of the surface probe share: how many lanes, points moved, lanes that are kept. Included
+// by SIMD kernels only, once a target (hence no #pragma once).
 #if defined(BURRHOLE_PROBE_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_PROBE_LANES_INL_H
 #undef BURRHOLE_PROBE_LANES_INL_H
@@ -48,8 +48,8 @@ HWY_INLINE Vf row_times(const float* m, Vf x, Vf y, Vf z, float offset) {
   return hn::Add(hn::Add(xy, hn::Mul(hn::Set(df, m[6]), z)), hn::Set(df, offset));
 }
 
-// Lanes that are kept, moved to the front. Highway's own Compress() is one instruction with 512 bits, but without them it copies its table to
-// the stack at each call and makes the order anew for each array: five times slower than the one order made here for all of them.
+// Lanes that are kept, moved to the front. Highway's own Compress() is one instruction with 512 bits, but without them it copies its table
+// to the stack at each call and makes the order anew for each array: five times slower than the one order made here for all of them.
 #if HWY_MAX_BYTES == 16 || HWY_MAX_BYTES == 32
 using Packing = decltype(hn::IndicesFromVec(Ints(), hn::Zero(Ints())));
 
@@ -74,7 +74,8 @@ HWY_INLINE void pack_store(V v, Packing packing, D d, hn::TFromD<D>* to) {
 }
 #endif
 
-/// Calls store_all(keep) with what stores the lanes of `kept` to the front: keep(vector, tag, to). Where all are kept that is a plain store.
+/// Calls store_all(keep) with what stores the lanes of `kept` to the front: keep(vector, tag, to). Where all are kept that is a plain
+/// store.
 template <class StoreAll>
 HWY_INLINE void keep_lanes(hn::Mask<Floats> kept, StoreAll&& store_all) {
   if (hn::AllTrue(Floats(), kept)) {

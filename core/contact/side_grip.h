@@ -1,12 +1,13 @@
-/// core/contact/side_grip.h: how bone holds a spinning tool sideways where it is engaged, so that a flat bit does not skate before it has a bore.
+/// core/contact/side_grip.h: how bone holds a spinning tool sideways where it is engaged, so that a flat bit does not skate before it has a
+///   bore.
 ///   Frame  bone, but for what is named otherwise.   Units  SI.   Thread  contact; never allocates.
-///   Source own derivation. Every engaged piece of the cutting surface presses on bone along its own normal n, by c for each metre that it is
-///   moved into it; c is such that along the push p (unit, out of bone) all of them together are K_cut: c sum (n.p)^2 = K_cut. Sideways the same
-///   pieces give the tensor c/2 sum n' n'^T, n' the part of n across the push; half, since of two opposed flanks only one presses. A flat end
-///   of radius R engaged by d has K_cut d / (2 R), a ball that touches up to the angle t K_cut t^2 / 8.
-///   It is let go as bone is cut: when the surface has receded by a part f of what is engaged, f of the way aside is cut away with it, which is
-///   the feed law v = k d with its own k, sideways. It slips when the tool is moved aside by the half width of what is engaged (a ball has then
-///   climbed out of its dent), and at half the thrust (a flat end of radius R, moved by R).
+///   Source own derivation. Every engaged piece of the cutting surface presses on bone along its own normal n, by c for each metre that it
+///   is moved into it; c is such that along the push p (unit, out of bone) all of them together are K_cut: c sum (n.p)^2 = K_cut. Sideways
+///   the same pieces give the tensor c/2 sum n' n'^T, n' the part of n across the push; half, since of two opposed flanks only one presses.
+///   A flat end of radius R engaged by d has K_cut d / (2 R), a ball that touches up to the angle t K_cut t^2 / 8.
+///   It is let go as bone is cut: when the surface has receded by a part f of what is engaged, f of the way aside is cut away with it,
+///   which is the feed law v = k d with its own k, sideways. It slips when the tool is moved aside by the half width of what is engaged (a
+///   ball has then climbed out of its dent), and at half the thrust (a flat end of radius R, moved by R).
 #pragma once
 
 #include <array>
@@ -19,13 +20,14 @@ namespace burrhole {
 
 class SideGrip {
  public:
-  /// [-] along the push, of inward normals: less is relieved. Sine of 3 degrees: a straight flank is one still while the push leans a little.
+  /// [-] along the push, of inward normals: less is relieved. Sine of 3 degrees: a straight flank is one still while the push leans a
+  /// little.
   static constexpr double kLeastFacing = -0.05;
 
   /// Holds nothing, and forgets how far aside the tool is.
   void clear() noexcept;
-  /// At the start of a period. @param inside cutting points at the tool's true pose; those under the surface that face the push count. @param engaged [m] of the
-  /// period before. @param stiffness [N/m] K_cut.
+  /// At the start of a period. @param inside cutting points at the tool's true pose; those under the surface that face the push count.
+  /// @param engaged [m] of the period before. @param stiffness [N/m] K_cut.
   void look(const ProbeHits& inside, const PointShell& shell, const Pose& bone_from_tool, const Vec3& engaged, double stiffness) noexcept;
   /// The two directions held, at a pose of the same period; `both_ways`, force 0. Of yield 0: not held.
   [[nodiscard]] std::array<HoldPlane, 2> planes(const Pose& bone_from_tool) const noexcept;

@@ -1,8 +1,8 @@
 /// core/contact/surface_probe.h: distance and normal of the bone's surface at many points at once, from surface records.
 ///   Frame  distances in voxel edges, normals in the axes of the bone frame.   Thread  contact; never allocates after reserve().
-///   Source own derivation: one record near a point bounds its distance; points near the surface are then interpolated between eight, each of
-///   which says d + n.(p - v) / 2 of a point p, v its voxel: weighted as usual that is exact for distances of second order, where d alone is
-///   off by up to f (1 - f) / 2 an axis over the radius of curvature.
+///   Source own derivation: one record near a point bounds its distance; points near the surface are then interpolated between eight, each
+///   of which says d + n.(p - v) / 2 of a point p, v its voxel: weighted as usual that is exact for distances of second order, where d
+///   alone is off by up to f (1 - f) / 2 an axis over the radius of curvature.
 ///   Single precision, the same bits on every SIMD level.
 #pragma once
 
@@ -66,7 +66,8 @@ void probe_surface(const RecordView& bone, const ContactShellPart& points, const
 class RecordSampler {
  public:
   explicit RecordSampler(const RecordView& bone) noexcept;
-  /// @param index in index coordinates. @returns nothing outside what the records know; the normal is of length 1, or zero where there is none.
+  /// @param index in index coordinates. @returns nothing outside what the records know; the normal is of length 1, or zero where there is
+  /// none.
   [[nodiscard]] std::optional<SurfaceSample> at(const Vec3& index) const noexcept;
 
  private:

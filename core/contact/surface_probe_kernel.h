@@ -1,4 +1,5 @@
-/// core/contact/surface_probe_kernel.h: the vector part of surface_probe: all points of one part of a shell against the records of a window.
+/// core/contact/surface_probe_kernel.h: the vector part of surface_probe: all points of one part of a shell against the records of a
+///   window.
 ///   Frame  coordinates relative to the window's corner, so that single precision is enough.   Units  voxel edges, stored steps where said.
 #pragma once
 

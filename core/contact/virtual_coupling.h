@@ -69,8 +69,8 @@ class VirtualCoupling {
   /// One contact period of dt [s] > 0: one evaluation of the model, one 6 x 6 solve. Never allocates. Where hand, dt or result are not
   /// finite: no force, the tool stays, at rest, and kContactNotFinite is set.
   const VirtualCouplingState& step(const ContactView& bone, const CoupledHand& hand, double dt) noexcept BH_REALTIME;
-  /// After a step: what bone does to the tool there, as planes that yield as the model's points do, and the coupling's springs. The tool's mass
-  /// is not in it: between two steps the tool is where springs and planes balance.
+  /// After a step: what bone does to the tool there, as planes that yield as the model's points do, and the coupling's springs. The tool's
+  /// mass is not in it: between two steps the tool is where springs and planes balance.
   void describe(LocalContact& out) const noexcept BH_REALTIME;
   [[nodiscard]] const VirtualCouplingState& state() const noexcept { return state_; }
   [[nodiscard]] const ContactModel& model() const noexcept { return *model_; }

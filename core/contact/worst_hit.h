@@ -1,8 +1,8 @@
 /// core/contact/worst_hit.h: of the hits of a surface probe, the one that a small motion would bring deepest under the surface.
 ///   Frame  normals and motion in the axes of the bone frame, places in the tool frame.   Units  voxel edges, places [m].
-///   Source own derivation: what a block of hits can come to at most is bounded by the ranges of its places and normals (interval arithmetic),
-///          and blocks that cannot hold the answer are passed by. The answer is that of a plain scan, bit for bit: on every SIMD level, whatever
-///          the blocks.
+///   Source own derivation: what a block of hits can come to at most is bounded by the ranges of its places and normals (interval
+///          arithmetic), and blocks that cannot hold the answer are passed by. The answer is that of a plain scan, bit for bit: on every
+///          SIMD level, whatever the blocks.
 #pragma once
 
 #include <limits>

@@ -5,14 +5,14 @@
 ///   remaining r >= 1 - c, and
 ///   r = (1 - c) + m with m the covered mass left. When c grows by dc, so does m; then a law takes m at the rate
 ///   lambda' = e spin (share under the tool now) / c, full rate in a voxel that is covered and under the tool. m is not stored: it is
-///   r - (1 - c). The share now, a matter of speed only, is a ramp of the distance d from the voxel's centre to the tool in the middle of the
-///   sub-step, 1/2 - d / (2 w), w = sqrt(3 variance) of the kernel: exact on average over a plane's passage. What was met for the first
+///   r - (1 - c). The share now, a matter of speed only, is a ramp of the distance d from the voxel's centre to the tool in the middle of
+///   the sub-step, 1/2 - d / (2 w), w = sqrt(3 variance) of the kernel: exact on average over a plane's passage. What was met for the first
 ///   time in this sub-step was met half-way through it, on average.
 ///   Masks are kept by blocks of 8^3 voxels wherever the tool has been, outside the window too, so that a window may slide. A block that is
 ///   covered wholly keeps none.
 ///   A voxel sleeps, its mask unread, until the tool may have come as near as the nearest sample not yet met: the way of all steps since,
-///   bounded by the corners of a box round the tool, times the steepest that interpolated distances get, is below that sample's distance. So
-///   masks are the same as without sleep. A block that the tool has left in between is looked at anew.
+///   bounded by the corners of a box round the tool, times the steepest that interpolated distances get, is below that sample's distance.
+///   So masks are the same as without sleep. A block that the tool has left in between is looked at anew.
 ///   When bone grows back (restore) all masks are dropped. A voxel met without a mask is taken to have lost c = 1 - r, on the side to
 ///   which remaining falls (a plane across it): exact where the covered bone is gone, as it is behind a tool that cuts at full rate; a
 ///   voxel that was covered wholly and had mass left is covered anew the moment the tool comes back, with the same mass.

@@ -1,11 +1,11 @@
 /// core/drill/energy.h: removal by cutting power, law `energy`.
 ///   Units SI.   Source  facts of abrasive cutting Q = E_f F v_rel, E_f = mu / u; own derivation of its share among voxels:
-///   A tool that rubs at v_rel = 2 pi r n under a normal force F does the work W = mu F v_rel dt on bone in dt, r the mean radius of what is
-///   engaged, by exposure. Bone of hardness h takes u = u0 h [J/m^3] to remove, h = max(hardness, 0.1) as in law `rate`.
-///   A voxel's remaining falls to r exp(-k x / h), x its exposure: the share of work that it gets goes with its exposure and with the bone that
-///   it has left, and the loss per work with 1 / u. k >= 0 solves  sum of u0 h occ cell r (1 - exp(-k x / h)) = W;  the sum rises with k from 0
-///   to all the bone is worth. Exponentials compose: two half steps are one step, but for what the tool's way changes; so Q = W / (u dt)
-///   does not hang on rate, grid or points.
+///   A tool that rubs at v_rel = 2 pi r n under a normal force F does the work W = mu F v_rel dt on bone in dt, r the mean radius of what
+///   is engaged, by exposure. Bone of hardness h takes u = u0 h [J/m^3] to remove, h = max(hardness, 0.1) as in law `rate`.
+///   A voxel's remaining falls to r exp(-k x / h), x its exposure: the share of work that it gets goes with its exposure and with the bone
+///   that it has left, and the loss per work with 1 / u. k >= 0 solves  sum of u0 h occ cell r (1 - exp(-k x / h)) = W;  the sum rises with
+///   k from 0 to all the bone is worth. Exponentials compose: two half steps are one step, but for what the tool's way changes; so Q = W /
+///   (u dt) does not hang on rate, grid or points.
 ///   What falls below the minimum density is cleared, which takes work too: that is held against the next steps.
 #pragma once
 

@@ -1,8 +1,8 @@
 /// core/drill/engaged_removal.h: erosion by way of a list of engaged voxels: law `energy`, and sub-voxel removal with `rate` or `energy`.
 ///   Units SI.   Thread simulation.   Source  own derivation:
 ///   In a sub-step the part a of a voxel's remaining that may go (all of it, or what core/drill/coverage.h leaves) falls to
-///   a exp(-k x / h), x [1/rev] its exposure, h = max(hardness, 0.1), and k [rev] the same for all voxels: law `rate` spin x dt, law `energy`
-///   as many turns as the work at hand is worth (core/drill/energy.h).
+///   a exp(-k x / h), x [1/rev] its exposure, h = max(hardness, 0.1), and k [rev] the same for all voxels: law `rate` spin x dt, law
+///   `energy` as many turns as the work at hand is worth (core/drill/energy.h).
 ///   The part left becomes 0 where occupancy x a is below minimum_density x the share of the voxel covered; in a voxel covered
 ///   in part below clear_below x that share, if that is more. At 0.5 the covered part goes when it leaves the felt surface, as whole voxels
 ///   leave it; the exponential's tail would keep the surface half a voxel inside the wall for several times as long, and the wall would

@@ -40,7 +40,7 @@ enum class CoverageKernel : std::uint8_t { cell, trapezoid, wide };
 /// How points find the voxels that they expose.
 enum class ErosionForm {
   scatter,  ///< each point is counted in the voxel that holds it: exact
-  gather,  ///< each voxel looks the tool's strength up (core/drill/strength_field.h): an approximation whose cost no number of points raises
+  gather,   ///< each voxel looks the tool's strength up (strength_field.h): an approximation whose cost no number of points raises
 };
 
 struct ErosionConfig {

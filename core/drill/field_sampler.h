@@ -69,8 +69,8 @@ class FieldSampler {
 /// @param spread each node takes the largest within so many nodes along each axis.
 [[nodiscard]] std::vector<float> bends_of(const CuttingField& field, double sign, int spread);
 
-/// [-] >= 1: where they are not negative, interpolated distances within the table change by no more than this times the way. Axis by axis the
-/// steepest edge of each cell that has such a place.
+/// [-] >= 1: where they are not negative, interpolated distances within the table change by no more than this times the way. Axis by axis
+/// the steepest edge of each cell that has such a place.
 [[nodiscard]] double steepest_of(const CuttingField& field);
 
 }  // namespace burrhole

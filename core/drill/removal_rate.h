@@ -1,15 +1,15 @@
 /// core/drill/removal_rate.h: how fast a bit goes through bone and how much it takes, foretold from its points alone (law `rate`).
 ///   Frame  tool frame.   Units  SI.   Source  own derivation:
-///   A bone voxel at a place (x, y) that the bit passes at the feed v loses remaining by d(ln r)/dt = -e(x, y, w) s / h, w the depth behind the
-///   bit's leading end, dw = v dt. Bone at w is gone from the felt surface (r < 1/2) when E(x, y, w) = integral of e dw up to w >= v h ln 2 / s.
-///   A spinning tool is engaged by d = F / K_cut where it cuts, and by nothing where it does not: the constrained tool feels bone where its
-///   cutting points were before it was engaged, moved back along the push by d, whatever their planes. So bone must be gone at p - d feed for
-///   a cutting point p, at p for a passive one. v = min over the points that look along the feed of E(...) s / (h ln 2), and Q = A v, A the
-///   area of the bit's cutting part seen along the feed.
+///   A bone voxel at a place (x, y) that the bit passes at the feed v loses remaining by d(ln r)/dt = -e(x, y, w) s / h, w the depth behind
+///   the bit's leading end, dw = v dt. Bone at w is gone from the felt surface (r < 1/2) when E(x, y, w) = integral of e dw up to w >= v h
+///   ln 2 / s. A spinning tool is engaged by d = F / K_cut where it cuts, and by nothing where it does not: the constrained tool feels bone
+///   where its cutting points were before it was engaged, moved back along the push by d, whatever their planes. So bone must be gone at p
+///   - d feed for a cutting point p, at p for a passive one. v = min over the points that look along the feed of E(...) s / (h ln 2), and Q
+///   = A v, A the area of the bit's cutting part seen along the feed.
 ///   For an even factor: v = (F / K_cut) e s / (h ln 2).
-///   Holds within 10 % where nothing but the end touches bone. In a bore the bit rests on the fillet between floor and wall, which lags: flat
-///   ends are slower than foretold; bits_drilling_test.cpp holds by how much. Round, pointed and thin-walled ends: an estimate, within a
-///   factor of 2.
+///   Holds within 10 % where nothing but the end touches bone. In a bore the bit rests on the fillet between floor and wall, which lags:
+///   flat ends are slower than foretold; bits_drilling_test.cpp holds by how much. Round, pointed and thin-walled ends: an estimate, within
+///   a factor of 2.
 #pragma once
 
 #include "core/base/result.h"

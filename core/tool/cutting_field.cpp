@@ -62,8 +62,8 @@ void extend_factors(CuttingField& field) {
   }
 }
 
-/// Between nodes linear interpolation lies above a function that bends upwards, as distances to a convex solid do: on average over a cell by a
-/// twelfth of the second differences along the three axes. Taking that off the nodes leaves no bias, on rounded edges neither.
+/// Between nodes linear interpolation lies above a function that bends upwards, as distances to a convex solid do: on average over a cell
+/// by a twelfth of the second differences along the three axes. Taking that off the nodes leaves no bias, on rounded edges neither.
 void take_off_bias(CuttingField& field) {
   const VoxelBox all{Vec3i(0), field.dims};
   const std::size_t row = static_cast<std::size_t>(field.dims.x), slab = row * static_cast<std::size_t>(field.dims.y);

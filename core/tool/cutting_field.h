@@ -1,7 +1,7 @@
 /// core/tool/cutting_field.h: the cutting part of a bit as a table of signed distances: where between erosion points its surface runs.
 ///   Frame   tool frame; node (i, j, k) lies at origin + pitch * (i, j, k), i fastest.   Units  SI.
-///   Linear interpolation between nodes is off by up to pitch^2 (1/R1 + 1/R2) / 8 on a surface with radii R1 and R2, without bias: nodes are
-///   lower by the mean of it. It rounds a sharp edge by a fraction of the pitch.   Source  own derivation.
+///   Linear interpolation between nodes is off by up to pitch^2 (1/R1 + 1/R2) / 8 on a surface with radii R1 and R2, without bias: nodes
+///   are lower by the mean of it. It rounds a sharp edge by a fraction of the pitch.   Source  own derivation.
 #pragma once
 
 #include <functional>
@@ -36,7 +36,8 @@ struct CuttingFieldSize {
 
 inline constexpr std::size_t kMaxCuttingNodes = 64'000'000;
 
-/// Half the voxel edge for wide tools; finer for slim ones, so that interpolation is off by 0.005 voxel at most on a ball; never below an eighth.
+/// Half the voxel edge for wide tools; finer for slim ones, so that interpolation is off by 0.005 voxel at most on a ball; never below an
+/// eighth.
 /// @param least_radius [m] smallest half-width of the cutting part. The margin is what core/drill/coverage.h asks for.
 [[nodiscard]] CuttingFieldSize cutting_field_size(double voxel_edge, double least_radius) noexcept;
 

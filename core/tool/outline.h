@@ -35,8 +35,8 @@ struct OutlinePiece {
   [[nodiscard]] Meridian outward(double fraction) const noexcept;
 };
 
-/// The pieces of all solids of revolution, chain after chain; within a chain each piece starts where the one before it ends. A chain runs from
-/// the axis to the axis, the one nearest to the tip first, or it is a ring that closes on itself (a tube without a bottom).
+/// The pieces of all solids of revolution, chain after chain; within a chain each piece starts where the one before it ends. A chain runs
+/// from the axis to the axis, the one nearest to the tip first, or it is a ring that closes on itself (a tube without a bottom).
 /// Where surfaces coincide, the solid listed first owns them.
 /// @returns ErrorCode::bad_input when the solids, boxes included, are not one body, or meet in a point only.
 [[nodiscard]] Result<std::vector<OutlinePiece>> make_outline(std::span<const Solid> solids);
@@ -50,8 +50,8 @@ struct NearestFace {
   Face face = Face::side;
 };
 
-/// Nearest face of the union to a point, inside or outside. Linear in the number of pieces. Where boxes and solids of revolution meet, a face
-/// counts only if its nearest point is not covered: exact unless a covered patch lies just there.
+/// Nearest face of the union to a point, inside or outside. Linear in the number of pieces. Where boxes and solids of revolution meet, a
+/// face counts only if its nearest point is not covered: exact unless a covered patch lies just there.
 [[nodiscard]] NearestFace find_nearest_face(std::span<const Solid> solids, std::span<const OutlinePiece> outline, const Vec3& p) noexcept;
 
 /// Distance to the surface of the union [m], negative inside.

@@ -9,10 +9,10 @@
 
 #include "core/tool/outline.h"
 
-// Own derivation. Each solid of revolution is a closed profile in the half-plane (r, z), walked with the material on the left: bottom, outer
-// side, top, and down the bore. All profiles are cut wherever they meet another one; a part is surface unless just outside it lies another
-// solid. Parts that are left join end to end. Edges are either level (z fixed) or have r^2(z) of degree two, so that two of them meet at
-// roots of a quadratic: no iteration and no tolerance but that of coinciding ends.
+// Own derivation. Each solid of revolution is a closed profile in the half-plane (r, z), walked with the material on the left: bottom,
+// outer side, top, and down the bore. All profiles are cut wherever they meet another one; a part is surface unless just outside it lies
+// another solid. Parts that are left join end to end. Edges are either level (z fixed) or have r^2(z) of degree two, so that two of them
+// meet at roots of a quadratic: no iteration and no tolerance but that of coinciding ends.
 
 namespace burrhole {
 namespace {

@@ -96,8 +96,8 @@ class BoneModelBuilder {
   BoneModelBuilder(BoneModelBuilder&&) noexcept;
   ~BoneModelBuilder();
 
-  /// Fields of one box; those of DenseBone, whose `dims` is the size of the box and whose affine is not looked at. Boxes may come in any order.
-  /// bad_input as BoneModel::create, or when the box reaches outside.
+  /// Fields of one box; those of DenseBone, whose `dims` is the size of the box and whose affine is not looked at. Boxes may come in any
+  /// order. bad_input as BoneModel::create, or when the box reaches outside.
   [[nodiscard]] Status add(const VoxelBox& box, const DenseBone& fields);
   /// The model; the builder is empty afterwards.
   [[nodiscard]] std::shared_ptr<const BoneModel> finish(std::string notes = {});

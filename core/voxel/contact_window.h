@@ -1,4 +1,5 @@
-/// core/voxel/contact_window.h: the published copy of the window that contact reads, with those fields that it asked for; never half a step.
+/// core/voxel/contact_window.h: the published copy of the window that contact reads, with those fields that it asked for; never half a
+/// step.
 #pragma once
 
 #include <array>

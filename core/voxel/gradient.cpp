@@ -6,7 +6,8 @@
 #include "core/base/assert.h"
 #include "core/voxel/gradient.h"
 
-// The plain twin, a loop over voxels, is in tests/core/voxel/gradient_simd_test.cpp: the same operations in the same order, so the same bits.
+// The plain twin, a loop over voxels, is in tests/core/voxel/gradient_simd_test.cpp: the same operations in the same order, so the same
+// bits.
 
 HWY_BEFORE_NAMESPACE();
 namespace burrhole {

@@ -104,7 +104,8 @@ struct Offers {
   HWY_ALIGN std::int32_t first_j[kMostLanes], last_j[kMostLanes], first_k[kMostLanes], last_k[kMostLanes];
 };
 
-/// One surfel of them; `kStraight` where the metric's matrix has nothing beside its diagonal, which spares the products with zero. Squared distances along a row are a + i (b + i c), i counted from the surfel's cell.
+/// One surfel of them; `kStraight` where the metric's matrix has nothing beside its diagonal, which spares the products with zero. Squared
+/// distances along a row are a + i (b + i c), i counted from the surfel's cell.
 template <bool kStraight>
 struct Offer {
   const OfferPlan& plan;

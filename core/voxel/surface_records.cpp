@@ -8,7 +8,8 @@
 
 // How a record is made (own derivation). Lengths are metric: M = linear / mean_edge takes index differences to voxel edges.
 //   1. G, the gradient of the smoothed density (five taps an axis, surface_field.cpp). Plain differences alias on a ramp one voxel wide:
-//      their direction is off by degrees. As a covector it reaches the bone's axes by M^-T; the outward normal there is n = -M^-T G, normalised.
+//      their direction is off by degrees. As a covector it reaches the bone's axes by M^-T; the outward normal there is n = -M^-T G,
+//      normalised.
 //   2. One surfel s a cell that the surface passes: the mean of the edges' crossings, moved along n to the trilinear 0.5 surface. All
 //      detail of the surface itself is kept; only its direction comes from the smoothed field, or from the cell's own density where the two
 //      are over 14 degrees apart: within two voxels of an edge smoothing mixes its faces, which put the edge up to 0.12 voxel off.
@@ -16,11 +17,12 @@
 //      n_c from G at the foot, distance = (n_s + n_c) / 2 . r: on a sphere of radius R and centre o, s = o + R n_s and v = o + (R + h) n_v,
 //      so (n_s + n_v) . (v - s) / 2 = ((R + h) - R) (1 + n_s . n_v) / 2, which is h to second order of the angle between the two, where a
 //      plane alone is off by half its square times R. n_c = n_v to the same order. Over 20 degrees apart n_c is of
-//      another face, and within `fan` the plane alone counts; the record's normal stays n_c, a steady mean of the two faces: with the faces'
-//      own a flat bit was tipped from one to the other and skated twice as far.
+//      another face, and within `fan` the plane alone counts; the record's normal stays n_c, a steady mean of the two faces: with the
+//      faces' own a flat bit was tipped from one to the other and skated twice as far.
 //   4. Further than `fan` across, the surface ends (the outside of an edge, a tip): there the foot is held at `fan` and what is left
 //      counts as length: distance^2 = across^2 + rest^2, the normal the way from that foot.
-// The side is the density's: at voxel centres the trilinear field is the density itself. Where that contradicts the plane the distance is 0.
+// The side is the density's: at voxel centres the trilinear field is the density itself. Where that contradicts the plane the distance is
+// 0.
 
 namespace burrhole {
 namespace {

@@ -36,8 +36,8 @@ HWY_INLINE F by_block(const Make& make) {
     return hn::ConcatUpperLower(d, hn::OddEvenBlocks(make(3), make(2)), hn::OddEvenBlocks(make(1), make(0)));
 }
 
-/// Block n is the four floats at kStride times places[kStep n]. Put together from plain loads: on loads that repeat a block over a vector GCC 12 ends
-/// in an internal error under the thread sanitizer.
+/// Block n is the four floats at kStride times places[kStep n]. Put together from plain loads: on loads that repeat a block over a vector
+/// GCC 12 ends in an internal error under the thread sanitizer.
 template <int kStride, int kStep>
 HWY_INLINE F load_blocks(const float* first, const std::int32_t* places) {
   const hn::CappedTag<float, 4> quarter;

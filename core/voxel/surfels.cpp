@@ -33,8 +33,8 @@ HWY_INLINE F3 mean_crossing(const Corners& c) {
   return {hn::Div(sum[0], count), hn::Div(sum[1], count), hn::Div(sum[2], count)};
 }
 
-// Cosine of 14 degrees. Plain differences on a ramp one voxel wide alias by less; where they are further from the smoothed direction, that has
-// mixed the face with another, up to two voxels from an edge.
+// Cosine of 14 degrees. Plain differences on a ramp one voxel wide alias by less; where they are further from the smoothed direction, that
+// has mixed the face with another, up to two voxels from an edge.
 constexpr float kSameFace = 0.97f;
 
 /// Normal of the smoothed field; where it is not that of the face in the cell (an edge near by, detail finer than the smoothing), the

@@ -34,7 +34,8 @@ struct MasterWindow {
   [[nodiscard]] std::size_t bytes() const noexcept { return 4 * sizeof(float) * box.count(); }
 };
 
-/// Float gradients of `part` from the window's density, into an array over window.box; zero in the outermost layer, where they are not known.
+/// Float gradients of `part` from the window's density, into an array over window.box; zero in the outermost layer, where they are not
+/// known.
 void derive_gradient(const MasterWindow& window, const VoxelBox& part, std::span<Vec3f> gradient) noexcept;
 
 /// Longest edge of a window [voxels].
@@ -51,7 +52,8 @@ class Voxmap {
   [[nodiscard]] const VoxmapConfig& config() const noexcept { return config_; }
   [[nodiscard]] const MasterWindow& window() const noexcept { return window_; }
 
-  /// Moves the window: writes the old one back, keeps what both places hold, loads what is new. out_of_range when an edge is below 5 or above kMaxWindowEdge.
+  /// Moves the window: writes the old one back, keeps what both places hold, loads what is new. out_of_range when an edge is below 5 or
+  /// above kMaxWindowEdge.
   [[nodiscard]] Status place_window(const VoxelBox& box);
 
   /// For erosion: remaining [0..1] of the window; after writing, commit() each box touched (inside erodible_box()).

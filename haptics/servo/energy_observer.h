@@ -1,11 +1,12 @@
 /// haptics/servo/energy_observer.h: has the sampled wall given the hand energy that nobody put in, and who pays for it.
 ///   Units SI.   Thread servo, fixed memory.
-///   A force held over a tick does work on the wall of exactly  f(k-1) . (x(k) - x(k-1)),  f what the device exerts on the wall, minus the force
-///   commanded. Passive together with what device and hand swallow, E = E_w + integral of b v^2 dt never falls below zero; a sampled spring alone
-///   always leaks a little, so E_w < 0 is no fault by itself. The observer as usually printed [HannafordRyu02], T sum f(k) v(k) with the
-///   backward difference, pairs the new force with the old motion: for a spring it is a sum of K x_k (x_k - x_(k-1)) >= K x^2 / 2 and sees nothing.
-///   The integral takes v as a straight line over each tick. While nothing is held the wall is unloaded and the account starts anew with each
-///   tick: what was swallowed in free motion is no credit for the next contact, which may begin anywhere in the last tick; what is owed stays owed.
+///   A force held over a tick does work on the wall of exactly  f(k-1) . (x(k) - x(k-1)),  f what the device exerts on the wall, minus the
+///   force commanded. Passive together with what device and hand swallow, E = E_w + integral of b v^2 dt never falls below zero; a sampled
+///   spring alone always leaks a little, so E_w < 0 is no fault by itself. The observer as usually printed [HannafordRyu02], T sum f(k)
+///   v(k) with the backward difference, pairs the new force with the old motion: for a spring it is a sum of K x_k (x_k - x_(k-1)) >= K x^2
+///   / 2 and sees nothing. The integral takes v as a straight line over each tick. While nothing is held the wall is unloaded and the
+///   account starts anew with each tick: what was swallowed in free motion is no credit for the next contact, which may begin anywhere in
+///   the last tick; what is owed stays owed.
 #pragma once
 
 #include "core/base/assert.h"
@@ -27,7 +28,8 @@ class EnergyObserver {
   void operator()(const Vec3& position, const Vec3& velocity, const Vec3& held) noexcept BH_REALTIME;
   [[nodiscard]] double energy() const noexcept { return energy_; }  ///< [J] E; negative: owed
   [[nodiscard]] bool fault() const noexcept { return config_.tolerance > 0.0 && energy_ < -config_.tolerance; }
-  /// [HannafordRyu02] passivity controller: while energy is owed, a damping of -E / (T v^2), capped, v the last tick's. @returns force [N] to add.
+  /// [HannafordRyu02] passivity controller: while energy is owed, a damping of -E / (T v^2), capped, v the last tick's. @returns force [N]
+  /// to add.
   [[nodiscard]] Vec3 repay() const noexcept BH_REALTIME;
   void clear() noexcept;
   /// The hand was put elsewhere: its way there is no motion and does no work. What is owed stays owed.

@@ -1,5 +1,5 @@
-/// haptics/servo/force_limits.h: what stands between a computed force and a hand, each limit a small thing of its own; ServoStep::act() puts
-///   them in order.
+/// haptics/servo/force_limits.h: what stands between a computed force and a hand, each limit a small thing of its own; ServoStep::act()
+///   puts them in order.
 ///   Units SI.   Thread servo, fixed memory.
 #pragma once
 
@@ -11,9 +11,9 @@ namespace burrhole {
 /// v, no longer than `longest`, in its own direction; also where the square of its length overflows.
 [[nodiscard]] Vec3 shortened(const Vec3& v, double longest) noexcept BH_REALTIME;
 
-/// [TellesONeill10] eq. (2), a bound on the change of force a tick, measured from the force *shown* before: |F'_t - F'_(t-1)| <= delta. As printed it
-/// starts from F_(t-1), the force asked for before; then a jump passes whole one tick later (a step of A: delta, then A), and while the force
-/// asked for changes faster than delta the shown one follows it a tick late at any speed.
+/// [TellesONeill10] eq. (2), a bound on the change of force a tick, measured from the force *shown* before: |F'_t - F'_(t-1)| <= delta. As
+/// printed it starts from F_(t-1), the force asked for before; then a jump passes whole one tick later (a step of A: delta, then A), and
+/// while the force asked for changes faster than delta the shown one follows it a tick late at any speed.
 /// A cap on magnitude belongs before it: between two forces inside a ball every step stays inside, and nothing winds up beyond it.
 class SlewLimit {
  public:

@@ -3,8 +3,8 @@
 ///   hold      the latest force, until the next.
 ///   linear    a straight line from the force shown to the latest, over one contact period: smooth, and another period late.
 ///   gradient  [AcostaLiu07] eq. (3), F = f + grad f . (x - x_sample), as the sum of what each plane carries, clamped to pushing.
-///   planes    the local model: all listed planes, also those not yet touched. Penalty: the same sum over them. Coupled: a tool of its own at
-///             the servo's rate (local_tool.h).
+///   planes    the local model: all listed planes, also those not yet touched. Penalty: the same sum over them. Coupled: a tool of its own
+///             at the servo's rate (local_tool.h).
 ///   Where a state lists no planes, the last two take its force_gradient and forbid a pull along the sampled force.
 ///   Source  the clamps, the bound and `planes` are own derivations; what each does to the largest stable stiffness is in docs/servo.md.
 #pragma once

@@ -4,7 +4,8 @@
 ///   gradient is sum of N_i slope_i^T, with each contact clamped to pushing. Without the clamp a hand that leaves bone is pulled back.
 ///   penalty   slope_i = -N_i / yield_i.
 ///   coupled   the planes that carry load stay the ones that do: with A the compliance among them (hold_solver.h; coupling, engagement and
-///             bone's own yield) A f = -gap - N . d, so the slopes are the rows of -A^-1 N^T. Own derivation; without the coupling's damping.
+///             bone's own yield) A f = -gap - N . d, so the slopes are the rows of -A^-1 N^T. Own derivation; without the coupling's
+///             damping.
 #pragma once
 
 #include <array>

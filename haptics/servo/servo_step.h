@@ -1,9 +1,9 @@
 /// haptics/servo/servo_step.h: one tick of the servo: the hand in, a force out of what contact told last, limits, the force to the hand.
-///   Units SI, world frame.   Thread servo: no lock, allocation, log, file or exception. request_stop() and request_reset() from any thread.
-///   Order in act()  faults -> multi-rate force -> finite? -> passivity controller -> cap on magnitude -> slew -> soft gain.
-///   A latched fault is zero force from that tick on, until reset() finds its cause gone; the force then comes back through the soft start, and so it
-///   does at the start, after stale contact and after a jump. Where nothing is felt it is back at once: bone that is touched next is felt whole.
-///   Torque is not limited and so not shown: no device that is served here has one.
+///   Units SI, world frame.   Thread servo: no lock, allocation, log, file or exception. request_stop() and request_reset() from any
+///   thread. Order in act()  faults -> multi-rate force -> finite? -> passivity controller -> cap on magnitude -> slew -> soft gain.
+///   A latched fault is zero force from that tick on, until reset() finds its cause gone; the force then comes back through the soft start,
+///   and so it does at the start, after stale contact and after a jump. Where nothing is felt it is back at once: bone that is touched next
+///   is felt whole. Torque is not limited and so not shown: no device that is served here has one.
 #pragma once
 
 #include <atomic>

@@ -68,8 +68,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::sort(order.begin(), order.end());
   std::iota(each.begin(), each.end(), 0u);
   if (order != each) std::abort();
-  // What the header of stack_slices allows a slice to be off its place: a tenth of the shortest voxel edge and 0.01 mm. Coordinates are up to
-  // 1e6 mm, whose doubles are 1e-10 mm apart: 1e-8 mm is some tens of roundings.
+  // What the header of stack_slices allows a slice to be off its place: a tenth of the shortest voxel edge and 0.01 mm. Coordinates are up
+  // to 1e6 mm, whose doubles are 1e-10 mm apart: 1e-8 mm is some tens of roundings.
   double shortest = 1e300;
   for (int axis = 0; axis < 3; ++axis) shortest = std::min(shortest, glm::length(stack->bone_from_index.linear[axis]) * 1e3);
   const double allowed = 0.1 * shortest + 0.01 + 1e-8;

@@ -65,7 +65,8 @@ bool holds_air(const ValueFacts& facts) {
 }
 
 bool is_offset_scan(const ValueFacts& facts) {
-  // Two head CTs stored so have 18 and 27 % tissue, 10 and 15 times what lies in the gap; an MR of the same range has 1 %, less than its gap.
+  // Two head CTs stored so have 18 and 27 % tissue, 10 and 15 times what lies in the gap; an MR of the same range has 1 %, less than its
+  // gap.
   constexpr double kTissueShare = 0.02, kOverGap = 3.0, kNoise = 1e-3;
   return facts.low_share < kNoise && facts.max > 1200.0 && facts.tissue_share > kTissueShare &&
          facts.tissue_share > kOverGap * facts.gap_share;

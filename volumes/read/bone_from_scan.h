@@ -1,9 +1,9 @@
 /// volumes/read/bone_from_scan.h: from the numbers of a scan to the two fields of bone: occupancy (is it bone?) and hardness.
 ///   Frame      bone frame (LPS).   Units SI; values of the scan in HU, or as the file has them.   Thread any.
-///   Occupancy  0.5 + (v - m) / (2 b), clamped to 0..1: m the middle of the band, b the larger of half the band and the sum over the index axes
-///              of the larger of the two steps to the next voxel. Where a scan steps over the band within a voxel, as most do, a ramp of the
-///              band alone would put the 0.5 level half way between the voxels; widened so, trilinear interpolation has it where the scan's
-///              own trilinear interpolation passes m. Own derivation.
+///   Occupancy  0.5 + (v - m) / (2 b), clamped to 0..1: m the middle of the band, b the larger of half the band and the sum over the index
+///              axes of the larger of the two steps to the next voxel. Where a scan steps over the band within a voxel, as most do, a ramp
+///              of the band alone would put the 0.5 level half way between the voxels; widened so, trilinear interpolation has it where the
+///              scan's own trilinear interpolation passes m. Own derivation.
 ///   Hardness   (rho - 1100) / 800 clamped to 0..1, rho [kg/m3] from HU by the piecewise line of k-Wave's hounsfield2density; or a table.
 #pragma once
 
@@ -73,8 +73,8 @@ struct BoneFromScan {
   bool hounsfield = false;  ///< values are taken as HU
 };
 
-/// @param assumed gets one line for each thing taken for granted. @returns bad_input: values that are no HU and no band given, a band that is
-/// not increasing, no bone in the band (with the range found). Works in slabs: beside the scan it needs the bone's own grids
+/// @param assumed gets one line for each thing taken for granted. @returns bad_input: values that are no HU and no band given, a band that
+/// is not increasing, no bone in the band (with the range found). Works in slabs: beside the scan it needs the bone's own grids
 /// and about 120 bytes a voxel of one layer.
 /// `before` is called when the grid is known and before it takes memory; may be empty.
 [[nodiscard]] Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,

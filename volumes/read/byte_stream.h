@@ -27,7 +27,8 @@ class ByteStream {
   ByteStream& operator=(ByteStream&&) noexcept;
   ~ByteStream();
 
-  /// Fills `out` from its start. @returns the bytes filled: fewer than out.size() at the end. bad_input: unreadable, or packed data damaged.
+  /// Fills `out` from its start. @returns the bytes filled: fewer than out.size() at the end. bad_input: unreadable, or packed data
+  /// damaged.
   [[nodiscard]] Result<std::size_t> read(std::span<std::byte> out);
   /// Reads on without keeping anything. @returns the bytes passed, fewer than `count` at the end.
   [[nodiscard]] Result<std::uint64_t> skip(std::uint64_t count);

@@ -16,7 +16,8 @@ inline constexpr std::size_t kMostHeaderBytes = 1048576;  ///< text read for a h
 /// The start of a file as text, at most kMostHeaderBytes.
 [[nodiscard]] Result<std::string> read_header_text(const std::string& path);
 
-/// One part a name, each name relative to the folder of `header_path`. @returns bad_input: more names than slices, a name that leads nowhere.
+/// One part a name, each name relative to the folder of `header_path`. @returns bad_input: more names than slices, a name that leads
+/// nowhere.
 [[nodiscard]] Result<std::vector<VoxelPart>> parts_of(const std::string& header_path, const std::vector<std::string>& names,
                                                       const std::optional<NumberedNames>& numbered, int slices);
 

@@ -28,7 +28,8 @@ void stored_to_float(std::span<const std::byte> raw, const StoredForm& form, dou
 /// Reads the frames of one file, in any order.
 class FrameReader {
  public:
-  /// Opens the file again and lists its fragments. @returns bad_input, place = file: unreadable, fragments cut short or not to be told apart.
+  /// Opens the file again and lists its fragments. @returns bad_input, place = file: unreadable, fragments cut short or not to be told
+  /// apart.
   [[nodiscard]] static Result<FrameReader> open(const DicomHeader& header);
   /// @param out columns*rows values. @returns bad_input, place = file, when the pixels are cut short or do not decode.
   [[nodiscard]] Status read(std::size_t frame, bool hounsfield, std::span<float> out, PixelCounts& counts);

@@ -42,7 +42,8 @@ struct DicomSeries {
 [[nodiscard]] std::vector<DicomSeries> group_series(const DicomFolder& folder);
 
 /// The named series, or of those without fault the largest axial CT, else CT, else axial, else largest.
-/// @returns its index; bad_input: unknown name (names listed), or the fault of the one that was asked for or of the largest when all have one.
+/// @returns its index; bad_input: unknown name (names listed), or the fault of the one that was asked for or of the largest when all have
+/// one.
 [[nodiscard]] Result<std::size_t> choose_series(const std::vector<DicomSeries>& series, const std::string& name, const std::string& place);
 
 }  // namespace burrhole

@@ -1,5 +1,6 @@
 /// volumes/read/jpeg_scan.h: does a JPEG stream hold all of its image? Decoders fill what is missing with grey and only warn.
-///   Source  ITU-T T.81: annex C (Huffman codes), F.2.2 (sequential), H.2 (lossless), B.2 (segments). Codes are counted, not turned into pixels.
+///   Source  ITU-T T.81: annex C (Huffman codes), F.2.2 (sequential), H.2 (lossless), B.2 (segments). Codes are counted, not turned into
+///   pixels.
 #pragma once
 
 #include <cstddef>

@@ -29,7 +29,8 @@ struct MetaHeader {
 /// Whether the text starts as a MetaImage does: a known key and "=".
 [[nodiscard]] bool looks_like_metaimage(std::string_view text);
 
-/// @returns bad_input without place: fields missing or wrong, not three axes, channels, no usable affine, a data file form that is not read.
+/// @returns bad_input without place: fields missing or wrong, not three axes, channels, no usable affine, a data file form that is not
+/// read.
 [[nodiscard]] Result<MetaHeader> parse_metaimage(std::string_view text);
 
 }  // namespace burrhole

@@ -25,8 +25,8 @@ struct NiftiHeader {
 /// Whether the bytes carry NIfTI's magic text (of either version).
 [[nodiscard]] bool looks_like_nifti(std::span<const std::byte> bytes) noexcept;
 
-/// @param bytes the first kNiftiHeaderBytes of the file, or all of it. @returns bad_input without place: no magic (Analyze 7.5 too), 2D, 4D or
-/// vector valued, RGB or complex, impossible sizes, no usable affine.
+/// @param bytes the first kNiftiHeaderBytes of the file, or all of it. @returns bad_input without place: no magic (Analyze 7.5 too), 2D, 4D
+/// or vector valued, RGB or complex, impossible sizes, no usable affine.
 [[nodiscard]] Result<NiftiHeader> parse_nifti(std::span<const std::byte> bytes);
 
 }  // namespace burrhole

@@ -27,8 +27,8 @@ struct NrrdHeader {
   bool at_end = false;          ///< byte skip: -1
 };
 
-/// @param text the start of the file, up to what may be voxels. @returns bad_input without place, with the line: not NRRD, fields missing or
-/// wrong, dimension other than 3, colours or vectors, an encoding that is not read (bzip2, hex), no usable affine.
+/// @param text the start of the file, up to what may be voxels. @returns bad_input without place, with the line: not NRRD, fields missing
+/// or wrong, dimension other than 3, colours or vectors, an encoding that is not read (bzip2, hex), no usable affine.
 [[nodiscard]] Result<NrrdHeader> parse_nrrd(std::string_view text);
 
 }  // namespace burrhole

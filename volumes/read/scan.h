@@ -70,9 +70,9 @@ struct ReadScan {
   ScanReport report;
 };
 
-/// Any supported input: a folder or file of DICOM, .nii(.gz) .hdr .nrrd .nhdr .mha .mhd, a raw volume's .toml, .stl .obj .ply, a foreign .vdb.
-/// Chosen by ending, else by content (OBJ and binary STL have none to tell them by). @returns the scan with finite values, or an error with
-/// the file as place: one line, fault and numbers; bad_input, or unavailable when there is not enough memory.
+/// Any supported input: a folder or file of DICOM, .nii(.gz) .hdr .nrrd .nhdr .mha .mhd, a raw volume's .toml, .stl .obj .ply, a foreign
+/// .vdb. Chosen by ending, else by content (OBJ and binary STL have none to tell them by). @returns the scan with finite values, or an
+/// error with the file as place: one line, fault and numbers; bad_input, or unavailable when there is not enough memory.
 [[nodiscard]] Result<ReadScan> read_scan(const std::string& path, const ReadOptions& options);
 
 // The readers behind it; each checks sizes against the file before it allocates, and lets no library exception pass.

@@ -27,8 +27,8 @@ struct SliceStack {
 
 /// `single_slice_mm`: spacing for a stack of one slice. @returns bad_input that names the fault with its numbers: no slices, values not
 /// finite, rows and columns that are not perpendicular unit vectors, mixed orientations, sizes or pixel spacings, two slices at one place,
-/// gaps (slice step off the median, which gaps do not move, by more than 1 % + 0.01 mm: how many, where), drift that is uneven (a slice more
-/// than a tenth of the shortest voxel edge + 0.01 mm off its place in the affine).
+/// gaps (slice step off the median, which gaps do not move, by more than 1 % + 0.01 mm: how many, where), drift that is uneven (a slice
+/// more than a tenth of the shortest voxel edge + 0.01 mm off its place in the affine).
 [[nodiscard]] Result<SliceStack> stack_slices(const std::vector<SlicePlane>& slices, double single_slice_mm);
 
 }  // namespace burrhole

@@ -26,7 +26,8 @@ struct StreamShape {
 [[nodiscard]] bool stream_is_whole(DicomCodec codec, std::span<const std::byte> stream);
 
 /// The same JPEG image of one scan without comments and application segments, which decoders warn about; GDCM answers a warning about the
-/// header by ending the process. @pre stream_is_whole. @returns nothing for a stream that is anything but tables, one frame header and one scan.
+/// header by ending the process. @pre stream_is_whole. @returns nothing for a stream that is anything but tables, one frame header and one
+/// scan.
 [[nodiscard]] std::vector<std::byte> plain_jpeg(std::span<const std::byte> stream);
 
 }  // namespace burrhole

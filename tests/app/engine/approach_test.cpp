@@ -46,7 +46,8 @@ TEST_CASE("approach: entry, thickness and angle of a curved skull agree with the
     const auto distance = p.phantom.truth.entry_distance(origin, along);
     REQUIRE(distance.has_value());
     const Vec3 surface = origin + along * *distance;
-    // 0.02 mm: the 0.5 level of a curved surface is off by pitch^2 / (4 radius) = 0.2 um, that of the ramp by a chord of a tenth of a voxel.
+    // 0.02 mm: the 0.5 level of a curved surface is off by pitch^2 / (4 radius) = 0.2 um, that of the ramp by a chord of a tenth of a
+    // voxel.
     CHECK(glm::length(p.approach->bone_from_approach.translation - surface) < 0.02e-3);
     CHECK(std::abs(p.approach->thickness - p.phantom.truth.thickness_along(origin, along)) < 0.02e-3);
     CHECK(glm::length(p.approach->bone_from_approach.rotate(Vec3(0, 0, 1)) + along) < 1e-12);

@@ -1,5 +1,5 @@
-// Every shipped bit drills a thin plate through the shipped path: bone goes where its active faces pass and nowhere else; with the spindle at
-// rest or with factors of 0 none goes; the hole has the bit's shape. And the foretold feed is the simulated one.
+// Every shipped bit drills a thin plate through the shipped path: bone goes where its active faces pass and nowhere else; with the spindle
+// at rest or with factors of 0 none goes; the hole has the bit's shape. And the foretold feed is the simulated one.
 
 #include <doctest/doctest.h>
 
@@ -370,9 +370,9 @@ double feed_ratio(const FeedCase& c) {
 }  // namespace
 
 TEST_CASE("foretold feed: a flat and wide end in a bore is up to 30 % slower than foretold, and never faster") {
-  // Without walls 7 % are missing (drill_speed_test: chords between voxel layers, a bone step of 4 ms). The rest is the rim: all the load rests
-  // on the fillet between floor and wall, which goes a fifth slower than the floor and does so at half the voxel too; half as much again
-  // for the factor of the rim makes up for it.
+  // Without walls 7 % are missing (drill_speed_test: chords between voxel layers, a bone step of 4 ms). The rest is the rim: all the load
+  // rests on the fillet between floor and wall, which goes a fifth slower than the floor and does so at half the voxel too; half as much
+  // again for the factor of the rim makes up for it.
   for (const FeedCase& c : {FeedCase{"acosta_liu_perforator", 17.0, 0.2, 1.4, 2.6}, {"perforator_14_11", 17.0, 0.25, 3.5, 4.5}}) {
     CAPTURE(c.name);
     const double ratio = feed_ratio(c);

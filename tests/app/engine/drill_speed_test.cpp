@@ -126,8 +126,8 @@ TEST_CASE("speed, whole voxels: v = (F / K_cut) lambda / ln 2 within 5 % at two 
 }
 
 // Sub-voxel the rate of a voxel on the tool's face is a ramp of its depth, which the share covered bounds: over the passage of a plane
-// integral (1 - now / share) is a tenth of a voxel, 5 % at two voxels; a part-covered voxel that leaves at half its covered share goes early
-// by up to a quarter of a voxel, the other way: it is most of the figure at one voxel.
+// integral (1 - now / share) is a tenth of a voxel, 5 % at two voxels; a part-covered voxel that leaves at half its covered share goes
+// early by up to a quarter of a voxel, the other way: it is most of the figure at one voxel.
 TEST_CASE("speed, sub-voxel: the same within 10 % at two voxels of engaged depth, 20 % at one") {
   for (const SpeedCase& c : kSpeedCases) CHECK(std::abs(over_theory(c, "true") - 1.0) < (c.deep ? 0.10 : 0.20));
 }

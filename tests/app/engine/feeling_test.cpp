@@ -1,4 +1,5 @@
-// The force reaches the hand: with it the hand stops at the bone and drills at the bone's pace; cut, the hand goes on as if nothing were there.
+// The force reaches the hand: with it the hand stops at the bone and drills at the bone's pace; cut, the hand goes on as if nothing were
+// there.
 
 #include <doctest/doctest.h>
 

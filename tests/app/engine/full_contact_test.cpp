@@ -1,5 +1,5 @@
-// A whole flat face in contact at 6 kHz, contact at every tick and nothing between: the force law, the energy law and rest, tick by tick, in
-// lockstep; and on threads, from whose record the same bits come again.
+// A whole flat face in contact at 6 kHz, contact at every tick and nothing between: the force law, the energy law and rest, tick by tick,
+// in lockstep; and on threads, from whose record the same bits come again.
 //   Source  Petersik et al. ask for 56 points in full contact at 6 kHz without multi-rate. The closed forms are our own derivation.
 #include <doctest/doctest.h>
 
@@ -31,12 +31,13 @@ constexpr int kTicks = kServoHz * 3 / 2,
 
 struct Model {
   std::string name, keys;
-  /// [m] to which it knows where bone is: planes are met within 0.002 voxel (constrained_tool.cpp), positions are of 2^-14 voxel (packed_plane_kernel.h).
+  /// [m] to which it knows where bone is: planes are met within 0.002 voxel (constrained_tool.cpp), positions are of 2^-14 voxel
+  /// (packed_plane_kernel.h).
   double grain;
 
   [[nodiscard]] double force() const { return kStiffness * grain; }  ///< [N]
-  /// [m] that a force off by no more than that can bring the hand off, whenever it acts: coth(pi z / 2 sqrt(1 - z^2)) / K is the integral of the
-  /// absolute impulse response of a body of damping ratio z = b / (2 sqrt(K m)) = 0.283.
+  /// [m] that a force off by no more than that can bring the hand off, whenever it acts: coth(pi z / 2 sqrt(1 - z^2)) / K is the integral
+  /// of the absolute impulse response of a body of damping ratio z = b / (2 sqrt(K m)) = 0.283.
   [[nodiscard]] double way() const { return 2.31 * grain; }
 };
 

@@ -81,8 +81,8 @@ TEST_CASE("spin 0: the check of the tip fails for a tool that may engage") {
   const DrillProgress& progress = run.run().simulation().progress();
   MESSAGE("engaged by " << progress.deepest * 1e3 << " mm");
   CHECK(progress.deepest / run.voxel() > 0.1);
-  // 40 N over 40 kN/m is 1 mm, of which one plane's own give takes a twentieth; n planes that share the load give n times less: 0.95 to 1 mm,
-  // and 1 % for what the arm's spring still takes of the thrust.
+  // 40 N over 40 kN/m is 1 mm, of which one plane's own give takes a twentieth; n planes that share the load give n times less: 0.95 to 1
+  // mm, and 1 % for what the arm's spring still takes of the thrust.
   CHECK(progress.deepest < 1.01e-3);
   CHECK(progress.deepest > (0.95 - 0.01) * 1e-3);
 }
@@ -106,8 +106,8 @@ TEST_CASE("spin 0: a hand at up to 1 m/s does not take the tool past the surface
     const DrillProgress& progress = run.run().simulation().progress();
     MESSAGE(feed << " mm/s: tip at most " << progress.deepest / run.voxel() << " voxels past the surface, peak " << progress.peak_force
                  << " N");
-    // A tenth of a voxel, and beyond what a hand can push the give of the bone itself: at 1 m/s the hand is far ahead by the time the window
-    // has followed, and its spring presses with hundreds of newtons on a point or two of 0.8 x 20 MN/m.
+    // A tenth of a voxel, and beyond what a hand can push the give of the bone itself: at 1 m/s the hand is far ahead by the time the
+    // window has followed, and its spring presses with hundreds of newtons on a point or two of 0.8 x 20 MN/m.
     const double give = std::max(0.0, progress.peak_force - 40.0) / (0.8 * 20e6);
     CHECK(progress.deepest < 0.1 * run.voxel() + give);
     CHECK(progress.deepest < 0.2 * run.voxel());

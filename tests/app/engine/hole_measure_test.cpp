@@ -13,8 +13,8 @@ namespace burrhole::test {
 namespace {
 
 constexpr double kEdge = ClearedPlate::kPitch;
-/// Half a voxel behind a face occupancy has come to 0.75 only, so that occupancy times remaining is 0.5 where remaining is 2/3: a sixth of a
-/// voxel further out than the wall.
+/// Half a voxel behind a face occupancy has come to 0.75 only, so that occupancy times remaining is 0.5 where remaining is 2/3: a sixth of
+/// a voxel further out than the wall.
 constexpr double kWider = kEdge / 3.0;
 
 TEST_CASE("hole: a cylinder through a plate has its diameters and its volume") {

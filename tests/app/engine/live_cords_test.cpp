@@ -1,5 +1,5 @@
-// The cords of a live run, each pulled while bone pushes on the hand: a device that is gone, a contact that stands still, an exception on another
-// thread. Whatever it is, the force on the hand ends at zero.
+// The cords of a live run, each pulled while bone pushes on the hand: a device that is gone, a contact that stands still, an exception on
+// another thread. Whatever it is, the force on the hand ends at zero.
 //   Counted in ticks of the hand, never in time: a busy machine sleeps through some.
 #include <doctest/doctest.h>
 

@@ -1,4 +1,5 @@
-// The steps on threads: what was recorded feeds the same steps again to the same bits, and whatever ends a run, the hand is left without force.
+// The steps on threads: what was recorded feeds the same steps again to the same bits, and whatever ends a run, the hand is left without
+// force.
 #include "app/engine/live_run.h"
 
 #include <doctest/doctest.h>

@@ -106,9 +106,10 @@ Sway sway_of(const std::string& session) {
   return out;
 }
 
-// Until it is a millimetre in. A flat end of 11 mm that 28 N engage by 0.28 mm is held sideways by K_cut d / (2 R) = 2.5 kN/m, and by the hand's 1 kN/m.
-// While the floor of the first dent forms it is felt in steps of voxels: one that lies two voxels lower on one side than on the other, 2.6
-// degrees, presses with 1.27 N and gives 0.36 mm; the tremor's 0.04 mm are swung up by half on top. Seen are 0.32 mm; 1.11 mm without hold.
+// Until it is a millimetre in. A flat end of 11 mm that 28 N engage by 0.28 mm is held sideways by K_cut d / (2 R) = 2.5 kN/m, and by the
+// hand's 1 kN/m. While the floor of the first dent forms it is felt in steps of voxels: one that lies two voxels lower on one side than on
+// the other, 2.6 degrees, presses with 1.27 N and gives 0.36 mm; the tremor's 0.04 mm are swung up by half on top. Seen are 0.32 mm; 1.11
+// mm without hold.
 constexpr double kMostSway = 0.42e-3;  // [m]
 // Once its flanks stand in the bore the wall is what lets it sway, and that is true to a voxel.
 constexpr double kMostInBore = 0.25e-3;  // [m]

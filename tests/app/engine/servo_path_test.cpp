@@ -81,8 +81,8 @@ using namespace burrhole::test;
 
 namespace {
 
-/// A run ends once so many were run: a busy machine sleeps through some, and none of those is counted. The bit is slow and the hand feels no give, so
-/// that neither ends the run before; on a machine that starves the contact loop a latched fault may.
+/// A run ends once so many were run: a busy machine sleeps through some, and none of those is counted. The bit is slow and the hand feels
+/// no give, so that neither ends the run before; on a machine that starves the contact loop a latched fault may.
 constexpr std::uint64_t kTicks = 1500;
 constexpr std::uint64_t kEnough = 300;  // most of them with bone under the bit: every branch of the step is taken many times
 

@@ -195,7 +195,8 @@ TEST_CASE("session: a new run replaces an old session, and nothing else") {
   CHECK_FALSE(SessionWriter::create(folder.file("other.db"), kMeta, kColumns, 100).ok());
 }
 
-/// A writer in a process of its own, killed without warning once it has appended `after` rows. @returns how many rows it had appended by then.
+/// A writer in a process of its own, killed without warning once it has appended `after` rows. @returns how many rows it had appended by
+/// then.
 std::int64_t write_and_kill(const std::string& path, std::int64_t rows_per_second, std::int64_t after) {
   void* shared = ::mmap(nullptr, sizeof(std::atomic<std::int64_t>), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   REQUIRE(shared != MAP_FAILED);

@@ -158,8 +158,8 @@ TEST_CASE("surface on a real head: no spike of force in the outer table that a p
   // Each solves to its own tolerance, 0.05 and 0.01 voxel of a last move; 5 N/mm and 10 N/mm of damping make 0.2 N of that, 0.7 % of 28 N.
   CHECK(*std::max_element(apart.begin(), apart.end()) < 0.01);
   // On its own for a stretch, the twin's differences do not add up: of where the tool was, a period remembers the damper's share, two
-  // thirds, so what one look may be off by (above; 0.05 and 0.01 voxel) sums to three times that however long the stretch is. Across the push
-  // bone that is cut pushes nothing back, so there the coupling alone holds the tool, to what a hundredth of the force moves it by.
+  // thirds, so what one look may be off by (above; 0.05 and 0.01 voxel) sums to three times that however long the stretch is. Across the
+  // push bone that is cut pushes nothing back, so there the coupling alone holds the tool, to what a hundredth of the force moves it by.
   const ConstrainedToolConfig& config = loaded->scene.contact->surface;
   const double damper = config.coupling_damping * loaded->scene.servo_hz,
                forgets = config.coupling_stiffness / (config.coupling_stiffness + damper);

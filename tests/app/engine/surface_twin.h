@@ -1,9 +1,10 @@
-/// tests/app/engine/surface_twin.h: what the constrained tool feels, plainly: every near point of the shell in double, distances interpolated
-///   from decoded records corner by corner, the hold problem by projected Gauss-Seidel over all of them with many sweeps. Slow.
-///   Its own: which points take part, interpolation, the solver, how a move is cut and when it rests.
+/// tests/app/engine/surface_twin.h: what the constrained tool feels, plainly: every near point of the shell in double, distances
+///   interpolated from decoded records corner by corner, the hold problem by projected Gauss-Seidel over all of them with many sweeps.
+///   Slow. Its own: which points take part, interpolation, the solver, how a move is cut and when it rests.
 ///   Shared with the product, and so not judged here: the records and stiffness that it reads; the law itself (implicit spring and damper,
 ///   give of bone and of what is cut, play across the push, that bone which is cut pushes little out) and its constants, copied from
-///   constrained_tool.cpp; and, when it looks at one period alone, the state that the product left before it. A run of its own (`after` as the next start) keeps that state itself.
+///   constrained_tool.cpp; and, when it looks at one period alone, the state that the product left before it. A run of its own (`after` as
+///   the next start) keeps that state itself.
 ///   Frame  as named.   Units  SI.
 #pragma once
 

@@ -10,8 +10,8 @@
 
 using namespace burrhole;
 
-// The whole shipped loop (scene, contact, multi-rate, servo, simulated device) on a plate under a preload, against exact sampled systems that
-// were derived for this project twice independently. Bisection stops at 0.5 %; 1 % leaves as much again for the sign of slow growth.
+// The whole shipped loop (scene, contact, multi-rate, servo, simulated device) on a plate under a preload, against exact sampled systems
+// that were derived for this project twice independently. Bisection stops at 0.5 %; 1 % leaves as much again for the sign of slow growth.
 
 namespace {
 

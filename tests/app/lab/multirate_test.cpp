@@ -34,7 +34,8 @@ TEST_CASE("multirate cost: a force is off by what the hand does in the time that
   // At 100 Hz a held force is of a hand 10 to 19 ticks ago, 1 to 10 more than the planes of the same look answer.
   const double held = figure(rows, "hold", 100.0, "force_rms_off");
   CHECK(held > 3.0);
-  // At 1 kHz it is of a hand one tick ago, a fourteenth of that; where another point of the shell takes over the step is as high, only shorter.
+  // At 1 kHz it is of a hand one tick ago, a fourteenth of that; where another point of the shell takes over the step is as high, only
+  // shorter.
   CHECK(figure(rows, "hold", 1000.0, "force_rms_off") > 0.0);
   CHECK(figure(rows, "hold", 1000.0, "force_rms_off") < held / 4.0);
   CHECK(figure(rows, "linear", 100.0, "force_rms_off") > held);

@@ -18,7 +18,8 @@ const Vec3 kX(1.0, 0.0, 0.0), kY(0.0, 1.0, 0.0), kZ(0.0, 0.0, 1.0);
 
 double outside(const Vec3& force, std::vector<Vec3> normals) { return outside_cone(force, normals); }
 
-/// Twin that shares nothing: loads of all normals, each in turn the best while the others stay (the sum of squares is convex), often enough.
+/// Twin that shares nothing: loads of all normals, each in turn the best while the others stay (the sum of squares is convex), often
+/// enough.
 double slowly_outside(const Vec3& force, const std::vector<Vec3>& normals) {
   std::vector<double> load(normals.size(), 0.0);
   Vec3 left = force;

@@ -1,4 +1,5 @@
-// The surface that is drawn, read back from the picture, against the one that is felt: the records that contact reads. Before and after drilling.
+// The surface that is drawn, read back from the picture, against the one that is felt: the records that contact reads. Before and after
+// drilling.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -144,8 +145,8 @@ void check(const std::string& what, const BeforeAndAfter& found) {
     CHECK(one->worst_depth < 0.01);
   }
   CHECK(found.before.worst < 0.1);
-  // In the fresh pit of a bit of four voxels records, a point a cell, smooth over the facets that the drawn level has: on some of its pixels
-  // they stand up to a fifth of a voxel off it.
+  // In the fresh pit of a bit of four voxels records, a point a cell, smooth over the facets that the drawn level has: on some of its
+  // pixels they stand up to a fifth of a voxel off it.
   CHECK(50 * found.after.beyond < found.after.pixels);  // measured: 1.2 % on the ball, 0.5 % on the patch
   CHECK(found.after.worst < 0.25);
   CHECK(found.boxes > 0);

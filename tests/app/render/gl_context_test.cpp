@@ -102,8 +102,8 @@ TEST_CASE("context: a library that is not there is named with its package") {
   CHECK(is_one_line_with(library.error(), "libno-such-thing.so.7 (Debian: libno-such-thing7)"));
 }
 
-// The drivers of Mesa share shaders, compiler and rasteriser: 0 bytes may differ. With a GPU behind egl or the window filtering differs by the
-// hardware's own weights: then a level of 3 on all but silhouettes, as between the shader and its slow twin.
+// The drivers of Mesa share shaders, compiler and rasteriser: 0 bytes may differ. With a GPU behind egl or the window filtering differs by
+// the hardware's own weights: then a level of 3 on all but silhouettes, as between the shader and its slow twin.
 TEST_CASE("context: every back end that exists here draws the same bytes, one after the other and in turns") {
   struct Drawn {
     std::string driver;

@@ -261,8 +261,8 @@ TEST_CASE("hold solver: infinitely stiff against turning is turning as the hand 
 }
 
 TEST_CASE("hold solver: the force against the push never falls while pressing deeper") {
-  // What is minimised is convex in the target, and its slope along the push is the force against it. (Of a force that is not along the push,
-  // the size alone may fall.)
+  // What is minimised is convex in the target, and its slope along the push is the force against it. (Of a force that is not along the
+  // push, the size alone may fall.)
   int loaded = 0;
   for (std::uint64_t n = 0; n < 60; ++n) {
     CAPTURE(n);

@@ -48,8 +48,8 @@ double gap_by(const HoldProblem& problem, const HoldPlane& plane, const HoldMove
   return sabotage == Sabotage::engaged_forgotten ? gap : gap - glm::dot(plane.normal, problem.engaged);
 }
 
-/// Stationarity in every unknown and equality in every active plane. Unknowns in scaled units, which pivoting and roundings like: micrometres
-/// of every length, 1e-4 rad, newtons.
+/// Stationarity in every unknown and equality in every active plane. Unknowns in scaled units, which pivoting and roundings like:
+/// micrometres of every length, 1e-4 rad, newtons.
 class ActiveSet {
  public:
   ActiveSet(const HoldProblem& problem, const std::vector<HoldPlane>& planes, Sabotage sabotage)

@@ -1,5 +1,5 @@
-/// tests/core/contact/hold_support.h: problems for the hold solver, and the plain truth about them: every active set tried, each solved in all
-///   the unknowns of the definition (move, turn, engagement, yields, forces) at once, in extended precision.
+/// tests/core/contact/hold_support.h: problems for the hold solver, and the plain truth about them: every active set tried, each solved in
+///   all the unknowns of the definition (move, turn, engagement, yields, forces) at once, in extended precision.
 ///   Units  SI.   Shares no formula with the solver: its matrix is what the definition says of one unknown at a time.
 #pragma once
 
@@ -37,8 +37,8 @@ std::optional<HoldTruth> enumerate(const HoldProblem& problem, const std::vector
 
 /// The hand pushes down, more or less, by up to 1 mm, and turns.
 HoldProblem random_problem(std::uint64_t n);
-/// Planes that face upwards, more or less, near the tool origin; arms up to 20 mm; half of them cut. Points are 0, 1, 2, ... Every third set
-/// of few planes faces all ways, most of them broken at the start: there many carry load.
+/// Planes that face upwards, more or less, near the tool origin; arms up to 20 mm; half of them cut. Points are 0, 1, 2, ... Every third
+/// set of few planes faces all ways, most of them broken at the start: there many carry load.
 std::vector<HoldPlane> random_planes(std::uint64_t n, std::size_t count);
 
 /// Candidates from a list, looked through plainly.

@@ -64,7 +64,8 @@ inline double deepest_of(const PointShell& shell, const Pose& pose, const Truth&
   return deepest;
 }
 
-/// [voxel] depth of a point under the 0.5 level of the trilinear density, 0 in air: rays all round, no record and no normal. At most `most`.
+/// [voxel] depth of a point under the 0.5 level of the trilinear density, 0 in air: rays all round, no record and no normal. At most
+/// `most`.
 inline double felt_depth(const ShippedBone& bone, const Vec3& p_bone, double most = 2.0) {
   constexpr int kRays = 600;  // 0.14 rad apart: the nearest way out is within 0.1 rad of one, which is half a percent longer
   if (bone.density(p_bone) < 0.5) return 0.0;

@@ -1,5 +1,5 @@
-// The contact model `surface` as shipped (voxmap, published records, constrained tool) against the closed form of the phantoms: the force on
-// a tool at rest is K times the smallest translation that takes it out of the bone.
+// The contact model `surface` as shipped (voxmap, published records, constrained tool) against the closed form of the phantoms: the force
+// on a tool at rest is K times the smallest translation that takes it out of the bone.
 #include <cstdio>
 
 #include "surface_support.h"
@@ -83,8 +83,8 @@ Vec3 way_out(const Truth& truth, const Vec3& centre) {
 }  // namespace
 
 TEST_CASE("surface: the force on a ball is K times the smallest translation, in size and direction, on every convex shape") {
-  // Points 0.02 mm apart. On a ball of 5 mm a point is 0.01 mm from where a true ball would touch; pressed 2 mm deep that turns the force by
-  // 0.01 / (5 - 2) rad, 0.2 degrees: a coarser shell would be measured, not the model.
+  // Points 0.02 mm apart. On a ball of 5 mm a point is 0.01 mm from where a true ball would touch; pressed 2 mm deep that turns the force
+  // by 0.01 / (5 - 2) rad, 0.2 degrees: a coarser shell would be measured, not the model.
   const PointShell shell = ball_shell(kBall, 120000);
   std::printf(
       "force of a ball against the closed form: shape, share of what is allowed (1 %% or K x 0.1 voxel), degrees: median, largest\n");

@@ -57,7 +57,8 @@ Cell interpolated(const RecordView& bone, const std::array<float, 3>& p) {
           {less(faces[1], faces[0]), between(over_j[0], over_j[1], fx), between(over_k[0], over_k[1], fx)}};
 }
 
-/// [stored steps] what bends the distance: by axis f (1 - f) / 2 times how much less the normal, on the way of the axis, is past than before.
+/// [stored steps] what bends the distance: by axis f (1 - f) / 2 times how much less the normal, on the way of the axis, is past than
+/// before.
 float bend(const RecordView& bone, const Cell& cell, const std::array<float, 3>& p) {
   const bool small = bone.records8 != nullptr;
   const double scale = small ? kRecord8Normal / kRecord8Distance : kRecord16Normal / kRecord16Distance;

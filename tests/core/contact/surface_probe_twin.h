@@ -1,5 +1,5 @@
-/// tests/core/contact/surface_probe_twin.h: what surface_probe does, by plain loops over points and records, in the same single precision and
-///   order of operations, so that results must be the same bits; and fields of records whose truth is known.
+/// tests/core/contact/surface_probe_twin.h: what surface_probe does, by plain loops over points and records, in the same single precision
+///   and order of operations, so that results must be the same bits; and fields of records whose truth is known.
 ///   Frame  bone: origin anywhere, metres; tool as given by the pose.   Units  SI unless said.
 #pragma once
 

@@ -1,4 +1,5 @@
-// A spinning tool on bone that is not cut meanwhile: engaged by F / K_cut, pushed back, never on the far side; a thin blade in its own slot.
+// A spinning tool on bone that is not cut meanwhile: engaged by F / K_cut, pushed back, never on the far side; a thin blade in its own
+// slot.
 #include <cstdio>
 
 #include "stroke_support.h"

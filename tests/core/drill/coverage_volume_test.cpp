@@ -64,7 +64,8 @@ TEST_CASE("coverage: removed mass is the swept volume within 3 % down to a radiu
 TEST_CASE(
     "coverage: what a tool at rest removes is its volume within 3 % down to a radius of 1 voxel, wherever it stands; 64 samples miss "
     "that") {
-  // At rest nothing averages: the count of samples within a still shape is all there is. 40 positions and turns of each; coverage_samples.h has figures of 400.
+  // At rest nothing averages: the count of samples within a still shape is all there is. 40 positions and turns of each; coverage_samples.h
+  // has figures of 400.
   double worst_plain = 0.0;
   for (const bool ball : {true, false})
     for (const double radius : {1.0, 1.5}) {

@@ -37,7 +37,8 @@ double between(const CuttingField& field, const std::vector<float>& values, cons
   return sum;
 }
 
-/// Share of places within a box round the tool where the field's sign is not that of what cuts, those within `skin` of its surface left out.
+/// Share of places within a box round the tool where the field's sign is not that of what cuts, those within `skin` of its surface left
+/// out.
 double wrong(const ToolSpec& spec, const CuttingField& field, double skin) {
   int bad = 0;
   for (std::uint64_t n = 0; n < 20000; ++n) {

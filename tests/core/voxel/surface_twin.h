@@ -1,5 +1,5 @@
-/// tests/core/voxel/surface_twin.h: surface records once more, plainly, in double precision and without shared code: every surfel is offered
-/// to every voxel round it. For sanitizers, which do not see through gathers, and against rows left out.
+/// tests/core/voxel/surface_twin.h: surface records once more, plainly, in double precision and without shared code: every surfel is
+/// offered to every voxel round it. For sanitizers, which do not see through gathers, and against rows left out.
 #pragma once
 
 #include <vector>

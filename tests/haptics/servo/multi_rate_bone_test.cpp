@@ -9,8 +9,8 @@
 
 using namespace burrhole;
 
-// The schemes where a bilateral plate proves nothing: a body that falls onto curved bone, rebounds and rests there, and one that drills. Contact is
-// looked at 20 times a second, the rate of [AcostaLiu07] section 5; a held force is then stable up to 314 N/m in this hand.
+// The schemes where a bilateral plate proves nothing: a body that falls onto curved bone, rebounds and rests there, and one that drills.
+// Contact is looked at 20 times a second, the rate of [AcostaLiu07] section 5; a held force is then stable up to 314 N/m in this hand.
 
 namespace {
 
@@ -109,8 +109,8 @@ TEST_CASE("multi-rate on bone: while bone goes under the force the feed is the l
   for (const MultiRateScheme scheme : {MultiRateScheme::gradient, MultiRateScheme::planes}) {
     const Rest rest = let_go(scheme, drilling);
     MESSAGE(std::string(name_of(scheme)) << ": swing " << rest.swing << " m, force " << rest.force << " N, depth " << rest.depth << " m");
-    // Quasi-static: push - spring * depth = force = depth' / feed, so depth = push / spring * (1 - exp(-spring * feed * t)); bone's own give
-    // and the looks' delay of 25 ms in the mean are 1 % of 5 s.
+    // Quasi-static: push - spring * depth = force = depth' / feed, so depth = push / spring * (1 - exp(-spring * feed * t)); bone's own
+    // give and the looks' delay of 25 ms in the mean are 1 % of 5 s.
     const double expected = kPush / kHand.stiffness * (1.0 - std::exp(-kHand.stiffness * kFeed * 5.0));
     CHECK(std::abs(rest.depth / expected - 1.0) < 0.1);
     // Between two looks bone goes by 4.4 N 1e-4 m/(s N) 50 ms = 22 um unseen, either way; over the last second the hand's spring takes over

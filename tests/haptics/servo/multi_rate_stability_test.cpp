@@ -10,9 +10,9 @@
 
 using namespace burrhole;
 
-// Largest stiffness [N/m] of a wall that the shipped servo step renders without growth, contact being looked at every N ticks. Oracle values: the
-// exact sampled systems, derived for this project twice independently; the search finds them within its ratio of 0.2 %, well below the 1 % asked
-// for. m and b are totals of device and hand; K excludes the hand's own spring.
+// Largest stiffness [N/m] of a wall that the shipped servo step renders without growth, contact being looked at every N ticks. Oracle
+// values: the exact sampled systems, derived for this project twice independently; the search finds them within its ratio of 0.2 %, well
+// below the 1 % asked for. m and b are totals of device and hand; K excludes the hand's own spring.
 
 namespace {
 

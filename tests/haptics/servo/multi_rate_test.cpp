@@ -223,7 +223,8 @@ BallRun stroke(MultiRateScheme scheme, int stale) {
     const Vec3 force = rate(states[static_cast<std::size_t>(used)], at(x), kPeriod).force;
     const double moved = glm::length(x - states.back().world_from_hand.translation);
     const double size = glm::length(ball_force(x)), distance = glm::length(x);
-    // The plane leaves the ball by moved^2 / 2 rho at most, and its normal turns by moved / rho under what it carries (either's, the larger).
+    // The plane leaves the ball by moved^2 / 2 rho at most, and its normal turns by moved / rho under what it carries (either's, the
+    // larger).
     const double bound = kStiffness * moved * moved / (2.0 * distance) + std::max(size, glm::length(force)) * moved / (kRho - 1e-3) + 1e-12;
     out.worst_excess = std::max(out.worst_excess, glm::length(force - ball_force(x)) - bound);
     out.pull = std::min(out.pull, glm::dot(force, x / distance));

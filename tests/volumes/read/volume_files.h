@@ -1,4 +1,5 @@
-/// tests/volumes/read/volume_files.h: one small volume and writers of it in every format, byte by byte; they share no code with the readers.
+/// tests/volumes/read/volume_files.h: one small volume and writers of it in every format, byte by byte; they share no code with the
+/// readers.
 #pragma once
 
 #include <cstdint>
