@@ -1,43 +1,14 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cstring>
 
 #include "app/bench/areas.h"
 #include "app/bench/bench_scene.h"
-#include "app/engine/texels.h"
-#include "app/render/renderer.h"
+#include "app/bench/render_canvas.h"
 
 namespace burrhole {
 namespace {
-
-constexpr int kSide = 512;  // [pixels]
-constexpr double kMega = 1e-6;
-
-/// Sets a volume once, draws and checks; an Error ends the area.
-struct Canvas {
-  Renderer renderer;
-  FrameView view;
-  Image image;  // the last picture
-  Status fault;
-
-  void draw() {
-    auto drawn = renderer.draw(view, kSide, kSide);
-    if (drawn)
-      image = std::move(drawn).value();
-    else if (fault)
-      fault = drawn.error();
-  }
-  void set_volume(const VolumeView& volume) {
-    if (Status set = renderer.set_volume(volume); !set && fault) fault = set;
-  }
-  [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_of(image.pixels); }
-};
-
-Result<Canvas> make_canvas(const RenderOptions& options, const FrameView& view) {
-  auto renderer = Renderer::create(options);
-  if (!renderer) return renderer.error();
-  return Canvas{std::move(renderer).value(), view, {}, {}};
-}
 
 /// A box of 20^3 in the rim of the half drilled hole, in two states: as drilled, and gone.
 class ChangingBox {
@@ -65,78 +36,118 @@ class ChangingBox {
   std::size_t listener_;
 };
 
-/// The change as a frame of drilling sends it, against sending all of the bone; then the box's upload alone.
-void compare_dirty_frame(Bench& bench, Canvas& canvas, Voxmap& voxmap, const VoxelBox& box) {
+/// The change as a frame of drilling sends and draws it, against the same with all pixels drawn anew, and against sending all of the bone.
+Status compare_dirty_frame(Bench& bench, const FrameView& view, const RenderOptions& options, const std::string& how, Voxmap& voxmap,
+                           const VoxelBox& box) {
+  RenderOptions whole_options = options;
+  whole_options.keep_picture = false;
+  auto kept = Canvas::create(options, view), whole = Canvas::create(whole_options, view);
+  if (!kept || !whole) return (kept ? whole : kept).error();
   ChangingBox change(voxmap, box);
-  const auto update = [&] { change.send([&](const TexelBox& texels) { canvas.renderer.update(texels); }); };
-  const auto back_to_drilled = [&] {
-    change.set(false);
-    update();
-    change.set(true);
+  const auto send = [&](Canvas& canvas) { change.send([&](const TexelBox& texels) { canvas.renderer.update(texels); }); };
+  const auto prepare = [&](Canvas& canvas) {
+    return [&] {
+      change.set(false);
+      send(canvas);
+      canvas.draw();
+      change.set(true);
+    };
   };
-  const Side whole{back_to_drilled, [&] {
-                     canvas.set_volume(make_volume_view(voxmap));
-                     canvas.draw();
-                   }};
-  const Side boxes{back_to_drilled, [&] {
-                     update();
-                     canvas.draw();
-                   }};
-  canvas.set_volume(make_volume_view(voxmap));
-  canvas.draw();
-  const Image unchanged = canvas.image;
-  boxes.prepare();
-  boxes.run();
-  const Image by_boxes = canvas.image;
-  whole.prepare();
-  whole.run();
-  const Vec3i dims = voxmap.bone().dims();
-  const std::string name = fmt::format("frame after a change of 20^3 over sending all {} x {} x {} texels", dims.x, dims.y, dims.z);
-  const bool seen = bench.require(name, unchanged.pixels != by_boxes.pixels, "the change is not in the picture");
-  if (seen && bench.agree(name, canvas.bytes(), bytes_of(by_boxes.pixels)))
-    bench.add_speed_up(name, "CPU-ms", 1e3, bench.time(whole, boxes));
-
-  const TexelBox texels = make_texels(voxmap, box);
-  std::vector<Rgba8> copy(texels.normal_opacity.size());
-  const Side copied{{}, [&] { std::memcpy(copy.data(), texels.normal_opacity.data(), copy.size() * sizeof(Rgba8)); }};
-  const Side uploaded{{}, [&] { canvas.renderer.update(texels); }};
-  copied.run();
-  uploaded.run();
-  canvas.draw();
-  const std::string upload_name = "upload of a box of 20^3 over a memcpy of it";
-  if (bench.agree(upload_name, bytes_of(texels.normal_opacity), bytes_of(copy)) &&
-      bench.agree(upload_name, bytes_of(by_boxes.pixels), canvas.bytes()))
-    bench.add_cost(upload_name, "us", 1e6, bench.time(copied, uploaded));
-  change.set(false);
-}
-
-Status compare_skipping(Bench& bench, const VolumeView& volume, const FrameView& view, const std::string& what, RenderOptions options,
-                        const Bars& samples) {
-  options.skip_empty = true;
-  auto skipping = make_canvas(options, view);
-  if (!skipping) return skipping.error();
-  options.skip_empty = false;
-  auto plain = make_canvas(options, view);
-  if (!plain) return plain.error();
-  std::uint64_t taken[2] = {};
-  for (Canvas* canvas : {&*skipping, &*plain}) {
-    canvas->set_volume(volume);
-    canvas->draw();
-    if (!canvas->fault) return canvas->fault;
-    const auto probe = canvas->renderer.probe(view, kSide, kSide);
-    if (!probe) return probe.error();
-    taken[canvas == &*plain ? 1 : 0] = canvas->renderer.counters().probe_samples;
+  const auto by_boxes = [&](Canvas& canvas) {
+    return Side{prepare(canvas), [&] {
+                  send(canvas);
+                  canvas.draw();
+                }};
+  };
+  const Side part = by_boxes(*kept), all = by_boxes(*whole);
+  const Side resent{prepare(*whole), [&] {
+                      whole->set_volume(make_volume_view(voxmap));
+                      whole->draw();
+                    }};
+  for (Canvas* canvas : {&*kept, &*whole}) canvas->set_volume(make_volume_view(voxmap));
+  whole->draw();
+  const Image unchanged = whole->image;
+  for (const Side* side : {&part, &all}) {
+    side->prepare();
+    side->run();
   }
-  const std::string name = what + ": skipping empty space over not";
-  if (!bench.agree(name, plain->bytes(), skipping->bytes())) return {};
-  bench.add_speed_up(name, "CPU-ms", 1e3, bench.time({{}, [&] { plain->draw(); }}, {{}, [&] { skipping->draw(); }}));
-  bench.add_absolute(what + ": samples a frame, skipping", "million", kMega * static_cast<double>(taken[0]), true, samples);
-  bench.add_absolute(what + ": samples a frame, not skipping", "million", kMega * static_cast<double>(taken[1]), true);
-  return {};
+  const Image drawn_whole = whole->image;
+  const std::string name = fmt::format("{}: frame after a change of 20^3, its footprint over the whole picture", how);
+  const bool seen = bench.require(name, unchanged.pixels != drawn_whole.pixels, "the change is not in the picture");
+  if (seen && bench.agree(name, bytes_of(drawn_whole.pixels), kept->bytes())) {
+    bench.add_speed_up(name, "CPU-ms", 1e3, bench.time(all, part));
+    part.prepare();
+    const std::uint64_t before = kept->renderer.counters().drawn_pixels;
+    part.run();
+    const auto drawn = static_cast<double>(kept->renderer.counters().drawn_pixels - before);
+    bench.add_absolute(fmt::format("{}: pixels drawn after a change of 20^3", how), "share of all", drawn / (kCanvasSide * kCanvasSide),
+                       true);
+  }
+  resent.prepare();
+  resent.run();
+  const Vec3i dims = voxmap.bone().dims();
+  const std::string sent = fmt::format("{}: the same over sending all {} x {} x {} texels", how, dims.x, dims.y, dims.z);
+  if (seen && bench.agree(sent, whole->bytes(), kept->bytes())) bench.add_speed_up(sent, "CPU-ms", 1e3, bench.time(resent, part));
+  change.set(false);
+  return kept->fault ? whole->fault : kept->fault;
 }
 
-/// The patch of the published figures: four times as many voxels as the shipped scene has, steps of a whole voxel, four bisections.
-Status compare_skipping_on_fine_patch(Bench& bench) {
+/// A box to the card, over copying its rows to their places in an array as large as the volume: what an upload cannot do without.
+Status compare_uploads(Bench& bench, const FrameView& view, Voxmap& voxmap) {
+  auto canvas = Canvas::create({.finish = false, .growth_is_told = true}, view);
+  if (!canvas) return canvas.error();
+  VolumeView volume = make_volume_view(voxmap);
+  canvas->set_volume(volume);
+  const VoxelBox all{Vec3i(0), volume.dims};
+  for (const int edge : {20, 40, 64}) {
+    const Vec3i lo = glm::max((volume.dims - edge) / 2, Vec3i(0));
+    const VoxelBox box = VoxelBox{lo, lo + edge}.intersect(all);
+    const TexelBox texels = make_texels(voxmap, box);
+    const auto row = static_cast<std::size_t>(box.size().x);
+    const Side copied{{}, [&] {
+                        const Rgba8* from = texels.normal_opacity.data();
+                        for (int k = box.lo.z; k < box.hi.z; ++k)
+                          for (int j = box.lo.y; j < box.hi.y; ++j, from += row)
+                            std::memcpy(&volume.normal_opacity[all.offset_of({box.lo.x, j, k})], from, row * sizeof(Rgba8));
+                      }};
+    const Side uploaded{{}, [&] { canvas->renderer.update(texels); }};
+    const std::uint64_t before = canvas->renderer.counters().update_bytes;
+    uploaded.run();
+    copied.run();
+    const std::string name = fmt::format("upload of a box of {}^3 over copying its rows", edge);
+    // The counter says that nothing but the box was sent; the texels are those that were there.
+    const std::vector<std::uint64_t> expected{box.count() * sizeof(Rgba8)}, sent{canvas->renderer.counters().update_bytes - before};
+    if (bench.agree(name, bytes_of(expected), bytes_of(sent))) bench.add_cost(name, "us", 1e6, bench.time(copied, uploaded), {1.5, {}});
+  }
+  return canvas->fault;
+}
+
+/// From nothing to the first picture of the shipped scene, by the clock: reading, generating bone, shaders, upload, drawing.
+Status time_first_frame(Bench& bench) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const auto loaded = load_parietal_scene({});
+  if (!loaded) return loaded.error();
+  const Scene& scene = (*loaded)->scene;
+  auto voxmap = Voxmap::create((*loaded)->bone, {});
+  if (!voxmap) return voxmap.error();
+  const auto approach = make_approach(*(*loaded)->bone, scene.approach);
+  if (!approach) return approach.error();
+  const FrameView view = make_frame_view(*scene.display, scene.volume.world_from_bone,
+                                         scene.volume.world_from_bone * approach->bone_from_approach, approach->thickness, false);
+  auto canvas = Canvas::create({.supersample = 2}, view);
+  if (!canvas) return canvas.error();
+  canvas->set_volume(make_volume_view(*voxmap));
+  const auto picture = canvas->renderer.draw(view, scene.display->width, scene.display->height);
+  if (!picture) return picture.error();
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  bench.add_absolute(fmt::format("first frame of the shipped scene, {} x {}, by the clock", picture->width, picture->height), "s", seconds,
+                     true, {2.0, {}});
+  return canvas->fault;
+}
+
+/// The patch of the published figures: four times as many voxels as the shipped scene has.
+Status compare_rays_on_fine_patch(Bench& bench) {
   const auto loaded = load_parietal_scene({"volume.spacing_mm=0.1171875"});
   if (!loaded) return loaded.error();
   const LoadedScene& fine = **loaded;
@@ -147,13 +158,32 @@ Status compare_skipping_on_fine_patch(Bench& bench) {
   const FrameView view =
       make_frame_view(*fine.scene.display, fine.scene.volume.world_from_bone, approach->bone_from_approach, approach->thickness, false);
   const Vec3i dims = fine.bone->dims();
-  return compare_skipping(bench, make_volume_view(*voxmap), view, fmt::format("patch of {} x {} x {}, step 1", dims.x, dims.y, dims.z),
-                          {.step_voxels = 1.0, .bisections = 4, .finish = false}, {2.0, 1.0});
+  return compare_rays(bench, make_volume_view(*voxmap), view, fmt::format("patch of {} x {} x {}", dims.x, dims.y, dims.z), {2.0, 1.0},
+                      {2.3, 1.0});
 }
 
 }  // namespace
 
+Result<Canvas> Canvas::create(const RenderOptions& options, const FrameView& view) {
+  auto renderer = Renderer::create(options);
+  if (!renderer) return renderer.error();
+  return Canvas{std::move(renderer).value(), view, {}, {}};
+}
+
+void Canvas::draw() {
+  auto drawn = renderer.draw(view, kCanvasSide, kCanvasSide);
+  if (drawn)
+    image = std::move(drawn).value();
+  else if (fault)
+    fault = drawn.error();
+}
+
+void Canvas::set_volume(const VolumeView& volume) {
+  if (Status set = renderer.set_volume(volume); !set && fault) fault = set;
+}
+
 Status bench_render(Bench& bench) {
+  if (Status timed = time_first_frame(bench); !timed) return timed;
   auto drilled = drill_parietal_half_way(bench.quick());
   if (!drilled) return drilled.error();
   const Scene& scene = drilled->loaded->scene;
@@ -161,16 +191,15 @@ Status bench_render(Bench& bench) {
   const Approach& approach = drilled->simulation->approach();
   const FrameView view = make_frame_view(*scene.display, scene.volume.world_from_bone,
                                          scene.volume.world_from_bone * approach.bone_from_approach, approach.thickness, false);
-  auto canvas = make_canvas({}, view);
-  if (!canvas) return canvas.error();
   // The rim of a hole of 14 mm, on the far side, where the camera sees its wall; low enough for the box to lie inside the volume.
   const Vec3 rim = voxmap.bone().bone_from_index().inverse() * (approach.bone_from_approach * Vec3(0.0, 7e-3, -0.75e-3));
   const VoxelBox box{voxel_of(rim) - 10, voxel_of(rim) + 10};
   if (Status placed = voxmap.place_window(box.grown(4)); !placed) return placed;
-  compare_dirty_frame(bench, *canvas, voxmap, box);
-  if (!canvas->fault) return canvas->fault;
-  if (Status done = compare_skipping(bench, make_volume_view(voxmap), view, "shipped scene half way", {}, {}); !done) return done;
-  return bench.quick() ? Status{} : compare_skipping_on_fine_patch(bench);
+  if (Status done = compare_dirty_frame(bench, view, {.finish = true, .growth_is_told = true}, "finished", voxmap, box); !done) return done;
+  if (Status done = compare_dirty_frame(bench, view, {.finish = false, .growth_is_told = true}, "plain", voxmap, box); !done) return done;
+  if (Status done = compare_uploads(bench, view, voxmap); !done) return done;
+  if (bench.quick()) return compare_rays(bench, make_volume_view(voxmap), view, "shipped scene half way", {}, {});
+  return compare_rays_on_fine_patch(bench);
 }
 
 }  // namespace burrhole

@@ -18,6 +18,7 @@ class OffscreenSink final : public PictureSink {
     return renderer_.set_tool(tool);
   }
   void update(const TexelBox& texels) override { renderer_.update(texels); }
+  void forget() override { renderer_.forget(); }
   Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) override {
     auto image = renderer_.draw(view, width, height);
     if (!image) return image.error();
@@ -47,6 +48,7 @@ Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder
   if (display.method == "slices")
     options.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
   if (!display.transfer.empty()) options.translucent = display.transfer;
+  options.growth_is_told = true;
   options.supersample = 2;  // a handful of still pictures: smooth edges are worth four times the pixels
   auto renderer = Renderer::create(options);
   if (!renderer) return renderer.error();

@@ -1,6 +1,9 @@
 #include "app/engine/frame_step.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "app/engine/texels.h"
 
@@ -34,7 +37,8 @@ FrameStep::FrameStep(const Scene& scene, const Approach& approach, Voxmap& voxma
       thickness_(approach.thickness),
       voxmap_(&voxmap),
       sink_(&sink),
-      listener_(voxmap.add_listener()) {}
+      listener_(voxmap.add_listener()),
+      growth_epoch_(voxmap.growth_epoch()) {}
 
 Result<FrameStep> FrameStep::create(const Scene& scene, const Approach& approach, const Tool& tool, Voxmap& voxmap, FrameSink& sink) {
   FrameStep out(scene, approach, voxmap, sink);
@@ -42,14 +46,33 @@ Result<FrameStep> FrameStep::create(const Scene& scene, const Approach& approach
   return out;
 }
 
-void FrameStep::gather() {
+void FrameStep::gather() { fill_parcel(display_.upload_budget / sizeof(Rgba8), display_.upload_time); }
+
+void FrameStep::gather_rest() { fill_parcel(std::numeric_limits<std::size_t>::max(), 0.0); }
+
+/// @param seconds 0: no limit.
+void FrameStep::fill_parcel(std::size_t most, double seconds) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::size_t kBetweenLooks = 4096;  // texels, a fraction of a millisecond
   timers_.texels([&] {
-    for (const VoxelBox& box : voxmap_->take_dirty(listener_))
-      if (TexelBox texels = make_texels(*voxmap_, box); !texels.box.empty()) parcel_.push_back(std::move(texels));
+    for (const VoxelBox& box : voxmap_->take_dirty(listener_)) queue_.add(box.intersect(voxmap_->bone().bounds()));
+    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    const std::size_t chunk = seconds > 0.0 ? std::min(most, kBetweenLooks) : most;
+    std::size_t left = most;
+    do {
+      for (const VoxelBox& box : queue_.take(chunk)) {
+        parcel_.push_back(make_texels(*voxmap_, box));
+        left -= std::min(left, box.count());
+      }
+    } while (seconds > 0.0 && !queue_.empty() && left >= chunk && Clock::now() < end);
   });
+  has_grown_ = has_grown_ || voxmap_->growth_epoch() != growth_epoch_;
+  growth_epoch_ = voxmap_->growth_epoch();
 }
 
 Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut) {
+  if (has_grown_) sink_->forget();
+  has_grown_ = has_grown_ && !queue_.empty();  // of what waits, some may have grown
   timers_.upload([&] {
     for (const TexelBox& texels : parcel_) {
       texels_sent_ += texels.normal_opacity.size();

@@ -6,6 +6,7 @@
 #include "app/engine/approach.h"
 #include "app/engine/scene.h"
 #include "app/engine/step_timer.h"
+#include "app/engine/texel_queue.h"
 #include "app/engine/view.h"
 #include "core/voxel/voxmap.h"
 
@@ -17,6 +18,8 @@ class FrameSink {
   virtual ~FrameSink() = default;
   [[nodiscard]] virtual Status start(const VolumeView& volume, const TriangleMesh& tool) = 0;
   virtual void update(const TexelBox& texels) = 0;
+  /// Bone may have grown back: nothing that a display kept from earlier pictures counts.
+  virtual void forget() {}
   /// Draws and keeps one picture; `hash` takes its pixels.
   [[nodiscard]] virtual Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) = 0;
 };
@@ -30,13 +33,17 @@ class FrameStep {
   /// Sends the whole volume once.
   [[nodiscard]] static Result<FrameStep> create(const Scene& scene, const Approach& approach, const Tool& tool, Voxmap& voxmap,
                                                 FrameSink& sink);
-  /// Takes what changed since the last call into the parcel; by whoever owns the bone, while no one draws.
+  /// Takes what changed into the parcel, as much as the scene's budget lets; the rest waits for the next call. By whoever owns the bone,
+  /// while no one draws.
   void gather();
+  /// The same without a budget: nothing waits any more.
+  void gather_rest();
   /// Sends the parcel, then draws. `tool`: nothing when it is out of the picture; `cut` opens the bone.
   [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);
   [[nodiscard]] FrameStepTimers& timers() noexcept { return timers_; }
   [[nodiscard]] std::uint64_t image_hash() const noexcept { return hash_.value(); }
   [[nodiscard]] std::uint64_t texels_sent() const noexcept { return texels_sent_; }
+  [[nodiscard]] std::size_t texels_waiting() const noexcept { return queue_.texels(); }
 
  private:
   FrameStep(const Scene& scene, const Approach& approach, Voxmap& voxmap, FrameSink& sink);
@@ -46,7 +53,11 @@ class FrameStep {
   Voxmap* voxmap_;
   FrameSink* sink_;
   std::size_t listener_;
+  void fill_parcel(std::size_t most, double seconds);
+  TexelQueue queue_;
   std::vector<TexelBox> parcel_;
+  std::uint64_t growth_epoch_ = 0;
+  bool has_grown_ = false;  // since the last picture
   Hash64 hash_;
   std::uint64_t texels_sent_ = 0;
   FrameStepTimers timers_;

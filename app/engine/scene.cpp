@@ -380,6 +380,11 @@ DisplayScene read_display(TableReader table) {
       table.numbers("size", std::vector<double>{1200, 900}, 2, {.min = 16, .max = 8192}, "width and height of a picture in pixels");
   out.width = static_cast<int>(size[0]);
   out.height = static_cast<int>(size[1]);
+  out.upload_budget = static_cast<std::size_t>(table.integer("upload_budget_kb", 65536, 1, 4'000'000,
+                                                             "changed texels sent for one picture; the rest follows with the next ones")) *
+                      1024;
+  out.upload_time = table.number("upload_budget_ms", {.fallback = 0.0, .min = 0.0, .max = 1000.0, .to_si = 1e-3},
+                                 "time for making them, by the clock, so pictures may differ from run to run; 0: as long as it takes");
   out.azimuth = table.number("azimuth_deg", {.fallback = 35.0, .min = -360, .max = 360, .to_si = kDegree},
                              "angle of the camera round the axis, from the patient's -y");
   out.elevation = table.number("elevation_deg", {.fallback = 42.0, .min = -89, .max = 89, .to_si = kDegree},

@@ -85,9 +85,11 @@ struct DisplayScene {
   bool opacity_correction = true;
   TransferFunction transfer;  ///< empty: bone is drawn by its surface; key shading = "translucent"
   int width = 1200, height = 900;
-  double azimuth = 0.61;    ///< [rad] of the camera round the axis, from the patient's -y
-  double elevation = 0.75;  ///< [rad] above the tangent plane
-  double distance = 0.074;  ///< [m] from the entry
+  std::size_t upload_budget = std::size_t{64} << 20;  ///< [byte] of texels for one picture; key upload_budget_kb
+  double upload_time = 0.0;                           ///< [s] that making them may take; 0: any; key upload_budget_ms
+  double azimuth = 0.61;                              ///< [rad] of the camera round the axis, from the patient's -y
+  double elevation = 0.75;                            ///< [rad] above the tangent plane
+  double distance = 0.074;                            ///< [m] from the entry
 };
 
 /// [record]

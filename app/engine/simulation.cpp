@@ -56,6 +56,7 @@ Status Simulation::run() {
     if (Status ran = options_.live ? run_on_threads() : run_lockstep(); !ran) return ran;
   }
   parts_->voxmap->write_back();
+  if (parts_->frame) parts_->frame->gather_rest();  // the last pictures show all that was done
   if (Status drawn = log_->draw("after", {}, false); !drawn) return drawn;
   return log_->draw("cutaway", {}, true);
 }

@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace burrhole {
-namespace {
-
-constexpr double kNearest = 1e-3;  ///< [m]
-
-}  // namespace
-
 Result<CameraRays> make_camera_rays(const CameraView& camera, double aspect) {
   const auto out_of_range = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
   if (!is_finite(camera.eye) || !is_finite(camera.target) || !is_finite(camera.up)) return out_of_range("the camera is not finite");
@@ -27,13 +21,13 @@ Result<CameraRays> make_camera_rays(const CameraView& camera, double aspect) {
 }
 
 DepthRange fit_depth_range(const CameraRays& rays, std::span<const Vec3> points) {
-  double least = 1.0, most = kNearest;
+  double least = 1.0, most = kNearestPlane;
   for (const Vec3& p : points) {
     const double depth = glm::dot(p - rays.eye, rays.forward);
     least = std::min(least, depth);
     most = std::max(most, depth);
   }
-  const double near_plane = std::max(kNearest, 0.99 * least);
+  const double near_plane = std::max(kNearestPlane, 0.99 * least);
   return {near_plane, std::max(1.01 * most, 2.0 * near_plane)};
 }
 

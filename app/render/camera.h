@@ -17,6 +17,8 @@ struct CameraRays {
   [[nodiscard]] Vec3 direction(double x, double y) const noexcept { return forward + x * right + y * up; }
 };
 
+inline constexpr double kNearestPlane = 1e-3;  ///< [m]
+
 /// Depth range of a picture [m], 0 < near < far.
 struct DepthRange {
   double near_plane = 0.0, far_plane = 0.0;
@@ -33,7 +35,7 @@ struct DepthRange {
 /// @returns ErrorCode::out_of_range if a value is not finite, eye and target agree, or the field of view is outside (0, 3).
 [[nodiscard]] Result<CameraRays> make_camera_rays(const CameraView& camera, double aspect);
 
-/// The narrowest range that holds all points in front of the camera; the near plane is never nearer than 1 mm.
+/// The narrowest range that holds all points in front of the camera; the near plane is never nearer than kNearestPlane.
 [[nodiscard]] DepthRange fit_depth_range(const CameraRays& rays, std::span<const Vec3> points);
 
 /// clip = matrix * (p_world, 1); agrees with DepthRange::depth_of and with the rays.

@@ -57,12 +57,13 @@ void GlTarget::bind() const {
   gl_->Viewport(0, 0, width_, height_);
 }
 
-Image GlTarget::read_picture() const {
-  Image image{width_, height_, {}};
-  image.pixels.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+Image GlTarget::read_part(const PixelRect& part) const {
+  const Vec2i size = part.size();
+  Image image{size.x, size.y, {}};
+  image.pixels.resize(static_cast<std::size_t>(part.count()));
   gl_->NamedFramebufferReadBuffer(framebuffer_.name(), GL_COLOR_ATTACHMENT0);
-  gl_->ReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
-  flip_rows(image.pixels, width_, height_);
+  gl_->ReadPixels(part.lo.x, part.lo.y, size.x, size.y, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
+  flip_rows(image.pixels, size.x, size.y);
   return image;
 }
 
@@ -74,9 +75,9 @@ GlObject GlTarget::make_depth_texture() const {
   return texture;
 }
 
-void GlTarget::copy_depth(GLuint texture) const {
+void GlTarget::copy_depth(GLuint texture, const PixelRect& part) const {
   gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-  gl_->CopyTextureSubImage2D(texture, 0, 0, 0, 0, 0, width_, height_);
+  gl_->CopyTextureSubImage2D(texture, 0, part.lo.x, part.lo.y, part.lo.x, part.lo.y, part.size().x, part.size().y);
 }
 
 std::vector<float> GlTarget::read_depth() const {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "app/engine/view.h"
+#include "app/render/footprint.h"
 #include "app/render/gl_object.h"
 #include "core/base/result.h"
 
@@ -21,11 +22,12 @@ class GlTarget {
 
   [[nodiscard]] bool fits(int width, int height, TargetKind kind) const noexcept;
   void bind() const;
-  [[nodiscard]] Image read_picture() const;                  ///< row 0 at the top
-  [[nodiscard]] std::vector<glm::fvec4> read_probe() const;  ///< row 0 at the top; the target is probed
-  void copy_depth(GLuint texture) const;                     ///< into a texture of make_depth_texture()
-  [[nodiscard]] GlObject make_depth_texture() const;         ///< of its size
-  [[nodiscard]] std::vector<float> read_depth() const;       ///< 0..1, row 0 at the top
+  [[nodiscard]] Image read_picture() const { return read_part({Vec2i(0), Vec2i(width_, height_)}); }
+  [[nodiscard]] Image read_part(const PixelRect& part) const;    ///< row 0 at the top
+  [[nodiscard]] std::vector<glm::fvec4> read_probe() const;      ///< row 0 at the top; the target is probed
+  void copy_depth(GLuint texture, const PixelRect& part) const;  ///< to the same place in a texture of make_depth_texture()
+  [[nodiscard]] GlObject make_depth_texture() const;             ///< of its size
+  [[nodiscard]] std::vector<float> read_depth() const;           ///< 0..1, row 0 at the top
 
  private:
   const GladGLContext* gl_ = nullptr;

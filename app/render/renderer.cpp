@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "app/render/frame_block.h"
+#include "app/render/frame_cache.h"
 #include "app/render/gl_context.h"
 #include "app/render/gl_target.h"
 #include "app/render/shader_program.h"
@@ -136,9 +137,11 @@ struct Renderer::Impl {
   std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
   std::optional<VolumeTexture> volume;
   std::optional<ToolMesh> tool;
+  FrameCache cache;
+  bool may_grow = false;  ///< forget() came since the last picture
 
   Impl(const RenderOptions& chosen, GlContext made, ShaderFiles files)
-      : options(chosen), context(std::move(made)), gl(context.functions()), programs(gl, std::move(files)) {
+      : options(chosen), context(std::move(made)), gl(context.functions()), programs(gl, std::move(files)), cache(chosen.supersample) {
     no_vertices = make_vertex_array(gl);
     frame_buffer = make_buffer(gl);
     gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
@@ -156,9 +159,19 @@ struct Renderer::Impl {
   void draw_screen(GLuint program) const;
   void draw_tool(const FrameView& view, GLuint program) const;
   void draw_slices(GLuint program, int count) const;
-  void draw_translucent(GLuint program);
+  void draw_translucent(GLuint program, const PixelRect& part) const;
   Result<FrameBlock> make_block(const FrameView& view, int width, int height);
-  Status render(const FrameView& view, int width, int height, bool probe);
+  struct Programs {
+    GLuint background, volume, tool;
+  };
+  Result<Programs> find_programs(bool cut, bool probe);
+  Status prepare_target(int width, int height, bool probe);
+  [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
+  void draw_part(const PixelRect& part, const FrameView& view, const FrameBlock& block, const Programs& used, bool with_tool) const;
+  Status render(const PixelRegion& region, const FrameView& view, const FrameBlock& block, const std::optional<DrawnTool>& drawn_tool,
+                bool probe);
+  Result<Image> draw(const FrameView& view, int width, int height);
+  Status draw_probe(const FrameView& view, int width, int height);
 };
 
 Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, int height) {
@@ -230,8 +243,8 @@ void Renderer::Impl::draw_slices(GLuint program, int count) const {
 }
 
 /// Blends over what is there the part of each ray that lies before it.
-void Renderer::Impl::draw_translucent(GLuint program) {
-  target.copy_depth(opaque_depth.name());
+void Renderer::Impl::draw_translucent(GLuint program, const PixelRect& part) const {
+  target.copy_depth(opaque_depth.name(), part);
   volume->bind();
   gl.BindTextureUnit(3, transfer.name());
   gl.BindTextureUnit(4, opaque_depth.name());
@@ -252,40 +265,100 @@ ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe) const {
   return raycast_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .finish = options.finish, .probe = probe});
 }
 
-Status Renderer::Impl::render(const FrameView& view, int width, int height, bool probe) {
-  const Status current = context.make_current();
-  if (!current) return current;
+Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
   const TargetKind kind = probe ? TargetKind::probed : (options.slices ? TargetKind::floats : TargetKind::bytes);
-  if (!target.fits(width, height, kind)) {
-    auto made = GlTarget::create(gl, width, height, kind);
-    if (!made) return made.error();
-    target = std::move(made).value();
-    if (options.translucent) opaque_depth = target.make_depth_texture();
-  }
-  const auto block = make_block(view, width, height);
-  if (!block) return block.error();
+  if (target.fits(width, height, kind)) return {};
+  auto made = GlTarget::create(gl, width, height, kind);
+  if (!made) return made.error();
+  target = std::move(made).value();
+  if (options.translucent) opaque_depth = target.make_depth_texture();
+  return {};
+}
+
+Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool probe) {
   const auto empty = programs.find_or_link(background_variant());
   if (!empty) return empty.error();
-  const auto bone = volume ? programs.find_or_link(volume_variant(view.cut.has_value(), probe)) : empty;
+  const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe)) : empty;
   if (!bone) return bone.error();
   const auto steel = programs.find_or_link(tool_variant(probe));
   if (!steel) return steel.error();
+  return Programs{empty.value(), bone.value(), steel.value()};
+}
 
-  gl.NamedBufferSubData(frame_buffer.name(), 0, sizeof(FrameBlock), &block.value());
+std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const {
+  if (!tool || !view.world_from_tool) return std::nullopt;
+  std::vector<Vec3> corners;
+  for (const Vec3& corner : tool->corners()) corners.push_back(*view.world_from_tool * corner);
+  return DrawnTool{*view.world_from_tool, find_footprint(rays_of(block), corners, drawn)};
+}
+
+/// The same fragments as in a whole picture: OpenGL does not let the scissor's place change what is drawn inside (4.5 core, appendix A.3).
+void Renderer::Impl::draw_part(const PixelRect& part, const FrameView& view, const FrameBlock& block, const Programs& used,
+                               bool with_tool) const {
+  gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
+  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  const bool opaque = !volume || !(options.slices || options.translucent);
+  if (opaque && volume) volume->bind();
+  draw_screen(opaque ? used.volume : used.background);
+  if (with_tool) draw_tool(view, used.tool);
+  if (!opaque && options.slices) draw_slices(used.volume, static_cast<int>(block.slices.y));
+  if (!opaque && options.translucent) draw_translucent(used.volume, part);
+}
+
+Status Renderer::Impl::render(const PixelRegion& region, const FrameView& view, const FrameBlock& block,
+                              const std::optional<DrawnTool>& drawn_tool, bool probe) {
+  const auto used = find_programs(view.cut.has_value(), probe);
+  if (!used) return used.error();
+  gl.NamedBufferSubData(frame_buffer.name(), 0, sizeof(FrameBlock), &block);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer.name());
   target.bind();
   gl.ClearDepth(1.0);
-  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LEQUAL);
-  const bool opaque = !volume || !(options.slices || options.translucent);
-  if (opaque && volume) volume->bind();
-  draw_screen(opaque ? bone.value() : empty.value());
-  draw_tool(view, steel.value());
-  if (!opaque && options.slices) draw_slices(bone.value(), static_cast<int>(block.value().slices.y));
-  if (!opaque && options.translucent) draw_translucent(bone.value());
-  ++counters.frames;
+  gl.Enable(GL_SCISSOR_TEST);
+  for (const PixelRect& part : region.rects())
+    draw_part(part, view, block, used.value(), drawn_tool && !drawn_tool->footprint.intersect(part).empty());
   if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
+  return {};
+}
+
+Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height) {
+  const int n = options.supersample;
+  const Vec2i drawn = n * Vec2i(width, height);
+  if (const Status current = context.make_current(); !current) return current.error();
+  if (const Status made = prepare_target(drawn.x, drawn.y, false); !made) return made.error();
+  const auto block = make_block(view, drawn.x, drawn.y);
+  if (!block) return block.error();
+  FrameKey key = make_frame_key(volume ? volume_variant(view.cut.has_value(), false).name : "", block.value());
+  std::optional<Affine> world_from_index;
+  if (volume) world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
+  const Reach reach = reach_of(options, world_from_index ? world_from_index->longest_edge() : 0.0);
+  const std::optional<DrawnTool> drawn_tool = place_tool(view, block.value(), drawn);
+  if (!options.keep_picture) cache.forget();
+  const PixelRegion region = cache.find_stale(key, drawn, drawn_tool, world_from_index, reach);
+  if (const Status done = render(region, view, block.value(), drawn_tool, false); !done) {
+    cache.forget();
+    return done.error();
+  }
+  std::vector<Image> parts;
+  for (const PixelRect& part : region.rects()) parts.push_back(shrink(target.read_part(part), n));
+  cache.keep(std::move(key), drawn, drawn_tool, region, parts);
+  may_grow = false;
+  ++counters.frames;
+  counters.drawn_pixels += static_cast<std::uint64_t>(region.pixels() / (n * n));
+  return cache.picture();
+}
+
+Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) {
+  if (const Status current = context.make_current(); !current) return current;
+  if (const Status made = prepare_target(width, height, true); !made) return made;
+  const auto block = make_block(view, width, height);
+  if (!block) return block.error();
+  PixelRegion whole;
+  whole.add({Vec2i(0), Vec2i(width, height)});
+  if (const Status done = render(whole, view, block.value(), place_tool(view, block.value(), Vec2i(width, height)), true); !done)
+    return done;
+  ++counters.frames;
   return {};
 }
 
@@ -320,6 +393,7 @@ Status Renderer::set_volume(const VolumeView& view) {
   auto made = VolumeTexture::create(impl_->gl, view, impl_->seen_from);
   if (!made) return made.error();
   impl_->volume = std::move(made).value();
+  impl_->cache.forget();
   impl_->counters.volume_bytes = impl_->volume->initial_bytes().texels;
   impl_->counters.skip_map_bytes += impl_->volume->initial_bytes().skip_map;
   return {};
@@ -330,7 +404,8 @@ void Renderer::update(const TexelBox& texels) {
   const Status current = impl_->context.make_current();
   BH_ASSERT(current.ok());
   static_cast<void>(current);
-  const UploadedBytes sent = impl_->volume->update(texels);
+  const UploadedBytes sent = impl_->volume->update(texels, !impl_->options.growth_is_told || impl_->may_grow);
+  impl_->cache.texels_changed(texels.box);
   impl_->counters.update_bytes += sent.texels;
   impl_->counters.skip_map_bytes += sent.skip_map;
   ++impl_->counters.update_boxes;
@@ -342,22 +417,26 @@ Status Renderer::set_tool(const TriangleMesh& mesh) {
   auto made = ToolMesh::create(impl_->gl, mesh);
   if (!made) return made.error();
   impl_->tool = std::move(made).value();
+  impl_->cache.forget();
   return {};
+}
+
+void Renderer::forget() noexcept {
+  impl_->cache.forget();
+  impl_->may_grow = true;
 }
 
 Result<Image> Renderer::draw(const FrameView& view, int width, int height) {
   const int n = impl_->options.supersample;
   if (width < 1 || height < 1 || width > kMaxSide / n || height > kMaxSide / n)
     return out_of_range("a picture must be 1 to " + std::to_string(kMaxSide / n) + " pixels wide and high");
-  const Status drawn = impl_->render(view, n * width, n * height, false);
-  if (!drawn) return drawn.error();
-  return shrink(impl_->target.read_picture(), n);
+  return impl_->draw(view, width, height);
 }
 
 Result<FrameProbe> Renderer::probe(const FrameView& view, int width, int height) {
   if (!impl_->volume) return bad_input("a probe needs a volume");
   if (impl_->options.slices) return bad_input("a probe needs rays: slices meet no surface");
-  const Status drawn = impl_->render(view, width, height, true);
+  const Status drawn = impl_->draw_probe(view, width, height);
   if (!drawn) return drawn.error();
   FrameProbe probe;
   probe.image = impl_->target.read_picture();

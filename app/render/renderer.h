@@ -27,12 +27,16 @@ struct SliceOptions {
 
 /// What a picture costs and how it is finished; choices that are off are not in the shader.
 struct RenderOptions {
-  double step_voxels = 0.5;              ///< (0, 1] distance of samples along a ray, in index coordinates
-  int bisections = 5;                    ///< 0..16, each halves the error of the hit
-  bool skip_empty = true;                ///< same picture, fewer samples
-  bool finish = true;                    ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
-  int supersample = 1;                   ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
-  std::optional<SliceOptions> slices{};  ///< in place of rays
+  double step_voxels = 0.5;  ///< (0, 1] distance of samples along a ray, in index coordinates
+  int bisections = 5;        ///< 0..16, each halves the error of the hit
+  bool skip_empty = true;    ///< same picture, fewer samples
+  bool finish = true;        ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
+  int supersample = 1;       ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
+  bool keep_picture = true;  ///< same picture; what did not change since the last one is not drawn again
+  /// update() takes it that bone only disappears, unless forget() came since the last picture; off: it looks for what grew, which takes
+  /// several times as long as sending it.
+  bool growth_is_told = false;
+  std::optional<SliceOptions> slices{};           ///< in place of rays
   std::optional<TransferFunction> translucent{};  ///< bone as a translucent body, front to back, in place of its surface; no finish
   GlBackend gl = GlBackend::automatic;            ///< where OpenGL comes from
   std::filesystem::path shader_folder{};          ///< empty: the shaders as built in
@@ -45,6 +49,7 @@ struct RenderCounters {
   std::uint64_t update_boxes = 0;
   std::uint64_t skip_map_bytes = 0;  ///< for empty space skipping: at set_volume, and where bone grew
   std::uint64_t frames = 0;
+  std::uint64_t drawn_pixels = 0;   ///< of pictures that draw() gave, those that were drawn anew, all calls
   std::uint64_t probe_samples = 0;  ///< volume samples before the hit, all rays of the last probe()
 };
 
@@ -73,7 +78,11 @@ class Renderer {
   /// Replaces the tool. @returns ErrorCode::bad_input for a faulty mesh; the old one stays then.
   [[nodiscard]] Status set_tool(const TriangleMesh& mesh);
 
-  /// One picture of what is set; without a volume the background and the tool. Same view, same bytes.
+  /// Bone may have grown back: until the next picture update() looks for what grew, and that picture is drawn whole.
+  void forget() noexcept;
+
+  /// One picture of what is set; without a volume the background and the tool. Same view, same bytes. While camera, light, cut, bone's pose
+  /// and size stay as they were, only pixels are drawn that changed texels or the tool, at its old and new place, may reach.
   /// @returns ErrorCode::out_of_range for a size, camera or light out of range.
   [[nodiscard]] Result<Image> draw(const FrameView& view, int width, int height);
   /// The same picture with hit positions and sample counts; slower.

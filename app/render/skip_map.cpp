@@ -57,9 +57,17 @@ void SkipMap::sweep(int direction) {
 VoxelBox SkipMap::raise(const VoxelBox& box, std::span<const std::uint8_t> solid) {
   BH_ASSERT(all_.contains(box) && solid.size() == box.count());
   VoxelBox risen;
-  for_each_voxel(box, [&](const Vec3i& v) {
-    if (solid[box.offset_of(v)] != 0 && distance_[all_.offset_of(v)] != 0) risen.include(v);
-  });
+  const int row = box.size().x;
+  const std::uint8_t* asked = solid.data();
+  for (int k = box.lo.z; k < box.hi.z; ++k)
+    for (int j = box.lo.y; j < box.hi.y; ++j, asked += row) {
+      // Nearly always nothing has risen: a whole row is asked first, in a form that compilers turn into vectors.
+      const std::uint8_t* known = &distance_[all_.offset_of({box.lo.x, j, k})];
+      unsigned any = 0;
+      for (int i = 0; i < row; ++i) any |= static_cast<unsigned>(asked[i] != 0) & static_cast<unsigned>(known[i] != 0);
+      for (int i = 0; any != 0 && i < row; ++i)
+        if (asked[i] != 0 && known[i] != 0) risen.include({box.lo.x + i, j, k});
+    }
   if (risen.empty()) return {};
   // The whole box of risen voxels counts as solid: a little too near is safe, and one pass over the reach of the map is enough.
   const VoxelBox changed = risen.grown(kMaxSkip - 1).intersect(all_);

@@ -68,13 +68,13 @@ Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const Volum
   return made;
 }
 
-UploadedBytes VolumeTexture::update(const TexelBox& texels) {
+UploadedBytes VolumeTexture::update(const TexelBox& texels, bool may_grow) {
   const VoxelBox all{Vec3i(0), dims_};
   BH_ASSERT(all.contains(texels.box) && texels.normal_opacity.size() == texels.box.count());
   if (texels.box.empty()) return {};
   upload(*gl_, normal_opacity_.name(), texels.box, GL_RGBA, texels.normal_opacity.data());
   UploadedBytes sent{texels.box.count() * sizeof(Rgba8), 0};
-  if (!has_skip_map()) return sent;
+  if (!has_skip_map() || !may_grow) return sent;
   std::vector<std::uint8_t> solid(texels.normal_opacity.size());
   std::transform(texels.normal_opacity.begin(), texels.normal_opacity.end(), solid.begin(),
                  [this](const Rgba8& t) { return static_cast<std::uint8_t>(t.a >= seen_from_); });

@@ -30,8 +30,9 @@ class VolumeTexture {
   /// ErrorCode::unavailable when the driver has no memory for it.
   [[nodiscard]] static Result<VolumeTexture> create(const GladGLContext& gl, const VolumeView& view, std::optional<std::uint8_t> seen_from);
 
-  /// Replaces exactly the texels of the box. @returns what was sent; the box lies inside the volume (ours to see to).
-  UploadedBytes update(const TexelBox& texels);
+  /// Replaces exactly the texels of the box. @param may_grow bone of the box may be more than before: the skip map is told.
+  /// @returns what was sent; the box lies inside the volume (ours to see to).
+  UploadedBytes update(const TexelBox& texels, bool may_grow);
   void bind() const;  ///< texture units 0, 1 and, with a skip map, 2
 
   [[nodiscard]] const Vec3i& dims() const noexcept { return dims_; }

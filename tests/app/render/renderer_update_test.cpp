@@ -68,6 +68,24 @@ TEST_CASE("update: bone that grows in empty space appears, though that space was
   CHECK(pictures_agree("grown", drawn(skipping), drawn(plain), {}));
 }
 
+TEST_CASE("update: bone that grows where growth is told appears once it was told, and is missed when it was not") {
+  const VoxelBox box{{4, 5, 50}, {12, 14, 60}};
+  const VolumeView grown = changed(box, 255);
+  Renderer plain = require_renderer({.skip_empty = false, .finish = false});
+  REQUIRE(plain.set_volume(grown).ok());
+  for (const bool told : {true, false}) {
+    Renderer trusting = require_renderer({.finish = false, .growth_is_told = true});
+    REQUIRE(trusting.set_volume(ball_on_plate()).ok());
+    const std::uint64_t skip_map = trusting.counters().skip_map_bytes;
+    drawn(trusting);
+    if (told) trusting.forget();
+    trusting.update(texels_of(grown, box));
+    const PictureDifference difference = compare_pictures(drawn(trusting), drawn(plain), 0);
+    CHECK((difference.differing_share == 0.0) == told);
+    CHECK((trusting.counters().skip_map_bytes > skip_map) == told);
+  }
+}
+
 TEST_CASE("skipping: the same bytes with and without, at a fraction of the samples") {
   Renderer skipping = require_renderer({.skip_empty = true, .finish = false});
   Renderer plain = require_renderer({.skip_empty = false, .finish = false});

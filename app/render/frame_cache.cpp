@@ -1,0 +1,91 @@
+#include "app/render/frame_cache.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/base/assert.h"
+
+namespace burrhole {
+namespace {
+
+bool same(const FrameKey& a, const FrameKey& b) {
+  return a.variant == b.variant && std::memcmp(&a.block, &b.block, sizeof(FrameBlock)) == 0;
+}
+
+bool same(const std::optional<DrawnTool>& a, const std::optional<DrawnTool>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return a->world_from_tool.translation == b->world_from_tool.translation && a->world_from_tool.rotation == b->world_from_tool.rotation;
+}
+
+/// The least rectangle of whole blocks of n x n pixels that holds r.
+PixelRect in_blocks(const PixelRect& r, int n) { return {r.lo / n * n, (r.hi + n - 1) / n * n}; }
+
+/// Row 0 of the pictures is the top one, of the rectangle the bottom one.
+void paste(const Image& part, const PixelRect& place, Image& picture) {
+  BH_ASSERT(part.width == place.size().x && part.height == place.size().y);
+  for (int row = 0; row < part.height; ++row) {
+    const auto from = part.pixels.begin() + std::ptrdiff_t{row} * part.width;
+    const std::ptrdiff_t line = picture.height - place.hi.y + row;
+    std::copy(from, from + part.width, picture.pixels.begin() + line * picture.width + place.lo.x);
+  }
+}
+
+}  // namespace
+
+FrameKey make_frame_key(std::string variant, const FrameBlock& block) {
+  FrameKey key{std::move(variant), block};
+  key.block.clip_from_tool = key.block.world_from_tool = glm::fmat4(0.0f);
+  // The depth range makes room for the tool. Colours do not depend on it, since it holds all of the volume, unless the near plane is as near
+  // as it may be and cuts into it.
+  if (block.lens.x <= static_cast<float>(kNearestPlane)) return key;
+  key.block.lens.x = key.block.lens.y = 0.0f;
+  for (glm::length_t column = 0; column < 4; ++column) key.block.clip_from_index[column].z = 0.0f;
+  return key;
+}
+
+CameraRays rays_of(const FrameBlock& block) noexcept {
+  return {Vec3(block.eye_world), Vec3(block.forward_world), Vec3(block.right_world), Vec3(block.up_world)};
+}
+
+void FrameCache::texels_changed(const VoxelBox& box) {
+  if (box.empty() || !key_) return;
+  boxes_.push_back(box);
+  if (boxes_.size() <= kMostBoxes) return;
+  VoxelBox all;
+  for (const VoxelBox& one : boxes_) all = all.unite(one);
+  boxes_.assign(1, all);
+}
+
+PixelRegion FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
+                                   const std::optional<Affine>& world_from_index, const Reach& reach) const {
+  PixelRegion region;
+  if (!key_ || !same(*key_, key) || Vec2i(picture_.width, picture_.height) * supersample_ != drawn) {
+    region.add({Vec2i(0), drawn});
+    return region;
+  }
+  BH_ASSERT(boxes_.empty() || world_from_index);
+  const CameraRays rays = rays_of(key.block);
+  for (const VoxelBox& box : boxes_)
+    region.add(in_blocks(find_footprint(rays, reached_corners(box, reach, *world_from_index), drawn), supersample_));
+  if (!same(tool_, tool))
+    for (const std::optional<DrawnTool>& one : {tool_, tool})
+      if (one) region.add(in_blocks(one->footprint, supersample_));
+  return region;
+}
+
+void FrameCache::keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, const PixelRegion& region,
+                      std::span<const Image> shrunk) {
+  const Vec2i size = drawn / supersample_;
+  picture_.width = size.x;
+  picture_.height = size.y;
+  picture_.pixels.resize(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y));
+  for (std::size_t n = 0; n < shrunk.size(); ++n) {
+    const PixelRect& r = region.rects()[n];
+    paste(shrunk[n], {r.lo / supersample_, r.hi / supersample_}, picture_);
+  }
+  key_ = std::move(key);
+  tool_ = tool;
+  boxes_.clear();
+}
+
+}  // namespace burrhole

@@ -1,0 +1,255 @@
+// A whole drilled scene through the frame step of the program, a picture every 25 ms: kept pictures against whole ones.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "app/engine/texels.h"
+#include "tests/app/render/render_scenes.h"
+#include "tests/support/drill_scene.h"
+#include "tests/support/image_compare.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace burrhole;
+using namespace burrhole::test;
+
+namespace {
+
+constexpr int kTicksPerFrame = 25;
+
+/// One way to draw, by a renderer that keeps its pictures and one that does not.
+struct Way {
+  std::string name;
+  RenderOptions options;
+  bool tool = true, cut = false;
+  std::unique_ptr<Renderer> kept{}, whole{};
+  Image last{};
+};
+
+/// Feeds all ways alike and compares each picture.
+class ComparingSink final : public FrameSink {
+ public:
+  explicit ComparingSink(std::vector<Way> chosen) : ways(std::move(chosen)) {
+    for (Way& way : ways) {
+      way.options.growth_is_told = true;  // as in the program
+      way.kept = std::make_unique<Renderer>(require_renderer(way.options));
+      way.options.keep_picture = way.options.growth_is_told = false;
+      way.whole = std::make_unique<Renderer>(require_renderer(way.options));
+    }
+  }
+  Status start(const VolumeView& volume, const TriangleMesh& tool) override {
+    for (Way& way : ways)
+      for (Renderer* one : {way.kept.get(), way.whole.get()}) {
+        if (Status set = one->set_volume(volume); !set) return set;
+        if (Status set = one->set_tool(tool); !set) return set;
+      }
+    return {};
+  }
+  void update(const TexelBox& texels) override {
+    ++boxes;
+    sent += texels.box.count();
+    for (Way& way : ways)
+      for (Renderer* one : {way.kept.get(), way.whole.get()}) one->update(texels);
+  }
+  void forget() override {
+    ++forgotten;
+    for (Way& way : ways) way.kept->forget();
+  }
+  Status draw(const std::string& name, const FrameView& asked, int width, int height, Hash64&) override {
+    ++pictures;
+    largest_parcel = std::max(largest_parcel, std::exchange(sent, 0));
+    for (Way& way : ways) {
+      FrameView view = asked;
+      if (!way.tool) view.world_from_tool.reset();
+      if (way.cut) view.cut = FrameView::Cut{{0, -1, 0}, 0.0};
+      auto by_parts = way.kept->draw(view, width, height);
+      auto at_once = way.whole->draw(view, width, height);
+      if (!by_parts) return by_parts.error();
+      if (!at_once) return at_once.error();
+      CHECK(pictures_agree("drilled-" + way.name + "-" + name, *by_parts, *at_once, {}));
+      if (way.last.pixels != at_once->pixels) ++changed;
+      way.last = std::move(*at_once);
+    }
+    return {};
+  }
+
+  std::vector<Way> ways;
+  int boxes = 0, forgotten = 0, pictures = 0, changed = 0;
+  std::size_t sent = 0, largest_parcel = 0;  ///< [texels]
+};
+
+std::vector<Way> all_ways() {
+  const TransferFunction haze{{.density = 0.3, .extinction = 0.0}, {.density = 1.0, .extinction = 600.0}};
+  std::vector<Way> ways;
+  ways.push_back({.name = "rays", .options = {.finish = false}});
+  ways.push_back({.name = "rays-smooth-bare", .options = {.finish = false, .supersample = 2}, .tool = false});
+  ways.push_back({.name = "finish-smooth", .options = {.finish = true, .supersample = 2}});
+  ways.push_back({.name = "finish-cut", .options = {.finish = true}, .cut = true});
+  ways.push_back({.name = "slices", .options = {.slices = SliceOptions{}}});
+  ways.push_back({.name = "slices-smooth-bare", .options = {.supersample = 2, .slices = SliceOptions{}}, .tool = false});
+  ways.push_back({.name = "translucent-smooth", .options = {.supersample = 2, .translucent = haze}});
+  ways.push_back({.name = "translucent-bare", .options = {.translucent = haze}, .tool = false});
+  return ways;
+}
+
+std::vector<Way> plain_rays(const std::string& name) {
+  std::vector<Way> ways;
+  ways.push_back({.name = name, .options = {.finish = false}});
+  return ways;
+}
+
+/// The bone as it is now, sent in one piece, with the tool.
+Image drawn_afresh(DrillRun& run, const RenderOptions& options) {
+  Simulation& simulation = run.simulation();
+  Renderer fresh = require_renderer(options);
+  REQUIRE(fresh.set_volume(make_volume_view(simulation.voxmap())).ok());
+  REQUIRE(fresh.set_tool(run.loaded().tool.mesh).ok());
+  const Scene& scene = run.loaded().scene;
+  FrameView view =
+      make_frame_view(*scene.display, scene.volume.world_from_bone, scene.volume.world_from_bone * simulation.approach().bone_from_approach,
+                      simulation.approach().thickness, false);
+  view.world_from_tool = simulation.contact_state().world_from_tool;
+  auto picture = fresh.draw(view, scene.display->width, scene.display->height);
+  REQUIRE(picture.ok());
+  return std::move(*picture);
+}
+
+}  // namespace
+
+TEST_CASE("drilled frames: kept pictures are whole ones over a run and after a restored checkpoint, by fewer pixels") {
+  ComparingSink sink(all_ways());
+  const LoadedScene loaded = load_small({.display = true, .sets = {"duration_s=1.2", "display.size=[120,90]"}});
+  const TemporaryFolder folder;
+  const std::string checkpoint = folder.file("half.vdb");
+  DrillRun* running = nullptr;
+  int tick = 0;
+  WatchedHand hand(loaded, [&] {
+    Simulation& simulation = running->simulation();
+    if (++tick == 700) REQUIRE(simulation.voxmap().save(checkpoint).ok());
+    if (tick % kTicksPerFrame != 0) return;
+    simulation.frame_step()->gather();
+    REQUIRE(simulation.frame_step()->draw("tick", simulation.contact_state().world_from_tool, false).ok());
+  });
+  SimulationOptions options;
+  options.sink = &sink;
+  options.hand = &hand;
+  DrillRun run(loaded, options);
+  running = &run;
+  run.run();
+  CHECK(sink.pictures > 40);
+  CHECK(sink.boxes > 20);
+  CHECK(sink.changed > 100);  // there was something to see
+  CHECK(sink.forgotten == 0);
+
+  // Bone grows back: the frame step notices by itself.
+  Simulation& simulation = run.simulation();
+  const std::uint64_t drilled = simulation.voxmap().hash();
+  REQUIRE(simulation.voxmap().restore(checkpoint).ok());
+  REQUIRE(simulation.voxmap().hash() != drilled);
+  simulation.frame_step()->gather();
+  REQUIRE(simulation.frame_step()->draw("restored", simulation.contact_state().world_from_tool, false).ok());
+  CHECK(sink.forgotten == 1);
+
+  const auto all = static_cast<std::uint64_t>(sink.pictures) * 120u * 90u;
+  for (Way& way : sink.ways) {
+    CAPTURE(way.name);
+    const std::uint64_t drawn = way.kept->counters().drawn_pixels;
+    MESSAGE(way.name << ": " << drawn << " of " << all << " pixels");
+    CHECK(drawn > 0);
+    CHECK(drawn < all);
+    CHECK(way.whole->counters().drawn_pixels == all);
+    CHECK(way.kept->counters().update_bytes == way.whole->counters().update_bytes);
+  }
+  CHECK(pictures_agree("drilled-fresh", sink.ways[0].last, drawn_afresh(run, sink.ways[0].options), {}));
+}
+
+TEST_CASE("drilled frames: a budget spreads the texels over pictures, and the last ones show all that was drilled") {
+  ComparingSink sink(plain_rays("budget"));
+  const LoadedScene loaded =
+      load_small({.display = true, .sets = {"duration_s=1.2", "display.size=[120,90]", "display.upload_budget_kb=2"}});
+  DrillRun* running = nullptr;
+  int tick = 0, late = 0;
+  WatchedHand hand(loaded, [&] {
+    FrameStep* frame = running->simulation().frame_step();
+    if (++tick % kTicksPerFrame != 0) return;
+    frame->gather();
+    REQUIRE(frame->draw("tick", running->simulation().contact_state().world_from_tool, false).ok());
+    late += frame->texels_waiting() > 0 ? 1 : 0;
+  });
+  SimulationOptions options;
+  options.sink = &sink;
+  options.hand = &hand;
+  // The parcel for the last pictures is not bound by the budget: look at those before.
+  std::size_t largest = 0, sent_before_the_end = 0;
+  options.progress = [&](double, const DrillProgress&) {
+    largest = sink.largest_parcel;
+    sent_before_the_end = running->simulation().frame_step()->texels_sent();
+  };
+  DrillRun run(loaded, options);
+  running = &run;
+  run.run();
+  FrameStep& frame = *run.simulation().frame_step();
+  CHECK(late > 5);
+  CHECK(largest <= 512);  // 2 kB of four bytes a texel; no row is longer than that
+  CHECK(largest > 400);
+  CHECK(sent_before_the_end > 0);
+  CHECK(frame.texels_sent() > sent_before_the_end);
+  CHECK(frame.texels_waiting() == 0);
+  // Never again the whole volume, not even what waited.
+  CHECK(sink.largest_parcel < run.loaded().bone->bounds().count());
+  REQUIRE(frame.draw("end", run.simulation().contact_state().world_from_tool, false).ok());
+  const Image all = drawn_afresh(run, {.finish = false});
+  CHECK(pictures_agree("drilled-budget", sink.ways[0].last, all, {}));
+}
+
+TEST_CASE("drilled frames: what a budget held back is missing from the picture until it is sent, grown bone too") {
+  ComparingSink sink(plain_rays("held"));
+  const LoadedScene loaded =
+      load_small({.display = true, .sets = {"duration_s=1.2", "display.size=[120,90]", "display.upload_budget_kb=1"}});
+  const TemporaryFolder folder;
+  SimulationOptions options;
+  options.sink = &sink;
+  DrillRun run(loaded, options);
+  Simulation& simulation = run.simulation();
+  REQUIRE(simulation.voxmap().save(folder.file("whole.vdb")).ok());
+  run.run();
+  // Everything that was drilled is whole bone again, of which the budget lets a part through.
+  REQUIRE(simulation.voxmap().restore(folder.file("whole.vdb")).ok());
+  FrameStep& frame = *simulation.frame_step();
+  frame.gather();
+  CHECK(frame.texels_waiting() > 0);
+  REQUIRE(frame.draw("part", simulation.contact_state().world_from_tool, false).ok());
+  const Image all = drawn_afresh(run, {.finish = false});
+  CHECK(compare_pictures(sink.ways[0].last, all, 0).differing_share > 0.001);
+  int pictures = 0;
+  for (; frame.texels_waiting() > 0; ++pictures) {
+    REQUIRE(pictures < 1000);
+    frame.gather();
+    REQUIRE(frame.draw("more", simulation.contact_state().world_from_tool, false).ok());
+  }
+  CHECK(pictures > 3);
+  CHECK(sink.forgotten == pictures + 1);  // as long as some of what waited may have grown
+  CHECK(pictures_agree("drilled-held", sink.ways[0].last, all, {}));
+}
+
+TEST_CASE("drilled frames: a budget by the clock parts what changed, and one that is long does not") {
+  for (const bool tight : {true, false}) {
+    ComparingSink sink(plain_rays("clock"));
+    const std::string budget = std::string("display.upload_budget_ms=") + (tight ? "1e-6" : "1000");
+    DrillRun run(load_small({.display = true, .sets = {"display.size=[120,90]", budget}}), {.sink = &sink});
+    Voxmap& voxmap = run.simulation().voxmap();
+    const VoxelBox all = run.loaded().bone->bounds();
+    REQUIRE(voxmap.place_window(all.grown(4)).ok());
+    voxmap.commit(all);  // nothing changed, but all of it is dirty
+    FrameStep& frame = *run.simulation().frame_step();
+    frame.gather();
+    // However short the time is, some thousand texels are made: a run comes to its end.
+    CHECK(frame.texels_waiting() < all.count());
+    CHECK((frame.texels_waiting() > 0) == tight);
+    frame.gather_rest();
+    CHECK(frame.texels_waiting() == 0);
+    REQUIRE(frame.draw("all", {}, false).ok());
+    CHECK(frame.texels_sent() == all.count());
+  }
+}

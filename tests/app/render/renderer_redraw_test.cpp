@@ -1,0 +1,240 @@
+// What is drawn anew when texels or the tool changed: the bytes of a whole picture, by fewer pixels, whatever is drawn and however.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "app/render/footprint.h"
+#include "tests/app/render/render_scenes.h"
+#include "tests/support/image_compare.h"
+
+using namespace burrhole;
+using namespace burrhole::test;
+
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+constexpr std::uint64_t kAll = std::uint64_t{kWidth} * kHeight;
+constexpr VoxelBox kPit{{32, 16, 40}, {42, 26, 52}};
+
+TexelBox filled(const VoxelBox& box, std::uint8_t opacity) { return {box, std::vector<Rgba8>(box.count(), Rgba8{128, 128, 255, opacity})}; }
+
+/// Prism standing on a square of 4 mm, 12 mm high.
+TriangleMesh post() {
+  TriangleMesh mesh;
+  for (const float z : {0.0f, 12e-3f})
+    for (const auto& [x, y] : {std::pair{-2e-3f, -2e-3f}, std::pair{2e-3f, -2e-3f}, std::pair{2e-3f, 2e-3f}, std::pair{-2e-3f, 2e-3f}}) {
+      mesh.positions.push_back({x, y, z});
+      mesh.normals.push_back(glm::normalize(Vec3f(x, y, 0.0f)));
+    }
+  for (std::uint32_t side = 0; side < 4; ++side) {
+    const std::uint32_t next = (side + 1) % 4;
+    for (const std::uint32_t corner : {side, next, side + 4, next, next + 4, side + 4}) mesh.indices.push_back(corner);
+  }
+  return mesh;
+}
+
+Pose at(double x, double z) { return {Quat(0.98, 0.1, 0.05, 0.0), Vec3(x, 0.0, z)}; }
+
+/// One renderer that keeps its picture and one that never does, fed alike.
+struct Pair {
+  Renderer kept, whole;
+  FrameView view = oblique_view();
+  Image last;
+
+  explicit Pair(RenderOptions options) : kept(require_renderer(options)), whole(require_renderer(without_keeping(options))) {
+    for (Renderer* one : {&kept, &whole}) {
+      REQUIRE(one->set_volume(ball_on_plate()).ok());
+      REQUIRE(one->set_tool(post()).ok());
+    }
+  }
+  static RenderOptions without_keeping(RenderOptions options) {
+    options.keep_picture = false;
+    return options;
+  }
+  void update(const TexelBox& texels) {
+    kept.update(texels);
+    whole.update(texels);
+  }
+  /// @returns pixels that the keeping one drew.
+  std::uint64_t draw(const std::string& name) {
+    const std::uint64_t before = kept.counters().drawn_pixels;
+    const auto by_parts = kept.draw(view, kWidth, kHeight);
+    const auto at_once = whole.draw(view, kWidth, kHeight);
+    REQUIRE(by_parts.ok());
+    REQUIRE(at_once.ok());
+    CHECK(pictures_agree("redraw-" + name, *by_parts, *at_once, {}));
+    last = *at_once;
+    return kept.counters().drawn_pixels - before;
+  }
+};
+
+void check_sequence(const std::string& name, const RenderOptions& options, double share) {
+  Pair pair(options);
+  CHECK(pair.draw(name + "-first") == kAll);
+  CHECK(pair.draw(name + "-again") == 0);
+  const Image untouched = pair.last;
+  pair.update(filled(kPit, 0));
+  const std::uint64_t pit = pair.draw(name + "-pit");
+  CHECK(pit > 0);
+  CHECK(static_cast<double>(pit) < share * static_cast<double>(kAll));
+  CHECK(compare_pictures(pair.last, untouched, 0).differing_share > 0.001);
+  pair.view.world_from_tool = at(1e-3, 9e-3);
+  const std::uint64_t tool = pair.draw(name + "-tool");
+  CHECK(tool > 0);
+  CHECK(tool < kAll / 3);
+  pair.view.world_from_tool = at(-8e-3, 4e-3);  // far off its old place, and its far end widens the depth range
+  CHECK(pair.draw(name + "-moved") < kAll / 2);
+  pair.view.world_from_tool = at(-7e-3, 4e-3);
+  pair.update(filled({{20, 30, 40}, {26, 36, 52}}, 0));
+  CHECK(pair.draw(name + "-both") < kAll);
+  CHECK(pair.draw(name + "-still") == 0);
+  REQUIRE(pair.kept.probe(pair.view, 50, 40).ok() != options.slices.has_value());  // another target in between
+  pair.update(filled({{4, 5, 50}, {12, 14, 60}}, 255));                            // bone grows where rays used to leap
+  CHECK(pair.draw(name + "-grown") < kAll);
+  pair.view.world_from_tool.reset();
+  CHECK(pair.draw(name + "-gone") < kAll / 2);
+  pair.kept.forget();
+  CHECK(pair.draw(name + "-forgotten") == kAll);
+}
+
+/// All that the picture is made of but texels and tool, a change of each.
+std::vector<std::pair<const char*, void (*)(FrameView&)>> other_changes() {
+  return {{"eye", [](FrameView& v) { v.camera.eye.x += 1e-4; }},
+          {"target", [](FrameView& v) { v.camera.target.z += 1e-4; }},
+          {"up", [](FrameView& v) { v.camera.up.x += 0.01; }},
+          {"angle", [](FrameView& v) { v.camera.vertical_fov += 1e-3; }},
+          {"light", [](FrameView& v) { v.light.direction_to_light.x += 0.1; }},
+          {"ambient", [](FrameView& v) { v.light.ambient += 0.05; }},
+          {"diffuse", [](FrameView& v) { v.light.diffuse += 0.05; }},
+          {"fill", [](FrameView& v) { v.light.fill += 0.05; }},
+          {"bone", [](FrameView& v) { v.world_from_bone.translation.x += 1e-3; }},
+          {"cut",
+           [](FrameView& v) {
+             v.cut = FrameView::Cut{{0, -1, 0}, 0.0};
+           }},
+          {"cut-moved", [](FrameView& v) { v.cut->offset += 1e-3; }},
+          {"uncut", [](FrameView& v) { v.cut.reset(); }}};
+}
+
+/// `later` inside the rectangles, `earlier` elsewhere: what redrawing just them would show.
+Image composed(const Image& earlier, const Image& later, const std::vector<PixelRect>& rects) {
+  Image out = earlier;
+  for (const PixelRect& r : rects)
+    for (int y = r.lo.y; y < r.hi.y; ++y)
+      for (int x = r.lo.x; x < r.hi.x; ++x) {
+        const auto n = static_cast<std::size_t>((out.height - 1 - y) * out.width + x);
+        out.pixels[n] = later.pixels[n];
+      }
+  return out;
+}
+
+Image drawn(Renderer& renderer, const FrameView& view, int width, int height) {
+  auto image = renderer.draw(view, width, height);
+  REQUIRE(image.ok());
+  return std::move(image).value();
+}
+
+}  // namespace
+
+TEST_CASE("redraw: rays draw the bytes of a whole picture by the pixels that changed") {
+  check_sequence("rays", {.finish = false}, 0.1);
+  check_sequence("rays-smooth", {.finish = false, .supersample = 2}, 0.1);
+  check_sequence("rays-odd", {.step_voxels = 1.0, .skip_empty = false, .finish = false, .supersample = 3}, 0.1);
+}
+
+TEST_CASE("redraw: ambient occlusion reaches further, and no byte differs") {
+  check_sequence("finish", {.finish = true}, 0.6);
+  check_sequence("finish-smooth", {.finish = true, .supersample = 2}, 0.6);
+}
+
+TEST_CASE("redraw: slices draw the bytes of a whole picture by the pixels that changed") {
+  check_sequence("slices", {.slices = SliceOptions{}}, 0.1);
+  check_sequence("slices-smooth", {.supersample = 2, .slices = SliceOptions{.per_voxel = 0.5, .correct = false}}, 0.1);
+}
+
+TEST_CASE("redraw: translucent bone draws the bytes of a whole picture by the pixels that changed") {
+  const TransferFunction haze{{.density = 0.2, .extinction = 0.0}, {.density = 1.0, .extinction = 300.0}};
+  check_sequence("translucent", {.translucent = haze}, 0.1);
+  check_sequence("translucent-smooth", {.supersample = 2, .translucent = haze}, 0.1);
+}
+
+TEST_CASE("redraw: any other change draws the whole picture") {
+  Pair pair({.finish = false});
+  pair.view.world_from_tool = at(1e-3, 9e-3);
+  pair.draw("other-first");
+  for (const auto& [name, change] : other_changes()) {
+    CAPTURE(name);
+    const Image before = pair.last;
+    change(pair.view);
+    CHECK(pair.draw(std::string("other-") + name) == kAll);
+    CHECK(pair.last.pixels != before.pixels);
+  }
+  REQUIRE(pair.kept.set_volume(ball_on_plate()).ok());
+  CHECK(pair.draw("other-volume") == kAll);
+  REQUIRE(pair.kept.set_tool(post()).ok());
+  CHECK(pair.draw("other-mesh") == kAll);
+  const std::uint64_t before = pair.kept.counters().drawn_pixels;
+  REQUIRE(pair.kept.draw(pair.view, kWidth / 2, kHeight).ok());
+  CHECK(pair.kept.counters().drawn_pixels - before == kAll / 2);
+}
+
+TEST_CASE("redraw: an eye inside the bone and a tool at the eye draw the bytes of a whole picture") {
+  for (const bool by_slices : {false, true}) {
+    RenderOptions options{.finish = false};
+    if (by_slices) options.slices = SliceOptions{};
+    Pair pair(options);
+    pair.view.camera = {.eye = {1e-3, -4e-3, 12e-3}, .target = {0.0, 2e-3, -9e-3}, .up = {0.0, 0.0, 1.0}, .vertical_fov = 0.9};
+    pair.draw("inside-first");
+    for (int n = 0; n < 6; ++n) {
+      pair.view.world_from_tool = at(2e-3 * n - 6e-3, 3e-3 * n - 4e-3);
+      pair.update(filled({{30 + n, 28, 20 + 3 * n}, {36 + n, 34, 26 + 3 * n}}, n % 2 == 0 ? 0 : 255));
+      pair.draw("inside");
+    }
+  }
+}
+
+TEST_CASE("redraw: a footprint two pixels smaller, one without the sky's reach, and one without the tool's old place are noticed") {
+  // Far away: a voxel is a quarter of a pixel, so that the reach of a look-up is less than what is taken away.
+  constexpr int kSmall = 96;
+  FrameView view = oblique_view();
+  view.camera = {.eye = {0.0, 0.0, 0.4}, .target = {0.0, 0.0, 0.0}, .up = {0.0, 1.0, 0.0}, .vertical_fov = 0.4};
+  const auto rays = make_camera_rays(view.camera, 1.0);
+  REQUIRE(rays.ok());
+  const Affine world_from_index = half_millimetre_cube();
+  const double edge = world_from_index.longest_edge();
+  const VoxelBox box{{8, 10, 40}, {56, 52, 52}};
+  const auto footprint = [&](const RenderOptions& options) {
+    return find_footprint(*rays, reached_corners(box, reach_of(options, edge), world_from_index), Vec2i(kSmall));
+  };
+  for (const bool finish : {false, true}) {
+    const RenderOptions options{.finish = finish, .keep_picture = false};
+    Renderer renderer = require_renderer(options);
+    REQUIRE(renderer.set_volume(ball_on_plate()).ok());
+    REQUIRE(renderer.set_tool(post()).ok());
+    view.world_from_tool.reset();
+    const Image before = drawn(renderer, view, kSmall, kSmall);
+    renderer.update(filled(box, 255));
+    const Image after = drawn(renderer, view, kSmall, kSmall);
+    const PixelRect rect = footprint(options);
+    CHECK(composed(before, after, {rect}).pixels == after.pixels);
+    if (!finish) {
+      CHECK(composed(before, after, {rect.grown(-2)}).pixels != after.pixels);
+    } else {
+      // A pit seen from above darkens the rim round it.
+      CHECK(composed(before, after, {footprint({.finish = false}).grown(-3)}).pixels != after.pixels);
+    }
+    const auto place = [&](const Pose& pose) {
+      view.world_from_tool = pose;
+      std::vector<Vec3> corners;
+      for (const Vec3f& p : post().positions) corners.push_back(pose * Vec3(p));
+      return find_footprint(*rays, corners, Vec2i(kSmall));
+    };
+    const PixelRect old_place = place(at(-8e-3, 4e-3));
+    const Image was = drawn(renderer, view, kSmall, kSmall);
+    const PixelRect new_place = place(at(8e-3, 4e-3));
+    const Image is = drawn(renderer, view, kSmall, kSmall);
+    CHECK(composed(was, is, {old_place, new_place}).pixels == is.pixels);
+    CHECK(composed(was, is, {new_place}).pixels != is.pixels);
+    CHECK(composed(was, is, {old_place, new_place.grown(-2)}).pixels != is.pixels);
+  }
+}
