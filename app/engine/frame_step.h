@@ -57,7 +57,7 @@ class FrameStep {
   TexelQueue queue_;
   std::vector<TexelBox> parcel_;
   std::uint64_t growth_epoch_ = 0;
-  bool has_grown_ = false;  // since the last picture
+  bool has_grown_ = false;  // of the parcel or of what waits, some may have
   Hash64 hash_;
   std::uint64_t texels_sent_ = 0;
   FrameStepTimers timers_;
