@@ -83,7 +83,9 @@ struct DisplayScene {
   std::string method = "raycast";  ///< "raycast" or "slices"
   double slices_per_voxel = 1.0;
   bool opacity_correction = true;
-  TransferFunction transfer;  ///< empty: bone is drawn by its surface; key shading = "translucent"
+  TransferFunction transfer;                 ///< empty: bone is drawn by its surface; key shading = "translucent"
+  DrawingQuality quality{.supersample = 2};  ///< a handful of still pictures: smooth edges are worth four times the pixels
+  std::optional<double> budget;  ///< [s] of a picture, by which the quality is chosen (quality = "auto"); nothing: as the keys say
   int width = 1200, height = 900;
   double azimuth = 0.61;    ///< [rad] of the camera round the axis, from the patient's -y
   double elevation = 0.75;  ///< [rad] above the tangent plane

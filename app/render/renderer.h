@@ -32,6 +32,7 @@ struct RenderOptions {
   bool skip_empty = true;                ///< same picture, fewer samples
   bool finish = true;                    ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
   int supersample = 1;                   ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
+  double resolution = 1.0;               ///< [0.25, 1] of the picture's width and height are drawn, then enlarged
   std::optional<SliceOptions> slices{};  ///< in place of rays
   std::optional<TransferFunction> translucent{};  ///< bone as a translucent body, front to back, in place of its surface; no finish
   GlBackend gl = GlBackend::automatic;            ///< where OpenGL comes from
@@ -73,6 +74,10 @@ class Renderer {
   /// Replaces the tool. @returns ErrorCode::bad_input for a faulty mesh; the old one stays then.
   [[nodiscard]] Status set_tool(const TriangleMesh& mesh);
 
+  /// From the next picture on, which is drawn whole; the volume and all other options stay. @returns ErrorCode::out_of_range, and nothing
+  /// changes then.
+  [[nodiscard]] Status set_quality(const DrawingQuality& quality);
+
   /// One picture of what is set; without a volume the background and the tool. Same view, same bytes.
   /// @returns ErrorCode::out_of_range for a size, camera or light out of range.
   [[nodiscard]] Result<Image> draw(const FrameView& view, int width, int height);
@@ -82,6 +87,7 @@ class Renderer {
   /// Compiles and links every shader variant there is. @returns the first fault.
   [[nodiscard]] Status link_every_variant();
   [[nodiscard]] const RenderCounters& counters() const noexcept;
+  [[nodiscard]] const GlContext& context() const noexcept;
   [[nodiscard]] std::string driver() const;  ///< "BACKEND: VERSION, RENDERER", the last two as the driver states them
 
  private:
