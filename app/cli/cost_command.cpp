@@ -6,6 +6,9 @@
 #include "app/cli/progress.h"
 #include "app/lab/contact_accuracy.h"
 #include "app/lab/multirate.h"
+#ifdef BH_WITH_RENDER
+#include "app/lab/render_cost.h"
+#endif
 #include "app/lab/sliding.h"
 #include "app/lab/surface_accuracy.h"
 
@@ -62,6 +65,62 @@ void add_multirate(CLI::App& cost, int& exit_code) {
   });
 }
 
+#ifdef BH_WITH_RENDER
+struct RenderCostAsked {
+  std::string folder = "out/cost_render", size = "400x300", gl = "auto";
+  int frames = 9;
+  bool knobs_only = false;
+};
+
+Status measure_render(const RenderCostAsked& asked, std::size_t& row_count) {
+  RenderCostOptions options{.share_folder = share_folder(), .frames = asked.frames, .front = !asked.knobs_only};
+  const auto size = split_numbers(asked.size, 'x', 2);
+  if (!size || !((*size)[0] >= 16 && (*size)[0] <= 4096 && (*size)[1] >= 16 && (*size)[1] <= 4096))
+    return bad_input("--size " + asked.size + " must be WIDTHxHEIGHT, each in [16, 4096]");
+  options.width = static_cast<int>((*size)[0]);
+  options.height = static_cast<int>((*size)[1]);
+  for (const GlBackend backend : gl_backends())
+    if (asked.gl == gl_backend_name(backend)) options.gl = backend;
+  Progress progress(false);
+  options.progress = [&](double share, const std::string& what) { progress.show(share, what); };
+  const auto cost = measure_render_cost(options);
+  if (!cost) return cost.error();
+  row_count = cost->rows.size();
+  return write_render_cost(*cost, asked.folder);
+}
+
+void add_render_cost(CLI::App& cost, int& exit_code) {
+  CLI::App* command = add_command(
+      cost, "render", "Subjects",
+      {.summary = "What a picture's accuracy costs, and which knobs are worth it",
+       .about =
+           "Draws the shipped skull patch, as loaded and drilled through, by rays, slices and as translucent bone, with steps, "
+           "bisections, finish, rays a pixel, resolution and texels of several precisions; tables PSNR, SSIM and FLIP against the best "
+           "that can be drawn beside the CPU time, and draws the Pareto front. quality_front.inc is what [display] quality = "
+           "\"auto\" chooses from.",
+       .examples = {"burrhole cost render --out out/cost_render", "burrhole cost render --knobs-only --frames 3 --size 200x150"},
+       .exits = "Exit 4 where no OpenGL can be had."});
+  auto asked = std::make_shared<RenderCostAsked>();
+  command->add_option("--out", asked->folder, "folder for cost.csv, the plot, the page and the pictures")
+      ->type_name(kFolderValue)
+      ->capture_default_str();
+  command->add_option("--size", asked->size, "of the pictures in pixels")->type_name("WIDTHxHEIGHT")->capture_default_str();
+  command->add_option("--frames", asked->frames, "timed pictures for each setting")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("COUNT")
+      ->capture_default_str();
+  command->add_flag("--knobs-only", asked->knobs_only, "each knob alone: no combinations, so no front");
+  add_gl_option(*command, asked->gl);
+  add_simd_option(*command);
+  command->callback([asked, &exit_code] {
+    std::size_t rows = 0;
+    const Status written = measure_render(*asked, rows);
+    exit_code = written ? kDone : report(written.error());
+    if (written) print(fmt::format("{} rows in {}/cost.csv, render.html and pictures beside it\n", rows, asked->folder));
+  });
+}
+#endif
+
 }  // namespace
 
 void add_cost(CLI::App& app, int& exit_code) {
@@ -111,6 +170,9 @@ void add_cost(CLI::App& app, int& exit_code) {
     if (written) print(fmt::format("{} rows in {}/cost.csv, plot surface_error.svg beside it\n", rows->size(), *surface_folder));
   });
   add_multirate(*command, exit_code);
+#ifdef BH_WITH_RENDER
+  add_render_cost(*command, exit_code);
+#endif
 }
 
 }  // namespace burrhole::cli

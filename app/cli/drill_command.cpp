@@ -223,7 +223,11 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
     if (std::string refused = realtime_refusal(); !refused.empty()) return Error{ErrorCode::unavailable, std::move(refused), {}};
   std::unique_ptr<PictureSink> sink;
   if (loaded.scene.display) {
-    auto made = make_picture_sink(files.folder, *loaded.scene.display, files.gl);
+    auto made = make_picture_sink(
+        *loaded.scene.display,
+        {.folder = files.folder, .gl = files.gl, .shader_folder = files.shader_folder, .tell = [quiet](const std::string& line) {
+           if (!quiet) fmt::print(stderr, "quality: {}\n", line);
+         }});
     if (!made) return made.error();
     sink = std::move(made).value();
     options.sink = sink.get();
@@ -250,7 +254,8 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   const auto start = std::chrono::steady_clock::now();
   if (Status ran = simulation->run(); !ran) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const RunSummary summary = make_summary(loaded, *simulation, make_plan(loaded), wall);
+  RunSummary summary = make_summary(loaded, *simulation, make_plan(loaded), wall);
+  if (sink) summary.display = sink->display();
   if (*session)
     if (Status closed = close_session(**session, summary, simulation->sent_hash()); !closed) return closed.error();
   if (!files.folder.empty())
@@ -285,6 +290,7 @@ void add_drill(CLI::App& app, int& exit_code) {
       ->type_name(kFileValue);
   add_simd_option(*command);
   add_gl_option(*command, option->files.gl);
+  add_shader_option(*command, option->files.shader_folder);
   command->add_flag("--live", option->asked.live, "on threads against the clock instead of in lockstep");
   command->add_flag("--require-realtime", option->asked.require_realtime, "end where the system refuses real-time priority (with --live)");
   command->add_flag("--offscreen", option->offscreen, "no window (this version never opens one)");

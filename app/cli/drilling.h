@@ -15,9 +15,10 @@ namespace burrhole::cli {
 void catch_signals();
 
 struct DrillingFiles {
-  std::string folder;        ///< empty: nothing is written
-  std::string restore_path;  ///< checkpoint to start from; empty: bone as loaded
-  std::string gl = "auto";   ///< word of --gl
+  std::string folder;           ///< empty: nothing is written
+  std::string restore_path;     ///< checkpoint to start from; empty: bone as loaded
+  std::string gl = "auto";      ///< word of --gl
+  std::string shader_folder{};  ///< of --shader-dir; empty: the shaders as built in
 };
 
 /// Against the clock, on threads, instead of in lockstep.

@@ -82,6 +82,10 @@ void add_gl_option(CLI::App& command, std::string& gl) {
       ->capture_default_str();
 }
 
+void add_shader_option(CLI::App& command, std::string& folder) {
+  command.add_option("--shader-dir", folder, "shaders of this folder in place of those built in")->type_name(kFolderValue);
+}
+
 Result<TomlDocument> SceneOption::document() const {
   auto document = TomlDocument::load(find_scene(scene));
   if (!document) return document.error();

@@ -41,6 +41,9 @@ void add_simd_option(CLI::App& command);
 /// `--gl`, for every command that draws.
 void add_gl_option(CLI::App& command, std::string& gl);
 
+/// `--shader-dir`, for the commands that write pictures.
+void add_shader_option(CLI::App& command, std::string& folder);
+
 /// Document, scene, bone and tool in one go, with a bar on long reads. Nothing when something was at fault: it is then printed and
 /// `exit_code` set.
 [[nodiscard]] std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet = false);

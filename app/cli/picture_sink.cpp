@@ -1,8 +1,12 @@
 #include "app/cli/picture_sink.h"
 
+#include <fmt/format.h>
+
+#include <chrono>
 #include <filesystem>
 #include <optional>
 
+#include "app/engine/quality.h"
 #include "app/render/png.h"
 #include "app/render/renderer.h"
 
@@ -11,7 +15,12 @@ namespace {
 
 class OffscreenSink final : public PictureSink {
  public:
-  OffscreenSink(Renderer renderer, std::string folder) : renderer_(std::move(renderer)), folder_(std::move(folder)) {}
+  OffscreenSink(Renderer renderer, const DisplayScene& display, const PictureAsked& asked)
+      : renderer_(std::move(renderer)),
+        asked_(asked),
+        translucent_(!display.transfer.empty()),
+        quality_(display.quality),
+        budget_(display.budget) {}
 
   Status start(const VolumeView& volume, const TriangleMesh& tool) override {
     if (Status set = renderer_.set_volume(volume); !set) return set;
@@ -20,39 +29,75 @@ class OffscreenSink final : public PictureSink {
   void update(const TexelBox& texels) override { renderer_.update(texels); }
   void forget() override { renderer_.forget(); }
   Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) override {
+    if (budget_ && !expected_)
+      if (Status chosen = choose(view, width, height); !chosen) return chosen;
     auto image = renderer_.draw(view, width, height);
     if (!image) return image.error();
     for (const Rgba8& p : image->pixels)
       hash.add(static_cast<std::uint64_t>(p.r) << 24 | static_cast<std::uint64_t>(p.g) << 16 | static_cast<std::uint64_t>(p.b) << 8 | p.a);
-    if (folder_.empty()) return {};
-    const std::string file = (std::filesystem::path(folder_) / (name + ".png")).string();
+    if (asked_.folder.empty()) return {};
+    const std::string file = (std::filesystem::path(asked_.folder) / (name + ".png")).string();
     if (Status written = write_png(file, *image); !written) return written;
     files_.push_back(file);
     return {};
   }
   const std::vector<std::string>& files() const override { return files_; }
   std::string driver() const override { return renderer_.driver(); }
+  RunSummary::Display display() const override {
+    constexpr double kMs = 1e3;
+    const auto in_ms = [](const std::optional<double>& seconds) { return seconds ? std::optional(*seconds * kMs) : std::nullopt; };
+    const GlContext& context = renderer_.context();
+    return {
+        std::string(gl_backend_name(context.backend())), context.version(), context.renderer(), quality_, in_ms(budget_), in_ms(expected_)};
+  }
 
  private:
+  /// One picture by the cheapest knobs tells how fast this machine is; the one before it compiles shaders and fills caches.
+  Status choose(const FrameView& view, int width, int height) {
+    const auto front = shipped_front(translucent_);
+    std::chrono::duration<double> took{};
+    for (int n = 0; n < 2; ++n) {
+      if (Status set = renderer_.set_quality(front.front().quality); !set) return set;
+      const auto start = std::chrono::steady_clock::now();
+      if (const auto image = renderer_.draw(view, width, height); !image) return image.error();
+      took = std::chrono::steady_clock::now() - start;
+    }
+    const QualityChoice choice = choose_quality(front, took.count(), *budget_);
+    quality_ = choice.quality;
+    expected_ = choice.expected;
+    if (asked_.tell)
+      asked_.tell(fmt::format("{}: about {:.3g} ms a picture, {} {:g} ms", quality_text(quality_, translucent_), *expected_ * 1e3,
+                              choice.met ? "within the budget of" : "the least there is, over the budget of", *budget_ * 1e3));
+    return renderer_.set_quality(quality_);
+  }
+
   Renderer renderer_;
-  std::string folder_;
+  PictureAsked asked_;
+  bool translucent_;
+  DrawingQuality quality_;
+  std::optional<double> budget_, expected_;  // [s]
   std::vector<std::string> files_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder, const DisplayScene& display, const std::string& gl) {
-  RenderOptions options;
+Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayScene& display, const PictureAsked& asked) {
+  const DrawingQuality& quality = display.quality;
+  RenderOptions options{.step_voxels = quality.step_voxels,
+                        .bisections = quality.bisections,
+                        .finish = quality.finish,
+                        .supersample = quality.supersample,
+                        .resolution = quality.resolution,
+                        .shader_folder = asked.shader_folder};
   for (const GlBackend backend : gl_backends())
-    if (gl == gl_backend_name(backend)) options.gl = backend;
+    if (asked.gl == gl_backend_name(backend)) options.gl = backend;
   if (display.method == "slices")
     options.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
   if (!display.transfer.empty()) options.translucent = display.transfer;
   options.growth_is_told = true;
-  options.supersample = 2;  // a handful of still pictures: smooth edges are worth four times the pixels
   auto renderer = Renderer::create(options);
   if (!renderer) return renderer.error();
-  return std::unique_ptr<PictureSink>(std::make_unique<OffscreenSink>(std::move(renderer).value(), folder));
+  return std::unique_ptr<PictureSink>(std::make_unique<OffscreenSink>(std::move(renderer).value(), display, asked));
 }
 
 }  // namespace burrhole::cli

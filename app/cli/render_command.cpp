@@ -14,13 +14,16 @@ namespace fs = std::filesystem;
 
 struct Options {
   SceneOption scene;
-  std::string image = "burrhole.png", size, camera, method, restore, gl = "auto";
+  std::string image = "burrhole.png", size, camera, method, restore, gl = "auto", shader_folder;
   bool cut = false, no_tool = false;
 };
 
 Status apply_view(const Options& option, DisplayScene& display) {
   if (!option.method.empty()) display.method = option.method;
-  if (display.method != "raycast") display.transfer.clear();
+  if (display.method != "raycast") {
+    display.transfer.clear();
+    display.budget.reset();
+  }
   if (!option.size.empty()) {
     const auto size = split_numbers(option.size, 'x', 2);
     if (!size || !((*size)[0] >= 16 && (*size)[0] <= 8192 && (*size)[1] >= 16 && (*size)[1] <= 8192))
@@ -44,7 +47,11 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   if (Status applied = apply_view(option, *loaded.scene.display); !applied) return applied;
   const fs::path image(option.image);
   if (image.extension() != ".png") return bad_input("--image " + option.image + " must end in .png");
-  auto sink = make_picture_sink(image.has_parent_path() ? image.parent_path().string() : ".", *loaded.scene.display, option.gl);
+  auto sink =
+      make_picture_sink(*loaded.scene.display, {.folder = image.has_parent_path() ? image.parent_path().string() : ".",
+                                                .gl = option.gl,
+                                                .shader_folder = option.shader_folder,
+                                                .tell = [](const std::string& line) { fmt::print(stderr, "quality: {}\n", line); }});
   if (!sink) return sink.error();
   SimulationOptions options;
   options.sink = sink->get();
@@ -79,6 +86,7 @@ void add_render(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({"raycast", "slices"}));
   command->add_option("--restore", option->restore, "checkpoint: the bone.vdb of a drill")->type_name(kFileValue);
   add_gl_option(*command, option->gl);
+  add_shader_option(*command, option->shader_folder);
   command->add_flag("--cut", option->cut, "cut open through the axis");
   command->add_flag("--no-tool", option->no_tool, "without the bit");
   command->callback([option, &exit_code] {

@@ -101,9 +101,9 @@ std::string method_text(const DisplayScene& display) {
 
 PlanRow display_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const std::uint64_t texels = 2 * loaded.bone->bounds().count() * 4;
-  return {effect, 0.0, texels,
-          fmt::format("{}, {} x {} pixels, at events", method_text(*loaded.scene.display), loaded.scene.display->width,
-                      loaded.scene.display->height)};
+  const DisplayScene& display = *loaded.scene.display;
+  const std::string budget = display.budget ? fmt::format(", quality for {:g} ms a picture", *display.budget * 1e3) : std::string();
+  return {effect, 0.0, texels, fmt::format("{}, {} x {} pixels{}, at events", method_text(display), display.width, display.height, budget)};
 }
 
 PlanRow record_row(const EffectInfo& effect, const LoadedScene& loaded) {

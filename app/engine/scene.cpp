@@ -361,6 +361,32 @@ TransferFunction read_transfer(TableReader& table) {
   return out;
 }
 
+/// What a picture may cost, key by key or by a budget; `rays`: bone is drawn by rays, `finish`: by its surface.
+void read_quality(TableReader& table, bool rays, bool finish, DisplayScene& out) {
+  const std::string choice = table.choice("quality", "fixed", {"fixed", "auto"},
+                                          "by the keys of this table, or the best that this machine draws within budget_ms");
+  if (choice == "auto") {
+    if (!rays) table.fault("quality", "= \"auto\" is for method = \"raycast\"");
+    out.budget = table.number("budget_ms", above_zero(100.0, 1e-3, 1e5), "time of a picture that the quality is chosen for");
+    for (const char* key : {"step_voxels", "bisections", "finish", "supersample", "resolution"})
+      if (table.has(key)) table.fault(key, "is what quality = \"auto\" chooses: leave out one of the two");
+    return;
+  }
+  DrawingQuality& quality = out.quality;
+  if (rays)
+    quality.step_voxels =
+        table.number("step_voxels", {.fallback = 0.5, .min = 0.0, .max = 1.0, .min_open = true}, "distance of samples along a ray");
+  if (finish) {
+    quality.bisections =
+        static_cast<int>(table.integer("bisections", quality.bisections, 0, 16, "halvings of the step in which a ray met bone"));
+    quality.finish = table.boolean("finish", true, "ambient occlusion and a fine grain; false: the light alone");
+  }
+  quality.supersample =
+      static_cast<int>(table.integer("supersample", quality.supersample, 1, 4, "rays along each side of a pixel, which smooth edges"));
+  quality.resolution =
+      table.number("resolution", {.fallback = 1.0, .min = 0.25, .max = 1.0}, "share of width and height that is drawn, then enlarged");
+}
+
 DisplayScene read_display(TableReader table) {
   DisplayScene out;
   out.method = table.choice("method", "raycast", {"raycast", "slices"},
@@ -376,6 +402,7 @@ DisplayScene read_display(TableReader table) {
     out.opacity_correction = table.boolean(
         "opacity_correction", true, "opacity is per voxel edge, whatever the distance between slices; false: per slice, as in the paper");
   }
+  read_quality(table, out.method == "raycast", out.method == "raycast" && out.transfer.empty(), out);
   const auto size =
       table.numbers("size", std::vector<double>{1200, 900}, 2, {.min = 16, .max = 8192}, "width and height of a picture in pixels");
   out.width = static_cast<int>(size[0]);

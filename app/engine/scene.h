@@ -83,7 +83,9 @@ struct DisplayScene {
   std::string method = "raycast";  ///< "raycast" or "slices"
   double slices_per_voxel = 1.0;
   bool opacity_correction = true;
-  TransferFunction transfer;  ///< empty: bone is drawn by its surface; key shading = "translucent"
+  TransferFunction transfer;                 ///< empty: bone is drawn by its surface; key shading = "translucent"
+  DrawingQuality quality{.supersample = 2};  ///< a handful of still pictures: smooth edges are worth four times the pixels
+  std::optional<double> budget;  ///< [s] of a picture, by which the quality is chosen (quality = "auto"); nothing: as the keys say
   int width = 1200, height = 900;
   std::size_t upload_budget = std::size_t{64} << 20;  ///< [byte] of texels for one picture; key upload_budget_kb
   double upload_time = 0.0;                           ///< [s] that making them may take; 0: any; key upload_budget_ms

@@ -49,6 +49,7 @@ std::vector<SchemaSample> scene_samples() {
   samples.push_back({"eq. 4", scene({.erosion = "law = \"per-update\""}), {}});
   samples.push_back({"energy", scene({.erosion = "law = \"energy\""}), {}});
   samples.push_back({"slices", scene({.display = "method = \"slices\""}), {}});
+  samples.push_back({"quality by a budget", scene({.display = "quality = \"auto\""}), {}});
   samples.push_back(
       {"translucent", scene({.display = "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}), {}});
   samples.push_back({"spindle", scene({.after = "[spindle]\n"}), {}});

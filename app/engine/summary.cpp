@@ -29,6 +29,22 @@ std::uint64_t peak_bytes() {
 Json optional_number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
+Json display_json(const std::optional<RunSummary::Display>& display) {
+  if (!display) return nullptr;
+  const DrawingQuality& q = display->quality;
+  return {{"backend", display->backend},
+          {"version", display->version},
+          {"renderer", display->renderer},
+          {"quality",
+           {{"step_voxels", q.step_voxels},
+            {"bisections", q.bisections},
+            {"finish", q.finish},
+            {"supersample", q.supersample},
+            {"resolution", q.resolution}}},
+          {"budget_ms", optional_number(display->budget_ms)},
+          {"expected_ms", optional_number(display->expected_ms)}};
+}
+
 const char* end_name(RunEnd end) {
   switch (end) {
     case RunEnd::done:
@@ -203,6 +219,7 @@ std::string summary_json(const RunSummary& s) {
     json["live"] = {{"servo_ticks_missed", s.missed},           {"contact_ticks_missed", s.live->contact_missed},
                     {"bone_steps_missed", s.live->bone_missed}, {"rows_not_recorded", s.live->unrecorded},
                     {"servo_faults", s.live->faults},           {"force_left_N", s.live->force_left ? Json(*s.live->force_left) : Json()}};
+  json["display"] = display_json(s.display);
   json["memory"] = {{"peak_bytes", s.peak_bytes}};
   json["effects"] = Json::array();
   for (const RunSummary::EffectCost& effect : s.effects)

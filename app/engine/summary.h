@@ -48,6 +48,13 @@ struct RunSummary {
   };
   std::vector<EffectCost> effects;
   std::string voxel_hash, force_hash, image_hash;
+  /// What drew, of a scene with [display]; the caller's to fill.
+  struct Display {
+    std::string backend, version, renderer;  ///< the last two as the driver states them
+    DrawingQuality quality;
+    std::optional<double> budget_ms, expected_ms;  ///< of a quality that was chosen
+  };
+  std::optional<Display> display;
 };
 
 /// How the run ended, in a sentence for people.

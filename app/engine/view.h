@@ -41,6 +41,18 @@ struct VolumeView {
   Affine bone_from_index;  ///< [m]
   std::vector<Rgba8> normal_opacity;
   std::vector<Rgba8> color;
+  std::vector<glm::vec4>
+      precise{};  ///< normal_opacity before it was rounded, as a fraction of 255; drawn in its place, for measurements; empty: not there
+};
+
+/// What a picture may cost: the knobs that trade its accuracy for time.
+struct DrawingQuality {
+  double step_voxels = 0.5;  ///< (0, 1] distance of samples along a ray, in index coordinates
+  int bisections = 5;        ///< 0..16, each halves the error of the hit
+  bool finish = true;        ///< ambient occlusion and a fine grain
+  int supersample = 1;       ///< 1..4, rays along each side of a pixel
+  double resolution = 1.0;   ///< [0.25, 1] of the picture's width and height are drawn, then enlarged
+  friend bool operator==(const DrawingQuality&, const DrawingQuality&) = default;
 };
 
 /// Perspective camera.

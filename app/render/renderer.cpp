@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "app/render/enlarge.h"
 #include "app/render/frame_block.h"
 #include "app/render/frame_cache.h"
 #include "app/render/gl_context.h"
@@ -27,6 +28,7 @@ Status check_options(const RenderOptions& options) {
   if (!(options.step_voxels > 0.0 && options.step_voxels <= 1.0)) return out_of_range("the ray step must be in (0, 1] voxels");
   if (options.bisections < 0 || options.bisections > 16) return out_of_range("bisections must be in 0..16");
   if (options.supersample < 1 || options.supersample > 4) return out_of_range("supersampling must be in 1..4");
+  if (!(options.resolution >= 0.25 && options.resolution <= 1.0)) return out_of_range("the resolution must be in [0.25, 1]");
   if (options.slices && !(options.slices->per_voxel > 0.0 && options.slices->per_voxel <= 8.0))
     return out_of_range("slices must be in (0, 8] a voxel");
   if (options.slices && options.translucent) return out_of_range("a transfer function is for rays: slices have their own opacity");
@@ -377,7 +379,10 @@ Result<Renderer> Renderer::create(const RenderOptions& options) {
   // A faulty shader is found here and not at the first frame.
   for (const ShaderVariant& variant : {background_variant(), tool_variant(false), impl->volume_variant(false, false)}) {
     const auto linked = impl->programs.find_or_link(variant);
-    if (!linked) return linked.error();
+    if (linked) continue;
+    Error fault = linked.error();
+    if (!options.shader_folder.empty() && !fault.place.empty()) fault.place = (options.shader_folder / fault.place).string();
+    return fault;
   }
   return Renderer(std::move(impl));
 }
@@ -426,11 +431,27 @@ void Renderer::forget() noexcept {
   impl_->may_grow = true;
 }
 
+Status Renderer::set_quality(const DrawingQuality& quality) {
+  RenderOptions options = impl_->options;
+  options.step_voxels = quality.step_voxels;
+  options.bisections = quality.bisections;
+  options.finish = quality.finish;
+  options.supersample = quality.supersample;
+  options.resolution = quality.resolution;
+  if (Status valid = check_options(options); !valid) return valid;
+  impl_->options = std::move(options);
+  impl_->cache = FrameCache(impl_->options.supersample);
+  return {};
+}
+
 Result<Image> Renderer::draw(const FrameView& view, int width, int height) {
   const int n = impl_->options.supersample;
   if (width < 1 || height < 1 || width > kMaxSide / n || height > kMaxSide / n)
     return out_of_range("a picture must be 1 to " + std::to_string(kMaxSide / n) + " pixels wide and high");
-  return impl_->draw(view, width, height);
+  const auto drawn_side = [&](int side) { return std::max(1, static_cast<int>(std::lround(impl_->options.resolution * side))); };
+  auto drawn = impl_->draw(view, drawn_side(width), drawn_side(height));
+  if (!drawn) return drawn.error();
+  return enlarge(*drawn, width, height);
 }
 
 Result<FrameProbe> Renderer::probe(const FrameView& view, int width, int height) {
@@ -462,6 +483,8 @@ Status Renderer::link_every_variant() {
 }
 
 const RenderCounters& Renderer::counters() const noexcept { return impl_->counters; }
+
+const GlContext& Renderer::context() const noexcept { return impl_->context; }
 
 std::string Renderer::driver() const {
   const GlContext& context = impl_->context;

@@ -32,6 +32,7 @@ struct RenderOptions {
   bool skip_empty = true;    ///< same picture, fewer samples
   bool finish = true;        ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
   int supersample = 1;       ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
+  double resolution = 1.0;   ///< [0.25, 1] of the picture's width and height are drawn, then enlarged
   bool keep_picture = true;  ///< same picture; what did not change since the last one is not drawn again
   /// update() takes it that bone only disappears, unless forget() came since the last picture; off: it looks for what grew, which takes
   /// several times as long as sending it.
@@ -81,6 +82,10 @@ class Renderer {
   /// Bone may have grown back: until the next picture update() looks for what grew, and that picture is drawn whole.
   void forget() noexcept;
 
+  /// From the next picture on, which is drawn whole; the volume and all other options stay. @returns ErrorCode::out_of_range, and nothing
+  /// changes then.
+  [[nodiscard]] Status set_quality(const DrawingQuality& quality);
+
   /// One picture of what is set; without a volume the background and the tool. Same view, same bytes. While camera, light, cut, bone's pose
   /// and size stay as they were, only pixels are drawn that changed texels or the tool, at its old and new place, may reach.
   /// @returns ErrorCode::out_of_range for a size, camera or light out of range.
@@ -91,6 +96,7 @@ class Renderer {
   /// Compiles and links every shader variant there is. @returns the first fault.
   [[nodiscard]] Status link_every_variant();
   [[nodiscard]] const RenderCounters& counters() const noexcept;
+  [[nodiscard]] const GlContext& context() const noexcept;
   [[nodiscard]] std::string driver() const;  ///< "BACKEND: VERSION, RENDERER", the last two as the driver states them
 
  private:

@@ -20,7 +20,8 @@ Result<GlObject> compile_stage(const GladGLContext& gl, GLenum kind, const Shade
   if (compiled != 0) return stage;
   std::array<char, kLogLength> log{};
   gl.GetShaderInfoLog(stage.name(), kLogLength, nullptr, log.data());
-  return bad_input("does not compile as variant " + variant.name + ": " + log.data(), file);
+  const Error fault = shader_fault(files, log.data());
+  return bad_input("does not compile as variant " + variant.name + ": " + fault.message, fault.place.empty() ? file : fault.place);
 }
 
 }  // namespace

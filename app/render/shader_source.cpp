@@ -1,6 +1,8 @@
 #include "app/render/shader_source.h"
 
 #include <fstream>
+#include <iterator>
+#include <regex>
 #include <sstream>
 #include <system_error>
 
@@ -9,13 +11,16 @@ namespace {
 
 constexpr int kMaxIncludeDepth = 8;
 
-/// Appends `file`, includes replaced; #line keeps the compiler's line numbers those of the file on disk.
+/// Appends `file`, includes replaced; #line keeps the compiler's line numbers those of the file on disk, and tells files apart by their
+/// number in the order of their names.
 Status append_expanded(const ShaderFiles& files, std::string_view file, const std::string& asked_from, int depth, std::string& out) {
   const auto found = files.find(file);
   if (found == files.end()) return bad_input("no shader file \"" + std::string(file) + "\"", asked_from);
   if (depth > kMaxIncludeDepth) return bad_input("shader includes nest deeper than 8: does a file include itself?", asked_from);
   std::istringstream lines(found->second);
   constexpr std::string_view kInclude = "#include \"";
+  const std::string source = " " + std::to_string(std::distance(files.begin(), found)) + "\n";
+  out += "#line 1" + source;
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     if (!line.starts_with(kInclude)) {
@@ -24,10 +29,9 @@ Status append_expanded(const ShaderFiles& files, std::string_view file, const st
     }
     const std::size_t end = line.find('"', kInclude.size());
     const std::string name = line.substr(kInclude.size(), end - kInclude.size());
-    out += "#line 1\n";
     const Status included = append_expanded(files, name, std::string(file) + ":" + std::to_string(number), depth + 1, out);
     if (!included) return included;
-    out += "#line " + std::to_string(number + 1) + "\n";
+    out += "#line " + std::to_string(number + 1) + source;
   }
   return {};
 }
@@ -93,10 +97,26 @@ std::vector<ShaderVariant> all_shader_variants() {
 Result<std::string> expand_shader(const ShaderFiles& files, std::string_view file, const std::vector<std::string>& defines) {
   std::string out = "#version 450 core\n";
   for (const std::string& name : defines) out += "#define " + name + " 1\n";
-  out += "#line 1\n";
   const Status done = append_expanded(files, file, "", 0, out);
   if (!done) return done.error();
   return out;
+}
+
+Error shader_fault(const ShaderFiles& files, std::string_view log) {
+  std::istringstream lines{std::string(log)};
+  std::string line, first;
+  while (std::getline(lines, line)) {
+    if (first.empty()) first = line;
+    std::smatch found;
+    // "FILE:LINE(COLUMN): error: what" as Mesa writes it, "FILE(LINE) : error CODE: what" as NVIDIA does.
+    if (!std::regex_match(line, found, std::regex(R"((\d+)(?::(\d+)\((\d+)\)| ?\((\d+)\)) ?: *(error.*))"))) continue;
+    const std::size_t number = std::stoul(found[1]);
+    if (number >= files.size()) continue;
+    std::string place = std::next(files.begin(), static_cast<std::ptrdiff_t>(number))->first + ":";
+    place += found[2].matched ? found[2].str() + ":" + found[3].str() : found[4].str();
+    return bad_input(found[5].str(), place);
+  }
+  return bad_input(first.empty() ? "the driver gives no reason" : first);
 }
 
 Result<ShaderFiles> read_shader_folder(const std::filesystem::path& folder) {

@@ -59,6 +59,9 @@ struct TranslucentChoice {
 /// @returns ErrorCode::bad_input with file and line when a file is missing or includes itself.
 [[nodiscard]] Result<std::string> expand_shader(const ShaderFiles& files, std::string_view file, const std::vector<std::string>& defines);
 
+/// The first fault in a driver's log of such a text, its place in words: file, line and, where the driver tells it, column.
+[[nodiscard]] Error shader_fault(const ShaderFiles& files, std::string_view log);
+
 /// The shaders as built in.
 [[nodiscard]] const ShaderFiles& embedded_shaders();
 /// Shaders from a folder (*.glsl, *.vert, *.frag). @returns ErrorCode::bad_input when it cannot be read or holds none.

@@ -3,21 +3,49 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <tuple>
 
 #include "core/base/assert.h"
 
 namespace burrhole {
 namespace {
 
-Status check(const GladGLContext& gl, const VolumeView& view) {
-  GLint limit = 0;
+std::string size_text(const Vec3i& dims) {
+  return std::to_string(dims.x) + " x " + std::to_string(dims.y) + " x " + std::to_string(dims.z);
+}
+
+/// Asks the driver without taking memory.
+bool takes(const GladGLContext& gl, const Vec3i& dims, GLenum stored) {
+  GLint limit = 0, width = 0;
   gl.GetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &limit);
-  const auto [x, y, z] = std::tuple(view.dims.x, view.dims.y, view.dims.z);
-  if (x < 1 || y < 1 || z < 1 || std::max({x, y, z}) > limit)
-    return Error{ErrorCode::out_of_range, "a drawn volume must have 1 to " + std::to_string(limit) + " voxels along each axis", {}};
+  if (std::max({dims.x, dims.y, dims.z}) > limit) return false;
+  gl.TexImage3D(GL_PROXY_TEXTURE_3D, 0, static_cast<GLint>(stored), dims.x, dims.y, dims.z, 0, GL_RGBA, GL_FLOAT, nullptr);
+  gl.GetTexLevelParameteriv(GL_PROXY_TEXTURE_3D, 0, GL_TEXTURE_WIDTH, &width);
+  return width == dims.x;
+}
+
+/// The largest volume of that form that the driver takes, by the length of its longest edge.
+Vec3i largest_taken(const GladGLContext& gl, const Vec3i& dims, GLenum stored) {
+  const int longest = std::max({dims.x, dims.y, dims.z});
+  const auto shrunk = [&](int edge) { return glm::max(Vec3i(glm::floor(Vec3(dims) * (edge / static_cast<double>(longest)))), Vec3i(1)); };
+  int fits = 1, too_large = longest;
+  while (too_large - fits > 1) {
+    const int middle = fits + (too_large - fits) / 2;
+    (takes(gl, shrunk(middle), stored) ? fits : too_large) = middle;
+  }
+  return shrunk(fits);
+}
+
+Status check(const GladGLContext& gl, const VolumeView& view) {
+  if (std::min({view.dims.x, view.dims.y, view.dims.z}) < 1)
+    return Error{ErrorCode::out_of_range, "a volume of " + size_text(view.dims) + " voxels cannot be drawn: it is empty", {}};
+  const GLenum stored = view.precise.empty() ? GL_RGBA8 : GL_RGBA32F;
+  if (!takes(gl, view.dims, stored))
+    return Error{ErrorCode::out_of_range,
+                 "a volume of " + size_text(view.dims) + " voxels is more than this driver draws: " +
+                     size_text(largest_taken(gl, view.dims, stored)) + " would fit, as with larger voxels or a smaller region",
+                 {}};
   const std::size_t count = VoxelBox{Vec3i(0), view.dims}.count();
-  if (view.normal_opacity.size() != count || view.color.size() != count)
+  if (view.normal_opacity.size() != count || view.color.size() != count || (!view.precise.empty() && view.precise.size() != count))
     return bad_input("the texels of a volume do not agree with its dimensions");
   const double size = glm::determinant(view.bone_from_index.linear);
   if (!std::isfinite(size) || size == 0.0 || !is_finite(view.bone_from_index.offset))
@@ -31,17 +59,19 @@ void set_sampling(const GladGLContext& gl, GLuint texture, GLint filter) {
   for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) gl.TextureParameteri(texture, axis, GL_CLAMP_TO_EDGE);
 }
 
-void upload(const GladGLContext& gl, GLuint texture, const VoxelBox& box, GLenum format, const void* texels) {
+void upload(const GladGLContext& gl, GLuint texture, const VoxelBox& box, GLenum format, const void* texels,
+            GLenum type = GL_UNSIGNED_BYTE) {
   const Vec3i size = box.size();
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl.TextureSubImage3D(texture, 0, box.lo.x, box.lo.y, box.lo.z, size.x, size.y, size.z, format, GL_UNSIGNED_BYTE, texels);
+  gl.TextureSubImage3D(texture, 0, box.lo.x, box.lo.y, box.lo.z, size.x, size.y, size.z, format, type, texels);
 }
 
-GlObject make_volume(const GladGLContext& gl, const Vec3i& dims, GLenum stored, GLenum format, GLint filter, const void* texels) {
+GlObject make_volume(const GladGLContext& gl, const Vec3i& dims, GLenum stored, GLenum format, GLint filter, const void* texels,
+                     GLenum type = GL_UNSIGNED_BYTE) {
   GlObject texture = make_texture(gl, GL_TEXTURE_3D);
   gl.TextureStorage3D(texture.name(), 1, stored, dims.x, dims.y, dims.z);
   set_sampling(gl, texture.name(), filter);
-  upload(gl, texture.name(), {Vec3i(0), dims}, format, texels);
+  upload(gl, texture.name(), {Vec3i(0), dims}, format, texels, type);
   return texture;
 }
 
@@ -54,7 +84,9 @@ Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const Volum
   made.gl_ = &gl;
   made.dims_ = view.dims;
   made.bone_from_index_ = view.bone_from_index;
-  made.normal_opacity_ = make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.normal_opacity.data());
+  made.texel_bytes_ = view.precise.empty() ? sizeof(Rgba8) : sizeof(glm::vec4);
+  made.normal_opacity_ = view.precise.empty() ? make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.normal_opacity.data())
+                                              : make_volume(gl, view.dims, GL_RGBA32F, GL_RGBA, GL_LINEAR, view.precise.data(), GL_FLOAT);
   made.color_soft_ = make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.color.data());
   made.has_soft_ = std::any_of(view.color.begin(), view.color.end(), [](const Rgba8& c) { return c.a >= kSolidOpacity; });
   if (seen_from) {
@@ -95,7 +127,7 @@ void VolumeTexture::bind() const {
 
 UploadedBytes VolumeTexture::initial_bytes() const noexcept {
   const std::uint64_t count = VoxelBox{Vec3i(0), dims_}.count();
-  return {2 * count * sizeof(Rgba8), has_skip_map() ? count : 0};
+  return {count * (texel_bytes_ + sizeof(Rgba8)), has_skip_map() ? count : 0};
 }
 
 }  // namespace burrhole

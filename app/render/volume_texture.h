@@ -47,6 +47,7 @@ class VolumeTexture {
   Affine bone_from_index_;
   bool has_soft_ = false;
   std::uint8_t seen_from_ = 0;
+  std::size_t texel_bytes_ = sizeof(Rgba8);
   GlObject normal_opacity_, color_soft_, skip_texture_;
   SkipMap skip_map_;
 };

@@ -147,6 +147,7 @@ TEST_CASE("explain: the JSON has the rows of the plan, times only when measured"
   const Json json = Json::parse(plan_json(loaded, plan, nullptr));
   CHECK(json.at("schema") == 1);
   CHECK(json.at("scene") == "small.toml");
+  CHECK(json.at("display").is_null());
   CHECK(json.at("not_built").size() == plan.not_built.size());
   REQUIRE(json.at("effects").size() == plan.rows.size());
   for (const Json& effect : json.at("effects")) {
@@ -158,6 +159,21 @@ TEST_CASE("explain: the JSON has the rows of the plan, times only when measured"
 
 Json summary_of(DrillRun& run) {
   return Json::parse(summary_json(make_summary(run.loaded(), run.run().simulation(), make_plan(run.loaded()), 1.0)));
+}
+
+TEST_CASE("summary: what drew is told key by key, null where nothing chose the quality") {
+  DrillRun run(SmallScene{.sets = {"duration_s=0.1"}});
+  RunSummary summary = make_summary(run.loaded(), run.run().simulation(), make_plan(run.loaded()), 1.0);
+  summary.display = RunSummary::Display{"osmesa", "4.5", "llvmpipe", {.bisections = 3, .resolution = 0.5}, std::nullopt, std::nullopt};
+  const Json told = Json::parse(summary_json(summary)).at("display");
+  CHECK(told.at("backend") == "osmesa");
+  CHECK(told.at("version") == "4.5");
+  CHECK(told.at("renderer") == "llvmpipe");
+  CHECK(told.at("quality") == Json{{"step_voxels", 0.5}, {"bisections", 3}, {"finish", true}, {"supersample", 1}, {"resolution", 0.5}});
+  CHECK(told.at("budget_ms").is_null());
+  CHECK(told.at("expected_ms").is_null());
+  summary.display->budget_ms = 30.0;
+  CHECK(Json::parse(summary_json(summary)).at("display").at("budget_ms") == 30.0);
 }
 
 TEST_CASE("summary: every promised key is there, with numbers where the run has them") {

@@ -1,6 +1,7 @@
 // What the world may get wrong: sizes, maps, cameras, meshes, shader folders.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -82,6 +83,7 @@ TEST_CASE("faults: options out of range are refused") {
   CHECK(Renderer::create({.step_voxels = 0.0}).error().code == ErrorCode::out_of_range);
   CHECK(Renderer::create({.step_voxels = 1.5}).error().code == ErrorCode::out_of_range);
   CHECK(Renderer::create({.supersample = 5}).error().code == ErrorCode::out_of_range);
+  CHECK(Renderer::create({.resolution = 0.2}).error().code == ErrorCode::out_of_range);
   CHECK(Renderer::create({.bisections = -1}).error().code == ErrorCode::out_of_range);
 }
 
@@ -98,5 +100,45 @@ TEST_CASE("faults: a shader folder that is missing or holds a faulty shader is n
   const auto faulty = Renderer::create({.shader_folder = folder});
   REQUIRE_FALSE(faulty.ok());
   CHECK(faulty.error().code == ErrorCode::bad_input);
-  CHECK(faulty.error().text().find("raycast.frag") != std::string::npos);
+  const auto line = std::ranges::count(embedded_shaders().find("raycast.frag")->second, '\n') + 2;
+  const std::string place = (folder / "raycast.frag").string() + ":" + std::to_string(line) + ":";
+  CHECK_MESSAGE(faulty.error().text().starts_with(place), faulty.error().text());
+  CHECK(faulty.error().text().find('\n') == std::string::npos);
+
+  // In a file that another one includes it is that file's own line.
+  for (const auto& [name, text] : embedded_shaders()) std::ofstream(folder / name) << (name == "shade.glsl" ? "\nnonsense;\n" : "") << text;
+  const auto included = Renderer::create({.shader_folder = folder});
+  REQUIRE_FALSE(included.ok());
+  CHECK_MESSAGE(included.error().text().starts_with((folder / "shade.glsl").string() + ":2:"), included.error().text());
+}
+
+TEST_CASE("faults: a volume larger than the driver draws is told the size that would fit, and that size does") {
+  Renderer renderer = require_renderer();
+  const auto stick = [](const Vec3i& dims) {
+    VolumeView view;
+    view.dims = dims;
+    view.bone_from_index = half_millimetre_cube();
+    view.normal_opacity.assign(VoxelBox{Vec3i(0), dims}.count(), Rgba8{128, 128, 255, 255});
+    view.color.assign(view.normal_opacity.size(), Rgba8{200, 200, 200, 0});
+    return view;
+  };
+  const Status refused = renderer.set_volume(stick({2, 1 << 20, 1}));  // no driver has textures a million texels long
+  REQUIRE_FALSE(refused.ok());
+  CHECK(refused.error().code == ErrorCode::out_of_range);
+  const std::string text = refused.error().text();
+  CHECK(text.find("2 x 1048576 x 1 voxels is more than this driver draws") != std::string::npos);
+  const std::size_t from = text.find(": 1 x ");
+  REQUIRE_MESSAGE(from != std::string::npos, text);
+  const int fits = std::stoi(text.substr(from + 6));
+  CHECK(fits >= 2048);  // what OpenGL 4.5 asks of every driver
+  CHECK(renderer.set_volume(stick({1, fits, 1})).ok());
+  CHECK_FALSE(renderer.set_volume(stick({1, fits + 1, 1})).ok());
+  CHECK(renderer.set_volume(stick({0, 4, 4})).error().text().find("it is empty") != std::string::npos);
+}
+
+TEST_CASE("faults: floats of another count than the texels are refused") {
+  Renderer renderer = require_renderer();
+  VolumeView wrong = ball_on_plate();
+  wrong.precise.resize(3);
+  CHECK(renderer.set_volume(wrong).error().code == ErrorCode::bad_input);
 }

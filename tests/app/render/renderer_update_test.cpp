@@ -152,3 +152,45 @@ TEST_CASE("shaders: every variant compiles and links in the driver") {
   CHECK_MESSAGE(linked.ok(), (linked.ok() ? "" : linked.error().text()));
   CHECK(all_shader_variants().size() == 59);
 }
+
+TEST_CASE("quality: knobs set later draw what a renderer made with them draws, and bad ones change nothing") {
+  Renderer changing = require_renderer();
+  REQUIRE(changing.set_volume(ball_on_plate()).ok());
+  const Image first = drawn(changing);
+  for (const DrawingQuality& quality :
+       {DrawingQuality{.step_voxels = 1.0, .bisections = 0, .finish = false}, DrawingQuality{.finish = true, .supersample = 2},
+        DrawingQuality{.finish = false, .resolution = 0.5}}) {
+    REQUIRE(changing.set_quality(quality).ok());
+    Renderer made = require_renderer({.step_voxels = quality.step_voxels,
+                                      .bisections = quality.bisections,
+                                      .finish = quality.finish,
+                                      .supersample = quality.supersample,
+                                      .resolution = quality.resolution});
+    REQUIRE(made.set_volume(ball_on_plate()).ok());
+    const Image here = drawn(changing);
+    CHECK(pictures_agree("quality", here, drawn(made), {}));
+    CHECK(here.pixels != first.pixels);
+    CHECK((here.width == kWidth && here.height == kHeight));
+    for (const DrawingQuality& bad :
+         {DrawingQuality{.step_voxels = 0.0}, DrawingQuality{.supersample = 5}, DrawingQuality{.resolution = 0.1}})
+      CHECK(changing.set_quality(bad).error().code == ErrorCode::out_of_range);
+    CHECK(drawn(changing).pixels == here.pixels);
+  }
+}
+
+TEST_CASE("texels in floats draw what their bytes draw, but for what bytes round") {
+  VolumeView volume = ball_on_plate();
+  Renderer bytes = require_renderer(), floats = require_renderer();
+  REQUIRE(bytes.set_volume(volume).ok());
+  for (const Rgba8& t : volume.normal_opacity) volume.precise.emplace_back(t.r / 255.0f, t.g / 255.0f, t.b / 255.0f, t.a / 255.0f);
+  REQUIRE(floats.set_volume(volume).ok());
+  const auto a = bytes.draw(oblique_view(), 160, 120), b = floats.draw(oblique_view(), 160, 120);
+  REQUIRE((a.ok() && b.ok()));
+  // Filters of bytes weigh in 8 bits, those of floats do not: a level here and there, and a pixel of a silhouette.
+  CHECK(pictures_agree("float-texels", *a, *b, {.level = 3, .share = 0.01}));
+  for (glm::vec4& texel : volume.precise) texel.w *= 0.6f;  // the surface moves inwards: that the floats are what is drawn is seen
+  REQUIRE(floats.set_volume(volume).ok());
+  const auto moved = floats.draw(oblique_view(), 160, 120);
+  REQUIRE(moved.ok());
+  CHECK(compare_pictures(*moved, *a, 8).differing_share > 0.005);
+}

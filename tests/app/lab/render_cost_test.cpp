@@ -1,0 +1,140 @@
+// What drawing costs, as the lab measures it: the bars on accuracy, and that each knob acts on what it is for. No time is judged.
+#include "app/lab/render_cost.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+
+using namespace burrhole;
+
+namespace {
+
+const RenderCost& measured() {
+  static const RenderCost cost = [] {
+    auto made = measure_render_cost({.share_folder = BH_SOURCE_DIR "/app",
+                                     .width = 400,
+                                     .height = 300,
+                                     .frames = 1,
+                                     .front = false,
+                                     .drilled = true,
+                                     .gl = GlBackend::osmesa,
+                                     .progress = {}});
+    if (!made && made.error().code == ErrorCode::unavailable) {
+      std::cerr << "skipped: " << made.error().text() << '\n';
+      std::exit(77);
+    }
+    REQUIRE_MESSAGE(made.ok(), (made ? "" : made.error().text()));
+    return std::move(made).value();
+  }();
+  return cost;
+}
+
+/// The figure of a row; reference and model by what they begin with.
+double figure(const std::string& subject, const std::string& model, const std::string& knob, double setting, const std::string& reference,
+              const std::string& name = "psnr") {
+  const auto row = std::ranges::find_if(measured().rows, [&](const CostRow& one) {
+    return one.subject == subject && one.model == model && one.knob == knob && one.setting == setting &&
+           one.reference.starts_with(reference) && one.error_name == name;
+  });
+  REQUIRE_MESSAGE(row != measured().rows.end(), (model + ", " + knob));
+  return row->error;
+}
+
+const std::vector<std::string> kSubjects{"skull patch", "drilled hole"};
+
+}  // namespace
+
+TEST_CASE("render cost: the shipped first hit is within 40 dB of an eighth of a voxel in floats, and a step twice as long is not") {
+  for (const std::string& subject : kSubjects) {
+    CAPTURE(subject);
+    CHECK(figure(subject, "rays, no finish, stored normals", "step [voxel]", 0.5, "same rays") >= 40.0);
+    // A ray that grazes bone for less than a step may pass it, whatever the bisections.
+    CHECK(figure(subject, "rays, step 1 voxel, no finish", "bisections", 8.0, "same rays") < 40.0);
+    CHECK(figure(subject, "rays, no finish, normals by differences", "step [voxel]", 0.5, "same rays") < 40.0);
+  }
+}
+
+TEST_CASE("render cost: compositing is within 42 dB of an eighth of a voxel in floats") {
+  for (const std::string& subject : kSubjects) {
+    CAPTURE(subject);
+    CHECK(figure(subject, "translucent", "step [voxel]", 1.0, "same rays") >= 42.0);
+    CHECK(figure(subject, "translucent", "step [voxel]", 0.25, "same rays") >=
+          figure(subject, "translucent", "step [voxel]", 1.0, "same rays"));
+  }
+}
+
+TEST_CASE("render cost: each knob acts on the error that it is for") {
+  for (const std::string& subject : kSubjects) {
+    CAPTURE(subject);
+    const auto bisections = [&](double count) {
+      return figure(subject, "rays, step 1 voxel, no finish", "bisections", count, "same rays");
+    };
+    CHECK(bisections(1) > bisections(0) + 0.5);
+    CHECK(bisections(4) > bisections(1));
+    const auto steps = [&](double step) { return figure(subject, "rays, 4 bisections, no finish", "step [voxel]", step, "same rays"); };
+    CHECK(steps(0.5) > steps(1.0) + 1.0);
+    CHECK(steps(0.125) > steps(0.5) + 6.0);  // only texels and bisections are left
+    const auto rays = [&](double side, const std::string& name) {
+      return figure(subject, "rays, finish", "rays along a pixel's side", side, "4 x 4 rays", name);
+    };
+    CHECK(rays(2, "psnr") > rays(1, "psnr") + 2.0);
+    CHECK(rays(2, "flip") < rays(1, "flip"));
+    CHECK(rays(2, "ssim") > rays(1, "ssim"));
+    const auto resolution = [&](double share) { return figure(subject, "rays, finish", "resolution", share, "4 x 4 rays"); };
+    CHECK(resolution(0.5) > resolution(0.25) + 1.0);
+    CHECK(resolution(0.5) < rays(1, "psnr"));
+    // Without the finish it is another picture, however many rays are spent.
+    CHECK(figure(subject, "rays, no finish", "rays along a pixel's side", 4, "4 x 4 rays") < rays(4, "psnr"));
+    // Rays are nearer to the surface than the paper's slices by what the design promises.
+    CHECK(figure(subject, "rays, 4 bisections, no finish", "step [voxel]", 1.0, "same rays") >
+          figure(subject, "slices", "slices a voxel", 1.0, "same rays") + 5.0);
+  }
+}
+
+TEST_CASE("render cost: bytes lose what they round, and 16 bits next to nothing") {
+  for (const std::string& subject : kSubjects) {
+    CAPTURE(subject);
+    const auto bits = [&](const std::string& normals, double density) {
+      return figure(subject, "rays, 1/8 voxel, normals of " + normals + " bits", "density [bits]", density, "same rays");
+    };
+    CHECK(bits("16", 16) > bits("8", 8) + 6.0);
+    CHECK(bits("16", 16) > 50.0);
+    // 16 bits for the density alone buy nothing that is seen, so they are no option: normals round more.
+    CHECK(bits("8", 16) < bits("8", 8) + 1.0);
+    // Shipped bytes are what was emulated, but for the weights of their filter, which are bytes too.
+    const double shipped = figure(subject, "rays, 1/8 voxel, as shipped", "density [bits]", 8, "same rays");
+    CHECK(shipped > 50.0);
+    CHECK(shipped < bits("8", 8) + 0.5);
+  }
+}
+
+TEST_CASE("render cost: every row has its figures, and pictures are there") {
+  for (const CostRow& row : measured().rows) {
+    CAPTURE(row.model);
+    CHECK((std::isfinite(row.error) || (row.error_name == "psnr" && row.error > 0.0)));
+    if (row.error_name == "ssim" || row.error_name == "flip") CHECK((row.error >= 0.0 && row.error <= 1.0 + 1e-12));
+    if (row.error_name == "time_over_shipped") CHECK(row.error > 0.0);
+    CHECK((row.subject == kSubjects[0] || row.subject == kSubjects[1]));
+  }
+  CHECK(measured().pictures.size() == 2 * 4);
+}
+
+TEST_CASE("render cost: a front over two subjects takes the mean cost and the least accuracy") {
+  const DrawingQuality low{.resolution = 0.5}, high{}, worse{.bisections = 0};
+  const auto point = [](const std::string& subject, const DrawingQuality& quality, double cost, double psnr) {
+    return DrawnPoint{.subject = subject, .method = "rays", .quality = quality, .over_shipped = cost, .psnr = psnr};
+  };
+  const std::vector<FrontRow> front = front_of({point("a", low, 0.1, 20.0), point("a", high, 0.5, 35.0), point("a", worse, 0.6, 34.0),
+                                                point("b", low, 0.3, 22.0), point("b", high, 0.7, 31.0), point("b", worse, 0.8, 40.0)},
+                                               "rays");
+  // Mean costs 0.2, 0.6 and 0.7; least PSNR 20, 31 and 34.
+  REQUIRE(front.size() == 3);
+  CHECK(front[0].cost == doctest::Approx(1.0));
+  CHECK(front[1].cost == doctest::Approx(3.0));
+  CHECK(front[2].cost == doctest::Approx(3.5));
+  CHECK(front[1].psnr == 31.0);
+  CHECK(front_of({}, "rays").empty());
+}
