@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/engine/frame_step.h"
+#include "app/engine/tip_slices.h"
 
 namespace burrhole::cli {
 
@@ -19,5 +20,8 @@ class PictureSink : public FrameSink {
 /// @param display how bone is drawn. @param gl a word of --gl. @returns ErrorCode::unavailable where no such OpenGL or no renderer is.
 [[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const std::string& folder, const DisplayScene& display,
                                                                      const std::string& gl);
+
+/// Slices as one PNG file, side by side with labels, the tool's outline and a scale bar; needs no OpenGL.
+[[nodiscard]] Status write_tip_slices(const std::string& file, const TipSlices& slices);
 
 }  // namespace burrhole::cli

@@ -45,7 +45,7 @@ std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_p
 
 void Simulation::set_session(SessionWriter* session) {
   log_ = std::make_unique<RunLog>(*parts_, session, [this] {
-    if (!desk_.fetch()) parts_->frame->gather();
+    if (!desk_.fetch()) parts_->frame->gather(parts_->bone->turned());
   });
 }
 

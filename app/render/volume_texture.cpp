@@ -17,7 +17,7 @@ Status check(const GladGLContext& gl, const VolumeView& view) {
   if (x < 1 || y < 1 || z < 1 || std::max({x, y, z}) > limit)
     return Error{ErrorCode::out_of_range, "a drawn volume must have 1 to " + std::to_string(limit) + " voxels along each axis", {}};
   const std::size_t count = VoxelBox{Vec3i(0), view.dims}.count();
-  if (view.normal_opacity.size() != count || view.color.size() != count)
+  if (view.normal_opacity.size() != count || view.color.size() != count || (!view.tissue.empty() && view.tissue.size() != count))
     return bad_input("the texels of a volume do not agree with its dimensions");
   const double size = glm::determinant(view.bone_from_index.linear);
   if (!std::isfinite(size) || size == 0.0 || !is_finite(view.bone_from_index.offset))
@@ -56,6 +56,7 @@ Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const Volum
   made.bone_from_index_ = view.bone_from_index;
   made.normal_opacity_ = make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.normal_opacity.data());
   made.color_soft_ = make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.color.data());
+  if (!view.tissue.empty()) made.tissue_ = make_volume(gl, view.dims, GL_RG8, GL_RG, GL_LINEAR, view.tissue.data());
   made.has_soft_ = std::any_of(view.color.begin(), view.color.end(), [](const Rgba8& c) { return c.a >= kSolidOpacity; });
   if (seen_from) {
     made.seen_from_ = *seen_from;
@@ -91,11 +92,12 @@ void VolumeTexture::bind() const {
   gl_->BindTextureUnit(0, normal_opacity_.name());
   gl_->BindTextureUnit(1, color_soft_.name());
   if (has_skip_map()) gl_->BindTextureUnit(2, skip_texture_.name());
+  if (has_tissue()) gl_->BindTextureUnit(5, tissue_.name());
 }
 
 UploadedBytes VolumeTexture::initial_bytes() const noexcept {
   const std::uint64_t count = VoxelBox{Vec3i(0), dims_}.count();
-  return {2 * count * sizeof(Rgba8), has_skip_map() ? count : 0};
+  return {count * (2 * sizeof(Rgba8) + (has_tissue() ? sizeof(TissueTexel) : 0)), has_skip_map() ? count : 0};
 }
 
 }  // namespace burrhole

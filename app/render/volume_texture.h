@@ -32,11 +32,12 @@ class VolumeTexture {
 
   /// Replaces exactly the texels of the box. @returns what was sent; the box lies inside the volume (ours to see to).
   UploadedBytes update(const TexelBox& texels);
-  void bind() const;  ///< texture units 0, 1 and, with a skip map, 2
+  void bind() const;  ///< texture units 0, 1 and, with a skip map, 2, with tissue 5
 
   [[nodiscard]] const Vec3i& dims() const noexcept { return dims_; }
   [[nodiscard]] const Affine& bone_from_index() const noexcept { return bone_from_index_; }
   [[nodiscard]] bool has_soft() const noexcept { return has_soft_; }
+  [[nodiscard]] bool has_tissue() const noexcept { return static_cast<bool>(tissue_); }
   [[nodiscard]] bool has_skip_map() const noexcept { return static_cast<bool>(skip_texture_); }
   [[nodiscard]] UploadedBytes initial_bytes() const noexcept;
 
@@ -46,7 +47,7 @@ class VolumeTexture {
   Affine bone_from_index_;
   bool has_soft_ = false;
   std::uint8_t seen_from_ = 0;
-  GlObject normal_opacity_, color_soft_, skip_texture_;
+  GlObject normal_opacity_, color_soft_, skip_texture_, tissue_;
   SkipMap skip_map_;
 };
 
