@@ -21,4 +21,6 @@ layout(std140, binding = 0) uniform Frame {
   mat4 clip_from_index;
   mat4 world_from_index;
   vec4 slices;                 // axis 0..2, count, how many of them lie beyond the eye along the axis, length an opacity holds over [m]
+  vec4 background_bottom;      // rgb
+  vec4 background_top;
 };

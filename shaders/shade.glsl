@@ -3,20 +3,44 @@
 #ifdef FINISH
 #include "finish.glsl"
 #endif
+#ifdef OCCLUSION
+#include "occlusion.glsl"
+#endif
+#ifdef SHADOW
+#include "shadow.glsl"
+#endif
+#ifdef TISSUE
+#include "tissue.glsl"
+#endif
 vec3 shade(vec3 p, vec3 world, vec3 normal, vec3 to_eye, bool is_face) {
   // The colour of what lies under the surface: half of what a filtered look-up sees at the surface itself is outside the bone.
-  vec3 inward = index_from_displacement(normal);
-  vec3 inside = is_face ? p : p - 0.75 * inward / length(inward);
+  vec3 outward = index_from_displacement(normal);
+  outward /= length(outward);
+  vec3 inside = is_face ? p : p - 0.75 * outward;
+#ifdef LABELS
   vec3 color = textureLod(color_soft, texture_from_index(inside), 0.0).rgb;
+#else
+  vec3 color = vec3(0.93, 0.88, 0.76);   // ivory
+#endif
+#ifdef TISSUE
+  color = tissue_color(color, p, inside, outward, is_face);
+#endif
   float sky = 1.0;
-#ifdef FINISH
+#ifdef OCCLUSION
   sky = open_sky(p, world, normal);
-  color *= grain(p);
+#endif
+  float reaching = 1.0;
+#ifdef SHADOW
+  reaching = light_reaching(p, world, normal);
 #endif
   // [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); the headlight fill is ours and 0 switches it off.
-  float direct = light_terms.y * max(dot(normal, light.xyz), 0.0) * mix(0.45, 1.0, sky);
+  float direct = light_terms.y * max(dot(normal, light.xyz), 0.0) * mix(0.45, 1.0, sky) * reaching;
   float fill = light_terms.z * max(dot(normal, to_eye), 0.0) * sky;
   color *= light_terms.x * sky + direct + fill;
+#ifdef SPECULAR
+  // The glint of a wet surface [Blinn77]: a tenth of the light, within some 15 degrees of the mirror's direction.
+  color += 0.1 * light_terms.y * reaching * pow(max(dot(normal, normalize(light.xyz + to_eye)), 0.0), 40.0) * step(0.0, dot(normal, light.xyz));
+#endif
 #ifdef FINISH
   color = rolled_off(color);
 #endif

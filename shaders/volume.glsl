@@ -16,6 +16,15 @@ float density_at(vec3 index) {
 #endif
 }
 
+// The same for what is drawn of it: nothing outside the cells' box and on the far side of the cut. p: index, world: the same point.
+float drawn_density_at(vec3 p, vec3 world) {
+  bool inside = all(greaterThan(p, vec3(-0.5))) && all(lessThan(p, dims.xyz - 0.5));
+#ifdef CUT
+  inside = inside && dot(cut.xyz, world) <= cut.w;
+#endif
+  return inside ? density_at(p) : 0.0;
+}
+
 // Gradient in index coordinates to world direction (covariant, so right for sheared volumes); displacements go the other way.
 vec3 world_from_gradient(vec3 g) { return g.x * index_rows[0].xyz + g.y * index_rows[1].xyz + g.z * index_rows[2].xyz; }
 vec3 index_from_displacement(vec3 d) { return vec3(dot(index_rows[0].xyz, d), dot(index_rows[1].xyz, d), dot(index_rows[2].xyz, d)); }
@@ -35,6 +44,19 @@ vec3 stored_normal(vec3 p) {
   return world_from_bone[0].xyz * n.x + world_from_bone[1].xyz * n.y + world_from_bone[2].xyz * n.z;
 }
 
+#ifdef RECOMPUTED
+// Of the density as it is now, by differences between the corners of the voxel round p: nearer and smoother than those along the axes.
+vec3 surface_normal(vec3 p, vec3 fallback) {
+  vec3 g = vec3(0.0);
+  for (int c = 0; c < 8; ++c) {
+    vec3 corner = 2.0 * vec3(c & 1, (c >> 1) & 1, c >> 2) - 1.0;
+    g -= 0.25 * corner * density_at(p + 0.5 * corner);
+  }
+  vec3 n = world_from_gradient(g);
+  float size = length(n);
+  return size * edges.w > 0.01 ? n / size : fallback;
+}
+#else
 // The filtered texel's normal, renormalised; differences where none is stored (0.5, 0.5, 0.5) and on soft tissue.
 vec3 surface_normal(vec3 p, vec3 fallback) {
   bool is_bone = bone_at(p) >= density_at(p);
@@ -47,3 +69,4 @@ vec3 surface_normal(vec3 p, vec3 fallback) {
   float size = length(n);
   return is_bone && size > 0.15 ? n / size : difference_normal(p, fallback);
 }
+#endif

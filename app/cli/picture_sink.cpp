@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <optional>
 
 #include "app/engine/quality.h"
+#include "app/render/overlay.h"
 #include "app/render/png.h"
 #include "app/render/renderer.h"
+#include "app/render/stereo.h"
 
 namespace burrhole::cli {
 namespace {
@@ -20,7 +23,9 @@ class OffscreenSink final : public PictureSink {
         asked_(asked),
         translucent_(!display.transfer.empty()),
         quality_(display.quality),
-        budget_(display.budget) {}
+        budget_(display.budget),
+        stereo_(display.stereo),
+        scale_bar_(display.scale_bar) {}
 
   Status start(const VolumeView& volume, const TriangleMesh& tool) override {
     if (Status set = renderer_.set_volume(volume); !set) return set;
@@ -31,7 +36,7 @@ class OffscreenSink final : public PictureSink {
   Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) override {
     if (budget_ && !expected_)
       if (Status chosen = choose(view, width, height); !chosen) return chosen;
-    auto image = renderer_.draw(view, width, height);
+    auto image = draw_eyes(view, width, height);
     if (!image) return image.error();
     for (const Rgba8& p : image->pixels)
       hash.add(static_cast<std::uint64_t>(p.r) << 24 | static_cast<std::uint64_t>(p.g) << 16 | static_cast<std::uint64_t>(p.b) << 8 | p.a);
@@ -71,11 +76,34 @@ class OffscreenSink final : public PictureSink {
     return renderer_.set_quality(quality_);
   }
 
+  Result<Image> draw_eyes(const FrameView& view, int width, int height) {
+    if (stereo_.mode == StereoMode::off) return draw_one(view, width, height);
+    const auto cameras = make_stereo_cameras(view.camera, stereo_, static_cast<double>(width) / height);
+    if (!cameras) return cameras.error();
+    std::array<Image, 2> eyes;
+    for (std::size_t side = 0; side < 2; ++side) {
+      FrameView seen = view;
+      seen.camera = (*cameras)[side];
+      auto image = draw_one(seen, width, height);
+      if (!image) return image.error();
+      eyes[side] = std::move(image).value();
+    }
+    return join_eyes(stereo_.mode, eyes[0], eyes[1]);
+  }
+
+  Result<Image> draw_one(const FrameView& view, int width, int height) {
+    auto image = renderer_.draw(view, width, height);
+    if (image && scale_bar_) draw_scale_bar(*image, fit_scale_bar(view.camera, width, height));
+    return image;
+  }
+
   Renderer renderer_;
   PictureAsked asked_;
   bool translucent_;
   DrawingQuality quality_;
   std::optional<double> budget_, expected_;  // [s]
+  StereoView stereo_;
+  bool scale_bar_;
   std::vector<std::string> files_;
 };
 
@@ -94,6 +122,8 @@ Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayScene& displ
   if (display.method == "slices")
     options.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
   if (!display.transfer.empty()) options.translucent = display.transfer;
+  options.looks = display.looks;
+  options.looks.occlusion = options.looks.occlusion && quality.finish;
   options.growth_is_told = true;
   auto renderer = Renderer::create(options);
   if (!renderer) return renderer.error();

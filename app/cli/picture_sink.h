@@ -8,6 +8,7 @@
 
 #include "app/engine/frame_step.h"
 #include "app/engine/summary.h"
+#include "app/engine/tip_slices.h"
 
 namespace burrhole::cli {
 
@@ -29,5 +30,8 @@ struct PictureAsked {
 
 /// @param display how bone is drawn. @returns ErrorCode::unavailable where no such OpenGL or no renderer is, bad_input for a faulty shader.
 [[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayScene& display, const PictureAsked& asked);
+
+/// Slices as one PNG file, side by side with labels, the tool's outline and a scale bar; needs no OpenGL.
+[[nodiscard]] Status write_tip_slices(const std::string& file, const TipSlices& slices);
 
 }  // namespace burrhole::cli

@@ -12,10 +12,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kSliceHalfWidth = 20e-3;  ///< [m] of slices through the tip
+
 struct Options {
   SceneOption scene;
   std::string image = "burrhole.png", size, camera, method, restore, gl = "auto", shader_folder;
-  bool cut = false, no_tool = false;
+  bool cut = false, no_tool = false, slices_through_tip = false;
+  std::optional<double> depth_mm;
 };
 
 Status apply_view(const Options& option, DisplayScene& display) {
@@ -23,6 +26,7 @@ Status apply_view(const Options& option, DisplayScene& display) {
   if (display.method != "raycast") {
     display.transfer.clear();
     display.budget.reset();
+    display.looks.tissue = false;  // slices show none
   }
   if (!option.size.empty()) {
     const auto size = split_numbers(option.size, 'x', 2);
@@ -42,11 +46,32 @@ Status apply_view(const Options& option, DisplayScene& display) {
   return {};
 }
 
+/// Where the tool is: as the scene begins, or with its tip so deep below the entry.
+Pose tool_pose(const Options& option, Simulation& simulation, const Scene& scene) {
+  if (!option.depth_mm) return simulation.contact_state().world_from_tool;
+  const Pose world_from_approach = scene.volume.world_from_bone * simulation.approach().bone_from_approach;
+  return world_from_approach * Pose{Quat(1, 0, 0, 0), Vec3(0.0, 0.0, -*option.depth_mm * kMillimetre)};
+}
+
+/// Slices need no display, so none is made: the scene is put together without one.
+Status draw_slices(const Options& option, LoadedScene& loaded, const fs::path& image) {
+  const int size = loaded.scene.display->width / 3;
+  loaded.scene.display.reset();
+  SimulationOptions options;
+  options.restore_path = option.restore;
+  Issues issues;
+  auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
+  if (!simulation) return issues.front();
+  const Pose bone_from_tool = loaded.scene.volume.world_from_bone.inverse() * tool_pose(option, *simulation, loaded.scene);
+  return write_tip_slices(image.string(), make_tip_slices(simulation->voxmap(), loaded.tool.mesh, bone_from_tool, kSliceHalfWidth, size));
+}
+
 Status draw_scene(const Options& option, LoadedScene& loaded) {
   if (!loaded.scene.display) loaded.scene.display.emplace();
   if (Status applied = apply_view(option, *loaded.scene.display); !applied) return applied;
   const fs::path image(option.image);
   if (image.extension() != ".png") return bad_input("--image " + option.image + " must end in .png");
+  if (option.slices_through_tip) return draw_slices(option, loaded, image);
   auto sink =
       make_picture_sink(*loaded.scene.display, {.folder = image.has_parent_path() ? image.parent_path().string() : ".",
                                                 .gl = option.gl,
@@ -60,7 +85,7 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
   fmt::print(stderr, "picture by {}\n", (*sink)->driver());
-  const std::optional<Pose> tool = option.no_tool ? std::nullopt : std::optional(simulation->contact_state().world_from_tool);
+  const std::optional<Pose> tool = option.no_tool ? std::nullopt : std::optional(tool_pose(option, *simulation, loaded.scene));
   return simulation->frame_step()->draw(image.stem().string(), tool, option.cut);
 }
 
@@ -73,7 +98,8 @@ void add_render(CLI::App& app, int& exit_code) {
        .about = "Draws the scene offscreen into one PNG file: the bone as generated, or with --restore as an earlier run left it, from the "
                 "scene's camera or one given here.",
        .examples = {"burrhole render parietal --image before.png",
-                    "burrhole render parietal --restore out/bone.vdb --cut --camera 35,20,60 --image hole.png"},
+                    "burrhole render parietal --restore out/bone.vdb --cut --camera 35,20,60 --image hole.png",
+                    "burrhole render parietal --restore out/bone.vdb --slices-through-tip --depth-mm 4 --image slices.png"},
        .exits = "Exit 4 where no OpenGL can be had."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
@@ -89,6 +115,12 @@ void add_render(CLI::App& app, int& exit_code) {
   add_shader_option(*command, option->shader_folder);
   command->add_flag("--cut", option->cut, "cut open through the axis");
   command->add_flag("--no-tool", option->no_tool, "without the bit");
+  command->add_option("--depth-mm", option->depth_mm, "the bit with its tip so deep below the entry; where the scene begins without it")
+      ->type_name("MM")
+      ->check(CLI::Range(-100.0, 100.0));
+  command->add_flag(
+      "--slices-through-tip", option->slices_through_tip,
+      "in place of a view: axial, coronal and sagittal slice of 40 mm through the tip, as grey values of density; needs no OpenGL");
   command->callback([option, &exit_code] {
     auto loaded = load_or_report(option->scene, exit_code);
     if (!loaded) return;

@@ -1,6 +1,7 @@
 #include "app/engine/bone_step.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace burrhole {
 namespace {
@@ -112,6 +113,8 @@ void BoneStep::operator()(const Pose& world_from_tool, double cutting_force, dou
   const Status kept = keep_window(path);
   bool changed = !kept.ok() || voxmap_->window_epoch() != publisher_->published_epoch();
   if (erosion_ && spin_ > 0.0) changed |= erode(path, cutting_force, dt);
+  turned_ += spin() * dt;
+  turned_ -= std::floor(turned_);
   if (changed) {
     timers_.publish([&] {
       publisher_->publish(*voxmap_);

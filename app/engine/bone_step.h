@@ -42,6 +42,7 @@ class BoneStep {
   [[nodiscard]] double spin() const noexcept { return spindle_ ? spindle_->speed() : spin_; }  ///< [rev/s] now
   /// Null without [spindle], and at spin 0.
   [[nodiscard]] const Spindle* spindle() const noexcept { return spindle_ ? &*spindle_ : nullptr; }
+  [[nodiscard]] double turned() const noexcept { return turned_; }  ///< [rev] of the spindle so far, in 0..1: whole turns are left out
   [[nodiscard]] double slowest_spin() const noexcept { return slowest_spin_; }  ///< [rev/s] so far
   /// Null without [erosion].
   [[nodiscard]] const Erosion* erosion() const noexcept { return erosion_ ? &*erosion_ : nullptr; }
@@ -63,6 +64,7 @@ class BoneStep {
   Affine index_from_world_;
   WindowMargins margins_;
   double spin_ = 0.0, slowest_spin_ = 0.0;  // [rev/s]
+  double turned_ = 0.0;                     // [rev]
   std::optional<Erosion> erosion_;
   std::optional<Spindle> spindle_;
   double rubbing_radius_ = 0.0;  // [m] of the whole tool, for laws that do not say where they rub

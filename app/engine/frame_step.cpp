@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "app/engine/texels.h"
 
@@ -22,6 +23,7 @@ FrameView make_frame_view(const DisplayScene& display, const Pose& world_from_bo
   view.camera.eye = world_from_approach * (middle + direction * (cut ? 0.68 : 1.0) * display.distance);
   view.camera.up = world_from_approach.rotate(Vec3(0, 0, 1));
   view.camera.vertical_fov = 0.6;
+  view.background = display.background;
   view.light.direction_to_light = world_from_approach.rotate(Vec3(-0.45, -0.35, 0.8));
   if (cut) {
     const Vec3 normal = world_from_approach.rotate(Vec3(0, -1, 0));
@@ -30,11 +32,24 @@ FrameView make_frame_view(const DisplayScene& display, const Pose& world_from_bo
   return view;
 }
 
+Pose turned_tool(const Pose& world_from_tool, double turned) {
+  const double half = -std::numbers::pi * turned;
+  return {world_from_tool.rotation * Quat(std::cos(half), 0.0, 0.0, std::sin(half)), world_from_tool.translation};
+}
+
+std::optional<FrameView::Cut> make_scene_cut(const CutScene& cut, const CameraView& camera, const Pose& world_from_bone, const Vec3& tip) {
+  if (cut.kind == CutKind::none) return std::nullopt;
+  const bool at_tip = cut.kind == CutKind::tip;
+  const Vec3 normal = at_tip ? glm::normalize(camera.eye - camera.target) : glm::normalize(world_from_bone.rotate(cut.normal));
+  return FrameView::Cut{normal, glm::dot(normal, at_tip ? tip : world_from_bone * cut.point)};
+}
+
 FrameStep::FrameStep(const Scene& scene, const Approach& approach, Voxmap& voxmap, FrameSink& sink)
     : display_(*scene.display),
       world_from_bone_(scene.volume.world_from_bone),
       world_from_approach_(scene.volume.world_from_bone * approach.bone_from_approach),
       thickness_(approach.thickness),
+      tip_(world_from_approach_.translation),
       voxmap_(&voxmap),
       sink_(&sink),
       listener_(voxmap.add_listener()),
@@ -42,13 +57,20 @@ FrameStep::FrameStep(const Scene& scene, const Approach& approach, Voxmap& voxma
 
 Result<FrameStep> FrameStep::create(const Scene& scene, const Approach& approach, const Tool& tool, Voxmap& voxmap, FrameSink& sink) {
   FrameStep out(scene, approach, voxmap, sink);
-  if (Status started = sink.start(make_volume_view(voxmap), tool.mesh); !started) return started.error();
+  out.turns_ = tool.turns;
+  if (Status started = sink.start(make_volume_view(voxmap, scene.display->looks.tissue), tool.look); !started) return started.error();
   return out;
 }
 
-void FrameStep::gather() { fill_parcel(display_.upload_budget / sizeof(Rgba8), display_.upload_time); }
+void FrameStep::gather(double turned) {
+  turned_ = turned;
+  fill_parcel(display_.upload_budget / sizeof(Rgba8), display_.upload_time);
+}
 
-void FrameStep::gather_rest() { fill_parcel(std::numeric_limits<std::size_t>::max(), 0.0); }
+void FrameStep::gather_rest(double turned) {
+  turned_ = turned;
+  fill_parcel(std::numeric_limits<std::size_t>::max(), 0.0);
+}
 
 /// @param seconds 0: no limit.
 void FrameStep::fill_parcel(std::size_t most, double seconds) {
@@ -81,7 +103,9 @@ Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world
     parcel_.clear();
   });
   FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach_, thickness_, cut);
-  view.world_from_tool = world_from_tool;
+  if (world_from_tool) view.world_from_tool = turns_ ? turned_tool(*world_from_tool, turned_) : *world_from_tool;
+  if (world_from_tool) tip_ = world_from_tool->translation;
+  if (!cut) view.cut = make_scene_cut(display_.cut, view.camera, world_from_bone_, tip_);
   return timers_.frame([&] { return sink_->draw(name, view, display_.width, display_.height, hash_); });
 }
 

@@ -34,11 +34,12 @@ class FrameStep {
   [[nodiscard]] static Result<FrameStep> create(const Scene& scene, const Approach& approach, const Tool& tool, Voxmap& voxmap,
                                                 FrameSink& sink);
   /// Takes what changed into the parcel, as much as the scene's budget lets; the rest waits for the next call. By whoever owns the bone,
-  /// while no one draws.
-  void gather();
+  /// while no one draws. @param turned [rev] of the spindle, by which the next picture shows the bit turned.
+  void gather(double turned = 0.0);
   /// The same without a budget: nothing waits any more.
-  void gather_rest();
-  /// Sends the parcel, then draws. `tool`: nothing when it is out of the picture; `cut` opens the bone.
+  void gather_rest(double turned = 0.0);
+  /// Sends the parcel, then draws. `tool`: nothing when it is out of the picture; `cut` opens the bone through the axis, in place of the
+  /// scene's own cut. A cut at the tip is at the tip last seen, the entry before there was one.
   [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);
   [[nodiscard]] FrameStepTimers& timers() noexcept { return timers_; }
   [[nodiscard]] std::uint64_t image_hash() const noexcept { return hash_.value(); }
@@ -50,6 +51,9 @@ class FrameStep {
   DisplayScene display_;
   Pose world_from_bone_, world_from_approach_;
   double thickness_;
+  Vec3 tip_;             // [m] world, last seen
+  bool turns_ = true;    // the bit, about its axis
+  double turned_ = 0.0;  // [rev]
   Voxmap* voxmap_;
   FrameSink* sink_;
   std::size_t listener_;
@@ -62,6 +66,13 @@ class FrameStep {
   std::uint64_t texels_sent_ = 0;
   FrameStepTimers timers_;
 };
+
+/// A tool turned about its axis by `turned` [rev], clockwise seen from above, as bits cut.
+[[nodiscard]] Pose turned_tool(const Pose& world_from_tool, double turned);
+
+/// The scene's own cut, if any: at its plane, or through `tip` (world) square to the camera's direction.
+[[nodiscard]] std::optional<FrameView::Cut> make_scene_cut(const CutScene& cut, const CameraView& camera, const Pose& world_from_bone,
+                                                           const Vec3& tip);
 
 /// The scene's camera: round the entry, turned about the axis. `cut`: lower and from the open side.
 [[nodiscard]] FrameView make_frame_view(const DisplayScene& display, const Pose& world_from_bone, const Pose& world_from_approach,

@@ -197,7 +197,7 @@ void Loops::cut_on() {
       row.compute_us = microseconds(begin, now_monotonic());
       if (!bone_rows_.push(row)) unrecorded_.fetch_add(1, std::memory_order_relaxed);
     }
-    desk_->serve([&] { parts_->frame->gather(); });
+    desk_->serve([&] { parts_->frame->gather(parts_->bone->turned()); });
     if (before_others) std::this_thread::sleep_for(std::chrono::duration<float, std::micro>(kRest * microseconds(woke, now_monotonic())));
   }
 }

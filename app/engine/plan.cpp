@@ -93,17 +93,49 @@ PlanRow spindle_row(const EffectInfo& effect, const LoadedScene& loaded) {
           fmt::format("{:.0f} rpm free, stalls at {:.3g} N m", loaded.scene.tool.spin / kRevPerMinute, spindle.stall_torque)};
 }
 
+/// What is in the shader beyond the light of the paper.
+std::string looks_text(const LookView& looks) {
+  std::string out;
+  const auto add = [&out](bool on, const char* name) {
+    if (on) out += std::string(", ") + name;
+  };
+  add(looks.tissue, "tissue");
+  add(looks.occlusion, "ambient occlusion");
+  add(looks.shadow, "shadow");
+  add(looks.specular, "specular");
+  add(!looks.labels, "one colour");
+  add(looks.normals == NormalSource::recomputed, "normals recomputed");
+  return out;
+}
+
 std::string method_text(const DisplayScene& display) {
-  if (!display.transfer.empty()) return fmt::format("{}, translucent", display.method);
-  if (display.method != "slices") return display.method;
-  return fmt::format("slices, {:g} a voxel{}", display.slices_per_voxel, display.opacity_correction ? "" : ", opacity a slice");
+  const std::string looks = looks_text(display.looks);
+  if (!display.transfer.empty()) return fmt::format("{}, translucent{}", display.method, looks);
+  if (display.method != "slices") return display.method + looks;
+  return fmt::format("slices, {:g} a voxel{}{}", display.slices_per_voxel, display.opacity_correction ? "" : ", opacity a slice", looks);
+}
+
+/// What a picture shows beside the bone, and how often it is drawn.
+std::string picture_text(const DisplayScene& display) {
+  std::string out;
+  if (display.cut.kind != CutKind::none) out += display.cut.kind == CutKind::tip ? ", cut at the tip" : ", cut at a plane";
+  if (display.stereo.mode != StereoMode::off)
+    out += fmt::format(", {} of two eyes {:.3g} mm apart",
+                       display.stereo.mode == StereoMode::anaglyph     ? "anaglyph"
+                       : display.stereo.mode == StereoMode::top_bottom ? "top-bottom"
+                                                                       : "side-by-side",
+                       display.stereo.separation / kMillimetre);
+  return out + (display.scale_bar ? ", scale bar" : "");
 }
 
 PlanRow display_row(const EffectInfo& effect, const LoadedScene& loaded) {
-  const std::uint64_t texels = 2 * loaded.bone->bounds().count() * 4;
   const DisplayScene& display = *loaded.scene.display;
+  const std::uint64_t a_voxel = 2 * sizeof(Rgba8) + (display.looks.tissue ? sizeof(TissueTexel) : 0);
+  const std::uint64_t texels = loaded.bone->bounds().count() * a_voxel;
   const std::string budget = display.budget ? fmt::format(", quality for {:g} ms a picture", *display.budget * 1e3) : std::string();
-  return {effect, 0.0, texels, fmt::format("{}, {} x {} pixels{}, at events", method_text(display), display.width, display.height, budget)};
+  return {
+      effect, 0.0, texels,
+      fmt::format("{}{}, {} x {} pixels{}, at events", method_text(display), picture_text(display), display.width, display.height, budget)};
 }
 
 PlanRow record_row(const EffectInfo& effect, const LoadedScene& loaded) {

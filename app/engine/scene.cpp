@@ -379,12 +379,68 @@ void read_quality(TableReader& table, bool rays, bool finish, DisplayScene& out)
   if (finish) {
     quality.bisections =
         static_cast<int>(table.integer("bisections", quality.bisections, 0, 16, "halvings of the step in which a ray met bone"));
-    quality.finish = table.boolean("finish", true, "ambient occlusion and a fine grain; false: the light alone");
+    quality.finish = table.boolean("finish", true, "smooth normals, and ambient occlusion if it is on; false: the light alone");
   }
   quality.supersample =
       static_cast<int>(table.integer("supersample", quality.supersample, 1, 4, "rays along each side of a pixel, which smooth edges"));
   quality.resolution =
       table.number("resolution", {.fallback = 1.0, .min = 0.25, .max = 1.0}, "share of width and height that is drawn, then enlarged");
+}
+
+/// Keys of light and tissue. What only an opaque surface drawn by rays can show is asked for there alone.
+LookView read_looks(TableReader& table, bool surface, bool translucent) {
+  LookView out;
+  out.labels = table.boolean("label_colours", true, "colours by tissue and mineral density; false: all of one ivory");
+  if (!translucent && table.choice("normals", "texture", {"texture", "recomputed"},
+                                   "from the normals sent, or from differences of the density") == "recomputed")
+    out.normals = NormalSource::recomputed;
+  if (!surface) return out;
+  out.tissue = table.choice("tissue", "procedural", {"procedural", "plain"},
+                            "old surface unlike cut bone, pores in diploe, vessels on dura; or plain colours") == "procedural";
+  out.occlusion = table.boolean("ambient_occlusion", true, "less light in hollows");
+  out.shadow = table.boolean("shadow", false, "bone throws a shadow on bone");
+  out.specular = table.boolean("specular", false, "the glint of a wet surface");
+  return out;
+}
+
+Vec3 read_color(TableReader& table, const char* key, const Vec3& fallback, const char* about) {
+  const auto rgb = table.numbers(key, std::vector<double>{fallback.x, fallback.y, fallback.z}, 3, {.min = 0.0, .max = 1.0}, about);
+  return {rgb[0], rgb[1], rgb[2]};
+}
+
+CutScene read_cut(TableReader& table) {
+  CutScene out;
+  const std::string kind = table.choice("cut", "none", {"none", "plane", "tip"},
+                                        "cuts pictures open: at a plane, or at the depth of the tool's tip, square to the view");
+  if (kind == "none") return out;
+  out.kind = kind == "tip" ? CutKind::tip : CutKind::plane;
+  if (out.kind == CutKind::tip) return out;
+  const NumberRule millimetres{.fallback = std::nullopt, .min = -5000.0, .max = 5000.0, .to_si = kMillimetre};
+  const auto point = table.numbers("cut_point_mm", std::nullopt, 3, millimetres, "a point of the plane, in the bone's frame");
+  const auto normal = table.numbers("cut_normal", std::nullopt, 3, {.fallback = std::nullopt, .min = -1e6, .max = 1e6},
+                                    "towards the side that is cut away, in the bone's frame; of any length but 0");
+  out.point = {point[0], point[1], point[2]};
+  out.normal = {normal[0], normal[1], normal[2]};
+  if (glm::length(out.normal) == 0.0) table.fault("cut_normal", "must not be zero");
+  return out;
+}
+
+StereoView read_stereo(TableReader& table, double distance) {
+  StereoView out;
+  const std::string mode =
+      table.choice("stereo", "off", {"off", "side-by-side", "top-bottom", "anaglyph"},
+                   "two eyes in one picture, each of `size`; an anaglyph is for red and cyan glasses", {"quad-buffered"});
+  if (mode == "off") return out;
+  out.mode = mode == "anaglyph" ? StereoMode::anaglyph : mode == "top-bottom" ? StereoMode::top_bottom : StereoMode::side_by_side;
+  out.separation = table
+                       .optional_number("eye_separation_mm", above_zero(0.0, kMillimetre, 200.0),
+                                        "between the eyes; a thirtieth of distance_mm unless said")
+                       .value_or(distance / 30.0);
+  out.screen = table
+                   .optional_number("screen_mm", above_zero(0.0, kMillimetre, 5000.0),
+                                    "from the eyes to the plane that seems to lie in the screen; distance_mm unless said")
+                   .value_or(distance);
+  return out;
 }
 
 DisplayScene read_display(TableReader table) {
@@ -403,6 +459,9 @@ DisplayScene read_display(TableReader table) {
         "opacity_correction", true, "opacity is per voxel edge, whatever the distance between slices; false: per slice, as in the paper");
   }
   read_quality(table, out.method == "raycast", out.method == "raycast" && out.transfer.empty(), out);
+  out.looks = read_looks(table, out.method == "raycast" && out.transfer.empty(), !out.transfer.empty());
+  out.background.top = read_color(table, "background_top", out.background.top, "red, green and blue behind the upper edge");
+  out.background.bottom = read_color(table, "background_bottom", out.background.bottom, "and behind the lower edge");
   const auto size =
       table.numbers("size", std::vector<double>{1200, 900}, 2, {.min = 16, .max = 8192}, "width and height of a picture in pixels");
   out.width = static_cast<int>(size[0]);
@@ -417,6 +476,9 @@ DisplayScene read_display(TableReader table) {
   out.elevation = table.number("elevation_deg", {.fallback = 42.0, .min = -89, .max = 89, .to_si = kDegree},
                                "angle of the camera above the entry's tangent plane");
   out.distance = table.number("distance_mm", above_zero(74.0, kMillimetre, 5000.0), "distance of the camera from the entry");
+  out.scale_bar = table.boolean("scale_bar", true, "a bar of a length that fits, as it looks at the distance of the point looked at");
+  out.cut = read_cut(table);
+  out.stereo = read_stereo(table, out.distance);
   table.finish();
   return out;
 }

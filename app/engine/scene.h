@@ -78,6 +78,14 @@ struct SpindleScene {
   double inertia = 1e-4;      ///< [kg m^2]
 };
 
+/// Where pictures are cut open: nowhere, at a plane through a point, or at the tip's depth, square to the view.
+enum class CutKind { none, plane, tip };
+struct CutScene {
+  CutKind kind = CutKind::none;
+  Vec3 point{0.0};   ///< [m] bone frame; of a plane
+  Vec3 normal{0.0};  ///< bone frame, towards what is cut away; of a plane
+};
+
 /// [display]
 struct DisplayScene {
   std::string method = "raycast";  ///< "raycast" or "slices"
@@ -86,12 +94,17 @@ struct DisplayScene {
   TransferFunction transfer;                 ///< empty: bone is drawn by its surface; key shading = "translucent"
   DrawingQuality quality{.supersample = 2};  ///< a handful of still pictures: smooth edges are worth four times the pixels
   std::optional<double> budget;  ///< [s] of a picture, by which the quality is chosen (quality = "auto"); nothing: as the keys say
+  LookView looks{.tissue = true, .occlusion = true};
+  BackgroundView background;
   int width = 1200, height = 900;
   std::size_t upload_budget = std::size_t{64} << 20;  ///< [byte] of texels for one picture; key upload_budget_kb
   double upload_time = 0.0;                           ///< [s] that making them may take; 0: any; key upload_budget_ms
   double azimuth = 0.61;                              ///< [rad] of the camera round the axis, from the patient's -y
   double elevation = 0.75;                            ///< [rad] above the tangent plane
   double distance = 0.074;                            ///< [m] from the entry
+  bool scale_bar = true;
+  CutScene cut;
+  StereoView stereo;
 };
 
 /// [record]

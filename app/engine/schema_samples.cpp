@@ -50,6 +50,10 @@ std::vector<SchemaSample> scene_samples() {
   samples.push_back({"energy", scene({.erosion = "law = \"energy\""}), {}});
   samples.push_back({"slices", scene({.display = "method = \"slices\""}), {}});
   samples.push_back({"quality by a budget", scene({.display = "quality = \"auto\""}), {}});
+  samples.push_back({"cut at a plane", scene({.display = "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]"}), {}});
+  for (const std::string line : {"cut = \"tip\"", "stereo = \"side-by-side\"", "stereo = \"top-bottom\"", "stereo = \"anaglyph\"",
+                                 "tissue = \"plain\"", "normals = \"recomputed\""})
+    samples.push_back({line, scene({.display = line}), {}});
   samples.push_back(
       {"translucent", scene({.display = "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}), {}});
   samples.push_back({"spindle", scene({.after = "[spindle]\n"}), {}});

@@ -45,7 +45,7 @@ std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_p
 
 void Simulation::set_session(SessionWriter* session) {
   log_ = std::make_unique<RunLog>(*parts_, session, [this] {
-    if (!desk_.fetch()) parts_->frame->gather();
+    if (!desk_.fetch()) parts_->frame->gather(parts_->bone->turned());
   });
 }
 
@@ -56,7 +56,7 @@ Status Simulation::run() {
     if (Status ran = options_.live ? run_on_threads() : run_lockstep(); !ran) return ran;
   }
   parts_->voxmap->write_back();
-  if (parts_->frame) parts_->frame->gather_rest();  // the last pictures show all that was done
+  if (parts_->frame) parts_->frame->gather_rest(parts_->bone->turned());  // the last pictures show all that was done
   if (Status drawn = log_->draw("after", {}, false); !drawn) return drawn;
   return log_->draw("cutaway", {}, true);
 }

@@ -7,6 +7,9 @@ namespace {
 
 std::uint8_t to_byte(double unit) { return static_cast<std::uint8_t>(std::clamp(unit * 255.0 + 0.5, 0.0, 255.0)); }
 
+/// Relative mineral density from which bone is dense to the eye, and at which it is marrow between thin walls.
+constexpr double kDenseFrom = 0.75, kMarrowAt = 0.12;
+
 struct Tint {
   double r, g, b;
 };
@@ -80,6 +83,24 @@ std::vector<Rgba8> make_colors(const BoneModel& bone) {
   return out;
 }
 
+/// Where bone is spongy follows from its mineral density, which a scan tells too; it has no labels of tables and diploe.
+std::vector<TissueTexel> make_tissue(const BoneModel& bone) {
+  const VoxelBox box = bone.bounds();
+  std::vector<float> occupancy(box.count()), hardness(box.count()), labels(box.count());
+  bone.read_occupancy(box, occupancy);
+  bone.read_hardness(box, hardness);
+  bone.read_labels(box, labels);
+  std::vector<TissueTexel> out;
+  out.reserve(box.count());
+  for (std::size_t n = 0; n < occupancy.size(); ++n) {
+    const auto label = static_cast<VoxelLabel>(static_cast<int>(labels[n]));
+    double kind = label == VoxelLabel::dura ? 1.0 : 0.0;
+    if (is_felt(label)) kind = std::clamp((kDenseFrom - static_cast<double>(hardness[n])) / (kDenseFrom - kMarrowAt), 0.0, 1.0);
+    out.push_back({to_byte(static_cast<double>(occupancy[n])), to_byte(kind)});
+  }
+  return out;
+}
+
 void encode_slab(Voxmap& voxmap, const VoxelBox& part, const Mat3& normal_map, std::vector<Rgba8>& out) {
   std::vector<float> density(part.count());
   std::vector<Vec3f> gradient(part.count());
@@ -108,13 +129,14 @@ TexelBox make_texels(Voxmap& voxmap, const VoxelBox& box) {
   return out;
 }
 
-VolumeView make_volume_view(Voxmap& voxmap) {
+VolumeView make_volume_view(Voxmap& voxmap, bool with_tissue) {
   const BoneModel& bone = voxmap.bone();
   VolumeView out;
   out.dims = bone.dims();
   out.bone_from_index = bone.bone_from_index();
   out.normal_opacity = make_texels(voxmap, bone.bounds()).normal_opacity;
   out.color = make_colors(bone);
+  if (with_tissue) out.tissue = make_tissue(bone);
   return out;
 }
 

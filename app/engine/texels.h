@@ -14,7 +14,7 @@ namespace burrhole {
 /// Texels of a box as the bone is now; the box is cut to the volume. @returns an empty box when nothing of it lies inside.
 [[nodiscard]] TexelBox make_texels(Voxmap& voxmap, const VoxelBox& box);
 
-/// The whole volume with colours.
-[[nodiscard]] VolumeView make_volume_view(Voxmap& voxmap);
+/// The whole volume with colours. @param with_tissue also what each voxel was as loaded.
+[[nodiscard]] VolumeView make_volume_view(Voxmap& voxmap, bool with_tissue = false);
 
 }  // namespace burrhole

@@ -34,6 +34,13 @@ struct TexelBox {
   std::vector<Rgba8> normal_opacity;
 };
 
+/// What a voxel was before any drill came, never sent again. r: occupancy as loaded. g: of bone how spongy it is, 0 dense .. 255 marrow; of
+/// soft tissue 255 dura, 0 brain.
+struct TissueTexel {
+  std::uint8_t r = 0, g = 0;
+  friend bool operator==(const TissueTexel&, const TissueTexel&) = default;
+};
+
 /// The volume as first sent: every texel and its colour. Alpha of `color` is the occupancy of soft tissue (dura, brain), 0..255: its 0.5
 /// level is a surface too, seen but not felt.
 struct VolumeView {
@@ -41,6 +48,7 @@ struct VolumeView {
   Affine bone_from_index;  ///< [m]
   std::vector<Rgba8> normal_opacity;
   std::vector<Rgba8> color;
+  std::vector<TissueTexel> tissue{};  ///< empty where no picture asks for it
   std::vector<glm::vec4>
       precise{};  ///< normal_opacity before it was rounded, as a fraction of 255; drawn in its place, for measurements; empty: not there
 };
@@ -49,10 +57,23 @@ struct VolumeView {
 struct DrawingQuality {
   double step_voxels = 0.5;  ///< (0, 1] distance of samples along a ray, in index coordinates
   int bisections = 5;        ///< 0..16, each halves the error of the hit
-  bool finish = true;        ///< ambient occlusion and a fine grain
+  bool finish = true;        ///< smooth normals, and ambient occlusion where it is asked for
   int supersample = 1;       ///< 1..4, rays along each side of a pixel
   double resolution = 1.0;   ///< [0.25, 1] of the picture's width and height are drawn, then enlarged
   friend bool operator==(const DrawingQuality&, const DrawingQuality&) = default;
+};
+
+/// Where normals come from: the first texture, as sent, or differences of the density in each pixel.
+enum class NormalSource { texture, recomputed };
+
+/// What light and tissue may look like beyond the light of the paper; what is off is not in the shader.
+struct LookView {
+  bool tissue = false;     ///< procedural tissue: old surface, cut bone, pores, vessels; needs VolumeView::tissue
+  bool occlusion = false;  ///< less sky in hollows
+  bool shadow = false;     ///< bone between a point and the light
+  bool specular = false;   ///< the glint of a wet surface
+  bool labels = true;      ///< colours by tissue; off: all of one ivory
+  NormalSource normals = NormalSource::texture;
 };
 
 /// Perspective camera.
@@ -61,6 +82,17 @@ struct CameraView {
   Vec3 target{0.0};
   Vec3 up{0.0, 0.0, 1.0};
   double vertical_fov = 0.6;  ///< [rad] in (0, 3)
+  /// Off-axis frustum: where the middle of the picture lies off the direction of view, in half widths and half heights of the picture.
+  glm::dvec2 shift{0.0};
+};
+
+/// Two pictures, one an eye, as one.
+enum class StereoMode { off, side_by_side, top_bottom, anaglyph };
+
+struct StereoView {
+  StereoMode mode = StereoMode::off;
+  double separation = 0.0;  ///< [m] between the eyes
+  double screen = 0.0;      ///< [m] from the eyes to the plane on which both see a point at one place
 };
 
 /// Light of [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); `fill` adds a weak headlight, fill Cv max(N.V, 0), 0 for the paper's
@@ -81,10 +113,17 @@ struct TransferPoint {
 /// Level before the first corner and after the last.
 using TransferFunction = std::vector<TransferPoint>;
 
+/// A soft vertical gradient behind everything.
+struct BackgroundView {
+  Vec3 bottom{0.60, 0.65, 0.70};  ///< 0..1, as stored
+  Vec3 top{0.19, 0.24, 0.30};
+};
+
 /// Everything one frame shows.
 struct FrameView {
   CameraView camera;
   LightView light;
+  BackgroundView background;
   Pose world_from_bone;
   std::optional<Pose> world_from_tool;  ///< nothing: the tool is not drawn
   /// Half space cut away from the picture: points with dot(normal, p_world) > offset are not drawn (bone, dura and brain; not the tool).

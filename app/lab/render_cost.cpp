@@ -136,6 +136,7 @@ class Stand {
   static Result<Stand> create(const RenderCostOptions& options, RenderOptions how, const VolumeView& volume, const FrameView& view) {
     how.gl = options.gl;
     how.keep_picture = false;  // each picture is timed whole
+    how.looks.occlusion = !how.slices && !how.translucent;
     auto renderer = Renderer::create(how);
     if (!renderer) return renderer.error();
     if (Status set = renderer->set_volume(volume); !set) return set.error();

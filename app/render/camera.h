@@ -9,10 +9,11 @@
 
 namespace burrhole {
 
-/// Ray of a pixel: p(t) = eye + t * (forward + x * right + y * up), x and y in -1..1 (y up), t the view depth [m].
-/// `forward` has length 1; `right` and `up` carry the half widths of the view at depth 1.
+/// Ray of a pixel: p(t) = eye + t * (forward + x * right + y * up), x and y in -1..1 (y up), t the view depth [m] along `axis`.
+/// `axis` has length 1 and is square to `right` and `up`, which carry the half widths of the view at depth 1; `forward` is the ray of the
+/// picture's middle, axis . forward = 1: the axis itself unless the frustum is off-axis.
 struct CameraRays {
-  Vec3 eye, forward, right, up;
+  Vec3 eye, forward, right, up, axis;
 
   [[nodiscard]] Vec3 direction(double x, double y) const noexcept { return forward + x * right + y * up; }
 };

@@ -17,9 +17,18 @@ constexpr double kSlackVoxels = 0.05;
 constexpr double kSlackPixels = 0.125;
 /// volume.glsl, difference_normal: differences of neighbours.
 constexpr double kDifference = 1.0;
-/// finish.glsl, open_sky: the farthest ring, and how far it starts above the surface [voxel edges].
+/// volume.glsl, surface_normal with FINISH: the wider mean.
+constexpr double kWiderMean = 1.25;
+/// occlusion.glsl, open_sky: the farthest ring, and how far it starts above the surface [voxel edges].
 const double kSkyMetres = 0.0011 * std::exp2(1.15 * 2.0);
 constexpr double kSkyLift = 1.2;
+
+/// shadow.glsl, light_reaching: the last sample [m].
+double shadow_metres(double longest_edge) noexcept {
+  double way = 1.5 * longest_edge;
+  for (int i = 0; i < 28; ++i) way += std::min(0.7 * longest_edge * std::pow(1.08, i), 0.001);
+  return way;
+}
 
 PixelRect around(const PixelRect& a, const PixelRect& b) { return {glm::min(a.lo, b.lo), glm::max(a.hi, b.hi)}; }
 
@@ -77,9 +86,12 @@ std::int64_t PixelRegion::pixels() const noexcept {
 
 Reach reach_of(const RenderOptions& options, double longest_edge) noexcept {
   if (options.translucent) return {kFilter + kSlackVoxels, 0.0};  // normals as stored, and those of soft tissue, which does not change
-  if (options.slices || !options.finish) return {kFilter + kDifference + kSlackVoxels, 0.0};
-  // The sky is looked up farther than surface_normal's wider mean, 1.25 voxels: the lift alone is 1.2, and a ring a millimetre or more.
-  return {kFilter + kSlackVoxels, kSkyMetres + kSkyLift * longest_edge};
+  Reach out{kFilter + kDifference + kSlackVoxels, 0.0};
+  if (options.slices) return out;
+  if (options.finish) out.voxels = kFilter + kWiderMean + kSlackVoxels;  // tissue.glsl, cut_share: three quarters of a voxel
+  if (options.looks.occlusion) out.metres = kSkyMetres + kSkyLift * longest_edge;
+  if (options.looks.shadow) out.metres = std::max(out.metres, shadow_metres(longest_edge));
+  return out;
 }
 
 std::vector<Vec3> reached_corners(const VoxelBox& box, const Reach& reach, const Affine& world_from_index) {
@@ -96,15 +108,16 @@ std::vector<Vec3> reached_corners(const VoxelBox& box, const Reach& reach, const
 
 PixelRect find_footprint(const CameraRays& rays, std::span<const Vec3> points, const Vec2i& picture) {
   const PixelRect all{Vec2i(0), picture};
-  // A point eye + t (forward + x right + y up) has x = (p - eye) . right / (t right . right), y likewise. The hull's picture is the hull of
-  // the points' pictures as long as all of it lies in front of the eye.
+  // A point p = eye + t (forward + x right + y up) has t = (p - eye) . axis and x = (p - eye - t forward) . right / (t right . right), y
+  // likewise. The hull's picture is the hull of the points' pictures as long as all of it lies in front of the eye.
   Vec2 lo(std::numeric_limits<double>::infinity()), hi(-lo);
   for (const Vec3& p : points) {
     const Vec3 from_eye = p - rays.eye;
-    const double t = glm::dot(from_eye, rays.forward);
+    const double t = glm::dot(from_eye, rays.axis);
     if (!(t > 1e-6)) return all;
-    const Vec2 ndc(glm::dot(from_eye, rays.right) / (t * glm::dot(rays.right, rays.right)),
-                   glm::dot(from_eye, rays.up) / (t * glm::dot(rays.up, rays.up)));
+    const Vec3 off = from_eye - t * rays.forward;
+    const Vec2 ndc(glm::dot(off, rays.right) / (t * glm::dot(rays.right, rays.right)),
+                   glm::dot(off, rays.up) / (t * glm::dot(rays.up, rays.up)));
     const Vec2 pixel = 0.5 * (ndc + 1.0) * Vec2(picture);
     lo = glm::min(lo, pixel);
     hi = glm::max(hi, pixel);

@@ -17,7 +17,8 @@ struct FrameBlock {
   Vec4f dims{1}, light{0}, light_terms{0}, cut{0}, lens{0}, edges{1};
   glm::fmat4 clip_from_tool{1}, world_from_tool{1}, clip_from_index{1}, world_from_index{1};
   Vec4f slices{0};
+  Vec4f background_bottom{0}, background_top{0};
 };
-static_assert(sizeof(FrameBlock) == 37 * 16);
+static_assert(sizeof(FrameBlock) == 39 * 16);
 
 }  // namespace burrhole

@@ -44,7 +44,9 @@ FrameKey make_frame_key(std::string variant, const FrameBlock& block) {
 }
 
 CameraRays rays_of(const FrameBlock& block) noexcept {
-  return {Vec3(block.eye_world), Vec3(block.forward_world), Vec3(block.right_world), Vec3(block.up_world)};
+  const Vec3 forward(block.forward_world), right(block.right_world), up(block.up_world);
+  const Vec3 across = glm::normalize(glm::cross(right, up));
+  return {Vec3(block.eye_world), forward, right, up, glm::dot(across, forward) < 0.0 ? -across : across};
 }
 
 void FrameCache::texels_changed(const VoxelBox& box) {

@@ -43,6 +43,9 @@ Status check_view(const FrameView& view) {
     return out_of_range("the light has no direction");
   for (const double term : {light.ambient, light.diffuse, light.fill})
     if (!(term >= 0.0 && term <= 100.0)) return out_of_range("the terms of the light must be in 0..100");
+  for (const Vec3& color : {view.background.bottom, view.background.top})
+    for (const double channel : {color.x, color.y, color.z})
+      if (!(channel >= 0.0 && channel <= 1.0)) return out_of_range("colours of the background must be in 0..1");
   if (view.cut && (!is_finite(view.cut->normal) || glm::length(view.cut->normal) == 0.0)) return out_of_range("the cut has no direction");
   return {};
 }
@@ -103,7 +106,7 @@ void fill_slices(FrameBlock& block, const CameraRays& rays, const VolumeTexture&
   glm::length_t axis = 0;
   double best = -1.0;
   for (glm::length_t a = 0; a < 3; ++a) {
-    const double square_on = std::abs(glm::dot(glm::normalize(rows[a]), rays.forward));
+    const double square_on = std::abs(glm::dot(glm::normalize(rows[a]), rays.axis));
     if (square_on > best) {
       best = square_on;
       axis = a;
@@ -119,6 +122,8 @@ void fill_slices(FrameBlock& block, const CameraRays& rays, const VolumeTexture&
 void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
   block.light = vec4(glm::normalize(view.light.direction_to_light));
   block.light_terms = vec4({view.light.ambient, view.light.diffuse, view.light.fill});
+  block.background_bottom = vec4(view.background.bottom);
+  block.background_top = vec4(view.background.top);
   if (!view.cut) return;
   const double length = glm::length(view.cut->normal);
   block.cut = vec4(view.cut->normal / length, view.cut->offset / length);
@@ -128,6 +133,7 @@ void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
 
 struct Renderer::Impl {
   RenderOptions options;
+  bool asked_occlusion;  ///< at creation; a quality without finish leaves it out
   GlContext context;
   const GladGLContext& gl;
   ProgramCache programs;
@@ -143,7 +149,12 @@ struct Renderer::Impl {
   bool may_grow = false;  ///< forget() came since the last picture
 
   Impl(const RenderOptions& chosen, GlContext made, ShaderFiles files)
-      : options(chosen), context(std::move(made)), gl(context.functions()), programs(gl, std::move(files)), cache(chosen.supersample) {
+      : options(chosen),
+        asked_occlusion(chosen.looks.occlusion),
+        context(std::move(made)),
+        gl(context.functions()),
+        programs(gl, std::move(files)),
+        cache(chosen.supersample) {
     no_vertices = make_vertex_array(gl);
     frame_buffer = make_buffer(gl);
     gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
@@ -262,9 +273,13 @@ void Renderer::Impl::draw_translucent(GLuint program, const PixelRect& part) con
 
 ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe) const {
   const bool soft = volume && volume->has_soft();
-  if (options.slices) return slices_variant({.cut = cut, .soft = soft, .correct = options.slices->correct});
-  if (options.translucent) return translucent_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe});
-  return raycast_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .finish = options.finish, .probe = probe});
+  LookView looks = options.looks;
+  looks.tissue = looks.tissue && volume && volume->has_tissue();
+  if (options.slices)
+    return slices_variant({.cut = cut, .soft = soft, .correct = options.slices->correct, .labels = looks.labels, .normals = looks.normals});
+  if (options.translucent)
+    return translucent_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = looks.labels});
+  return raycast_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .finish = options.finish, .probe = probe, .looks = looks});
 }
 
 Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
@@ -436,6 +451,7 @@ Status Renderer::set_quality(const DrawingQuality& quality) {
   options.step_voxels = quality.step_voxels;
   options.bisections = quality.bisections;
   options.finish = quality.finish;
+  options.looks.occlusion = quality.finish && impl_->asked_occlusion;
   options.supersample = quality.supersample;
   options.resolution = quality.resolution;
   if (Status valid = check_options(options); !valid) return valid;

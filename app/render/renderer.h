@@ -30,7 +30,8 @@ struct RenderOptions {
   double step_voxels = 0.5;  ///< (0, 1] distance of samples along a ray, in index coordinates
   int bisections = 5;        ///< 0..16, each halves the error of the hit
   bool skip_empty = true;    ///< same picture, fewer samples
-  bool finish = true;        ///< ambient occlusion and a fine grain; off: the light of the paper (and the headlight) alone
+  bool finish = true;        ///< smoothed normals and soft highlights; off: the light of the paper (and the headlight) alone
+  LookView looks{};          ///< beyond that light; tissue, occlusion, shadow and glint for surfaces by rays alone
   int supersample = 1;       ///< 1..4, picture edges are smoothed by that many rays along each side of a pixel
   double resolution = 1.0;   ///< [0.25, 1] of the picture's width and height are drawn, then enlarged
   bool keep_picture = true;  ///< same picture; what did not change since the last one is not drawn again

@@ -1,5 +1,6 @@
 #include "app/render/shader_source.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -11,30 +12,63 @@ namespace {
 
 constexpr int kMaxIncludeDepth = 8;
 
-/// Appends `file`, includes replaced; #line keeps the compiler's line numbers those of the file on disk, and tells files apart by their
+/// Replaces includes and decides branches; #line keeps the compiler's line numbers those of the file on disk, and tells files apart by their
 /// number in the order of their names.
-Status append_expanded(const ShaderFiles& files, std::string_view file, const std::string& asked_from, int depth, std::string& out) {
-  const auto found = files.find(file);
-  if (found == files.end()) return bad_input("no shader file \"" + std::string(file) + "\"", asked_from);
-  if (depth > kMaxIncludeDepth) return bad_input("shader includes nest deeper than 8: does a file include itself?", asked_from);
-  std::istringstream lines(found->second);
-  constexpr std::string_view kInclude = "#include \"";
-  const std::string source = " " + std::to_string(std::distance(files.begin(), found)) + "\n";
-  out += "#line 1" + source;
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    if (!line.starts_with(kInclude)) {
-      out += line + '\n';
-      continue;
+class Expander {
+ public:
+  Expander(const ShaderFiles& files, const std::vector<std::string>& defines) : files_(&files), defines_(&defines) {}
+
+  Status append(std::string_view file, const std::string& asked_from, int depth) {
+    const auto found = files_->find(file);
+    if (found == files_->end()) return bad_input("no shader file \"" + std::string(file) + "\"", asked_from);
+    if (depth > kMaxIncludeDepth) return bad_input("shader includes nest deeper than 8: does a file include itself?", asked_from);
+    const std::size_t open = branches_.size();
+    const std::string source = " " + std::to_string(std::distance(files_->begin(), found)) + "\n";
+    out_ += "#line 1" + source;
+    std::istringstream lines(found->second);
+    std::string line;
+    for (int number = 1; std::getline(lines, line); ++number) {
+      const std::string place = std::string(file) + ":" + std::to_string(number);
+      if (line.starts_with("#ifdef ") || line.starts_with("#ifndef ") || line.starts_with("#else") || line.starts_with("#endif")) {
+        if (!line.starts_with("#if") && branches_.size() == open) return bad_input(line + " without a branch", place);
+        branch(line);
+        out_ += '\n';
+      } else if (!taken()) {
+        out_ += '\n';
+      } else if (line.starts_with(kInclude)) {
+        const std::string name = line.substr(kInclude.size(), line.find('"', kInclude.size()) - kInclude.size());
+        if (Status included = append(name, place, depth + 1); !included) return included;
+        out_ += "#line " + std::to_string(number + 1) + source;
+      } else {
+        out_ += line + '\n';
+      }
     }
-    const std::size_t end = line.find('"', kInclude.size());
-    const std::string name = line.substr(kInclude.size(), end - kInclude.size());
-    const Status included = append_expanded(files, name, std::string(file) + ":" + std::to_string(number), depth + 1, out);
-    if (!included) return included;
-    out += "#line " + std::to_string(number + 1) + source;
+    if (branches_.size() != open) return bad_input("a branch is not closed", std::string(file));
+    return {};
   }
-  return {};
-}
+  [[nodiscard]] std::string& text() noexcept { return out_; }
+
+ private:
+  static constexpr std::string_view kInclude = "#include \"";
+
+  void branch(const std::string& line) {
+    if (line.starts_with("#endif")) return branches_.pop_back();
+    if (line.starts_with("#else")) {
+      branches_.back() = !branches_.back();
+      return;
+    }
+    const std::string word = line.substr(line.find(' ') + 1);
+    const std::string name = word.substr(0, word.find_first_of(" \t\r/"));
+    const bool defined = std::find(defines_->begin(), defines_->end(), name) != defines_->end();
+    branches_.push_back(defined == line.starts_with("#ifdef"));
+  }
+  [[nodiscard]] bool taken() const { return std::find(branches_.begin(), branches_.end(), false) == branches_.end(); }
+
+  const ShaderFiles* files_;
+  const std::vector<std::string>* defines_;
+  std::vector<bool> branches_;
+  std::string out_;
+};
 
 void add_define(ShaderVariant& variant, bool on, const char* define, const char* suffix) {
   if (!on) return;
@@ -51,6 +85,13 @@ ShaderVariant raycast_variant(const RaycastChoice& choice) {
   add_define(variant, choice.skip, "SKIP", "_skip");
   add_define(variant, choice.finish, "FINISH", "_finish");
   add_define(variant, choice.probe, "PROBE", "_probe");
+  const LookView& looks = choice.looks;
+  add_define(variant, looks.tissue, "TISSUE", "_tissue");
+  add_define(variant, looks.occlusion, "OCCLUSION", "_occlusion");
+  add_define(variant, looks.shadow, "SHADOW", "_shadow");
+  add_define(variant, looks.specular, "SPECULAR", "_specular");
+  add_define(variant, looks.labels, "LABELS", "_labels");
+  add_define(variant, looks.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
   return variant;
 }
 
@@ -59,6 +100,8 @@ ShaderVariant slices_variant(const SlicesChoice& choice) {
   add_define(variant, choice.cut, "CUT", "_cut");
   add_define(variant, choice.soft, "SOFT", "_soft");
   add_define(variant, choice.correct, "CORRECT", "_correct");
+  add_define(variant, choice.labels, "LABELS", "_labels");
+  add_define(variant, choice.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
   return variant;
 }
 
@@ -68,6 +111,7 @@ ShaderVariant translucent_variant(const TranslucentChoice& choice) {
   add_define(variant, choice.soft, "SOFT", "_soft");
   add_define(variant, choice.skip, "SKIP", "_skip");
   add_define(variant, choice.probe, "PROBE", "_probe");
+  add_define(variant, choice.labels, "LABELS", "_labels");
   return variant;
 }
 
@@ -80,26 +124,48 @@ ShaderVariant background_variant() { return {"background", "screen.vert", "backg
 
 std::vector<ShaderVariant> all_shader_variants() {
   std::vector<ShaderVariant> variants{background_variant(), tool_variant(false), tool_variant(true)};
+  const auto bit = [](unsigned bits, unsigned n) { return (bits >> n & 1u) != 0; };
+  const auto looks = [bit](unsigned bits) {
+    return LookView{.tissue = bit(bits, 0),
+                    .occlusion = bit(bits, 1),
+                    .shadow = bit(bits, 2),
+                    .specular = bit(bits, 3),
+                    .labels = bit(bits, 4),
+                    .normals = bit(bits, 5) ? NormalSource::recomputed : NormalSource::texture};
+  };
+  constexpr unsigned kDrawn = 32, kLooks = 6, kAllLooks = (1u << kLooks) - 1u;
+  const auto add = [&](unsigned bits, unsigned look) {
+    variants.push_back(raycast_variant({.cut = bit(bits, 0),
+                                        .soft = bit(bits, 1),
+                                        .skip = bit(bits, 2),
+                                        .finish = bit(bits, 3),
+                                        .probe = bit(bits, 4),
+                                        .looks = looks(look)}));
+  };
+  for (unsigned bits = 0; bits < kDrawn; ++bits)
+    for (const unsigned look : {0u, kAllLooks}) add(bits, look);
+  for (const unsigned bits : {0u, kDrawn - 1u})
+    for (unsigned n = 0; n < kLooks; ++n)
+      for (const unsigned look : {1u << n, kAllLooks ^ 1u << n}) add(bits, look);
   for (unsigned bits = 0; bits < 32; ++bits)
-    variants.push_back(raycast_variant({.cut = (bits & 1u) != 0,
-                                        .soft = (bits & 2u) != 0,
-                                        .skip = (bits & 4u) != 0,
-                                        .finish = (bits & 8u) != 0,
-                                        .probe = (bits & 16u) != 0}));
-  for (unsigned bits = 0; bits < 16; ++bits)
-    variants.push_back(
-        translucent_variant({.cut = (bits & 1u) != 0, .soft = (bits & 2u) != 0, .skip = (bits & 4u) != 0, .probe = (bits & 8u) != 0}));
-  for (unsigned bits = 0; bits < 8; ++bits)
-    variants.push_back(slices_variant({.cut = (bits & 1u) != 0, .soft = (bits & 2u) != 0, .correct = (bits & 4u) != 0}));
+    variants.push_back(translucent_variant(
+        {.cut = bit(bits, 0), .soft = bit(bits, 1), .skip = bit(bits, 2), .probe = bit(bits, 3), .labels = bit(bits, 4)}));
+  for (unsigned bits = 0; bits < 32; ++bits)
+    variants.push_back(slices_variant({.cut = bit(bits, 0),
+                                       .soft = bit(bits, 1),
+                                       .correct = bit(bits, 2),
+                                       .labels = bit(bits, 3),
+                                       .normals = bit(bits, 4) ? NormalSource::recomputed : NormalSource::texture}));
   return variants;
 }
 
 Result<std::string> expand_shader(const ShaderFiles& files, std::string_view file, const std::vector<std::string>& defines) {
-  std::string out = "#version 450 core\n";
-  for (const std::string& name : defines) out += "#define " + name + " 1\n";
-  const Status done = append_expanded(files, file, "", 0, out);
+  Expander expander(files, defines);
+  expander.text() = "#version 450 core\n";
+  for (const std::string& name : defines) expander.text() += "#define " + name + " 1\n";
+  const Status done = expander.append(file, "", 0);
   if (!done) return done.error();
-  return out;
+  return std::move(expander.text());
 }
 
 Error shader_fault(const ShaderFiles& files, std::string_view log) {

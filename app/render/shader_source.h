@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/engine/view.h"
 #include "core/base/result.h"
 
 namespace burrhole {
@@ -23,13 +24,14 @@ struct ShaderVariant {
   std::vector<std::string> defines;
 };
 
-/// What a picture of a volume calls for; each choice that is off is compiled out.
+/// What a picture of a volume calls for; each choice that is off is not in the expanded source.
 struct RaycastChoice {
   bool cut = false;     ///< part of the volume is cut away
   bool soft = false;    ///< the volume holds dura or brain
   bool skip = false;    ///< empty space is skipped by the distance map
-  bool finish = false;  ///< ambient occlusion and grain
+  bool finish = false;  ///< smoothed normals and soft highlights
   bool probe = false;   ///< hit positions and sample counts come beside the picture
+  LookView looks{.labels = false};
 };
 
 /// The same for slices.
@@ -37,6 +39,8 @@ struct SlicesChoice {
   bool cut = false;
   bool soft = false;
   bool correct = false;  ///< opacity corrected for the distance between slices
+  bool labels = false;
+  NormalSource normals = NormalSource::texture;
 };
 
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
@@ -46,17 +50,20 @@ struct TranslucentChoice {
   bool soft = false;
   bool skip = false;
   bool probe = false;
+  bool labels = false;
 };
 
 [[nodiscard]] ShaderVariant translucent_variant(const TranslucentChoice& choice);
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
 [[nodiscard]] ShaderVariant tool_variant(bool probe);
 [[nodiscard]] ShaderVariant background_variant();
-/// Every variant that draw() or probe() can ask for; the build validates and a test links each.
+/// The build validates and a test links each: all choices of what is drawn, without looks and with all of them, and each look alone and
+/// left out.
 [[nodiscard]] std::vector<ShaderVariant> all_shader_variants();
 
-/// The text the driver gets: #version 450, one #define a name, then `file` with each `#include "name"` line replaced by that file.
-/// @returns ErrorCode::bad_input with file and line when a file is missing or includes itself.
+/// The text the driver gets: #version 450, one #define a name, then `file` with each `#include "name"` line replaced by that file and with
+/// `#ifdef`, `#ifndef`, `#else` and `#endif` decided: of a branch that is not taken nothing is left but empty lines.
+/// @returns ErrorCode::bad_input with file and line when a file is missing or includes itself, or a branch is not closed.
 [[nodiscard]] Result<std::string> expand_shader(const ShaderFiles& files, std::string_view file, const std::vector<std::string>& defines);
 
 /// The first fault in a driver's log of such a text, its place in words: file, line and, where the driver tells it, column.

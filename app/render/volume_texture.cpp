@@ -45,7 +45,8 @@ Status check(const GladGLContext& gl, const VolumeView& view) {
                      size_text(largest_taken(gl, view.dims, stored)) + " would fit, as with larger voxels or a smaller region",
                  {}};
   const std::size_t count = VoxelBox{Vec3i(0), view.dims}.count();
-  if (view.normal_opacity.size() != count || view.color.size() != count || (!view.precise.empty() && view.precise.size() != count))
+  if (view.normal_opacity.size() != count || view.color.size() != count || (!view.precise.empty() && view.precise.size() != count) ||
+      (!view.tissue.empty() && view.tissue.size() != count))
     return bad_input("the texels of a volume do not agree with its dimensions");
   const double size = glm::determinant(view.bone_from_index.linear);
   if (!std::isfinite(size) || size == 0.0 || !is_finite(view.bone_from_index.offset))
@@ -88,6 +89,7 @@ Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const Volum
   made.normal_opacity_ = view.precise.empty() ? make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.normal_opacity.data())
                                               : make_volume(gl, view.dims, GL_RGBA32F, GL_RGBA, GL_LINEAR, view.precise.data(), GL_FLOAT);
   made.color_soft_ = make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.color.data());
+  if (!view.tissue.empty()) made.tissue_ = make_volume(gl, view.dims, GL_RG8, GL_RG, GL_LINEAR, view.tissue.data());
   made.has_soft_ = std::any_of(view.color.begin(), view.color.end(), [](const Rgba8& c) { return c.a >= kSolidOpacity; });
   if (seen_from) {
     made.seen_from_ = *seen_from;
@@ -123,11 +125,12 @@ void VolumeTexture::bind() const {
   gl_->BindTextureUnit(0, normal_opacity_.name());
   gl_->BindTextureUnit(1, color_soft_.name());
   if (has_skip_map()) gl_->BindTextureUnit(2, skip_texture_.name());
+  if (has_tissue()) gl_->BindTextureUnit(5, tissue_.name());
 }
 
 UploadedBytes VolumeTexture::initial_bytes() const noexcept {
   const std::uint64_t count = VoxelBox{Vec3i(0), dims_}.count();
-  return {count * (texel_bytes_ + sizeof(Rgba8)), has_skip_map() ? count : 0};
+  return {count * (texel_bytes_ + sizeof(Rgba8) + (has_tissue() ? sizeof(TissueTexel) : 0)), has_skip_map() ? count : 0};
 }
 
 }  // namespace burrhole

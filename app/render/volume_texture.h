@@ -33,11 +33,12 @@ class VolumeTexture {
   /// Replaces exactly the texels of the box. @param may_grow bone of the box may be more than before: the skip map is told.
   /// @returns what was sent; the box lies inside the volume (ours to see to).
   UploadedBytes update(const TexelBox& texels, bool may_grow);
-  void bind() const;  ///< texture units 0, 1 and, with a skip map, 2
+  void bind() const;  ///< texture units 0, 1 and, with a skip map, 2, with tissue 5
 
   [[nodiscard]] const Vec3i& dims() const noexcept { return dims_; }
   [[nodiscard]] const Affine& bone_from_index() const noexcept { return bone_from_index_; }
   [[nodiscard]] bool has_soft() const noexcept { return has_soft_; }
+  [[nodiscard]] bool has_tissue() const noexcept { return static_cast<bool>(tissue_); }
   [[nodiscard]] bool has_skip_map() const noexcept { return static_cast<bool>(skip_texture_); }
   [[nodiscard]] UploadedBytes initial_bytes() const noexcept;
 
@@ -48,7 +49,7 @@ class VolumeTexture {
   bool has_soft_ = false;
   std::uint8_t seen_from_ = 0;
   std::size_t texel_bytes_ = sizeof(Rgba8);
-  GlObject normal_opacity_, color_soft_, skip_texture_;
+  GlObject normal_opacity_, color_soft_, skip_texture_, tissue_;
   SkipMap skip_map_;
 };
 

@@ -4,6 +4,7 @@
 
 #include "core/tool/cutting_field.h"
 #include "core/tool/erosion_points.h"
+#include "core/tool/fluted_mesh.h"
 #include "core/tool/mesh_tool.h"
 #include "core/tool/point_shell.h"
 #include "core/tool/tool_mesh.h"
@@ -94,6 +95,7 @@ std::optional<Tool> make_from_mesh(const TomlDocument& document, const ToolOptio
   tool->name = spec->name;
   tool->title = spec->title;
   tool->mesh = make_mesh_picture(*mesh);
+  tool->look = tool->mesh;
   return tool;
 }
 
@@ -110,6 +112,8 @@ std::optional<Tool> make_tool(const TomlDocument& document, const ToolOptions& o
   tool->name = spec->name;
   tool->title = spec->title;
   tool->mesh = make_tool_mesh(*spec);
+  tool->look = make_fluted_mesh(*spec);
+  tool->turns = std::all_of(spec->regions.begin(), spec->regions.end(), [](const RegionSpec& r) { return r.solid.revolves(); });
   return tool;
 }
 

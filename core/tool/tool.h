@@ -47,7 +47,9 @@ struct Tool {
   std::string title;
   PointShell shell;
   ErosionPoints erosion;
-  TriangleMesh mesh;
+  TriangleMesh mesh;                            ///< the solid that the turning bit sweeps
+  TriangleMesh look;                            ///< with its flutes and edges, for pictures; the file's own of a mesh
+  bool turns = true;                            ///< about its axis; false of a blade and of what stands still beside the bit
   std::shared_ptr<const CuttingField> cutting;  ///< core/tool/cutting_field.h; null unless ToolOptions asked for it
   double bound_radius = 0.0;                    ///< [m] all shell and erosion points lie within this distance of the origin
   Vec3 bound_lo{0.0};                           ///< [m] bounding box of shell and erosion points, tool frame

@@ -23,6 +23,8 @@ PROGRAM = os.path.abspath(os.environ["BURRHOLE_PROGRAM"])
 SOURCE = pathlib.Path(__file__).resolve().parents[3]
 SCENES = SOURCE / "tests" / "data" / "scenes"
 QUICK = SCENES / "quick_plate.toml"
+# Keys of [display] that a picture of a plate shows, and a value that is not their default.
+LOOKS = {"tissue": "plain", "normals": "recomputed", "scale_bar": "false", "background_top": "[0, 0, 0]"}
 PLACE = re.compile(r"^(?P<file>[^:]+):(?P<line>\d+):(?P<column>\d+): .+")
 
 
@@ -381,10 +383,36 @@ class OtherCommands(WithFolder):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(struct.unpack(">II", image.read_bytes()[16:24]), (64, 48))
 
+    def test_two_eyes_are_one_picture_twice_as_large(self):
+        sizes = {"off": (64, 48), "side-by-side": (128, 48), "top-bottom": (64, 96), "anaglyph": (64, 48)}
+        for mode, size in sizes.items():
+            image = self.folder / f"{mode}.png"
+            result = run("render", QUICK, "--image", image, "--size", "64x48", "--set", f"display.stereo={mode}")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(struct.unpack(">II", image.read_bytes()[16:24]), size)
+        self.assertNotEqual((self.folder / "off.png").read_bytes(), (self.folder / "anaglyph.png").read_bytes())
+        result = run("check", QUICK, "--set", "display.stereo=quad-buffered")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("not in this version", result.stderr)
+
+    def test_slices_through_the_tip_need_no_opengl(self):
+        image = self.folder / "slices.png"
+        arguments = ("render", QUICK, "--image", image, "--size", "240x180", "--slices-through-tip", "--depth-mm", "1")
+        result = run(*arguments, env={**os.environ, "GALLIUM_DRIVER": "no such driver"})
+        self.assertEqual(result.returncode, 0, result.stderr)
+        width, height = struct.unpack(">II", image.read_bytes()[16:24])
+        self.assertGreater(width, 3 * 80)
+        self.assertGreater(height, 80)
+        self.assertNotEqual(run("render", QUICK, "--depth-mm", "500").returncode, 0)
+
     def test_bone_is_drawn_as_the_scene_has_it(self):
         ways = {"surface": [], "slices": ["--method", "slices"], "slices by key": ["--set", "display.method=slices"],
                 "uncorrected": ["--set", "display.method=slices", "--set", "display.opacity_correction=false", "--set", "display.slices_per_voxel=0.5"],
                 "translucent": ["--set", "display.shading=translucent"],
+                **{f"{key} = {value}": ["--set", f"display.{key}={value}"] for key, value in LOOKS.items()},
+                "cut at a plane": ["--set", "display.cut=plane", "--set", "display.cut_point_mm=[0, 0, 0]", "--set", "display.cut_normal=[0, -1, 0]"],
+                "slices of one colour": ["--method", "slices", "--set", "display.label_colours=false"],
+                "tool deeper": ["--depth-mm", "1"],
                 "denser": ["--set", "display.shading=translucent", "--set", "display.transfer=[{density=0.2, opacity_per_mm=0}, {density=1, opacity_per_mm=2}]"]}
         drawn = {}
         for name, arguments in ways.items():

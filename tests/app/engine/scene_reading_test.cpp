@@ -101,6 +101,12 @@ const BadScene kBadScenes[] = {
     {"[record]",
      "[display]\nbudget_ms = 30\nresolution = 0.1",
      {"~bad.toml:31:1: unknown key \"budget_ms\" in [display]", "~bad.toml:32:1: display.resolution = 0.1 must be in [0.25, 1]"}},
+    {"[record]", "[display]\nstereo = \"quad-buffered\"", {"~display.stereo = \"quad-buffered\" is not in this version; it knows \"off\""}},
+    {"[record]", "[display]\neye_separation_mm = 3", {"~unknown key \"eye_separation_mm\" in [display]"}},
+    {"[record]", "[display]\ncut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, 0, 0]", {"~display.cut_normal must not be zero"}},
+    {"[record]", "[display]\ncut = \"tip\"\ncut_normal = [0, 0, 1]", {"~unknown key \"cut_normal\" in [display]"}},
+    {"[record]", "[display]\nmethod = \"slices\"\nshadow = true", {"~unknown key \"shadow\" in [display]"}},
+    {"[record]", "[display]\nbackground_top = [0, 2, 0]", {"~display.background_top[1] = 2 must be in [0, 1]"}},
     {"[record]", "[heat]", {"bad.toml:30:2: heat is an effect that is not in this version"}},
     {"phantom:plate", "skull.nii", {"bad.toml:5:1: volume.source = \"skull.nii\" is not there: skull.nii"}},
 };

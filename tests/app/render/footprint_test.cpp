@@ -128,14 +128,22 @@ TEST_CASE("footprint: its reach is that of the shaders") {
   const ShaderFiles files = embedded_shaders();
   const auto holds = [&](const char* file, const char* text) { return files.find(file)->second.find(text) != std::string::npos; };
   // The figures of footprint.cpp stand in these lines; whoever changes one must change the other.
-  CHECK(holds("finish.glsl", "ring < 3"));
-  CHECK(holds("finish.glsl", "float reach = 0.0011 * exp2(1.15 * float(ring));"));
-  CHECK(holds("finish.glsl", "vec3 offset = reach * normalize("));
-  CHECK(holds("finish.glsl", "+ 1.2 * edges.w * n;"));
+  CHECK(holds("occlusion.glsl", "ring < 3"));
+  CHECK(holds("occlusion.glsl", "float reach = 0.0011 * exp2(1.15 * float(ring));"));
+  CHECK(holds("occlusion.glsl", "vec3 offset = reach * normalize("));
+  CHECK(holds("occlusion.glsl", "+ 1.2 * edges.w * n;"));
   CHECK(holds("volume.glsl", "stored_normal(p + 1.25 * (vec3("));
   CHECK(holds("volume.glsl", "density_at(p - vec3(1, 0, 0)) - density_at(p + vec3(1, 0, 0))"));
-  const Reach surface = reach_of({.finish = true}, 0.25e-3);
+  CHECK(holds("shadow.glsl", "vec3 start = 1.5 * edges.w * n;"));
+  CHECK(holds("shadow.glsl", "i < 28"));
+  CHECK(holds("shadow.glsl", "way += min(0.7 * edges.w * pow(1.08, float(i)), 0.001);"));
+  CHECK(holds("tissue.glsl", "vec3 before = p + 0.75 * outward;"));
+  const Reach surface = reach_of({.looks = {.occlusion = true}}, 0.25e-3);
   CHECK(surface.metres == doctest::Approx(0.0011 * std::exp2(2.3) + 1.2 * 0.25e-3));
   CHECK(surface.voxels + surface.metres / 0.25e-3 > 2.25);
   CHECK(reach_of({.finish = false}, 0.25e-3).metres == 0.0);
+  CHECK(reach_of({.finish = true}, 0.25e-3).voxels >= 2.25);
+  const double shaded = reach_of({.looks = {.shadow = true}}, 0.25e-3).metres;
+  CHECK(shaded > 14e-3);
+  CHECK(shaded < 17e-3);
 }

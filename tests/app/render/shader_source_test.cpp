@@ -52,3 +52,57 @@ TEST_CASE("shader source: a picture that calls for nothing defines nothing") {
   CHECK(raycast_variant({}).defines.empty());
   CHECK(raycast_variant({.cut = true, .soft = true}).name == "raycast_cut_soft");
 }
+
+TEST_CASE("shader source: of a branch that is not taken nothing is left but empty lines") {
+  const ShaderFiles files{{"a.frag", "#ifdef X\n#ifndef Y\n#include \"b.glsl\"\n#else\nboth\n#endif\n#else\nneither\n#endif\nend\n"},
+                          {"b.glsl", "one\n"}};
+  const auto with = [&](const std::vector<std::string>& defines) {
+    const std::string text = expand_shader(files, "a.frag", defines).value();
+    return text.substr(text.find("#line 1\n") + 8);
+  };
+  CHECK(with({"X"}) == "\n\n#line 1\none\n#line 4\n\n\n\n\n\n\nend\n");
+  CHECK(with({"X", "Y"}) == "\n\n\n\nboth\n\n\n\n\nend\n");
+  CHECK(with({}) == "\n\n\n\n\n\n\nneither\n\nend\n");
+}
+
+TEST_CASE("shader source: a branch that is not closed, or closed twice, is named with its place") {
+  CHECK(expand_shader({{"a.frag", "#ifdef X\n"}}, "a.frag", {}).error().text() == "a.frag: a branch is not closed");
+  CHECK(expand_shader({{"a.frag", "\n#endif\n"}}, "a.frag", {}).error().text() == "a.frag:2: #endif without a branch");
+  // A file may not end what the file that includes it began.
+  CHECK_FALSE(expand_shader({{"a.frag", "#ifdef X\n#include \"b.glsl\"\n#endif\n"}, {"b.glsl", "#endif\n"}}, "a.frag", {"X"}).ok());
+}
+
+namespace {
+
+/// What only the named look brings into the source of a surface.
+struct LookWord {
+  const char* word;
+  LookView looks;
+};
+
+std::string surface_source(const LookView& looks) {
+  return expand_shader(embedded_shaders(), "raycast.frag", raycast_variant({.looks = looks}).defines).value();
+}
+
+}  // namespace
+
+TEST_CASE("shader source: a look that is off is not in the source, one that is on is") {
+  const LookView none{.labels = false};
+  std::vector<LookWord> words{{"sampler3D tissue", none},
+                              {"open_sky(", none},
+                              {"light_reaching(", none},
+                              {"pow(max(dot(normal, normalize(light.xyz + to_eye))", none},
+                              {"textureLod(color_soft, texture_from_index(inside)", none}};
+  words[0].looks.tissue = words[1].looks.occlusion = words[2].looks.shadow = words[3].looks.specular = words[4].looks.labels = true;
+  for (const LookWord& look : words) {
+    CHECK(surface_source(none).find(look.word) == std::string::npos);
+    CHECK(surface_source(look.looks).find(look.word) != std::string::npos);
+    for (const LookWord& other : words)
+      if (other.word != look.word) CHECK(surface_source(other.looks).find(look.word) == std::string::npos);
+  }
+  // Recomputed normals look up no stored one for the surface; stored ones are the only ones otherwise.
+  LookView recomputed = none;
+  recomputed.normals = NormalSource::recomputed;
+  CHECK(surface_source(none).find("vec3 n = stored_normal(p);") != std::string::npos);
+  CHECK(surface_source(recomputed).find("vec3 n = stored_normal(p);") == std::string::npos);
+}

@@ -1,0 +1,69 @@
+// Three slices through the tip as one picture, side by side.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/cli/picture_sink.h"
+#include "app/render/overlay.h"
+#include "app/render/png.h"
+#include "core/base/units.h"
+
+namespace burrhole::cli {
+namespace {
+
+constexpr Rgba8 kGround{24, 28, 34, 255}, kHair{96, 150, 190, 255}, kTool{255, 150, 40, 255};
+
+/// One slice: grey values, a cross whose middle is left open at the tip, the tool's outline, where it lies and which side is which.
+Image draw_slice(const TipSlice& slice, const TipSlices& all) {
+  Image image{all.size, all.size, {}};
+  for (const std::uint8_t grey : slice.grey) image.pixels.push_back({grey, grey, grey, 255});
+  const double size = all.size, middle = 0.5 * size, gap = 0.04 * size;
+  paint(image,
+        {{{0.0, middle}, {middle - gap, middle}},
+         {{middle + gap, middle}, {size, middle}},
+         {{middle, 0.0}, {middle, middle - gap}},
+         {{middle, middle + gap}, {middle, size}}},
+        1.0, kHair);
+  std::vector<Stroke> outline;
+  for (const auto& stroke : slice.tool) outline.push_back({stroke[0], stroke[1]});
+  paint(image, outline, std::max(1.5, size / 250.0), kTool);
+
+  const double letter = std::max(8.0, size / 32.0), edge = 0.7 * letter;
+  const auto side = [&](char name, double x, double y) { draw_text(image, std::string(1, name), {x, y}, letter); };
+  const double wide = text_width("R", letter);
+  side(slice.left, edge, middle + 0.5 * letter);
+  side(slice.right, size - edge - wide, middle + 0.5 * letter);
+  side(slice.bottom, middle - 0.5 * wide, size - edge);
+  side(slice.top, middle - 0.5 * wide, 3.2 * letter);
+  draw_text(image, fmt::format("{}, {} = {:.1f} mm", slice.name, slice.axis, slice.at / kMillimetre), {edge, edge + letter}, letter);
+  return image;
+}
+
+}  // namespace
+
+Status write_tip_slices(const std::string& file, const TipSlices& slices) {
+  const int gap = std::max(4, slices.size / 60);
+  Image sheet{3 * slices.size + 4 * gap, slices.size + 2 * gap, {}};
+  sheet.pixels.assign(static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height), kGround);
+  for (std::size_t n = 0; n < 3; ++n) {
+    Image slice = draw_slice(slices.planes[n], slices);
+    if (n == 0) {
+      // A slice is a parallel projection: any camera does that shows a pixel as long as it is.
+      const double height = slices.size * slices.pixel;
+      const CameraView camera{
+          .eye = {0.0, 0.0, 1.0}, .target = Vec3(0.0), .up = {0.0, 1.0, 0.0}, .vertical_fov = 2.0 * std::atan(0.5 * height)};
+      draw_scale_bar(slice, fit_scale_bar(camera, slices.size, slices.size));
+    }
+    const std::size_t left = static_cast<std::size_t>(gap) + n * static_cast<std::size_t>(slices.size + gap);
+    for (int y = 0; y < slices.size; ++y) {
+      const auto row = slice.pixels.begin() + static_cast<std::ptrdiff_t>(y) * slices.size;
+      std::copy(row, row + slices.size,
+                sheet.pixels.begin() +
+                    static_cast<std::ptrdiff_t>((static_cast<std::size_t>(y + gap) * static_cast<std::size_t>(sheet.width)) + left));
+    }
+  }
+  return write_png(file, sheet);
+}
+
+}  // namespace burrhole::cli

@@ -1,0 +1,195 @@
+#include "core/tool/fluted_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "core/base/portable_math.h"
+#include "core/tool/tool_mesh.h"
+
+namespace burrhole {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr int kArcSteps = 32;      ///< of a curved piece
+constexpr int kLeastCorners = 64;  ///< of a ring
+constexpr double kStep = 0.5e-3;   ///< [m] of a cutting flank
+constexpr double kCrease = 0.8;    ///< [-] cosine between faces that share a normal: 37 degrees
+
+/// One edge's share of the girth, from the edge, at 0, against the turn: a narrow land, the relief behind it, the flute before the next one.
+struct ProfilePoint {
+  double share, depth, fall;  ///< depth of the flute and fall of a flat end, 0..1
+};
+constexpr std::array kProfile{ProfilePoint{0.0, 0.0, 0.0},    ProfilePoint{0.06, 0.0, 0.08}, ProfilePoint{0.30, 0.35, 0.40},
+                              ProfilePoint{0.50, 0.75, 0.65}, ProfilePoint{0.70, 1.0, 0.90}, ProfilePoint{0.92, 1.0, 1.0}};
+
+bool cuts(const ToolSpec& spec, const OutlinePiece& piece) { return spec.regions[piece.solid].erosion.base > 0.0; }
+
+bool meets(double a, double b) { return std::abs(a - b) < kOutlineTolerance; }
+
+bool meet(const Meridian& a, const Meridian& b) { return glm::length(a - b) < kOutlineTolerance; }
+
+/// Corners of a ring, the same number on every ring of a bit.
+std::vector<ProfilePoint> ring_profile(int edges) {
+  const int between =
+      std::max(1, (kLeastCorners + edges * static_cast<int>(kProfile.size()) - 1) / (edges * static_cast<int>(kProfile.size())));
+  std::vector<ProfilePoint> ring;
+  for (int edge = 0; edge < edges; ++edge)
+    for (std::size_t n = 0; n < kProfile.size(); ++n) {
+      const ProfilePoint from = kProfile[n], to = n + 1 < kProfile.size() ? kProfile[n + 1] : ProfilePoint{1.0, 0.0, 0.0};
+      for (int i = 0; i < between; ++i) {
+        const double t = static_cast<double>(i) / between;
+        ring.push_back({(edge + from.share + t * (to.share - from.share)) / edges, from.depth + t * (to.depth - from.depth),
+                        from.fall + t * (to.fall - from.fall)});
+      }
+    }
+  return ring;
+}
+
+/// Heights between which something cuts: the helix turns there and nowhere else.
+std::pair<double, double> cutting_heights(const ToolSpec& spec) {
+  double low = 1e9, high = -1e9;
+  for (const OutlinePiece& piece : spec.outline)
+    if (cuts(spec, piece)) {
+      low = std::min({low, piece.start.y, piece.end.y});
+      high = std::max({high, piece.start.y, piece.end.y});
+    }
+  return {low, high};
+}
+
+class FlutedBit {
+ public:
+  FlutedBit(const ToolSpec& spec, const CuttingEdges& edges)
+      : spec_(&spec), edges_(edges), profile_(ring_profile(edges.count)), heights_(cutting_heights(spec)) {}
+
+  [[nodiscard]] std::vector<Vec3> triangles() {
+    for (const OutlineChain chain : chains_of(spec_->outline))
+      for (std::size_t n = 0; n < chain.size(); ++n) append(chain, n);
+    return std::move(corners_);
+  }
+
+ private:
+  /// The piece of the chain that meets this one at `place`; a ring closes on itself. Null at the axis.
+  static const OutlinePiece* neighbour(OutlineChain chain, std::size_t n, bool at_start) {
+    const Meridian& place = at_start ? chain[n].start : chain[n].end;
+    const OutlinePiece& other = chain[at_start ? (n + chain.size() - 1) % chain.size() : (n + 1) % chain.size()];
+    return chain.size() > 1 && meet(at_start ? other.end : other.start, place) ? &other : nullptr;
+  }
+
+  void append(OutlineChain chain, std::size_t n) {
+    const OutlinePiece& piece = chain[n];
+    const bool cutting = cuts(*spec_, piece);
+    int steps = piece.curved ? kArcSteps : 1;
+    if (cutting && !piece.curved && piece.face != Face::bottom && piece.face != Face::top)
+      steps = std::clamp(static_cast<int>(std::ceil(piece.length() / kStep)), 4, 48);
+    std::vector<Vec3> before;
+    for (int i = 0; i <= steps; ++i) {
+      const bool end = i == 0 || i == steps;
+      const OutlinePiece* other = end ? neighbour(chain, n, i == 0) : nullptr;
+      // Where a passive piece begins there is no flute, or the surface would gape.
+      const bool fluted = cutting && (other == nullptr || cuts(*spec_, *other));
+      const bool falls = fluted && other != nullptr && other->solid == piece.solid && at_bottom(piece, i == 0 ? piece.start : piece.end);
+      std::vector<Vec3> ring = make_ring(piece, piece.point(static_cast<double>(i) / steps), fluted, falls);
+      if (i > 0) append_band(before, ring);
+      before = std::move(ring);
+    }
+  }
+
+  [[nodiscard]] bool at_bottom(const OutlinePiece& piece, const Meridian& at) const {
+    const Solid& solid = spec_->regions[piece.solid].solid;
+    return solid.kind == SolidKind::frustum && std::abs(at.y - solid.z_low) < kOutlineTolerance;
+  }
+
+  [[nodiscard]] std::vector<Vec3> make_ring(const OutlinePiece& piece, const Meridian& at, bool fluted, bool falls) const {
+    const Solid& solid = spec_->regions[piece.solid].solid;
+    const double turned = edges_.twist * (std::clamp(at.y, heights_.first, heights_.second) - heights_.first);
+    std::vector<Vec3> ring;
+    for (const ProfilePoint& p : profile_) {
+      const double angle = kTurn * p.share + turned;
+      const double z = at.y + (falls ? edges_.relief * p.fall : 0.0);
+      double r = at.x * (fluted ? 1.0 - edges_.depth * p.depth : 1.0);
+      // A flank that leans takes the end that falls along with it.
+      if (falls && meets(at.x, solid.low_radius)) r *= solid.radius(z) / solid.low_radius;
+      if (falls && solid.low_bore > 0.0 && meets(at.x, solid.low_bore)) r *= solid.bore(z) / solid.low_bore;
+      ring.emplace_back(r * portable_cos(angle), r * portable_sin(angle), z);
+    }
+    return ring;
+  }
+
+  void append_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
+    if (a == b || b == c || c == a) return;  // at the axis
+    corners_.insert(corners_.end(), {a, b, c});
+  }
+
+  void append_band(const std::vector<Vec3>& lower, const std::vector<Vec3>& upper) {
+    for (std::size_t i = 0; i < lower.size(); ++i) {
+      const std::size_t j = (i + 1) % lower.size();
+      append_triangle(lower[i], lower[j], upper[j]);
+      append_triangle(lower[i], upper[j], upper[i]);
+    }
+  }
+
+  const ToolSpec* spec_;
+  CuttingEdges edges_;
+  std::vector<ProfilePoint> profile_;
+  std::pair<double, double> heights_;  // [m]
+  std::vector<Vec3> corners_;
+};
+
+/// Each corner's normal is the mean of those faces round it, by area, that its own face runs smoothly into.
+void append_creased(TriangleMesh& mesh, const std::vector<Vec3>& corners) {
+  using Key = std::array<float, 3>;
+  const auto key = [](const Vec3& p) { return Key{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; };
+  std::map<Key, std::vector<Vec3>> round;  // twice the areas of faces, along their normals
+  const auto area = [&](std::size_t t) { return glm::cross(corners[t + 1] - corners[t], corners[t + 2] - corners[t]); };
+  for (std::size_t n = 0; n < corners.size(); ++n) round[key(corners[n])].push_back(area(n - n % 3));
+  for (std::size_t n = 0; n < corners.size(); ++n) {
+    const Vec3 own = area(n - n % 3);
+    Vec3 sum(0.0);
+    for (const Vec3& other : round[key(corners[n])])
+      if (glm::dot(own, other) > kCrease * glm::length(own) * glm::length(other)) sum += other;
+    const double size = glm::length(sum);
+    mesh.positions.emplace_back(corners[n]);
+    mesh.normals.emplace_back(size > 0.0 ? sum / size : Vec3(0.0, 0.0, 1.0));
+    mesh.indices.push_back(static_cast<std::uint32_t>(mesh.positions.size() - 1));
+  }
+}
+
+}  // namespace
+
+CuttingEdges find_cutting_edges(const ToolSpec& spec) {
+  const Solid* lowest = nullptr;
+  double widest = 0.0;
+  for (const RegionSpec& region : spec.regions) {
+    if (!(region.erosion.base > 0.0) || !region.solid.revolves()) continue;
+    if (lowest == nullptr || region.solid.z_low < lowest->z_low) lowest = &region.solid;
+    widest = std::max(widest, region.solid.largest_radius());
+  }
+  if (lowest == nullptr) return {};
+  const auto every = [widest](double girth, int least, int most) {
+    return std::clamp(static_cast<int>(std::round(kTurn * widest / girth)), least, most);
+  };
+  if (lowest->bored()) return {.count = every(2.5e-3, 8, 24), .relief = std::min(1e-3, 0.3 * lowest->height())};
+  const bool frustum = lowest->kind == SolidKind::frustum;
+  if (frustum && lowest->low_radius == 0.0) return {.count = 2, .twist = 0.5 / widest, .depth = 0.3};
+  if (frustum && widest >= 4e-3) return {.count = 4, .depth = 0.13, .relief = std::min(0.5e-3, 0.3 * lowest->height())};
+  return {.count = every(1.6e-3, 6, 12),
+          .twist = 0.35 / widest,
+          .depth = 0.12,
+          .relief = frustum ? std::min(0.2e-3, 0.3 * lowest->height()) : 0.0};
+}
+
+TriangleMesh make_fluted_mesh(const ToolSpec& spec) {
+  const CuttingEdges edges = find_cutting_edges(spec);
+  if (edges.count == 0) return make_tool_mesh(spec);
+  ToolSpec boxes = spec;
+  boxes.outline.clear();
+  TriangleMesh mesh = make_tool_mesh(boxes);
+  append_creased(mesh, FlutedBit(spec, edges).triangles());
+  return mesh;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,67 @@
+// Procedural tissue, fixed to the bone: old surface and cut bone differ ([TellesONeill10] section 3.3: one texture for the exterior, one
+// for the interior), diploe has pores, dura has vessels. What was bone as loaded and is none now was cut; so a checkpoint tells it as well.
+#include "noise.glsl"
+layout(binding = 5) uniform sampler3D tissue;   // R: occupancy as loaded; G: of bone how spongy, of soft tissue how much dura
+
+// 0 on old surface .. 1 on a cut: how much bone has gone from three quarters of a voxel before the surface. outward: index, a voxel long.
+float cut_share(vec3 p, vec3 outward) {
+  vec3 before = p + 0.75 * outward;
+  return smoothstep(0.08, 0.3, textureLod(tissue, texture_from_index(before), 0.0).r - bone_at(before));
+}
+
+// A thin line where noise passes its middle value, broken off where another noise is low; x in widths of the mesh of lines.
+float vessel(vec3 x, float width) {
+  float off = abs(noise(x + 0.35 * noise(2.3 * x)) - 0.5);
+  return (1.0 - smoothstep(0.4 * width, width, off)) * smoothstep(0.35, 0.6, noise(0.43 * x + 17.0));
+}
+
+vec3 old_bone(vec3 color, vec3 metres) {
+  float fibres = noise(metres / vec3(0.28e-3, 1.5e-3, 0.28e-3));
+  float patches = noise(metres / 3.5e-3);
+  float pits = 1.0 - smoothstep(0.05, 0.09, nearest_seed(metres / 2.6e-3));
+  color *= vec3(0.90) + vec3(0.09, 0.10, 0.12) * fibres + 0.06 * patches;
+  return mix(color, color * vec3(0.62, 0.50, 0.42), 0.6 * pits);
+}
+
+vec3 cut_bone(vec3 color, float spongy, vec3 metres) {
+  // Dense bone is paler inside than under its skin, with the dots of its canals; pores grow with the share of marrow.
+  float canals = 1.0 - smoothstep(0.10, 0.22, nearest_seed(metres / 0.45e-3));
+  vec3 dense = mix(color, vec3(0.97, 0.95, 0.90), 0.55) * (1.0 - 0.10 * canals);
+  vec3 walls = mix(color, vec3(0.93, 0.82, 0.68), 0.65);
+  float radius = 0.62 * smoothstep(0.15, 1.0, spongy);
+  float pore = 1.0 - smoothstep(0.8 * radius, radius + 0.02, nearest_seed(metres / 0.85e-3) + 0.12 * (noise(metres / 0.3e-3) - 0.5));
+  return mix(mix(dense, walls, smoothstep(0.1, 0.4, spongy)), vec3(0.40, 0.12, 0.09), 0.92 * pore * step(0.01, radius));
+}
+
+vec3 soft_tissue(vec3 color, float dura, vec3 metres, bool is_face) {
+  float seen = is_face ? 0.0 : 1.0;   // vessels lie on the surface
+  float trunk = seen * vessel(metres / 6.0e-3, 0.035);
+  float branch = seen * vessel(metres / 2.4e-3 + 5.0, 0.05);
+  vec3 sheet = color * (0.92 + 0.14 * noise(metres / vec3(0.5e-3, 2.2e-3, 0.5e-3)));   // the fibres of dura
+  sheet = mix(sheet, vec3(0.60, 0.16, 0.15), max(0.85 * trunk, 0.6 * branch));
+  vec3 folds = color * (0.88 + 0.18 * noise(metres / 2.5e-3));
+  folds = mix(folds, vec3(0.45, 0.14, 0.22), 0.7 * max(trunk, 0.6 * branch));
+  return mix(folds, sheet, smoothstep(0.3, 0.7, dura));
+}
+
+// 0 within a millimetre of the surface as loaded, where a scan's density fades without any marrow; 1 deeper.
+float deep_share(vec3 p) {
+  float least = 1.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    vec3 offset = vec3(0.0);
+    offset[axis] = 0.001 / edges[axis];
+    least = min(least, min(textureLod(tissue, texture_from_index(p - offset), 0.0).r, textureLod(tissue, texture_from_index(p + offset), 0.0).r));
+  }
+  return smoothstep(0.4, 0.9, least);
+}
+
+// color: that of the tissue at `inside` (index), the point of the volume that the surface point p shows; is_face: p lies on a cut plane.
+vec3 tissue_color(vec3 color, vec3 p, vec3 inside, vec3 outward, bool is_face) {
+  vec3 metres = inside * edges.xyz;
+  float kind = textureLod(tissue, texture_from_index(inside), 0.0).g;
+#ifdef SOFT
+  if (soft_at(inside) > bone_at(inside)) return soft_tissue(color, kind, metres, is_face);
+#endif
+  float cut_now = is_face ? 1.0 : cut_share(p, outward);
+  return mix(old_bone(color, metres), cut_bone(color, kind * deep_share(inside), metres), cut_now);
+}
