@@ -10,17 +10,18 @@ namespace burrhole {
 namespace {
 
 constexpr int kMaxIncludeDepth = 8;
+constexpr std::size_t kLinesPerFile = 10000;  // a line's number tells its file too: Mesa forgets the source number of an expression
 
-/// Appends `file`, includes replaced; #line keeps the compiler's line numbers those of the file on disk, and tells files apart by their
-/// number in the order of their names.
+/// Appends `file`, includes replaced; #line keeps the compiler's line numbers those of the file on disk, and tells files apart.
 Status append_expanded(const ShaderFiles& files, std::string_view file, const std::string& asked_from, int depth, std::string& out) {
   const auto found = files.find(file);
   if (found == files.end()) return bad_input("no shader file \"" + std::string(file) + "\"", asked_from);
   if (depth > kMaxIncludeDepth) return bad_input("shader includes nest deeper than 8: does a file include itself?", asked_from);
   std::istringstream lines(found->second);
   constexpr std::string_view kInclude = "#include \"";
-  const std::string source = " " + std::to_string(std::distance(files.begin(), found)) + "\n";
-  out += "#line 1" + source;
+  const auto first = static_cast<std::size_t>(std::distance(files.begin(), found)) * kLinesPerFile;
+  const auto add_line = [&](std::size_t number) { out += "#line " + std::to_string(first + number) + "\n"; };
+  add_line(1);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     if (!line.starts_with(kInclude)) {
@@ -31,7 +32,7 @@ Status append_expanded(const ShaderFiles& files, std::string_view file, const st
     const std::string name = line.substr(kInclude.size(), end - kInclude.size());
     const Status included = append_expanded(files, name, std::string(file) + ":" + std::to_string(number), depth + 1, out);
     if (!included) return included;
-    out += "#line " + std::to_string(number + 1) + source;
+    add_line(static_cast<std::size_t>(number) + 1);
   }
   return {};
 }
@@ -109,12 +110,13 @@ Error shader_fault(const ShaderFiles& files, std::string_view log) {
     if (first.empty()) first = line;
     std::smatch found;
     // "FILE:LINE(COLUMN): error: what" as Mesa writes it, "FILE(LINE) : error CODE: what" as NVIDIA does.
-    if (!std::regex_match(line, found, std::regex(R"((\d+)(?::(\d+)\((\d+)\)| ?\((\d+)\)) ?: *(error.*))"))) continue;
-    const std::size_t number = std::stoul(found[1]);
-    if (number >= files.size()) continue;
-    std::string place = std::next(files.begin(), static_cast<std::ptrdiff_t>(number))->first + ":";
-    place += found[2].matched ? found[2].str() + ":" + found[3].str() : found[4].str();
-    return bad_input(found[5].str(), place);
+    if (!std::regex_match(line, found, std::regex(R"(\d+(?::(\d+)\((\d+)\)| ?\((\d+)\)) ?: *(error.*))"))) continue;
+    const std::size_t number = std::stoul(found[1].matched ? found[1] : found[3]);
+    if (number / kLinesPerFile >= files.size()) continue;
+    std::string place = std::next(files.begin(), static_cast<std::ptrdiff_t>(number / kLinesPerFile))->first;
+    place += ":" + std::to_string(number % kLinesPerFile);
+    if (found[2].matched) place += ":" + found[2].str();
+    return bad_input(found[4].str(), place);
   }
   return bad_input(first.empty() ? "the driver gives no reason" : first);
 }
