@@ -11,9 +11,9 @@ namespace burrhole {
 namespace {
 
 constexpr int kMaxIncludeDepth = 8;
+constexpr std::size_t kLinesPerFile = 10000;  // a line's number tells its file too: Mesa forgets the source number of an expression
 
-/// Replaces includes and decides branches; #line keeps the compiler's line numbers those of the file on disk, and tells files apart by their
-/// number in the order of their names.
+/// Replaces includes and decides branches; #line keeps the compiler's line numbers those of the file on disk, and tells files apart.
 class Expander {
  public:
   Expander(const ShaderFiles& files, const std::vector<std::string>& defines) : files_(&files), defines_(&defines) {}
@@ -23,8 +23,9 @@ class Expander {
     if (found == files_->end()) return bad_input("no shader file \"" + std::string(file) + "\"", asked_from);
     if (depth > kMaxIncludeDepth) return bad_input("shader includes nest deeper than 8: does a file include itself?", asked_from);
     const std::size_t open = branches_.size();
-    const std::string source = " " + std::to_string(std::distance(files_->begin(), found)) + "\n";
-    out_ += "#line 1" + source;
+    const auto first = static_cast<std::size_t>(std::distance(files_->begin(), found)) * kLinesPerFile;
+    const auto add_line = [&](std::size_t number) { out_ += "#line " + std::to_string(first + number) + "\n"; };
+    add_line(1);
     std::istringstream lines(found->second);
     std::string line;
     for (int number = 1; std::getline(lines, line); ++number) {
@@ -38,7 +39,7 @@ class Expander {
       } else if (line.starts_with(kInclude)) {
         const std::string name = line.substr(kInclude.size(), line.find('"', kInclude.size()) - kInclude.size());
         if (Status included = append(name, place, depth + 1); !included) return included;
-        out_ += "#line " + std::to_string(number + 1) + source;
+        add_line(static_cast<std::size_t>(number) + 1);
       } else {
         out_ += line + '\n';
       }
@@ -175,12 +176,13 @@ Error shader_fault(const ShaderFiles& files, std::string_view log) {
     if (first.empty()) first = line;
     std::smatch found;
     // "FILE:LINE(COLUMN): error: what" as Mesa writes it, "FILE(LINE) : error CODE: what" as NVIDIA does.
-    if (!std::regex_match(line, found, std::regex(R"((\d+)(?::(\d+)\((\d+)\)| ?\((\d+)\)) ?: *(error.*))"))) continue;
-    const std::size_t number = std::stoul(found[1]);
-    if (number >= files.size()) continue;
-    std::string place = std::next(files.begin(), static_cast<std::ptrdiff_t>(number))->first + ":";
-    place += found[2].matched ? found[2].str() + ":" + found[3].str() : found[4].str();
-    return bad_input(found[5].str(), place);
+    if (!std::regex_match(line, found, std::regex(R"(\d+(?::(\d+)\((\d+)\)| ?\((\d+)\)) ?: *(error.*))"))) continue;
+    const std::size_t number = std::stoul(found[1].matched ? found[1] : found[3]);
+    if (number / kLinesPerFile >= files.size()) continue;
+    std::string place = std::next(files.begin(), static_cast<std::ptrdiff_t>(number / kLinesPerFile))->first;
+    place += ":" + std::to_string(number % kLinesPerFile);
+    if (found[2].matched) place += ":" + found[2].str();
+    return bad_input(found[4].str(), place);
   }
   return bad_input(first.empty() ? "the driver gives no reason" : first);
 }

@@ -126,7 +126,7 @@ class Cost(WithFolder):
     def test_cost_render_leaves_table_front_page_and_pictures(self):
         result = run("cost", "render", "--out", self.folder, "--size", "64x48", "--frames", "1")
         self.assertEqual(result.returncode, 0, result.stderr)
-        rows = list(csv.DictReader((self.folder / "cost.csv").open()))
+        rows = list(csv.DictReader((self.folder / "cost.csv").read_text().splitlines()))
         self.assertEqual(list(rows[0]), ["subject", "model", "knob", "setting", "error_name", "error", "unit", "reference", "median_us", "p99_us", "bytes"])
         self.assertEqual({row["subject"] for row in rows}, {"skull patch", "drilled hole"})
         self.assertEqual({row["error_name"] for row in rows}, {"psnr", "ssim", "flip", "time_over_shipped"})
