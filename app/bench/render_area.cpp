@@ -61,10 +61,10 @@ Status compare_dirty_frame(Bench& bench, const FrameView& view, const RenderOpti
   };
   const Side part = by_boxes(*kept), all = by_boxes(*whole);
   const Side resent{prepare(*whole), [&] {
-                      whole->set_volume(make_volume_view(voxmap));
+                      whole->set_volume(make_volume_view(voxmap, options.looks.tissue));
                       whole->draw();
                     }};
-  for (Canvas* canvas : {&*kept, &*whole}) canvas->set_volume(make_volume_view(voxmap));
+  for (Canvas* canvas : {&*kept, &*whole}) canvas->set_volume(make_volume_view(voxmap, options.looks.tissue));
   whole->draw();
   const Image unchanged = whole->image;
   for (const Side* side : {&part, &all}) {
@@ -195,7 +195,7 @@ Status bench_render(Bench& bench) {
   const Vec3 rim = voxmap.bone().bone_from_index().inverse() * (approach.bone_from_approach * Vec3(0.0, 7e-3, -0.75e-3));
   const VoxelBox box{voxel_of(rim) - 10, voxel_of(rim) + 10};
   if (Status placed = voxmap.place_window(box.grown(4)); !placed) return placed;
-  if (Status done = compare_dirty_frame(bench, view, {.finish = true, .growth_is_told = true}, "finished", voxmap, box); !done) return done;
+  if (Status done = compare_dirty_frame(bench, view, {.looks = {.tissue = true, .occlusion = true}, .growth_is_told = true}, "as shipped", voxmap, box); !done) return done;
   if (Status done = compare_dirty_frame(bench, view, {.finish = false, .growth_is_told = true}, "plain", voxmap, box); !done) return done;
   if (Status done = compare_uploads(bench, view, voxmap); !done) return done;
   if (bench.quick()) return compare_rays(bench, make_volume_view(voxmap), view, "shipped scene half way", {}, {});

@@ -89,6 +89,32 @@ std::string listed(const std::set<std::string>& words) {
   return out;
 }
 
+/// "only with A = .. and B = ..", words of two keys of the row's own table that together say in which samples it is asked for; empty: none do.
+std::string two_conditions(std::span<const KeyLog> logs, const SchemaRow& row, const Rows& rows) {
+  std::vector<std::pair<std::string, std::set<std::string>>> choices;
+  for (const SchemaRow& other : rows)
+    if (other.key.table == row.key.table && other.key.key != row.key.key && has_word(other.key)) {
+      Split split = split_by(logs, row, other.key.table, other.key.key);
+      if (!split.with.contains("")) choices.emplace_back(other.key.key, std::move(split.with));
+    }
+  const auto holds = [&](std::size_t sample, const auto& choice) {
+    const KeyInfo* info = find(logs[sample], row.key.table, choice.first);
+    return info != nullptr && choice.second.contains(info->word);
+  };
+  for (std::size_t a = 0; a < choices.size(); ++a)
+    for (std::size_t b = a + 1; b < choices.size(); ++b) {
+      bool explains = true;
+      for (std::size_t n = 0; n < logs.size() && explains; ++n) {
+        const bool asked = std::find(row.samples.begin(), row.samples.end(), n) != row.samples.end();
+        explains = !visits(logs[n], row.key.table) || asked == (holds(n, choices[a]) && holds(n, choices[b]));
+      }
+      if (explains)
+        return fmt::format("only with {} = {} and {} = {}", markdown_code(choices[a].first), listed(choices[a].second),
+                           markdown_code(choices[b].first), listed(choices[b].second));
+    }
+  return {};
+}
+
 std::string condition_of(std::span<const KeyLog> logs, std::span<const std::string> names, const SchemaRow& row, const Rows& rows) {
   const auto visitors = std::count_if(logs.begin(), logs.end(), [&](const KeyLog& log) { return visits(log, row.key.table); });
   if (static_cast<std::size_t>(visitors) == row.samples.size()) return {};
@@ -104,6 +130,7 @@ std::string condition_of(std::span<const KeyLog> logs, std::span<const std::stri
       const bool few = split.with.size() <= split.without.size() || split.without.contains("");
       return fmt::format("{} with {} = {}", few ? "only" : "not", markdown_code(other.key.key), listed(few ? split.with : split.without));
     }
+  if (const std::string both = two_conditions(logs, row, rows); !both.empty()) return both;
   std::set<std::string> where;
   for (const std::size_t n : row.samples) where.insert(names[n]);
   return "only in some files: " + listed(where);

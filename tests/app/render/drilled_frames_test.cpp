@@ -84,8 +84,9 @@ std::vector<Way> all_ways() {
   std::vector<Way> ways;
   ways.push_back({.name = "rays", .options = {.finish = false}});
   ways.push_back({.name = "rays-smooth-bare", .options = {.finish = false, .supersample = 2}, .tool = false});
-  ways.push_back({.name = "finish-smooth", .options = {.finish = true, .supersample = 2}});
-  ways.push_back({.name = "finish-cut", .options = {.finish = true}, .cut = true});
+  ways.push_back({.name = "shipped", .options = {.looks = {.tissue = true, .occlusion = true}, .supersample = 2}});
+  ways.push_back(
+      {.name = "all-cut", .options = {.looks = {.tissue = true, .occlusion = true, .shadow = true, .specular = true}}, .cut = true});
   ways.push_back({.name = "slices", .options = {.slices = SliceOptions{}}});
   ways.push_back({.name = "slices-smooth-bare", .options = {.supersample = 2, .slices = SliceOptions{}}, .tool = false});
   ways.push_back({.name = "translucent-smooth", .options = {.supersample = 2, .translucent = haze}});

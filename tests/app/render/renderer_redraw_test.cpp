@@ -68,8 +68,9 @@ struct Pair {
   }
 };
 
-void check_sequence(const std::string& name, const RenderOptions& options, double share) {
+void check_sequence(const std::string& name, const RenderOptions& options, double share, const glm::dvec2& shift = glm::dvec2(0.0)) {
   Pair pair(options);
+  pair.view.camera.shift = shift;
   CHECK(pair.draw(name + "-first") == kAll);
   CHECK(pair.draw(name + "-again") == 0);
   const Image untouched = pair.last;
@@ -143,8 +144,18 @@ TEST_CASE("redraw: rays draw the bytes of a whole picture by the pixels that cha
 }
 
 TEST_CASE("redraw: ambient occlusion reaches further, and no byte differs") {
-  check_sequence("finish", {.finish = true}, 0.6);
-  check_sequence("finish-smooth", {.finish = true, .supersample = 2}, 0.6);
+  check_sequence("occlusion", {.looks = {.occlusion = true}}, 0.6);
+  check_sequence("occlusion-smooth", {.looks = {.occlusion = true}, .supersample = 2}, 0.6);
+}
+
+TEST_CASE("redraw: smooth and recomputed normals, a shadow and a glint draw the bytes of a whole picture") {
+  check_sequence("finish", {.finish = true}, 0.15);
+  check_sequence("recomputed", {.looks = {.specular = true, .normals = NormalSource::recomputed}}, 0.15);
+  check_sequence("shadow", {.looks = {.shadow = true}}, 1.01);  // it may reach across all of this small bone
+}
+
+TEST_CASE("redraw: an eye of two, its frustum off the axis, draws the bytes of a whole picture by the pixels that changed") {
+  check_sequence("off-axis", {.finish = false}, 0.15, {0.3, -0.2});
 }
 
 TEST_CASE("redraw: slices draw the bytes of a whole picture by the pixels that changed") {
@@ -206,8 +217,8 @@ TEST_CASE("redraw: a footprint two pixels smaller, one without the sky's reach, 
   const auto footprint = [&](const RenderOptions& options) {
     return find_footprint(*rays, reached_corners(box, reach_of(options, edge), world_from_index), Vec2i(kSmall));
   };
-  for (const bool finish : {false, true}) {
-    const RenderOptions options{.finish = finish, .keep_picture = false};
+  for (const bool occlusion : {false, true}) {
+    const RenderOptions options{.finish = false, .looks = {.occlusion = occlusion}, .keep_picture = false};
     Renderer renderer = require_renderer(options);
     REQUIRE(renderer.set_volume(ball_on_plate()).ok());
     REQUIRE(renderer.set_tool(post()).ok());
@@ -217,7 +228,7 @@ TEST_CASE("redraw: a footprint two pixels smaller, one without the sky's reach, 
     const Image after = drawn(renderer, view, kSmall, kSmall);
     const PixelRect rect = footprint(options);
     CHECK(composed(before, after, {rect}).pixels == after.pixels);
-    if (!finish) {
+    if (!occlusion) {
       CHECK(composed(before, after, {rect.grown(-2)}).pixels != after.pixels);
     } else {
       // A pit seen from above darkens the rim round it.

@@ -60,7 +60,7 @@ TEST_CASE("shader source: of a branch that is not taken nothing is left but empt
     const std::string text = expand_shader(files, "a.frag", defines).value();
     return text.substr(text.find("#line 1\n") + 8);
   };
-  CHECK(with({"X"}) == "\n\n#line 1\none\n#line 4\n\n\n\n\n\n\nend\n");
+  CHECK(with({"X"}) == "\n\n#line 10001\none\n#line 4\n\n\n\n\n\n\nend\n");
   CHECK(with({"X", "Y"}) == "\n\n\n\nboth\n\n\n\n\nend\n");
   CHECK(with({}) == "\n\n\n\n\n\n\nneither\n\nend\n");
 }
