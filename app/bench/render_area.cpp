@@ -4,6 +4,7 @@
 
 #include "app/bench/areas.h"
 #include "app/bench/bench_scene.h"
+#include "app/bench/render_peer.h"
 #include "app/engine/texels.h"
 #include "app/render/renderer.h"
 
@@ -170,6 +171,7 @@ Status bench_render(Bench& bench) {
   compare_dirty_frame(bench, *canvas, voxmap, box);
   if (!canvas->fault) return canvas->fault;
   if (Status done = compare_skipping(bench, make_volume_view(voxmap), view, "shipped scene half way", {}, {}); !done) return done;
+  if (Status done = compare_with_vtk(bench); !done) return done;
   return bench.quick() ? Status{} : compare_skipping_on_fine_patch(bench);
 }
 
