@@ -6,6 +6,7 @@
 #include "app/bench/areas.h"
 #include "app/bench/bench_scene.h"
 #include "app/bench/render_canvas.h"
+#include "app/bench/render_peer.h"
 
 namespace burrhole {
 namespace {
@@ -195,9 +196,13 @@ Status bench_render(Bench& bench) {
   const Vec3 rim = voxmap.bone().bone_from_index().inverse() * (approach.bone_from_approach * Vec3(0.0, 7e-3, -0.75e-3));
   const VoxelBox box{voxel_of(rim) - 10, voxel_of(rim) + 10};
   if (Status placed = voxmap.place_window(box.grown(4)); !placed) return placed;
-  if (Status done = compare_dirty_frame(bench, view, {.looks = {.tissue = true, .occlusion = true}, .growth_is_told = true}, "as shipped", voxmap, box); !done) return done;
+  if (Status done = compare_dirty_frame(bench, view, {.looks = {.tissue = true, .occlusion = true}, .growth_is_told = true}, "as shipped",
+                                        voxmap, box);
+      !done)
+    return done;
   if (Status done = compare_dirty_frame(bench, view, {.finish = false, .growth_is_told = true}, "plain", voxmap, box); !done) return done;
   if (Status done = compare_uploads(bench, view, voxmap); !done) return done;
+  if (Status done = compare_with_vtk(bench); !done) return done;
   if (bench.quick()) return compare_rays(bench, make_volume_view(voxmap), view, "shipped scene half way", {}, {});
   return compare_rays_on_fine_patch(bench);
 }

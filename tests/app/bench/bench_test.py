@@ -57,6 +57,23 @@ class Bench(unittest.TestCase):
         status, _, rows = run("--quick", "erosion", out=self.out)
         self.assertEqual((status, {row["area"] for row in rows}), (0, {"erosion"}))
 
+    def test_frames_of_a_back_end_have_a_table_of_their_own(self):
+        if "render" not in AREAS:
+            self.skipTest("no renderer")
+        for gl in ("egl", "osmesa"):
+            status, errors, rows = run("render", "--gl", gl, "--size", "64x48", "--quick", out=self.out)
+            if status == 4:
+                continue  # not here, and said so
+            self.assertEqual(status, 0, errors)
+            self.assertEqual([row["unit"] for row in rows], ["frames/s", "frames/s"])
+            table = (Path(self.out) / "render_frames.csv").read_text().splitlines()
+            self.assertEqual(table[0], "driver,method,voxels_along_edge,width,height,eyes,median_ms,p99_ms,frames_per_s,paper_hz")
+            self.assertEqual(len(table), 3)
+            self.assertTrue(all(gl + ": 4." in line for line in table[1:]), table)
+        for wrong in (["--gl", "glide"], ["--gl", "egl", "--size", "9x9"], ["contact", "--gl", "egl"]):
+            status, errors, _ = run("render", *wrong, out=self.out)
+            self.assertEqual((status, len(errors)), (2, 1), errors)
+
     def test_an_unknown_area_is_one_line_and_exit_2(self):
         status, errors, rows = run("kontact", out=self.out)
         self.assertEqual((status, len(errors), rows), (2, 1, None))

@@ -1,0 +1,243 @@
+#include "app/bench/render_peer.h"
+
+#include <fmt/format.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "app/bench/bench_scene.h"
+#include "app/engine/texels.h"
+#include "app/render/renderer.h"
+#include "app/report/file.h"
+#include "core/base/units.h"
+
+namespace burrhole {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kSide = 512;    // [pixels]
+constexpr int kBoxEdge = 20;  // [voxel] of what drilling changes in a frame
+const std::string kScript = BH_APP_DIR "/../scripts/peers/vtk_peer.py";
+
+/// The bone of the published figures, as both draw it.
+struct PeerScene {
+  std::unique_ptr<LoadedScene> loaded;
+  std::unique_ptr<Voxmap> voxmap;
+  VolumeView volume;
+  FrameView view;
+  VoxelBox box;  ///< that changes: in the outer table, in the middle of the picture
+};
+
+Result<PeerScene> make_peer_scene() {
+  auto loaded = load_parietal_scene({"volume.spacing_mm=0.1171875"});
+  if (!loaded) return loaded.error();
+  PeerScene out;
+  out.loaded = std::move(loaded).value();
+  auto voxmap = Voxmap::create(out.loaded->bone, {});
+  if (!voxmap) return voxmap.error();
+  out.voxmap = std::make_unique<Voxmap>(std::move(voxmap).value());
+  const Scene& scene = out.loaded->scene;
+  const auto approach = make_approach(*out.loaded->bone, scene.approach);
+  if (!approach) return approach.error();
+  out.volume = make_volume_view(*out.voxmap);
+  out.view = make_frame_view(*scene.display, Pose{}, approach->bone_from_approach, approach->thickness, false);
+  const Vec3 middle = out.loaded->bone->bone_from_index().inverse() * (approach->bone_from_approach * Vec3(0.0, 0.0, -0.5e-3));
+  out.box = {voxel_of(middle) - kBoxEdge / 2, voxel_of(middle) + kBoxEdge / 2};
+  if (Status placed = out.voxmap->place_window(out.box.grown(4)); !placed) return placed.error();
+  return out;
+}
+
+/// A folder that goes with its owner.
+struct Scratch {
+  fs::path path;
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "burrhole-bench-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) path = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    if (!path.empty()) fs::remove_all(path, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+};
+
+/// Bone, dura and brain as one density: what our picture shows too.
+std::string density_bytes(const VolumeView& volume) {
+  std::string out;
+  out.reserve(volume.color.size());
+  for (std::size_t n = 0; n < volume.color.size(); ++n)
+    out.push_back(static_cast<char>(std::max(volume.normal_opacity[n].a, volume.color[n].a)));
+  return out;
+}
+
+std::string command_of(const PeerScene& scene, const fs::path& folder) {
+  const Affine& map = scene.volume.bone_from_index;
+  const auto mm = [](const Vec3& v) { return fmt::format("{:.9g} {:.9g} {:.9g}", v.x * 1e3, v.y * 1e3, v.z * 1e3); };
+  const CameraView& camera = scene.view.camera;
+  const Vec3i& dims = scene.volume.dims;
+  return fmt::format(
+      "{}/usr/bin/python3 {} --raw {} --dims {} {} {} --edge-mm {} --origin-mm {} --eye {} --target {} --up {:.9g} {:.9g} {:.9g} --fov-deg "
+      "{:.9g} "
+      "--size {} {} --box {} {} {} {} --picture {} 2>{}",
+      std::getenv("DISPLAY") != nullptr ? "" : "xvfb-run -a -s '-screen 0 800x800x24' ", kScript, (folder / "density.raw").string(), dims.x,
+      dims.y, dims.z, mm(Vec3(map.linear[0].x, map.linear[1].y, map.linear[2].z)), mm(map.offset), mm(camera.eye), mm(camera.target),
+      camera.up.x, camera.up.y, camera.up.z, camera.vertical_fov / kDegree, kSide, kSide, scene.box.lo.x, scene.box.lo.y, scene.box.lo.z,
+      kBoxEdge, (folder / "vtk.ppm").string(), (folder / "stderr.txt").string());
+}
+
+struct PeerRow {
+  std::string name;
+  double frame = 0.0, after_change = 0.0;  ///< [s] of CPU time, all threads
+  std::vector<std::uint8_t> covered;       ///< 1 where its picture shows bone
+};
+
+/// Nothing, with the reason on stderr, where the peer cannot run.
+Result<std::optional<PeerRow>> run_peer(const PeerScene& scene) {
+  const Scratch scratch;
+  if (scratch.path.empty()) return bad_input("no temporary folder can be made", fs::temp_directory_path().string());
+  if (Status written = write_file((scratch.path / "density.raw").string(), density_bytes(scene.volume)); !written) return written.error();
+  std::FILE* pipe = popen(command_of(scene, scratch.path).c_str(), "r");
+  if (pipe == nullptr) return Error{ErrorCode::internal, "the VTK peer cannot be started", {}};
+  std::string told;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) told.push_back(static_cast<char>(c));
+  const int status = pclose(pipe);
+  const auto said = read_file((scratch.path / "stderr.txt").string());
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    std::istringstream lines(said ? *said : std::string());
+    std::string line, last = "no reason was given";
+    while (std::getline(lines, line))
+      if (!line.empty()) last = line;
+    fmt::print(stderr, "bench: render: no rows beside VTK: {}\n", last);
+    return std::optional<PeerRow>();
+  }
+  const auto json = nlohmann::json::parse(told, nullptr, false);
+  if (json.is_discarded()) return Error{ErrorCode::internal, "the VTK peer does not print JSON", kScript};
+  PeerRow out{json.at("peer").get<std::string>(),
+              1e-3 * json.at("frame").at("cpu_ms").get<double>(),
+              1e-3 * json.at("frame_after_change").at("cpu_ms").get<double>(),
+              {}};
+  const auto picture = read_file((scratch.path / "vtk.ppm").string());
+  constexpr std::size_t kBytes = std::size_t{3} * kSide * kSide;
+  if (!picture || picture->size() < kBytes) return Error{ErrorCode::internal, "the VTK peer drew no picture", kScript};
+  const std::string_view pixels = std::string_view(*picture).substr(picture->size() - kBytes);
+  for (std::size_t n = 0; n < kBytes; n += 3) out.covered.push_back(static_cast<std::uint8_t>(pixels[n]) > 24 ? 1 : 0);
+  return std::optional(std::move(out));
+}
+
+/// Draws whole pictures: each time from a place that lies a nanometre beside the last one, so nothing of the last picture serves.
+class Canvas {
+ public:
+  static Result<Canvas> create(const RenderOptions& options, const PeerScene& scene) {
+    auto renderer = Renderer::create(options);
+    if (!renderer) return renderer.error();
+    if (Status set = renderer->set_volume(scene.volume); !set) return set.error();
+    return Canvas(std::move(renderer).value(), scene.view);
+  }
+  void draw_anew() {
+    aside_ = !aside_;
+    view_.camera.eye.x += aside_ ? 1e-9 : -1e-9;
+    draw();
+  }
+  void draw() {
+    if (auto image = renderer_.draw(view_, kSide, kSide); !image) fault_ = image.error();
+  }
+  [[nodiscard]] Renderer& renderer() { return renderer_; }
+  [[nodiscard]] const FrameView& view() const { return view_; }
+  [[nodiscard]] const Status& fault() const { return fault_; }
+
+ private:
+  Canvas(Renderer renderer, FrameView view) : renderer_(std::move(renderer)), view_(std::move(view)) {}
+  Renderer renderer_;
+  FrameView view_;
+  bool aside_ = false;
+  Status fault_;
+};
+
+/// Opacity of a voxel's length equals the density, as the peer has it: extinction -ln(1 - density) / edge.
+TransferFunction density_as_opacity(double edge) {
+  TransferFunction out;
+  for (int n = 0; n <= 32; ++n) {
+    const double density = n / 32.0;
+    out.push_back({.density = density, .extinction = -std::log(1.0 - std::min(density, 0.998)) / edge});
+  }
+  return out;
+}
+
+/// Share of pixels that show bone in both or in neither.
+Result<double> silhouettes_agree(Canvas& canvas, const PeerRow& peer) {
+  const auto probe = canvas.renderer().probe(canvas.view(), kSide, kSide);
+  if (!probe) return probe.error();
+  std::size_t same = 0;
+  for (std::size_t n = 0; n < peer.covered.size(); ++n) same += peer.covered[n] == probe->hit[n] ? 1u : 0u;
+  return static_cast<double>(same) / static_cast<double>(peer.covered.size());
+}
+
+/// A box of bone that goes and comes back; what is timed is what a frame of drilling does.
+Side drill_frame(Canvas& canvas, PeerScene& scene, std::size_t listener, std::vector<float>& kept, bool& gone) {
+  Voxmap& voxmap = *scene.voxmap;
+  const VoxelBox box = scene.box;
+  voxmap.read_remaining(box, kept);
+  return {[&voxmap, &kept, &gone, box] {
+            gone = !gone;
+            for_each_voxel(
+                box, [&](const Vec3i& v) { voxmap.remaining()[voxmap.window().box.offset_of(v)] = gone ? 0.0f : kept[box.offset_of(v)]; });
+            voxmap.commit(box);
+          },
+          [&voxmap, &canvas, listener] {
+            for (const VoxelBox& dirty : voxmap.take_dirty(listener)) canvas.renderer().update(make_texels(voxmap, dirty));
+            canvas.draw();
+          }};
+}
+
+}  // namespace
+
+Status compare_with_vtk(Bench& bench) {
+  if (bench.quick()) return {};
+  auto scene = make_peer_scene();
+  if (!scene) return scene.error();
+  const auto found = run_peer(*scene);
+  if (!found) return found.error();
+  if (!*found) return {};
+  const PeerRow& peer = **found;
+
+  RenderOptions options{.step_voxels = 1.0, .bisections = 4, .finish = false};
+  auto first_hit = Canvas::create(options, *scene);
+  if (!first_hit) return first_hit.error();
+  options.translucent = density_as_opacity(scene->volume.bone_from_index.mean_edge());
+  auto compositing = Canvas::create(options, *scene);
+  if (!compositing) return compositing.error();
+  const auto agreement = silhouettes_agree(*first_hit, peer);
+  if (!agreement) return agreement.error();
+  const Vec3i& dims = scene->volume.dims;
+  const std::string over = fmt::format(" over {}'s fixed-point ray caster, {} x {} x {}", peer.name, dims.x, dims.y, dims.z);
+  // Theirs is hazy at the rim, where density is below a half: a voxel, about a pixel here, all round.
+  if (!bench.require("first hit" + over, *agreement > 0.97,
+                     fmt::format("silhouettes agree at {:.1f} % of the pixels only", 100.0 * *agreement)))
+    return {};
+
+  const Medians ours = bench.time({{}, [&] { first_hit->draw_anew(); }}, {{}, [&] { compositing->draw_anew(); }});
+  bench.add_cost("first hit, 4 bisections" + over, "CPU-ms", 1e3, {peer.frame, ours.baseline}, {0.25, 0.12});
+  bench.add_cost("compositing" + over, "CPU-ms", 1e3, {peer.frame, ours.value}, {0.36, 0.20});
+
+  const std::size_t listener = scene->voxmap->add_listener();
+  std::vector<float> kept(scene->box.count());
+  bool gone = false;
+  const Side frame = drill_frame(*first_hit, *scene, listener, kept, gone);
+  const Medians drilled = bench.time({{}, [&] { compositing->draw_anew(); }}, frame);
+  bench.add_cost("first hit, frame after a change of 20^3" + over, "CPU-ms", 1e3, {peer.after_change, drilled.value},
+                 {1.0 / 150.0, 1.0 / 400.0});
+  for (const Canvas* canvas : {&*first_hit, &*compositing})
+    if (!canvas->fault()) return canvas->fault();
+  return {};
+}
+
+}  // namespace burrhole
