@@ -366,7 +366,7 @@ void read_quality(TableReader& table, bool rays, bool finish, DisplayScene& out)
   const std::string choice = table.choice("quality", "fixed", {"fixed", "auto"},
                                           "by the keys of this table, or the best that this machine draws within budget_ms");
   if (choice == "auto") {
-    if (!rays) table.fault("quality", "= \"auto\" is for method = \"raycast\"");
+    if (!rays) table.fault("quality", "is for method = \"raycast\"");
     out.budget = table.number("budget_ms", above_zero(100.0, 1e-3, 1e5), "time of a picture that the quality is chosen for");
     for (const char* key : {"step_voxels", "bisections", "finish", "supersample", "resolution"})
       if (table.has(key)) table.fault(key, "is what quality = \"auto\" chooses: leave out one of the two");
