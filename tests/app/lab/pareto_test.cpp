@@ -18,7 +18,11 @@ TEST_CASE("pareto: the front of a few points by hand") {
 
 TEST_CASE("pareto: nothing beats a point of the front, and each other point is beaten or equalled by one of it") {
   std::vector<PricedPoint> points;
-  for (std::uint64_t n = 0; n < 300; ++n) points.push_back({uniform01(3, 2 * n), std::round(20.0 * uniform01(3, 2 * n + 1))});
+  for (std::uint64_t n = 0; n < 300; ++n) {
+    const double cost =
+        uniform01(3, 2 * n);  // what costs more is better by tendency, so that the front is long; rounded, so that some are equal
+    points.push_back({cost, std::round(20.0 * (0.7 * cost + 0.3 * uniform01(3, 2 * n + 1)))});
+  }
   const std::vector<std::size_t> front = pareto_front(points);
   REQUIRE(front.size() > 3);
   const auto beats = [](const PricedPoint& a, const PricedPoint& b) {
