@@ -118,9 +118,8 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--depth-mm", option->depth_mm, "the bit with its tip so deep below the entry; where the scene begins without it")
       ->type_name("MM")
       ->check(CLI::Range(-100.0, 100.0));
-  command->add_flag(
-      "--slices-through-tip", option->slices_through_tip,
-      "in place of a view: axial, coronal and sagittal slice of 40 mm through the tip, as grey values of density; needs no OpenGL");
+  command->add_flag("--slices-through-tip", option->slices_through_tip,
+                    "three slices of 40 mm through the tip, grey by density, in place of a view");
   command->callback([option, &exit_code] {
     auto loaded = load_or_report(option->scene, exit_code);
     if (!loaded) return;

@@ -105,7 +105,7 @@ Image drawn_afresh(DrillRun& run, const RenderOptions& options) {
   Simulation& simulation = run.simulation();
   Renderer fresh = require_renderer(options);
   REQUIRE(fresh.set_volume(make_volume_view(simulation.voxmap())).ok());
-  REQUIRE(fresh.set_tool(run.loaded().tool.mesh).ok());
+  REQUIRE(fresh.set_tool(run.loaded().tool.look).ok());
   const Scene& scene = run.loaded().scene;
   FrameView view =
       make_frame_view(*scene.display, scene.volume.world_from_bone, scene.volume.world_from_bone * simulation.approach().bone_from_approach,

@@ -87,11 +87,12 @@ void check_sequence(const std::string& name, const RenderOptions& options, doubl
   CHECK(pair.draw(name + "-moved") < kAll / 2);
   pair.view.world_from_tool = at(-7e-3, 4e-3);
   pair.update(filled({{20, 30, 40}, {26, 36, 52}}, 0));
-  CHECK(pair.draw(name + "-both") < kAll);
+  const std::uint64_t most = share < 1.0 ? kAll - 1 : kAll;  // what looks far may reach everywhere
+  CHECK(pair.draw(name + "-both") <= most);
   CHECK(pair.draw(name + "-still") == 0);
   REQUIRE(pair.kept.probe(pair.view, 50, 40).ok() != options.slices.has_value());  // another target in between
   pair.update(filled({{4, 5, 50}, {12, 14, 60}}, 255));                            // bone grows where rays used to leap
-  CHECK(pair.draw(name + "-grown") < kAll);
+  CHECK(pair.draw(name + "-grown") <= most);
   pair.view.world_from_tool.reset();
   CHECK(pair.draw(name + "-gone") < kAll / 2);
   pair.kept.forget();
