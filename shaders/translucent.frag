@@ -13,13 +13,11 @@ layout(location = 1) out vec4 probe;   // samples taken, negative: nothing is hi
 
 const float kSpent = 1.0 / 1024.0;   // light that is left and no longer followed: a quarter of a level
 
-// Downhill direction of the soft tissue alone: where bone lies on it the seen field is flat.
-vec3 soft_normal(vec3 p, vec3 fallback) {
-  vec3 g = vec3(soft_at(p - vec3(1, 0, 0)) - soft_at(p + vec3(1, 0, 0)), soft_at(p - vec3(0, 1, 0)) - soft_at(p + vec3(0, 1, 0)),
-                soft_at(p - vec3(0, 0, 1)) - soft_at(p + vec3(0, 0, 1)));
-  vec3 n = world_from_gradient(g);
-  float size = length(n);
-  return size * edges.w > 0.02 ? n / size : fallback;
+// As stored, turned towards the eye: a body is lit from both sides, a surface met from within would be dark.
+vec3 facing_normal(vec3 p, vec3 to_eye) {
+  vec3 stored = stored_normal(p);
+  float size = length(stored);
+  return size > 0.15 ? stored * (dot(stored, to_eye) < 0.0 ? -1.0 : 1.0) / size : to_eye;
 }
 
 vec4 transfer_at(float density) { return textureLod(transfer, (255.0 * density + 0.5) / 256.0, 0.0); }
@@ -52,12 +50,8 @@ void main() {
     t = from + 0.5 * width;
     p = eye_index.xyz + t * direction_index;
     vec4 tissue = transfer_at(bone_at(p));
-    vec3 stored = stored_normal(p);
-    float size = length(stored);
-    // A body is lit from both sides: a surface met from within would be dark.
-    vec3 normal = size > 0.15 ? stored * (dot(stored, to_eye) < 0.0 ? -1.0 : 1.0) / size : to_eye;
     float passes = exp(-tissue.a * width * metres);
-    sum += left * (1.0 - passes) * tissue.rgb * shade(p, eye_world.xyz + t * direction_world, normal, to_eye, true);
+    sum += left * (1.0 - passes) * tissue.rgb * shade(p, eye_world.xyz + t * direction_world, facing_normal(p, to_eye), to_eye, true);
     left *= passes;
 #ifdef SOFT
     soft = soft_at(p) >= 0.5;
@@ -76,7 +70,7 @@ void main() {
       outside = solid ? outside : middle;
     }
     p = eye_index.xyz + t * direction_index;
-    sum += left * shade(p, eye_world.xyz + t * direction_world, soft_normal(p, to_eye), to_eye, false);
+    sum += left * shade(p, eye_world.xyz + t * direction_world, facing_normal(p, to_eye), to_eye, false);
     left = 0.0;
   }
 #endif

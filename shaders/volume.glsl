@@ -1,6 +1,7 @@
-// The two textures of the paper (section 4) and what is read from them. Index coordinates: voxel centres at integers.
-layout(binding = 0) uniform sampler3D normal_opacity;   // RGB: normal, eq. 5; A: occupancy x remaining
+// The two textures of the paper (section 4), the field that rays seek, and what is read from them. Index coordinates: voxel centres at integers.
+layout(binding = 0) uniform sampler3D normal_opacity;   // RGB: normal, eq. 5; A: occupancy x remaining of bone
 layout(binding = 1) uniform sampler3D color_soft;       // RGB: colour; A: occupancy of dura and brain
+layout(binding = 6) uniform sampler3D seen_field;       // R: the larger of both, finer
 
 vec3 texture_from_index(vec3 index) { return (index + 0.5) / dims.xyz; }
 
@@ -8,13 +9,7 @@ float bone_at(vec3 index) { return textureLod(normal_opacity, texture_from_index
 float soft_at(vec3 index) { return textureLod(color_soft, texture_from_index(index), 0.0).a; }
 
 // The field whose 0.5 level is seen.
-float density_at(vec3 index) {
-#ifdef SOFT
-  return max(bone_at(index), soft_at(index));
-#else
-  return bone_at(index);
-#endif
-}
+float density_at(vec3 index) { return textureLod(seen_field, texture_from_index(index), 0.0).r; }
 
 // The same for what is drawn of it: nothing outside the cells' box and on the far side of the cut. p: index, world: the same point.
 float drawn_density_at(vec3 p, vec3 world) {
@@ -28,15 +23,6 @@ float drawn_density_at(vec3 p, vec3 world) {
 // Gradient in index coordinates to world direction (covariant, so right for sheared volumes); displacements go the other way.
 vec3 world_from_gradient(vec3 g) { return g.x * index_rows[0].xyz + g.y * index_rows[1].xyz + g.z * index_rows[2].xyz; }
 vec3 index_from_displacement(vec3 d) { return vec3(dot(index_rows[0].xyz, d), dot(index_rows[1].xyz, d), dot(index_rows[2].xyz, d)); }
-
-// Downhill direction of the seen field by central differences, world, unit length; `fallback` where it is flat.
-vec3 difference_normal(vec3 p, vec3 fallback) {
-  vec3 g = vec3(density_at(p - vec3(1, 0, 0)) - density_at(p + vec3(1, 0, 0)), density_at(p - vec3(0, 1, 0)) - density_at(p + vec3(0, 1, 0)),
-                density_at(p - vec3(0, 0, 1)) - density_at(p + vec3(0, 0, 1)));
-  vec3 n = world_from_gradient(g);
-  float size = length(n);
-  return size * edges.w > 0.02 ? n / size : fallback;
-}
 
 // [AcostaLiu07] eq. 6, world directions; not renormalised, so that the caller sees how much of a normal is stored.
 vec3 stored_normal(vec3 p) {
@@ -57,9 +43,8 @@ vec3 surface_normal(vec3 p, vec3 fallback) {
   return size * edges.w > 0.01 ? n / size : fallback;
 }
 #else
-// The filtered texel's normal, renormalised; differences where none is stored (0.5, 0.5, 0.5) and on soft tissue.
+// The filtered texel's normal, renormalised; `fallback` where none is stored (0.5, 0.5, 0.5).
 vec3 surface_normal(vec3 p, vec3 fallback) {
-  bool is_bone = bone_at(p) >= density_at(p);
   vec3 n = stored_normal(p);
 #ifdef FINISH
   // A wider mean hides the terraces of a surface that is one voxel sharp.
@@ -67,6 +52,6 @@ vec3 surface_normal(vec3 p, vec3 fallback) {
   for (int c = 0; c < 8; ++c) n += 0.09375 * stored_normal(p + 1.25 * (vec3(c & 1, (c >> 1) & 1, c >> 2) - 0.5) * 2.0);
 #endif
   float size = length(n);
-  return is_bone && size > 0.15 ? n / size : difference_normal(p, fallback);
+  return size > 0.15 ? n / size : fallback;
 }
 #endif

@@ -105,11 +105,14 @@ Status compare_uploads(Bench& bench, const FrameView& view, Voxmap& voxmap) {
     const VoxelBox box = VoxelBox{lo, lo + edge}.intersect(all);
     const TexelBox texels = make_texels(voxmap, box);
     const auto row = static_cast<std::size_t>(box.size().x);
+    const auto copy_rows = [&](const auto& from, auto& to) {
+      const auto* next = from.data();
+      for (int k = box.lo.z; k < box.hi.z; ++k)
+        for (int j = box.lo.y; j < box.hi.y; ++j, next += row) std::memcpy(&to[all.offset_of({box.lo.x, j, k})], next, row * sizeof(*next));
+    };
     const Side copied{{}, [&] {
-                        const Rgba8* from = texels.normal_opacity.data();
-                        for (int k = box.lo.z; k < box.hi.z; ++k)
-                          for (int j = box.lo.y; j < box.hi.y; ++j, from += row)
-                            std::memcpy(&volume.normal_opacity[all.offset_of({box.lo.x, j, k})], from, row * sizeof(Rgba8));
+                        copy_rows(texels.normal_opacity, volume.normal_opacity);
+                        copy_rows(texels.field, volume.field);
                       }};
     const Side uploaded{{}, [&] { canvas->renderer.update(texels); }};
     const std::uint64_t before = canvas->renderer.counters().update_bytes;
@@ -117,7 +120,7 @@ Status compare_uploads(Bench& bench, const FrameView& view, Voxmap& voxmap) {
     copied.run();
     const std::string name = fmt::format("upload of a box of {}^3 over copying its rows", edge);
     // The counter says that nothing but the box was sent; the texels are those that were there.
-    const std::vector<std::uint64_t> expected{box.count() * sizeof(Rgba8)}, sent{canvas->renderer.counters().update_bytes - before};
+    const std::vector<std::uint64_t> expected{box.count() * kTexelBytes}, sent{canvas->renderer.counters().update_bytes - before};
     if (bench.agree(name, bytes_of(expected), bytes_of(sent))) bench.add_cost(name, "us", 1e6, bench.time(copied, uploaded), {1.5, {}});
   }
   return canvas->fault;

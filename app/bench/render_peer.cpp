@@ -129,7 +129,8 @@ Result<std::optional<PeerRow>> run_peer(const PeerScene& scene) {
   constexpr std::size_t kBytes = std::size_t{3} * kSide * kSide;
   if (!picture || picture->size() < kBytes) return Error{ErrorCode::internal, "the VTK peer drew no picture", kScript};
   const std::string_view pixels = std::string_view(*picture).substr(picture->size() - kBytes);
-  for (std::size_t n = 0; n < kBytes; n += 3) out.covered.push_back(static_cast<std::uint8_t>(pixels[n]) > 24 ? 1 : 0);
+  // Its background is pure blue. Where its volume ends there is no gradient and no light: bone is black there.
+  for (std::size_t n = 0; n < kBytes; n += 3) out.covered.push_back(static_cast<std::uint8_t>(pixels[n + 2]) < 230 ? 1 : 0);
   return std::optional(std::move(out));
 }
 

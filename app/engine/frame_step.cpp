@@ -64,7 +64,7 @@ Result<FrameStep> FrameStep::create(const Scene& scene, const Approach& approach
 
 void FrameStep::gather(double turned) {
   turned_ = turned;
-  fill_parcel(display_.upload_budget / sizeof(Rgba8), display_.upload_time);
+  fill_parcel(display_.upload_budget / kTexelBytes, display_.upload_time);
 }
 
 void FrameStep::gather_rest(double turned) {

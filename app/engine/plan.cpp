@@ -130,7 +130,7 @@ std::string picture_text(const DisplayScene& display) {
 
 PlanRow display_row(const EffectInfo& effect, const LoadedScene& loaded) {
   const DisplayScene& display = *loaded.scene.display;
-  const std::uint64_t a_voxel = 2 * sizeof(Rgba8) + (display.looks.tissue ? sizeof(TissueTexel) : 0);
+  const std::uint64_t a_voxel = kTexelBytes + sizeof(Rgba8) + (display.looks.tissue ? sizeof(TissueTexel) : 0);
   const std::uint64_t texels = loaded.bone->bounds().count() * a_voxel;
   const std::string budget = display.budget ? fmt::format(", quality for {:g} ms a picture", *display.budget * 1e3) : std::string();
   return {

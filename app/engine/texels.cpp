@@ -1,5 +1,6 @@
 #include "app/engine/texels.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace burrhole {
@@ -101,20 +102,52 @@ std::vector<TissueTexel> make_tissue(const BoneModel& bone) {
   return out;
 }
 
-void encode_slab(Voxmap& voxmap, const VoxelBox& part, const Mat3& normal_map, std::vector<Rgba8>& out) {
-  std::vector<float> density(part.count());
-  std::vector<Vec3f> gradient(part.count());
-  voxmap.read_density(part, density);
-  voxmap.read_gradient(part, gradient);
-  for (std::size_t n = 0; n < density.size(); ++n) out.push_back(encode_texel(normal_map, gradient[n], density[n]));
+/// What texels are made of.
+struct Slab {
+  std::vector<float> density, soft;
+  std::vector<Vec3f> gradient;  ///< of bone's density or soft tissue's occupancy, whichever changes faster; index axes
+};
+
+/// Central differences of soft tissue where it changes faster than bone: on dura that bone no longer covers.
+void take_soft_gradients(const BoneModel& bone, const VoxelBox& part, Slab& slab) {
+  slab.soft.resize(part.count());
+  const VoxelBox halo = part.grown(1);
+  std::vector<float> soft(halo.count());
+  bone.read_soft(halo, soft);
+  if (std::all_of(soft.begin(), soft.end(), [](float s) { return s == 0.0f; })) return;
+  const Vec3i size = halo.size();
+  const std::size_t steps[3] = {1, static_cast<std::size_t>(size.x), static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)};
+  std::size_t n = 0;
+  for_each_voxel(part, [&](const Vec3i& v) {
+    const std::size_t at = halo.offset_of(v);
+    const auto slope = [&](std::size_t step) { return 0.5f * (soft[at + step] - soft[at - step]); };
+    const Vec3f gradient(slope(steps[0]), slope(steps[1]), slope(steps[2]));
+    if (glm::dot(gradient, gradient) > glm::dot(slab.gradient[n], slab.gradient[n])) slab.gradient[n] = gradient;
+    slab.soft[n++] = soft[at];
+  });
+}
+
+Slab read_slab(Voxmap& voxmap, const VoxelBox& part) {
+  Slab slab{std::vector<float>(part.count()), {}, std::vector<Vec3f>(part.count())};
+  voxmap.read_density(part, slab.density);
+  voxmap.read_gradient(part, slab.gradient);
+  take_soft_gradients(voxmap.bone(), part, slab);
+  return slab;
+}
+
+Mat3 normal_map_of(const Voxmap& voxmap) { return glm::transpose(glm::inverse(voxmap.bone().bone_from_index().linear)); }
+
+/// Outward, unit length; zero for no gradient.
+Vec3 normal_of(const Mat3& normal_map, const Vec3f& index_gradient) {
+  const Vec3 normal = -(normal_map * Vec3(index_gradient));
+  const double length = glm::length(normal);
+  return length > 0.0 ? normal / length : Vec3(0.0);
 }
 
 }  // namespace
 
 Rgba8 encode_texel(const Mat3& normal_map, const Vec3f& index_gradient, float density) {
-  Vec3 normal = -(normal_map * Vec3(index_gradient));
-  const double length = glm::length(normal);
-  normal = length > 0.0 ? normal / length : Vec3(0.0);
+  const Vec3 normal = normal_of(normal_map, index_gradient);
   return {to_byte(0.5 * normal.x + 0.5), to_byte(0.5 * normal.y + 0.5), to_byte(0.5 * normal.z + 0.5),
           to_byte(static_cast<double>(density))};
 }
@@ -124,8 +157,29 @@ TexelBox make_texels(Voxmap& voxmap, const VoxelBox& box) {
   out.box = box.intersect(voxmap.bone().bounds());
   if (out.box.empty()) return {};
   out.normal_opacity.reserve(out.box.count());
-  const Mat3 normal_map = glm::transpose(glm::inverse(voxmap.bone().bone_from_index().linear));
-  for_each_slab(out.box, [&](const VoxelBox& part) { encode_slab(voxmap, part, normal_map, out.normal_opacity); });
+  out.field.reserve(out.box.count());
+  const Mat3 normal_map = normal_map_of(voxmap);
+  for_each_slab(out.box, [&](const VoxelBox& part) {
+    const Slab slab = read_slab(voxmap, part);
+    for (std::size_t n = 0; n < slab.density.size(); ++n) {
+      out.normal_opacity.push_back(encode_texel(normal_map, slab.gradient[n], slab.density[n]));
+      const float seen = std::clamp(std::max(slab.density[n], slab.soft[n]), 0.0f, 1.0f);
+      out.field.push_back(static_cast<std::uint16_t>(65535.0f * seen + 0.5f));
+    }
+  });
+  return out;
+}
+
+std::vector<glm::vec4> make_precise_texels(Voxmap& voxmap) {
+  const VoxelBox all = voxmap.bone().bounds();
+  std::vector<glm::vec4> out;
+  out.reserve(all.count());
+  const Mat3 normal_map = normal_map_of(voxmap);
+  for_each_slab(all, [&](const VoxelBox& part) {
+    const Slab slab = read_slab(voxmap, part);
+    for (std::size_t n = 0; n < slab.density.size(); ++n)
+      out.emplace_back(Vec3f(0.5 + 0.5 * normal_of(normal_map, slab.gradient[n])), slab.density[n]);
+  });
   return out;
 }
 
@@ -134,7 +188,9 @@ VolumeView make_volume_view(Voxmap& voxmap, bool with_tissue) {
   VolumeView out;
   out.dims = bone.dims();
   out.bone_from_index = bone.bone_from_index();
-  out.normal_opacity = make_texels(voxmap, bone.bounds()).normal_opacity;
+  TexelBox all = make_texels(voxmap, bone.bounds());
+  out.normal_opacity = std::move(all.normal_opacity);
+  out.field = std::move(all.field);
   out.color = make_colors(bone);
   if (with_tissue) out.tissue = make_tissue(bone);
   return out;

@@ -27,12 +27,22 @@ struct Rgba8 {
 /// [AcostaLiu07] eq. 6, N = 2 (C - 0.5); within 1/255 a component of what was encoded, not renormalised.
 [[nodiscard]] inline Vec3 decode_normal(const Rgba8& texel) noexcept { return 2.0 * (Vec3(texel.r, texel.g, texel.b) / 255.0 - 0.5); }
 
-/// A box of texels, i fastest: RGB = 0.5 N + 0.5 ([AcostaLiu07] eq. 5; N is the outward unit normal in index axes scaled to world
-/// metric, bone frame), A = occupancy x remaining. An unknown normal is stored as 0.5, 0.5, 0.5.
+/// A box of texels, i fastest. normal_opacity: RGB = 0.5 N + 0.5 ([AcostaLiu07] eq. 5; N is the outward unit normal, bone frame, of bone or
+/// soft tissue, whichever changes faster there), A = occupancy x remaining of bone. An unknown normal is stored as 0.5, 0.5, 0.5.
+/// field: what is seen of both, 0..65535: the larger of bone's occupancy x remaining and the occupancy of soft tissue.
 struct TexelBox {
   VoxelBox box;
   std::vector<Rgba8> normal_opacity;
+  std::vector<std::uint16_t> field;
 };
+
+/// Bytes that a voxel's change sends.
+inline constexpr std::size_t kTexelBytes = sizeof(Rgba8) + sizeof(std::uint16_t);
+
+/// The field of a voxel from alphas of 8 bits.
+[[nodiscard]] constexpr std::uint16_t field_of(std::uint8_t bone, std::uint8_t soft) noexcept {
+  return static_cast<std::uint16_t>(257 * std::max(bone, soft));
+}
 
 /// What a voxel was before any drill came, never sent again. r: occupancy as loaded. g: of bone how spongy it is, 0 dense .. 255 marrow; of
 /// soft tissue 255 dura, 0 brain.
@@ -48,9 +58,10 @@ struct VolumeView {
   Affine bone_from_index;  ///< [m]
   std::vector<Rgba8> normal_opacity;
   std::vector<Rgba8> color;
+  std::vector<std::uint16_t> field{};    ///< as of TexelBox; empty: from the alphas of both
   std::vector<TissueTexel> tissue{};  ///< empty where no picture asks for it
   std::vector<glm::vec4>
-      precise{};  ///< normal_opacity before it was rounded, as a fraction of 255; drawn in its place, for measurements; empty: not there
+      precise{};  ///< normal_opacity before it was rounded, as fractions; drawn in its place, for measurements; empty: not there
 };
 
 /// What a picture may cost: the knobs that trade its accuracy for time.

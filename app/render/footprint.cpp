@@ -15,10 +15,12 @@ constexpr double kFilter = 1.0;
 constexpr double kSlackVoxels = 0.05;
 /// Of a pixel: rounding of its ray, and a rasteriser's grid of 1/256.
 constexpr double kSlackPixels = 0.125;
-/// volume.glsl, difference_normal: differences of neighbours.
-constexpr double kDifference = 1.0;
+/// volume.glsl, surface_normal with RECOMPUTED: corners of the voxel round the point.
+constexpr double kCorners = 0.5;
 /// volume.glsl, surface_normal with FINISH: the wider mean.
 constexpr double kWiderMean = 1.25;
+/// tissue.glsl, cut_share: bone before the surface.
+constexpr double kBefore = 0.75;
 /// occlusion.glsl, open_sky: the farthest ring, and how far it starts above the surface [voxel edges].
 const double kSkyMetres = 0.0011 * std::exp2(1.15 * 2.0);
 constexpr double kSkyLift = 1.2;
@@ -85,10 +87,13 @@ std::int64_t PixelRegion::pixels() const noexcept {
 }
 
 Reach reach_of(const RenderOptions& options, double longest_edge) noexcept {
-  if (options.translucent) return {kFilter + kSlackVoxels, 0.0};  // normals as stored, and those of soft tissue, which does not change
-  Reach out{kFilter + kDifference + kSlackVoxels, 0.0};
+  Reach out{kFilter + kSlackVoxels, 0.0};
+  if (options.translucent) return out;  // normals as stored
+  const auto sees = [&out](double voxels) { out.voxels = std::max(out.voxels, kFilter + kSlackVoxels + voxels); };
+  if (options.looks.normals == NormalSource::recomputed) sees(kCorners);
   if (options.slices) return out;
-  if (options.finish) out.voxels = kFilter + kWiderMean + kSlackVoxels;  // tissue.glsl, cut_share: three quarters of a voxel
+  if (options.finish) sees(kWiderMean);
+  if (options.looks.tissue) sees(kBefore);
   if (options.looks.occlusion) out.metres = kSkyMetres + kSkyLift * longest_edge;
   if (options.looks.shadow) out.metres = std::max(out.metres, shadow_metres(longest_edge));
   return out;

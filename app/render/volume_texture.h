@@ -1,4 +1,4 @@
-/// app/render/volume_texture.h: the paper's two 3D textures and the skip map on the card. Internal: only app/render's sources include it.
+/// app/render/volume_texture.h: the paper's two 3D textures, the seen field and the skip map on the card. Internal: only app/render's sources include it.
 ///   Source [AcostaLiu07] section 4: normals and opacity in one RGBA texture, colours in a second, partial updates by sub-texture.
 #pragma once
 
@@ -33,7 +33,7 @@ class VolumeTexture {
   /// Replaces exactly the texels of the box. @param may_grow bone of the box may be more than before: the skip map is told.
   /// @returns what was sent; the box lies inside the volume (ours to see to).
   UploadedBytes update(const TexelBox& texels, bool may_grow);
-  void bind() const;  ///< texture units 0, 1 and, with a skip map, 2, with tissue 5
+  void bind() const;  ///< texture units 0, 1, 6 and, with a skip map, 2, with tissue 5
 
   [[nodiscard]] const Vec3i& dims() const noexcept { return dims_; }
   [[nodiscard]] const Affine& bone_from_index() const noexcept { return bone_from_index_; }
@@ -48,8 +48,8 @@ class VolumeTexture {
   Affine bone_from_index_;
   bool has_soft_ = false;
   std::uint8_t seen_from_ = 0;
-  std::size_t texel_bytes_ = sizeof(Rgba8);
-  GlObject normal_opacity_, color_soft_, skip_texture_, tissue_;
+  std::size_t texel_bytes_ = kTexelBytes;
+  GlObject normal_opacity_, color_soft_, field_, skip_texture_, tissue_;
   SkipMap skip_map_;
 };
 

@@ -89,7 +89,7 @@ def make_volume(a, image):
 
 def make_window(a, volume):
     scene, window = vtkRenderer(), vtkRenderWindow()
-    scene.SetBackground(0, 0, 0)
+    scene.SetBackground(0, 0, 1)  # no bone is as blue: who reads the picture tells bone from background by it
     scene.AddVolume(volume)
     window.SetMultiSamples(0)
     window.SetOffScreenRendering(1)

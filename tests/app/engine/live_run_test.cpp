@@ -58,6 +58,7 @@ class TextureSink final : public FrameSink {
   Status start(const VolumeView& volume, const TriangleMesh&) override {
     dims_ = volume.dims;
     texels = volume.normal_opacity;
+    field = volume.field;
     return {};
   }
   void update(const TexelBox& part) override {
@@ -65,7 +66,10 @@ class TextureSink final : public FrameSink {
     std::size_t n = 0;
     for (int k = part.box.lo.z; k < part.box.hi.z; ++k)
       for (int j = part.box.lo.y; j < part.box.hi.y; ++j)
-        for (int i = part.box.lo.x; i < part.box.hi.x; ++i) texels[whole.offset_of({i, j, k})] = part.normal_opacity[n++];
+        for (int i = part.box.lo.x; i < part.box.hi.x; ++i, ++n) {
+          texels[whole.offset_of({i, j, k})] = part.normal_opacity[n];
+          field[whole.offset_of({i, j, k})] = part.field[n];
+        }
     ++parts;
   }
   Status draw(const std::string& name, const FrameView&, int, int, Hash64&) override {
@@ -74,6 +78,7 @@ class TextureSink final : public FrameSink {
     return {};
   }
   std::vector<Rgba8> texels;
+  std::vector<std::uint16_t> field;
   std::vector<std::string> names;
   std::string throws_at;
   int parts = 0;
@@ -220,6 +225,7 @@ TEST_CASE("live: what the display was sent is the bone as it is, whenever it ask
   CHECK(sink.parts > 0);
   const VolumeView now = make_volume_view(run.simulation().voxmap());
   CHECK(sink.texels == now.normal_opacity);
+  CHECK(sink.field == now.field);
   CHECK(sink.names.front() == "before");
   CHECK(sink.names.back() == "cutaway");
 }

@@ -33,7 +33,9 @@ VolumeView make_volume(const VolumeRecipe& recipe) {
   const double edge = recipe.bone_from_index.mean_edge();
   for_each_voxel({Vec3i(0), recipe.dims}, [&](const Vec3i& v) {
     const Vec3 p = recipe.bone_from_index * Vec3(v);
-    view.normal_opacity.push_back(encode_normal(downhill(recipe.bone, p), ramp(recipe.bone(p), edge)));
+    // The normal of what is seen: soft tissue's where it is nearer to its surface than bone is.
+    const bool soft_is_nearer = recipe.soft && std::abs(recipe.soft(p)) < std::abs(recipe.bone(p));
+    view.normal_opacity.push_back(encode_normal(downhill(soft_is_nearer ? recipe.soft : recipe.bone, p), ramp(recipe.bone(p), edge)));
     Rgba8 color = recipe.color ? recipe.color(p) : Rgba8{200, 184, 160, 0};
     color.a = recipe.soft ? ramp(recipe.soft(p), edge) : std::uint8_t{0};
     view.color.push_back(color);
@@ -91,8 +93,12 @@ Renderer require_renderer(RenderOptions options) {
 
 TexelBox texels_of(const VolumeView& volume, const VoxelBox& box) {
   const VoxelBox all{Vec3i(0), volume.dims};
-  TexelBox texels{box, {}};
-  for_each_voxel(box, [&](const Vec3i& v) { texels.normal_opacity.push_back(volume.normal_opacity[all.offset_of(v)]); });
+  TexelBox texels{box, {}, {}};
+  for_each_voxel(box, [&](const Vec3i& v) {
+    const std::size_t n = all.offset_of(v);
+    texels.normal_opacity.push_back(volume.normal_opacity[n]);
+    texels.field.push_back(volume.field.empty() ? field_of(volume.normal_opacity[n].a, volume.color[n].a) : volume.field[n]);
+  });
   return texels;
 }
 

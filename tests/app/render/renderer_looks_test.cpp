@@ -128,10 +128,10 @@ TEST_CASE("looks: a volume without tissue is drawn plain, and sends none") {
   volume.tissue.clear();
   Renderer renderer = require_renderer({.finish = false, .looks = kTissue});
   REQUIRE(renderer.set_volume(volume).ok());
-  CHECK(renderer.counters().volume_bytes == 8 * with);
+  CHECK(renderer.counters().volume_bytes == 10 * with);
   Renderer plain = require_renderer();
   REQUIRE(plain.set_volume(slab(true)).ok());
-  CHECK(plain.counters().volume_bytes == 10 * with);
+  CHECK(plain.counters().volume_bytes == 12 * with);
   const auto a = renderer.draw(evenly_lit(), kSize, kSize), b = plain.draw(evenly_lit(), kSize, kSize);
   REQUIRE((a.ok() && b.ok()));
   CHECK(pictures_agree("no-tissue", a.value(), b.value(), {}));

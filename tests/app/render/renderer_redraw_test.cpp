@@ -16,7 +16,9 @@ constexpr int kWidth = 160, kHeight = 120;
 constexpr std::uint64_t kAll = std::uint64_t{kWidth} * kHeight;
 constexpr VoxelBox kPit{{32, 16, 40}, {42, 26, 52}};
 
-TexelBox filled(const VoxelBox& box, std::uint8_t opacity) { return {box, std::vector<Rgba8>(box.count(), Rgba8{128, 128, 255, opacity})}; }
+TexelBox filled(const VoxelBox& box, std::uint8_t opacity) {
+  return {box, std::vector<Rgba8>(box.count(), Rgba8{128, 128, 255, opacity}), std::vector<std::uint16_t>(box.count(), field_of(opacity, 0))};
+}
 
 /// Prism standing on a square of 4 mm, 12 mm high.
 TriangleMesh post() {

@@ -43,16 +43,16 @@ TEST_CASE("update: a partial upload draws the same bytes as a full one") {
   CHECK(compare_pictures(drawn(partly), before, 0).differing_share > 0.005);
 }
 
-TEST_CASE("update: a box of 20^3 sends 20^3 texels of four bytes and nothing else") {
+TEST_CASE("update: a box of 20^3 sends 20^3 texels of six bytes and nothing else") {
   Renderer renderer = require_renderer({.finish = false});
   const VolumeView volume = ball_on_plate();
   REQUIRE(renderer.set_volume(volume).ok());
-  CHECK(renderer.counters().volume_bytes == 2u * 4u * 64u * 64u * 64u);
+  CHECK(renderer.counters().volume_bytes == (4u + 2u + 4u) * 64u * 64u * 64u);
   const std::uint64_t skip_map = renderer.counters().skip_map_bytes;
   CHECK(skip_map == 64u * 64u * 64u);
   const VoxelBox box{{22, 24, 30}, {42, 44, 50}};
   renderer.update(texels_of(changed(box, 0), box));
-  CHECK(renderer.counters().update_bytes == 20u * 20u * 20u * 4u);
+  CHECK(renderer.counters().update_bytes == 20u * 20u * 20u * (4u + 2u));
   CHECK(renderer.counters().update_boxes == 1u);
   CHECK(renderer.counters().skip_map_bytes == skip_map);
 }

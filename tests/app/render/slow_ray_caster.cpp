@@ -9,8 +9,7 @@ namespace {
 
 struct Sample {
   Vec3 normal_code, color;
-  double bone = 0.0, soft = 0.0;
-  [[nodiscard]] double seen() const { return std::max(bone, soft); }
+  double seen = 0.0;
 };
 
 class Caster {
@@ -53,8 +52,7 @@ Sample Caster::at(Vec3 index) const {
     const Rgba8& c = volume_.color[n];
     sum.normal_code += w * Vec3(t.r, t.g, t.b) / 255.0;
     sum.color += w * Vec3(c.r, c.g, c.b) / 255.0;
-    sum.bone += w * t.a / 255.0;
-    sum.soft += w * c.a / 255.0;
+    sum.seen += w * std::max(t.a, c.a) / 255.0;
   }
   return sum;
 }
@@ -63,15 +61,7 @@ Vec3 Caster::normal_at(const Vec3& index, const Vec3& fallback) const {
   const Sample s = at(index);
   const Vec3 stored = 2.0 * (s.normal_code - 0.5);  // eq. 6
   const double sign = sabotage_ == Sabotage::flipped_normal ? -1.0 : 1.0;
-  if (s.bone >= s.soft && glm::length(stored) > 0.15) return sign * view_.world_from_bone.rotate(glm::normalize(stored));
-  Vec3 g(0.0);
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3 d(0.0);
-    d[axis] = 1.0;
-    const double slope = at(index - d).seen() - at(index + d).seen();
-    g += slope * Vec3(index_from_world_.linear[0][axis], index_from_world_.linear[1][axis], index_from_world_.linear[2][axis]);
-  }
-  return glm::length(g) * world_from_index_.longest_edge() > 0.02 ? sign * glm::normalize(g) : fallback;
+  return glm::length(stored) > 0.15 ? sign * view_.world_from_bone.rotate(glm::normalize(stored)) : fallback;
 }
 
 Vec3 Caster::lit(const Vec3& color, const Vec3& normal, const Vec3& to_eye) const {
@@ -115,12 +105,12 @@ Vec3 Caster::color_of(const Vec3& eye, const Vec3& direction, double screen_heig
   const auto index_at = [&](double t) { return index_from_world_ * (eye + t * direction); };
   for (int n = 0; enter + n * dt <= leave; ++n) {
     const Vec3 index = index_at(enter + n * dt);
-    if (at(index).seen() < 0.5) continue;
+    if (at(index).seen < 0.5) continue;
     if (n == 0) return lit(at(index).color, face, to_eye);
     double outside = enter + (n - 1) * dt, inside = enter + n * dt;
     for (int i = 0; i < bisections_; ++i) {
       const double middle = 0.5 * (outside + inside);
-      (at(index_at(middle)).seen() >= 0.5 ? inside : outside) = middle;
+      (at(index_at(middle)).seen >= 0.5 ? inside : outside) = middle;
     }
     const Vec3 hit = index_at(inside);
     const Vec3 normal = normal_at(hit, to_eye);
