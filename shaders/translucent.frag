@@ -4,7 +4,7 @@
 #include "volume.glsl"
 #include "shade.glsl"
 #include "span.glsl"
-layout(binding = 3) uniform sampler1D transfer;    // by density, 256 values: RGB tint of the tissue's colour, A extinction [1/m]
+layout(binding = 3) uniform sampler1D transfer;    // by density, 256 values: extinction [1/m] in R; with TINT in A, and in RGB the tint
 layout(binding = 4) uniform sampler2D tool_depth;  // depth buffer of what is opaque
 layout(location = 0) out vec4 picture;             // premultiplied by its opacity
 #ifdef PROBE
@@ -20,7 +20,15 @@ vec3 facing_normal(vec3 p, vec3 to_eye) {
   return size > 0.15 ? stored * (dot(stored, to_eye) < 0.0 ? -1.0 : 1.0) / size : to_eye;
 }
 
-vec4 transfer_at(float density) { return textureLod(transfer, (255.0 * density + 0.5) / 256.0, 0.0); }
+// RGB: tint of the tissue's colour, A: extinction.
+vec4 transfer_at(float density) {
+  vec4 stored = textureLod(transfer, (255.0 * density + 0.5) / 256.0, 0.0);
+#ifdef TINT
+  return stored;
+#else
+  return vec4(1.0, 1.0, 1.0, stored.r);
+#endif
+}
 
 void main() {
   vec2 ndc = 2.0 * gl_FragCoord.xy / lens.zw - 1.0;
@@ -40,40 +48,29 @@ void main() {
   float left = 1.0;
   int n = 0;
   int samples = 0;
-  bool soft = false;
-  vec3 p = eye_index.xyz + span.enter * direction_index;
-  float t = span.enter;
-  while (n < count && left > kSpent && !soft) {
+  // Over what is surely empty without the body of the loop that follows.
+  vec3 start = eye_index.xyz + span.enter * direction_index;
+  vec3 middle = start + 0.5 * stride;
+  for (int ahead = leap(middle, reach); ahead > 1 && n < count; ahead = leap(middle + float(n) * stride, reach)) n += ahead;
+  while (n < count && left > kSpent) {
     // The middle of the step; the last one ends where the ray does.
     float from = span.enter + float(n) * step_depth;
     float width = min(step_depth, span.leave - from);
-    t = from + 0.5 * width;
-    p = eye_index.xyz + t * direction_index;
+    float t = from + 0.5 * width;
+    vec3 p = eye_index.xyz + t * direction_index;
     vec4 tissue = transfer_at(bone_at(p));
     float passes = exp(-tissue.a * width * metres);
+#ifdef SOFT
+    // Dura and brain are no part of the transfer function: they are what is seen through the bone.
+    bool soft = soft_at(p) >= 0.5;
+    passes = soft ? 0.0 : passes;
+    tissue.rgb = soft ? vec3(1.0) : tissue.rgb;
+#endif
     sum += left * (1.0 - passes) * tissue.rgb * shade(p, eye_world.xyz + t * direction_world, facing_normal(p, to_eye), to_eye, true);
     left *= passes;
-#ifdef SOFT
-    soft = soft_at(p) >= 0.5;
-#endif
     n += leap(p, reach);
     ++samples;
   }
-#ifdef SOFT
-  if (soft) {   // dura and brain are no part of the transfer function: they are what is seen through the bone
-    // Their level lies within the last step.
-    float outside = max(span.enter, t - step_depth);
-    for (int i = 0; i < 5; ++i) {
-      float middle = 0.5 * (outside + t);
-      bool solid = soft_at(eye_index.xyz + middle * direction_index) >= 0.5;
-      t = solid ? middle : t;
-      outside = solid ? outside : middle;
-    }
-    p = eye_index.xyz + t * direction_index;
-    sum += left * shade(p, eye_world.xyz + t * direction_world, facing_normal(p, to_eye), to_eye, false);
-    left = 0.0;
-  }
-#endif
   picture = vec4(sum, 1.0 - left);
 #ifdef PROBE
   probe = vec4(0.0, 0.0, 0.0, -float(samples));

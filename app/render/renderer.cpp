@@ -142,6 +142,7 @@ struct Renderer::Impl {
   GlTarget target;
   DepthRange range;  ///< of the last picture
   GlObject transfer, opaque_depth;
+  bool tinted = false;  ///< the transfer function has a tint
   std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
   std::optional<VolumeTexture> volume;
   std::optional<ToolMesh> tool;
@@ -162,6 +163,7 @@ struct Renderer::Impl {
     if (!options.translucent) return;
     const TransferTable table = make_transfer_table(*options.translucent);
     transfer = make_transfer_texture(gl, table);
+    tinted = has_tint(table);
     if (options.skip_empty) seen_from = burrhole::seen_from(table);
   }
   Impl(const Impl&) = delete;
@@ -276,9 +278,10 @@ ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe) const {
   LookView looks = options.looks;
   looks.tissue = looks.tissue && volume && volume->has_tissue();
   if (options.slices)
-    return slices_variant({.cut = cut, .soft = soft, .correct = options.slices->correct, .labels = looks.labels, .normals = looks.normals});
+    return slices_variant({.cut = cut, .correct = options.slices->correct, .labels = looks.labels, .normals = looks.normals});
   if (options.translucent)
-    return translucent_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = looks.labels});
+    return translucent_variant(
+        {.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = looks.labels, .tint = tinted});
   return raycast_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .finish = options.finish, .probe = probe, .looks = looks});
 }
 

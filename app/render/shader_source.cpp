@@ -99,7 +99,6 @@ ShaderVariant raycast_variant(const RaycastChoice& choice) {
 ShaderVariant slices_variant(const SlicesChoice& choice) {
   ShaderVariant variant{"slices", "slices.vert", "slices.frag", {}};
   add_define(variant, choice.cut, "CUT", "_cut");
-  add_define(variant, choice.soft, "SOFT", "_soft");
   add_define(variant, choice.correct, "CORRECT", "_correct");
   add_define(variant, choice.labels, "LABELS", "_labels");
   add_define(variant, choice.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
@@ -113,6 +112,7 @@ ShaderVariant translucent_variant(const TranslucentChoice& choice) {
   add_define(variant, choice.skip, "SKIP", "_skip");
   add_define(variant, choice.probe, "PROBE", "_probe");
   add_define(variant, choice.labels, "LABELS", "_labels");
+  add_define(variant, choice.tint, "TINT", "_tint");
   return variant;
 }
 
@@ -148,15 +148,18 @@ std::vector<ShaderVariant> all_shader_variants() {
   for (const unsigned bits : {0u, kDrawn - 1u})
     for (unsigned n = 0; n < kLooks; ++n)
       for (const unsigned look : {1u << n, kAllLooks ^ 1u << n}) add(bits, look);
-  for (unsigned bits = 0; bits < 32; ++bits)
-    variants.push_back(translucent_variant(
-        {.cut = bit(bits, 0), .soft = bit(bits, 1), .skip = bit(bits, 2), .probe = bit(bits, 3), .labels = bit(bits, 4)}));
-  for (unsigned bits = 0; bits < 32; ++bits)
+  for (unsigned bits = 0; bits < 64; ++bits)
+    variants.push_back(translucent_variant({.cut = bit(bits, 0),
+                                            .soft = bit(bits, 1),
+                                            .skip = bit(bits, 2),
+                                            .probe = bit(bits, 3),
+                                            .labels = bit(bits, 4),
+                                            .tint = bit(bits, 5)}));
+  for (unsigned bits = 0; bits < 16; ++bits)
     variants.push_back(slices_variant({.cut = bit(bits, 0),
-                                       .soft = bit(bits, 1),
-                                       .correct = bit(bits, 2),
-                                       .labels = bit(bits, 3),
-                                       .normals = bit(bits, 4) ? NormalSource::recomputed : NormalSource::texture}));
+                                       .correct = bit(bits, 1),
+                                       .labels = bit(bits, 2),
+                                       .normals = bit(bits, 3) ? NormalSource::recomputed : NormalSource::texture}));
   return variants;
 }
 

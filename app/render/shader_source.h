@@ -37,13 +37,11 @@ struct RaycastChoice {
 /// The same for slices.
 struct SlicesChoice {
   bool cut = false;
-  bool soft = false;
   bool correct = false;  ///< opacity corrected for the distance between slices
   bool labels = false;
   NormalSource normals = NormalSource::texture;
 };
 
-[[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
 /// The same for translucent bone.
 struct TranslucentChoice {
   bool cut = false;
@@ -51,8 +49,10 @@ struct TranslucentChoice {
   bool skip = false;
   bool probe = false;
   bool labels = false;
+  bool tint = false;  ///< the transfer function has a tint
 };
 
+[[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
 [[nodiscard]] ShaderVariant translucent_variant(const TranslucentChoice& choice);
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
 [[nodiscard]] ShaderVariant tool_variant(bool probe);

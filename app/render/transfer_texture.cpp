@@ -37,13 +37,26 @@ TransferTable make_transfer_table(const TransferFunction& transfer) {
 std::uint8_t seen_from(const TransferTable& table) {
   const auto seen = std::find_if(table.begin(), table.end(), [](const glm::fvec4& value) { return value.w > 0.0f; });
   if (seen == table.begin()) return 0;
-  return static_cast<std::uint8_t>(seen - table.begin() - 1);
+  // One less than the first that shows: a filter's rounding may lift a mean. It lifts none of texels that are all 0.
+  return static_cast<std::uint8_t>(std::max<std::ptrdiff_t>(seen - table.begin() - 1, 1));
+}
+
+bool has_tint(const TransferTable& table) {
+  return std::any_of(table.begin(), table.end(), [](const glm::fvec4& value) { return value.x != 1.0f || value.y != 1.0f || value.z != 1.0f; });
 }
 
 GlObject make_transfer_texture(const GladGLContext& gl, const TransferTable& table) {
   GlObject texture = make_texture(gl, GL_TEXTURE_1D);
-  gl.TextureStorage1D(texture.name(), 1, GL_RGBA32F, static_cast<GLsizei>(table.size()));
-  gl.TextureSubImage1D(texture.name(), 0, 0, static_cast<GLsizei>(table.size()), GL_RGBA, GL_FLOAT, table.data());
+  const auto size = static_cast<GLsizei>(table.size());
+  if (has_tint(table)) {
+    gl.TextureStorage1D(texture.name(), 1, GL_RGBA32F, size);
+    gl.TextureSubImage1D(texture.name(), 0, 0, size, GL_RGBA, GL_FLOAT, table.data());
+  } else {
+    std::array<float, std::tuple_size_v<TransferTable>> extinction;
+    std::transform(table.begin(), table.end(), extinction.begin(), [](const glm::fvec4& value) { return value.w; });
+    gl.TextureStorage1D(texture.name(), 1, GL_R32F, size);
+    gl.TextureSubImage1D(texture.name(), 0, 0, size, GL_RED, GL_FLOAT, extinction.data());
+  }
   gl.TextureParameteri(texture.name(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   gl.TextureParameteri(texture.name(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   gl.TextureParameteri(texture.name(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);

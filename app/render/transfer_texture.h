@@ -18,9 +18,11 @@ using TransferTable = std::array<glm::fvec4, 256>;
 [[nodiscard]] Status check_transfer(const TransferFunction& transfer);
 /// Linear between corners. `transfer` has passed the check.
 [[nodiscard]] TransferTable make_transfer_table(const TransferFunction& transfer);
-/// The largest 8-bit density up to which nothing is seen; texels below it, filtered, have an extinction of exactly 0 whatever the driver's
-/// rounding. 0 when an empty texel is seen already.
+/// An 8-bit density: texels below it, filtered, have an extinction of exactly 0 whatever the driver's rounding. 0 when an empty texel is
+/// seen already.
 [[nodiscard]] std::uint8_t seen_from(const TransferTable& table);
+/// Whether a tint is anything but 1; without one the texture holds extinctions alone.
+[[nodiscard]] bool has_tint(const TransferTable& table);
 [[nodiscard]] GlObject make_transfer_texture(const GladGLContext& gl, const TransferTable& table);
 
 }  // namespace burrhole
