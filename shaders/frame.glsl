@@ -24,3 +24,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 background_bottom;      // rgb
   vec4 background_top;
 };
+
+// View depth [m] to the depth buffer's 0..1 and back.
+float depth_from_view(float t) { return lens.y / (lens.y - lens.x) * (1.0 - lens.x / t); }
+float view_from_depth(float depth) { return lens.x / (1.0 - depth * (lens.y - lens.x) / lens.y); }

@@ -1,9 +1,8 @@
-// First hit of the 0.5 level of the volume along each pixel's ray, shaded once after the loop ([AcostaLiu07] section 4).
+// First hit of the 0.5 level of the volume along each pixel's ray, as a depth; the light comes after it, where there was a hit (surface.frag).
 // View depth t [m] is the ray parameter: p = eye + t * direction with direction . forward = 1.
 #include "frame.glsl"
 #include "background.glsl"
 #include "volume.glsl"
-#include "shade.glsl"
 #include "span.glsl"
 layout(location = 0) out vec4 picture;
 #ifdef PROBE
@@ -30,10 +29,9 @@ void main() {
     ++samples;
   }
   bool hit = n <= last;
-  bool is_face = n == 0;
 
-  // The surface lies between sample n - 1, which is empty, and sample n; on a cut face it is the start itself.
-  float outside = is_face ? 0.0 : float(n) - 1.0;
+  // The surface lies between sample n - 1, which is empty, and sample n; on a face of the box or the cut it is the start itself.
+  float outside = n == 0 ? 0.0 : float(n) - 1.0;
   float inside = float(n);
   for (int i = 0; i < int(light.w); ++i) {
     float middle = 0.5 * (outside + inside);
@@ -41,20 +39,10 @@ void main() {
     inside = solid ? middle : inside;
     outside = solid ? outside : middle;
   }
-  p = start + inside * stride;
   float t = span.enter + inside * step_depth;
-
-  vec3 color = background(gl_FragCoord.y / lens.w);
-  float depth = 1.0;
-  if (hit) {
-    vec3 to_eye = -normalize(direction_world);
-    vec3 normal = is_face ? span.normal : surface_normal(p, to_eye);
-    color = shade(p, eye_world.xyz + t * direction_world, normal, to_eye, is_face);
-    depth = lens.y / (lens.y - lens.x) * (1.0 - lens.x / t);
-  }
-  picture = vec4(color, 1.0);
-  gl_FragDepth = depth;
+  picture = vec4(background(gl_FragCoord.y / lens.w), 1.0);
+  gl_FragDepth = hit ? depth_from_view(t) : 1.0;
 #ifdef PROBE
-  probe = vec4(p, hit ? float(samples) : -float(samples));
+  probe = vec4(start + inside * stride, hit ? float(samples) : -float(samples));
 #endif
 }

@@ -9,9 +9,10 @@ float cut_share(vec3 p, vec3 outward) {
   return smoothstep(0.08, 0.3, textureLod(tissue, texture_from_index(before), 0.0).r - bone_at(before));
 }
 
-// A thin line where noise passes its middle value, broken off where another noise is low; x in widths of the mesh of lines.
-float vessel(vec3 x, float width) {
-  float off = abs(noise(x + 0.35 * noise(2.3 * x)) - 0.5);
+// Thin wavy lines a unit apart across `way`, of unit length, broken off where another noise is low. The noise is too weak to turn a line
+// back on itself: vessels branch and end, they make no rings.
+float vessel(vec3 x, vec3 way, float width) {
+  float off = abs(fract(dot(x, way) + 0.5 * noise(x) + 0.12 * noise(2.3 * x)) - 0.5);
   return (1.0 - smoothstep(0.4 * width, width, off)) * smoothstep(0.35, 0.6, noise(0.43 * x + 17.0));
 }
 
@@ -35,8 +36,8 @@ vec3 cut_bone(vec3 color, float spongy, vec3 metres) {
 
 vec3 soft_tissue(vec3 color, float dura, vec3 metres, bool is_face) {
   float seen = is_face ? 0.0 : 1.0;   // vessels lie on the surface
-  float trunk = seen * vessel(metres / 6.0e-3, 0.035);
-  float branch = seen * vessel(metres / 2.4e-3 + 5.0, 0.05);
+  float trunk = seen * vessel(metres / 6.0e-3, vec3(0.8, 0.36, 0.48), 0.05);
+  float branch = seen * vessel(metres / 2.8e-3 + 5.0, vec3(0.28, 0.96, 0.0), 0.06);
   vec3 sheet = color * (0.92 + 0.14 * noise(metres / vec3(0.5e-3, 2.2e-3, 0.5e-3)));   // the fibres of dura
   sheet = mix(sheet, vec3(0.60, 0.16, 0.15), max(0.85 * trunk, 0.6 * branch));
   vec3 folds = color * (0.88 + 0.18 * noise(metres / 2.5e-3));

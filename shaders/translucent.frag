@@ -35,8 +35,7 @@ void main() {
   vec3 direction_index = forward_index.xyz + ndc.x * right_index.xyz + ndc.y * up_index.xyz;
   vec3 direction_world = forward_world.xyz + ndc.x * right_world.xyz + ndc.y * up_world.xyz;
   Span span = visible_span(direction_index, direction_world);
-  float opaque = texelFetch(tool_depth, ivec2(gl_FragCoord.xy), 0).r;
-  span.leave = min(span.leave, lens.x / (1.0 - opaque * (lens.y - lens.x) / lens.y));
+  span.leave = min(span.leave, view_from_depth(texelFetch(tool_depth, ivec2(gl_FragCoord.xy), 0).r));
   float step_depth = dims.w / length(direction_index);
   float metres = length(direction_world);   // of a unit of view depth
   vec3 stride = step_depth * direction_index;
@@ -52,25 +51,35 @@ void main() {
   vec3 start = eye_index.xyz + span.enter * direction_index;
   vec3 middle = start + 0.5 * stride;
   for (int ahead = leap(middle, reach); ahead > 1 && n < count; ahead = leap(middle + float(n) * stride, reach)) n += ahead;
-  while (n < count && left > kSpent) {
+  float t = span.enter;
+  float soft = 0.0;
+  while (n < count && left > kSpent && soft < 0.5) {
     // The middle of the step; the last one ends where the ray does.
     float from = span.enter + float(n) * step_depth;
     float width = min(step_depth, span.leave - from);
-    float t = from + 0.5 * width;
+    t = from + 0.5 * width;
     vec3 p = eye_index.xyz + t * direction_index;
     vec4 tissue = transfer_at(bone_at(p));
     float passes = exp(-tissue.a * width * metres);
-#ifdef SOFT
-    // Dura and brain are no part of the transfer function: they are what is seen through the bone.
-    bool soft = soft_at(p) >= 0.5;
-    passes = soft ? 0.0 : passes;
-    tissue.rgb = soft ? vec3(1.0) : tissue.rgb;
-#endif
     sum += left * (1.0 - passes) * tissue.rgb * shade(p, eye_world.xyz + t * direction_world, facing_normal(p, to_eye), to_eye, true);
     left *= passes;
+#ifdef SOFT
+    soft = soft_at(p);
+#endif
     n += leap(p, reach);
     ++samples;
   }
+#ifdef SOFT
+  if (soft >= 0.5) {   // dura and brain are no part of the transfer function: they are what is seen through the bone
+    // Their level lies within the last step, over which occupancy is nearly linear.
+    float outside = max(span.enter, t - step_depth);
+    float low = soft_at(eye_index.xyz + outside * direction_index);
+    t = low < 0.5 ? mix(outside, t, (0.5 - low) / (soft - low)) : outside;
+    vec3 p = eye_index.xyz + t * direction_index;
+    sum += left * shade(p, eye_world.xyz + t * direction_world, facing_normal(p, to_eye), to_eye, false);
+    left = 0.0;
+  }
+#endif
   picture = vec4(sum, 1.0 - left);
 #ifdef PROBE
   probe = vec4(0.0, 0.0, 0.0, -float(samples));

@@ -22,8 +22,11 @@ struct Canvas {
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_of(image.pixels); }
 };
 
+/// A transfer function by which the opacity of a voxel's length equals the density: extinction -ln(1 - density) / edge, edge in m.
+[[nodiscard]] TransferFunction density_as_opacity(double edge);
+
 /// What rays cost, with and without skipping, shading and keeping; against slices. @param what names the scene in the rows.
-/// @param bars of samples a frame: of a surface, of translucent bone.
+/// @param bars of samples a frame: of a surface, of bone whose density is its opacity.
 [[nodiscard]] Status compare_rays(Bench& bench, const VolumeView& volume, const FrameView& view, const std::string& what,
                                   const Bars& surface_samples, const Bars& translucent_samples);
 

@@ -30,7 +30,7 @@ class DrawingOn {
   explicit DrawingOn(const LoadedScene& loaded) {
 #ifdef BH_WITH_RENDER
     thread_ = std::thread([this, &loaded] {
-      auto renderer = Renderer::create({});
+      auto renderer = Renderer::create({.keep_picture = false});  // kept, the same picture would cost nothing
       auto voxmap = Voxmap::create(loaded.bone, {});
       auto approach = make_approach(*loaded.bone, loaded.scene.approach);
       if (!renderer || !voxmap || !approach || !renderer->set_volume(make_volume_view(*voxmap))) return;

@@ -108,7 +108,8 @@ struct Slab {
   std::vector<Vec3f> gradient;  ///< of bone's density or soft tissue's occupancy, whichever changes faster; index axes
 };
 
-/// Central differences of soft tissue where it changes faster than bone: on dura that bone no longer covers.
+/// Central differences of soft tissue where it changes faster than bone, on dura that bone no longer covers, and where the two lie on each
+/// other: opposite normals side by side would cancel in the filter.
 void take_soft_gradients(const BoneModel& bone, const VoxelBox& part, Slab& slab) {
   slab.soft.resize(part.count());
   const VoxelBox halo = part.grown(1);
@@ -122,7 +123,9 @@ void take_soft_gradients(const BoneModel& bone, const VoxelBox& part, Slab& slab
     const std::size_t at = halo.offset_of(v);
     const auto slope = [&](std::size_t step) { return 0.5f * (soft[at + step] - soft[at - step]); };
     const Vec3f gradient(slope(steps[0]), slope(steps[1]), slope(steps[2]));
-    if (glm::dot(gradient, gradient) > glm::dot(slab.gradient[n], slab.gradient[n])) slab.gradient[n] = gradient;
+    Vec3f& kept = slab.gradient[n];
+    if (const float length2 = glm::dot(kept, kept); glm::dot(gradient, gradient) > length2 || glm::dot(gradient, kept) < -0.5f * length2)
+      kept = gradient;
     slab.soft[n++] = soft[at];
   });
 }

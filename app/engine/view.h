@@ -28,7 +28,7 @@ struct Rgba8 {
 [[nodiscard]] inline Vec3 decode_normal(const Rgba8& texel) noexcept { return 2.0 * (Vec3(texel.r, texel.g, texel.b) / 255.0 - 0.5); }
 
 /// A box of texels, i fastest. normal_opacity: RGB = 0.5 N + 0.5 ([AcostaLiu07] eq. 5; N is the outward unit normal, bone frame, of bone or
-/// soft tissue, whichever changes faster there), A = occupancy x remaining of bone. An unknown normal is stored as 0.5, 0.5, 0.5.
+/// soft tissue, whichever changes faster there, of soft tissue where they lie on each other), A = occupancy x remaining of bone. An unknown normal is stored as 0.5, 0.5, 0.5.
 /// field: what is seen of both, 0..65535: the larger of bone's occupancy x remaining and the occupancy of soft tissue.
 struct TexelBox {
   VoxelBox box;

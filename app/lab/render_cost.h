@@ -24,7 +24,7 @@ struct RenderCostOptions {
   bool front = true;    ///< all combinations of knobs, for the Pareto front; otherwise each knob alone
   bool drilled = true;  ///< also after drilling
   GlBackend gl = GlBackend::automatic;
-  std::function<void(double, const std::string&)> progress;  ///< share done 0..1; may be empty
+  std::function<void(double, const std::string&)> progress{};  ///< share done 0..1; may be empty
 };
 
 /// A picture of the front's figures.

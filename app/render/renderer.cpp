@@ -171,13 +171,16 @@ struct Renderer::Impl {
   ~Impl() { static_cast<void>(context.make_current()); }  // the members delete their names in it
 
   [[nodiscard]] ShaderVariant volume_variant(bool cut, bool probe) const;
+  [[nodiscard]] bool has_surface() const noexcept { return !options.slices && !options.translucent; }
+  [[nodiscard]] ShaderVariant light_variant(bool cut) const;
   void draw_screen(GLuint program) const;
   void draw_tool(const FrameView& view, GLuint program) const;
   void draw_slices(GLuint program, int count) const;
   void draw_translucent(GLuint program, const PixelRect& part) const;
+  void draw_light(GLuint program, const PixelRect& part) const;
   Result<FrameBlock> make_block(const FrameView& view, int width, int height);
   struct Programs {
-    GLuint background, volume, tool;
+    GLuint background, volume, light, tool;  ///< light: on the surface that rays hit
   };
   Result<Programs> find_programs(bool cut, bool probe);
   Status prepare_target(int width, int height, bool probe);
@@ -273,16 +276,35 @@ void Renderer::Impl::draw_translucent(GLuint program, const PixelRect& part) con
   gl.Enable(GL_DEPTH_TEST);
 }
 
+/// Light where rays hit bone, tissue or a cut: the depth test leaves the other pixels as they are, without running their shader.
+void Renderer::Impl::draw_light(GLuint program, const PixelRect& part) const {
+  target.copy_depth(opaque_depth.name(), part);
+  gl.BindTextureUnit(4, opaque_depth.name());
+  gl.DepthFunc(GL_GREATER);  // the far plane, over a hit
+  gl.DepthMask(GL_FALSE);
+  gl.ColorMaski(1, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);  // the picture alone, not the probe
+  draw_screen(program);
+  gl.ColorMaski(1, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.DepthMask(GL_TRUE);
+  gl.DepthFunc(GL_LEQUAL);
+}
+
+ShaderVariant Renderer::Impl::light_variant(bool cut) const {
+  SurfaceChoice choice{.cut = cut, .soft = false, .finish = options.finish, .looks = options.looks};
+  choice.looks.tissue = choice.looks.tissue && volume && volume->has_tissue();
+  choice.soft = choice.looks.tissue && volume->has_soft();
+  return surface_variant(choice);
+}
+
 ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe) const {
+  const LookView& looks = options.looks;
   const bool soft = volume && volume->has_soft();
-  LookView looks = options.looks;
-  looks.tissue = looks.tissue && volume && volume->has_tissue();
   if (options.slices)
     return slices_variant({.cut = cut, .correct = options.slices->correct, .labels = looks.labels, .normals = looks.normals});
   if (options.translucent)
     return translucent_variant(
         {.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = looks.labels, .tint = tinted});
-  return raycast_variant({.cut = cut, .soft = soft, .skip = options.skip_empty, .finish = options.finish, .probe = probe, .looks = looks});
+  return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe});
 }
 
 Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
@@ -291,7 +313,7 @@ Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
   auto made = GlTarget::create(gl, width, height, kind);
   if (!made) return made.error();
   target = std::move(made).value();
-  if (options.translucent) opaque_depth = target.make_depth_texture();
+  if (!options.slices) opaque_depth = target.make_depth_texture();
   return {};
 }
 
@@ -300,9 +322,11 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool pr
   if (!empty) return empty.error();
   const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe)) : empty;
   if (!bone) return bone.error();
+  const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut)) : empty;
+  if (!light) return light.error();
   const auto steel = programs.find_or_link(tool_variant(probe));
   if (!steel) return steel.error();
-  return Programs{empty.value(), bone.value(), steel.value()};
+  return Programs{empty.value(), bone.value(), light.value(), steel.value()};
 }
 
 std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const {
@@ -317,9 +341,10 @@ void Renderer::Impl::draw_part(const PixelRect& part, const FrameView& view, con
                                bool with_tool) const {
   gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  const bool opaque = !volume || !(options.slices || options.translucent);
+  const bool opaque = !volume || has_surface();
   if (opaque && volume) volume->bind();
   draw_screen(opaque ? used.volume : used.background);
+  if (opaque && volume) draw_light(used.light, part);
   if (with_tool) draw_tool(view, used.tool);
   if (!opaque && options.slices) draw_slices(used.volume, static_cast<int>(block.slices.y));
   if (!opaque && options.translucent) draw_translucent(used.volume, part);
@@ -349,7 +374,8 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   if (const Status made = prepare_target(drawn.x, drawn.y, false); !made) return made.error();
   const auto block = make_block(view, drawn.x, drawn.y);
   if (!block) return block.error();
-  FrameKey key = make_frame_key(volume ? volume_variant(view.cut.has_value(), false).name : "", block.value());
+  const bool cut = view.cut.has_value();
+  FrameKey key = make_frame_key(volume ? volume_variant(cut, false).name + (has_surface() ? light_variant(cut).name : "") : "", block.value());
   std::optional<Affine> world_from_index;
   if (volume) world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
   const Reach reach = reach_of(options, world_from_index ? world_from_index->longest_edge() : 0.0);
@@ -395,7 +421,9 @@ Result<Renderer> Renderer::create(const RenderOptions& options) {
   if (!context) return context.error();
   auto impl = std::make_unique<Impl>(options, std::move(context).value(), std::move(files));
   // A faulty shader is found here and not at the first frame.
-  for (const ShaderVariant& variant : {background_variant(), tool_variant(false), impl->volume_variant(false, false)}) {
+  std::vector<ShaderVariant> used{background_variant(), tool_variant(false), impl->volume_variant(false, false)};
+  if (impl->has_surface()) used.push_back(impl->light_variant(false));
+  for (const ShaderVariant& variant : used) {
     const auto linked = impl->programs.find_or_link(variant);
     if (linked) continue;
     Error fault = linked.error();

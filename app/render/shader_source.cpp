@@ -82,10 +82,16 @@ void add_define(ShaderVariant& variant, bool on, const char* define, const char*
 ShaderVariant raycast_variant(const RaycastChoice& choice) {
   ShaderVariant variant{"raycast", "screen.vert", "raycast.frag", {}};
   add_define(variant, choice.cut, "CUT", "_cut");
-  add_define(variant, choice.soft, "SOFT", "_soft");
   add_define(variant, choice.skip, "SKIP", "_skip");
-  add_define(variant, choice.finish, "FINISH", "_finish");
   add_define(variant, choice.probe, "PROBE", "_probe");
+  return variant;
+}
+
+ShaderVariant surface_variant(const SurfaceChoice& choice) {
+  ShaderVariant variant{"surface", "screen.vert", "surface.frag", {}};
+  add_define(variant, choice.cut, "CUT", "_cut");
+  add_define(variant, choice.soft, "SOFT", "_soft");
+  add_define(variant, choice.finish, "FINISH", "_finish");
   const LookView& looks = choice.looks;
   add_define(variant, looks.tissue, "TISSUE", "_tissue");
   add_define(variant, looks.occlusion, "OCCLUSION", "_occlusion");
@@ -134,14 +140,11 @@ std::vector<ShaderVariant> all_shader_variants() {
                     .labels = bit(bits, 4),
                     .normals = bit(bits, 5) ? NormalSource::recomputed : NormalSource::texture};
   };
-  constexpr unsigned kDrawn = 32, kLooks = 6, kAllLooks = (1u << kLooks) - 1u;
+  for (unsigned bits = 0; bits < 8; ++bits)
+    variants.push_back(raycast_variant({.cut = bit(bits, 0), .skip = bit(bits, 1), .probe = bit(bits, 2)}));
+  constexpr unsigned kDrawn = 8, kLooks = 6, kAllLooks = (1u << kLooks) - 1u;
   const auto add = [&](unsigned bits, unsigned look) {
-    variants.push_back(raycast_variant({.cut = bit(bits, 0),
-                                        .soft = bit(bits, 1),
-                                        .skip = bit(bits, 2),
-                                        .finish = bit(bits, 3),
-                                        .probe = bit(bits, 4),
-                                        .looks = looks(look)}));
+    variants.push_back(surface_variant({.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .looks = looks(look)}));
   };
   for (unsigned bits = 0; bits < kDrawn; ++bits)
     for (const unsigned look : {0u, kAllLooks}) add(bits, look);

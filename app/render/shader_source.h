@@ -24,13 +24,18 @@ struct ShaderVariant {
   std::vector<std::string> defines;
 };
 
-/// What a picture of a volume calls for; each choice that is off is not in the expanded source.
+/// What rays to the surface call for; each choice that is off is not in the expanded source.
 struct RaycastChoice {
-  bool cut = false;     ///< part of the volume is cut away
+  bool cut = false;    ///< part of the volume is cut away
+  bool skip = false;   ///< empty space is skipped by the distance map
+  bool probe = false;  ///< hit positions and sample counts come beside the picture
+};
+
+/// The same for the light on what they hit.
+struct SurfaceChoice {
+  bool cut = false;
   bool soft = false;    ///< the volume holds dura or brain
-  bool skip = false;    ///< empty space is skipped by the distance map
   bool finish = false;  ///< smoothed normals and soft highlights
-  bool probe = false;   ///< hit positions and sample counts come beside the picture
   LookView looks{.labels = false};
 };
 
@@ -53,6 +58,7 @@ struct TranslucentChoice {
 };
 
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
+[[nodiscard]] ShaderVariant surface_variant(const SurfaceChoice& choice);
 [[nodiscard]] ShaderVariant translucent_variant(const TranslucentChoice& choice);
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
 [[nodiscard]] ShaderVariant tool_variant(bool probe);

@@ -50,7 +50,8 @@ TEST_CASE("shader source: what is built in is what lies in the folder") {
 
 TEST_CASE("shader source: a picture that calls for nothing defines nothing") {
   CHECK(raycast_variant({}).defines.empty());
-  CHECK(raycast_variant({.cut = true, .soft = true}).name == "raycast_cut_soft");
+  CHECK(surface_variant({}).defines.empty());
+  CHECK(surface_variant({.cut = true, .soft = true}).name == "surface_cut_soft");
 }
 
 TEST_CASE("shader source: of a branch that is not taken nothing is left but empty lines") {
@@ -81,7 +82,7 @@ struct LookWord {
 };
 
 std::string surface_source(const LookView& looks) {
-  return expand_shader(embedded_shaders(), "raycast.frag", raycast_variant({.looks = looks}).defines).value();
+  return expand_shader(embedded_shaders(), "surface.frag", surface_variant({.looks = looks}).defines).value();
 }
 
 }  // namespace
