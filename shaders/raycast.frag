@@ -1,12 +1,13 @@
-// First hit of the 0.5 level of the volume along each pixel's ray, as a depth; the light comes after it, where there was a hit (surface.frag).
+// First hit of the 0.5 level of the volume along each pixel's ray; the light comes after it, where there was one (surface.frag).
 // View depth t [m] is the ray parameter: p = eye + t * direction with direction . forward = 1.
 #include "frame.glsl"
 #include "background.glsl"
 #include "volume.glsl"
 #include "span.glsl"
 layout(location = 0) out vec4 picture;
+layout(location = 1) out float hit_depth;   // t; negative on a face of the box or the cut; 0 where nothing was hit
 #ifdef PROBE
-layout(location = 1) out vec4 probe;   // xyz: hit in index coordinates; w: samples taken, negative where nothing was hit
+layout(location = 2) out vec4 probe;   // xyz: hit in index coordinates; w: samples taken, negative where nothing was hit
 #endif
 
 void main() {
@@ -41,6 +42,7 @@ void main() {
   }
   float t = span.enter + inside * step_depth;
   picture = vec4(background(gl_FragCoord.y / lens.w), 1.0);
+  hit_depth = hit ? (n == 0 ? -t : t) : 0.0;
   gl_FragDepth = hit ? depth_from_view(t) : 1.0;
 #ifdef PROBE
   probe = vec4(start + inside * stride, hit ? float(samples) : -float(samples));

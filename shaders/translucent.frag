@@ -8,7 +8,7 @@ layout(binding = 3) uniform sampler1D transfer;    // by density, 256 values: ex
 layout(binding = 4) uniform sampler2D tool_depth;  // depth buffer of what is opaque
 layout(location = 0) out vec4 picture;             // premultiplied by its opacity
 #ifdef PROBE
-layout(location = 1) out vec4 probe;   // samples taken, negative: nothing is hit
+layout(location = 2) out vec4 probe;   // samples taken, negative: nothing is hit
 #endif
 
 const float kSpent = 1.0 / 1024.0;   // light that is left and no longer followed: a quarter of a level

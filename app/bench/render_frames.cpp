@@ -50,7 +50,7 @@ struct FrameTimes {
   double median = 0.0, p99 = 0.0;  // [s]
 };
 
-/// From a place that moves a nanometre each time, so that no picture serves twice.
+/// The renderer keeps no picture, so each is drawn whole.
 Result<FrameTimes> time_frames(Renderer& renderer, const FramesAsked& asked, bool quick) {
   const FrameView view = view_of_patch();
   const double budget = quick ? 0.0 : 5.0;  // [s]

@@ -79,6 +79,13 @@ std::string density_bytes(const VolumeView& volume) {
   return out;
 }
 
+/// One word for the shell.
+std::string quoted(const std::string& word) {
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
 std::string command_of(const PeerScene& scene, const fs::path& folder) {
   const Affine& map = scene.volume.bone_from_index;
   const auto mm = [](const Vec3& v) { return fmt::format("{:.9g} {:.9g} {:.9g}", v.x * 1e3, v.y * 1e3, v.z * 1e3); };
@@ -88,10 +95,11 @@ std::string command_of(const PeerScene& scene, const fs::path& folder) {
       "{}/usr/bin/python3 {} --raw {} --dims {} {} {} --edge-mm {} --origin-mm {} --eye {} --target {} --up {:.9g} {:.9g} {:.9g} --fov-deg "
       "{:.9g} "
       "--size {} {} --box {} {} {} {} --picture {} 2>{}",
-      std::getenv("DISPLAY") != nullptr ? "" : "xvfb-run -a -s '-screen 0 800x800x24' ", kScript, (folder / "density.raw").string(), dims.x,
-      dims.y, dims.z, mm(Vec3(map.linear[0].x, map.linear[1].y, map.linear[2].z)), mm(map.offset), mm(camera.eye), mm(camera.target),
-      camera.up.x, camera.up.y, camera.up.z, camera.vertical_fov / kDegree, kCanvasSide, kCanvasSide, scene.box.lo.x, scene.box.lo.y, scene.box.lo.z,
-      kBoxEdge, (folder / "vtk.ppm").string(), (folder / "stderr.txt").string());
+      std::getenv("DISPLAY") != nullptr ? "" : "xvfb-run -a -s '-screen 0 800x800x24' ", quoted(kScript),
+      quoted((folder / "density.raw").string()), dims.x, dims.y, dims.z, mm(Vec3(map.linear[0].x, map.linear[1].y, map.linear[2].z)),
+      mm(map.offset), mm(camera.eye), mm(camera.target), camera.up.x, camera.up.y, camera.up.z, camera.vertical_fov / kDegree, kCanvasSide,
+      kCanvasSide, scene.box.lo.x, scene.box.lo.y, scene.box.lo.z, kBoxEdge, quoted((folder / "vtk.ppm").string()),
+      quoted((folder / "stderr.txt").string()));
 }
 
 struct PeerRow {

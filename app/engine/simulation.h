@@ -20,14 +20,14 @@ namespace burrhole {
 
 /// What a run takes from outside. Pointers must outlive the simulation.
 struct SimulationOptions {
-  FrameSink* sink = nullptr;                                        ///< needed when the scene has [display] and pictures are wanted
-  HandSource* hand = nullptr;                                       ///< a recorded hand; nothing: the scene's own
-  SessionWriter* session = nullptr;                                 ///< opened with session_columns(scene)
+  FrameSink* sink = nullptr;                                          ///< needed when the scene has [display] and pictures are wanted
+  HandSource* hand = nullptr;                                         ///< a recorded hand; nothing: the scene's own
+  SessionWriter* session = nullptr;                                   ///< opened with session_columns(scene)
   std::string restore_path{};                                         ///< checkpoint to start from
-  const std::atomic<bool>* stop = nullptr;                          ///< set from a signal handler: end cleanly after this tick
+  const std::atomic<bool>* stop = nullptr;                            ///< set from a signal handler: end cleanly after this tick
   std::function<void(double time, const DrillProgress&)> progress{};  ///< called ten times a simulated second
-  bool live = false;                                                ///< on threads against the clock, instead of in lockstep
-  bool require_realtime = false;                                    ///< live: a refused priority is an error instead of a warning
+  bool live = false;                                                  ///< on threads against the clock, instead of in lockstep
+  bool require_realtime = false;                                      ///< live: a refused priority is an error instead of a warning
   std::function<void(const std::string&)> warn{};                     ///< live: what was refused
 };
 

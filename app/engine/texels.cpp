@@ -105,12 +105,12 @@ std::vector<TissueTexel> make_tissue(const BoneModel& bone) {
 /// What texels are made of.
 struct Slab {
   std::vector<float> density, soft;
-  std::vector<Vec3f> gradient;  ///< of bone's density or soft tissue's occupancy, whichever changes faster; index axes
+  std::vector<Vec3f> gradient;  ///< of bone's density or soft tissue's occupancy; index axes
 };
 
-/// Central differences of soft tissue where it changes faster than bone, on dura that bone no longer covers, and where the two lie on each
-/// other: opposite normals side by side would cancel in the filter.
-void take_soft_gradients(const BoneModel& bone, const VoxelBox& part, Slab& slab) {
+/// Central differences of soft tissue where it changes about as fast as bone, or faster: on dura that bone no longer covers, and where bone
+/// lies on it. There opposite normals, now of the one, now of the other, would cancel in the filter.
+void take_soft_gradients(const BoneModel& bone, const VoxelBox& part, float dead_zone, Slab& slab) {
   slab.soft.resize(part.count());
   const VoxelBox halo = part.grown(1);
   std::vector<float> soft(halo.count());
@@ -123,9 +123,8 @@ void take_soft_gradients(const BoneModel& bone, const VoxelBox& part, Slab& slab
     const std::size_t at = halo.offset_of(v);
     const auto slope = [&](std::size_t step) { return 0.5f * (soft[at + step] - soft[at - step]); };
     const Vec3f gradient(slope(steps[0]), slope(steps[1]), slope(steps[2]));
-    Vec3f& kept = slab.gradient[n];
-    if (const float length2 = glm::dot(kept, kept); glm::dot(gradient, gradient) > length2 || glm::dot(gradient, kept) < -0.5f * length2)
-      kept = gradient;
+    const float length2 = glm::dot(gradient, gradient);
+    if (length2 >= dead_zone * dead_zone && 2.0f * length2 > glm::dot(slab.gradient[n], slab.gradient[n])) slab.gradient[n] = gradient;
     slab.soft[n++] = soft[at];
   });
 }
@@ -134,10 +133,13 @@ Slab read_slab(Voxmap& voxmap, const VoxelBox& part) {
   Slab slab{std::vector<float>(part.count()), {}, std::vector<Vec3f>(part.count())};
   voxmap.read_density(part, slab.density);
   voxmap.read_gradient(part, slab.gradient);
-  take_soft_gradients(voxmap.bone(), part, slab);
+  take_soft_gradients(voxmap.bone(), part, voxmap.window().gradient_dead_zone, slab);
   return slab;
 }
 
+float seen_of(const Slab& slab, std::size_t n) { return std::clamp(std::max(slab.density[n], slab.soft[n]), 0.0f, 1.0f); }
+
+/// From a gradient in index axes to one in metres: the transposed inverse.
 Mat3 normal_map_of(const Voxmap& voxmap) { return glm::transpose(glm::inverse(voxmap.bone().bone_from_index().linear)); }
 
 /// Outward, unit length; zero for no gradient.
@@ -149,12 +151,6 @@ Vec3 normal_of(const Mat3& normal_map, const Vec3f& index_gradient) {
 
 }  // namespace
 
-Rgba8 encode_texel(const Mat3& normal_map, const Vec3f& index_gradient, float density) {
-  const Vec3 normal = normal_of(normal_map, index_gradient);
-  return {to_byte(0.5 * normal.x + 0.5), to_byte(0.5 * normal.y + 0.5), to_byte(0.5 * normal.z + 0.5),
-          to_byte(static_cast<double>(density))};
-}
-
 TexelBox make_texels(Voxmap& voxmap, const VoxelBox& box) {
   TexelBox out;
   out.box = box.intersect(voxmap.bone().bounds());
@@ -165,23 +161,25 @@ TexelBox make_texels(Voxmap& voxmap, const VoxelBox& box) {
   for_each_slab(out.box, [&](const VoxelBox& part) {
     const Slab slab = read_slab(voxmap, part);
     for (std::size_t n = 0; n < slab.density.size(); ++n) {
-      out.normal_opacity.push_back(encode_texel(normal_map, slab.gradient[n], slab.density[n]));
-      const float seen = std::clamp(std::max(slab.density[n], slab.soft[n]), 0.0f, 1.0f);
-      out.field.push_back(static_cast<std::uint16_t>(65535.0f * seen + 0.5f));
+      out.normal_opacity.push_back(encode_normal(normal_of(normal_map, slab.gradient[n]), to_byte(static_cast<double>(slab.density[n]))));
+      out.field.push_back(static_cast<std::uint16_t>(65535.0f * seen_of(slab, n) + 0.5f));
     }
   });
   return out;
 }
 
-std::vector<glm::vec4> make_precise_texels(Voxmap& voxmap) {
+PreciseTexels make_precise_texels(Voxmap& voxmap) {
   const VoxelBox all = voxmap.bone().bounds();
-  std::vector<glm::vec4> out;
-  out.reserve(all.count());
+  PreciseTexels out;
+  out.normal_opacity.reserve(all.count());
+  out.field.reserve(all.count());
   const Mat3 normal_map = normal_map_of(voxmap);
   for_each_slab(all, [&](const VoxelBox& part) {
     const Slab slab = read_slab(voxmap, part);
-    for (std::size_t n = 0; n < slab.density.size(); ++n)
-      out.emplace_back(Vec3f(0.5 + 0.5 * normal_of(normal_map, slab.gradient[n])), slab.density[n]);
+    for (std::size_t n = 0; n < slab.density.size(); ++n) {
+      out.normal_opacity.emplace_back(Vec3f(0.5 + 0.5 * normal_of(normal_map, slab.gradient[n])), slab.density[n]);
+      out.field.push_back(seen_of(slab, n));
+    }
   });
   return out;
 }

@@ -7,15 +7,11 @@
 
 namespace burrhole {
 
-/// Eq. 5 on the outward unit normal (bone frame) of a gradient in index axes; 128,128,128 for no gradient. `normal_map` is the
-/// transposed inverse of bone_from_index.linear.
-[[nodiscard]] Rgba8 encode_texel(const Mat3& normal_map, const Vec3f& index_gradient, float density);
-
 /// Texels of a box as the bone is now; the box is cut to the volume. @returns an empty box when nothing of it lies inside.
 [[nodiscard]] TexelBox make_texels(Voxmap& voxmap, const VoxelBox& box);
 
-/// Normals and opacities of the whole volume before they are rounded to bytes, for VolumeView::precise.
-[[nodiscard]] std::vector<glm::vec4> make_precise_texels(Voxmap& voxmap);
+/// Normals, opacities and field of the whole volume before they are rounded.
+[[nodiscard]] PreciseTexels make_precise_texels(Voxmap& voxmap);
 
 /// The whole volume with colours. @param with_tissue also what each voxel was as loaded.
 [[nodiscard]] VolumeView make_volume_view(Voxmap& voxmap, bool with_tissue = false);

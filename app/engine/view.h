@@ -27,8 +27,8 @@ struct Rgba8 {
 /// [AcostaLiu07] eq. 6, N = 2 (C - 0.5); within 1/255 a component of what was encoded, not renormalised.
 [[nodiscard]] inline Vec3 decode_normal(const Rgba8& texel) noexcept { return 2.0 * (Vec3(texel.r, texel.g, texel.b) / 255.0 - 0.5); }
 
-/// A box of texels, i fastest. normal_opacity: RGB = 0.5 N + 0.5 ([AcostaLiu07] eq. 5; N is the outward unit normal, bone frame, of bone or
-/// soft tissue, whichever changes faster there, of soft tissue where they lie on each other), A = occupancy x remaining of bone. An unknown normal is stored as 0.5, 0.5, 0.5.
+/// A box of texels, i fastest. normal_opacity: RGB = 0.5 N + 0.5 ([AcostaLiu07] eq. 5; N is the outward unit normal, bone frame, of bone, or of
+/// soft tissue where that changes about as fast or faster), A = occupancy x remaining of bone. An unknown normal is stored as 0.5, 0.5, 0.5.
 /// field: what is seen of both, 0..65535: the larger of bone's occupancy x remaining and the occupancy of soft tissue.
 struct TexelBox {
   VoxelBox box;
@@ -51,6 +51,12 @@ struct TissueTexel {
   friend bool operator==(const TissueTexel&, const TissueTexel&) = default;
 };
 
+/// Texels before they are rounded, as fractions.
+struct PreciseTexels {
+  std::vector<glm::vec4> normal_opacity;
+  std::vector<float> field;
+};
+
 /// The volume as first sent: every texel and its colour. Alpha of `color` is the occupancy of soft tissue (dura, brain), 0..255: its 0.5
 /// level is a surface too, seen but not felt.
 struct VolumeView {
@@ -58,10 +64,9 @@ struct VolumeView {
   Affine bone_from_index;  ///< [m]
   std::vector<Rgba8> normal_opacity;
   std::vector<Rgba8> color;
-  std::vector<std::uint16_t> field{};    ///< as of TexelBox; empty: from the alphas of both
-  std::vector<TissueTexel> tissue{};  ///< empty where no picture asks for it
-  std::vector<glm::vec4>
-      precise{};  ///< normal_opacity before it was rounded, as fractions; drawn in its place, for measurements; empty: not there
+  std::vector<std::uint16_t> field{};  ///< as of TexelBox; empty: from the alphas of both
+  std::vector<TissueTexel> tissue{};   ///< empty where no picture asks for it
+  PreciseTexels precise{};             ///< drawn in place of normal_opacity and field, for measurements; empty: not there
 };
 
 /// What a picture may cost: the knobs that trade its accuracy for time.

@@ -52,15 +52,16 @@ float rounded(float value, int bits) {
 
 struct Subject {
   std::string name;
-  VolumeView volume;               // in bytes
-  std::vector<glm::vec4> precise;  // the same in floats
+  VolumeView volume;      // in bytes
+  PreciseTexels precise;  // the same in floats
   FrameView view;
   TransferFunction transfer;
 
   [[nodiscard]] VolumeView in_floats(const TexelBits& bits) const {
     VolumeView out = volume;
     out.precise = precise;
-    for (glm::vec4& texel : out.precise)
+    for (float& seen : out.precise.field) seen = rounded(seen, bits.density);
+    for (glm::vec4& texel : out.precise.normal_opacity)
       texel = {rounded(texel.x, bits.normal), rounded(texel.y, bits.normal), rounded(texel.z, bits.normal), rounded(texel.w, bits.density)};
     return out;
   }
@@ -68,7 +69,7 @@ struct Subject {
 
 Subject make_subject(const std::string& name, const LoadedScene& loaded, Voxmap& voxmap, const Approach& approach) {
   const Pose& world_from_bone = loaded.scene.volume.world_from_bone;
-  Subject out{name, make_volume_view(voxmap), make_precise_texels(voxmap), {}, {}};
+  Subject out{name, make_volume_view(voxmap, true), make_precise_texels(voxmap), {}, {}};
   out.view =
       make_frame_view(*loaded.scene.display, world_from_bone, world_from_bone * approach.bone_from_approach, approach.thickness, false);
   // As a scene with shading = "translucent" and no corners of its own.
@@ -112,7 +113,7 @@ class Stand {
   static Result<Stand> create(const RenderCostOptions& options, RenderOptions how, const VolumeView& volume, const FrameView& view) {
     how.gl = options.gl;
     how.keep_picture = false;  // each picture is timed whole
-    how.looks.occlusion = !how.slices && !how.translucent;
+    how.looks.tissue = how.looks.occlusion = !how.slices && !how.translucent;
     auto renderer = Renderer::create(how);
     if (!renderer) return renderer.error();
     if (Status set = renderer->set_volume(volume); !set) return set.error();

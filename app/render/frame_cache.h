@@ -13,7 +13,7 @@ namespace burrhole {
 
 /// All that a picture is made of but for texels and the tool: pictures of one key differ where these changed.
 struct FrameKey {
-  std::string variant;  ///< of the volume's shader; empty without a volume
+  std::string variant;  ///< of the volume's shaders; empty without a volume
   FrameBlock block;     ///< what depends on the tool is zero
 };
 

@@ -30,21 +30,34 @@ Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height
   target.width_ = width;
   target.height_ = height;
   target.kind_ = kind;
-  const bool with_probe = kind == TargetKind::probed;
+  const bool with_probe = kind == TargetKind::probed, with_hits = kind != TargetKind::floats;
   target.framebuffer_ = make_framebuffer(gl);
   target.color_ = make_renderbuffer(gl, kind == TargetKind::floats ? GL_RGBA32F : GL_RGBA8, width, height);
   target.depth_ = make_renderbuffer(gl, GL_DEPTH_COMPONENT32F, width, height);
   const GLuint framebuffer = target.framebuffer_.name();
   gl.NamedFramebufferRenderbuffer(framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color_.name());
   gl.NamedFramebufferRenderbuffer(framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth_.name());
-  const GLenum outputs[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  const GLenum outputs[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
+  bool complete = true;
+  if (with_hits) {
+    target.hits_ = make_texture(gl, GL_TEXTURE_2D);
+    gl.TextureStorage2D(target.hits_.name(), 1, GL_R32F, width, height);
+    gl.TextureParameteri(target.hits_.name(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TextureParameteri(target.hits_.name(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl.NamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT1, target.hits_.name(), 0);
+    target.light_framebuffer_ = make_framebuffer(gl);
+    const GLuint light = target.light_framebuffer_.name();
+    gl.NamedFramebufferRenderbuffer(light, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color_.name());
+    gl.NamedFramebufferRenderbuffer(light, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth_.name());
+    complete = gl.CheckNamedFramebufferStatus(light, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  }
   if (with_probe) {
     target.probe_ = make_renderbuffer(gl, GL_RGBA32F, width, height);
-    gl.NamedFramebufferRenderbuffer(framebuffer, GL_COLOR_ATTACHMENT1, GL_RENDERBUFFER, target.probe_.name());
+    gl.NamedFramebufferRenderbuffer(framebuffer, GL_COLOR_ATTACHMENT2, GL_RENDERBUFFER, target.probe_.name());
   }
-  gl.NamedFramebufferDrawBuffers(framebuffer, with_probe ? 2 : 1, outputs);
-  if (gl.CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || gl.GetError() != GL_NO_ERROR)
-    return Error{ErrorCode::unavailable, "the driver cannot draw a picture of this size", {}};
+  gl.NamedFramebufferDrawBuffers(framebuffer, with_probe ? 3 : (with_hits ? 2 : 1), outputs);
+  complete = complete && gl.CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  if (!complete || gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::unavailable, "the driver cannot draw a picture of this size", {}};
   return target;
 }
 
@@ -56,6 +69,8 @@ void GlTarget::bind() const {
   gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
   gl_->Viewport(0, 0, width_, height_);
 }
+
+void GlTarget::bind_for_light() const { gl_->BindFramebuffer(GL_FRAMEBUFFER, light_framebuffer_.name()); }
 
 Image GlTarget::read_part(const PixelRect& part) const {
   const Vec2i size = part.size();
@@ -90,7 +105,7 @@ std::vector<float> GlTarget::read_depth() const {
 std::vector<glm::fvec4> GlTarget::read_probe() const {
   BH_ASSERT(probe_);
   std::vector<glm::fvec4> values(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
-  gl_->NamedFramebufferReadBuffer(framebuffer_.name(), GL_COLOR_ATTACHMENT1);
+  gl_->NamedFramebufferReadBuffer(framebuffer_.name(), GL_COLOR_ATTACHMENT2);
   gl_->ReadPixels(0, 0, width_, height_, GL_RGBA, GL_FLOAT, values.data());
   flip_rows(values, width_, height_);
   return values;

@@ -13,7 +13,7 @@ namespace burrhole {
 /// What a pixel holds: `bytes` RGBA8; `floats` RGBA32F, for blending hundreds of times; `probed` RGBA8 and four floats beside it.
 enum class TargetKind { bytes, floats, probed };
 
-/// Colour, and depth 32F.
+/// Colour, and depth 32F; but for `floats` what rays hit, in a texture of one float.
 class GlTarget {
  public:
   GlTarget() = default;
@@ -21,7 +21,9 @@ class GlTarget {
   [[nodiscard]] static Result<GlTarget> create(const GladGLContext& gl, int width, int height, TargetKind kind);
 
   [[nodiscard]] bool fits(int width, int height, TargetKind kind) const noexcept;
-  void bind() const;
+  void bind() const;            ///< outputs 0 picture, 1 hit, 2 probe, as far as there are
+  void bind_for_light() const;  ///< the picture and the same depth alone; what rays hit can be read as the texture hits()
+  [[nodiscard]] GLuint hits() const noexcept { return hits_.name(); }
   [[nodiscard]] Image read_picture() const { return read_part({Vec2i(0), Vec2i(width_, height_)}); }
   [[nodiscard]] Image read_part(const PixelRect& part) const;    ///< row 0 at the top
   [[nodiscard]] std::vector<glm::fvec4> read_probe() const;      ///< row 0 at the top; the target is probed
@@ -33,7 +35,7 @@ class GlTarget {
   const GladGLContext* gl_ = nullptr;
   int width_ = 0, height_ = 0;
   TargetKind kind_ = TargetKind::bytes;
-  GlObject framebuffer_, color_, depth_, probe_;
+  GlObject framebuffer_, light_framebuffer_, color_, depth_, hits_, probe_;
 };
 
 }  // namespace burrhole

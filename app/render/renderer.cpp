@@ -142,7 +142,7 @@ struct Renderer::Impl {
   GlTarget target;
   DepthRange range;  ///< of the last picture
   GlObject transfer, opaque_depth;
-  bool tinted = false;  ///< the transfer function has a tint
+  bool tinted = false;                    ///< the transfer function has a tint
   std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
   std::optional<VolumeTexture> volume;
   std::optional<ToolMesh> tool;
@@ -170,14 +170,17 @@ struct Renderer::Impl {
   Impl& operator=(const Impl&) = delete;
   ~Impl() { static_cast<void>(context.make_current()); }  // the members delete their names in it
 
-  [[nodiscard]] ShaderVariant volume_variant(bool cut, bool probe) const;
+  [[nodiscard]] bool has_soft() const noexcept { return volume && volume->has_soft(); }
+  [[nodiscard]] bool has_tissue() const noexcept { return volume && volume->has_tissue(); }
+  [[nodiscard]] ShaderVariant volume_variant(bool cut, bool probe, bool soft) const;
   [[nodiscard]] bool has_surface() const noexcept { return !options.slices && !options.translucent; }
-  [[nodiscard]] ShaderVariant light_variant(bool cut) const;
+  [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft) const;
+  [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
   void draw_screen(GLuint program) const;
-  void draw_tool(const FrameView& view, GLuint program) const;
+  void draw_tool(GLuint program) const;
   void draw_slices(GLuint program, int count) const;
   void draw_translucent(GLuint program, const PixelRect& part) const;
-  void draw_light(GLuint program, const PixelRect& part) const;
+  void draw_light(GLuint program) const;
   Result<FrameBlock> make_block(const FrameView& view, int width, int height);
   struct Programs {
     GLuint background, volume, light, tool;  ///< light: on the surface that rays hit
@@ -185,7 +188,7 @@ struct Renderer::Impl {
   Result<Programs> find_programs(bool cut, bool probe);
   Status prepare_target(int width, int height, bool probe);
   [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
-  void draw_part(const PixelRect& part, const FrameView& view, const FrameBlock& block, const Programs& used, bool with_tool) const;
+  void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;
   Status render(const PixelRegion& region, const FrameView& view, const FrameBlock& block, const std::optional<DrawnTool>& drawn_tool,
                 bool probe);
   Result<Image> draw(const FrameView& view, int width, int height);
@@ -239,8 +242,7 @@ void Renderer::Impl::draw_screen(GLuint program) const {
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Renderer::Impl::draw_tool(const FrameView& view, GLuint program) const {
-  if (!tool || !view.world_from_tool) return;
+void Renderer::Impl::draw_tool(GLuint program) const {
   gl.UseProgram(program);
   tool->draw();
 }
@@ -277,28 +279,26 @@ void Renderer::Impl::draw_translucent(GLuint program, const PixelRect& part) con
 }
 
 /// Light where rays hit bone, tissue or a cut: the depth test leaves the other pixels as they are, without running their shader.
-void Renderer::Impl::draw_light(GLuint program, const PixelRect& part) const {
-  target.copy_depth(opaque_depth.name(), part);
-  gl.BindTextureUnit(4, opaque_depth.name());
+void Renderer::Impl::draw_light(GLuint program) const {
+  target.bind_for_light();
+  gl.BindTextureUnit(4, target.hits());
   gl.DepthFunc(GL_GREATER);  // the far plane, over a hit
   gl.DepthMask(GL_FALSE);
-  gl.ColorMaski(1, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);  // the picture alone, not the probe
   draw_screen(program);
-  gl.ColorMaski(1, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl.DepthMask(GL_TRUE);
   gl.DepthFunc(GL_LEQUAL);
+  target.bind();
 }
 
-ShaderVariant Renderer::Impl::light_variant(bool cut) const {
+ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft) const {
   SurfaceChoice choice{.cut = cut, .soft = false, .finish = options.finish, .looks = options.looks};
-  choice.looks.tissue = choice.looks.tissue && volume && volume->has_tissue();
-  choice.soft = choice.looks.tissue && volume->has_soft();
+  choice.looks.tissue = choice.looks.tissue && tissue;
+  choice.soft = choice.looks.tissue && soft;
   return surface_variant(choice);
 }
 
-ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe) const {
+ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft) const {
   const LookView& looks = options.looks;
-  const bool soft = volume && volume->has_soft();
   if (options.slices)
     return slices_variant({.cut = cut, .correct = options.slices->correct, .labels = looks.labels, .normals = looks.normals});
   if (options.translucent)
@@ -307,22 +307,40 @@ ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe) const {
   return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe});
 }
 
+/// A user's faulty shader is found at once and not at the first picture that takes it: every program the options may call for, as if the
+/// volume had tissue and dura. What is built in, the build has compiled.
+Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
+  std::vector<ShaderVariant> asked{background_variant(), tool_variant(false)};
+  for (const bool cut : {false, true}) {
+    asked.push_back(volume_variant(cut, false, true));
+    if (has_surface()) asked.push_back(light_variant(cut, true, true));
+  }
+  for (const ShaderVariant& variant : asked) {
+    const auto linked = programs.find_or_link(variant);
+    if (linked) continue;
+    Error fault = linked.error();
+    if (!fault.place.empty()) fault.place = (folder / fault.place).string();
+    return fault;
+  }
+  return {};
+}
+
 Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
   const TargetKind kind = probe ? TargetKind::probed : (options.slices ? TargetKind::floats : TargetKind::bytes);
   if (target.fits(width, height, kind)) return {};
   auto made = GlTarget::create(gl, width, height, kind);
   if (!made) return made.error();
   target = std::move(made).value();
-  if (!options.slices) opaque_depth = target.make_depth_texture();
+  if (options.translucent) opaque_depth = target.make_depth_texture();
   return {};
 }
 
 Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool probe) {
   const auto empty = programs.find_or_link(background_variant());
   if (!empty) return empty.error();
-  const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe)) : empty;
+  const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe, has_soft())) : empty;
   if (!bone) return bone.error();
-  const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut)) : empty;
+  const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut, has_tissue(), has_soft())) : empty;
   if (!light) return light.error();
   const auto steel = programs.find_or_link(tool_variant(probe));
   if (!steel) return steel.error();
@@ -337,15 +355,14 @@ std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const
 }
 
 /// The same fragments as in a whole picture: OpenGL does not let the scissor's place change what is drawn inside (4.5 core, appendix A.3).
-void Renderer::Impl::draw_part(const PixelRect& part, const FrameView& view, const FrameBlock& block, const Programs& used,
-                               bool with_tool) const {
+void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const {
   gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   const bool opaque = !volume || has_surface();
   if (opaque && volume) volume->bind();
   draw_screen(opaque ? used.volume : used.background);
-  if (opaque && volume) draw_light(used.light, part);
-  if (with_tool) draw_tool(view, used.tool);
+  if (opaque && volume) draw_light(used.light);
+  if (with_tool) draw_tool(used.tool);
   if (!opaque && options.slices) draw_slices(used.volume, static_cast<int>(block.slices.y));
   if (!opaque && options.translucent) draw_translucent(used.volume, part);
 }
@@ -362,7 +379,7 @@ Status Renderer::Impl::render(const PixelRegion& region, const FrameView& view, 
   gl.DepthFunc(GL_LEQUAL);
   gl.Enable(GL_SCISSOR_TEST);
   for (const PixelRect& part : region.rects())
-    draw_part(part, view, block, used.value(), drawn_tool && !drawn_tool->footprint.intersect(part).empty());
+    draw_part(part, block, used.value(), drawn_tool && !drawn_tool->footprint.intersect(part).empty());
   if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
   return {};
 }
@@ -375,7 +392,10 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   const auto block = make_block(view, drawn.x, drawn.y);
   if (!block) return block.error();
   const bool cut = view.cut.has_value();
-  FrameKey key = make_frame_key(volume ? volume_variant(cut, false).name + (has_surface() ? light_variant(cut).name : "") : "", block.value());
+  std::string shaders;
+  if (volume) shaders = volume_variant(cut, false, has_soft()).name;
+  if (volume && has_surface()) shaders += " " + light_variant(cut, has_tissue(), has_soft()).name;
+  FrameKey key = make_frame_key(std::move(shaders), block.value());
   std::optional<Affine> world_from_index;
   if (volume) world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
   const Reach reach = reach_of(options, world_from_index ? world_from_index->longest_edge() : 0.0);
@@ -420,16 +440,8 @@ Result<Renderer> Renderer::create(const RenderOptions& options) {
   auto context = GlContext::create(16, 16, options.gl);
   if (!context) return context.error();
   auto impl = std::make_unique<Impl>(options, std::move(context).value(), std::move(files));
-  // A faulty shader is found here and not at the first frame.
-  std::vector<ShaderVariant> used{background_variant(), tool_variant(false), impl->volume_variant(false, false)};
-  if (impl->has_surface()) used.push_back(impl->light_variant(false));
-  for (const ShaderVariant& variant : used) {
-    const auto linked = impl->programs.find_or_link(variant);
-    if (linked) continue;
-    Error fault = linked.error();
-    if (!options.shader_folder.empty() && !fault.place.empty()) fault.place = (options.shader_folder / fault.place).string();
-    return fault;
-  }
+  if (!options.shader_folder.empty())
+    if (Status linked = impl->link_asked(options.shader_folder); !linked) return linked.error();
   return Renderer(std::move(impl));
 }
 

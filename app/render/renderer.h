@@ -46,7 +46,7 @@ struct RenderOptions {
 
 /// Counted, never timed.
 struct RenderCounters {
-  std::uint64_t volume_bytes = 0;  ///< texels and colours sent by set_volume, last call
+  std::uint64_t volume_bytes = 0;  ///< texels, colours and tissue sent by set_volume, last call
   std::uint64_t update_bytes = 0;  ///< texels sent by update, all calls
   std::uint64_t update_boxes = 0;
   std::uint64_t skip_map_bytes = 0;  ///< for empty space skipping: at set_volume, and where bone grew
@@ -94,7 +94,7 @@ class Renderer {
   /// The same picture with hit positions and sample counts; slower.
   [[nodiscard]] Result<FrameProbe> probe(const FrameView& view, int width, int height);
 
-  /// Compiles and links every shader variant there is. @returns the first fault.
+  /// Compiles and links all of all_shader_variants(). @returns the first fault.
   [[nodiscard]] Status link_every_variant();
   [[nodiscard]] const RenderCounters& counters() const noexcept;
   [[nodiscard]] const GlContext& context() const noexcept;

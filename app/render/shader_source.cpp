@@ -146,8 +146,9 @@ std::vector<ShaderVariant> all_shader_variants() {
   const auto add = [&](unsigned bits, unsigned look) {
     variants.push_back(surface_variant({.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .looks = looks(look)}));
   };
+  constexpr unsigned kDefault = 0b010011u;  // tissue, occlusion, labels
   for (unsigned bits = 0; bits < kDrawn; ++bits)
-    for (const unsigned look : {0u, kAllLooks}) add(bits, look);
+    for (const unsigned look : {0u, kDefault, kAllLooks}) add(bits, look);
   for (const unsigned bits : {0u, kDrawn - 1u})
     for (unsigned n = 0; n < kLooks; ++n)
       for (const unsigned look : {1u << n, kAllLooks ^ 1u << n}) add(bits, look);

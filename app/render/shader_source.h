@@ -63,8 +63,8 @@ struct TranslucentChoice {
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
 [[nodiscard]] ShaderVariant tool_variant(bool probe);
 [[nodiscard]] ShaderVariant background_variant();
-/// The build validates and a test links each: all choices of what is drawn, without looks and with all of them, and each look alone and
-/// left out.
+/// The build validates and a test links each: all choices of what is drawn, without looks, with those of a scene that names none and with
+/// all of them, and each look alone and left out.
 [[nodiscard]] std::vector<ShaderVariant> all_shader_variants();
 
 /// The text the driver gets: #version 450, one #define a name, then `file` with each `#include "name"` line replaced by that file and with

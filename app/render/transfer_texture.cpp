@@ -42,7 +42,8 @@ std::uint8_t seen_from(const TransferTable& table) {
 }
 
 bool has_tint(const TransferTable& table) {
-  return std::any_of(table.begin(), table.end(), [](const glm::fvec4& value) { return value.x != 1.0f || value.y != 1.0f || value.z != 1.0f; });
+  const auto is_tinted = [](const glm::fvec4& value) { return value.x != 1.0f || value.y != 1.0f || value.z != 1.0f; };
+  return std::any_of(table.begin(), table.end(), is_tinted);
 }
 
 GlObject make_transfer_texture(const GladGLContext& gl, const TransferTable& table) {

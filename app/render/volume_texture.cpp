@@ -38,14 +38,15 @@ Vec3i largest_taken(const GladGLContext& gl, const Vec3i& dims, GLenum stored) {
 Status check(const GladGLContext& gl, const VolumeView& view) {
   if (std::min({view.dims.x, view.dims.y, view.dims.z}) < 1)
     return Error{ErrorCode::out_of_range, "a volume of " + size_text(view.dims) + " voxels cannot be drawn: it is empty", {}};
-  const GLenum stored = view.precise.empty() ? GL_RGBA8 : GL_RGBA32F;
+  const GLenum stored = view.precise.normal_opacity.empty() ? GL_RGBA8 : GL_RGBA32F;
   if (!takes(gl, view.dims, stored))
     return Error{ErrorCode::out_of_range,
                  "a volume of " + size_text(view.dims) + " voxels is more than this driver draws: " +
                      size_text(largest_taken(gl, view.dims, stored)) + " would fit, as with larger voxels or a smaller region",
                  {}};
   const std::size_t count = VoxelBox{Vec3i(0), view.dims}.count();
-  if (view.normal_opacity.size() != count || view.color.size() != count || (!view.precise.empty() && view.precise.size() != count) ||
+  if (view.normal_opacity.size() != count || view.color.size() != count ||
+      (!view.precise.normal_opacity.empty() && (view.precise.normal_opacity.size() != count || view.precise.field.size() != count)) ||
       (!view.tissue.empty() && view.tissue.size() != count) || (!view.field.empty() && view.field.size() != count))
     return bad_input("the texels of a volume do not agree with its dimensions");
   const double size = glm::determinant(view.bone_from_index.linear);
@@ -78,16 +79,14 @@ GlObject make_volume(const GladGLContext& gl, const Vec3i& dims, GLenum stored, 
 
 /// One channel of 16 bits: llvmpipe filters it a third faster than RGBA8, whose path through bytes a channel of 8 bits takes too.
 GlObject make_field(const GladGLContext& gl, const VolumeView& view) {
-  if (view.precise.empty() && !view.field.empty())
+  if (view.precise.normal_opacity.empty() && !view.field.empty())
     return make_volume(gl, view.dims, GL_R16, GL_RED, GL_LINEAR, view.field.data(), GL_UNSIGNED_SHORT);
-  if (view.precise.empty()) {
+  if (view.precise.normal_opacity.empty()) {
     std::vector<std::uint16_t> field(view.color.size());
     for (std::size_t n = 0; n < field.size(); ++n) field[n] = field_of(view.normal_opacity[n].a, view.color[n].a);
     return make_volume(gl, view.dims, GL_R16, GL_RED, GL_LINEAR, field.data(), GL_UNSIGNED_SHORT);
   }
-  std::vector<float> field(view.color.size());
-  for (std::size_t n = 0; n < field.size(); ++n) field[n] = std::max(view.precise[n].w, static_cast<float>(view.color[n].a) / 255.0f);
-  return make_volume(gl, view.dims, GL_R32F, GL_RED, GL_LINEAR, field.data(), GL_FLOAT);
+  return make_volume(gl, view.dims, GL_R32F, GL_RED, GL_LINEAR, view.precise.field.data(), GL_FLOAT);
 }
 
 }  // namespace
@@ -99,9 +98,10 @@ Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const Volum
   made.gl_ = &gl;
   made.dims_ = view.dims;
   made.bone_from_index_ = view.bone_from_index;
-  made.texel_bytes_ = view.precise.empty() ? kTexelBytes : sizeof(glm::vec4) + sizeof(float);
-  made.normal_opacity_ = view.precise.empty() ? make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.normal_opacity.data())
-                                              : make_volume(gl, view.dims, GL_RGBA32F, GL_RGBA, GL_LINEAR, view.precise.data(), GL_FLOAT);
+  made.texel_bytes_ = view.precise.normal_opacity.empty() ? kTexelBytes : sizeof(glm::vec4) + sizeof(float);
+  made.normal_opacity_ = view.precise.normal_opacity.empty()
+                             ? make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.normal_opacity.data())
+                             : make_volume(gl, view.dims, GL_RGBA32F, GL_RGBA, GL_LINEAR, view.precise.normal_opacity.data(), GL_FLOAT);
   made.color_soft_ = make_volume(gl, view.dims, GL_RGBA8, GL_RGBA, GL_LINEAR, view.color.data());
   made.field_ = make_field(gl, view);
   if (!view.tissue.empty()) made.tissue_ = make_volume(gl, view.dims, GL_RG8, GL_RG, GL_LINEAR, view.tissue.data());

@@ -102,8 +102,10 @@ TEST_CASE("render cost: bytes lose what they round, and 16 bits next to nothing"
     };
     CHECK(bits("16", 16) > bits("8", 8) + 6.0);
     CHECK(bits("16", 16) > 50.0);
-    // 16 bits for the density alone buy nothing that is seen, normals round more: they are there because they are filtered faster.
-    CHECK(bits("8", 16) < bits("8", 8) + 1.0);
+    // 16 bits for the density alone buy nothing that is seen, being so far below what steps lose, and normals round more: they are there
+    // because they are filtered faster.
+    CHECK(bits("8", 8) > 55.0);
+    CHECK(bits("8", 16) + 6.0 < bits("16", 16));
     // Shipped texels are what was emulated, but for the weights of the normals' filter, which are bytes too.
     const double shipped = figure(subject, "rays, 1/8 voxel, as shipped", "density [bits]", 16, "same rays");
     CHECK(shipped > 50.0);

@@ -139,6 +139,6 @@ TEST_CASE("faults: a volume larger than the driver draws is told the size that w
 TEST_CASE("faults: floats of another count than the texels are refused") {
   Renderer renderer = require_renderer();
   VolumeView wrong = ball_on_plate();
-  wrong.precise.resize(3);
+  wrong.precise.normal_opacity.resize(3);
   CHECK(renderer.set_volume(wrong).error().code == ErrorCode::bad_input);
 }

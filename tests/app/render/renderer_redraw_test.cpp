@@ -17,7 +17,8 @@ constexpr std::uint64_t kAll = std::uint64_t{kWidth} * kHeight;
 constexpr VoxelBox kPit{{32, 16, 40}, {42, 26, 52}};
 
 TexelBox filled(const VoxelBox& box, std::uint8_t opacity) {
-  return {box, std::vector<Rgba8>(box.count(), Rgba8{128, 128, 255, opacity}), std::vector<std::uint16_t>(box.count(), field_of(opacity, 0))};
+  return {box, std::vector<Rgba8>(box.count(), Rgba8{128, 128, 255, opacity}),
+          std::vector<std::uint16_t>(box.count(), field_of(opacity, 0))};
 }
 
 /// Prism standing on a square of 4 mm, 12 mm high.
@@ -85,13 +86,19 @@ void check_sequence(const std::string& name, const RenderOptions& options, doubl
   const std::uint64_t tool = pair.draw(name + "-tool");
   CHECK(tool > 0);
   CHECK(tool < kAll / 3);
-  pair.view.world_from_tool = at(-8e-3, 4e-3);  // far off its old place, and its far end widens the depth range
+  pair.view.world_from_tool = at(-8e-3, 4e-3);  // far off its old place
   CHECK(pair.draw(name + "-moved") < kAll / 2);
   pair.view.world_from_tool = at(-7e-3, 4e-3);
   pair.update(filled({{20, 30, 40}, {26, 36, 52}}, 0));
   const std::uint64_t most = share < 1.0 ? kAll - 1 : kAll;  // what looks far may reach everywhere
   CHECK(pair.draw(name + "-both") <= most);
   CHECK(pair.draw(name + "-still") == 0);
+  // Nearer to the eye than the bone: the depth range follows it, colours must not.
+  for (const double way : {0.45, 0.7}) {
+    pair.view.world_from_tool = Pose{Quat(0.98, 0.1, 0.05, 0.0), way * pair.view.camera.eye};
+    pair.update(filled({{30, 20, 40}, {34, 24, way < 0.5 ? 46 : 52}}, 0));
+    CHECK(pair.draw(name + "-near") <= most);
+  }
   REQUIRE(pair.kept.probe(pair.view, 50, 40).ok() != options.slices.has_value());  // another target in between
   pair.update(filled({{4, 5, 50}, {12, 14, 60}}, 255));                            // bone grows where rays used to leap
   CHECK(pair.draw(name + "-grown") <= most);
@@ -139,6 +146,22 @@ Image drawn(Renderer& renderer, const FrameView& view, int width, int height) {
 }
 
 }  // namespace
+
+TEST_CASE("redraw: a tool beside the picture changes no byte, however near to the eye it is") {
+  for (const bool cut : {false, true}) {
+    Pair pair({.looks = {.tissue = true, .occlusion = true}});
+    if (cut) pair.view.cut = FrameView::Cut{{0.0, -1.0, 0.0}, 0.0};
+    pair.draw("beside-without");
+    const Image without = pair.last;
+    const Vec3 forward = glm::normalize(pair.view.camera.target - pair.view.camera.eye);
+    const Vec3 right = glm::normalize(glm::cross(forward, pair.view.camera.up));
+    for (const double away : {40e-3, 15e-3, 4e-3}) {
+      pair.view.world_from_tool = Pose{Quat(1, 0, 0, 0), pair.view.camera.eye + away * forward + 3.0 * away * right + 0.02 * right};
+      pair.draw("beside");
+      CHECK(pictures_agree("redraw-beside", pair.last, without, {}));
+    }
+  }
+}
 
 TEST_CASE("redraw: rays draw the bytes of a whole picture by the pixels that changed") {
   check_sequence("rays", {.finish = false}, 0.1);

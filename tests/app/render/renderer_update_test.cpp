@@ -150,7 +150,7 @@ TEST_CASE("shaders: every variant compiles and links in the driver") {
   Renderer renderer = require_renderer();
   const Status linked = renderer.link_every_variant();
   CHECK_MESSAGE(linked.ok(), (linked.ok() ? "" : linked.error().text()));
-  CHECK(all_shader_variants().size() == 131);
+  CHECK(all_shader_variants().size() == 139);
 }
 
 TEST_CASE("quality: knobs set later draw what a renderer made with them draws, and bad ones change nothing") {
@@ -182,13 +182,16 @@ TEST_CASE("texels in floats draw what their bytes draw, but for what bytes round
   VolumeView volume = ball_on_plate();
   Renderer bytes = require_renderer(), floats = require_renderer();
   REQUIRE(bytes.set_volume(volume).ok());
-  for (const Rgba8& t : volume.normal_opacity) volume.precise.emplace_back(t.r / 255.0f, t.g / 255.0f, t.b / 255.0f, t.a / 255.0f);
+  for (const Rgba8& t : volume.normal_opacity) {
+    volume.precise.normal_opacity.emplace_back(t.r / 255.0f, t.g / 255.0f, t.b / 255.0f, t.a / 255.0f);
+    volume.precise.field.push_back(t.a / 255.0f);
+  }
   REQUIRE(floats.set_volume(volume).ok());
   const auto a = bytes.draw(oblique_view(), 160, 120), b = floats.draw(oblique_view(), 160, 120);
   REQUIRE((a.ok() && b.ok()));
   // Filters of bytes weigh in 8 bits, those of floats do not: a level here and there, and a pixel of a silhouette.
   CHECK(pictures_agree("float-texels", *a, *b, {.level = 3, .share = 0.01}));
-  for (glm::vec4& texel : volume.precise) texel.w *= 0.6f;  // the surface moves inwards: that the floats are what is drawn is seen
+  for (float& seen : volume.precise.field) seen *= 0.6f;  // the surface moves inwards: that the floats are what is drawn is seen
   REQUIRE(floats.set_volume(volume).ok());
   const auto moved = floats.draw(oblique_view(), 160, 120);
   REQUIRE(moved.ok());
