@@ -241,11 +241,10 @@ TEST_CASE("looks: light by recomputed normals is that of the closed form") {
     return largest;
   };
   // By a model of the eight filtered samples over 4000 random places on such a ball: 1.35 levels where the ramp is 4 voxels wide, from the
-  // rounding of densities and the curvature; the driver rounds each filtered sample to 1/255, too: on a slope of a quarter a voxel three
-  // standard deviations of that are 3.9 levels. Where the ramp is 2 wide the slope is twice as steep, but the samples' filters reach past its
+  // rounding of densities and the curvature. Where the ramp is 2 wide the slope is twice as steep, but the samples' filters reach past its
   // ends, where the density is level: 8.8 levels, 2.6 degrees. Half a level for the picture's own rounding.
-  CHECK(largest_error(2.0) <= 5.7);
-  CHECK(largest_error(1.0) <= 9.5);
+  CHECK(largest_error(2.0) <= 1.85);
+  CHECK(largest_error(1.0) <= 9.3);
 }
 
 TEST_CASE("looks: a cut plane takes away what lies beyond it, drawn by rays, by slices and translucent") {
