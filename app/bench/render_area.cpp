@@ -126,20 +126,6 @@ Status compare_uploads(Bench& bench, const FrameView& view, Voxmap& voxmap) {
   return canvas->fault;
 }
 
-/// What the program draws the scene with.
-RenderOptions shipped_options(const DisplayScene& display) {
-  const DrawingQuality& quality = display.quality;
-  RenderOptions options{.step_voxels = quality.step_voxels,
-                        .bisections = quality.bisections,
-                        .finish = quality.finish,
-                        .looks = display.looks,
-                        .supersample = quality.supersample,
-                        .resolution = quality.resolution,
-                        .growth_is_told = true};
-  options.looks.occlusion = options.looks.occlusion && quality.finish;
-  return options;
-}
-
 /// From nothing to the first picture of the shipped scene, by the clock: reading, generating bone, shaders, upload, drawing.
 Status time_first_frame(Bench& bench) {
   using Clock = std::chrono::steady_clock;
@@ -153,7 +139,7 @@ Status time_first_frame(Bench& bench) {
   if (!approach) return approach.error();
   const FrameView view = make_frame_view(*scene.display, scene.volume.world_from_bone,
                                          scene.volume.world_from_bone * approach->bone_from_approach, approach->thickness, false);
-  const RenderOptions options = shipped_options(*scene.display);
+  const RenderOptions options = make_render_options(scene.display->quality, scene.display->looks);
   auto canvas = Canvas::create(options, view);
   if (!canvas) return canvas.error();
   canvas->set_volume(make_volume_view(*voxmap, options.looks.tissue));
@@ -214,8 +200,9 @@ Status bench_render(Bench& bench) {
   const Vec3 rim = voxmap.bone().bone_from_index().inverse() * (approach.bone_from_approach * Vec3(0.0, 7e-3, -0.75e-3));
   const VoxelBox box{voxel_of(rim) - 10, voxel_of(rim) + 10};
   if (Status placed = voxmap.place_window(box.grown(4)); !placed) return placed;
-  RenderOptions shipped = shipped_options(*scene.display);
+  RenderOptions shipped = make_render_options(scene.display->quality, scene.display->looks);
   shipped.supersample = 1;
+  shipped.growth_is_told = true;
   if (Status done = compare_dirty_frame(bench, view, shipped, "as shipped, a ray a pixel", voxmap, box); !done) return done;
   if (Status done = compare_dirty_frame(bench, view, {.finish = false, .growth_is_told = true}, "plain", voxmap, box); !done) return done;
   if (Status done = compare_uploads(bench, view, voxmap); !done) return done;

@@ -1,7 +1,6 @@
 #include "app/bench/render_peer.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 
 #include <cmath>
@@ -14,6 +13,7 @@
 
 #include "app/bench/bench_scene.h"
 #include "app/bench/render_canvas.h"
+#include "app/bench/scratch_folder.h"
 #include "app/engine/texels.h"
 #include "app/render/renderer.h"
 #include "app/report/file.h"
@@ -55,21 +55,6 @@ Result<PeerScene> make_peer_scene() {
   return out;
 }
 
-/// A folder that goes with its owner.
-struct Scratch {
-  fs::path path;
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "burrhole-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    if (!path.empty()) fs::remove_all(path, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-};
-
 /// Bone, dura and brain as one density: what our picture shows too.
 std::string density_bytes(const VolumeView& volume) {
   std::string out;
@@ -110,15 +95,15 @@ struct PeerRow {
 
 /// Nothing, with the reason on stderr, where the peer cannot run.
 Result<std::optional<PeerRow>> run_peer(const PeerScene& scene) {
-  const Scratch scratch;
-  if (scratch.path.empty()) return bad_input("no temporary folder can be made", fs::temp_directory_path().string());
-  if (Status written = write_file((scratch.path / "density.raw").string(), density_bytes(scene.volume)); !written) return written.error();
-  std::FILE* pipe = popen(command_of(scene, scratch.path).c_str(), "r");
+  const ScratchFolder scratch;
+  if (scratch.path().empty()) return bad_input("no temporary folder can be made", fs::temp_directory_path().string());
+  if (Status written = write_file((scratch.path() / "density.raw").string(), density_bytes(scene.volume)); !written) return written.error();
+  std::FILE* pipe = popen(command_of(scene, scratch.path()).c_str(), "r");
   if (pipe == nullptr) return Error{ErrorCode::internal, "the VTK peer cannot be started", {}};
   std::string told;
   for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) told.push_back(static_cast<char>(c));
   const int status = pclose(pipe);
-  const auto said = read_file((scratch.path / "stderr.txt").string());
+  const auto said = read_file((scratch.path() / "stderr.txt").string());
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     std::istringstream lines(said ? *said : std::string());
     std::string line, last = "no reason was given";
@@ -133,7 +118,7 @@ Result<std::optional<PeerRow>> run_peer(const PeerScene& scene) {
               1e-3 * json.at("frame").at("cpu_ms").get<double>(),
               1e-3 * json.at("frame_after_change").at("cpu_ms").get<double>(),
               {}};
-  const auto picture = read_file((scratch.path / "vtk.ppm").string());
+  const auto picture = read_file((scratch.path() / "vtk.ppm").string());
   constexpr std::size_t kBytes = std::size_t{3} * kCanvasSide * kCanvasSide;
   if (!picture || picture->size() < kBytes) return Error{ErrorCode::internal, "the VTK peer drew no picture", kScript};
   const std::string_view pixels = std::string_view(*picture).substr(picture->size() - kBytes);

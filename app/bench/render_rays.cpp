@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "app/bench/render_canvas.h"
+#include "app/bench/scratch_folder.h"
 #include "app/render/shader_source.h"
 
 namespace burrhole {
@@ -66,34 +67,19 @@ Status compare_skipping(Bench& bench, const Subject& subject, const std::string&
   return {};
 }
 
-/// The shaders with a light that is the tissue's own colour, in a folder that goes with it.
-class UnshadedFolder {
- public:
-  UnshadedFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "burrhole-bench-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) return;
-    path_ = name;
-    for (const auto& [file, text] : embedded_shaders()) std::ofstream(path_ / file) << (file == "shade.glsl" ? kUnshaded : text);
-  }
-  ~UnshadedFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  UnshadedFolder(const UnshadedFolder&) = delete;
-  UnshadedFolder& operator=(const UnshadedFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  static constexpr std::string_view kUnshaded =
+/// The shaders with a light that is the tissue's own colour.
+void write_unshaded(const std::filesystem::path& folder) {
+  constexpr std::string_view kUnshaded =
       "vec3 shade(vec3 p, vec3 world, vec3 normal, vec3 to_eye, bool is_face) {\n"
       "  return textureLod(color_soft, texture_from_index(p), 0.0).rgb;\n"
       "}\n";
-  std::filesystem::path path_;
-};
+  for (const auto& [file, text] : embedded_shaders()) std::ofstream(folder / file) << (file == "shade.glsl" ? kUnshaded : text);
+}
 
 Status compare_shading(Bench& bench, const Subject& subject, const std::string& way, RenderOptions options, const Bars& bars) {
-  const UnshadedFolder folder;
+  const ScratchFolder folder;
   if (folder.path().empty()) return Error{ErrorCode::internal, "no folder can be made for shaders", {}};
+  write_unshaded(folder.path());
   auto shaded = make_drawn(subject, options);
   if (!shaded) return shaded.error();
   options.shader_folder = folder.path();

@@ -110,20 +110,13 @@ class OffscreenSink final : public PictureSink {
 }  // namespace
 
 Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayScene& display, const PictureAsked& asked) {
-  const DrawingQuality& quality = display.quality;
-  RenderOptions options{.step_voxels = quality.step_voxels,
-                        .bisections = quality.bisections,
-                        .finish = quality.finish,
-                        .supersample = quality.supersample,
-                        .resolution = quality.resolution,
-                        .shader_folder = asked.shader_folder};
+  RenderOptions options = make_render_options(display.quality, display.looks);
+  options.shader_folder = asked.shader_folder;
   for (const GlBackend backend : gl_backends())
     if (asked.gl == gl_backend_name(backend)) options.gl = backend;
   if (display.method == "slices")
     options.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
   if (!display.transfer.empty()) options.translucent = display.transfer;
-  options.looks = display.looks;
-  options.looks.occlusion = options.looks.occlusion && quality.finish;
   options.growth_is_told = true;
   auto renderer = Renderer::create(options);
   if (!renderer) return renderer.error();

@@ -1,28 +1,12 @@
 #include "app/engine/texel_queue.h"
 
 #include <algorithm>
+#include <iterator>
+
+#include "core/voxel/box_parts.h"
 
 namespace burrhole {
 namespace {
-
-/// What of `whole` lies outside `hole`, as at most six boxes.
-void append_outside(const VoxelBox& whole, const VoxelBox& hole, std::vector<VoxelBox>& out) {
-  const VoxelBox common = whole.intersect(hole);
-  if (common.empty()) {
-    out.push_back(whole);
-    return;
-  }
-  VoxelBox rest = whole;
-  for (const glm::length_t axis : {2, 1, 0}) {
-    VoxelBox before = rest, after = rest;
-    before.hi[axis] = common.lo[axis];
-    after.lo[axis] = common.hi[axis];
-    for (const VoxelBox& part : {before, after})
-      if (!part.empty()) out.push_back(part);
-    rest.lo[axis] = common.lo[axis];
-    rest.hi[axis] = common.hi[axis];
-  }
-}
 
 /// The first part of the box that holds at most `most` texels: whole slabs, else rows of one slab, else, if there must be one, a row.
 VoxelBox first_part(const VoxelBox& box, std::size_t most, bool must) {
@@ -45,7 +29,7 @@ void TexelQueue::add(const VoxelBox& box) {
   std::vector<VoxelBox> fresh{box};
   for (const VoxelBox& waiting : boxes_) {
     std::vector<VoxelBox> outside;
-    for (const VoxelBox& part : fresh) append_outside(part, waiting, outside);
+    for (const VoxelBox& part : fresh) std::ranges::copy(box_without(part, waiting), std::back_inserter(outside));
     fresh = std::move(outside);
   }
   boxes_.insert(boxes_.end(), fresh.begin(), fresh.end());
@@ -64,8 +48,7 @@ std::vector<VoxelBox> TexelQueue::take(std::size_t most) {
     out.push_back(part);
     left -= std::min(left, part.count());
     // What is left of the box stays in front: the rows of a slab that was parted, then the slabs behind it.
-    std::vector<VoxelBox> rest;
-    append_outside(boxes_.front(), part, rest);
+    const std::vector<VoxelBox> rest = box_without(boxes_.front(), part);
     boxes_.erase(boxes_.begin());
     boxes_.insert(boxes_.begin(), rest.rbegin(), rest.rend());
   }

@@ -21,4 +21,12 @@ struct FrameBlock {
 };
 static_assert(sizeof(FrameBlock) == 39 * 16);
 
+void fill_camera(FrameBlock& block, const CameraRays& rays);
+/// @param dims [voxels] > 0.
+void fill_volume(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, const Affine& world_from_index);
+/// The axis whose slices are met most squarely, their number, and on which side of the eye they lie. @param per_voxel slices along it.
+void fill_slices(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, const Affine& world_from_index, double per_voxel);
+/// Light, background and cut of a view that was checked.
+void fill_light_and_cut(FrameBlock& block, const FrameView& view);
+
 }  // namespace burrhole

@@ -22,8 +22,6 @@ constexpr int kMaxSide = 16384;  ///< [pixels] beyond any driver's limit, which 
 
 Error out_of_range(std::string why) { return {ErrorCode::out_of_range, std::move(why), {}}; }
 
-Vec4f vec4(const Vec3& v, double w = 0.0) { return Vec4f(glm::dvec4(v, w)); }
-
 Status check_options(const RenderOptions& options) {
   if (!(options.step_voxels > 0.0 && options.step_voxels <= 1.0)) return out_of_range("the ray step must be in (0, 1] voxels");
   if (options.bisections < 0 || options.bisections > 16) return out_of_range("bisections must be in 0..16");
@@ -76,57 +74,6 @@ void append_corners(const VolumeTexture& volume, const Affine& world_from_index,
     const Vec3 corner((c & 1u) != 0 ? dims.x : 0.0, (c & 2u) != 0 ? dims.y : 0.0, (c & 4u) != 0 ? dims.z : 0.0);
     points.push_back(world_from_index * (corner - 0.5));
   }
-}
-
-void fill_camera(FrameBlock& block, const CameraRays& rays) {
-  block.eye_world = vec4(rays.eye);
-  block.forward_world = vec4(rays.forward);
-  block.right_world = vec4(rays.right);
-  block.up_world = vec4(rays.up);
-}
-
-void fill_volume(FrameBlock& block, const CameraRays& rays, const VolumeTexture& volume, const Affine& world_from_index) {
-  const Affine index_from_world = world_from_index.inverse();
-  block.eye_index = vec4(index_from_world * rays.eye);
-  block.forward_index = vec4(index_from_world.linear * rays.forward);
-  block.right_index = vec4(index_from_world.linear * rays.right);
-  block.up_index = vec4(index_from_world.linear * rays.up);
-  const Mat3 rows = glm::transpose(index_from_world.linear);
-  for (int axis = 0; axis < 3; ++axis) block.index_rows[axis] = vec4(rows[axis]);
-  block.dims = vec4(Vec3(volume.dims()));
-  const Mat3& cell = world_from_index.linear;
-  block.edges = vec4({glm::length(cell[0]), glm::length(cell[1]), glm::length(cell[2])}, world_from_index.longest_edge());
-}
-
-/// The axis whose slices are met most squarely, their number, and on which side of the eye they lie.
-void fill_slices(FrameBlock& block, const CameraRays& rays, const VolumeTexture& volume, const Affine& world_from_index,
-                 const SliceOptions& options) {
-  const Affine index_from_world = world_from_index.inverse();
-  const Mat3 rows = glm::transpose(index_from_world.linear);
-  glm::length_t axis = 0;
-  double best = -1.0;
-  for (glm::length_t a = 0; a < 3; ++a) {
-    const double square_on = std::abs(glm::dot(glm::normalize(rows[a]), rays.axis));
-    if (square_on > best) {
-      best = square_on;
-      axis = a;
-    }
-  }
-  const double length = volume.dims()[axis];
-  const double count = std::max(1.0, std::round(length * options.per_voxel));
-  const double eye = ((index_from_world * rays.eye)[axis] + 0.5) / length * count;  // in slices
-  const double beyond = count - std::clamp(std::ceil(eye - 0.5), 0.0, count);
-  block.slices = vec4(Vec3(static_cast<double>(axis), count, beyond), world_from_index.mean_edge());
-}
-
-void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
-  block.light = vec4(glm::normalize(view.light.direction_to_light));
-  block.light_terms = vec4({view.light.ambient, view.light.diffuse, view.light.fill});
-  block.background_bottom = vec4(view.background.bottom);
-  block.background_top = vec4(view.background.top);
-  if (!view.cut) return;
-  const double length = glm::length(view.cut->normal);
-  block.cut = vec4(view.cut->normal / length, view.cut->offset / length);
 }
 
 }  // namespace
@@ -205,11 +152,11 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   fill_camera(block, rays.value());
   fill_light_and_cut(block, view);
   const Mat3 rotation = glm::mat3_cast(view.world_from_bone.rotation);
-  for (int axis = 0; axis < 3; ++axis) block.world_from_bone[axis] = vec4(rotation[axis]);
+  for (int axis = 0; axis < 3; ++axis) block.world_from_bone[axis] = Vec4f(glm::dvec4(rotation[axis], 0.0));
   if (volume) {
     const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
     append_corners(*volume, world_from_index, points);
-    fill_volume(block, rays.value(), *volume, world_from_index);
+    fill_volume(block, rays.value(), volume->dims(), world_from_index);
   }
   block.dims.w = static_cast<float>(options.step_voxels);
   block.light.w = static_cast<float>(options.bisections);
@@ -220,7 +167,7 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   block.lens = Vec4f(glm::dvec4(range.near_plane, range.far_plane, width, height));
   if (volume && options.slices) {
     const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
-    fill_slices(block, rays.value(), *volume, world_from_index, *options.slices);
+    fill_slices(block, rays.value(), volume->dims(), world_from_index, options.slices->per_voxel);
     glm::dmat4 matrix(world_from_index.linear);
     matrix[3] = glm::dvec4(world_from_index.offset, 1.0);
     block.world_from_index = glm::fmat4(matrix);
@@ -426,6 +373,17 @@ Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) 
     return done;
   ++counters.frames;
   return {};
+}
+
+RenderOptions make_render_options(const DrawingQuality& quality, const LookView& looks) {
+  RenderOptions options{.step_voxels = quality.step_voxels,
+                        .bisections = quality.bisections,
+                        .finish = quality.finish,
+                        .looks = looks,
+                        .supersample = quality.supersample,
+                        .resolution = quality.resolution};
+  options.looks.occlusion = looks.occlusion && quality.finish;
+  return options;
 }
 
 Result<Renderer> Renderer::create(const RenderOptions& options) {

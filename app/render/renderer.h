@@ -44,6 +44,9 @@ struct RenderOptions {
   std::filesystem::path shader_folder{};          ///< empty: the shaders as built in
 };
 
+/// What a quality and looks ask for, by rays to the surface; a quality without finish leaves occlusion out.
+[[nodiscard]] RenderOptions make_render_options(const DrawingQuality& quality, const LookView& looks);
+
 /// Counted, never timed.
 struct RenderCounters {
   std::uint64_t volume_bytes = 0;  ///< texels, colours and tissue sent by set_volume, last call

@@ -22,6 +22,13 @@ above_mm = 1.5
 thickness_mm = 3.0
 hardness = 0.8
 )";
+/// A piece of skull, all its layers, dura and brain below.
+inline constexpr const char* kSkullPatchKeys = R"(source = "phantom:skull_patch"
+spacing_mm = 0.25
+extent_mm = [8.0, 8.0, 8.0]
+above_mm = 1.5
+thickness_mm = 5.0
+)";
 /// A shell of nothing but inner table, 1.7 mm: the thinnest layer that a drill meets in a skull.
 inline constexpr const char* kInnerTableKeys = R"(source = "phantom:skull_patch"
 spacing_mm = 0.25

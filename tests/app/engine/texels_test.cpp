@@ -10,13 +10,6 @@
 namespace burrhole::test {
 namespace {
 
-constexpr const char* kPatchKeys = R"(source = "phantom:skull_patch"
-spacing_mm = 0.25
-extent_mm = [8.0, 8.0, 8.0]
-above_mm = 1.5
-thickness_mm = 5.0
-)";
-
 /// A voxel of the patch as the texture has it, and what it was made of.
 struct Voxel {
   Rgba8 texel;
@@ -54,7 +47,7 @@ Voxmap make_patch(const LoadedScene& loaded) {
 }  // namespace
 
 TEST_CASE("texels: the field is the larger of bone and soft tissue, to 16 bits") {
-  const LoadedScene loaded = load_small({.volume = kPatchKeys});
+  const LoadedScene loaded = load_small({.volume = kSkullPatchKeys});
   Voxmap voxmap = make_patch(loaded);
   int both = 0;
   for (const Voxel& v : inner_voxels(voxmap)) {
@@ -69,7 +62,7 @@ TEST_CASE("texels: the field is the larger of bone and soft tissue, to 16 bits")
 }
 
 TEST_CASE("texels: where dura lies under bone the normal is dura's, on bone alone it is bone's") {
-  const LoadedScene loaded = load_small({.volume = kPatchKeys});
+  const LoadedScene loaded = load_small({.volume = kSkullPatchKeys});
   Voxmap voxmap = make_patch(loaded);
   int meeting = 0, bone_would_point_down = 0, alone = 0;
   for (const Voxel& v : inner_voxels(voxmap)) {

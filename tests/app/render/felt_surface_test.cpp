@@ -21,12 +21,6 @@ extent_mm = [10.0, 10.0, 10.0]
 above_mm = 1.5
 radius_mm = 4.0
 )";
-constexpr const char* kPatchKeys = R"(source = "phantom:skull_patch"
-spacing_mm = 0.25
-extent_mm = [8.0, 8.0, 8.0]
-above_mm = 1.5
-thickness_mm = 5.0
-)";
 constexpr int kWidth = 160, kHeight = 120;
 
 struct Agreement {
@@ -159,4 +153,4 @@ void check(const std::string& what, const BeforeAndAfter& found) {
 
 TEST_CASE("felt and drawn: one surface on a ball, before and after drilling") { check("ball", drill_and_compare(kBallKeys)); }
 
-TEST_CASE("felt and drawn: one surface on the skull patch, before and after drilling") { check("patch", drill_and_compare(kPatchKeys)); }
+TEST_CASE("felt and drawn: one surface on the skull patch, before and after drilling") { check("patch", drill_and_compare(kSkullPatchKeys)); }

@@ -1,0 +1,62 @@
+#include "app/render/frame_block.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace burrhole {
+namespace {
+
+Vec4f vec4(const Vec3& v, double w = 0.0) { return Vec4f(glm::dvec4(v, w)); }
+
+}  // namespace
+
+void fill_camera(FrameBlock& block, const CameraRays& rays) {
+  block.eye_world = vec4(rays.eye);
+  block.forward_world = vec4(rays.forward);
+  block.right_world = vec4(rays.right);
+  block.up_world = vec4(rays.up);
+}
+
+void fill_volume(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, const Affine& world_from_index) {
+  const Affine index_from_world = world_from_index.inverse();
+  block.eye_index = vec4(index_from_world * rays.eye);
+  block.forward_index = vec4(index_from_world.linear * rays.forward);
+  block.right_index = vec4(index_from_world.linear * rays.right);
+  block.up_index = vec4(index_from_world.linear * rays.up);
+  const Mat3 rows = glm::transpose(index_from_world.linear);
+  for (int axis = 0; axis < 3; ++axis) block.index_rows[axis] = vec4(rows[axis]);
+  block.dims = vec4(Vec3(dims));
+  const Mat3& cell = world_from_index.linear;
+  block.edges = vec4({glm::length(cell[0]), glm::length(cell[1]), glm::length(cell[2])}, world_from_index.longest_edge());
+}
+
+void fill_slices(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, const Affine& world_from_index, double per_voxel) {
+  const Affine index_from_world = world_from_index.inverse();
+  const Mat3 rows = glm::transpose(index_from_world.linear);
+  glm::length_t axis = 0;
+  double best = -1.0;
+  for (glm::length_t a = 0; a < 3; ++a) {
+    const double square_on = std::abs(glm::dot(glm::normalize(rows[a]), rays.axis));
+    if (square_on > best) {
+      best = square_on;
+      axis = a;
+    }
+  }
+  const double length = dims[axis];
+  const double count = std::max(1.0, std::round(length * per_voxel));
+  const double eye = ((index_from_world * rays.eye)[axis] + 0.5) / length * count;  // in slices
+  const double beyond = count - std::clamp(std::ceil(eye - 0.5), 0.0, count);
+  block.slices = vec4(Vec3(static_cast<double>(axis), count, beyond), world_from_index.mean_edge());
+}
+
+void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
+  block.light = vec4(glm::normalize(view.light.direction_to_light));
+  block.light_terms = vec4({view.light.ambient, view.light.diffuse, view.light.fill});
+  block.background_bottom = vec4(view.background.bottom);
+  block.background_top = vec4(view.background.top);
+  if (!view.cut) return;
+  const double length = glm::length(view.cut->normal);
+  block.cut = vec4(view.cut->normal / length, view.cut->offset / length);
+}
+
+}  // namespace burrhole
