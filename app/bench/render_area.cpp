@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <vector>
 
 #include "app/bench/areas.h"
 #include "app/bench/bench_scene.h"
 #include "app/bench/render_canvas.h"
 #include "app/bench/render_peer.h"
+#include "core/base/units.h"
 
 namespace burrhole {
 namespace {
@@ -151,6 +154,42 @@ Status time_first_frame(Bench& bench) {
   return canvas->fault;
 }
 
+double median_of(std::vector<double> values) {
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+/// A camera that turns by a degree a picture, with half the time of a whole picture as its budget: by the clock, as a viewer waits.
+Status time_moving_camera(Bench& bench, const VolumeView& volume, FrameView view) {
+  using Clock = std::chrono::steady_clock;
+  auto canvas = Canvas::create({.finish = true}, view);
+  if (!canvas) return canvas.error();
+  canvas->set_volume(volume);
+  const auto seconds_of = [](auto&& draw) {
+    const auto start = Clock::now();
+    draw();
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  std::vector<double> whole, moving;
+  for (int n = 0; n < 6; ++n) {
+    canvas->renderer.forget();
+    whole.push_back(seconds_of([&] { canvas->draw(); }));
+  }
+  Pace pace(0.5 * median_of(whole));
+  const Vec3 from_target = view.camera.eye - view.camera.target;
+  const int pictures = bench.quick() ? 4 : 60;
+  for (int n = 0; n < pictures; ++n) {
+    canvas->view.camera.eye = view.camera.target + glm::angleAxis(n * kDegree, view.camera.up) * from_target;
+    moving.push_back(seconds_of([&] {
+      if (auto image = canvas->renderer.draw_at_pace(canvas->view, kCanvasSide, kCanvasSide, pace); !image && canvas->fault)
+        canvas->fault = image.error();
+    }));
+  }
+  bench.add_cost("camera turning, picture over its budget of half a whole one, by the clock", "ms", 1e3,
+                 {pace.budget(), median_of(moving)});
+  return canvas->fault;
+}
+
 /// The patch of the published figures: four times as many voxels as the shipped scene has.
 Status compare_rays_on_fine_patch(Bench& bench) {
   const auto loaded = load_parietal_scene({"volume.spacing_mm=0.1171875"});
@@ -206,6 +245,7 @@ Status bench_render(Bench& bench) {
   if (Status done = compare_dirty_frame(bench, view, shipped, "as shipped, a ray a pixel", voxmap, box); !done) return done;
   if (Status done = compare_dirty_frame(bench, view, {.finish = false, .growth_is_told = true}, "plain", voxmap, box); !done) return done;
   if (Status done = compare_uploads(bench, view, voxmap); !done) return done;
+  if (Status done = time_moving_camera(bench, make_volume_view(voxmap), view); !done) return done;
   if (Status done = compare_with_vtk(bench); !done) return done;
   if (bench.quick()) return compare_rays(bench, make_volume_view(voxmap), view, "shipped scene half way", {}, {});
   return compare_rays_on_fine_patch(bench);

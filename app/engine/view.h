@@ -100,6 +100,7 @@ struct CameraView {
   double vertical_fov = 0.6;  ///< [rad] in (0, 3)
   /// Off-axis frustum: where the middle of the picture lies off the direction of view, in half widths and half heights of the picture.
   glm::dvec2 shift{0.0};
+  friend bool operator==(const CameraView&, const CameraView&) = default;
 };
 
 /// Two pictures, one an eye, as one.

@@ -1,6 +1,7 @@
 #include "app/render/renderer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -94,7 +95,8 @@ struct Renderer::Impl {
   std::optional<VolumeTexture> volume;
   std::optional<ToolMesh> tool;
   FrameCache cache;
-  bool may_grow = false;  ///< forget() came since the last picture
+  bool may_grow = false;                  ///< forget() came since the last picture
+  std::optional<CameraView> last_camera;  ///< of draw_at_pace
 
   Impl(const RenderOptions& chosen, GlContext made, ShaderFiles files)
       : options(chosen),
@@ -469,6 +471,19 @@ Result<Image> Renderer::draw(const FrameView& view, int width, int height) {
   auto drawn = impl_->draw(view, drawn_side(width), drawn_side(height));
   if (!drawn) return drawn.error();
   return enlarge(*drawn, width, height);
+}
+
+Result<Image> Renderer::draw_at_pace(const FrameView& view, int width, int height, Pace& pace) {
+  const bool moves = !impl_->last_camera || !(*impl_->last_camera == view.camera);
+  impl_->last_camera = view.camera;
+  if (!moves) return draw(view, width, height);
+  const double asked = impl_->options.resolution, share = pace.resolution();
+  impl_->options.resolution = asked * share;
+  const auto start = std::chrono::steady_clock::now();
+  auto image = draw(view, width, height);
+  impl_->options.resolution = asked;
+  if (image) pace.tell(share, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  return image;
 }
 
 Result<FrameProbe> Renderer::probe(const FrameView& view, int width, int height) {

@@ -12,6 +12,7 @@
 
 #include "app/engine/view.h"
 #include "app/render/gl_context.h"
+#include "app/render/pace.h"
 #include "core/base/result.h"
 #include "core/tool/tool.h"
 
@@ -94,6 +95,9 @@ class Renderer {
   /// and size stay as they were, only pixels are drawn that changed texels or the tool, at its old and new place, may reach.
   /// @returns ErrorCode::out_of_range for a size, camera or light out of range.
   [[nodiscard]] Result<Image> draw(const FrameView& view, int width, int height);
+  /// The same for a camera that is moved by hand: while it differs from the last call's, as finely as `pace` expects to fit, enlarged; once
+  /// it rests, as draw(). Pictures of a moving camera depend on the clock.
+  [[nodiscard]] Result<Image> draw_at_pace(const FrameView& view, int width, int height, Pace& pace);
   /// The same picture with hit positions and sample counts; slower.
   [[nodiscard]] Result<FrameProbe> probe(const FrameView& view, int width, int height);
 
