@@ -142,4 +142,10 @@ GlBackend GlContext::backend() const noexcept { return impl_->platform->backend(
 const std::string& GlContext::version() const noexcept { return impl_->version; }
 const std::string& GlContext::renderer() const noexcept { return impl_->renderer; }
 
+bool GlContext::is_software() const noexcept {
+  for (const std::string_view name : {"llvmpipe", "softpipe", "swrast"})
+    if (renderer().find(name) != std::string::npos) return true;
+  return false;
+}
+
 }  // namespace burrhole

@@ -40,6 +40,7 @@ class GlContext {
   [[nodiscard]] GlBackend backend() const noexcept;           ///< the one in use, never automatic
   [[nodiscard]] const std::string& version() const noexcept;  ///< as the driver states it
   [[nodiscard]] const std::string& renderer() const noexcept;
+  [[nodiscard]] bool is_software() const noexcept;  ///< one of Mesa's renderers on the processor
 
  private:
   struct Impl;

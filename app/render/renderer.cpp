@@ -93,6 +93,7 @@ struct Renderer::Impl {
   bool tinted = false;                    ///< the transfer function has a tint
   std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
   std::optional<VolumeTexture> volume;
+  std::optional<UploadRing> ring;
   std::optional<ToolMesh> tool;
   FrameCache cache;
   bool may_grow = false;                  ///< forget() came since the last picture
@@ -108,6 +109,7 @@ struct Renderer::Impl {
     no_vertices = make_vertex_array(gl);
     frame_buffer = make_buffer(gl);
     gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
+    if (options.upload_ring.value_or(!context.is_software())) ring.emplace(gl);
     if (options.skip_empty && !options.slices) seen_from = kSolidOpacity;
     if (!options.translucent) return;
     const TransferTable table = make_transfer_table(*options.translucent);
@@ -427,7 +429,8 @@ void Renderer::update(const TexelBox& texels) {
   const Status current = impl_->context.make_current();
   BH_ASSERT(current.ok());
   static_cast<void>(current);
-  const UploadedBytes sent = impl_->volume->update(texels, !impl_->options.growth_is_told || impl_->may_grow);
+  const UploadedBytes sent =
+      impl_->volume->update(texels, !impl_->options.growth_is_told || impl_->may_grow, impl_->ring ? &*impl_->ring : nullptr);
   impl_->cache.texels_changed(texels.box);
   impl_->counters.update_bytes += sent.texels;
   impl_->counters.skip_map_bytes += sent.skip_map;

@@ -41,8 +41,11 @@ struct RenderOptions {
   bool growth_is_told = false;
   std::optional<SliceOptions> slices{};           ///< in place of rays
   std::optional<TransferFunction> translucent{};  ///< bone as a translucent body, front to back, in place of its surface; no finish
-  GlBackend gl = GlBackend::automatic;            ///< where OpenGL comes from
-  std::filesystem::path shader_folder{};          ///< empty: the shaders as built in
+  /// Changed texels go to the card through a ring of mapped buffers. Nothing said: on a GPU, where a copy would wait for drawing; a software
+  /// renderer copies at once.
+  std::optional<bool> upload_ring{};
+  GlBackend gl = GlBackend::automatic;    ///< where OpenGL comes from
+  std::filesystem::path shader_folder{};  ///< empty: the shaders as built in
 };
 
 /// What a quality and looks ask for, by rays to the surface; a quality without finish leaves occlusion out.

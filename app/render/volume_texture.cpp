@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "core/base/assert.h"
@@ -117,12 +118,24 @@ Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const Volum
   return made;
 }
 
-UploadedBytes VolumeTexture::update(const TexelBox& texels, bool may_grow) {
+void VolumeTexture::send(const TexelBox& texels, UploadRing* ring) const {
+  const auto colors = std::as_bytes(std::span(texels.normal_opacity)), field = std::as_bytes(std::span(texels.field));
+  if (const auto at = ring != nullptr ? ring->stage({colors, field}) : std::nullopt) {
+    // With a buffer bound a place in it is handed over as a pointer.
+    upload(*gl_, normal_opacity_.name(), texels.box, GL_RGBA, reinterpret_cast<const void*>(*at));
+    upload(*gl_, field_.name(), texels.box, GL_RED, reinterpret_cast<const void*>(*at + colors.size()), GL_UNSIGNED_SHORT);
+    ring->finish();
+    return;
+  }
+  upload(*gl_, normal_opacity_.name(), texels.box, GL_RGBA, colors.data());
+  upload(*gl_, field_.name(), texels.box, GL_RED, field.data(), GL_UNSIGNED_SHORT);
+}
+
+UploadedBytes VolumeTexture::update(const TexelBox& texels, bool may_grow, UploadRing* ring) {
   const VoxelBox all{Vec3i(0), dims_};
   BH_ASSERT(all.contains(texels.box) && texels.normal_opacity.size() == texels.box.count() && texels.field.size() == texels.box.count());
   if (texels.box.empty()) return {};
-  upload(*gl_, normal_opacity_.name(), texels.box, GL_RGBA, texels.normal_opacity.data());
-  upload(*gl_, field_.name(), texels.box, GL_RED, texels.field.data(), GL_UNSIGNED_SHORT);
+  send(texels, ring);
   UploadedBytes sent{texels.box.count() * kTexelBytes, 0};
   if (!has_skip_map() || !may_grow) return sent;
   std::vector<std::uint8_t> solid(texels.normal_opacity.size());

@@ -8,6 +8,7 @@
 #include "app/engine/view.h"
 #include "app/render/gl_object.h"
 #include "app/render/skip_map.h"
+#include "app/render/upload_ring.h"
 #include "core/base/result.h"
 
 namespace burrhole {
@@ -31,8 +32,8 @@ class VolumeTexture {
   [[nodiscard]] static Result<VolumeTexture> create(const GladGLContext& gl, const VolumeView& view, std::optional<std::uint8_t> seen_from);
 
   /// Replaces exactly the texels of the box. @param may_grow bone of the box may be more than before: the skip map is told.
-  /// @returns what was sent; the box lies inside the volume (ours to see to).
-  UploadedBytes update(const TexelBox& texels, bool may_grow);
+  /// @param ring nothing: the driver copies texels itself. @returns what was sent; the box lies inside the volume (ours to see to).
+  UploadedBytes update(const TexelBox& texels, bool may_grow, UploadRing* ring);
   void bind() const;  ///< texture units 0, 1, 6 and, with a skip map, 2, with tissue 5
 
   [[nodiscard]] const Vec3i& dims() const noexcept { return dims_; }
@@ -43,6 +44,8 @@ class VolumeTexture {
   [[nodiscard]] UploadedBytes initial_bytes() const noexcept;
 
  private:
+  void send(const TexelBox& texels, UploadRing* ring) const;
+
   const GladGLContext* gl_ = nullptr;
   Vec3i dims_{0};
   Affine bone_from_index_;
