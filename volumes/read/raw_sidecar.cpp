@@ -51,12 +51,19 @@ void read_grid(TableReader& root, ImageHead& image) {
   if (!placed) image.assumed.emplace_back("no origin in the sidecar: first voxel at 0");
   const auto nine = root.numbers("direction", std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1}, 9, {.min = -1.001, .max = 1.001},
                                  "unit vectors along which i, then j, then k run: left, posterior, superior");
+  bool units = true;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Vec3 unit(nine[3 * axis], nine[3 * axis + 1], nine[3 * axis + 2]);
-    if (std::abs(glm::length(unit) - 1.0) > kUnitLength)
-      root.fault("direction", fmt::format("has a vector of length {:.4g} for {}; it must be 1", glm::length(unit), "ijk"[axis]));
     image.bone_from_index.linear[axis] = unit * spacing[axis];
+    if (std::abs(glm::length(unit) - 1.0) <= kUnitLength) continue;
+    units = false;
+    root.fault("direction", fmt::format("has a vector of length {:.4g} for {}; it must be 1", glm::length(unit), "ijk"[axis]));
   }
+  const bool spaced = glm::all(glm::greaterThan(spacing, Vec3(0.0)));  // otherwise it is told
+  if (const auto fault = affine_fault({Mat3(spacing.x, 0, 0, 0, spacing.y, 0, 0, 0, spacing.z), Vec3(0.0)}); fault && spaced)
+    root.fault("spacing_mm", "is not read: " + *fault);
+  else if (const auto flat = affine_fault(image.bone_from_index); flat && units && spaced)
+    root.fault("direction", "is not read: " + *flat);
   image.bone_from_index.offset =
       root.vector("origin_mm", Vec3(0.0), {.to_si = kMillimetre}, "centre of the first voxel: left, posterior, superior");
 }

@@ -190,6 +190,10 @@ TEST_CASE("parse_raw_sidecar: every fault has its line and column") {
   CHECK(holds(place_of("files = 'a'\n" + rest), "v.toml:1:1: files"));
   CHECK(holds(place_of("files = '../a*'\n" + rest), "v.toml:1:1: files"));
   CHECK(holds(place_of("data = 'v'\ndims = [1.5, 2, 3]\ntype = 'uint8'\nspacing_mm = [1, 1, 1]\n"), "v.toml:2:1: dims"));
+  CHECK(place_of("data = 'v'\ndims = [1, 2, 3]\ntype = 'uint8'\nspacing_mm = [1e-5, 1, 1]\n") ==
+        "v.toml:4:1: spacing_mm is not read: voxels are 1e-05 mm long on axis i; between 0.001 and 1000 mm is read");
+  CHECK(place_of("data = 'v'\n" + rest + "direction = [0, 1, 0, 0, 1, 0, 0, 0, -1]\n") ==
+        "v.toml:5:1: direction is not read: two index axes run in the same direction: voxels are flat");
   CHECK(holds(place_of("data = 'v'\ndims = [2000000000, 2000000000, 3]\ntype = 'uint8'\nspacing_mm = [1, 1, 1]\n"), "v.toml:2:1: dims"));
   CHECK(holds(place_of("data = 'v'\ndims = [1, 2, 3]\ntype = 'int16'\nspacing_mm = [1, 1, 1]\n"), "byte_order is missing"));
   CHECK(holds(place_of("data = 'v'\ndims = [1, 2, 3]\ntype = 'short'\nspacing_mm = [1, 1, 1]\n"), "v.toml:3:1: type"));
