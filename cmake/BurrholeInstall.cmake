@@ -5,7 +5,7 @@ set(BURRHOLE_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/burrhole")
 
 # Options may leave a folder out, so whatever libraries exist are installed.
 set(burrhole_installed "")
-foreach(name core haptics volumes engine render report lab)
+foreach(name core haptics volumes view session stage effect scene run report job render lab_oracle lab)
   if(TARGET burrhole_${name})
     list(APPEND burrhole_installed burrhole_${name})
   endif()
@@ -17,10 +17,12 @@ endif()
 
 # Headers keep their folders: #include "core/base/geometry.h" reads the same in the tree and in a client. The wrapper round toml++
 # stays home.
-foreach(folder core haptics volumes app/engine app/render app/report app/lab)
+foreach(folder core haptics volumes app/view app/session app/stage app/effect app/scene app/run app/report app/job app/render)
   if(EXISTS "${PROJECT_SOURCE_DIR}/${folder}")
     install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/burrhole/${folder}"
-      FILES_MATCHING PATTERN "*.h" PATTERN "toml_parsed.h" EXCLUDE)
+      FILES_MATCHING PATTERN "*.h" PATTERN "registry.inc" PATTERN "*-inl.h" EXCLUDE PATTERN "toml_parsed.h" EXCLUDE PATTERN "sqlite_file.h" EXCLUDE
+        REGEX "render/(gl_object|gl_target|shader_program|tool_mesh|transfer_texture|upload_ring|volume_texture|renderer_impl)[.]h$" EXCLUDE
+        PATTERN "oracle" EXCLUDE)
   endif()
 endforeach()
 foreach(folder scenes tools)

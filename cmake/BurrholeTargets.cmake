@@ -8,6 +8,7 @@ target_compile_features(burrhole_options INTERFACE cxx_std_20)
 # -ffp-contract=off: the same bits whether or not the machine has fused multiply-add.
 target_compile_options(burrhole_options INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Wold-style-cast -ffp-contract=off)
+target_compile_options(burrhole_options INTERFACE -ffile-prefix-map=${PROJECT_SOURCE_DIR}/=)
 if(BURRHOLE_SANITIZE STREQUAL "address")
   # Five checks are left out: four of them repeat what a trapped address shows, and together they double the time to compile.
   target_compile_options(burrhole_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
@@ -36,6 +37,8 @@ function(bh_precompile_headers name)
     target_compile_definitions(${name} PRIVATE ${bh_glm_definitions})
     target_link_libraries(${name} PRIVATE burrhole::options glm::glm fmt::fmt)
     target_precompile_headers(${name} PRIVATE ${ARGN})
+    set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER
+      "${PROJECT_SOURCE_DIR}/cmake/fresh_header.sh;${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${name}.dir/cmake_pch.hxx.gch;${CMAKE_CXX_COMPILER_LAUNCHER}")
   endif()
 endfunction()
 
@@ -47,6 +50,8 @@ function(bh_reuse_headers target name)
     target_precompile_headers(${target} REUSE_FROM ${name})
     # GCC 12 forgets there that a header is the system's and reports its own false alarms in <string>.
     target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
+    # ccache preprocesses first, and must see there which precompiled header was read.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
   endif()
 endfunction()
 
@@ -56,7 +61,7 @@ function(bh_add_library name)
   add_library(burrhole::${name} ALIAS burrhole_${name})
   set_target_properties(burrhole_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(burrhole_${name} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/burrhole>)
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/burrhole>)
   target_link_libraries(burrhole_${name} PRIVATE $<BUILD_INTERFACE:burrhole::options>)
   target_compile_features(burrhole_${name} PUBLIC cxx_std_20)
   bh_reuse_headers(burrhole_${name} burrhole_library_headers)

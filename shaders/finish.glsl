@@ -1,4 +1,4 @@
-// Bright bone keeps its shape and hue: above 0.7 the brightest channel approaches 1 instead of being cut off there.
+// Tone curve that keeps shape and hue of bright bone: above 0.7 the brightest channel approaches 1 instead of being clipped.
 vec3 rolled_off(vec3 color) {
   float bright = max(color.r, max(color.g, color.b));
   float over = max(bright - 0.7, 0.0);

@@ -1,10 +1,10 @@
-// What one frame needs; mirrors FrameBlock in app/render/frame_block.h (std140, vec4 only, so that no padding rule matters).
+// Uniforms of one frame; mirrors FrameBlock in app/render/frame_block.h (std140, vec4 only, so that no padding rule applies).
 layout(std140, binding = 0) uniform Frame {
   vec4 eye_index;              // camera in index coordinates
   vec4 forward_index;          // index displacement per metre of view depth
-  vec4 right_index;            // and per unit of normalised device x, y at view depth 1 m
+  vec4 right_index;            // index displacement per unit of normalised device x, y at view depth 1 m
   vec4 up_index;
-  vec4 eye_world;              // the same camera in world coordinates [m]
+  vec4 eye_world;              // camera in world coordinates [m]
   vec4 forward_world;
   vec4 right_world;
   vec4 up_world;

@@ -17,7 +17,8 @@ float noise(vec3 x) {
   return sum;
 }
 
-// Distance to the nearest of points strewn one a unit cell, in its middle half, so that the eight nearest cells hold it or one as near.
+// Distance to the nearest of random points, one per unit cell in its middle half, so that the eight nearest cells contain the nearest
+// point.
 float nearest_seed(vec3 x) {
   ivec3 base = ivec3(floor(x - 0.5));
   float least = 4.0;

@@ -1,4 +1,5 @@
-// Share of the sky that a surface point sees, from density samples in a cone round its normal. p: index, n: world unit normal.
+// Ambient occlusion: share of the sky visible from a surface point, from density samples in a cone around its normal. p: index, n: world
+// unit normal.
 float open_sky(vec3 p, vec3 world, vec3 n) {
   vec3 a = normalize(abs(n.z) < 0.8 ? cross(n, vec3(0, 0, 1)) : cross(n, vec3(1, 0, 0)));
   vec3 b = cross(n, a);

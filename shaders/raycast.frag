@@ -1,4 +1,4 @@
-// First hit of the 0.5 level of the volume along each pixel's ray; the light comes after it, where there was one (surface.frag).
+// First hit of the 0.5 level of the volume along each pixel's ray. surface.frag then lights the hits.
 // View depth t [m] is the ray parameter: p = eye + t * direction with direction . forward = 1.
 #include "frame.glsl"
 #include "background.glsl"
@@ -31,7 +31,7 @@ void main() {
   }
   bool hit = n <= last;
 
-  // The surface lies between sample n - 1, which is empty, and sample n; on a face of the box or the cut it is the start itself.
+  // The surface lies between sample n - 1, which is empty, and sample n; on a face of the box or the cut it is at the start of the ray.
   float outside = n == 0 ? 0.0 : float(n) - 1.0;
   float inside = float(n);
   for (int i = 0; i < int(light.w); ++i) {

@@ -1,5 +1,5 @@
-// The light on a point of the volume, for rays and slices alike. p: index, world: the same point, normal and to_eye: world, unit length;
-// is_face: the point lies on a cut, where the colour is the one right there.
+// Light at a point of the volume, for rays and slices. p: index, world: the same point; normal and to_eye: world, unit length;
+// is_face: the point lies on a cut, where the colour is sampled at the point itself.
 #ifdef FINISH
 #include "finish.glsl"
 #endif
@@ -13,7 +13,7 @@
 #include "tissue.glsl"
 #endif
 vec3 shade(vec3 p, vec3 world, vec3 normal, vec3 to_eye, bool is_face) {
-  // The colour of what lies under the surface: half of what a filtered look-up sees at the surface itself is outside the bone.
+  // Colour from below the surface: half of the texels filtered at the surface itself are outside the bone.
   vec3 outward = index_from_displacement(normal);
   outward /= length(outward);
   vec3 inside = is_face ? p : p - 0.75 * outward;
@@ -33,12 +33,12 @@ vec3 shade(vec3 p, vec3 world, vec3 normal, vec3 to_eye, bool is_face) {
 #ifdef SHADOW
   reaching = light_reaching(p, world, normal);
 #endif
-  // [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); the headlight fill is ours and 0 switches it off.
+  // [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); the headlight fill is our own, 0 disables it.
   float direct = light_terms.y * max(dot(normal, light.xyz), 0.0) * mix(0.45, 1.0, sky) * reaching;
   float fill = light_terms.z * max(dot(normal, to_eye), 0.0) * sky;
   color *= light_terms.x * sky + direct + fill;
 #ifdef SPECULAR
-  // The glint of a wet surface [Blinn77]: a tenth of the light, within some 15 degrees of the mirror's direction.
+  // Specular highlight of a wet surface [Blinn77]: a tenth of the light, within about 15 degrees of the mirror direction.
   color += 0.1 * light_terms.y * reaching * pow(max(dot(normal, normalize(light.xyz + to_eye)), 0.0), 40.0) * step(0.0, dot(normal, light.xyz));
 #endif
 #ifdef FINISH

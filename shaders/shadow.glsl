@@ -1,5 +1,5 @@
-// How much of the light reaches a surface point past what is drawn of the volume; the tool throws none. p: index, n: world unit normal.
-// Samples lie within a voxel of each other near the point and ever farther apart, 16 mm away at voxels of 0.25 mm.
+// Share of the light that reaches a surface point through the drawn volume; the tool casts no shadow. p: index, n: world unit normal.
+// The spacing of samples is below a voxel near the point and increases; the last is 16 mm away for voxels of 0.25 mm.
 float light_reaching(vec3 p, vec3 world, vec3 n) {
   vec3 start = 1.5 * edges.w * n;
   float way = 0.0;

@@ -1,4 +1,4 @@
-// One slice: opacity is the density ([AcostaLiu07] section 4), the light is that of the rays; blending composites back to front.
+// One slice: opacity is the density ([AcostaLiu07] section 4), light as for rays; blending composites back to front.
 #include "frame.glsl"
 #include "volume.glsl"
 #include "shade.glsl"
@@ -11,7 +11,7 @@ void main() {
   vec3 to_eye = -normalize(direction);
   float opacity = density_at(index);
   bool is_face = false;
-  // How far this pixel's ray goes from one slice to the next.
+  // Length of this pixel's ray from one slice to the next.
   int axis = int(slices.x);
   float spacing = length(direction) * dims[axis] / (slices.y * max(abs(index[axis] - eye_index[axis]), 1e-6));
 #ifdef CUT

@@ -1,5 +1,5 @@
-// Slices through the volume across an axis of it, one instance a slice, the farthest from the eye first ([AcostaLiu07] section 5, after its
-// reference 3). On each side of the eye the order is from far to near, so it is right for every ray, wherever the eye is.
+// Slices of the volume across one of its axes, one instance per slice, the farthest from the eye first ([AcostaLiu07] section 5, after its
+// reference 3). On each side of the eye the order is from far to near, so it is correct for every ray and position of the eye.
 #include "frame.glsl"
 layout(location = 0) out vec3 index;
 void main() {

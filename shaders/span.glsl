@@ -1,4 +1,4 @@
-// Where a ray runs through the volume, and how far it may leap over what is empty.
+// The interval of a ray inside the volume, and the number of empty samples that it may skip.
 #ifdef SKIP
 layout(binding = 2) uniform sampler3D skip_distance;   // Chebyshev distance [voxels / 255] to the nearest voxel that may be solid
 #endif
@@ -22,7 +22,7 @@ Span visible_span(vec3 direction_index, vec3 direction_world) {
     span.normal = -normalize(direction_world);
   }
 #ifdef CUT
-  float height = dot(cut.xyz, eye_world.xyz) - cut.w;   // above 0: cut away
+  float height = dot(cut.xyz, eye_world.xyz) - cut.w;   // > 0: cut away
   float slope = dot(cut.xyz, direction_world);
   float crossing = -height / (abs(slope) < 1e-12 ? 1e-12 : slope);
   if (slope < 0.0 && crossing > span.enter) {
@@ -34,8 +34,8 @@ Span visible_span(vec3 direction_index, vec3 direction_world) {
   return span;
 }
 
-// How many samples ahead are surely empty, at least 1. A voxel q at Chebyshev distance D from the nearest voxel of p counts only where
-// |q - p'| < 1, and |q - p'| >= D - 0.5 - |p' - p|; 1.6 instead of 1.5 leaves room for rounding.
+// Number of samples ahead that are certainly empty, at least 1. A voxel q at Chebyshev distance D from the nearest voxel of p contributes
+// only if |q - p'| < 1, and |q - p'| >= D - 0.5 - |p' - p|; 1.6 instead of 1.5 is a reserve for rounding.
 int leap(vec3 p, float reach) {
 #ifdef SKIP
   return max(1, int(floor((255.0 * textureLod(skip_distance, texture_from_index(p), 0.0).r - 1.6) / reach)));

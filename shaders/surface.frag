@@ -1,4 +1,4 @@
-// The light on what the rays hit, where raycast.frag found it; the depth test leaves out all other pixels.
+// Light on the surface that rays hit, found by raycast.frag; the depth test excludes all other pixels.
 #include "frame.glsl"
 #include "volume.glsl"
 #include "shade.glsl"

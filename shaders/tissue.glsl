@@ -1,16 +1,18 @@
-// Procedural tissue, fixed to the bone: old surface and cut bone differ ([TellesONeill10] section 3.3: one texture for the exterior, one
-// for the interior), diploe has pores, dura has vessels. What was bone as loaded and is none now was cut; so a checkpoint tells it as well.
+// Procedural tissue, fixed to the bone. Original surface and cut bone differ ([TellesONeill10] section 3.3: one texture for the exterior,
+// one for the interior), diploe has pores, dura has vessels. A voxel that was bone as loaded and is not bone now was cut, also after a
+// checkpoint.
 #include "noise.glsl"
-layout(binding = 5) uniform sampler3D tissue;   // R: occupancy as loaded; G: of bone how spongy, of soft tissue how much dura
+layout(binding = 5) uniform sampler3D tissue;   // R: occupancy as loaded; G: sponginess of bone, share of dura in soft tissue
 
-// 0 on old surface .. 1 on a cut: how much bone has gone from three quarters of a voxel before the surface. outward: index, a voxel long.
+// 0 on the original surface .. 1 on a cut: share of bone removed three quarters of a voxel outside the surface. outward: index, one voxel
+// long.
 float cut_share(vec3 p, vec3 outward) {
   vec3 before = p + 0.75 * outward;
   return smoothstep(0.08, 0.3, textureLod(tissue, texture_from_index(before), 0.0).r - bone_at(before));
 }
 
-// Thin wavy lines a unit apart across `way`, of unit length, broken off where another noise is low. The noise is too weak to turn a line
-// back on itself: vessels branch and end, they make no rings.
+// Thin wavy lines at unit spacing across `way` (unit length), interrupted where a second noise is low. The noise is too weak to bend a line
+// back on itself: vessels branch and end, but form no rings.
 float vessel(vec3 x, vec3 way, float width) {
   float off = abs(fract(dot(x, way) + 0.5 * noise(x) + 0.12 * noise(2.3 * x)) - 0.5);
   return (1.0 - smoothstep(0.4 * width, width, off)) * smoothstep(0.35, 0.6, noise(0.43 * x + 17.0));
@@ -25,7 +27,7 @@ vec3 old_bone(vec3 color, vec3 metres) {
 }
 
 vec3 cut_bone(vec3 color, float spongy, vec3 metres) {
-  // Dense bone is paler inside than under its skin, with the dots of its canals; pores grow with the share of marrow.
+  // Dense bone is paler inside than at its surface, with the dots of its canals; the size of pores increases with the share of marrow.
   float canals = 1.0 - smoothstep(0.10, 0.22, nearest_seed(metres / 0.45e-3));
   vec3 dense = mix(color, vec3(0.97, 0.95, 0.90), 0.55) * (1.0 - 0.10 * canals);
   vec3 walls = mix(color, vec3(0.93, 0.82, 0.68), 0.65);
@@ -45,7 +47,7 @@ vec3 soft_tissue(vec3 color, float dura, vec3 metres, bool is_face) {
   return mix(folds, sheet, smoothstep(0.3, 0.7, dura));
 }
 
-// 0 within a millimetre of the surface as loaded, where a scan's density fades without any marrow; 1 deeper.
+// 0 within a millimetre of the surface as loaded, where a scan's density decreases without marrow; 1 deeper.
 float deep_share(vec3 p) {
   float least = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -56,7 +58,8 @@ float deep_share(vec3 p) {
   return smoothstep(0.4, 0.9, least);
 }
 
-// color: that of the tissue at `inside` (index), the point of the volume that the surface point p shows; is_face: p lies on a cut plane.
+// color: of the tissue at `inside` (index), the point of the volume that determines the colour of surface point p; is_face: p lies on a cut
+// plane.
 vec3 tissue_color(vec3 color, vec3 p, vec3 inside, vec3 outward, bool is_face) {
   vec3 metres = inside * edges.xyz;
   float kind = textureLod(tissue, texture_from_index(inside), 0.0).g;

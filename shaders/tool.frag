@@ -1,16 +1,16 @@
-// Brushed steel: the grey of a simple room (bright above, dark horizon) as the metal mirrors it, and the glint of the light.
+// Brushed steel: it mirrors a simple grey room (bright above, dark horizon), with the specular highlight of the light.
 #include "frame.glsl"
 layout(location = 0) in vec3 world_normal;
 layout(location = 1) in vec3 world_position;
 layout(location = 0) out vec4 picture;
 #ifdef PROBE
-layout(location = 2) out vec4 probe;   // the tool is no hit of the volume
+layout(location = 2) out vec4 probe;   // the tool is not a hit of the volume
 #endif
 
 vec3 room(vec3 d) {
   float up = dot(d, light.xyz);
   vec3 grey = mix(vec3(0.40, 0.42, 0.45), vec3(0.93, 0.95, 0.97), smoothstep(-0.6, 0.7, up));
-  return grey - 0.22 * (1.0 - smoothstep(0.0, 0.22, abs(up + 0.12)));   // the dark line where floor and wall meet
+  return grey - 0.22 * (1.0 - smoothstep(0.0, 0.22, abs(up + 0.12)));   // dark line between floor and wall
 }
 
 void main() {

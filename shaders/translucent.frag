@@ -1,19 +1,19 @@
-// Translucent bone: light kept back by density along each pixel's ray, from front to back. Emission and absorption after Beer and Lambert:
-// over a length d with extinction s [1/m] a share exp(-s d) passes, so the picture does not depend on the step but for its error.
+// Translucent bone: absorption and emission along each pixel's ray, front to back, after Beer and Lambert: over a length d with extinction
+// s [1/m] a share exp(-s d) of the light passes. The picture depends on the step only by its discretisation error.
 #include "frame.glsl"
 #include "volume.glsl"
 #include "shade.glsl"
 #include "span.glsl"
 layout(binding = 3) uniform sampler1D transfer;    // by density, 256 values: extinction [1/m] in R; with TINT in A, and in RGB the tint
-layout(binding = 4) uniform sampler2D tool_depth;  // depth buffer of what is opaque
-layout(location = 0) out vec4 picture;             // premultiplied by its opacity
+layout(binding = 4) uniform sampler2D tool_depth;  // depth buffer of opaque surfaces
+layout(location = 0) out vec4 picture;             // premultiplied by opacity
 #ifdef PROBE
 layout(location = 2) out vec4 probe;   // samples taken, negative: nothing is hit
 #endif
 
-const float kSpent = 1.0 / 1024.0;   // light that is left and no longer followed: a quarter of a level
+const float kSpent = 1.0 / 1024.0;   // remaining light below which a ray ends: a quarter of an 8-bit level
 
-// As stored, turned towards the eye: a body is lit from both sides, a surface met from within would be dark.
+// As stored, oriented towards the eye: a body is lit from both sides, and a surface hit from inside would be dark.
 vec3 facing_normal(vec3 p, vec3 to_eye) {
   vec3 stored = stored_normal(p);
   float size = length(stored);
@@ -47,14 +47,14 @@ void main() {
   float left = 1.0;
   int n = 0;
   int samples = 0;
-  // Over what is surely empty without the body of the loop that follows.
+  // Skips empty samples first, without the body of the following loop.
   vec3 start = eye_index.xyz + span.enter * direction_index;
   vec3 middle = start + 0.5 * stride;
   for (int ahead = leap(middle, reach); ahead > 1 && n < count; ahead = leap(middle + float(n) * stride, reach)) n += ahead;
   float t = span.enter;
   float soft = 0.0;
   while (n < count && left > kSpent && soft < 0.5) {
-    // The middle of the step; the last one ends where the ray does.
+    // The middle of the step; the last step ends where the ray ends.
     float from = span.enter + float(n) * step_depth;
     float width = min(step_depth, span.leave - from);
     t = from + 0.5 * width;
@@ -70,8 +70,8 @@ void main() {
     ++samples;
   }
 #ifdef SOFT
-  if (soft >= 0.5) {   // dura and brain are no part of the transfer function: they are what is seen through the bone
-    // Their level lies within the last step, over which occupancy is nearly linear.
+  if (soft >= 0.5) {   // dura and brain are not part of the transfer function: they are opaque behind the bone
+    // Their 0.5 level lies within the last step, over which occupancy is nearly linear.
     float outside = max(span.enter, t - step_depth);
     float low = soft_at(eye_index.xyz + outside * direction_index);
     t = low < 0.5 ? mix(outside, t, (0.5 - low) / (soft - low)) : outside;

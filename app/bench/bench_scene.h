@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "app/engine/load.h"
-#include "app/engine/simulation.h"
+#include "app/scene/load.h"
+#include "app/run/simulation.h"
 
 namespace burrhole {
 

@@ -127,7 +127,7 @@ std::vector<Pose> poses_in_ball() {
   return out;
 }
 
-Felt feel(const ContactModel& model, const ContactView& bone, const std::vector<Pose>& poses) {
+Felt feel(const PenaltyModel& model, const ContactView& bone, const std::vector<Pose>& poses) {
   Felt out;
   ContactResult result;
   for (const Pose& pose : poses) {
@@ -154,7 +154,7 @@ double force_difference(const Felt& a, const Felt& b) {
   return difference / most;
 }
 
-Side evaluate_all(const ContactModel& model, const ContactView& bone, const std::vector<Pose>& poses, ContactResult& scratch) {
+Side evaluate_all(const PenaltyModel& model, const ContactView& bone, const std::vector<Pose>& poses, ContactResult& scratch) {
   scratch.list_contacts = false;  // as a tick of this model asks
   return {.prepare = {}, .run = [&] {
             for (const Pose& pose : poses) model.evaluate(bone, pose, scratch);

@@ -53,11 +53,11 @@ struct Felt {
   std::vector<Vec3> forces;
   std::size_t contacts = 0;
 };
-[[nodiscard]] Felt feel(const ContactModel& model, const ContactView& bone, const std::vector<Pose>& poses);
+[[nodiscard]] Felt feel(const PenaltyModel& model, const ContactView& bone, const std::vector<Pose>& poses);
 /// Largest difference of a force over the largest force.
 [[nodiscard]] double force_difference(const Felt& a, const Felt& b);
 
-[[nodiscard]] Side evaluate_all(const ContactModel& model, const ContactView& bone, const std::vector<Pose>& poses, ContactResult& scratch);
+[[nodiscard]] Side evaluate_all(const PenaltyModel& model, const ContactView& bone, const std::vector<Pose>& poses, ContactResult& scratch);
 
 /// Whether what was felt by the vectors in use is, bit for bit, what f() feels by the weakest that the machine has. What was in use is in
 /// use again afterwards.

@@ -3,6 +3,7 @@
 
 #include "app/bench/bench_scene.h"
 #include "app/bench/contact_bones.h"
+#include "core/contact/constrained_tool.h"
 
 namespace burrhole {
 namespace {
@@ -15,14 +16,15 @@ struct LedTool {
   Pose start;
   std::vector<HandMotion> warm_up, motions;
   double dt = 1e-3;  // [s]
+  bool spinning = true;
 
   void begin(const SurfaceView& bone) {
     tool.place(start);
-    for (const HandMotion& motion : warm_up) (void)tool.step(bone, motion, dt);
+    for (const HandMotion& motion : warm_up) (void)tool.step(bone, motion, dt, {.spinning = spinning});
   }
   template <class F>
   void run(const SurfaceView& bone, F&& look) {
-    for (const HandMotion& motion : motions) look(tool.step(bone, motion, dt));
+    for (const HandMotion& motion : motions) look(tool.step(bone, motion, dt, {.spinning = spinning}));
   }
   [[nodiscard]] Side side(const SurfaceView& bone) {
     return {[this, bone] { begin(bone); }, [this, bone] { run(bone, [](const ConstrainedToolState&) {}); }};
@@ -122,13 +124,13 @@ Status compare_ticks(Bench& bench, const TickRows& rows, LedTool& led, const Bon
 }
 
 /// Round and round the socket, pressed against its wall and turned.
-std::vector<HandMotion> circle(std::size_t count, double first_angle, bool spinning) {
+std::vector<HandMotion> circle(std::size_t count, double first_angle) {
   std::vector<HandMotion> out;
   for (std::size_t n = 0; n < count; ++n) {
     const double angle = first_angle + 0.02 * static_cast<double>(n);
     const Vec3 way(std::cos(angle), std::sin(angle), 0.4 * std::sin(0.7 * angle));
     const Quat turn = glm::angleAxis(0.3 * angle, glm::normalize(Vec3(0.3, 0.5, 0.8)));
-    out.push_back({{turn, 0.8e-3 * way}, Vec3(0.0), spinning});
+    out.push_back({{turn, 0.8e-3 * way}, Vec3(0.0)});
   }
   return out;
 }
@@ -145,7 +147,7 @@ Status compare_balls(Bench& bench) {
       auto tool = ConstrainedTool::create({}, shell.value(), kBenchEdge);
       if (!tool) return tool.error();
       const double warm_up_ends = 0.02 * static_cast<double>(kWarmUp);
-      LedTool led{std::move(tool).value(), {}, circle(kWarmUp, 0.0, spinning), circle(kTicks, warm_up_ends, spinning)};
+      LedTool led{std::move(tool).value(), {}, circle(kWarmUp, 0.0), circle(kTicks, warm_up_ends), 1e-3, spinning};
       const TickRows rows{.what = spinning ? "ball all near the surface" : "ball all near the surface, at spin 0",
                           .bars = spinning ? Bars{15.0, 30.0} : Bars{},
                           .by_point = true,
@@ -176,9 +178,13 @@ Status compare_penalty(Bench& bench, const std::string& what, const PointShell& 
 void measure_bone_steps(Bench& bench, Simulation& simulation, const Scene& scene, const std::string& what) {
   BoneStep& step = simulation.bone_step();
   Pose pose = simulation.contact_state().world_from_tool;
-  const double dt = 1.0 / scene.erosion->rate_hz;
+  const double dt = 1.0 / scene.effects.needs(scene).simulation_hz;
+  ContactState found;
   const Vec3 down = pose.rotate(Vec3(0.0, 0.0, -0.2e-3 * dt));  // as fast as the shipped hand drills
-  const Side steps{[&] { pose.translation += down; }, [&] { step(pose, 28.0, dt); }};
+  const Side steps{[&] { pose.translation += down; }, [&] {
+                     found.world_from_tool = pose;
+                     step(found, 28.0, dt);
+                   }};
   const Medians medians = bench.time(steps, steps);
   bench.add_absolute(what + ": bone step (sub-voxel erosion, gradients, publishing records)", "us", 1e6 * medians.value, true);
 }
@@ -191,18 +197,19 @@ Status bench_held_tool(Bench& bench) {
   if (!drilled) return drilled.error();
   const LoadedScene& loaded = *drilled->loaded;
   const Scene& scene = loaded.scene;
-  auto tool = ConstrainedTool::create(scene.contact->surface, loaded.tool.shell, loaded.bone->bone_from_index().mean_edge());
+  auto tool = ConstrainedTool::create(*scene.find<ConstrainedToolConfig>(), loaded.tool.shell, loaded.bone->bone_from_index().mean_edge());
   if (!tool) return tool.error();
   const std::vector<HandState>& all = drilled->hand->states();
   std::vector<HandMotion> motions;
   for (const HandState& state : std::span(all).last(std::min(kTicks + kWarmUp, all.size())))
-    motions.push_back({state.world_from_hand, state.velocity, scene.tool.spin > 0.0});
+    motions.push_back(state);
   const auto timed = motions.begin() + static_cast<std::ptrdiff_t>(motions.size() - std::min(kTicks, motions.size()));
   LedTool led{std::move(tool).value(),
               drilled->simulation->contact_state().world_from_tool,
               {motions.begin(), timed},
               {timed, motions.end()},
-              1.0 / scene.contact->rate_hz};
+              1.0 / scene.effects.needs(scene).contact_hz,
+              scene.tool.spin > 0.0};
   const std::string what = "14/11 perforator half way";
   measure_bone_steps(bench, *drilled->simulation, scene, what);
   const BoneForms bone(std::move(drilled->simulation->voxmap()));

@@ -41,7 +41,7 @@ Result<BuriedBurr> bury_burr() {
   out.index_from_tool =
       out.loaded->bone->bone_from_index().inverse() * Affine::from_pose(approach->bone_from_approach * approach_from_tool);
   if (Status placed = out.voxmap->place_window(
-          tool_box(out.burr, out.index_from_tool, window_margins(out.loaded->scene, out.loaded->bone->bone_from_index()).placed));
+          tool_box(out.burr, out.index_from_tool, window_margins(out.loaded->scene.effects.needs(out.loaded->scene).fields, out.loaded->bone->bone_from_index()).placed));
       !placed)
     return placed.error();
   out.as_placed = out.voxmap->window().remaining;
@@ -95,7 +95,7 @@ Status compare_laws(Bench& bench, BuriedBurr& bone, const LawCase& c) {
   const Vec3i size = outcome.changed.bounds().size();
   const std::string name = fmt::format("{}, {} points in {} order, {} x {} x {} voxels", law == ErosionLaw::rate ? "rate law" : "eq. 4",
                                        points.size(), random_order ? "random" : "lattice", size.x, size.y, size.z);
-  const bool cut = bench.require(name, outcome.changed.voxels() > 4000 && outcome.outside == 0, "the head of the burr is not inside bone");
+  const bool cut = bench.require(name, outcome.changed.count() > 4000 && outcome.outside == 0, "the head of the burr is not inside bone");
   if (cut && bench.agree(name, bytes_of(by_accessors.remaining()), bytes_of(bone.voxmap->window().remaining)))
     bench.add_speed_up(name, "ns/point", 1e9 / static_cast<double>(points.size()), bench.time(accessors, window), bars);
   bone.put_back();
@@ -298,7 +298,7 @@ Status compare_publish(Bench& bench, const LoadedScene& loaded) {
   if (!approach) return approach.error();
   const Affine index_from_tool = loaded.bone->bone_from_index().inverse() * Affine::from_pose(approach->bone_from_approach);
   if (Status placed =
-          voxmap->place_window(tool_box(loaded.tool, index_from_tool, window_margins(loaded.scene, loaded.bone->bone_from_index()).placed));
+          voxmap->place_window(tool_box(loaded.tool, index_from_tool, window_margins(loaded.scene.effects.needs(loaded.scene).fields, loaded.bone->bone_from_index()).placed));
       !placed)
     return placed;
   ContactWindowPublisher publisher(*voxmap);

@@ -7,7 +7,7 @@
 
 #include "app/bench/areas.h"
 #include "app/bench/dicom_series.h"
-#include "app/engine/import.h"
+#include "volumes/import_bone.h"
 
 namespace burrhole {
 namespace {

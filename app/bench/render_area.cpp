@@ -10,6 +10,7 @@
 #include "app/bench/render_canvas.h"
 #include "app/bench/render_peer.h"
 #include "core/base/units.h"
+#include "app/view/display_config.h"
 
 namespace burrhole {
 namespace {
@@ -140,13 +141,13 @@ Status time_first_frame(Bench& bench) {
   if (!voxmap) return voxmap.error();
   const auto approach = make_approach(*(*loaded)->bone, scene.approach);
   if (!approach) return approach.error();
-  const FrameView view = make_frame_view(*scene.display, scene.volume.world_from_bone,
+  const FrameView view = make_frame_view(*scene.find<DisplayConfig>(), scene.volume.world_from_bone,
                                          scene.volume.world_from_bone * approach->bone_from_approach, approach->thickness, false);
-  const RenderOptions options = make_render_options(scene.display->quality, scene.display->looks);
+  const RenderOptions options = make_render_options(scene.find<DisplayConfig>()->quality, scene.find<DisplayConfig>()->looks);
   auto canvas = Canvas::create(options, view);
   if (!canvas) return canvas.error();
   canvas->set_volume(make_volume_view(*voxmap, options.looks.tissue));
-  const auto picture = canvas->renderer.draw(view, scene.display->width, scene.display->height);
+  const auto picture = canvas->renderer.draw(view, scene.find<DisplayConfig>()->width, scene.find<DisplayConfig>()->height);
   if (!picture) return picture.error();
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   bench.add_absolute(fmt::format("first frame of the shipped scene, {} x {}, by the clock", picture->width, picture->height), "s", seconds,
@@ -205,7 +206,7 @@ Status compare_rays_on_fine_patch(Bench& bench) {
   const auto approach = make_approach(*fine.bone, fine.scene.approach);
   if (!approach) return approach.error();
   const FrameView view =
-      make_frame_view(*fine.scene.display, fine.scene.volume.world_from_bone, approach->bone_from_approach, approach->thickness, false);
+      make_frame_view(*fine.scene.find<DisplayConfig>(), fine.scene.volume.world_from_bone, approach->bone_from_approach, approach->thickness, false);
   const Vec3i dims = fine.bone->dims();
   return compare_rays(bench, make_volume_view(*voxmap), view, fmt::format("patch of {} x {} x {}", dims.x, dims.y, dims.z), {2.0, 1.0},
                       {2.3, 1.0});
@@ -238,13 +239,13 @@ Status bench_render(Bench& bench) {
   const Scene& scene = drilled->loaded->scene;
   Voxmap& voxmap = drilled->simulation->voxmap();
   const Approach& approach = drilled->simulation->approach();
-  const FrameView view = make_frame_view(*scene.display, scene.volume.world_from_bone,
+  const FrameView view = make_frame_view(*scene.find<DisplayConfig>(), scene.volume.world_from_bone,
                                          scene.volume.world_from_bone * approach.bone_from_approach, approach.thickness, false);
   // The rim of a hole of 14 mm, on the far side, where the camera sees its wall; low enough for the box to lie inside the volume.
   const Vec3 rim = voxmap.bone().bone_from_index().inverse() * (approach.bone_from_approach * Vec3(0.0, 7e-3, -0.75e-3));
   const VoxelBox box{voxel_of(rim) - 10, voxel_of(rim) + 10};
   if (Status placed = voxmap.place_window(box.grown(4)); !placed) return placed;
-  RenderOptions shipped = make_render_options(scene.display->quality, scene.display->looks);
+  RenderOptions shipped = make_render_options(scene.find<DisplayConfig>()->quality, scene.find<DisplayConfig>()->looks);
   shipped.supersample = 1;
   shipped.growth_is_told = true;
   if (Status done = compare_dirty_frame(bench, view, shipped, "as shipped, a ray a pixel", voxmap, box); !done) return done;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/bench/bench.h"
-#include "app/engine/texels.h"
+#include "app/view/texels.h"
 #include "app/render/renderer.h"
 
 namespace burrhole {

@@ -13,11 +13,12 @@
 
 #include "app/bench/bench_scene.h"
 #include "app/bench/render_canvas.h"
-#include "app/bench/scratch_folder.h"
-#include "app/engine/texels.h"
+#include "app/view/texels.h"
 #include "app/render/renderer.h"
 #include "app/report/file.h"
+#include "app/report/scratch_folder.h"
 #include "core/base/units.h"
+#include "app/view/display_config.h"
 
 namespace burrhole {
 namespace {
@@ -48,7 +49,7 @@ Result<PeerScene> make_peer_scene() {
   const auto approach = make_approach(*out.loaded->bone, scene.approach);
   if (!approach) return approach.error();
   out.volume = make_volume_view(*out.voxmap);
-  out.view = make_frame_view(*scene.display, Pose{}, approach->bone_from_approach, approach->thickness, false);
+  out.view = make_frame_view(*scene.find<DisplayConfig>(), Pose{}, approach->bone_from_approach, approach->thickness, false);
   const Vec3 middle = out.loaded->bone->bone_from_index().inverse() * (approach->bone_from_approach * Vec3(0.0, 0.0, -0.5e-3));
   out.box = {voxel_of(middle) - kBoxEdge / 2, voxel_of(middle) + kBoxEdge / 2};
   if (Status placed = out.voxmap->place_window(out.box.grown(4)); !placed) return placed.error();

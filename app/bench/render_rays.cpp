@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "app/bench/render_canvas.h"
-#include "app/bench/scratch_folder.h"
 #include "app/render/shader_source.h"
+#include "app/report/scratch_folder.h"
 
 namespace burrhole {
 namespace {

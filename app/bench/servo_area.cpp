@@ -9,10 +9,11 @@
 #include "app/bench/areas.h"
 #include "app/bench/bench_scene.h"
 #include "app/bench/contact_bones.h"
-#include "app/engine/realtime.h"
-#include "app/engine/texels.h"
+#include "haptics/servo/realtime.h"
+#include "app/view/texels.h"
 #ifdef BH_WITH_RENDER
 #include "app/render/renderer.h"
+#include "app/view/display_config.h"
 #endif
 
 namespace burrhole {
@@ -36,7 +37,7 @@ class DrawingOn {
       if (!renderer || !voxmap || !approach || !renderer->set_volume(make_volume_view(*voxmap))) return;
       const Pose world_from_approach = loaded.scene.volume.world_from_bone * approach->bone_from_approach;
       const FrameView view =
-          make_frame_view(*loaded.scene.display, loaded.scene.volume.world_from_bone, world_from_approach, approach->thickness, false);
+          make_frame_view(*loaded.scene.find<DisplayConfig>(), loaded.scene.volume.world_from_bone, world_from_approach, approach->thickness, false);
       while (!stop_.load(std::memory_order_relaxed) && renderer->draw(view, 512, 512)) frames_.fetch_add(1, std::memory_order_relaxed);
     });
 #else
@@ -59,7 +60,7 @@ class DrawingOn {
 
 /// How late an empty loop wakes, at the servo's period and priority.
 StepTiming empty_loop(double seconds, double period) {
-  StepTimer late;
+  SampleTimer late;
   std::thread loop([&] {
     (void)ask_for_fifo(kServoAbove);
     TickClock clock(now_monotonic(), period, 0.0);
@@ -91,7 +92,7 @@ StepTiming constant_loop(double seconds, double period, double work_us) {
   float least = took_us(kProbe);
   for (int n = 0; n < 50; ++n) least = std::min(least, took_us(kProbe));
   const auto rounds = static_cast<std::int64_t>(work_us / static_cast<double>(least) * static_cast<double>(kProbe));
-  StepTimer took;
+  SampleTimer took;
   std::thread loop([&] {
     (void)ask_for_fifo(kContactAbove);
     TickClock clock(now_monotonic(), period, 0.0);
@@ -148,7 +149,7 @@ Status measure(Bench& bench, const std::string& what, const LoadedScene& loaded,
     auto window = live_window(loaded, bench.quick() ? 0.0 : kSettle, refused);
     if (!window) return window.error();
     window->empty = empty_loop(seconds, 1.0 / loaded.scene.servo_hz);
-    window->constant = constant_loop(seconds, 1.0 / loaded.scene.contact->rate_hz, window->contact.p50_us);
+    window->constant = constant_loop(seconds, 1.0 / loaded.scene.effects.needs(loaded.scene).contact_hz, window->contact.p50_us);
     windows.push_back(*window);
   }
   if (!refused.empty()) fmt::print(stderr, "bench: servo: {}; what follows was measured without it\n", refused);
@@ -190,15 +191,14 @@ Status compare_replay(Bench& bench, const std::string& what, const LoadedScene& 
       for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(path + suffix, ignored);
     }
   } const remove{path};
-  const SessionLayout layout = session_layout(loaded.scene, true);
-  auto writer = SessionWriter::create(path, {}, layout.columns, loaded.scene.servo_hz, layout.streams);
-  if (!writer) return writer.error();
   SimulationOptions options;
   options.live = true;
-  options.session = &*writer;
   Issues issues;
   auto live = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!live) return issues.front();
+  auto writer = SessionWriter::create(path, {}, session_layout(live->stage()));
+  if (!writer) return writer.error();
+  live->set_session(&*writer);
   if (Status ran = live->run(); !ran) return ran.error();
   if (Status closed = writer->close(); !closed) return closed;
 

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "app/cli/front.h"
-#include "app/engine/plan.h"
-#include "app/engine/simulation.h"
+#include "app/job/plan.h"
+#include "app/run/simulation.h"
 #include "core/base/units.h"
 
 namespace burrhole::cli {

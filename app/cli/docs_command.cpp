@@ -1,5 +1,5 @@
 #include "app/cli/front.h"
-#include "app/engine/schema_doc.h"
+#include "app/scene/schema_doc.h"
 
 namespace burrhole::cli {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "app/cli/picture_sink.h"
-#include "app/engine/load.h"
-#include "app/engine/summary.h"
+#include "app/scene/load.h"
+#include "app/job/summary.h"
 
 namespace burrhole::cli {
 
@@ -19,6 +19,7 @@ struct DrillingFiles {
   std::string restore_path;     ///< checkpoint to start from; empty: bone as loaded
   std::string gl = "auto";      ///< word of --gl
   std::string shader_folder{};  ///< of --shader-dir; empty: the shaders as built in
+  std::string inputs{};         ///< of --inputs: a file of timed inputs; empty: none
 };
 
 /// Against the clock, on threads, instead of in lockstep.

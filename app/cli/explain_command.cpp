@@ -13,6 +13,10 @@ std::string size_text(std::uint64_t bytes) {
   return fmt::format("{} B", bytes);
 }
 
+bool in_this_version(const std::string& table) {
+  return std::ranges::any_of(shipped_effects(), [&](const EffectEntry& effect) { return table == effect.table && effect.read != nullptr; });
+}
+
 std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSummary* measured) {
   std::string out = fmt::format("{}: {}\n\n", loaded.scene.file, loaded.scene.title);
   out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}\n", "effect", "clock", "rate", "bytes", measured != nullptr ? "time" : "",
@@ -21,12 +25,12 @@ std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSum
     const PlanRow& row = plan.rows[n];
     const std::string rate = row.rate_hz > 0.0 ? fmt::format("{:.0f} Hz", row.rate_hz) : "events";
     const std::string time = measured != nullptr ? fmt::format("{:.2f} s", measured->effects[n].time_us * 1e-6) : "";
-    out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}; {}\n", row.effect.table, name_of(row.effect.clock), rate,
-                       size_text(row.bytes), time, row.effect.step, row.detail);
+    out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}; {}\n", row.table, name_of(row.clock), rate,
+                       size_text(row.bytes), time, row.step, row.detail);
   }
   std::vector<std::string> absent, later;
   for (const std::string& name : plan.not_built)
-    (std::ranges::find(known_effects(), name, &EffectInfo::table) != known_effects().end() ? absent : later).push_back(name);
+    (in_this_version(name) ? absent : later).push_back(name);
   if (!absent.empty()) out += fmt::format("\nnot built, as this scene does not name it: {}", fmt::join(absent, ", "));
   out += fmt::format("\nnot in this version: {}\n", fmt::join(later, ", "));
   for (const std::string& warning : plan.warnings) out += "warning: " + warning + "\n";

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "app/cli/command_text.h"
-#include "app/engine/load.h"
-#include "core/base/toml.h"
+#include "app/scene/load.h"
+#include "core/config/toml.h"
 
 namespace burrhole::cli {
 

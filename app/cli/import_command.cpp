@@ -4,8 +4,9 @@
 
 #include "app/cli/command_text.h"
 #include "app/cli/front.h"
+#include "app/scene/volume_scene.h"
 #include "app/cli/progress.h"
-#include "app/engine/import.h"
+#include "volumes/import_bone.h"
 #include "core/base/units.h"
 #include "core/voxel/vdb_grids.h"
 

@@ -2,7 +2,7 @@
 
 namespace burrhole::cli {
 
-Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayScene&, const PictureAsked&) {
+Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig&, const PictureAsked&) {
   return Error{ErrorCode::unavailable, "this program was built without the renderer: take [display] out of the scene", {}};
 }
 

@@ -7,18 +7,18 @@
 #include <filesystem>
 #include <optional>
 
-#include "app/engine/quality.h"
+#include "app/view/quality.h"
 #include "app/render/overlay.h"
 #include "app/render/png.h"
 #include "app/render/renderer.h"
-#include "app/render/stereo.h"
+#include "app/view/stereo.h"
 
 namespace burrhole::cli {
 namespace {
 
 class OffscreenSink final : public PictureSink {
  public:
-  OffscreenSink(Renderer renderer, const DisplayScene& display, const PictureAsked& asked)
+  OffscreenSink(Renderer renderer, const DisplayConfig& display, const PictureAsked& asked)
       : renderer_(std::move(renderer)),
         asked_(asked),
         translucent_(!display.transfer.empty()),
@@ -32,6 +32,7 @@ class OffscreenSink final : public PictureSink {
     return renderer_.set_tool(tool);
   }
   void update(const TexelBox& texels) override { renderer_.update(texels); }
+  Status change_tool(const TriangleMesh& tool) override { return renderer_.set_tool(tool); }
   void forget() override { renderer_.forget(); }
   Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) override {
     if (budget_ && !expected_)
@@ -109,7 +110,7 @@ class OffscreenSink final : public PictureSink {
 
 }  // namespace
 
-Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayScene& display, const PictureAsked& asked) {
+Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureAsked& asked) {
   RenderOptions options = make_render_options(display.quality, display.looks);
   options.shader_folder = asked.shader_folder;
   for (const GlBackend backend : gl_backends())

@@ -4,8 +4,9 @@
 
 #include "app/cli/front.h"
 #include "app/cli/picture_sink.h"
-#include "app/engine/simulation.h"
+#include "app/run/simulation.h"
 #include "core/base/units.h"
+#include "app/view/display_config.h"
 
 namespace burrhole::cli {
 namespace {
@@ -21,7 +22,7 @@ struct Options {
   std::optional<double> depth_mm;
 };
 
-Status apply_view(const Options& option, DisplayScene& display) {
+Status apply_view(const Options& option, DisplayConfig& display) {
   if (!option.method.empty()) display.method = option.method;
   if (display.method != "raycast") {
     display.transfer.clear();
@@ -55,8 +56,8 @@ Pose tool_pose(const Options& option, Simulation& simulation, const Scene& scene
 
 /// Slices need no display, so none is made: the scene is put together without one.
 Status draw_slices(const Options& option, LoadedScene& loaded, const fs::path& image) {
-  const int size = loaded.scene.display->width / 3;
-  loaded.scene.display.reset();
+  const int size = loaded.scene.find<DisplayConfig>()->width / 3;
+  (void)loaded.scene.effects.remove("display");
   SimulationOptions options;
   options.restore_path = option.restore;
   Issues issues;
@@ -67,13 +68,14 @@ Status draw_slices(const Options& option, LoadedScene& loaded, const fs::path& i
 }
 
 Status draw_scene(const Options& option, LoadedScene& loaded) {
-  if (!loaded.scene.display) loaded.scene.display.emplace();
-  if (Status applied = apply_view(option, *loaded.scene.display); !applied) return applied;
+  if (!loaded.scene.effects.has("display")) add_effect(loaded.scene, "display");
+  DisplayConfig& display = *loaded.scene.find<DisplayConfig>();
+  if (Status applied = apply_view(option, display); !applied) return applied;
   const fs::path image(option.image);
   if (image.extension() != ".png") return bad_input("--image " + option.image + " must end in .png");
   if (option.slices_through_tip) return draw_slices(option, loaded, image);
   auto sink =
-      make_picture_sink(*loaded.scene.display, {.folder = image.has_parent_path() ? image.parent_path().string() : ".",
+      make_picture_sink(display, {.folder = image.has_parent_path() ? image.parent_path().string() : ".",
                                                 .gl = option.gl,
                                                 .shader_folder = option.shader_folder,
                                                 .tell = [](const std::string& line) { fmt::print(stderr, "quality: {}\n", line); }});
@@ -86,7 +88,7 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   if (!simulation) return issues.front();
   fmt::print(stderr, "picture by {}\n", (*sink)->driver());
   const std::optional<Pose> tool = option.no_tool ? std::nullopt : std::optional(tool_pose(option, *simulation, loaded.scene));
-  return simulation->frame_step()->draw(image.stem().string(), tool, option.cut);
+  return simulation->stage().draw(image.stem().string(), tool, option.cut);
 }
 
 }  // namespace

@@ -6,10 +6,11 @@
 
 #include "app/cli/drilling.h"
 #include "app/cli/front.h"
+#include "app/cli/picture_sink.h"
 #include "app/cli/progress.h"
-#include "app/engine/recorded_hand.h"
-#include "app/engine/simulation.h"
 #include "app/report/file.h"
+#include "app/run/simulation.h"
+#include "app/session/recorded_hand.h"
 
 namespace burrhole::cli {
 namespace {
@@ -37,12 +38,13 @@ class CheckpointFile {
   std::string path_;
 };
 
-Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, Issues& issues) {
+Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, bool stills, Issues& issues) {
   auto document = TomlDocument::parse(session.meta().scene, session.meta().scene_path);
   if (!document) return document.error();
+  (void)document->rename();  // keys of earlier versions
   auto loaded = load_scene(*document, scene_context(), issues, {.tool_text = session.meta().tool, .progress = {}, .say = {}});
   if (!loaded) return issues.front();
-  loaded->scene.display.reset();  // pictures are no part of the promise: voxels and forces are
+  if (!stills) (void)loaded->scene.effects.remove("display");
   loaded->scene.duration = static_cast<double>(ticks) / loaded->scene.servo_hz;
   return std::move(*loaded);
 }
@@ -52,13 +54,14 @@ struct Comparison {
   [[nodiscard]] bool same() const { return recorded == replayed; }
 };
 
-Result<std::vector<Comparison>> replay(const std::string& path, bool quiet) {
+/// @param stills draws the recorded pictures again. @param gl of --gl.
+Result<std::vector<Comparison>> replay(const std::string& path, bool quiet, bool stills, const std::string& gl) {
   auto session = SessionReader::open(path);
   if (!session) return session.error();
   auto hand = RecordedHand::create(*session);
   if (!hand) return Error{hand.error().code, hand.error().message, path};
   Issues issues;
-  auto loaded = load_recorded(*session, hand->ticks(), issues);
+  auto loaded = load_recorded(*session, hand->ticks(), stills, issues);
   if (!loaded) return loaded.error();
 
   SimulationOptions options;
@@ -74,17 +77,32 @@ Result<std::vector<Comparison>> replay(const std::string& path, bool quiet) {
     if (Status written = checkpoint.write(event.data); !written) return written.error();
     options.restore_path = checkpoint.path();
   }
+  options.history = !session->inputs().empty();
+  std::unique_ptr<PictureSink> sink;
+  if (const auto* display = loaded->scene.find<DisplayConfig>(); display != nullptr) {
+    auto made = make_picture_sink(*display, {.folder = {}, .gl = gl});
+    if (!made) return made.error();
+    sink = std::move(made).value();
+    options.sink = sink.get();
+  }
   auto simulation = Simulation::create(loaded->scene, loaded->bone, loaded->tool, options, issues);
   if (!simulation) return issues.front();
-  if (is_live(*session)) {
+  if (has_order(*session)) {
     if (Status ran = simulation->run_recorded(*session, *hand); !ran) return Error{ran.error().code, ran.error().message, path};
   } else if (Status ran = simulation->run(); !ran) {
     return ran.error();
   }
   const auto hex = [](std::uint64_t value) { return fmt::format("{:016x}", value); };
-  return std::vector<Comparison>{{"voxels", recorded_hash(*session, "voxels"), hex(simulation->voxmap().hash())},
-                                 {"forces", recorded_hash(*session, "forces"), hex(simulation->force_hash())},
-                                 {"sent", recorded_hash(*session, "sent"), hex(simulation->sent_hash())}};
+  std::vector<Comparison> rows{{"voxels", recorded_hash(*session, "voxels"), hex(simulation->voxmap().hash())},
+                               {"forces", recorded_hash(*session, "forces"), hex(simulation->force_hash())},
+                               {"sent", recorded_hash(*session, "sent"), hex(simulation->sent_hash())}};
+  if (sink)
+    for (std::size_t n = 0; n < session->stills().size(); ++n) {
+      const SessionStill& still = session->stills()[n];
+      const bool drawn = n < simulation->redrawn().size();
+      rows.push_back({"still " + still.name, still.hash, drawn ? simulation->redrawn()[n].hash : std::string("(not reached)")});
+    }
+  return rows;
 }
 
 }  // namespace
@@ -92,7 +110,8 @@ Result<std::vector<Comparison>> replay(const std::string& path, bool quiet) {
 void add_replay(CLI::App& app, int& exit_code) {
   struct Options {
     std::string session;
-    bool quiet = false;
+    std::string gl = "auto";
+    bool quiet = false, stills = false;
   };
   CLI::App* command = add_command(app, "replay", kDrillGroup,
                                   {.summary = "Runs a recorded session again and compares every bit",
@@ -104,10 +123,12 @@ void add_replay(CLI::App& app, int& exit_code) {
   auto option = std::make_shared<Options>();
   command->add_option("session", option->session, "session file of an earlier drill")->type_name(kFileValue)->required();
   add_simd_option(*command);
+  command->add_flag("--stills", option->stills, "draw the recorded pictures again and compare them too (same CPU and driver)");
+  add_gl_option(*command, option->gl);
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
     catch_signals();
-    const auto rows = replay(option->session, option->quiet);
+    const auto rows = replay(option->session, option->quiet, option->stills, option->gl);
     if (!rows) {
       exit_code = report(rows.error());
       return;

@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "app/lab/contact_reference.h"
 #include "app/lab/contact_rig.h"
+#include "app/lab/oracle/contact_reference.h"
 #include "core/base/portable_math.h"
 #include "core/base/random.h"
 #include "core/base/units.h"
@@ -21,14 +21,14 @@ namespace {
 struct LabTool {
   std::string name;
   PointShell shell;
-  std::unique_ptr<ContactModel> model;
+  std::unique_ptr<PenaltyModel> model;
 };
 
 Result<std::vector<LabTool>> load_tools(const ContactAccuracyOptions& options) {
   std::vector<LabTool> tools;
   for (const std::string& name : options.tools) {
     Issues issues;
-    // Erosion points are not used here: coarse ones are quick to make.
+    // Erosion points are not used here: coarse ones are made quickly.
     auto tool = load_tool(options.tool_folder + "/" + name + ".toml", {.erosion_pitch = 1e-3}, issues);
     if (!tool) return issues.front();
     auto model = GradientPlane::create(options.model, tool->shell);
@@ -38,7 +38,7 @@ Result<std::vector<LabTool>> load_tools(const ContactAccuracyOptions& options) {
   return tools;
 }
 
-/// A bone to press on, and the way out of it.
+/// A bone to press on, and the direction out of it.
 struct LabBone {
   std::string name;
   PhantomSpec spec;
@@ -75,7 +75,7 @@ std::vector<LabBone> bones_of(const ContactAccuracyOptions& options) {
   return bones;
 }
 
-/// The tool's axis along the way out, turned about it, up to half a voxel aside, the tip `depth` [m] under the surface.
+/// Tool axis along the outward direction, rotated about it, up to half a voxel aside, the tip `depth` [m] below the surface.
 Pose placed(const LabBone& bone, const ContactAccuracyOptions& options, double depth, int placement) {
   const auto seed = static_cast<std::uint64_t>(options.seed);
   const auto at = 3 * static_cast<std::uint64_t>(placement);
@@ -86,7 +86,7 @@ Pose placed(const LabBone& bone, const ContactAccuracyOptions& options, double d
   return {to_surface * about_axis, aside - depth * bone.out};
 }
 
-/// What one setting gave, one value a placement (times: one an evaluation).
+/// Results of one setting, one value per placement (times: one per evaluation).
 struct Samples {
   std::vector<double> own_law, translation;  // [%] of the reference force
   std::vector<double> own_law_voxel;         // force difference over stiffness, as a length
@@ -107,8 +107,8 @@ Samples sample(const LabBone& bone, const ContactRig& rig, const ContactView& vi
     }
     const double k = options.model.stiffness;
     const Vec3 law = exact_average_force(rig.truth(), tool.shell, pose, k);
-    const Vec3 translation = bone.out * (k * exact_way_out(rig.truth(), tool.shell, pose, bone.out));
-    if (law == Vec3(0.0)) continue;  // aside of the wedge's edge the tip may be in air
+    const Vec3 translation = bone.out * (k * exact_translation_distance(rig.truth(), tool.shell, pose, bone.out));
+    if (law == Vec3(0.0)) continue;  // beside the edge of the wedge the tip may be in air
     const double off_law = glm::length(result.wrench.force - law);
     out.own_law.push_back(100.0 * off_law / glm::length(law));
     out.own_law_voxel.push_back(off_law / (k * options.pitch));
@@ -119,7 +119,7 @@ Samples sample(const LabBone& bone, const ContactRig& rig, const ContactView& vi
 
 constexpr const char* kShippedForm = "gradient-plane, words";
 constexpr const char* kLawReference = "average over colliding points of closed-form depths";
-constexpr const char* kWayReference = "k x closed-form way out along the push";
+constexpr const char* kWayReference = "k x closed-form translation distance along the push";
 
 void add_rows(std::vector<CostRow>& rows, CostRow row, const Samples& samples) {
   if (samples.own_law.empty()) return;
@@ -196,7 +196,7 @@ Result<std::vector<ForceCurve>> measure_force_curves(const ContactAccuracyOption
   for (const LabTool& tool : *tools) {
     ForceCurve curve{tool.name, {}, {}, {}, {}};
     ContactResult result;
-    for (int step = 1; step <= 380; ++step) {  // to 1.9 mm, just short of the middle of the plate
+    for (int step = 1; step <= 380; ++step) {  // to 1.9 mm, almost the middle of the plate
       const double depth = step * 0.005 * kMillimetre;
       const Pose pose = placed(level, options, depth, 0);
       tool.model->evaluate(rig->word_view(), pose, result);
@@ -204,7 +204,7 @@ Result<std::vector<ForceCurve>> measure_force_curves(const ContactAccuracyOption
       curve.depth_mm.push_back(depth / kMillimetre);
       curve.model_N.push_back(glm::dot(result.wrench.force, level.out));
       curve.law_N.push_back(glm::dot(exact_average_force(rig->truth(), tool.shell, pose, k), level.out));
-      curve.translation_N.push_back(k * exact_way_out(rig->truth(), tool.shell, pose, level.out));
+      curve.translation_N.push_back(k * exact_translation_distance(rig->truth(), tool.shell, pose, level.out));
     }
     curves.push_back(std::move(curve));
   }

@@ -6,15 +6,15 @@
 namespace burrhole {
 namespace {
 
-/// What a panel shows: one error, on some bones, against depth.
+/// Contents of a panel: one error, on some bones, against depth.
 struct PanelChoice {
   std::string error_name;
   std::string y_label;
-  bool plates = true;  ///< or the curved and edged bones
+  bool plates = true;  ///< or the curved bones and those with edges
   bool noisy = false;
 };
 
-/// One line a bone, of the tool that comes first in the table.
+/// One line per bone, for the first tool in the table.
 PlotPanel error_panel(const std::vector<CostRow>& rows, const PanelChoice& choice) {
   PlotPanel panel;
   panel.y_label = choice.y_label;
@@ -39,7 +39,7 @@ Plot error_plot(const std::vector<CostRow>& rows) {
   for (const PanelChoice& choice : {PanelChoice{"own_law_worst_length", "off its law, plates [voxel]", true, false},
                                     PanelChoice{"own_law_worst_length", "the same, noisy [voxel]", true, true},
                                     PanelChoice{"own_law_worst_length", "off its law, curved [voxel]", false, false},
-                                    PanelChoice{"translation_median", "off k x way out, plates [%]", true, false}}) {
+                                    PanelChoice{"translation_median", "off k x translation distance, plates [%]", true, false}}) {
     PlotPanel panel = error_panel(rows, choice);
     if (!panel.series.empty()) plot.panels.push_back(std::move(panel));
   }
@@ -56,7 +56,7 @@ Plot force_plot(const std::vector<ForceCurve>& curves) {
     panel.from_zero = true;
     panel.series = {{"gradient-plane", curve.depth_mm, curve.model_N},
                     {"average of exact depths", curve.depth_mm, curve.law_N},
-                    {"k x way out", curve.depth_mm, curve.translation_N}};
+                    {"k x translation distance", curve.depth_mm, curve.translation_N}};
     plot.panels.push_back(std::move(panel));
   }
   return plot;

@@ -1,15 +1,17 @@
 #include "app/lab/contact_rig.h"
 
-#include "app/engine/bone_step.h"
+#include "core/contact/contact_form.h"
 
 namespace burrhole {
 namespace {
 
-/// What a run publishes for a model, by the engine's own word.
-ContactFields shipped_fields(ContactModelKind model) {
-  Scene scene;
-  scene.contact.emplace().model = model;
-  return contact_fields(scene);
+/// What a run publishes for a model with its default keys.
+ContactFields shipped_fields(std::unique_ptr<ContactForm> (*read)(TableReader&)) {
+  Issues issues;
+  const auto document = TomlDocument::parse("", "defaults");
+  BH_ASSERT(document.ok());
+  TableReader table = document->root(issues);
+  return read(table)->needs().fields;
 }
 
 }  // namespace
@@ -25,16 +27,16 @@ Result<ContactRig> ContactRig::create(const PhantomSpec& spec) {
   rig.truth_ = std::make_unique<Truth>(phantom->truth);
   rig.bone_from_index_ = phantom->bone.bone_from_index;
   rig.voxmap_ = std::make_unique<Voxmap>(std::move(voxmap).value());
-  // Ten voxels of air round it: a gradient needs two, a record seven, and a bit may stand out a little.
+  // A margin of ten voxels of air: a gradient needs two, a record seven, and a bit may extend beyond the phantom.
   if (const Status placed = rig.voxmap_->place_window(rig.voxmap_->bone().bounds().grown(10)); !placed) return placed.error();
   const auto publish = [&](const ContactFields& fields) {
     auto publisher = std::make_unique<ContactWindowPublisher>(*rig.voxmap_, fields);
     publisher->publish(*rig.voxmap_);
     return publisher;
   };
-  rig.words_ = publish(shipped_fields(ContactModelKind::gradient_plane));
+  rig.words_ = publish(shipped_fields(read_gradient_plane_form));
   rig.floats_ = publish({.density = true, .gradient = true});
-  rig.records_ = publish(shipped_fields(ContactModelKind::surface));
+  rig.records_ = publish(shipped_fields(read_surface_form));
   rig.grids_ = std::make_unique<VdbContactGrids>(*rig.voxmap_);
   return rig;
 }

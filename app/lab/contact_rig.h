@@ -1,5 +1,5 @@
-/// app/lab/contact_rig.h: a phantom held up to contact in every form that a run may publish, the shipped voxmap and windows between.
-///   Frame  world = bone frame.   Units  SI.   Thread  one.
+/// app/lab/contact_rig.h: a phantom in every form that a run may publish to contact, with the shipped voxmap and windows.
+///   Frame  world = bone frame.   Units  SI.   Errors  those of the phantom spec.   Thread  one.
 #pragma once
 
 #include <memory>
@@ -12,20 +12,20 @@ namespace burrhole {
 
 class ContactRig {
  public:
-  /// The window holds the whole phantom and ten voxels round it, at most kMaxWindowEdge - 20 voxels a side. Faults of the spec pass
-  /// through.
+  /// The window contains the whole phantom and a margin of ten voxels; at most kMaxWindowEdge - 20 voxels per side. @returns errors of the
+  /// spec.
   [[nodiscard]] static Result<ContactRig> create(const PhantomSpec& spec);
 
   [[nodiscard]] const Truth& truth() const noexcept { return *truth_; }
-  /// What a scene with `model = "gradient-plane"` publishes: packed words, and the density that `voxmap` reads, too.
+  /// Published by a scene with `model = "gradient-plane"`: packed words, and the density that `voxmap` reads.
   [[nodiscard]] ContactView word_view() const { return {words_->exchange().latest(), bone_from_index_, Pose{}}; }
-  /// The plain form: density and gradient in floats, point by point.
+  /// The plain form: density and gradient as floats, per point.
   [[nodiscard]] ContactView float_view() const { return {floats_->exchange().latest(), bone_from_index_, Pose{}}; }
-  /// The paper's storage.
+  /// The storage of the paper.
   [[nodiscard]] ContactView vdb_view() const { return {*grids_, bone_from_index_, Pose{}}; }
-  /// What a scene with `model = "surface"` publishes.
+  /// Published by a scene with `model = "surface"`.
   [[nodiscard]] SurfaceView surface_view() const;
-  [[nodiscard]] double word_bytes() const { return bytes_of(*words_); }  ///< of one published copy
+  [[nodiscard]] double word_bytes() const { return bytes_of(*words_); }  ///< [bytes] of one published copy
   [[nodiscard]] double float_bytes() const { return bytes_of(*floats_); }
 
  private:

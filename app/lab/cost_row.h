@@ -1,4 +1,5 @@
-/// app/lab/cost_row.h: one line of cost.csv: an error against a named reference beside the time of the same run.
+/// app/lab/cost_row.h: a row of cost.csv: an error against a named reference, and the time measured in the same run.
+///   Units  in the rows.   Errors  bad_input if the file cannot be written.
 #pragma once
 
 #include <limits>
@@ -10,22 +11,22 @@
 
 namespace burrhole {
 
-/// NaN where a figure does not apply.
+/// NaN in values that do not apply.
 struct CostRow {
-  std::string subject;  ///< what was measured, on what
+  std::string subject;  ///< what was measured, on which object
   std::string model;
-  std::string knob;  ///< with its unit
-  double setting = 0.0;
+  std::string knob;      ///< name of the varied setting, with its unit
+  double setting = 0.0;  ///< [unit in `knob`]
   std::string error_name;
-  double error = 0.0;
-  std::string unit;  ///< of the error
+  double error = 0.0;  ///< [unit in `unit`]
+  std::string unit;    ///< of the error
   std::string reference;
   double median_us = std::numeric_limits<double>::quiet_NaN();  ///< of one call: all points of the shell
   double p99_us = std::numeric_limits<double>::quiet_NaN();
-  double bytes = std::numeric_limits<double>::quiet_NaN();
+  double bytes = std::numeric_limits<double>::quiet_NaN();  ///< [bytes]
 };
 
-/// The value that `share` (0..1) of them do not exceed, of at least one value; 1 is the largest.
+/// @returns the smallest value that a share `share` (0..1) of the values do not exceed; 1 gives the largest. @pre values is not empty.
 [[nodiscard]] double at_share(std::vector<double> values, double share);
 
 /// Columns subject, model, knob, setting, error_name, error, unit, reference, median_us, p99_us, bytes.

@@ -14,20 +14,20 @@ namespace {
 constexpr std::array<MultiRateScheme, 4> kSchemes{MultiRateScheme::hold, MultiRateScheme::linear, MultiRateScheme::gradient,
                                                   MultiRateScheme::planes};
 constexpr std::array<int, 10> kDivisors{1, 2, 4, 5, 8, 10, 20, 25, 40, 50};       // of 1 kHz: 1 kHz to 20 Hz
-constexpr std::array<double, 7> kDampings{0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0};  // [N s/m] 10 is a scene's default
+constexpr std::array<double, 7> kDampings{0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0};  // [N s/m] 10 is the default of a scene
 constexpr std::array<const char*, 4> kHands{"none", "light", "nominal", "firm"};
-constexpr int kFastServo = 5000;  // [Hz] above which a run takes twice the ticks: its oscillations are slow against them
+constexpr int kFastServo = 5000;  // [Hz] above this rate a run takes twice the ticks: its oscillations are slow relative to the tick
 
-/// What is to be measured, and what is known of it beforehand.
+/// A point to measure and its known parameters.
 struct Point {
   FrontierRow row{};
   FrontierLoopConfig loop{};
-  const DeviceModel* device = nullptr;  ///< for the lines that take the device alone
-  bool let_go = false;
-  LetGo start{};
+  const DeviceModel* device = nullptr;  ///< for the theoretical limits of the device alone
+  bool release = false;
+  Release start{};
 };
 
-/// A device in a hand as the linear lines take it: no friction, no steps, no cap.
+/// A device in a hand as in the linear theory: no friction, no quantisation, no force limit.
 SimulatedDeviceConfig without_limits(SimulatedDeviceConfig config) {
   config.plant.friction = 0.0;
   config.quantum = 0.0;
@@ -48,7 +48,7 @@ void fill(Point& point, const char* part, std::string_view device, std::string_v
   row.device = device;
   row.hand = hand;
   row.bone = loop.bone == FrontierBone::plate ? "plate" : "sphere";
-  row.start = !point.let_go ? "preloaded" : loop.drilling ? "drilling" : point.start.pressed ? "pressed" : "falls";
+  row.start = !point.release ? "preloaded" : loop.drilling ? "drilling" : point.start.pressed ? "pressed" : "falls";
   row.scheme = name_of(loop.scheme);
   const MassSpringDamperConfig& body = loop.device.plant.body;
   row.mass = body.mass;
@@ -70,7 +70,7 @@ void add_known(std::vector<Point>& points) {
   }
 }
 
-/// K over B of every device in every hand, and the same let go.
+/// K over B of every device in every hand, preloaded and released.
 void add_dampings(std::vector<Point>& points, bool thin) {
   for (const DeviceModel& device : device_models()) {
     if (thin && device.name != "generic") continue;
@@ -82,8 +82,8 @@ void add_dampings(std::vector<Point>& points, bool thin) {
         fill(point, "damping", device.name, hand);
         points.push_back(point);
         point.loop.device = held(device, hand);
-        point.let_go = true;
-        fill(point, "let go", device.name, hand);
+        point.release = true;
+        fill(point, "released", device.name, hand);
         points.push_back(point);
       }
   }
@@ -102,10 +102,10 @@ void add_rates(std::vector<Point>& points, bool thin) {
             .device = *generic};
         fill(point, "rate", (*generic)->name, hand);
         points.push_back(point);
-        if (std::string_view(hand) == "none") continue;  // it slides off the sphere: nothing holds it aside
+        if (std::string_view(hand) == "none") continue;  // without a hand it slides off the sphere
         point.loop.device = held(**generic, hand);
         point.loop.bone = FrontierBone::sphere;
-        point.let_go = true;
+        point.release = true;
         for (const bool pressed : {false, true}) {
           point.start.pressed = pressed;
           fill(point, "rate", (*generic)->name, hand);
@@ -121,9 +121,9 @@ Status measure(Point& point) {
   const auto loop = FrontierLoop::create(point.loop);
   if (!loop) return loop.error();
   FrontierRow& row = point.row;
-  if (point.let_go) {
-    // Under 50 N/m a hand goes centimetres in and swings for longer than the run.
-    const auto limit = let_go_limit(*loop, point.start, 50.0);
+  if (point.release) {
+    // Below 50 N/m a hand penetrates by centimetres and oscillates for longer than the run.
+    const auto limit = release_limit(*loop, point.start, 50.0);
     if (!limit) return limit.error();
     row.measured = *limit;
     return {};
@@ -134,7 +134,7 @@ Status measure(Point& point) {
   if (point.device != nullptr && row.part == "damping") {
     const double damping = point.device->damping.value;
     SampledWall now = wall;
-    if (point.loop.scheme == MultiRateScheme::planes) now.latency_ticks = 0;  // its force is of the hand as read in this tick
+    if (point.loop.scheme == MultiRateScheme::planes) now.latency_ticks = 0;  // its force uses the hand pose read in this tick
     row.passive = passive_limit(now, damping);
     row.linear = linear_limit(now);
     const auto quantised =
@@ -147,16 +147,16 @@ Status measure(Point& point) {
   return {};
 }
 
-/// Points are taken in order by whoever is free; each writes its own row only.
+/// Workers take points in order; each writes its own row only.
 Status measure_all(std::vector<Point>& points, const FrontierOptions& options) {
   std::atomic<std::size_t> next{0};
-  std::mutex telling;
+  std::mutex reporting;
   std::size_t done = 0;
   std::vector<Status> found(points.size());
   const auto work = [&] {
     for (std::size_t n = next++; n < points.size(); n = next++) {
       found[n] = measure(points[n]);
-      const std::lock_guard lock(telling);
+      const std::lock_guard lock(reporting);
       ++done;
       if (options.progress) options.progress(static_cast<double>(done) / static_cast<double>(points.size()));
     }

@@ -1,4 +1,6 @@
 #include "app/lab/frontier_loop.h"
+#include "haptics/device/device_config.h"
+#include "core/contact/constrained_tool.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +9,7 @@
 namespace burrhole {
 namespace {
 
-// 40 points on the plate's ball and 177 on the sphere's: a tick of all steps costs some microseconds.
+// 40 points on the ball of the plate and 177 on that of the sphere: a tick of all steps takes some microseconds.
 constexpr const char* kPlateTool = R"(title = "Ball of 2 mm"
 [shell]
 pitch_mm = 0.5
@@ -50,8 +52,8 @@ std::string text_of(const FrontierLoopConfig& config) {
   std::string text = fmt::format("title = \"Frontier\"\nservo_hz = {}\n[volume]\n{}[tool]\nname = \"ball\"\nspin_rpm = {}\n",
                                  config.servo_hz, config.bone == FrontierBone::plate ? kPlate : kSphere, config.drilling ? 1000 : 0);
   text += "[approach]\nentry_mm = [0.0, 0.0, 0.0]\n[hand]\nstandoff_mm = 0.01\n";
-  // The servo's own cap lies beyond what any device shows; planes are believed as far as docs/servo.md asks.
-  // Grips that start pressed have their whole force at once.
+  // The force limit of the servo is above that of any device; planes are extrapolated as far as docs/servo.md requires.
+  // A grip that starts pressed gets the full force at once.
   text += fmt::format("[servo]\nmultirate = \"{}\"\nforce_N = 1e4\nreach_mm = 10.0\nsoft_start_s = 0\n[device]\n", name_of(config.scheme));
   text += fmt::format(
       "[contact]\nmodel = \"surface\"\nturning = \"locked\"\nbone_N_per_m = {}\ncoupling_N_per_m = 1000.0\ncoupling_N_s_per_m = {}\n"
@@ -85,11 +87,11 @@ void PushedGrip::apply(const Wrench& on_hand) noexcept {
   device_->set_goal({{0.0, 0.0, start_.rest}, {0.0, 0.0, -start_.thrust}});
 }
 
-FrontierRun::FrontierRun(std::unique_ptr<PushedGrip> grip, std::unique_ptr<DrillParts> parts)
+FrontierRun::FrontierRun(std::unique_ptr<PushedGrip> grip, std::unique_ptr<Stage> parts)
     : grip_(std::move(grip)),
       parts_(std::move(parts)),
       lockstep_(*parts_),
-      approach_from_world_((parts_->scene.volume.world_from_bone * parts_->approach.bone_from_approach).inverse()) {}
+      approach_from_world_((parts_->config.volume.world_from_bone * parts_->approach.bone_from_approach).inverse()) {}
 
 FrontierTick FrontierRun::tick() {
   const Vec3 at = grip_->device().grip().position;
@@ -105,23 +107,23 @@ Result<FrontierLoop> FrontierLoop::create(const FrontierLoopConfig& config) {
   auto loaded =
       load_scene(*document, {.tool_folders = {}, .tool_given = true}, issues, {.tool_text = tool_of(config), .progress = {}, .say = {}});
   if (!loaded) return issues.front();
-  loaded->scene.device->config = config.device;
+  loaded->scene.find<DeviceConfig>()->config = config.device;
   const auto approach = make_approach(*loaded->bone, loaded->scene.approach);
   if (!approach) return approach.error();
   const Pose world_from_approach = loaded->scene.volume.world_from_bone * approach->bone_from_approach;
   return FrontierLoop(config, std::move(*loaded), world_from_approach);
 }
 
-Result<std::unique_ptr<DrillParts>> FrontierLoop::parts(double stiffness, HandSource& hand) const {
+Result<std::unique_ptr<Stage>> FrontierLoop::parts(double stiffness, HandSource& hand) const {
   Scene scene = loaded_->scene;
-  scene.contact->surface.coupling_stiffness = stiffness;
-  DrillParts::Outside outside;
+  scene.find<ConstrainedToolConfig>()->coupling_stiffness = stiffness;
+  Stage::Outside outside;
   outside.hand = &hand;
-  return DrillParts::make(scene, loaded_->bone, loaded_->tool, outside);
+  return Stage::make(scene, scene.effects, loaded_->bone, loaded_->tool, outside);
 }
 
 Result<FrontierRun> FrontierLoop::begin(double stiffness, const FrontierStart& start) const {
-  auto grip = PushedGrip::create(loaded_->scene.device->config, world_from_approach_, 1.0 / config_.servo_hz);
+  auto grip = PushedGrip::create(loaded_->scene.find<DeviceConfig>()->config, world_from_approach_, 1.0 / config_.servo_hz);
   if (!grip) return grip.error();
   auto held = std::make_unique<PushedGrip>(std::move(grip).value());
   held->start(start);

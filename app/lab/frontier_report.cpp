@@ -6,20 +6,14 @@
 #include <string_view>
 
 #include "app/lab/frontier.h"
-#include "app/lab/frontier_plot.h"
 #include "app/report/csv.h"
 #include "app/report/file.h"
 #include "app/report/html.h"
+#include "app/report/plot.h"
 
 namespace burrhole {
 namespace {
 
-// Colours apart for the colour-blind, as in app/report/plot.cpp.
-constexpr const char* kBlue = "#0b5394";
-constexpr const char* kOrange = "#c4501b";
-constexpr const char* kGreen = "#1b7f5c";
-constexpr const char* kViolet = "#8a4f9e";
-constexpr const char* kGrey = "#555555";
 constexpr std::pair<double, double> kStiffnesses{3.0, 1e5};  // [N/m] of the plots' axes
 constexpr std::array<const char*, 4> kHands{"none", "light", "nominal", "firm"};
 
@@ -33,53 +27,73 @@ Rows those(const std::vector<FrontierRow>& rows, const Wanted& wanted) {
   return out;
 }
 
-LogCurve curve_of(const Rows& rows, std::string name, const std::string& style, double FrontierRow::*y) {
-  LogCurve out{std::move(name), style, {}, {}};
-  for (const FrontierRow* row : rows) {
-    out.x.push_back(row->coupling_damping);
-    out.y.push_back(row->*y);
-  }
+std::vector<double> values_of(const Rows& rows, double FrontierRow::*value) {
+  std::vector<double> out;
+  for (const FrontierRow* row : rows) out.push_back(row->*value);
   return out;
+}
+
+PlotSeries curve_of(const Rows& rows, std::string name, const std::string& style, double FrontierRow::*y) {
+  return {std::move(name), values_of(rows, &FrontierRow::coupling_damping), values_of(rows, y), style};
+}
+
+PlotPanel stiffness_panel(const std::string& title, std::pair<double, double> x_range) {
+  PlotPanel panel;
+  panel.y_label = "stiffness K [N/m]";
+  panel.title = title;
+  panel.x_range = x_range;
+  panel.y_range = kStiffnesses;
+  return panel;
+}
+
+/// A grid of two columns with logarithmic y axes.
+Plot grid(const std::string& x_label, const std::string& legend) {
+  Plot plot;
+  plot.x_label = x_label;
+  plot.width_px = 940;
+  plot.panel_height_px = 250;
+  plot.columns = 2;
+  plot.log_y = true;
+  plot.legend = legend;
+  return plot;
 }
 
 /// The K-B plane of one device in one hand: shaded from the passive line up to the measured frontier, where it is stable though not
 /// passive.
-LogPanel plane_of(const std::vector<FrontierRow>& rows, std::string_view device, std::string_view hand) {
+PlotPanel plane_of(const std::vector<FrontierRow>& rows, std::string_view device, std::string_view hand) {
   const auto is = [&](const FrontierRow& row, std::string_view part) {
     return row.part == part && row.device == device && row.hand == hand;
   };
   const Rows linear = those(rows, [&](const FrontierRow& row) { return is(row, "damping"); });
-  const Rows let_go = those(rows, [&](const FrontierRow& row) { return is(row, "let go"); });
-  LogPanel panel{.y_label = "stiffness K [N/m]", .y_range = kStiffnesses};
-  panel.title = fmt::format("{}, hand: {}", device, hand);
-  panel.curves = {curve_of(linear, "measured, preloaded", point_style(kBlue, 7), &FrontierRow::measured),
-                  curve_of(linear, "exact sampled system", line_style(kGrey, "1", 0.8), &FrontierRow::exact),
-                  curve_of(linear, "linear with delay", line_style(kGreen, "(6,3)", 1.4), &FrontierRow::linear),
-                  curve_of(linear, "passive wall (device alone)", line_style(kOrange, "(2,2)", 1.6), &FrontierRow::passive),
-                  curve_of(linear, "quantised passive wall", line_style(kOrange, "(8,3,2,3)", 1.2), &FrontierRow::quantised),
-                  curve_of(let_go, "measured, let go, friction and steps on", point_style(kViolet, 6), &FrontierRow::measured)};
-  panel.fill_from = curve_of(linear, "stable, not passive", "", &FrontierRow::passive);
-  panel.fill_to = curve_of(linear, "", "", &FrontierRow::measured);
+  const Rows let_go = those(rows, [&](const FrontierRow& row) { return is(row, "released"); });
+  PlotPanel panel = stiffness_panel(fmt::format("{}, hand: {}", device, hand), {0.0, 40.0});
+  panel.series = {curve_of(linear, "measured, preloaded", linked_point_style(kPlotBlue, 7), &FrontierRow::measured),
+                  curve_of(linear, "exact sampled system", line_style(kPlotGrey, "1", 0.8), &FrontierRow::exact),
+                  curve_of(linear, "linear with delay", line_style(kPlotGreen, "(6,3)", 1.4), &FrontierRow::linear),
+                  curve_of(linear, "passive wall (device alone)", line_style(kPlotOrange, "(2,2)", 1.6), &FrontierRow::passive),
+                  curve_of(linear, "quantised passive wall", line_style(kPlotOrange, "(8,3,2,3)", 1.2), &FrontierRow::quantised),
+                  curve_of(let_go, "measured, released, friction, steps on", linked_point_style(kPlotViolet, 6), &FrontierRow::measured)};
+  panel.fills = {{"stable, not passive", values_of(linear, &FrontierRow::coupling_damping), values_of(linear, &FrontierRow::passive),
+                  values_of(linear, &FrontierRow::measured)}};
   return panel;
 }
 
-LogPage plane_page(const std::vector<FrontierRow>& rows, std::string_view device) {
-  LogPage page{.x_label = "damping B of the coupling [N s/m]", .x_range = {0.0, 40.0}, .key = "bottom right", .panels = {}};
+Plot plane_page(const std::vector<FrontierRow>& rows, std::string_view device) {
+  Plot page = grid("damping B of the coupling [N s/m]", "bottom right");
   for (const char* hand : kHands) page.panels.push_back(plane_of(rows, device, hand));
   return page;
 }
 
-LogPanel rate_panel(const std::vector<FrontierRow>& rows, const std::string& title, std::string_view hand, std::string_view start) {
-  LogPanel panel{.y_label = "stiffness K [N/m]", .y_range = kStiffnesses};
-  panel.title = title;
+PlotPanel rate_panel(const std::vector<FrontierRow>& rows, const std::string& title, std::string_view hand, std::string_view start) {
+  PlotPanel panel = stiffness_panel(title, {18.0, 1100.0});
   constexpr std::array<std::pair<const char*, const char*>, 4> kLook{
-      {{"hold", kGrey}, {"linear", kOrange}, {"gradient", kGreen}, {"planes", kBlue}}};
+      {{"hold", kPlotGrey}, {"linear", kPlotOrange}, {"gradient", kPlotGreen}, {"planes", kPlotBlue}}};
   for (const auto& look : kLook) {
     const Rows found = those(rows, [&](const FrontierRow& row) {
       return row.part == "rate" && row.hand == hand && row.start == start && row.scheme == look.first;
     });
-    LogCurve measured{look.first, point_style(look.second, look.first == std::string_view("gradient") ? 4 : 7), {}, {}};
-    LogCurve exact{"", line_style(look.second, "(2,2)", 1.2), {}, {}};
+    PlotSeries measured{look.first, {}, {}, linked_point_style(look.second, look.first == std::string_view("gradient") ? 4 : 7)};
+    PlotSeries exact{"", {}, {}, line_style(look.second, "(2,2)", 1.2)};
     for (const FrontierRow* row : found) {
       const double rate = static_cast<double>(row->servo_hz) / row->contact_ticks;
       measured.x.push_back(rate);
@@ -87,14 +101,15 @@ LogPanel rate_panel(const std::vector<FrontierRow>& rows, const std::string& tit
       exact.x.push_back(rate);
       exact.y.push_back(row->exact);
     }
-    panel.curves.push_back(std::move(measured));
-    panel.curves.push_back(std::move(exact));
+    panel.series.push_back(std::move(measured));
+    panel.series.push_back(std::move(exact));
   }
   return panel;
 }
 
-LogPage rate_page(const std::vector<FrontierRow>& rows) {
-  LogPage page{.x_label = "contact rate [Hz]", .x_range = {18.0, 1100.0}, .log_x = true, .panels = {}};
+Plot rate_page(const std::vector<FrontierRow>& rows) {
+  Plot page = grid("contact rate [Hz]", "top left");
+  page.log_x = true;
   page.panels = {rate_panel(rows, "plate, preloaded, nominal hand (dashed: exact)", "nominal", "preloaded"),
                  rate_panel(rows, "sphere of the tool's radius, pressed, friction and steps on", "nominal", "pressed"),
                  rate_panel(rows, "the same, falls 0.5 mm onto it", "nominal", "falls"),
@@ -172,7 +187,7 @@ void add_known_table(HtmlPage& page, const std::vector<FrontierRow>& rows) {
 Status write_frontier(const std::vector<FrontierRow>& rows, const std::string& folder) {
   if (const Status written = table_of(rows).write(folder + "/frontier.csv"); !written) return written;
   HtmlPage html("Stability frontier", "Largest stable stiffness of the coupling, measured through the shipped loop");
-  const auto add = [&](const LogPage& page, const std::string& name, std::string_view caption) -> Status {
+  const auto add = [&](const Plot& page, const std::string& name, std::string_view caption) -> Status {
     const auto svg = draw_svg(page);
     if (!svg) return svg.error();
     html.svg(*svg, caption);
@@ -181,13 +196,14 @@ Status write_frontier(const std::vector<FrontierRow>& rows, const std::string& f
   html.heading("Contact rate");
   if (const Status drawn =
           add(rate_page(rows), "frontier_rates.svg",
-              "Generic device, nominal hand, results one contact period late. Let go, there is no line of theory to go by.");
+              "Generic device, nominal hand, results one contact period late. There is no theoretical limit for the motion after release.");
       !drawn)
     return drawn;
   html.heading("Stiffness over damping, by device and hand");
   html.paragraph(
       "Servo and contact at 1 kHz, scheme planes. Shaded: stable in this hand, but not passive, so not in any hand. The passive lines "
-      "take the device's own damping alone. Let go: 0.5 mm above the plate under 2 N, all limits of the device on; no line bounds it.");
+      "take the device's own damping alone. Released: 0.5 mm above the plate under 2 N, with all limits of the device; no theoretical "
+      "limit applies.");
   for (const DeviceModel& device : device_models()) {
     if (std::ranges::none_of(rows, [&](const FrontierRow& row) { return row.part == "damping" && row.device == device.name; })) continue;
     const std::string name = fmt::format("frontier_{}.svg", device.name);

@@ -7,11 +7,11 @@
 namespace burrhole {
 namespace {
 
-constexpr double kPush = 0.05;    // [-] of the preload's depth: the perturbation
-constexpr double kOpens = 0.95;   // [-] of it: contact is about to open
+constexpr double kPush = 0.05;    // [-] of the preload depth: the perturbation
+constexpr double kOpens = 0.95;   // [-] of the preload depth: contact is about to open
 constexpr double kGone = 5e-3;    // [-] of the perturbation
-constexpr double kRatio = 1.005;  // where bisection stops
-constexpr int kLook = 500;        // [ticks] between two looks whether the swing is gone
+constexpr double kRatio = 1.005;  // [-] precision of the bisection
+constexpr int kCheckEvery = 500;  // [ticks] between two tests whether the oscillation has decayed
 
 }  // namespace
 
@@ -26,13 +26,13 @@ Result<double> pressed_growth(const FrontierLoop& loop, double stiffness, int ti
   for (int n = 0; n < ticks; ++n) {
     const FrontierTick tick = run->tick();
     const double size = std::abs(tick.height - tick.tool + kPreloadDepth);
-    if (!(size < kOpens * kPreloadDepth)) return 1.0;  // not finite is unstable too
-    // A strong damper on a weak spring opens contact by force long before the swing is large: what would decay has by now.
+    if (!(size < kOpens * kPreloadDepth)) return 1.0;  // NaN counts as unstable
+    // A strong damper on a weak spring opens contact by its force before the amplitude is large. A decaying oscillation has decayed by now.
     if (n >= window && tick.shown.z <= 0.0) return 1.0;
     if (n >= window && n < 2 * window) early = std::max(early, size);
     if (n >= ticks - window) late = std::max(late, size);
     recent = std::max(recent, size);
-    if (n % kLook != kLook - 1) continue;
+    if (n % kCheckEvery != kCheckEvery - 1) continue;
     if (recent < kGone * kPush * kPreloadDepth) return -1.0;
     recent = 0.0;
   }
@@ -65,7 +65,7 @@ Result<double> pressed_limit(const FrontierLoop& loop, double hint, int ticks) {
   return std::sqrt(low * high);
 }
 
-Result<Settling> let_go(const FrontierLoop& loop, double stiffness, const LetGo& start) {
+Result<Settling> release(const FrontierLoop& loop, double stiffness, const Release& start) {
   const double height = start.pressed ? -0.5 * start.thrust / (stiffness + loop.config().device.plant.body.stiffness) : start.height;
   auto run = loop.begin(stiffness, {.height = height, .rest = 0.0, .thrust = start.thrust, .held = loop.config().first_ticks()});
   if (!run) return run.error();
@@ -92,10 +92,10 @@ Result<Settling> let_go(const FrontierLoop& loop, double stiffness, const LetGo&
 
 bool at_rest(const Settling& settling, double quantum) noexcept { return settling.swing < 3.0 * quantum + 20e-6 && settling.aside < 1e-3; }
 
-Result<double> let_go_limit(const FrontierLoop& loop, const LetGo& start, double from) {
+Result<double> release_limit(const FrontierLoop& loop, const Release& start, double from) {
   std::optional<Error> failed;
   const auto rests = [&](double stiffness) {
-    const auto settling = let_go(loop, stiffness, start);
+    const auto settling = release(loop, stiffness, start);
     if (!settling) failed = settling.error();
     return settling && at_rest(*settling, loop.config().device.quantum);
   };

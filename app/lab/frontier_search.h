@@ -1,8 +1,9 @@
-/// app/lab/frontier_search.h: the largest stiffness at which the shipped loop is stable, found by running it.
-///   Units SI.   Thread any; a loop is only read.
-///   Pressed   on a plate under a thrust of K times kPreloadDepth, so that contact never opens while a perturbation of a twentieth of it
-///             does not grow twentyfold: the loop is linear, and the sign of its envelope's log growth decides.
-///   Let go    over bone under a light thrust, with friction, steps and limits as the device has them: whether it comes to rest.
+/// app/lab/frontier_search.h: measures the largest stiffness at which the shipped loop is stable, by running it.
+///   Units SI.   Errors  those of a run.   Thread any; a loop is only read.
+///   Pressed   on a plate under a thrust of K times kPreloadDepth: contact stays closed while a perturbation of a twentieth of the depth
+///   grows
+///             less than twentyfold. The loop is then linear, and the sign of the logarithmic growth of the envelope decides.
+///   Released  above bone under a light thrust, with friction, quantisation and limits of the device: whether it comes to rest.
 #pragma once
 
 #include "app/lab/frontier_loop.h"
@@ -10,34 +11,34 @@
 namespace burrhole {
 
 inline constexpr double kPreloadDepth = 1e-3;  // [m]
-inline constexpr double kLargestTried = 1e6;   // [N/m]: a scene's own bound on the coupling
+inline constexpr double kLargestTried = 1e6;   // [N/m] the upper limit of the coupling in a scene
 
-/// Log growth of the envelope of a grip pressed on the plate, its last sixth against its second; 1 once contact opened, -1 once the swing
-/// is gone.
+/// @returns the logarithmic growth of the envelope of a grip pressed on the plate, from the second to the last sixth of the run; 1 if
+/// contact opened, -1 if the oscillation decayed to nothing.
 [[nodiscard]] Result<double> pressed_growth(const FrontierLoop& loop, double stiffness, int ticks);
 
-/// [N/m] by bisection to 0.5 %; infinite if stable at kLargestTried, 0 if not even at 1 N/m. `hint` saves runs only: both ends of the
-/// bracket are run, and moved out until one is stable and one is not.
-/// @param ticks of a run. At 1 % beyond a limit a factor 10 takes up to 9.2e4: within 8000 the envelope still changes by 13 %.
+/// @returns the limit [N/m] by bisection to 0.5 %; infinite if stable at kLargestTried, 0 if unstable at 1 N/m. `hint` only saves runs:
+/// both ends of the bracket are tested and extended until one is stable and one is not.
+/// @param ticks of a run. 1 % beyond a limit the envelope takes up to 9.2e4 ticks for a factor 10: within 8000 ticks it changes by 13 %.
 [[nodiscard]] Result<double> pressed_limit(const FrontierLoop& loop, double hint, int ticks = 8000);
 
-/// How a grip let go over bone ends.
+/// Final motion of a grip released above bone.
 struct Settling {
-  double swing = 0.0;  ///< [m] of the grip's height in the last third, about the straight line that it follows
-  double aside = 0.0;  ///< [m] largest way off the axis
+  double swing = 0.0;  ///< [m] amplitude of the grip's height in the last third, about its linear trend
+  double aside = 0.0;  ///< [m] largest distance from the axis
 };
-struct LetGo {
-  double height = 0.5e-3;  ///< [m] over bone
-  bool pressed = false;    ///< or half as deep in it as the thrust brings it
+struct Release {
+  double height = 0.5e-3;  ///< [m] above bone
+  bool pressed = false;    ///< starts half as deep in bone as the thrust brings it
   double thrust = 2.0;     ///< [N]
   double duration = 4.0;   ///< [s]
 };
-[[nodiscard]] Result<Settling> let_go(const FrontierLoop& loop, double stiffness, const LetGo& start);
-/// Whether that is a rest: contact does not open and close, and what is left of the swing is a few of the device's steps.
+[[nodiscard]] Result<Settling> release(const FrontierLoop& loop, double stiffness, const Release& start);
+/// @returns whether the grip is at rest: contact does not open and close, and the amplitude is at most a few quanta of the device.
 [[nodiscard]] bool at_rest(const Settling& settling, double quantum) noexcept;
 
-/// [N/m] Going up from `from` in steps of a tenth of a decade, the first at which it does not come to rest, then bisected to 2 %. 0: not
-/// even there. Not a bound: there may be rest again beyond it.
-[[nodiscard]] Result<double> let_go_limit(const FrontierLoop& loop, const LetGo& start, double from);
+/// @returns the first stiffness [N/m] at which the grip does not come to rest, searched upwards from `from` in steps of a tenth of a
+/// decade, then bisected to 2 %; 0 if it does not at `from`. Not a bound: it may come to rest again at a larger stiffness.
+[[nodiscard]] Result<double> release_limit(const FrontierLoop& loop, const Release& start, double from);
 
 }  // namespace burrhole

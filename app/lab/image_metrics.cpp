@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kLeastSide = 11;  // [pixels] the window of [Wang04]
 
-/// One number a pixel, row by row.
+/// One number per pixel, row by row.
 struct Plane {
   int width = 0, height = 0;
   std::vector<double> values;
@@ -23,7 +23,7 @@ struct Plane {
   }
 };
 
-/// Odd length, its middle at offset 0.
+/// Odd length, its centre at offset 0.
 using Kernel = std::vector<double>;
 
 template <class F>
@@ -45,7 +45,7 @@ Kernel normalised(Kernel kernel) {
   return kernel;
 }
 
-/// Filtered along x by one kernel, then along y by the other; beyond the edge the outermost pixel goes on.
+/// Filtered along x by one kernel, then along y by the other; constant beyond the edges.
 Plane filtered(const Plane& in, const Kernel& along_x, const Kernel& along_y) {
   const auto pass = [](const Plane& from, const Kernel& kernel, bool x_axis) {
     const int radius = static_cast<int>(kernel.size()) / 2, last = (x_axis ? from.width : from.height) - 1;
@@ -88,10 +88,10 @@ double linear_of(std::uint8_t code) {
 /// Linear sRGB to CIE XYZ (IEC 61966-2-1), columns red, green, blue; white is (1, 1, 1) through it.
 const Mat3 kXyzFromRgb(0.4124564, 0.2126729, 0.0193339, 0.3575761, 0.7151522, 0.1191920, 0.1804375, 0.0721750, 0.9503041);
 
-/// Over white, so that white is (1, 1, 1).
+/// Relative to white, which becomes (1, 1, 1).
 Vec3 white_relative(const Vec3& linear_rgb) { return (kXyzFromRgb * linear_rgb) / (kXyzFromRgb * Vec3(1.0)); }
 
-/// Linearised CIELAB, in which light may be filtered.
+/// Linearised CIELAB, in which filtering is linear in light.
 Vec3 opponent_of(const Vec3& linear_rgb) {
   const Vec3 w = white_relative(linear_rgb);
   return {116.0 * w.y - 16.0, 500.0 * (w.x - w.y), 200.0 * (w.y - w.z)};
@@ -104,7 +104,7 @@ Vec3 linear_of(const Vec3& opponent) {
   return glm::clamp(rgb_from_xyz * (w * (kXyzFromRgb * Vec3(1.0))), Vec3(0.0), Vec3(1.0));
 }
 
-/// CIELAB with chroma that fades with the light (Hunt).
+/// CIELAB with chroma reduced for dark colours (Hunt effect).
 Vec3 seen_colour(const Vec3& linear_rgb) {
   const auto f = [](double t) {
     constexpr double kKnee = 6.0 / 29.0;
@@ -115,10 +115,10 @@ Vec3 seen_colour(const Vec3& linear_rgb) {
   return {lightness, 0.01 * lightness * 500.0 * (f(w.x) - f(w.y)), 0.01 * lightness * 200.0 * (f(w.y) - f(w.z))};
 }
 
-/// Lightness and chroma apart: HyAB.
+/// Separate differences of lightness and chroma: HyAB.
 double distance(const Vec3& a, const Vec3& b) { return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z); }
 
-/// Compressed, then mapped to 0..1 so that what counts most has most of the range.
+/// Compressed, then mapped to 0..1 so that small differences use most of the range.
 double colour_error(const Vec3& a, const Vec3& b) {
   constexpr double kPower = 0.7, kKnee = 0.4, kShare = 0.95;
   static const double largest = std::pow(distance(seen_colour({0.0, 1.0, 0.0}), seen_colour({0.0, 0.0, 1.0})), kPower);
@@ -127,7 +127,7 @@ double colour_error(const Vec3& a, const Vec3& b) {
   return kShare + (1.0 - kShare) * (d - kKnee * largest) / (largest - kKnee * largest);
 }
 
-/// One part of a contrast sensitivity function as a Gaussian in space: a sqrt(pi / b) exp(-pi^2 r^2 / b), r in degrees.
+/// One part of a contrast sensitivity function as a spatial Gaussian: a sqrt(pi / b) exp(-pi^2 r^2 / b), r in degrees.
 struct Sensitivity {
   double a, b;
 };
@@ -138,7 +138,7 @@ int sensitivity_radius(double pixels_per_degree) {
   return static_cast<int>(std::ceil(3.0 * std::sqrt(kBlueYellow[0].b / (2.0 * std::numbers::pi * std::numbers::pi)) * pixels_per_degree));
 }
 
-/// Not normalised; the kernel in the plane is its product with itself.
+/// Not normalised; the 2D kernel is its product with itself.
 Kernel sensitivity_kernel(const Sensitivity& s, double pixels_per_degree) {
   return make_kernel(sensitivity_radius(pixels_per_degree), [&](double x) {
     const double r = std::numbers::pi * x / pixels_per_degree;
@@ -151,7 +151,7 @@ Plane filtered_by(const Plane& in, const Sensitivity& s, double pixels_per_degre
   return filtered(in, kernel, kernel);
 }
 
-/// The sum of two Gaussians is no product, so each is filtered by itself and weighed by its integral.
+/// The sum of two Gaussians is not separable, so each is applied separately and weighted by its integral.
 Plane filtered_blue_yellow(const Plane& in, double pixels_per_degree) {
   Plane out(in.width, in.height);
   double whole = 0.0;
@@ -176,7 +176,7 @@ Planes opponent_planes(const Image& image) {
   return out;
 }
 
-/// Colours as they are seen from where the observer is.
+/// Colours as perceived at the observer's distance.
 std::vector<Vec3> seen_colours(const Planes& opponent, double pixels_per_degree) {
   const Planes seen{filtered_by(opponent[0], kLight, pixels_per_degree), filtered_by(opponent[1], kRedGreen, pixels_per_degree),
                     filtered_blue_yellow(opponent[2], pixels_per_degree)};
@@ -188,7 +188,7 @@ std::vector<Vec3> seen_colours(const Planes& opponent, double pixels_per_degree)
 
 // ---- FLIP: edges and points [Andersson20] section 4.2 ----
 
-/// What rises weighs 1 in all, and what falls -1.
+/// Positive weights add to 1, negative ones to -1.
 Kernel balanced(Kernel kernel) {
   double up = 0.0, down = 0.0;
   for (const double value : kernel) (value > 0.0 ? up : down) += value;
@@ -196,7 +196,7 @@ Kernel balanced(Kernel kernel) {
   return kernel;
 }
 
-/// Length of the gradient, or of the second derivatives, of the light at each pixel.
+/// Length of the gradient, or of the second derivatives, of the lightness at each pixel.
 Plane features(const Plane& light, double pixels_per_degree, bool points) {
   constexpr double kWidth = 0.082;  // [deg] of a feature
   const double sigma = 0.5 * kWidth * pixels_per_degree;

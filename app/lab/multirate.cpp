@@ -13,10 +13,10 @@ namespace {
 constexpr std::array<MultiRateScheme, 4> kSchemes{MultiRateScheme::hold, MultiRateScheme::linear, MultiRateScheme::gradient,
                                                   MultiRateScheme::planes};
 constexpr double kRadii = 10e-3;                            // [m] of sphere and tool together
-constexpr int kServoHz = 1000, kTicks = 3000, kFrom = 500;  // compared once every loop has looked, the slowest after 100 ticks
-constexpr int kFiner = 4;                                   // times as many ticks of everything in the reference, and no latency
+constexpr int kServoHz = 1000, kTicks = 3000, kFrom = 500;  // compared after every loop has a contact result; the slowest after 100 ticks
+constexpr int kFiner = 4;                                   // factor on all rates in the reference, which has no latency
 
-/// A hand that goes its way whatever it feels.
+/// A hand that follows its path independent of the force.
 class GuidedHand final : public HandSource {
  public:
   GuidedHand(const Pose& world_from_approach, bool drilling, double period)
@@ -30,8 +30,8 @@ class GuidedHand final : public HandSource {
   }
 
  private:
-  /// Approach frame. Sliding: 3 mm to and fro over the sphere's top, half a millimetre in, 19 mm/s at most; drilling: in at 0.5 mm/s with a
-  /// tremble of 0.1 mm, 3 times a second.
+  /// Approach frame. Sliding: 3 mm to and fro over the top of the sphere, half a millimetre deep, at most 19 mm/s. Drilling: feed of 0.5
+  /// mm/s with a tremor of 0.1 mm at 3 Hz.
   [[nodiscard]] Vec3 at(double t) const noexcept {
     const double turns = 2.0 * std::numbers::pi * t;
     if (drilling_) return {0.0, 0.0, -0.3e-3 - 0.5e-3 * t + 0.1e-3 * portable_sin(3.0 * turns)};
@@ -63,11 +63,11 @@ FrontierLoopConfig config_of(MultiRateScheme scheme, int contact_ticks, bool dri
 }
 
 struct Trace {
-  std::vector<Vec3> force;  ///< [N] wanted by the servo, a tick
+  std::vector<Vec3> force;  ///< [N] requested by the servo, per tick
   StepTiming servo;
 };
 
-/// `every`: one tick in so many is kept.
+/// @param every keeps one tick of this many.
 Result<Trace> trace_of(const FrontierLoopConfig& config, double stiffness, int every = 1) {
   const auto loop = FrontierLoop::create(config);
   if (!loop) return loop.error();
@@ -80,11 +80,11 @@ Result<Trace> trace_of(const FrontierLoopConfig& config, double stiffness, int e
     const Vec3 force = lockstep.tick().force;
     if (n >= kFrom * every && n % every == 0) out.force.push_back(force);
   }
-  out.servo = lockstep.timers().servo.timing();
+  out.servo = lockstep.servo_timer().timing();
   return out;
 }
 
-/// The same hand on the same bone with everything four times as often and nothing late: no scheme has anything to make up there.
+/// The same hand on the same bone with four times the rates and no latency: no scheme has to extrapolate.
 Result<Trace> finer_trace(bool drilling, double stiffness) {
   FrontierLoopConfig config = config_of(MultiRateScheme::hold, 1, drilling);
   config.servo_hz *= kFiner;
@@ -159,7 +159,7 @@ class Measurement {
   Status add_limit(const FrontierLoopConfig& config, double& at_full_rate) {
     const auto loop = FrontierLoop::create(config);
     if (!loop) return loop.error();
-    const auto limit = let_go_limit(*loop, {.pressed = true}, 50.0);
+    const auto limit = release_limit(*loop, {.pressed = true}, 50.0);
     if (!limit) return limit.error();
     if (config.contact_ticks == 1) at_full_rate = *limit;
     CostRow row = row_of(config);

@@ -4,31 +4,33 @@
 #include <cmath>
 #include <string_view>
 
-#include "app/lab/frontier_plot.h"
 #include "app/lab/multirate.h"
 #include "app/report/file.h"
 #include "app/report/html.h"
+#include "app/report/plot.h"
 
 namespace burrhole {
 namespace {
 
 // Colours as in the frontier's plots, scheme by scheme.
 constexpr std::array<std::pair<const char*, const char*>, 4> kLook{
-    {{"hold", "#555555"}, {"linear", "#c4501b"}, {"gradient", "#1b7f5c"}, {"planes", "#0b5394"}}};
+    {{"hold", kPlotGrey}, {"linear", kPlotOrange}, {"gradient", kPlotGreen}, {"planes", kPlotBlue}}};
 
-LogPanel panel_of(const std::vector<CostRow>& rows, const std::string& title, const std::string& subject, const std::string& error_name) {
+PlotPanel panel_of(const std::vector<CostRow>& rows, const std::string& title, const std::string& subject, const std::string& error_name) {
   const bool kept = error_name == "stiffness_kept";
-  LogPanel panel{.title = title,
-                 .y_label = kept ? "stiffness kept [-]" : "force off, rms [% of mean force]",
-                 .y_range = kept ? std::pair{0.03, 2.0} : std::pair{0.1, 200.0}};
+  PlotPanel panel;
+  panel.title = title;
+  panel.y_label = kept ? "stiffness kept [-]" : "force off, rms [% of mean force]";
+  panel.x_range = {18.0, 1100.0};
+  panel.y_range = kept ? std::pair{0.03, 2.0} : std::pair{0.1, 200.0};
   for (const auto& look : kLook) {
-    LogCurve curve{look.first, point_style(look.second, look.first == std::string_view("gradient") ? 4 : 7), {}, {}};
+    PlotSeries curve{look.first, {}, {}, linked_point_style(look.second, look.first == std::string_view("gradient") ? 4 : 7)};
     for (const CostRow& row : rows) {
       if (row.subject != subject || row.error_name != error_name || row.model != look.first) continue;
       curve.x.push_back(row.setting);
       curve.y.push_back(row.error);
     }
-    panel.curves.push_back(std::move(curve));
+    panel.series.push_back(std::move(curve));
   }
   return panel;
 }
@@ -39,14 +41,17 @@ std::string cell(double value, int decimals) { return std::isnan(value) ? "" : f
 
 Status write_multirate(const std::vector<CostRow>& rows, const std::string& folder) {
   if (const Status written = write_cost_csv(rows, folder + "/cost.csv"); !written) return written;
-  const LogPage page{.x_label = "contact rate [Hz]",
-                     .x_range = {18.0, 1100.0},
-                     .log_x = true,
-                     .key = "bottom left",
-                     .panels = {panel_of(rows, "sliding over a sphere", "sliding over a sphere", "force_rms_off"),
-                                panel_of(rows, "drilling into a sphere", "drilling into a sphere", "force_rms_off"),
-                                panel_of(rows, "pressed onto a sphere", "pressed onto a sphere", "stiffness_kept"),
-                                panel_of(rows, "drilling into a sphere", "drilling into a sphere", "stiffness_kept")}};
+  Plot page;
+  page.x_label = "contact rate [Hz]";
+  page.width_px = 940;
+  page.panel_height_px = 250;
+  page.columns = 2;
+  page.log_x = page.log_y = true;
+  page.legend = "bottom left";
+  page.panels = {panel_of(rows, "sliding over a sphere", "sliding over a sphere", "force_rms_off"),
+                 panel_of(rows, "drilling into a sphere", "drilling into a sphere", "force_rms_off"),
+                 panel_of(rows, "pressed onto a sphere", "pressed onto a sphere", "stiffness_kept"),
+                 panel_of(rows, "drilling into a sphere", "drilling into a sphere", "stiffness_kept")};
   const auto svg = draw_svg(page);
   if (!svg) return svg.error();
   if (const Status written = write_file(folder + "/multirate.svg", *svg); !written) return written;

@@ -1,4 +1,5 @@
-/// app/lab/pareto.h: what is worth its cost: points that no other point beats in both cost and quality.
+/// app/lab/pareto.h: the Pareto front of cost and quality: points that no other point beats in both.
+///   Units  any.   Errors  none.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +9,11 @@
 namespace burrhole {
 
 struct PricedPoint {
-  double cost = 0.0;     ///< less is better
-  double quality = 0.0;  ///< more is better
+  double cost = 0.0;     ///< [unit of the caller] less is better
+  double quality = 0.0;  ///< [unit of the caller] more is better
 };
 
-/// Indices of the front, costs rising; so do qualities. Of equal points the first one. Values are finite (ours to see to).
+/// @returns the indices of the Pareto front, costs and qualities increasing. Of equal points the first one. @pre values are finite.
 [[nodiscard]] std::vector<std::size_t> pareto_front(std::span<const PricedPoint> points);
 
 }  // namespace burrhole

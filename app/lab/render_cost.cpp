@@ -10,18 +10,19 @@
 #include <memory>
 #include <tuple>
 
-#include "app/engine/load.h"
-#include "app/engine/quality.h"
-#include "app/engine/simulation.h"
-#include "app/engine/texels.h"
 #include "app/lab/image_metrics.h"
 #include "app/lab/pareto.h"
+#include "app/view/display_config.h"
+#include "app/run/simulation.h"
+#include "app/scene/load.h"
+#include "app/view/quality.h"
+#include "app/view/texels.h"
 
 namespace burrhole {
 namespace {
 
-const DrawingQuality kShipped{.supersample = 2};  // as scenes have it
-const DrawingQuality kPlain{.finish = false};     // one ray a pixel
+const DrawingQuality kShipped{.supersample = 2};  // the default of scenes
+const DrawingQuality kPlain{.finish = false};     // one ray per pixel
 constexpr double kFine = 0.125;                   // [voxel]
 constexpr int kFineBisections = 12;               // 1/32768 of a voxel
 
@@ -37,9 +38,9 @@ double cpu_us() {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
-// ---- what is drawn ----
+// ---- subjects ----
 
-/// Texels rounded as a texture of that many bits would hold them, 0: not rounded.
+/// Texels rounded to a texture of this many bits; 0: not rounded.
 struct TexelBits {
   int normal = 0, density = 0;
 };
@@ -52,7 +53,7 @@ float rounded(float value, int bits) {
 
 struct Subject {
   std::string name;
-  VolumeView volume;      // in bytes
+  VolumeView volume;      // 8-bit texels
   PreciseTexels precise;  // the same in floats
   FrameView view;
   TransferFunction transfer;
@@ -71,13 +72,13 @@ Subject make_subject(const std::string& name, const LoadedScene& loaded, Voxmap&
   const Pose& world_from_bone = loaded.scene.volume.world_from_bone;
   Subject out{name, make_volume_view(voxmap, true), make_precise_texels(voxmap), {}, {}};
   out.view =
-      make_frame_view(*loaded.scene.display, world_from_bone, world_from_bone * approach.bone_from_approach, approach.thickness, false);
-  // As a scene with shading = "translucent" and no corners of its own.
+      make_frame_view(*loaded.scene.find<DisplayConfig>(), world_from_bone, world_from_bone * approach.bone_from_approach, approach.thickness, false);
+  // As a scene with shading = "translucent" and the default transfer function.
   out.transfer = {{.density = 0.3, .extinction = 0.0}, {.density = 1.0, .extinction = 250.0}};
   return out;
 }
 
-/// The shipped scene; drilled: through the bone, by a sharper tool, so that it takes seconds.
+/// The shipped scene; drilled: through the bone, with a sharper tool, so that it takes seconds.
 Result<Subject> load_subject(const RenderCostOptions& options, bool drilled) {
   auto document = TomlDocument::load(options.share_folder + "/scenes/parietal.toml");
   if (!document) return document.error();
@@ -105,14 +106,14 @@ Result<Subject> load_subject(const RenderCostOptions& options, bool drilled) {
   return make_subject("drilled hole", *loaded, simulation->voxmap(), simulation->approach());
 }
 
-// ---- what draws ----
+// ---- renderers ----
 
-/// A renderer with a volume; a fault is kept until it is asked for.
+/// A renderer with a volume; an error is kept until it is read.
 class Stand {
  public:
   static Result<Stand> create(const RenderCostOptions& options, RenderOptions how, const VolumeView& volume, const FrameView& view) {
     how.gl = options.gl;
-    how.keep_picture = false;  // each picture is timed whole
+    how.keep_picture = false;  // each picture is timed completely
     how.looks.tissue = how.looks.occlusion = !how.slices && !how.translucent;
     auto renderer = Renderer::create(how);
     if (!renderer) return renderer.error();
@@ -141,7 +142,7 @@ struct Drawn {
   double median_us = 0.0, p99_us = 0.0, over_shipped = 0.0;
 };
 
-/// One picture unmeasured, then timed by turns with the shipped knobs, of which a third as many are enough.
+/// Draws one picture untimed, then times pictures interleaved with the shipped options, of which a third suffices.
 Result<Drawn> draw_timed(Stand& stand, const DrawingQuality& quality, Stand& shipped, int frames) {
   const auto timed = [](Stand& which, const DrawingQuality& how, std::vector<double>& times) -> Result<Image> {
     const double start = cpu_us();
@@ -168,7 +169,7 @@ Result<Drawn> draw_timed(Stand& stand, const DrawingQuality& quality, Stand& shi
 
 // ---- rows ----
 
-/// The knob that a row is about.
+/// The option that a row is about.
 struct Knob {
   std::string model, name;
   double setting = 0.0;
@@ -178,7 +179,7 @@ class Table {
  public:
   explicit Table(std::string subject) : subject_(std::move(subject)) {}
 
-  /// Three metrics against each reference, and the time over that of the shipped knobs.
+  /// Three metrics against each reference, and the time relative to the shipped options.
   void add(const Knob& knob, const Drawn& drawn, double bytes, const std::vector<std::pair<std::string, const Image*>>& references,
            bool timed = true) {
     CostRow row{.subject = subject_,
@@ -271,7 +272,7 @@ class SubjectRun {
     return {};
   }
 
-  /// Step, bisections, finish, rays a pixel and resolution, each alone.
+  /// Step, bisections, finish, rays per pixel and resolution, each alone.
   Status sampling() {
     step_("step and bisections");
     for (const double step : {1.0, 0.5, 0.25, 0.125}) {
@@ -298,7 +299,7 @@ class SubjectRun {
     return {};
   }
 
-  /// Bits of a texture, emulated in floats (so without times), and where normals come from.
+  /// Bits of a texture, emulated in floats (without times), and sources of normals.
   Status texels() {
     step_("texels and normals");
     const auto against_plain = [&](Stand& with, const Knob& knob, const DrawingQuality& quality, bool timed) -> Status {
@@ -382,7 +383,7 @@ class SubjectRun {
     return {};
   }
 
-  /// Rays a pixel and resolution, fewest rays first.
+  /// Rays per pixel and resolution, fewest rays first.
   static std::vector<DrawingQuality> sizes() {
     std::vector<DrawingQuality> out;
     for (const auto& [resolution, side] : {std::pair{0.25, 1}, std::pair{0.5, 1}, std::pair{0.75, 1}, std::pair{1.0, 1}, std::pair{0.75, 2},
@@ -416,7 +417,7 @@ class SubjectRun {
 
 void add_point_rows(RenderCost& out) {
   for (const DrawnPoint& point : out.points) {
-    if (point.method == "slices") continue;  // has its rows
+    if (point.method == "slices") continue;  // has its own rows
     const double side = point.quality.supersample * point.quality.resolution;
     CostRow row{.subject = point.subject,
                 .model = point.method + ", " + quality_text(point.quality, point.method == "translucent"),
@@ -458,9 +459,9 @@ Result<RenderCost> measure_render_cost(const RenderCostOptions& options) {
   return out;
 }
 
-std::vector<FrontRow> front_of(const std::vector<DrawnPoint>& points, const std::string& method) {
+std::vector<ParetoRow> front_of(const std::vector<DrawnPoint>& points, const std::string& method) {
   struct Sum {
-    FrontRow row;
+    ParetoRow row;
     int count = 0;
   };
   std::vector<Sum> sums;
@@ -477,10 +478,10 @@ std::vector<FrontRow> front_of(const std::vector<DrawnPoint>& points, const std:
     sum.row.cost /= sum.count;
     priced.push_back({sum.row.cost, sum.row.psnr});
   }
-  std::vector<FrontRow> front;
+  std::vector<ParetoRow> front;
   for (const std::size_t n : pareto_front(priced)) front.push_back(sums[n].row);
   const double first = front.empty() ? 1.0 : front.front().cost;
-  for (FrontRow& row : front) row.cost /= first;
+  for (ParetoRow& row : front) row.cost /= first;
   return front;
 }
 

@@ -1,11 +1,11 @@
-/// app/lab/render_cost.h: what drawing costs: pictures of the shipped renderer, knob by knob, against the best that can be drawn, beside
-///   their CPU time.
-///   Scene   the shipped parietal bone from the scene's camera, as loaded and after a hole was drilled through it; without the tool.
-///   References  drawn by the same renderer from texels in floats at 1/8 voxel with 12 bisections:
-///           "same rays"  one ray a pixel, without finish: what sampling and texels lose;
-///           "best"       4 x 4 rays a pixel, with finish: what a viewer loses.
-///   Times   CPU time of all threads of the process [us] a picture, read back; a picture with the shipped knobs by turns in the same run.
-///   Thread  one; OpenGL's own threads are counted.
+/// app/lab/render_cost.h: accuracy and CPU time of drawing: pictures of the shipped renderer, one drawing option after another, against the
+///   best quality.
+///   Scene   the shipped parietal bone from the scene's camera, as loaded and after drilling through it; without the tool.
+///   References  drawn by the same renderer from float texels at 1/8 voxel with 12 bisections:
+///           "same rays"  one ray per pixel, without finish: errors of sampling and texels;
+///           "best"       4 x 4 rays per pixel, with finish: all errors that a viewer sees.
+///   Times   CPU time of all threads of the process [us] per picture, read-back included; interleaved with pictures of the shipped options.
+///   Units   in the names.   Errors  unavailable.   Thread  one; threads of OpenGL are counted.
 #pragma once
 
 #include <functional>
@@ -18,22 +18,22 @@
 namespace burrhole {
 
 struct RenderCostOptions {
-  std::string share_folder;  ///< holds scenes/ and tools/
-  int width = 400, height = 300;
-  int frames = 9;       ///< timed for each setting
-  bool front = true;    ///< all combinations of knobs, for the Pareto front; otherwise each knob alone
-  bool drilled = true;  ///< also after drilling
+  std::string share_folder;       ///< contains scenes/ and tools/
+  int width = 400, height = 300;  ///< [pixels]
+  int frames = 9;                 ///< timed per setting
+  bool front = true;              ///< all combinations of options, for the Pareto front; otherwise each option alone
+  bool drilled = true;            ///< also after drilling
   GlBackend gl = GlBackend::automatic;
   std::function<void(double, const std::string&)> progress{};  ///< share done 0..1; may be empty
 };
 
-/// A picture of the front's figures.
+/// A measured picture.
 struct DrawnPoint {
   std::string subject;
   std::string method;  ///< "rays", "slices" or "translucent"
   DrawingQuality quality;
-  double slices_per_voxel = 0.0;  ///< of slices
-  double median_us = 0.0, over_shipped = 0.0, psnr = 0.0, ssim = 0.0, flip = 0.0;
+  double slices_per_voxel = 0.0;                                                   ///< [slices/voxel] of method "slices"
+  double median_us = 0.0, over_shipped = 0.0, psnr = 0.0, ssim = 0.0, flip = 0.0;  ///< [us], [-], [dB], [-], [-]
 };
 
 struct NamedImage {
@@ -51,15 +51,15 @@ struct RenderCost {
 /// @returns ErrorCode::unavailable without OpenGL.
 [[nodiscard]] Result<RenderCost> measure_render_cost(const RenderCostOptions& options);
 
-/// Points of one method with their costs and accuracies put together over the subjects: mean cost over that of the cheapest, least PSNR.
-struct FrontRow {
+/// Points of one method, combined over the subjects: mean cost relative to the cheapest, smallest PSNR.
+struct ParetoRow {
   DrawingQuality quality;
-  double cost = 0.0, psnr = 0.0;
+  double cost = 0.0, psnr = 0.0;  ///< [-], [dB]
 };
-[[nodiscard]] std::vector<FrontRow> front_of(const std::vector<DrawnPoint>& points, const std::string& method);
+[[nodiscard]] std::vector<ParetoRow> front_of(const std::vector<DrawnPoint>& points, const std::string& method);
 
-/// cost.csv, render.svg, render.html, the pictures and, where fronts were measured, quality_front.inc (built into the program) into a
-/// folder. `unavailable` without gnuplot: the CSV is then there.
+/// Writes cost.csv, render.svg, render.html, the pictures and, if Pareto fronts were measured, quality_front.inc (compiled into the
+/// program) into a folder. `unavailable` without gnuplot: the CSV is written.
 [[nodiscard]] Status write_render_cost(const RenderCost& cost, const std::string& folder);
 
 }  // namespace burrhole

@@ -18,10 +18,10 @@
 namespace burrhole {
 namespace {
 
-constexpr double kAir = 1.5e-3;   // [m] above its first pose: deeper than the deepest slide
-constexpr double kHead = 5e-3;    // [m] of a bit's height is felt
-constexpr int kSettle = 20;       // steps at the first pose before the slide begins
-constexpr double kPeriod = 1e-3;  // [s] without damping it means nothing
+constexpr double kAir = 1.5e-3;   // [m] margin above the plate: deeper than the deepest slide
+constexpr double kHead = 5e-3;    // [m] height of the bit that has shell points
+constexpr int kSettle = 20;       // steps at the first pose before the slide
+constexpr double kPeriod = 1e-3;  // [s] irrelevant without damping
 
 Status check(const SlidingOptions& options) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
@@ -38,7 +38,7 @@ Status check(const SlidingOptions& options) {
   return {};
 }
 
-/// A plate whose level form has its surface on voxel faces, room for the slide and a bit round it.
+/// A plate whose level form has its surface on voxel faces, with a margin for the slide and the bit.
 PhantomSpec plate_of(const SlidingOptions& options, const Vec3& normal) {
   PhantomSpec spec;
   spec.kind = PhantomKind::plate;
@@ -56,7 +56,7 @@ struct Slope {
       : normal(portable_sin(tilt_deg * kDegree), 0.0, portable_cos(tilt_deg * kDegree)), down(normal.z, 0.0, -normal.x) {}
 };
 
-/// Where a lane starts: axis along the normal, turned about it and moved aside by the lane's own numbers.
+/// Start of a lane: axis along the normal, rotated about it and displaced by the lane's random numbers.
 Pose start_of(const SlidingOptions& options, const Slope& slope, double depth, int lane) {
   const auto seed = static_cast<std::uint64_t>(options.seed), at = 3 * static_cast<std::uint64_t>(lane);
   const double half_turn = 0.5 * std::numbers::pi * uniform11(seed, at);
@@ -139,7 +139,7 @@ Result<std::vector<SlidingRow>> measure_sliding(const SlidingOptions& options, s
 
 namespace {
 
-/// The lowest part of a bit: what touches. A shank that stands out of the window would have the constrained tool wait for the window.
+/// The lowest part of a bit, which touches. A shank outside the window would make the constrained tool wait for the window.
 PointShell head_of(const PointShell& shell) {
   PointShell out;
   for (std::size_t n = 0; n < shell.size(); ++n) {
@@ -151,7 +151,7 @@ PointShell head_of(const PointShell& shell) {
   return out;
 }
 
-/// The constrained tool at rest, the hand at the pose.
+/// The constrained tool at rest, with the hand at the pose.
 Result<SlidingSubject> surface_subject(const PointShell& shell, double pitch) {
   ConstrainedToolConfig config;
   config.coupling_stiffness = kSlidingStiffness;
@@ -165,12 +165,12 @@ Result<SlidingSubject> surface_subject(const PointShell& shell, double pitch) {
                           const auto placed = std::make_shared<bool>(false);
                           return [tool, placed, view = &bone.surface](const Pose& pose) {
                             if (!*placed) {
-                              // Into bone from above, as a hand does: a tool placed in bone would have no side to leave it on.
+                              // Into bone from above, as a hand moves: a tool placed inside bone would have no side to return to.
                               tool->place({pose.rotation, pose.translation + pose.rotate(Vec3(0.0, 0.0, kAir))});
-                              for (int n = 0; n < kSettle; ++n) (void)tool->step(*view, {pose, Vec3(0.0), false}, kPeriod);
+                              for (int n = 0; n < kSettle; ++n) (void)tool->step(*view, {pose, Vec3(0.0)}, kPeriod);
                               *placed = true;
                             }
-                            return tool->step(*view, {pose, Vec3(0.0), false}, kPeriod).on_hand.force;
+                            return tool->step(*view, {pose, Vec3(0.0)}, kPeriod).on_hand.force;
                           };
                         }};
 }
@@ -182,9 +182,9 @@ Result<std::vector<SlidingSubject>> sliding_subjects(const SlidingOptions& optio
   auto tool = load_tool(options.tool_folder + "/" + options.tool + ".toml", {.erosion_pitch = 1e-3}, issues);
   if (!tool) return issues.front();
   std::vector<SlidingSubject> subjects;
-  const auto add = [&](const char* name, Result<std::unique_ptr<ContactModel>> made) -> Status {
+  const auto add = [&](const char* name, Result<std::unique_ptr<PenaltyModel>> made) -> Status {
     if (!made) return made.error();
-    const std::shared_ptr<const ContactModel> model = std::move(made).value();
+    const std::shared_ptr<const PenaltyModel> model = std::move(made).value();
     subjects.push_back({name, [model](const SlidingBone& bone) -> ForceAt {
                           auto result = std::make_shared<ContactResult>();
                           result->contacts.reserve(model->shell().size());

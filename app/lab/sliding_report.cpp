@@ -9,7 +9,7 @@
 namespace burrhole {
 namespace {
 
-/// One line a model, at one depth, of one figure.
+/// One line per model, at one depth, of one figure.
 PlotPanel panel_of(const std::vector<SlidingRow>& rows, double depth_voxel, const std::string& label, double (*figure)(const SlidingRow&)) {
   PlotPanel panel;
   panel.y_label = label;
@@ -43,7 +43,7 @@ std::vector<CostRow> sliding_cost_rows(const std::vector<SlidingRow>& rows, cons
       common.reference = reference;
       out.push_back(common);
     };
-    add("mean_force_off", row.mean_N - row.true_N, "N", "k x closed-form way out along the normal");
+    add("mean_force_off", row.mean_N - row.true_N, "N", "k x closed-form translation distance along the normal");
     add("largest_step", row.largest_step_N, "N", "the force a step before");
     add("rms_step", row.rms_step_N, "N", "the force a step before");
     add("ripple", row.ripple, "-", "mean force along the normal");
@@ -60,7 +60,7 @@ Status write_sliding(const std::vector<SlidingRow>& rows, const std::string& fol
   for (const SlidingRow& row : rows)
     if (std::find(depths.begin(), depths.end(), row.depth_voxel) == depths.end()) depths.push_back(row.depth_voxel);
   for (const double depth : depths) {
-    // NaN where a model gives no force: its line breaks.
+    // NaN if a model has no force: its line is interrupted.
     plot.panels.push_back(panel_of(rows, depth, fmt::format("step over mean, {:g} voxel deep [-]", depth), [](const SlidingRow& row) {
       return row.mean_N > 0.0 ? row.largest_step_N / row.mean_N : std::numeric_limits<double>::quiet_NaN();
     }));

@@ -1,5 +1,7 @@
-/// app/lab/stability_case.h: a hard case as data: the scene, what the hand does, what goes wrong, what must hold, and how to break it.
-///   Frames  the hand's way: approach frame (origin on the surface, +z out of bone).   Units SI; bounds in the measure's unit.
+/// app/lab/stability_case.h: a hard case as data: scene, hand motion, disturbances, bounds that must hold, and a sabotage that must violate
+/// one.
+///   Frames  path of the hand: approach frame (origin on the surface, +z out of bone).   Units SI; bounds in the unit of their measure.
+///   Errors  none.   Thread  any: values.
 #pragma once
 
 #include <functional>
@@ -17,10 +19,10 @@ namespace burrhole {
 enum class StabilityMeasure {
   not_finite,          ///< [ticks]
   force,               ///< [N]
-  force_step,          ///< [N] a tick
-  pull,                ///< [N]
+  force_step,          ///< [N/tick]
+  attractive_force,    ///< [N]
   force_without_bone,  ///< [ms]
-  energy_owed,         ///< [mJ]
+  passivity_deficit,   ///< [mJ]
   cycle,               ///< [mm]
   ripple,              ///< [%]
   penetration,         ///< [voxel]
@@ -29,94 +31,94 @@ enum class StabilityMeasure {
   drag,                ///< [mJ/mm]
   lateral_force,       ///< [N]
   force_in_fault,      ///< [N]
-  ticks_missed,        ///< [%] of ticks that told no fault where there was one
+  ticks_missed,        ///< [%] of ticks with a servo fault that did not report it
 };
-/// "energy_owed_mJ", ...
+/// @returns the name of a measure with its unit: "passivity_deficit_mJ", ...
 [[nodiscard]] std::string_view name_of(StabilityMeasure measure) noexcept;
 
-/// For whom a bound is meant.
+/// Models to which a bound applies.
 enum class ForModels {
   all,
-  held,  ///< the default model alone: a penalty lets a strong push through by its own law
+  constrained,  ///< the default model only: a penalty model permits penetration by its law
 };
 
 struct StabilityCheck {
   StabilityMeasure measure;
-  double bound;  ///< what the figure must not exceed
+  double bound;  ///< [unit of `measure`] upper bound
   TimeSpan span{};
   ForModels models = ForModels::all;
-  std::uint32_t faults = 0;  ///< of the last two measures
+  std::uint32_t faults = 0;  ///< servo fault bits of the last two measures
 };
 
-/// Where the hand means to be, straight lines between; before the first and after the last as there.
+/// A point of the goal path of the hand. Linear between points, constant before the first and after the last.
 struct Waypoint {
   double time;  ///< [s]
-  Vec3 at;      ///< [m] of the grip's hand, in metres of the world, approach frame
+  Vec3 at;      ///< [m] goal of the hand in the world's scale, approach frame
 };
 
-/// What goes wrong with the loop during a run.
+/// Disturbances of the loop during a run.
 struct StabilityTrouble {
-  std::vector<TimeSpan> contact_stalls;     ///< contact looks at nothing
-  std::optional<TimeSpan> hand_not_number;  ///< the device tells NaN
-  std::optional<TimeSpan> hand_infinite;    ///< the device tells infinity
-  double reset_at = -1.0;                   ///< [s] the user takes the latched fault back; below 0: never
-  int servo_jitter = 0;                     ///< [ticks] a servo tick takes 1 to 1 + so many, seeded
-  double servo_stall_every = 0.0;           ///< [s] and that often one takes 20; 0: never
-  std::vector<Waypoint> teleports;          ///< the grip is there all at once
+  std::vector<TimeSpan> contact_stalls;     ///< contact is not evaluated
+  std::optional<TimeSpan> hand_not_number;  ///< the device reports NaN
+  std::optional<TimeSpan> hand_infinite;    ///< the device reports infinity
+  double reset_at = -1.0;                   ///< [s] time at which the user resets the latched fault; < 0: never
+  int servo_jitter = 0;                     ///< [ticks] a servo tick takes 1 to 1 + servo_jitter ticks, random with a fixed seed
+  double servo_stall_every = 0.0;           ///< [s] period of servo ticks that take 20 ticks; 0: never
+  std::vector<Waypoint> teleports;          ///< the position of the grip jumps there
 };
 
-/// What is broken on purpose, so that `must_fail` does.
+/// A deliberate error that must violate `must_fail`.
 struct StabilitySabotage {
   std::string what{};
   StabilityMeasure must_fail = StabilityMeasure::not_finite;
-  std::vector<std::string> sets{};  ///< scene keys, as --set
-  bool flip = false;                ///< the grip feels the force with its sign flipped
-  int late = 0;                     ///< [ticks] the grip feels each force so much later
-  bool does_not_stop = false;       ///< where the force should stop, the strongest so far is felt
-  double turned = 0.0;              ///< [rad] the grip feels the force turned about y by so much: bone with friction
-  bool dead_contact = false;        ///< contact looks no more once it has touched: force and gradient stay as they were
+  std::vector<std::string> sets{};  ///< scene keys, as for --set
+  bool flip = false;                ///< the sign of the force on the grip is inverted
+  int late = 0;                     ///< [ticks] additional latency of the force on the grip
+  bool does_not_stop = false;       ///< where the force should be zero, the largest force so far acts
+  double turned = 0.0;              ///< [rad] the force on the grip is rotated about y, as if bone had friction
+  bool dead_contact = false;        ///< contact is not evaluated after the first touch: force and gradient stay constant
 };
 
 struct StabilityCase {
   std::string name;
-  std::string shows;        ///< one sentence
-  std::string scene;        ///< TOML, but for the model
+  std::string shows;        ///< description, one sentence
+  std::string scene;        ///< TOML, without the contact model
   std::string tool;         ///< TOML
-  int rate_hz = 1000;       ///< of contact
+  int rate_hz = 1000;       ///< [Hz] of contact
   double duration = 2.0;    ///< [s]
-  std::uint64_t ticks = 0;  ///< instead of the duration; the trace is then judged in parts
+  std::uint64_t ticks = 0;  ///< if not 0, used instead of the duration; the trace is evaluated in parts
   std::vector<Waypoint> path;
-  Vec3 start{0.0, 0.0, 1e-3};      ///< [m] of the grip and the tool
+  Vec3 start{0.0, 0.0, 1e-3};      ///< [m] of grip and tool
   Vec3 start_velocity{0.0};        ///< [m/s]
-  double far_side = 0.0;           ///< [m] approach frame: the tip below this height is on the far side; 0: not looked at
-  double slot_half_width = 0.0;    ///< [m] a slot along y cut through the bone as loaded; 0: none
-  double swing = 0.0, turn = 0.0;  ///< [m] along x, [rad] about y: amplitudes of the bone's own motion, at 1 Hz
-  double loose_drag = 0.0;         ///< [N s/m] bone is loose: it moves with F over this; 0: it is fixed
+  double far_side = 0.0;           ///< [m] approach frame: a tip below this height is on the far side; 0: not tested
+  double slot_half_width = 0.0;    ///< [m] a slot along y through the bone as loaded; 0: none
+  double swing = 0.0, turn = 0.0;  ///< [m] along x, [rad] about y: amplitudes of the bone's motion at 1 Hz
+  double loose_drag = 0.0;         ///< [N s/m] free bone that moves with velocity F / loose_drag; 0: the bone is fixed
   StabilityTrouble trouble;
   std::vector<StabilityCheck> checks;
   StabilitySabotage sabotage;
 };
 
-/// How a case is felt: rows of [contact].
+/// A contact model of the comparison: keys of [contact].
 struct StabilityModel {
   std::string name;
-  std::string keys;   ///< TOML
-  bool held = false;  ///< the default model
+  std::string keys;          ///< TOML
+  bool constrained = false;  ///< the default model
 };
 
-/// The default model first.
+/// @returns the models, the default model first.
 [[nodiscard]] std::span<const StabilityModel> stability_models();
 /// @param long_runs the longest case runs ten times as long.
 [[nodiscard]] std::vector<StabilityCase> stability_cases(bool long_runs = false);
 
-/// The figure of one check, in the measure's unit.
+/// Parameters of the evaluation of a check.
 struct TraceContext {
-  Swallows swallows;
+  Dissipation dissipation;
   double voxel_edge = 0.25e-3;  ///< [m]
-  double grace = 0.0;           ///< [s] for which a force may outlive its bone: one slow period and the loop's latency
+  double grace = 0.0;           ///< [s] for which a force may remain without bone: one contact period and the latency of the loop
 };
 [[nodiscard]] double measure(const StabilityTrace& trace, const StabilityCheck& check, const TraceContext& context);
-/// What that figure must not exceed: the check's bound, and where it is a time for which a force may stay, the loop's own grace besides.
+/// @returns the bound of the check; for a time without bone, plus the grace of the loop.
 [[nodiscard]] double bound_of(const StabilityCheck& check, const TraceContext& context) noexcept;
 
 }  // namespace burrhole

@@ -1,4 +1,4 @@
-// Bone goes away while it is felt.
+// Bone is removed during contact.
 #include "app/lab/stability_parts.h"
 #include "core/base/units.h"
 
@@ -12,8 +12,9 @@ void add_drilling(std::vector<StabilityCase>& out) {
   shell.tool = ball();
   shell.path = {{0.0, {0.0, 0.0, 1e-3}}, {1.0, {0.0, 0.0, -3e-3}}, {3.0, {0.0, 0.0, -7e-3}}};
   shell.duration = 5.0;
-  shell.checks = with(always(), {{StabilityMeasure::pull, kPull}, {StabilityMeasure::rest_speed, kRestSpeed, {4.8, 5.0}}});
-  shell.sabotage = {.what = "the sign of the force is flipped", .must_fail = StabilityMeasure::energy_owed, .flip = true};
+  shell.checks =
+      with(always(), {{StabilityMeasure::attractive_force, kAttractiveForce}, {StabilityMeasure::rest_speed, kRestSpeed, {4.8, 5.0}}});
+  shell.sabotage = {.what = "the sign of the force is flipped", .must_fail = StabilityMeasure::passivity_deficit, .flip = true};
   out.push_back(shell);
   StabilityCase layers = shell;
   layers.name = "hardness_jump";
@@ -23,7 +24,7 @@ void add_drilling(std::vector<StabilityCase>& out) {
        .drills = true});
   layers.path = {{0.0, {0.0, 0.0, 1e-3}}, {0.5, {0.0, 0.0, -3e-3}}, {4.0, {0.0, 0.0, -10e-3}}};
   layers.duration = 4.0;
-  layers.checks = with(always(), {{StabilityMeasure::pull, kPull}});
+  layers.checks = with(always(), {{StabilityMeasure::attractive_force, kAttractiveForce}});
   out.push_back(layers);
 }
 

@@ -46,11 +46,11 @@ void StabilityHand::begin_tick(double time) noexcept {
 }
 
 const HandState& StabilityHand::read() noexcept {
-  told_ = hand_->read();
+  reported_ = hand_->read();
   const StabilityTrouble& trouble = case_->trouble;
-  if (trouble.hand_not_number && trouble.hand_not_number->holds(time_)) told_.world_from_hand.translation.z = std::nan("");
-  if (trouble.hand_infinite && trouble.hand_infinite->holds(time_)) told_.velocity.x = std::numeric_limits<double>::infinity();
-  return told_;
+  if (trouble.hand_not_number && trouble.hand_not_number->holds(time_)) reported_.world_from_hand.translation.z = std::nan("");
+  if (trouble.hand_infinite && trouble.hand_infinite->holds(time_)) reported_.velocity.x = std::numeric_limits<double>::infinity();
+  return reported_;
 }
 
 int StabilityHand::ticks_until_next() noexcept {
@@ -82,7 +82,7 @@ void StabilityHand::apply(const Wrench& on_hand) noexcept {
   felt_ = felt.force;
   hand_->apply(felt);
   alone_.clear();
-  // A servo that comes late leaves the device alone with its last force.
+  // If the servo is late, the device continues with its last force.
   for (int n = ticks_until_next(); n > 1; --n) {
     alone_.push_back(device_.grip());
     device_.write({setup_.map.to_grip(felt.force), Vec3(0.0)});

@@ -1,5 +1,5 @@
-/// app/lab/stability_hand.h: a simulated device in a hand that follows a way of points, with what goes wrong between it and the servo.
-///   Frames as haptics/device/device_hand.h; the way is in the approach frame.   Units SI.   Thread one.
+/// app/lab/stability_hand.h: a simulated device in a hand that follows a path, with disturbances between device and servo.
+///   Frames as haptics/device/device_hand.h; the path is in the approach frame.   Units SI.   Errors  of device and map.   Thread one.
 #pragma once
 
 #include <deque>
@@ -22,21 +22,21 @@ class StabilityHand final : public HandSource {
     Pose world_from_approach;
     double period = 1e-3;  ///< [s]
   };
-  /// `of` must outlive it. Errors of device and map pass through.
+  /// @pre `of` outlives the hand. Errors of device and map are returned.
   [[nodiscard]] static Result<std::unique_ptr<StabilityHand>> create(const Setup& setup, const StabilityCase& of, bool sabotaged);
 
   [[nodiscard]] const HandState& read() noexcept override;
   void apply(const Wrench& on_hand) noexcept override;
 
-  /// Before the tick at this time: teleports.
+  /// Call before the tick at this time: applies teleports.
   void begin_tick(double time) noexcept;
   [[nodiscard]] const PlantState& grip() const noexcept { return device_.grip(); }
   [[nodiscard]] const Vec3& shown() const noexcept { return device_.force(); }  ///< [N] during the last tick
-  [[nodiscard]] const Vec3& felt() const noexcept { return felt_; }  ///< [N] world: of the last apply(), as a sabotage may have it
-  /// Where the grip was at the start of each further tick in which the servo left it alone, during the last apply().
+  [[nodiscard]] const Vec3& felt() const noexcept { return felt_; }             ///< [N] world: force of the last apply(), after sabotage
+  /// Positions of the grip at the start of each additional tick without the servo, during the last apply().
   [[nodiscard]] std::span<const PlantState> left_alone() const noexcept { return alone_; }
   [[nodiscard]] const DeviceMap& map() const noexcept { return setup_.map; }
-  /// [m] world: where the grip truly is.
+  /// @returns the true position [m] of the grip, world.
   [[nodiscard]] Vec3 world_grip() const noexcept { return setup_.map.world(device_.grip().position); }
 
  private:
@@ -51,13 +51,13 @@ class StabilityHand final : public HandSource {
   std::optional<DeviceHand> hand_;
   const StabilityCase* case_;
   bool sabotaged_;
-  double time_ = 0.0;  // [s] as the servo counts
+  double time_ = 0.0;  // [s] time of the servo
   std::uint64_t tick_ = 0;
   std::deque<Wrench> late_;
   Wrench strongest_;
   Vec3 felt_{0.0};
   std::vector<PlantState> alone_;
-  HandState told_;
+  HandState reported_;
 };
 
 }  // namespace burrhole

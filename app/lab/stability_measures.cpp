@@ -6,11 +6,11 @@
 namespace burrhole {
 namespace {
 
-constexpr double kFelt = 0.05;  // [N] under what a hand notices; the devices' own friction
+constexpr double kFelt = 0.05;  // [N] below the perception of a hand; the friction of the devices
 constexpr std::array<std::string_view, 15> kNames{
-    "not_finite_ticks", "force_N",          "force_step_N",        "pull_N",      "force_without_bone_ms", "energy_owed_mJ",
-    "cycle_mm",         "ripple_percent",   "penetration_voxel",   "far_side_mm", "rest_speed_mm_s",       "drag_mJ_per_mm",
-    "lateral_force_N",  "force_in_fault_N", "fault_missed_percent"};
+    "not_finite_ticks",     "force_N",        "force_step_N",    "attractive_force_N", "force_without_bone_ms",
+    "passivity_deficit_mJ", "cycle_mm",       "ripple_percent",  "penetration_voxel",  "far_side_mm",
+    "rest_speed_mm_s",      "drag_mJ_per_mm", "lateral_force_N", "force_in_fault_N",   "fault_missed_percent"};
 
 }  // namespace
 
@@ -24,12 +24,12 @@ double measure(const StabilityTrace& trace, const StabilityCheck& check, const T
       return largest_force(trace, check.span);
     case StabilityMeasure::force_step:
       return largest_force_step(trace, check.span);
-    case StabilityMeasure::pull:
-      return largest_pull(trace, check.span);
+    case StabilityMeasure::attractive_force:
+      return largest_attractive_force(trace, check.span);
     case StabilityMeasure::force_without_bone:
       return longest_force_without_bone(trace, kFelt) * 1e3;
-    case StabilityMeasure::energy_owed:
-      return energy_owed(trace, context.swallows) * 1e3;
+    case StabilityMeasure::passivity_deficit:
+      return passivity_deficit(trace, context.dissipation) * 1e3;
     case StabilityMeasure::cycle:
       return cycle_size(trace, check.span) / kMillimetre;
     case StabilityMeasure::ripple:

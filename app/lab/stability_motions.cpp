@@ -1,4 +1,4 @@
-// The hand, or bone, moves along while they touch.
+// The hand, or bone, moves along during contact.
 #include <fmt/format.h>
 
 #include "app/lab/stability_parts.h"
@@ -7,12 +7,12 @@
 namespace burrhole::stability {
 namespace {
 
-/// Down at x = -3 mm, over to +3 mm in a second, back in another, and up. `slope`: height lost per length along x.
+/// Down at x = -3 mm, to +3 mm in a second, back in another, and up. @param slope height lost per length along x.
 std::vector<Waypoint> there_and_back(double slope) {
   const auto at = [&](double x_mm, double z_mm) { return Vec3(x_mm, 0.0, z_mm - slope * x_mm) * kMillimetre; };
   return {{0.0, at(-3, 1)}, {0.4, at(-3, -3)}, {0.8, at(-3, -3)}, {1.8, at(3, -3)}, {2.0, at(3, -3)}, {3.0, at(-3, -3)}, {3.4, at(-3, 3)}};
 }
-// The hand starts with a jerk, which its damper swallows in 0.1 s: five times that.
+// The hand starts with a step of velocity, which its damper dissipates in 0.1 s: five times that.
 constexpr TimeSpan kThere{1.3, 1.8}, kBack{2.5, 3.0};
 
 StabilityCase sliding(std::string name, std::string shows, std::string volume, double slope) {
@@ -29,9 +29,9 @@ StabilityCase sliding(std::string name, std::string shows, std::string volume, d
                                {StabilityMeasure::drag, kDrag, kThere},
                                {StabilityMeasure::drag, kDrag, kBack},
                                {StabilityMeasure::lateral_force, kSlideStep, {0.9, 3.0}},
-                               {StabilityMeasure::pull, kPull, {3.0, 3.8}},
+                               {StabilityMeasure::attractive_force, kAttractiveForce, {3.0, 3.8}},
                                {StabilityMeasure::rest_speed, kRestSpeed, {3.7, 3.8}},
-                               {StabilityMeasure::penetration, kPenetration, {}, ForModels::held}});
+                               {StabilityMeasure::penetration, kPenetration, {}, ForModels::constrained}});
   out.sabotage = {.what = "the force is turned by 10 degrees", .must_fail = StabilityMeasure::drag, .turned = 10.0 * kDegree};
   return out;
 }
@@ -57,7 +57,7 @@ void add_slides(std::vector<StabilityCase>& out) {
 }
 
 void add_strokes(std::vector<StabilityCase>& out) {
-  constexpr double kLimit = 0.125;  // [m/s] voxel edge over two ticks: no more than half a voxel a tick
+  constexpr double kLimit = 0.125;  // [m/s] voxel edge over two ticks: at most half a voxel per tick
   for (const double times : {0.5, 1.0, 2.0, 10.0}) {
     StabilityCase stroke;
     stroke.name = fmt::format("stroke_{:g}x", times);
@@ -69,9 +69,9 @@ void add_strokes(std::vector<StabilityCase>& out) {
     stroke.path = {{0.0, {0.0, 0.0, 0.5e-3}}};
     stroke.far_side = -3.5e-3;
     stroke.duration = 1.5;
-    stroke.checks =
-        with(with(always(), held_back()), {{StabilityMeasure::pull, kPull}, {StabilityMeasure::rest_speed, kRestSpeed, {1.3, 1.5}}});
-    stroke.sabotage = {.what = "the sign of the force is flipped", .must_fail = StabilityMeasure::pull, .flip = true};
+    stroke.checks = with(with(always(), held_back()),
+                         {{StabilityMeasure::attractive_force, kAttractiveForce}, {StabilityMeasure::rest_speed, kRestSpeed, {1.3, 1.5}}});
+    stroke.sabotage = {.what = "the sign of the force is flipped", .must_fail = StabilityMeasure::attractive_force, .flip = true};
     out.push_back(stroke);
   }
 }
@@ -90,27 +90,27 @@ void add_motions(std::vector<StabilityCase>& out) {
   moved.swing = 1e-3;
   moved.turn = 0.1;
   moved.duration = kPressTime;
-  moved.checks = with(always(), {{StabilityMeasure::penetration, kPenetration, {}, ForModels::held},
-                                 {StabilityMeasure::pull, kPull},
+  moved.checks = with(always(), {{StabilityMeasure::penetration, kPenetration, {}, ForModels::constrained},
+                                 {StabilityMeasure::attractive_force, kAttractiveForce},
                                  {StabilityMeasure::force_step, kDeviceStep, {0.8, 1.5}},
                                  {StabilityMeasure::rest_speed, kRestSpeed, kLeft}});
-  moved.sabotage = {.what = "contact looks no more once it touched",
+  moved.sabotage = {.what = "contact is not evaluated after the first touch",
                     .must_fail = StabilityMeasure::penetration,
                     .sets = {"servo.soft_stop_s=60"},
                     .dead_contact = true};
   out.push_back(moved);
   StabilityCase chip;
   chip.name = "loose_chip";
-  chip.shows = "A chip of bone of 6 mm that nothing holds but a drag of 20 N s/m is pushed away by the tool.";
+  chip.shows = "A chip of bone of 6 mm that is free except for a drag of 20 N s/m is pushed away by the tool.";
   chip.scene = scene({.volume = "source = \"phantom:block\"\nblock_mm = [6, 6, 3]\nextent_mm = [12, 12, 8]\n"});
   chip.tool = ball();
   chip.path = press(3.0);
   chip.duration = kPressTime;
   chip.loose_drag = 20.0;
-  chip.checks = with(always(), {{StabilityMeasure::penetration, kPenetration, {}, ForModels::held},
-                                {StabilityMeasure::pull, kPull},
+  chip.checks = with(always(), {{StabilityMeasure::penetration, kPenetration, {}, ForModels::constrained},
+                                {StabilityMeasure::attractive_force, kAttractiveForce},
                                 {StabilityMeasure::rest_speed, kRestSpeed, kLeft}});
-  chip.sabotage = {.what = "where the force should stop, the strongest so far is felt",
+  chip.sabotage = {.what = "where the force should be zero, the largest force so far acts",
                    .must_fail = StabilityMeasure::force_without_bone,
                    .does_not_stop = true};
   out.push_back(chip);

@@ -10,7 +10,7 @@ namespace burrhole {
 
 std::span<const StabilityModel> stability_models() {
   static const std::array<StabilityModel, 5> models{
-      {{.name = "surface", .keys = "model = \"surface\"\n", .held = true},
+      {{.name = "surface", .keys = "model = \"surface\"\n", .constrained = true},
        {.name = "gradient-plane", .keys = "model = \"gradient-plane\"\n"},
        {.name = "voxmap", .keys = "model = \"voxmap\"\n"},
        {.name = "gradient-plane, virtual coupling", .keys = "model = \"gradient-plane\"\ncoupling = \"virtual\"\n"},
@@ -63,13 +63,13 @@ std::vector<StabilityCheck> always() {
   return {{StabilityMeasure::not_finite, 0.0},
           {StabilityMeasure::force, kForceBound},
           {StabilityMeasure::force_without_bone, 0.0},
-          {StabilityMeasure::energy_owed, kEnergy}};
+          {StabilityMeasure::passivity_deficit, kEnergy}};
 }
 
 std::vector<StabilityCheck> pressed() {
   return with(always(), {{StabilityMeasure::cycle, kCycle, kPressed},
                          {StabilityMeasure::ripple, kRipple, kPressed},
-                         {StabilityMeasure::pull, kPull, {1.5, kPressTime}},
+                         {StabilityMeasure::attractive_force, kAttractiveForce, {1.5, kPressTime}},
                          {StabilityMeasure::rest_speed, kRestSpeed, kLeft}});
 }
 
@@ -79,7 +79,7 @@ std::vector<StabilityCheck> with(std::vector<StabilityCheck> checks, std::vector
 }
 
 std::vector<StabilityCheck> held_back(double penetration) {
-  return {{StabilityMeasure::penetration, penetration, {}, ForModels::held}, {StabilityMeasure::far_side, 0.0}};
+  return {{StabilityMeasure::penetration, penetration, {}, ForModels::constrained}, {StabilityMeasure::far_side, 0.0}};
 }
 
 }  // namespace stability

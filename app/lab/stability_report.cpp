@@ -16,7 +16,7 @@ namespace {
 
 const StabilityModel& default_model() { return stability_models().front(); }
 
-/// Cases in the order in which they were run.
+/// Cases in the order of the runs.
 std::vector<std::string> subjects_of(std::span<const StabilityOutcome> outcomes) {
   std::vector<std::string> out;
   for (const StabilityOutcome& outcome : outcomes)
@@ -32,7 +32,7 @@ std::map<std::string, StabilityCase> cases_by_name() {
 
 std::string figure(double value) { return fmt::format("{:.3g}", value); }
 
-/// "slot: cycle_mm 0.3 (bound 0.1)" of all that fails for a model.
+/// "slot: cycle_mm 0.3 (bound 0.1)" for every failure of a model.
 std::vector<std::string> findings_of(std::span<const StabilityOutcome> outcomes, const std::string& model) {
   std::vector<std::string> out;
   for (const StabilityOutcome& outcome : outcomes) {
@@ -45,7 +45,7 @@ std::vector<std::string> findings_of(std::span<const StabilityOutcome> outcomes,
   return out;
 }
 
-/// "`pull_N`: rest 0.37 (0.05), ..." a measure, in the order of their first failure; bounds in brackets.
+/// "`attractive_force_N`: rest 0.37 (0.05), ...", one entry per measure in the order of first failure; bounds in brackets.
 std::vector<std::string> failures_by_measure(std::span<const StabilityOutcome> outcomes, const std::string& model) {
   std::vector<std::pair<std::string, std::string>> lines;
   const auto add = [&](const std::string& measure, const std::string& text) {
@@ -64,7 +64,7 @@ std::vector<std::string> failures_by_measure(std::span<const StabilityOutcome> o
   return out;
 }
 
-/// Force over time, one line a model.
+/// Force over time, one line per model.
 std::string picture(std::span<const StabilityOutcome> outcomes, const std::string& subject) {
   Plot plot{.x_label = "time [s]", .panels = {{.y_label = "force [N]", .series = {}, .bands = {}, .from_zero = true}}, .events = {}};
   for (const StabilityOutcome& outcome : outcomes)
@@ -75,8 +75,8 @@ std::string picture(std::span<const StabilityOutcome> outcomes, const std::strin
   return drawn ? *drawn : std::string();
 }
 
-/// Checks of a case down, models across; what fails says so. The default model has all checks of a case, in order; a penalty leaves some
-/// out.
+/// Rows: checks of a case; columns: models; failures are marked. The default model has all checks of a case, in order; a penalty model has
+/// some of them.
 void add_table(HtmlPage& page, std::span<const StabilityOutcome> outcomes, const std::string& subject) {
   std::vector<std::string> columns{"measure", "bound"};
   std::vector<std::vector<std::string>> rows;
@@ -114,7 +114,7 @@ Status write_stability_csv(std::span<const StabilityOutcome> outcomes, const std
 
 Status write_stability_page(std::span<const StabilityOutcome> outcomes, const std::string& path) {
   const auto cases = cases_by_name();
-  HtmlPage page("Hard cases", "What holds where contact is hard, for each contact model");
+  HtmlPage page("Hard cases", "Bounds of difficult contact situations, for each contact model");
   page.heading("What fails");
   for (const StabilityModel& model : stability_models()) {
     const std::vector<std::string> findings = findings_of(outcomes, model.name);

@@ -1,4 +1,5 @@
-/// app/lab/stability_report.h: hard cases as a table, as a page with a picture a case, and as findings in words.
+/// app/lab/stability_report.h: hard cases as a table, as a page with a picture per case, and as text.
+///   Units  in the names of the measures.   Errors  bad_input, unavailable.
 #pragma once
 
 #include <span>
@@ -8,13 +9,13 @@
 
 namespace burrhole {
 
-/// Whether a figure of the default model is beyond its bound, or a case of it could not be run.
+/// @returns whether a measure of the default model exceeds its bound, or one of its cases could not be run.
 [[nodiscard]] bool default_model_failed(std::span<const StabilityOutcome> outcomes) noexcept;
-/// Columns case, model, measure, value, bound, pass. Folders that lack are made.
+/// Writes columns case, model, measure, value, bound, pass. Creates missing folders.
 [[nodiscard]] Status write_stability_csv(std::span<const StabilityOutcome> outcomes, const std::string& path);
-/// One page: what fails for which model, and for each case its picture, what it shows and its table. Without gnuplot it has no pictures.
+/// Writes one page: failures by model, and for each case its picture, description and table. Without gnuplot it has no pictures.
 [[nodiscard]] Status write_stability_page(std::span<const StabilityOutcome> outcomes, const std::string& path);
-/// Markdown: cases with what they show, how each is broken on purpose, bounds, and what fails for which model.
+/// @returns Markdown: cases with description and sabotage, bounds, and failures by model.
 [[nodiscard]] std::string stability_markdown(std::span<const StabilityOutcome> outcomes);
 
 }  // namespace burrhole

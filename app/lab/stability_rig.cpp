@@ -3,15 +3,17 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/lab/push_cone.h"
+#include "app/lab/oracle/push_cone.h"
 #include "core/base/portable_math.h"
+#include "core/base/trilinear.h"
 #include "core/base/units.h"
+#include "haptics/device/device_config.h"
 
 namespace burrhole {
 namespace {
 
-constexpr int kBetween = 8;        // poses looked at between tool and hand
-constexpr double kGrain = 0.05;    // [-] density about a voxel outside the surface: a model that knows whole voxels pushes from there
+constexpr int kBetween = 8;        // poses sampled between tool and hand
+constexpr double kGrain = 0.05;    // [-] density about a voxel outside the surface: a model of whole voxels starts to push there
 constexpr double kNoForce = 1e-6;  // [N]
 constexpr double kTouched = 0.5;   // [N]
 
@@ -27,7 +29,7 @@ Result<std::unique_ptr<LoadedScene>> load_case(const StabilityCase& of, const St
   return std::make_unique<LoadedScene>(std::move(*loaded));
 }
 
-/// Bone with a slot along y, as wide as twice `half`, all through: occupancy as phantoms have it, 0.5 on the slot's wall.
+/// Bone with a slot along y through all of it, of width 2 x `half`: occupancy as of phantoms, 0.5 on the wall of the slot.
 Result<std::shared_ptr<const BoneModel>> with_slot(const BoneModel& bone, double half) {
   DenseBone dense;
   dense.dims = bone.dims();
@@ -53,21 +55,6 @@ Result<std::shared_ptr<const BoneModel>> with_slot(const BoneModel& bone, double
   return BoneModel::create(dense);
 }
 
-double trilinear(const MasterWindow& window, const Vec3& index) {
-  const Vec3i v = floor_int(index);
-  double out = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3i c = v + Vec3i(corner & 1, (corner >> 1) & 1, corner >> 2);
-    double weight = 1.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double part = index[axis] - v[axis];
-      weight *= c[axis] == v[axis] ? 1.0 - part : part;
-    }
-    out += weight * static_cast<double>(window.density[window.box.offset_of(c)]);
-  }
-  return out;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<StabilityRig>> StabilityRig::create(const StabilityCase& of, const StabilityModel& model, bool sabotaged) {
@@ -81,7 +68,7 @@ Status StabilityRig::put_together(const StabilityModel& model) {
   if (!loaded) return loaded.error();
   loaded_ = std::move(loaded).value();
   const Scene& scene = loaded_->scene;
-  if (!scene.device || !scene.volume.phantom) return Error{ErrorCode::bad_input, "a hard case needs a device and a phantom", case_->name};
+  if (scene.find<DeviceConfig>() == nullptr || !scene.volume.phantom) return Error{ErrorCode::bad_input, "a hard case needs a device and a phantom", case_->name};
   truth_ = std::make_unique<Truth>(*scene.volume.phantom);
   std::shared_ptr<const BoneModel> bone = loaded_->bone;
   if (case_->slot_half_width > 0.0) {
@@ -92,15 +79,15 @@ Status StabilityRig::put_together(const StabilityModel& model) {
   const auto approach = make_approach(*bone, scene.approach);
   if (!approach) return approach.error();
   const Pose world_from_approach = scene.volume.world_from_bone * approach->bone_from_approach;
-  const double scale = scene.device->force_scale.value_or(1.0);
-  auto hand = StabilityHand::create({.device = scene.device->config,
+  const double scale = scene.find<DeviceConfig>()->force_scale.value_or(1.0);
+  auto hand = StabilityHand::create({.device = scene.find<DeviceConfig>()->config,
                                      .map = {.world_from_device = world_from_approach, .force_scale = scale},
                                      .world_from_approach = world_from_approach,
                                      .period = 1.0 / scene.servo_hz},
                                     *case_, sabotaged_);
   if (!hand) return hand.error();
   hand_ = std::move(hand).value();
-  auto parts = DrillParts::make(scene, bone, loaded_->tool, {.sink = nullptr, .hand = hand_.get(), .restore_path = {}});
+  auto parts = Stage::make(scene, scene.effects, bone, loaded_->tool, {.sink = nullptr, .hand = hand_.get(), .restore_path = {}});
   if (!parts) return parts.error();
   parts_ = std::move(parts).value();
   world_from_bone_ = scene.volume.world_from_bone;
@@ -110,9 +97,9 @@ Status StabilityRig::put_together(const StabilityModel& model) {
 }
 
 TraceContext StabilityRig::context() const {
-  const SimulatedDeviceConfig& device = loaded_->scene.device->config;
+  const SimulatedDeviceConfig& device = loaded_->scene.find<DeviceConfig>()->config;
   const auto ticks = static_cast<double>(parts_->latency + parts_->contact_every) + device.delay + 1.0;
-  return {.swallows = {.damping = device.plant.body.damping, .friction = device.plant.friction},
+  return {.dissipation = {.damping = device.plant.body.damping, .friction = device.plant.friction},
           .voxel_edge = loaded_->bone->bone_from_index().mean_edge(),
           .grace = ticks * parts_->period};
 }
@@ -121,7 +108,7 @@ void StabilityRig::move_bone(double time) {
   const Pose& rest = loaded_->scene.volume.world_from_bone;
   const Pose before = world_from_bone_;
   if (case_->loose_drag > 0.0) {
-    // Nobody moves it but the tool: it swallows, and the wall's account stays that of the grip's own motion.
+    // Only the tool moves this bone: it dissipates energy, and the energy of the wall is that of the grip's motion.
     shift_ -= last_force_ * (parts_->period / case_->loose_drag);
     world_from_bone_ = {rest.rotation, rest.translation + shift_};
     parts_->contact->move_bone(world_from_bone_);
@@ -145,7 +132,7 @@ void StabilityRig::prepare(double time) {
   if (case_->swing != 0.0 || case_->turn != 0.0 || case_->loose_drag > 0.0) move_bone(time);
   const Vec3 before = hand_->grip().position;
   hand_->begin_tick(time);
-  carried_ += hand_->grip().position - before;  // put elsewhere: no motion, and no work
+  carried_ += hand_->grip().position - before;  // a teleport is neither motion nor work
 }
 
 void StabilityRig::tick(std::vector<StabilitySample>& samples) {
@@ -162,7 +149,7 @@ void StabilityRig::tick(std::vector<StabilitySample>& samples) {
   out.hand = servo.hand.world_from_hand.translation;
   last_force_ = servo.force;
   touched_ |= glm::length(servo.force) > kTouched;
-  look_at_tool(out);
+  sample_tool(out);
   samples.push_back(out);
   for (const PlantState& grip : hand_->left_alone()) {
     out.grip = grip.position;
@@ -177,10 +164,10 @@ void StabilityRig::remember(const Pose& bone_from_tool) {
   while (lately_.size() > 1 && lately_[1].since + late <= tick) lately_.erase(lately_.begin());
 }
 
-double StabilityRig::pull_of(const StabilitySample& sample) const {
+double StabilityRig::attractive_force_of(const StabilitySample& sample) const {
   const double towards = -glm::dot(sample.force, sample.normal);
   if (!(towards > 0.0)) return std::isnan(towards) ? towards : 0.0;
-  if (loaded_->scene.erosion) return towards;
+  if (loaded_->scene.effects.has("erosion")) return towards;
   const Pose bone_from_world = world_from_bone_.inverse();
   std::vector<Vec3> normals{bone_from_world.rotate(sample.normal)}, points;
   for (const Was& was : lately_)
@@ -189,17 +176,17 @@ double StabilityRig::pull_of(const StabilitySample& sample) const {
   return outside_cone(bone_from_world.rotate(sample.force), normals);
 }
 
-void StabilityRig::look_at_tool(StabilitySample& sample) {
+void StabilityRig::sample_tool(StabilitySample& sample) {
   const ContactState& contact = parts_->contact->state();
   sample.tool = contact.world_from_tool.translation;
   const Pose bone_from_tool = world_from_bone_.inverse() * contact.world_from_tool;
   const SurfaceDistance least = nearest_of(bone_from_tool);
   sample.depth = depth_under(bone_from_tool, least);
-  // Of bone that is being cut the shape as loaded is gone: there, out of bone is back along the axis.
-  const bool cut = loaded_->scene.erosion.has_value();
+  // Bone that is being cut no longer has the shape as loaded: its outward direction is back along the axis.
+  const bool cut = loaded_->scene.effects.has("erosion");
   sample.normal = world_from_bone_.rotate(cut ? parts_->approach.bone_from_approach.rotate({0.0, 0.0, 1.0}) : least.normal);
   remember(bone_from_tool);
-  sample.pull = pull_of(sample);
+  sample.attractive_force = attractive_force_of(sample);
   const double height = (parts_->approach.bone_from_approach.inverse() * bone_from_tool.translation).z;
   if (case_->far_side != 0.0) sample.beyond = case_->far_side - height;
   if (glm::length(sample.force) > kNoForce) sample.bone_between = bone_between(contact.world_from_tool, hand_->world_grip());
@@ -215,8 +202,8 @@ SurfaceDistance StabilityRig::nearest_of(const Pose& bone_from_tool) const {
 }
 
 double StabilityRig::depth_under(const Pose& bone_from_tool, const SurfaceDistance& least) const {
-  // Density falls from 1 to 0 over twice the voxel's width across the normal (volumes/phantom/phantom.h): inside that ramp it tells the
-  // depth under the 0.5 surface, which at edges is not quite the shape's own. Deeper, the shape's own distance does.
+  // The density falls from 1 to 0 over twice the voxel's width across the normal (volumes/phantom/phantom.h). Inside this ramp it
+  // determines the depth below the 0.5 surface, which differs slightly from the shape's own at edges. Deeper, the shape's distance is used.
   double densest = 0.0;
   for (const Vec3& point : loaded_->tool.shell.positions) densest = std::max(densest, density_at(bone_from_tool * point));
   if (densest <= 0.0 || densest >= 1.0) return -least.signed_distance;
@@ -240,14 +227,14 @@ double StabilityRig::density_at(const Vec3& in_bone) const {
   const Vec3 index = bone.bone_from_index().inverse() * in_bone;
   const MasterWindow& window = parts_->voxmap->window();
   const Vec3i v = floor_int(index);
-  if (window.box.contains(v) && window.box.contains(v + 1)) return trilinear(window, index);
+  if (window.box.contains(v) && window.box.contains(v + 1)) return trilinear(window.box, window.density.data(), index);
   return sample_occupancy(bone, index);
 }
 
 SurfaceDistance StabilityRig::nearest(const Vec3& in_bone) const {
   SurfaceDistance out = truth_->nearest(in_bone);
   if (case_->slot_half_width == 0.0) return out;
-  // What is left of the plate is farther than both its face and the slot's wall.
+  // The rest of the plate is farther away than its face and the wall of the slot.
   const double wall = case_->slot_half_width - std::abs(in_bone.x);
   if (wall > out.signed_distance) out = {wall, Vec3(in_bone.x > 0.0 ? -1.0 : 1.0, 0.0, 0.0)};
   return out;

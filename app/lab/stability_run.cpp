@@ -12,14 +12,14 @@
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kPart = 100'000;  // [samples] a long run is judged in parts of this length
+constexpr std::size_t kPart = 100'000;  // [samples] a long run is evaluated in parts of this length
 constexpr std::size_t kBuckets = 300;   // of a picture
 
 std::uint64_t ticks_of(const StabilityCase& of, double period) {
   return of.ticks > 0 ? of.ticks : static_cast<std::uint64_t>(std::llround(of.duration / period));
 }
 
-/// Runs to the end. `judge` gets each part of the run.
+/// Runs to the end. `judge` is called with each part of the run.
 Status run_parts(StabilityRig& rig, const StabilityCase& of, std::size_t part, const std::function<void(const StabilityTrace&)>& judge) {
   StabilityTrace trace{.period = rig.period(), .samples = {}};
   const std::uint64_t ticks = ticks_of(of, rig.period());
@@ -36,11 +36,11 @@ Status run_parts(StabilityRig& rig, const StabilityCase& of, std::size_t part, c
 std::vector<StabilityCheck> checks_for(const StabilityCase& of, const StabilityModel& model) {
   std::vector<StabilityCheck> out;
   for (const StabilityCheck& check : of.checks)
-    if (check.models == ForModels::all || model.held) out.push_back(check);
+    if (check.models == ForModels::all || model.constrained) out.push_back(check);
   return out;
 }
 
-/// Whether any tick of this part is judged by the check.
+/// Whether any tick of this part is in the span of the check.
 bool touches(const StabilityTrace& trace, const TimeSpan& span) {
   return std::any_of(trace.samples.begin(), trace.samples.end(), [&](const StabilitySample& s) { return span.holds(s.time); });
 }
@@ -58,7 +58,7 @@ void draw(const StabilityTrace& trace, StabilityOutcome& out) {
   }
 }
 
-/// What is to be run, in the order of the result.
+/// The runs, in the order of the results.
 struct Job {
   const StabilityCase* subject;
   const StabilityModel* model;
@@ -73,7 +73,7 @@ Result<std::vector<Job>> jobs_of(const std::vector<StabilityCase>& cases, const 
     if (!options.only_case.empty() && subject.name != options.only_case) continue;
     for (const StabilityModel& model : stability_models()) {
       if (!options.only_model.empty() && model.name != options.only_model) continue;
-      if (options.sabotage && (!model.held || subject.sabotage.what.empty())) continue;
+      if (options.sabotage && (!model.constrained || subject.sabotage.what.empty())) continue;
       out.push_back({&subject, &model});
     }
   }
@@ -115,7 +115,7 @@ StabilityOutcome run_stability_case(const StabilityCase& of, const StabilityMode
     }
   });
   if (!ran) out.error = ran.error().text();
-  // A check of no tick would always pass.
+  // A check without a tick would always pass.
   for (std::size_t n = 0; n < checks.size(); ++n)
     if (!judged[n]) out.error = "no tick lies in the time for which " + out.rows[n].measure + " is asked";
   for (StabilityRow& row : out.rows) row.pass = row.value <= row.bound;
@@ -129,12 +129,12 @@ Result<std::vector<StabilityOutcome>> run_stability(const StabilityOptions& opti
   if (!jobs) return jobs.error();
   std::vector<StabilityOutcome> out(jobs->size());
   std::atomic<std::size_t> next{0}, done{0};
-  std::mutex told;
+  std::mutex reporting;
   const auto work = [&] {
     for (std::size_t n = next++; n < jobs->size(); n = next++) {
       const Job& job = (*jobs)[n];
       out[n] = run_stability_case(*job.subject, *job.model, options.sabotage);
-      const std::scoped_lock lock(told);
+      const std::scoped_lock lock(reporting);
       progress(static_cast<double>(++done) / static_cast<double>(jobs->size()), job.subject->name + ", " + job.model->name);
     }
   };

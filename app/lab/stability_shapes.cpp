@@ -1,4 +1,4 @@
-// Bone of every shape under a hand that presses and leaves.
+// Bone of various shapes under a hand that presses and leaves.
 #include "app/lab/stability_parts.h"
 #include "core/base/units.h"
 
@@ -36,12 +36,12 @@ void add_edges(std::vector<StabilityCase>& out) {
   out.push_back(corner);
 }
 
-void add_hollows(std::vector<StabilityCase>& out) {
+void add_concave(std::vector<StabilityCase>& out) {
   const auto pit = [](double radius_mm) {
     return "source = \"phantom:pit\"\nthickness_mm = 7\nhole_depth_mm = 4\nextent_mm = [16, 16, 10]\nhole_radius_mm = " +
            std::to_string(radius_mm) + "\n";
   };
-  // The approach's origin lies on the floor of the pit, 4 mm under the plate's face.
+  // The origin of the approach is on the floor of the pit, 4 mm below the face of the plate.
   const auto into = [](double depth_mm) {
     return std::vector<Waypoint>{{0.0, {0.0, 0.0, 5e-3}},
                                  {0.5, {0.0, 0.0, -depth_mm * kMillimetre}},
@@ -75,14 +75,13 @@ void add_hollows(std::vector<StabilityCase>& out) {
 
 void add_deep(std::vector<StabilityCase>& out) {
   const std::string thin = "source = \"phantom:plate\"\nextent_mm = [16, 16, 10]\nthickness_mm = 3\n";
-  StabilityCase deep =
-      pressing("deep", "A push of all that the device can show on a plate of 3 mm: past its middle the nearest way out is the far side.",
-               thin, 40.0);
+  StabilityCase deep = pressing(
+      "deep", "The largest force of the device on a plate of 3 mm: beyond its middle the nearest surface is the far side.", thin, 40.0);
   deep.far_side = -1.5e-3;
-  // The grip's cap ends the spring there: only what holds at the cap is asked.
+  // The force limit of the grip bounds the spring there: only properties at the limit are tested.
   deep.checks = with(with(always(), held_back()), {{StabilityMeasure::rest_speed, kRestSpeed, {2.8, 3.0}}});
   deep.duration = 3.0;
-  deep.sabotage = {.what = "no cap on the force, the device's own neither",
+  deep.sabotage = {.what = "no limit of the force, also not that of the device",
                    .must_fail = StabilityMeasure::force,
                    .sets = {"servo.force_N=1000", "device.force_N=1000"}};
   out.push_back(deep);
@@ -94,7 +93,7 @@ void add_deep(std::vector<StabilityCase>& out) {
                      {StabilityMeasure::force, kForceBound},
                      {StabilityMeasure::force_without_bone, 0.0},
                      {StabilityMeasure::rest_speed, kRestSpeed, kLeft}};
-  embedded.sabotage = {.what = "where the force should stop, the strongest so far is felt",
+  embedded.sabotage = {.what = "where the force should be zero, the largest force so far acts",
                        .must_fail = StabilityMeasure::force_without_bone,
                        .does_not_stop = true};
   out.push_back(embedded);
@@ -113,7 +112,7 @@ void add_shapes(std::vector<StabilityCase>& out) {
   StabilityCase rest = pressing("rest", "A ball comes to rest on a plate and leaves it.", plate(), 3.0);
   rest.far_side = -3.5e-3;
   rest.checks = with(rest.checks, held_back());
-  rest.sabotage = {.what = "the sign of the force is flipped", .must_fail = StabilityMeasure::energy_owed, .flip = true};
+  rest.sabotage = {.what = "the sign of the force is flipped", .must_fail = StabilityMeasure::passivity_deficit, .flip = true};
   out.push_back(rest);
   StabilityCase flat = pressing("many_points", "A flat face of 10 mm on a plate: hundreds of points touch at once.",
                                 "source = \"phantom:plate\"\nextent_mm = [20, 20, 10]\nthickness_mm = 7\n", 3.0);
@@ -122,7 +121,7 @@ void add_shapes(std::vector<StabilityCase>& out) {
   flat.checks = with(flat.checks, held_back());
   out.push_back(flat);
   add_edges(out);
-  add_hollows(out);
+  add_concave(out);
   add_deep(out);
   StabilityCase noisy = pressing("noisy", "A ball on bone whose voxels are off by up to 30 %.", plate("noise = 0.3\n"), 3.0);
   noisy.far_side = -3.5e-3;

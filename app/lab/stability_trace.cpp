@@ -8,7 +8,7 @@
 namespace burrhole {
 namespace {
 
-constexpr double kWeak = 0.5;  // [N] a tenth of less is not felt
+constexpr double kWeak = 0.5;  // [N] a tenth of less is imperceptible
 
 template <class F>
 void for_each_in(const StabilityTrace& trace, const TimeSpan& span, F&& f) {
@@ -21,7 +21,7 @@ double largest_in(const StabilityTrace& trace, const TimeSpan& span, F&& of) {
   double out = 0.0;
   for_each_in(trace, span, [&](const StabilitySample& sample) {
     const double value = of(sample);
-    if (std::isnan(value) || value > out) out = value;  // not a number is beyond any bound, and stays: nothing is more than it
+    if (std::isnan(value) || value > out) out = value;  // NaN exceeds any bound and stays: no value is greater than it
   });
   return out;
 }
@@ -53,8 +53,8 @@ double largest_force_step(const StabilityTrace& trace, const TimeSpan& span) noe
   return out;
 }
 
-double largest_pull(const StabilityTrace& trace, const TimeSpan& span) noexcept {
-  return largest_in(trace, span, [](const StabilitySample& s) { return s.pull; });
+double largest_attractive_force(const StabilityTrace& trace, const TimeSpan& span) noexcept {
+  return largest_in(trace, span, [](const StabilitySample& s) { return s.attractive_force; });
 }
 
 double longest_force_without_bone(const StabilityTrace& trace, double felt) noexcept {
@@ -66,8 +66,8 @@ double longest_force_without_bone(const StabilityTrace& trace, double felt) noex
   return static_cast<double>(longest) * trace.period;
 }
 
-double energy_owed(const StabilityTrace& trace, const Swallows& swallows) noexcept {
-  EnergyObserver observer({.damping = swallows.damping}, trace.period);
+double passivity_deficit(const StabilityTrace& trace, const Dissipation& dissipation) noexcept {
+  EnergyObserver observer({.damping = dissipation.damping}, trace.period);
   double out = 0.0;
   for (std::size_t n = 0; n < trace.samples.size(); ++n) {
     const StabilitySample& s = trace.samples[n];
@@ -75,9 +75,9 @@ double energy_owed(const StabilityTrace& trace, const Swallows& swallows) noexce
     if (n > 0) {
       const StabilitySample& before = trace.samples[n - 1];
       held = before.shown;
-      // Friction is paid with the wall's account: while nothing is held there is no account, and the observer is told so by exactly zero.
+      // Friction counts while the wall exerts force: without force there is no wall, and the observer receives exactly zero.
       const Vec3 moved = s.grip - before.grip;
-      if (held != Vec3(0.0)) held -= swallows.friction * Vec3(sign(moved.x), sign(moved.y), sign(moved.z));
+      if (held != Vec3(0.0)) held -= dissipation.friction * Vec3(sign(moved.x), sign(moved.y), sign(moved.z));
     }
     observer(s.grip - s.carried, s.grip_velocity, held);
     out = std::max(out, -observer.energy());

@@ -1,6 +1,7 @@
-/// app/lab/stability_trace.h: what a run of a hard case left behind, tick by tick, and the figures that it is judged by: each a function of
-///   the trace alone, so that a test can hand it a trace in closed form.
-///   Frames  grip columns: the device's, as the grip truly is; all others: world.   Units SI.
+/// app/lab/stability_trace.h: the samples of a run of a hard case, tick by tick, and the measures of the case. Each measure depends on the
+/// trace
+///   only, so that a test can use a trace in closed form.
+///   Frames  grip columns: device frame, true positions; all others: world.   Units SI.   Errors  none.   Thread  any: pure functions.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +17,16 @@ struct StabilitySample {
   double time = 0.0;          ///< [s]
   Vec3 grip{0.0};             ///< [m] device frame, at the start of the tick
   Vec3 grip_velocity{0.0};    ///< [m/s]
-  Vec3 shown{0.0};            ///< [N] on the grip, device frame, held until the next tick
-  Vec3 carried{0.0};          ///< [m] device frame: by how much the bone under the tool was moved so far, by whoever moves it
+  Vec3 shown{0.0};            ///< [N] on the grip, device frame, constant until the next tick
+  Vec3 carried{0.0};          ///< [m] device frame: displacement of the bone under the tool so far
   Vec3 force{0.0};            ///< [N] of the servo on the hand
-  Vec3 hand{0.0}, tool{0.0};  ///< [m] where the hand would have the tool, and where it is
-  Vec3 normal{0.0};     ///< outward, of the shape as loaded nearest to the tool's deepest point; where bone is cut, back along the axis
-  double pull = 0.0;    ///< [N] of the force: what no bone that the tool touches can have pushed with (StabilityRig::pull_of)
-  double depth = 0.0;   ///< [m] of that point under the 0.5 surface; below 0: clear of it
-  double beyond = 0.0;  ///< [m] of the tool's tip past the plane that the case calls its far side; below 0: on the near side
-  bool bone_between = true;  ///< bone as it is lies on the way from the tool to the hand, or within a voxel of the hand
-  std::uint32_t faults = 0;  ///< ServoFault
+  Vec3 hand{0.0}, tool{0.0};  ///< [m] goal of the tool by the hand, and position of the tool
+  Vec3 normal{0.0};  ///< [-] outward, of the shape as loaded nearest to the tool's deepest point; where bone is cut, back along the axis
+  double attractive_force = 0.0;  ///< [N] part of the force that no touched bone can exert (StabilityRig::attractive_force_of)
+  double depth = 0.0;             ///< [m] depth of that point below the 0.5 surface; < 0: outside
+  double beyond = 0.0;            ///< [m] of the tool's tip beyond the far side of the case; < 0: on the near side
+  bool bone_between = true;       ///< bone lies between tool and hand, or within a voxel of the hand
+  std::uint32_t faults = 0;       ///< ServoFault bits
 };
 
 struct StabilityTrace {
@@ -33,50 +34,51 @@ struct StabilityTrace {
   std::vector<StabilitySample> samples;
 };
 
-/// Part of a run [s], both ends within.
+/// Part of a run [s], both ends included.
 struct TimeSpan {
-  double from = 0.0, to = std::numeric_limits<double>::infinity();
+  double from = 0.0, to = std::numeric_limits<double>::infinity();  ///< [s]
   [[nodiscard]] bool holds(double time) const noexcept { return time >= from && time <= to; }
 };
 
-/// Ticks in which a force, a pose or a velocity is not finite.
+/// @returns the number of ticks in which a force, a pose or a velocity is not finite.
 [[nodiscard]] double ticks_not_finite(const StabilityTrace& trace) noexcept;
-/// [N] Largest force on the hand, in the world.
+/// @returns the largest force [N] on the hand, in the world.
 [[nodiscard]] double largest_force(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [N] Largest change of it from one tick to the next.
+/// @returns the largest change [N] of that force from one tick to the next.
 [[nodiscard]] double largest_force_step(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [N] Largest pull. Bone pushes; whatever pulls holds back a hand that leaves.
-[[nodiscard]] double largest_pull(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [s] Longest time in a row for which more than `felt` [N] was given though no bone lay between tool and hand.
+/// @returns the largest attractive force [N]. Bone can only push; an attractive force holds back a hand that leaves.
+[[nodiscard]] double largest_attractive_force(const StabilityTrace& trace, const TimeSpan& span) noexcept;
+/// @returns the longest continuous time [s] with a force above `felt` [N] and no bone between tool and hand.
 [[nodiscard]] double longest_force_without_bone(const StabilityTrace& trace, double felt) noexcept;
 
-/// What device and hand swallow: viscous damping, and Coulomb friction along each axis.
-struct Swallows {
+/// Dissipation of device and hand: viscous damping, and Coulomb friction along each axis.
+struct Dissipation {
   double damping = 0.0;   ///< [N s/m]
-  double friction = 0.0;  ///< [N] a tick's part is friction times |moved|, never more than what it really takes
+  double friction = 0.0;  ///< [N] per tick friction times |travel|, an upper limit of the true dissipation
 };
-/// [J] The most that the wall has given out beyond what device and hand swallowed: -min E of EnergyObserver, in its exact form at the grip.
-/// Work by whoever moves bone is an account of its own: the wall's work is that of the motion relative to bone.
-[[nodiscard]] double energy_owed(const StabilityTrace& trace, const Swallows& swallows) noexcept;
+/// @returns the passivity deficit [J]: the largest energy generated by the wall minus the energy dissipated by device and hand, -min E of
+/// EnergyObserver, in its exact form at the grip. Work by whoever moves the bone is excluded: the work of the wall is that of the relative
+/// motion.
+[[nodiscard]] double passivity_deficit(const StabilityTrace& trace, const Dissipation& dissipation) noexcept;
 
-/// [m] Greatest extent along an axis of where the grip was: the size of a limit cycle while the hand means to rest.
+/// @returns the largest extent [m] of the grip's positions along an axis: the size of a limit cycle while the goal is constant.
 [[nodiscard]] double cycle_size(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [-] Largest distance of the force from its mean, both ways, over the mean's length or 0.5 N, whichever is more.
+/// @returns the largest deviation [-] of the force from its mean, over the larger of the mean's length and 0.5 N.
 [[nodiscard]] double force_ripple(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [m] Deepest point of the tool under the 0.5 surface; 0: never in it.
+/// @returns the depth [m] of the deepest point of the tool below the 0.5 surface; 0: never inside.
 [[nodiscard]] double deepest(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [m] How far the tool got past the far side's plane; 0: never.
+/// @returns the largest distance [m] of the tool beyond the plane of the far side; 0: never.
 [[nodiscard]] double furthest_beyond(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [m/s] Largest speed of the grip.
+/// @returns the largest speed [m/s] of the grip.
 [[nodiscard]] double largest_speed(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [N] Work that the tool takes from the hand along the surface, over the way that it went along it (1 N is 1 mJ per mm): the drag that a
-/// frictionless surface must not have.
+/// @returns the drag [N]: work that the hand does on the tool along the surface, divided by the path length along it (1 N is 1 mJ per mm).
+/// A frictionless surface has none.
 [[nodiscard]] double drag_along(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [N] Largest force along the surface.
+/// @returns the largest force [N] along the surface.
 [[nodiscard]] double largest_lateral_force(const StabilityTrace& trace, const TimeSpan& span) noexcept;
-/// [N] Largest force given in a tick with one of these faults.
+/// @returns the largest force [N] in a tick with one of these servo faults.
 [[nodiscard]] double largest_force_with(const StabilityTrace& trace, std::uint32_t faults) noexcept;
-/// Share of the span's ticks, 0..1, that had one of these faults.
+/// @returns the share [-] of the span's ticks with one of these servo faults, 0..1.
 [[nodiscard]] double share_with(const StabilityTrace& trace, const TimeSpan& span, std::uint32_t faults) noexcept;
 
 }  // namespace burrhole

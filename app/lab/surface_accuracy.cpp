@@ -38,7 +38,7 @@ std::vector<Shape> shapes_at(double pitch) {
   return {{"tilted plate", plate}, {"ball of 4 mm", ball}, {"skull patch", patch}};
 }
 
-/// Places within a voxel of the surface and over two voxels from any edge: where the closed form's normal holds all round.
+/// Positions within a voxel of the surface and more than two voxels from any edge, where the closed form of the normal is valid.
 std::vector<Vec3> places_near(const Truth& truth, const VoxelBox& valid, const Affine& bone_from_index, double pitch,
                               const SurfaceAccuracyOptions& options) {
   std::vector<Vec3> out;
@@ -60,7 +60,7 @@ std::vector<Vec3> places_near(const Truth& truth, const VoxelBox& valid, const A
   return out;
 }
 
-/// One bone with its records published, as contact reads them.
+/// One bone with its records published as for contact.
 struct Records {
   std::unique_ptr<Voxmap> voxmap;
   std::unique_ptr<ContactWindowPublisher> publisher;
@@ -99,7 +99,7 @@ Errors errors_at(const std::vector<Vec3>& places, const RecordView& view, const 
   return out;
 }
 
-/// Microseconds of each look-up of all places by the shipped probe.
+/// Microseconds of each query of all positions by the shipped probe.
 std::vector<double> times_of(const std::vector<Vec3>& places, const RecordView& view, int repeats) {
   PointShell shell;
   shell.positions = places;
@@ -110,7 +110,7 @@ std::vector<double> times_of(const std::vector<Vec3>& places, const RecordView& 
   ProbeHits hits;
   hits.reserve(places.size());
   std::vector<double> out;
-  for (int n = -1; n < repeats; ++n) {  // the first warms up
+  for (int n = -1; n < repeats; ++n) {  // the first is a warm-up
     hits.clear();
     const auto start = std::chrono::steady_clock::now();
     probe_surface(view, points.cutting, index_from_tool, 1.0, hits);
@@ -177,7 +177,7 @@ Status write_surface_accuracy(const std::vector<CostRow>& rows, const std::strin
         const std::string shape = row.subject.substr(std::string("surface of a ").size());
         auto series = std::ranges::find(panel.series, shape, &PlotSeries::name);
         if (series == panel.series.end()) series = panel.series.insert(series, PlotSeries{shape, {}, {}});
-        series->x.insert(series->x.begin(), row.setting);  // pitches fall, the axis does not
+        series->x.insert(series->x.begin(), row.setting);  // pitches decrease, the axis increases
         series->y.insert(series->y.begin(), row.error);
       }
       plot.panels.push_back(std::move(panel));

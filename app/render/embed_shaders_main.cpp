@@ -1,5 +1,6 @@
-/// app/render/embed_shaders_main.cpp: build tool. embed_shaders SHADER_FOLDER VARIANT_FOLDER OUT.cpp
-///   Writes every variant as the driver will see it (for the validator) and the sources as one C++ file. Exit 0 done, 2 on any fault.
+/// app/render/embed_shaders_main.cpp: build tool. embed_shaders SHADER_FOLDER VARIANT_FOLDER OUT
+///   Writes every variant as the driver will see it (for the validator) and the sources as one C++ file. Exit 0 done, 2 on any error of the files, CLI11's code on wrong usage.
+#include <CLI/CLI.hpp>
 #include <fstream>
 #include <iostream>
 
@@ -47,11 +48,13 @@ Status embed(const std::filesystem::path& shaders, const std::filesystem::path& 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::cerr << "usage: embed_shaders SHADER_FOLDER VARIANT_FOLDER OUT.cpp\n";
-    return 2;
-  }
-  const Status done = embed(argv[1], argv[2], argv[3]);
+  CLI::App app{"Expands every shader variant and embeds the sources.", "embed_shaders"};
+  std::string shaders, variants, out;
+  app.add_option("SHADER_FOLDER", shaders, "folder of the GLSL sources")->required();
+  app.add_option("VARIANT_FOLDER", variants, "folder to write the expanded variants into")->required();
+  app.add_option("OUT", out, "C++ file to write")->required();
+  CLI11_PARSE(app, argc, argv);
+  const Status done = embed(shaders, variants, out);
   if (!done) std::cerr << done.error().text() << '\n';
   return done ? 0 : 2;
 }

@@ -6,10 +6,10 @@
 namespace burrhole {
 namespace {
 
-/// Where a pixel of the large picture lies in the small one: between two of its pixels.
+/// Position of a pixel of the large picture in the small one: between two of its pixels.
 struct Place {
   std::size_t before = 0, after = 0;
-  double share = 0.0;  ///< of the later one
+  double share = 0.0;  ///< [-] of the second pixel
 };
 
 std::vector<Place> places(int large, int small) {
@@ -42,6 +42,24 @@ Image enlarge(const Image& image, int width, int height) {
       out.pixels.push_back({mixed(&Rgba8::r), mixed(&Rgba8::g), mixed(&Rgba8::b), 255});
     }
   return out;
+}
+
+Image shrink(const Image& large, int n) {
+  if (n == 1) return large;
+  Image image{large.width / n, large.height / n, {}};
+  image.pixels.reserve(large.pixels.size() / static_cast<std::size_t>(n * n));
+  const auto mean = [n](int sum) { return static_cast<std::uint8_t>((sum + n * n / 2) / (n * n)); };
+  for (int row = 0; row < image.height; ++row)
+    for (int column = 0; column < image.width; ++column) {
+      glm::ivec3 sum(0);
+      for (int part = 0; part < n * n; ++part) {
+        const int y = row * n + part / n, x = column * n + part % n;
+        const Rgba8& p = large.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(large.width) + static_cast<std::size_t>(x)];
+        sum += glm::ivec3(p.r, p.g, p.b);
+      }
+      image.pixels.push_back({mean(sum.x), mean(sum.y), mean(sum.z), 255});
+    }
+  return image;
 }
 
 }  // namespace burrhole

@@ -1,12 +1,15 @@
-/// app/render/enlarge.h: a picture drawn smaller, brought to its size. No OpenGL.
+/// app/render/enlarge.h: resamples a picture to a larger or smaller size. No OpenGL.
+///   Units  pixels.   Errors  none.
 #pragma once
 
-#include "app/engine/view.h"
+#include "app/view/view.h"
 
 namespace burrhole {
 
-/// Linear between the middles of pixels, the outermost going on beyond them; rounded to nearest. The same bytes where the size is the same.
-/// @param width, height at least 1; so is the image's own size.
+/// Linear interpolation between pixel centres, constant beyond the outermost; rounded to nearest. An equal size returns the same bytes.
+/// @param width, height >= 1; so is the size of the image.
 [[nodiscard]] Image enlarge(const Image& image, int width, int height);
+/// Means of blocks of n x n pixels, rounded to nearest. @pre sides are multiples of n.
+[[nodiscard]] Image shrink(const Image& large, int n);
 
 }  // namespace burrhole

@@ -5,23 +5,24 @@
 #include <limits>
 
 #include "app/render/renderer.h"
+#include "core/base/bounds.h"
 
 namespace burrhole {
 namespace {
 
-/// A filtered look-up sees texels less than a voxel away.
+/// A filtered texture access reads texels less than a voxel away.
 constexpr double kFilter = 1.0;
-/// Single precision of a ray's point, a few 1e-4 voxel, and a filter whose weights have 8 bits.
+/// Error of a ray's point in single precision, a few 1e-4 voxel, and of a filter with 8-bit weights.
 constexpr double kSlackVoxels = 0.05;
-/// Of a pixel: rounding of its ray, and a rasteriser's grid of 1/256.
+/// [pixels] rounding of the ray, and the 1/256 grid of a rasteriser.
 constexpr double kSlackPixels = 0.125;
-/// volume.glsl, surface_normal with RECOMPUTED: corners of the voxel round the point.
+/// volume.glsl, surface_normal with RECOMPUTED: corners of the voxel around the point.
 constexpr double kCorners = 0.5;
 /// volume.glsl, surface_normal with FINISH: the wider mean.
 constexpr double kWiderMean = 1.25;
-/// tissue.glsl, cut_share: bone before the surface.
+/// tissue.glsl, cut_share: bone in front of the surface.
 constexpr double kBefore = 0.75;
-/// occlusion.glsl, open_sky: the farthest ring, and how far it starts above the surface [voxel edges].
+/// occlusion.glsl, open_sky: the outermost ring, and its distance above the surface [voxel edges].
 const double kSkyMetres = 0.0011 * std::exp2(1.15 * 2.0);
 constexpr double kSkyLift = 1.2;
 
@@ -32,26 +33,9 @@ double shadow_metres(double longest_edge) noexcept {
   return way;
 }
 
-PixelRect around(const PixelRect& a, const PixelRect& b) { return {glm::min(a.lo, b.lo), glm::max(a.hi, b.hi)}; }
-
-/// What of `whole` lies outside `hole`, as at most four rectangles.
-void append_outside(const PixelRect& whole, const PixelRect& hole, std::vector<PixelRect>& out) {
-  const PixelRect common = whole.intersect(hole);
-  if (common.empty()) {
-    out.push_back(whole);
-    return;
-  }
-  const PixelRect parts[] = {{whole.lo, {whole.hi.x, common.lo.y}},
-                             {{whole.lo.x, common.hi.y}, whole.hi},
-                             {{whole.lo.x, common.lo.y}, {common.lo.x, common.hi.y}},
-                             {{common.hi.x, common.lo.y}, {whole.hi.x, common.hi.y}}};
-  for (const PixelRect& part : parts)
-    if (!part.empty()) out.push_back(part);
-}
-
 /// Whether one rectangle round both draws at most an eighth more than both do.
 bool worth_joining(const PixelRect& a, const PixelRect& b) {
-  return 8 * around(a, b).count() <= 9 * (a.count() + b.count() - a.intersect(b).count());
+  return 8 * a.unite(b).count() <= 9 * (a.count() + b.count() - a.intersect(b).count());
 }
 
 }  // namespace
@@ -60,30 +44,16 @@ void PixelRegion::add(const PixelRect& rect) {
   PixelRect all = rect;
   if (all.empty()) return;
   for (std::size_t n = 0; n < rects_.size();) {
-    if (!worth_joining(rects_[n], all)) {
+    const PixelRect& kept = rects_.boxes()[n];
+    if (!worth_joining(kept, all)) {
       ++n;
       continue;
     }
-    all = around(rects_[n], all);
-    rects_.erase(rects_.begin() + static_cast<std::ptrdiff_t>(n));
+    all = kept.unite(all);
+    rects_.erase(n);
     n = 0;  // larger, it may be worth joining those that it was not
   }
-  std::vector<PixelRect> fresh{all};
-  for (const PixelRect& kept : rects_) {
-    std::vector<PixelRect> outside;
-    for (const PixelRect& part : fresh) append_outside(part, kept, outside);
-    fresh = std::move(outside);
-  }
-  rects_.insert(rects_.end(), fresh.begin(), fresh.end());
-  if (rects_.size() <= kMost) return;
-  for (const PixelRect& r : rects_) all = around(all, r);
-  rects_.assign(1, all);
-}
-
-std::int64_t PixelRegion::pixels() const noexcept {
-  std::int64_t sum = 0;
-  for (const PixelRect& r : rects_) sum += r.count();
-  return sum;
+  rects_.add_disjoint(all);
 }
 
 Reach reach_of(const RenderOptions& options, double longest_edge) noexcept {
@@ -100,21 +70,20 @@ Reach reach_of(const RenderOptions& options, double longest_edge) noexcept {
 }
 
 std::vector<Vec3> reached_corners(const VoxelBox& box, const Reach& reach, const Affine& world_from_index) {
-  // A ball of radius r [m] reaches r |row a| along index coordinate a, whose gradient in the world is row a of the inverse map.
+  // A ball of radius r [m] extends by r |row a| along index coordinate a, whose gradient in the world is row a of the inverse map.
   const Mat3 rows = glm::transpose(world_from_index.inverse().linear);
   Vec3 grow(0.0);
   for (int a = 0; a < 3; ++a) grow[a] = reach.voxels + reach.metres * glm::length(rows[a]);
-  const Vec3 lo = Vec3(box.lo) - grow, hi = Vec3(box.hi - 1) + grow;  // voxel centres lie at integers
+  const Bounds reached{Vec3(box.lo) - grow, Vec3(box.hi - 1) + grow};  // voxel centres lie at integers
   std::vector<Vec3> corners;
-  for (unsigned c = 0; c < 8; ++c)
-    corners.push_back(world_from_index * Vec3((c & 1u) != 0 ? hi.x : lo.x, (c & 2u) != 0 ? hi.y : lo.y, (c & 4u) != 0 ? hi.z : lo.z));
+  for (const Vec3& corner : reached.corners()) corners.push_back(world_from_index * corner);
   return corners;
 }
 
 PixelRect find_footprint(const CameraRays& rays, std::span<const Vec3> points, const Vec2i& picture) {
   const PixelRect all{Vec2i(0), picture};
   // A point p = eye + t (forward + x right + y up) has t = (p - eye) . axis and x = (p - eye - t forward) . right / (t right . right), y
-  // likewise. The hull's picture is the hull of the points' pictures as long as all of it lies in front of the eye.
+  // likewise. The projection of the hull is the hull of the projected points if the whole hull is in front of the eye.
   Vec2 lo(std::numeric_limits<double>::infinity()), hi(-lo);
   for (const Vec3& p : points) {
     const Vec3 from_eye = p - rays.eye;
@@ -127,7 +96,7 @@ PixelRect find_footprint(const CameraRays& rays, std::span<const Vec3> points, c
     lo = glm::min(lo, pixel);
     hi = glm::max(hi, pixel);
   }
-  // A pixel is drawn by the ray through its middle, half a pixel from its corner.
+  // A pixel is drawn by the ray through its centre, half a pixel from its corner.
   const Vec2 first = glm::clamp(glm::ceil(lo - 0.5 - kSlackPixels), Vec2(0.0), Vec2(picture));
   const Vec2 last = glm::clamp(glm::floor(hi - 0.5 + kSlackPixels) + 1.0, Vec2(0.0), Vec2(picture));
   return {Vec2i(first), Vec2i(last)};

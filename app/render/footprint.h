@@ -1,5 +1,6 @@
-/// app/render/footprint.h: which pixels of a picture a change in the scene may reach. No OpenGL.
-///   Units  pixels, row 0 at the bottom as OpenGL counts them; index coordinates as in volume.glsl.   Source  own derivation, in footprint.cpp.
+/// app/render/footprint.h: the pixels of a picture that a change in the scene can affect. No OpenGL.
+///   Frame  pixels, row 0 at the bottom as in OpenGL; index coordinates as in volume.glsl.   Units  pixels.   Errors  none.
+///   Source  own derivation, in footprint.cpp.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "app/render/camera.h"
+#include "app/view/camera.h"
+#include "core/base/box_list.h"
 
 namespace burrhole {
 
@@ -18,7 +20,7 @@ using Vec2i = glm::ivec2;
 
 /// Half-open: lo <= (column, row) < hi.
 struct PixelRect {
-  Vec2i lo{0}, hi{0};
+  Vec2i lo{0}, hi{0};  ///< [pixels]
 
   [[nodiscard]] bool empty() const noexcept { return hi.x <= lo.x || hi.y <= lo.y; }
   [[nodiscard]] Vec2i size() const noexcept { return hi - lo; }
@@ -27,6 +29,10 @@ struct PixelRect {
     return r.empty() || (lo.x <= r.lo.x && lo.y <= r.lo.y && hi.x >= r.hi.x && hi.y >= r.hi.y);
   }
   [[nodiscard]] PixelRect intersect(const PixelRect& r) const noexcept { return {glm::max(lo, r.lo), glm::min(hi, r.hi)}; }
+  [[nodiscard]] PixelRect unite(const PixelRect& r) const noexcept {
+    if (empty()) return r;
+    return r.empty() ? *this : PixelRect{glm::min(lo, r.lo), glm::max(hi, r.hi)};
+  }
   [[nodiscard]] PixelRect grown(int n) const noexcept { return {lo - n, hi + n}; }
   friend bool operator==(const PixelRect&, const PixelRect&) = default;
 };
@@ -36,28 +42,28 @@ class PixelRegion {
  public:
   static constexpr std::size_t kMost = 8;
 
-  /// Two that nearly fill the rectangle round both become that; beyond kMost all do.
+  /// Adds a rectangle. Two rectangles that nearly fill their bounding box are merged; beyond kMost all are.
   void add(const PixelRect& rect);
-  [[nodiscard]] std::span<const PixelRect> rects() const noexcept { return rects_; }
-  [[nodiscard]] std::int64_t pixels() const noexcept;
+  [[nodiscard]] std::span<const PixelRect> rects() const noexcept { return rects_.boxes(); }
+  [[nodiscard]] std::int64_t pixels() const noexcept { return rects_.count(); }
 
  private:
-  std::vector<PixelRect> rects_;
+  BoxList<PixelRect, kMost> rects_;
 };
 
-/// How far from a changed texel the samples lie that a picture takes for one point of a ray.
+/// Largest distance from a changed texel to the points of a ray whose samples read it.
 struct Reach {
-  double voxels = 0.0;  ///< along each index axis
-  double metres = 0.0;  ///< in any direction
+  double voxels = 0.0;  ///< [voxels] along each index axis
+  double metres = 0.0;  ///< [m] in any direction
 };
 
-/// What the shaders of these options reach; each figure is that of the shader's text. @param longest_edge of a voxel [m].
+/// @returns the reach of the shaders with these options; each value is that of the shader's text. @param longest_edge [m] of a voxel.
 [[nodiscard]] Reach reach_of(const RenderOptions& options, double longest_edge) noexcept;
 
-/// Corners in the world of all points of rays whose samples may meet a texel of `box`.
+/// @returns the corners, in the world, of the region of ray points whose samples may read a texel of `box`.
 [[nodiscard]] std::vector<Vec3> reached_corners(const VoxelBox& box, const Reach& reach, const Affine& world_from_index);
 
-/// The rectangle of all pixels whose rays meet the convex hull of the points, cut to the picture; all of the picture when one of the points
+/// @returns the rectangle of all pixels whose rays meet the convex hull of the points, clipped to the picture; the whole picture if a point
 /// is not in front of the eye.
 [[nodiscard]] PixelRect find_footprint(const CameraRays& rays, std::span<const Vec3> points, const Vec2i& picture);
 

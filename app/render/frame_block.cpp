@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/bounds.h"
+
 namespace burrhole {
 namespace {
 
@@ -57,6 +59,10 @@ void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
   if (!view.cut) return;
   const double length = glm::length(view.cut->normal);
   block.cut = vec4(view.cut->normal / length, view.cut->offset / length);
+}
+
+void append_corners(const Vec3i& dims, const Affine& world_from_index, std::vector<Vec3>& points) {
+  for (const Vec3& corner : Bounds{Vec3(-0.5), Vec3(dims) - 0.5}.corners()) points.push_back(world_from_index * corner);
 }
 
 }  // namespace burrhole

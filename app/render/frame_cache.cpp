@@ -17,10 +17,10 @@ bool same(const std::optional<DrawnTool>& a, const std::optional<DrawnTool>& b) 
   return a->world_from_tool.translation == b->world_from_tool.translation && a->world_from_tool.rotation == b->world_from_tool.rotation;
 }
 
-/// The least rectangle of whole blocks of n x n pixels that holds r.
+/// The smallest rectangle of whole blocks of n x n pixels that contains r.
 PixelRect in_blocks(const PixelRect& r, int n) { return {r.lo / n * n, (r.hi + n - 1) / n * n}; }
 
-/// Row 0 of the pictures is the top one, of the rectangle the bottom one.
+/// Row 0 is the top row of pictures and the bottom row of rectangles.
 void paste(const Image& part, const PixelRect& place, Image& picture) {
   BH_ASSERT(part.width == place.size().x && part.height == place.size().y);
   for (int row = 0; row < part.height; ++row) {
@@ -35,8 +35,8 @@ void paste(const Image& part, const PixelRect& place, Image& picture) {
 FrameKey make_frame_key(std::string variant, const FrameBlock& block) {
   FrameKey key{std::move(variant), block};
   key.block.clip_from_tool = key.block.world_from_tool = glm::fmat4(0.0f);
-  // The depth range makes room for the tool. Colours do not depend on it, since it holds all of the volume, unless the near plane is as near
-  // as it may be and cuts into it.
+  // The depth range depends on the tool. Colours do not depend on the depth range, because it contains the whole volume, unless the near
+  // plane is at its minimum and cuts the volume.
   if (block.lens.x <= static_cast<float>(kNearestPlane)) return key;
   key.block.lens.x = key.block.lens.y = 0.0f;
   for (glm::length_t column = 0; column < 4; ++column) key.block.clip_from_index[column].z = 0.0f;
@@ -50,12 +50,7 @@ CameraRays rays_of(const FrameBlock& block) noexcept {
 }
 
 void FrameCache::texels_changed(const VoxelBox& box) {
-  if (box.empty() || !key_) return;
-  boxes_.push_back(box);
-  if (boxes_.size() <= kMostBoxes) return;
-  VoxelBox all;
-  for (const VoxelBox& one : boxes_) all = all.unite(one);
-  boxes_.assign(1, all);
+  if (key_) changed_.add(box);
 }
 
 PixelRegion FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
@@ -65,9 +60,9 @@ PixelRegion FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, cons
     region.add({Vec2i(0), drawn});
     return region;
   }
-  BH_ASSERT(boxes_.empty() || world_from_index);
+  BH_ASSERT(changed_.empty() || world_from_index);
   const CameraRays rays = rays_of(key.block);
-  for (const VoxelBox& box : boxes_)
+  for (const VoxelBox& box : changed_)
     region.add(in_blocks(find_footprint(rays, reached_corners(box, reach, *world_from_index), drawn), supersample_));
   if (!same(tool_, tool))
     for (const std::optional<DrawnTool>& one : {tool_, tool})
@@ -87,7 +82,7 @@ void FrameCache::keep(FrameKey key, const Vec2i& drawn, const std::optional<Draw
   }
   key_ = std::move(key);
   tool_ = tool;
-  boxes_.clear();
+  changed_.clear();
 }
 
 }  // namespace burrhole

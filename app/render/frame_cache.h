@@ -1,5 +1,6 @@
-/// app/render/frame_cache.h: the last picture, and which of its pixels a next one must draw anew. No OpenGL. Internal to app/render.
-///   Pixels are those that are drawn: `supersample` along each side of one of the picture; row 0 at the bottom.
+/// app/render/frame_cache.h: the last picture, and the pixels of it that the next picture must draw again. No OpenGL. Internal to
+/// app/render.
+///   Frame  drawn pixels: `supersample` along each side of a pixel of the picture; row 0 at the bottom.   Units  pixels.   Errors  none.
 #pragma once
 
 #include <optional>
@@ -8,19 +9,20 @@
 
 #include "app/render/footprint.h"
 #include "app/render/frame_block.h"
+#include "core/base/box_list.h"
 
 namespace burrhole {
 
-/// All that a picture is made of but for texels and the tool: pictures of one key differ where these changed.
+/// All inputs of a picture except texels and tool. Two pictures with equal keys differ only where texels or tool changed.
 struct FrameKey {
   std::string variant;  ///< of the volume's shaders; empty without a volume
-  FrameBlock block;     ///< what depends on the tool is zero
+  FrameBlock block;     ///< fields that depend on the tool are zero
 };
 
-/// @param block as the shaders get it.
+/// @param block as passed to the shaders.
 [[nodiscard]] FrameKey make_frame_key(std::string variant, const FrameBlock& block);
 
-/// Where the tool is drawn; nothing without one.
+/// Position of the drawn tool; absent without a tool.
 struct DrawnTool {
   Pose world_from_tool;
   PixelRect footprint;
@@ -28,33 +30,31 @@ struct DrawnTool {
 
 class FrameCache {
  public:
-  /// @param supersample pixels drawn for one of the picture, along each side.
+  /// @param supersample drawn pixels per pixel of the picture, along each side.
   explicit FrameCache(int supersample = 1) : supersample_(supersample) {}
 
-  /// The next picture is drawn whole: volume or tool were replaced, or bone is other than told.
+  /// The next picture is drawn completely: volume or tool were replaced, or bone changed in a way that was not reported.
   void forget() noexcept { key_.reset(); }
   void texels_changed(const VoxelBox& box);
 
-  /// What the picture of `key` must draw; whole pixels of the picture. @param drawn size in pixels drawn.
-  /// @param world_from_index, reach of the volume; no texel has changed without one.
+  /// @returns the region that the picture of `key` must draw, in whole pixels of the picture. @param drawn size in drawn pixels.
+  /// @param world_from_index, reach of the volume; absent without a volume, whose texels then do not change.
   [[nodiscard]] PixelRegion find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
                                        const std::optional<Affine>& world_from_index, const Reach& reach) const;
-  /// Takes over the parts of the picture that were drawn. @param shrunk one for each rectangle of the region, in pixels of the picture.
+  /// Stores the drawn parts of the picture. @param shrunk one image per rectangle of the region, in pixels of the picture.
   void keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, const PixelRegion& region,
             std::span<const Image> shrunk);
   [[nodiscard]] const Image& picture() const noexcept { return picture_; }
 
  private:
-  static constexpr std::size_t kMostBoxes = 32;
-
   int supersample_;
   std::optional<FrameKey> key_;
   std::optional<DrawnTool> tool_;
-  std::vector<VoxelBox> boxes_;
+  BoxList<VoxelBox, 32> changed_;  // since the last picture
   Image picture_;
 };
 
-/// The camera that a block was filled with; single precision, a few 1e-4 of a pixel.
+/// @returns the camera from which a block was filled; single precision, a few 1e-4 of a pixel.
 [[nodiscard]] CameraRays rays_of(const FrameBlock& block) noexcept;
 
 }  // namespace burrhole

@@ -10,7 +10,7 @@
 namespace burrhole {
 namespace {
 
-/// Drivers of one process share Mesa's dispatch table of a thread: before one back end's context becomes current, the other's lets go.
+/// All drivers of a process share Mesa's dispatch table of a thread: before a context becomes current, the other back end releases its own.
 thread_local GlPlatform* current_platform = nullptr;
 
 GLADapiproc load_function(void* user, const char* name) { return static_cast<const GlPlatform*>(user)->find_function(name); }
@@ -104,7 +104,7 @@ struct GlContext::Impl {
 Result<GlContext> GlContext::create(int width, int height, GlBackend backend) {
   if (width < 1 || height < 1 || width > 16384 || height > 16384)
     return Error{ErrorCode::out_of_range, "a GL surface must be 1 to 16384 pixels wide and high", {}};
-  // GLFW makes a new window's context current for a moment, which an X server punishes by ending the program while EGL's is.
+  // GLFW makes a new window's context current for a moment. An X server ends the program if an EGL context is current at that time.
   if (current_platform != nullptr) current_platform->release();
   current_platform = nullptr;
   auto platform = make_platform(backend, width, height);

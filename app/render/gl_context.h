@@ -1,4 +1,5 @@
-/// app/render/gl_context.h: an OpenGL 4.5 core context over one of three back ends, each loaded privately at run time.
+/// app/render/gl_context.h: an OpenGL 4.5 core context from one of three back ends, each loaded at run time with private symbols.
+///   Errors  unavailable.   Thread  one owner at a time.
 ///   osmesa  Mesa's software renderer, needs no display and no GPU.
 ///   egl     EGL without a surface: a GPU where there is one, else Mesa's software renderer.
 ///   window  a hidden window of GLFW; needs a display.
@@ -15,32 +16,32 @@ struct GladGLContext;
 
 namespace burrhole {
 
-/// `automatic`: egl on a GPU if there is one, else osmesa.
+/// `automatic`: egl on a GPU if there is one, otherwise osmesa.
 enum class GlBackend { automatic, osmesa, egl, window };
 
-/// "auto", "osmesa", "egl" or "window".
+/// @returns "auto", "osmesa", "egl" or "window".
 [[nodiscard]] std::string_view gl_backend_name(GlBackend backend) noexcept;
 [[nodiscard]] const std::vector<GlBackend>& gl_backends();  ///< all four, automatic first
 
-/// Owns one context. Move-only; one owner thread at a time, which calls make_current() before it uses functions(). GLFW wants the main
+/// Owns one context. Move-only. One thread at a time uses it and calls make_current() before it uses functions(). GLFW requires the main
 /// thread for create() and the destructor of a window.
 class GlContext {
  public:
   /// @param width, height [pixels] of the context's own surface, 1..16384; pictures use framebuffers of their own.
-  /// @returns ErrorCode::unavailable with a reason of one line: a library is absent, there is no display, the driver has no 4.5 core
-  /// context, or GALLIUM_DRIVER names a driver that Mesa would crash on.
+  /// @returns ErrorCode::unavailable with a reason of one line: a library is missing, there is no display, the driver has no 4.5 core
+  /// context, or GALLIUM_DRIVER names a driver that crashes Mesa.
   [[nodiscard]] static Result<GlContext> create(int width, int height, GlBackend backend = GlBackend::automatic);
   GlContext(GlContext&&) noexcept;
   GlContext& operator=(GlContext&&) noexcept;
   ~GlContext();
 
   [[nodiscard]] Status make_current();
-  /// The functions of this context; opaque outside app/render.
+  /// The function table of this context; opaque outside app/render.
   [[nodiscard]] const GladGLContext& functions() const noexcept;
-  [[nodiscard]] GlBackend backend() const noexcept;           ///< the one in use, never automatic
-  [[nodiscard]] const std::string& version() const noexcept;  ///< as the driver states it
+  [[nodiscard]] GlBackend backend() const noexcept;           ///< the back end in use, never `automatic`
+  [[nodiscard]] const std::string& version() const noexcept;  ///< version string of the driver
   [[nodiscard]] const std::string& renderer() const noexcept;
-  [[nodiscard]] bool is_software() const noexcept;  ///< one of Mesa's renderers on the processor
+  [[nodiscard]] bool is_software() const noexcept;  ///< a renderer of Mesa on the CPU
 
  private:
   struct Impl;

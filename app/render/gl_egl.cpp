@@ -1,4 +1,4 @@
-// The back end egl: a context without any surface, on a GPU by the device platform or in software by Mesa's surfaceless one.
+// The back end egl: a context without surface, on a GPU by the device platform or in software by Mesa's surfaceless platform.
 #define EGL_NO_X11
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
@@ -20,7 +20,7 @@ struct Egl {
   decltype(&eglCreateContext) create_context = nullptr;
   decltype(&eglDestroyContext) destroy_context = nullptr;
   decltype(&eglMakeCurrent) make_current = nullptr;
-  PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display = nullptr;  // extensions from here: absent where the library has none
+  PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display = nullptr;  // extensions from here: null if the library lacks them
   PFNEGLQUERYDEVICESEXTPROC query_devices = nullptr;
   PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string = nullptr;
 
@@ -52,7 +52,7 @@ Result<Egl> load_egl() {
 class EglPlatform final : public GlPlatform {
  public:
   EglPlatform(const Egl& egl, EGLDisplay display, EGLContext context) : egl_(egl), display_(display), context_(context) {}
-  // The display is one for the whole process and stays initialised: other contexts may use it.
+  // The display is shared by the whole process and stays initialised: other contexts may use it.
   ~EglPlatform() override {
     release();
     egl_.destroy_context(display_, context_);

@@ -1,4 +1,4 @@
-/// app/render/gl_object.h: move-only owner of one OpenGL name. Internal: only app/render's sources include it.
+/// app/render/gl_object.h: move-only owner of one OpenGL name. Internal to app/render.   Errors  none.
 #pragma once
 
 #include <glad/gl.h>
@@ -7,7 +7,7 @@
 
 namespace burrhole {
 
-/// Deletes its name on destruction; the context that made it must be current then.
+/// Deletes its name at destruction. @pre the context that made it is current then.
 class GlObject {
  public:
   using Destroy = void (*)(const GladGLContext&, GLuint);

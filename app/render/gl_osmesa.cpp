@@ -1,4 +1,4 @@
-// The back end osmesa: software, no display. Its own surface is memory of ours.
+// The back end osmesa: software, no display. Its surface is memory of this program.
 #include <vector>
 
 #include "app/render/gl_platform.h"
@@ -6,7 +6,7 @@
 namespace burrhole {
 namespace {
 
-// From Mesa's osmesa.h, which cannot be included: it drags in GL/gl.h, whose prototypes clash with the loader's.
+// Declarations from Mesa's osmesa.h, which cannot be included: it includes GL/gl.h, whose prototypes conflict with those of the loader.
 constexpr int kRgba = 0x1908;
 constexpr int kFormat = 0x22;
 constexpr int kDepthBits = 0x30;

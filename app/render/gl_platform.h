@@ -1,5 +1,5 @@
-/// app/render/gl_platform.h: what a back end of GlContext gives: a context to make current and the addresses of its functions.
-///   Internal to app/render. No OpenGL header: each back end keeps its library's types in its own file.
+/// app/render/gl_platform.h: interface of a back end of GlContext: makes a context current and returns addresses of its functions.
+///   Internal to app/render. No OpenGL header: each back end keeps the types of its library in its own file.   Errors  unavailable.
 #pragma once
 
 #include <memory>
@@ -22,24 +22,25 @@ class GlPlatform {
   virtual ~GlPlatform() = default;
   [[nodiscard]] virtual GlBackend backend() const noexcept = 0;
   [[nodiscard]] virtual Status make_current() = 0;
-  virtual void release() = 0;  ///< no context of this back end is current in this thread afterwards
+  virtual void release() = 0;  ///< afterwards no context of this back end is current in this thread
   [[nodiscard]] virtual GlFunction find_function(const char* name) const = 0;
 };
 
 using GlPlatformResult = Result<std::unique_ptr<GlPlatform>>;
 
 [[nodiscard]] GlPlatformResult make_osmesa_platform(int width, int height);
-/// The first GPU that gives a context. Nothing where EGL knows none.
+/// @returns the first GPU that provides a context; nothing if EGL has none.
 [[nodiscard]] std::optional<std::unique_ptr<GlPlatform>> find_gpu_platform();
-/// A GPU, else software without a surface.
+/// @returns a GPU, otherwise software without a surface.
 [[nodiscard]] GlPlatformResult make_egl_platform();
 [[nodiscard]] GlPlatformResult make_window_platform(int width, int height);
 
-/// What the back ends share.
+// Shared by the back ends.
 [[nodiscard]] Error gl_unavailable(std::string message);
-/// Mesa crashes on a driver name it does not know, and its softpipe has no 4.5 core context. @returns the refusal, if any.
+/// @returns an error if GALLIUM_DRIVER names an unknown driver, which crashes Mesa, or softpipe, which has no 4.5 core context.
 [[nodiscard]] Status check_gallium_driver();
-/// Opens a library for the life of the process: a driver's threads and statics do not survive an unload. `package` is Debian's.
+/// Opens a library for the lifetime of the process: threads and statics of a driver do not permit unloading. @param package name of the
+/// Debian package.
 [[nodiscard]] Result<void*> open_gl_library(const char* file, const char* package);
 [[nodiscard]] void* find_symbol(void* library, const char* name);
 

@@ -8,7 +8,7 @@
 namespace burrhole {
 namespace {
 
-/// OpenGL's row 0 is the bottom one.
+/// Row 0 of OpenGL is the bottom row.
 template <class T>
 void flip_rows(std::vector<T>& pixels, int width, int height) {
   for (int row = 0; row < height / 2; ++row) {

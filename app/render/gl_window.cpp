@@ -1,4 +1,4 @@
-// The back end window: the context of a hidden GLFW window, as an interactive window has it.
+// The back end window: the context of a hidden GLFW window, equal to that of an interactive window.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
@@ -18,7 +18,7 @@ struct Glfw {
   decltype(&glfwMakeContextCurrent) make_context_current = nullptr;
   decltype(&glfwGetProcAddress) get_proc_address = nullptr;
 
-  /// What GLFW says of its last fault, in one line.
+  /// The description of GLFW's last error, in one line.
   [[nodiscard]] std::string said() const {
     const char* text = nullptr;
     if (get_error(&text) == GLFW_NO_ERROR || text == nullptr) return "GLFW gives no reason";
@@ -30,7 +30,7 @@ struct Glfw {
 
 Error refused(const std::string& why) { return gl_unavailable("window: " + why); }
 
-/// GLFW stays initialised for the life of the process, as its window classes and its connection to the display are shared.
+/// GLFW stays initialised for the lifetime of the process: its window classes and its connection to the display are shared.
 Result<Glfw> load_glfw() {
   const auto library = open_gl_library("libglfw.so.3", "libglfw3");
   if (!library) return refused(library.error().message);

@@ -17,7 +17,7 @@ constexpr double kBaseLine = 2.0;     ///< [grid] y of the base line
 /// A letter: lines of points, each "xy" on a grid of 0..4 by 0..8, y up, base line at 2, small letters to 6, capitals to 8.
 struct Letter {
   char sign;
-  std::string_view lines;  ///< points apart by a blank, lines by a comma
+  std::string_view lines;  ///< points separated by blanks, lines by commas
 };
 
 constexpr std::array kLetters{

@@ -11,7 +11,7 @@ double Pace::resolution() const noexcept {
   return std::clamp(kStep * std::floor(finest / kStep), kCoarsest, 1.0);
 }
 
-void Pace::tell(double resolution, double seconds) noexcept {
+void Pace::record(double resolution, double seconds) noexcept {
   const double full = seconds / (resolution * resolution);
   full_ = full > full_ ? full : 0.5 * (full_ + full);
 }

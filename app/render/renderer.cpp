@@ -6,20 +6,13 @@
 #include <optional>
 
 #include "app/render/enlarge.h"
-#include "app/render/frame_block.h"
-#include "app/render/frame_cache.h"
-#include "app/render/gl_context.h"
-#include "app/render/gl_target.h"
-#include "app/render/shader_program.h"
-#include "app/render/tool_mesh.h"
-#include "app/render/transfer_texture.h"
-#include "app/render/volume_texture.h"
+#include "app/render/renderer_impl.h"
 #include "core/base/assert.h"
 
 namespace burrhole {
 namespace {
 
-constexpr int kMaxSide = 16384;  ///< [pixels] beyond any driver's limit, which GlTarget asks for; keeps products in range
+constexpr int kMaxSide = 16384;  ///< [pixels] beyond any driver's limit, which GlTarget checks; prevents overflow of products
 
 Error out_of_range(std::string why) { return {ErrorCode::out_of_range, std::move(why), {}}; }
 
@@ -35,7 +28,7 @@ Status check_options(const RenderOptions& options) {
   return {};
 }
 
-/// What can be checked before any drawing; the camera checks itself.
+/// Checks that need no drawing; the camera is checked by make_camera_rays().
 Status check_view(const FrameView& view) {
   const LightView& light = view.light;
   if (!is_finite(light.direction_to_light) || glm::length(light.direction_to_light) == 0.0)
@@ -49,102 +42,7 @@ Status check_view(const FrameView& view) {
   return {};
 }
 
-/// Means of blocks of n x n pixels, rounded to nearest.
-Image shrink(const Image& large, int n) {
-  if (n == 1) return large;
-  Image image{large.width / n, large.height / n, {}};
-  image.pixels.reserve(large.pixels.size() / static_cast<std::size_t>(n * n));
-  const auto mean = [n](int sum) { return static_cast<std::uint8_t>((sum + n * n / 2) / (n * n)); };
-  for (int row = 0; row < image.height; ++row)
-    for (int column = 0; column < image.width; ++column) {
-      glm::ivec3 sum(0);
-      for (int part = 0; part < n * n; ++part) {
-        const int y = row * n + part / n, x = column * n + part % n;
-        const Rgba8& p = large.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(large.width) + static_cast<std::size_t>(x)];
-        sum += glm::ivec3(p.r, p.g, p.b);
-      }
-      image.pixels.push_back({mean(sum.x), mean(sum.y), mean(sum.z), 255});
-    }
-  return image;
-}
-
-/// Corners of the box of all voxel cells, which is what rays are clipped to, in world coordinates.
-void append_corners(const VolumeTexture& volume, const Affine& world_from_index, std::vector<Vec3>& points) {
-  const Vec3 dims(volume.dims());
-  for (unsigned c = 0; c < 8; ++c) {
-    const Vec3 corner((c & 1u) != 0 ? dims.x : 0.0, (c & 2u) != 0 ? dims.y : 0.0, (c & 4u) != 0 ? dims.z : 0.0);
-    points.push_back(world_from_index * (corner - 0.5));
-  }
-}
-
 }  // namespace
-
-struct Renderer::Impl {
-  RenderOptions options;
-  bool asked_occlusion;  ///< at creation; a quality without finish leaves it out
-  GlContext context;
-  const GladGLContext& gl;
-  ProgramCache programs;
-  RenderCounters counters;
-  GlObject no_vertices, frame_buffer;
-  GlTarget target;
-  DepthRange range;  ///< of the last picture
-  GlObject transfer, opaque_depth;
-  bool tinted = false;                    ///< the transfer function has a tint
-  std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
-  std::optional<VolumeTexture> volume;
-  std::optional<UploadRing> ring;
-  std::optional<ToolMesh> tool;
-  FrameCache cache;
-  bool may_grow = false;                  ///< forget() came since the last picture
-  std::optional<CameraView> last_camera;  ///< of draw_at_pace
-
-  Impl(const RenderOptions& chosen, GlContext made, ShaderFiles files)
-      : options(chosen),
-        asked_occlusion(chosen.looks.occlusion),
-        context(std::move(made)),
-        gl(context.functions()),
-        programs(gl, std::move(files)),
-        cache(chosen.supersample) {
-    no_vertices = make_vertex_array(gl);
-    frame_buffer = make_buffer(gl);
-    gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
-    if (options.upload_ring.value_or(!context.is_software())) ring.emplace(gl);
-    if (options.skip_empty && !options.slices) seen_from = kSolidOpacity;
-    if (!options.translucent) return;
-    const TransferTable table = make_transfer_table(*options.translucent);
-    transfer = make_transfer_texture(gl, table);
-    tinted = has_tint(table);
-    if (options.skip_empty) seen_from = burrhole::seen_from(table);
-  }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-  ~Impl() { static_cast<void>(context.make_current()); }  // the members delete their names in it
-
-  [[nodiscard]] bool has_soft() const noexcept { return volume && volume->has_soft(); }
-  [[nodiscard]] bool has_tissue() const noexcept { return volume && volume->has_tissue(); }
-  [[nodiscard]] ShaderVariant volume_variant(bool cut, bool probe, bool soft) const;
-  [[nodiscard]] bool has_surface() const noexcept { return !options.slices && !options.translucent; }
-  [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft) const;
-  [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
-  void draw_screen(GLuint program) const;
-  void draw_tool(GLuint program) const;
-  void draw_slices(GLuint program, int count) const;
-  void draw_translucent(GLuint program, const PixelRect& part) const;
-  void draw_light(GLuint program) const;
-  Result<FrameBlock> make_block(const FrameView& view, int width, int height);
-  struct Programs {
-    GLuint background, volume, light, tool;  ///< light: on the surface that rays hit
-  };
-  Result<Programs> find_programs(bool cut, bool probe);
-  Status prepare_target(int width, int height, bool probe);
-  [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
-  void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;
-  Status render(const PixelRegion& region, const FrameView& view, const FrameBlock& block, const std::optional<DrawnTool>& drawn_tool,
-                bool probe);
-  Result<Image> draw(const FrameView& view, int width, int height);
-  Status draw_probe(const FrameView& view, int width, int height);
-};
 
 Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, int height) {
   const Status valid = check_view(view);
@@ -159,7 +57,7 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   for (int axis = 0; axis < 3; ++axis) block.world_from_bone[axis] = Vec4f(glm::dvec4(rotation[axis], 0.0));
   if (volume) {
     const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
-    append_corners(*volume, world_from_index, points);
+    append_corners(volume->dims(), world_from_index, points);
     fill_volume(block, rays.value(), volume->dims(), world_from_index);
   }
   block.dims.w = static_cast<float>(options.step_voxels);
@@ -184,155 +82,6 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
     block.clip_from_tool = glm::fmat4(clip_from_world(rays.value(), range) * world_from_tool);
   }
   return block;
-}
-
-/// One triangle over the whole picture: a ray, or the background, at each pixel.
-void Renderer::Impl::draw_screen(GLuint program) const {
-  gl.UseProgram(program);
-  gl.BindVertexArray(no_vertices.name());
-  gl.DrawArrays(GL_TRIANGLES, 0, 3);
-}
-
-void Renderer::Impl::draw_tool(GLuint program) const {
-  gl.UseProgram(program);
-  tool->draw();
-}
-
-/// Blends them over what is there; what is nearer, the tool, hides them.
-void Renderer::Impl::draw_slices(GLuint program, int count) const {
-  gl.UseProgram(program);
-  volume->bind();
-  gl.BindVertexArray(no_vertices.name());
-  gl.Enable(GL_BLEND);
-  gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
-  gl.DepthMask(GL_FALSE);
-  gl.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
-  gl.DepthMask(GL_TRUE);
-  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  gl.Disable(GL_BLEND);
-}
-
-/// Blends over what is there the part of each ray that lies before it.
-void Renderer::Impl::draw_translucent(GLuint program, const PixelRect& part) const {
-  target.copy_depth(opaque_depth.name(), part);
-  volume->bind();
-  gl.BindTextureUnit(3, transfer.name());
-  gl.BindTextureUnit(4, opaque_depth.name());
-  gl.Disable(GL_DEPTH_TEST);  // depths were looked up instead
-  gl.Enablei(GL_BLEND, 0);    // the picture alone, not the probe
-  gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  gl.ColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
-  draw_screen(program);
-  gl.ColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  gl.Disablei(GL_BLEND, 0);
-  gl.Enable(GL_DEPTH_TEST);
-}
-
-/// Light where rays hit bone, tissue or a cut: the depth test leaves the other pixels as they are, without running their shader.
-void Renderer::Impl::draw_light(GLuint program) const {
-  target.bind_for_light();
-  gl.BindTextureUnit(4, target.hits());
-  gl.DepthFunc(GL_GREATER);  // the far plane, over a hit
-  gl.DepthMask(GL_FALSE);
-  draw_screen(program);
-  gl.DepthMask(GL_TRUE);
-  gl.DepthFunc(GL_LEQUAL);
-  target.bind();
-}
-
-ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft) const {
-  SurfaceChoice choice{.cut = cut, .soft = false, .finish = options.finish, .looks = options.looks};
-  choice.looks.tissue = choice.looks.tissue && tissue;
-  choice.soft = choice.looks.tissue && soft;
-  return surface_variant(choice);
-}
-
-ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft) const {
-  const LookView& looks = options.looks;
-  if (options.slices)
-    return slices_variant({.cut = cut, .correct = options.slices->correct, .labels = looks.labels, .normals = looks.normals});
-  if (options.translucent)
-    return translucent_variant(
-        {.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = looks.labels, .tint = tinted});
-  return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe});
-}
-
-/// A user's faulty shader is found at once and not at the first picture that takes it: every program the options may call for, as if the
-/// volume had tissue and dura. What is built in, the build has compiled.
-Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
-  std::vector<ShaderVariant> asked{background_variant(), tool_variant(false)};
-  for (const bool cut : {false, true}) {
-    asked.push_back(volume_variant(cut, false, true));
-    if (has_surface()) asked.push_back(light_variant(cut, true, true));
-  }
-  for (const ShaderVariant& variant : asked) {
-    const auto linked = programs.find_or_link(variant);
-    if (linked) continue;
-    Error fault = linked.error();
-    if (!fault.place.empty()) fault.place = (folder / fault.place).string();
-    return fault;
-  }
-  return {};
-}
-
-Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
-  const TargetKind kind = probe ? TargetKind::probed : (options.slices ? TargetKind::floats : TargetKind::bytes);
-  if (target.fits(width, height, kind)) return {};
-  auto made = GlTarget::create(gl, width, height, kind);
-  if (!made) return made.error();
-  target = std::move(made).value();
-  if (options.translucent) opaque_depth = target.make_depth_texture();
-  return {};
-}
-
-Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool probe) {
-  const auto empty = programs.find_or_link(background_variant());
-  if (!empty) return empty.error();
-  const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe, has_soft())) : empty;
-  if (!bone) return bone.error();
-  const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut, has_tissue(), has_soft())) : empty;
-  if (!light) return light.error();
-  const auto steel = programs.find_or_link(tool_variant(probe));
-  if (!steel) return steel.error();
-  return Programs{empty.value(), bone.value(), light.value(), steel.value()};
-}
-
-std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const {
-  if (!tool || !view.world_from_tool) return std::nullopt;
-  std::vector<Vec3> corners;
-  for (const Vec3& corner : tool->corners()) corners.push_back(*view.world_from_tool * corner);
-  return DrawnTool{*view.world_from_tool, find_footprint(rays_of(block), corners, drawn)};
-}
-
-/// The same fragments as in a whole picture: OpenGL does not let the scissor's place change what is drawn inside (4.5 core, appendix A.3).
-void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const {
-  gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
-  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  const bool opaque = !volume || has_surface();
-  if (opaque && volume) volume->bind();
-  draw_screen(opaque ? used.volume : used.background);
-  if (opaque && volume) draw_light(used.light);
-  if (with_tool) draw_tool(used.tool);
-  if (!opaque && options.slices) draw_slices(used.volume, static_cast<int>(block.slices.y));
-  if (!opaque && options.translucent) draw_translucent(used.volume, part);
-}
-
-Status Renderer::Impl::render(const PixelRegion& region, const FrameView& view, const FrameBlock& block,
-                              const std::optional<DrawnTool>& drawn_tool, bool probe) {
-  const auto used = find_programs(view.cut.has_value(), probe);
-  if (!used) return used.error();
-  gl.NamedBufferSubData(frame_buffer.name(), 0, sizeof(FrameBlock), &block);
-  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer.name());
-  target.bind();
-  gl.ClearDepth(1.0);
-  gl.Enable(GL_DEPTH_TEST);
-  gl.DepthFunc(GL_LEQUAL);
-  gl.Enable(GL_SCISSOR_TEST);
-  for (const PixelRect& part : region.rects())
-    draw_part(part, block, used.value(), drawn_tool && !drawn_tool->footprint.intersect(part).empty());
-  if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
-  return {};
 }
 
 Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height) {
@@ -485,7 +234,7 @@ Result<Image> Renderer::draw_at_pace(const FrameView& view, int width, int heigh
   const auto start = std::chrono::steady_clock::now();
   auto image = draw(view, width, height);
   impl_->options.resolution = asked;
-  if (image) pace.tell(share, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  if (image) pace.record(share, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   return image;
 }
 

@@ -20,8 +20,8 @@ Result<GlObject> compile_stage(const GladGLContext& gl, GLenum kind, const Shade
   if (compiled != 0) return stage;
   std::array<char, kLogLength> log{};
   gl.GetShaderInfoLog(stage.name(), kLogLength, nullptr, log.data());
-  const Error fault = shader_fault(files, log.data());
-  return bad_input("does not compile as variant " + variant.name + ": " + fault.message, fault.place.empty() ? file : fault.place);
+  const Error error = shader_error(files, log.data());
+  return bad_input("does not compile as variant " + variant.name + ": " + error.message, error.place.empty() ? file : error.place);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// app/render/shader_program.h: linked programs, made on first use. Internal: only app/render's sources include it.
+/// app/render/shader_program.h: linked programs, made on first use. Internal to app/render.   Errors  bad_input.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@ namespace burrhole {
 /// Compiles and links one variant. @returns ErrorCode::bad_input with the driver's log and the variant's name.
 [[nodiscard]] Result<GlObject> link_variant(const GladGLContext& gl, const ShaderFiles& files, const ShaderVariant& variant);
 
-/// Programs by variant name; the files stay as they were when it was made.
+/// Programs by variant name; the shader files are those at its construction.
 class ProgramCache {
  public:
   ProgramCache(const GladGLContext& gl, ShaderFiles files) : gl_(&gl), files_(std::move(files)) {}

@@ -11,9 +11,10 @@ namespace burrhole {
 namespace {
 
 constexpr int kMaxIncludeDepth = 8;
-constexpr std::size_t kLinesPerFile = 10000;  // a line's number tells its file too: Mesa forgets the source number of an expression
+constexpr std::size_t kLinesPerFile = 10000;  // the line number also encodes the file: Mesa loses the source number of an expression
 
-/// Replaces includes and decides branches; #line keeps the compiler's line numbers those of the file on disk, and tells files apart.
+/// Replaces includes and evaluates branches; #line keeps the compiler's line numbers equal to those of the file on disk and encodes the
+/// file.
 class Expander {
  public:
   Expander(const ShaderFiles& files, const std::vector<std::string>& defines) : files_(&files), defines_(&defines) {}
@@ -132,7 +133,7 @@ ShaderVariant background_variant() { return {"background", "screen.vert", "backg
 std::vector<ShaderVariant> all_shader_variants() {
   std::vector<ShaderVariant> variants{background_variant(), tool_variant(false), tool_variant(true)};
   const auto bit = [](unsigned bits, unsigned n) { return (bits >> n & 1u) != 0; };
-  const auto looks = [bit](unsigned bits) {
+  const auto options = [bit](unsigned bits) {
     return LookView{.tissue = bit(bits, 0),
                     .occlusion = bit(bits, 1),
                     .shadow = bit(bits, 2),
@@ -142,16 +143,16 @@ std::vector<ShaderVariant> all_shader_variants() {
   };
   for (unsigned bits = 0; bits < 8; ++bits)
     variants.push_back(raycast_variant({.cut = bit(bits, 0), .skip = bit(bits, 1), .probe = bit(bits, 2)}));
-  constexpr unsigned kDrawn = 8, kLooks = 6, kAllLooks = (1u << kLooks) - 1u;
-  const auto add = [&](unsigned bits, unsigned look) {
-    variants.push_back(surface_variant({.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .looks = looks(look)}));
+  constexpr unsigned kDrawn = 8, kOptions = 6, kAllOptions = (1u << kOptions) - 1u;
+  const auto add = [&](unsigned bits, unsigned chosen) {
+    variants.push_back(surface_variant({.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .looks = options(chosen)}));
   };
   constexpr unsigned kDefault = 0b010011u;  // tissue, occlusion, labels
   for (unsigned bits = 0; bits < kDrawn; ++bits)
-    for (const unsigned look : {0u, kDefault, kAllLooks}) add(bits, look);
+    for (const unsigned chosen : {0u, kDefault, kAllOptions}) add(bits, chosen);
   for (const unsigned bits : {0u, kDrawn - 1u})
-    for (unsigned n = 0; n < kLooks; ++n)
-      for (const unsigned look : {1u << n, kAllLooks ^ 1u << n}) add(bits, look);
+    for (unsigned n = 0; n < kOptions; ++n)
+      for (const unsigned chosen : {1u << n, kAllOptions ^ 1u << n}) add(bits, chosen);
   for (unsigned bits = 0; bits < 64; ++bits)
     variants.push_back(translucent_variant({.cut = bit(bits, 0),
                                             .soft = bit(bits, 1),
@@ -176,7 +177,7 @@ Result<std::string> expand_shader(const ShaderFiles& files, std::string_view fil
   return std::move(expander.text());
 }
 
-Error shader_fault(const ShaderFiles& files, std::string_view log) {
+Error shader_error(const ShaderFiles& files, std::string_view log) {
   std::istringstream lines{std::string(log)};
   std::string line, first;
   while (std::getline(lines, line)) {

@@ -1,5 +1,5 @@
-/// app/render/shader_source.h: shader texts, the include and define expander, and the list of every variant that may be linked.
-///   No OpenGL here: the build-time tool and the driver both use this file, so what was validated is what runs.
+/// app/render/shader_source.h: shader texts, expansion of includes and defines, and the list of all variants that may be linked.
+///   No OpenGL: build-time tool and program use this file, so the validated text is the one that runs.   Errors  bad_input.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/engine/view.h"
+#include "app/view/view.h"
 #include "core/base/result.h"
 
 namespace burrhole {
@@ -16,7 +16,7 @@ namespace burrhole {
 /// Text of each file of shaders/, by file name.
 using ShaderFiles = std::map<std::string, std::string, std::less<>>;
 
-/// One program: its two stages and the names that are defined while they are expanded.
+/// One program: its two stages and the names defined for them.
 struct ShaderVariant {
   std::string name;
   std::string vertex;
@@ -24,22 +24,22 @@ struct ShaderVariant {
   std::vector<std::string> defines;
 };
 
-/// What rays to the surface call for; each choice that is off is not in the expanded source.
+/// Options of rays to the surface; a disabled option is not in the expanded source.
 struct RaycastChoice {
   bool cut = false;    ///< part of the volume is cut away
   bool skip = false;   ///< empty space is skipped by the distance map
-  bool probe = false;  ///< hit positions and sample counts come beside the picture
+  bool probe = false;  ///< writes hit positions and sample counts beside the picture
 };
 
-/// The same for the light on what they hit.
+/// Options of the light on the surface that rays hit.
 struct SurfaceChoice {
   bool cut = false;
-  bool soft = false;    ///< the volume holds dura or brain
+  bool soft = false;    ///< the volume contains dura or brain
   bool finish = false;  ///< smoothed normals and soft highlights
   LookView looks{.labels = false};
 };
 
-/// The same for slices.
+/// Options of slices.
 struct SlicesChoice {
   bool cut = false;
   bool correct = false;  ///< opacity corrected for the distance between slices
@@ -47,7 +47,7 @@ struct SlicesChoice {
   NormalSource normals = NormalSource::texture;
 };
 
-/// The same for translucent bone.
+/// Options of translucent bone.
 struct TranslucentChoice {
   bool cut = false;
   bool soft = false;
@@ -63,21 +63,21 @@ struct TranslucentChoice {
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
 [[nodiscard]] ShaderVariant tool_variant(bool probe);
 [[nodiscard]] ShaderVariant background_variant();
-/// The build validates and a test links each: all choices of what is drawn, without looks, with those of a scene that names none and with
-/// all of them, and each look alone and left out.
+/// The build validates and a test links each of these: all options of the drawing method, without appearance options, with those of a
+/// default scene and with all, and each appearance option alone and left out.
 [[nodiscard]] std::vector<ShaderVariant> all_shader_variants();
 
-/// The text the driver gets: #version 450, one #define a name, then `file` with each `#include "name"` line replaced by that file and with
-/// `#ifdef`, `#ifndef`, `#else` and `#endif` decided: of a branch that is not taken nothing is left but empty lines.
-/// @returns ErrorCode::bad_input with file and line when a file is missing or includes itself, or a branch is not closed.
+/// @returns the text for the driver: #version 450, one #define per name, then `file` with each `#include "name"` line replaced by that file
+/// and with `#ifdef`, `#ifndef`, `#else` and `#endif` evaluated; a branch not taken becomes empty lines.
+/// ErrorCode::bad_input with file and line if a file is missing or includes itself, or a branch is not closed.
 [[nodiscard]] Result<std::string> expand_shader(const ShaderFiles& files, std::string_view file, const std::vector<std::string>& defines);
 
-/// The first fault in a driver's log of such a text, its place in words: file, line and, where the driver tells it, column.
-[[nodiscard]] Error shader_fault(const ShaderFiles& files, std::string_view log);
+/// @returns the first error in a driver's log of such a text, with its place: file, line and, if the driver reports it, column.
+[[nodiscard]] Error shader_error(const ShaderFiles& files, std::string_view log);
 
-/// The shaders as built in.
+/// The built-in shaders.
 [[nodiscard]] const ShaderFiles& embedded_shaders();
-/// Shaders from a folder (*.glsl, *.vert, *.frag). @returns ErrorCode::bad_input when it cannot be read or holds none.
+/// Reads shaders from a folder (*.glsl, *.vert, *.frag). @returns ErrorCode::bad_input if it cannot be read or has none.
 [[nodiscard]] Result<ShaderFiles> read_shader_folder(const std::filesystem::path& folder);
 
 }  // namespace burrhole

@@ -22,8 +22,8 @@ SkipMap::SkipMap(const Vec3i& dims, std::span<const std::uint8_t> solid) : all_{
   sweep(-1);
 }
 
-/// One of the two passes of the chessboard distance transform: each voxel learns from the 13 neighbours already visited
-/// (exact for this metric). Rows are handled whole: minimum over the four earlier rows, then over three columns, then along the row.
+/// One of the two passes of the chessboard distance transform: each voxel takes the minimum over the 13 neighbours visited before (exact
+/// for this metric). Rows are processed as a whole: minimum over the four earlier rows, then over three columns, then along the row.
 void SkipMap::sweep(int direction) {
   const Vec3i dims = all_.hi;
   const int row = dims.x;
@@ -61,7 +61,7 @@ VoxelBox SkipMap::raise(const VoxelBox& box, std::span<const std::uint8_t> solid
   const std::uint8_t* asked = solid.data();
   for (int k = box.lo.z; k < box.hi.z; ++k)
     for (int j = box.lo.y; j < box.hi.y; ++j, asked += row) {
-      // Nearly always nothing has risen: a whole row is asked first, in a form that compilers turn into vectors.
+      // Usually no voxel became solid: a whole row is tested first, in a form that compilers vectorise.
       const std::uint8_t* known = &distance_[all_.offset_of({box.lo.x, j, k})];
       unsigned any = 0;
       for (int i = 0; i < row; ++i) any |= static_cast<unsigned>(asked[i] != 0) & static_cast<unsigned>(known[i] != 0);
@@ -69,7 +69,7 @@ VoxelBox SkipMap::raise(const VoxelBox& box, std::span<const std::uint8_t> solid
         if (asked[i] != 0 && known[i] != 0) risen.include({box.lo.x + i, j, k});
     }
   if (risen.empty()) return {};
-  // The whole box of risen voxels counts as solid: a little too near is safe, and one pass over the reach of the map is enough.
+  // The bounding box of the new solid voxels counts as solid: the bound stays valid, and one pass over the reach of the map suffices.
   const VoxelBox changed = risen.grown(kMaxSkip - 1).intersect(all_);
   for_each_voxel(changed, [&](const Vec3i& v) {
     std::uint8_t& own = distance_[all_.offset_of(v)];

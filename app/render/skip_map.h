@@ -1,5 +1,5 @@
-/// app/render/skip_map.h: how far each voxel is from the nearest one that may be solid, for skipping empty space.
-///   Frame index, i fastest.  Units voxels, Chebyshev metric, at most kMaxSkip.
+/// app/render/skip_map.h: distance of each voxel to the nearest voxel that may be solid, for empty space skipping.
+///   Frame index, i fastest.  Units voxels, Chebyshev metric, at most kMaxSkip.   Errors  none.   Thread  one owner.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace burrhole {
 
 inline constexpr int kMaxSkip = 32;
 
-/// A lower bound on the true distance, exact when made. Bone that disappears leaves it safe as it is; bone that grows lowers it.
+/// A lower bound of the true distance, exact when made. It remains a lower bound when bone disappears; bone that grows lowers it.
 class SkipMap {
  public:
   SkipMap() = default;
@@ -20,8 +20,8 @@ class SkipMap {
   SkipMap(const Vec3i& dims, std::span<const std::uint8_t> solid);
 
   [[nodiscard]] std::span<const std::uint8_t> distances() const noexcept { return distance_; }
-  /// Tells the map that voxels of `box` marked in `solid` (box.count() values) are solid now.
-  /// @returns the box whose distances changed, empty when the map knew them all.
+  /// Updates the map for voxels of `box` that are marked in `solid` (box.count() values) and are now solid.
+  /// @returns the box whose distances changed; empty if none did.
   [[nodiscard]] VoxelBox raise(const VoxelBox& box, std::span<const std::uint8_t> solid);
 
  private:

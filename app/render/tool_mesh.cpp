@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/base/bounds.h"
+
 namespace burrhole {
 namespace {
 
@@ -22,14 +24,9 @@ GlObject make_filled_buffer(const GladGLContext& gl, const void* data, std::size
 }
 
 std::array<Vec3, 8> box_corners(const std::vector<Vec3f>& points) {
-  Vec3 lo(points.front()), hi(points.front());
-  for (const Vec3f& p : points) {
-    lo = glm::min(lo, Vec3(p));
-    hi = glm::max(hi, Vec3(p));
-  }
-  std::array<Vec3, 8> corners{};
-  for (unsigned c = 0; c < 8; ++c) corners[c] = {(c & 1u) != 0 ? hi.x : lo.x, (c & 2u) != 0 ? hi.y : lo.y, (c & 4u) != 0 ? hi.z : lo.z};
-  return corners;
+  Bounds bounds = Bounds::none();
+  for (const Vec3f& p : points) bounds.include(Vec3(p));
+  return bounds.corners();
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-/// app/render/tool_mesh.h: a triangle mesh on the card. Internal: only app/render's sources include it.
+/// app/render/tool_mesh.h: a triangle mesh in GPU memory. Internal to app/render.
+///   Frame  tool frame.   Units  m.   Errors  bad_input, unavailable.
 #pragma once
 
 #include <array>
@@ -12,10 +13,10 @@ namespace burrhole {
 class ToolMesh {
  public:
   ToolMesh() = default;
-  /// @returns ErrorCode::bad_input for a mesh that is empty, has no normal a vertex, or an index beyond its vertices.
+  /// @returns ErrorCode::bad_input for a mesh that is empty, lacks a normal per vertex, or has an index beyond its vertices.
   [[nodiscard]] static Result<ToolMesh> create(const GladGLContext& gl, const TriangleMesh& mesh);
   void draw() const;
-  /// Corners of its bounding box, tool frame [m].
+  /// Corners of its bounding box [m], tool frame.
   [[nodiscard]] const std::array<Vec3, 8>& corners() const noexcept { return corners_; }
 
  private:

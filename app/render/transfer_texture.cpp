@@ -37,7 +37,7 @@ TransferTable make_transfer_table(const TransferFunction& transfer) {
 std::uint8_t seen_from(const TransferTable& table) {
   const auto seen = std::find_if(table.begin(), table.end(), [](const glm::fvec4& value) { return value.w > 0.0f; });
   if (seen == table.begin()) return 0;
-  // One less than the first that shows: a filter's rounding may lift a mean. It lifts none of texels that are all 0.
+  // One less than the first visible density: rounding in the filter may raise a mean, but not the mean of texels that are all 0.
   return static_cast<std::uint8_t>(std::max<std::ptrdiff_t>(seen - table.begin() - 1, 1));
 }
 

@@ -1,6 +1,5 @@
-/// app/render/upload_ring.h: buffers that texels are copied into on their way to a card, so that the copy need not wait until the card has
-///   drawn what it still draws. Internal: only app/render's sources include it.
-///   Thread  that of the context, which is current.
+/// app/render/upload_ring.h: ring of mapped buffers for texel uploads, so that a copy does not wait for the GPU to finish drawing.
+///   Internal to app/render.   Units  bytes.   Errors  nothing is returned.   Thread  that of the context, which is current.
 #pragma once
 
 #include <array>
@@ -13,8 +12,8 @@
 
 namespace burrhole {
 
-/// One mapped buffer in three slots, used by turns; a fence says when the card has read a slot. Over Mesa's software renderer, which reads at
-/// once, a plain upload is quicker.
+/// One mapped buffer in three slots that are used in rotation; a fence signals that the GPU has read a slot. With Mesa's software renderer,
+/// which reads at once, a plain upload is faster. once, a plain upload is quicker.
 class UploadRing {
  public:
   static constexpr std::size_t kSlots = 3, kSlotBytes = std::size_t{1} << 20;
@@ -24,16 +23,16 @@ class UploadRing {
   UploadRing& operator=(const UploadRing&) = delete;
   ~UploadRing();
 
-  /// Copies the parts, one after the other, into the next slot and lets uploads read from the buffer until finish().
-  /// @returns where the first lies in the buffer, as uploads take it; nothing, and nothing done, when they do not fit into a slot or the
-  /// driver maps no buffer.
+  /// Copies the parts, one after the other, into the next slot; uploads read from the buffer until finish().
+  /// @returns the offset of the first part in the buffer, as a pointer for uploads; nothing, without any change, if the parts do not fit
+  /// into a slot or the driver cannot map a buffer.
   [[nodiscard]] std::optional<std::size_t> stage(std::initializer_list<std::span<const std::byte>> parts);
   void finish();
 
  private:
   const GladGLContext& gl_;
   GlObject buffer_;
-  std::byte* memory_ = nullptr;  ///< of the driver, as long as the buffer lives
+  std::byte* memory_ = nullptr;  ///< mapped by the driver, valid while the buffer exists
   std::array<GLsync, kSlots> read_{};
   std::size_t next_ = 0;
 };

@@ -14,7 +14,7 @@ std::string size_text(const Vec3i& dims) {
   return std::to_string(dims.x) + " x " + std::to_string(dims.y) + " x " + std::to_string(dims.z);
 }
 
-/// Asks the driver without taking memory.
+/// Tests a proxy texture: no memory is allocated.
 bool takes(const GladGLContext& gl, const Vec3i& dims, GLenum stored) {
   GLint limit = 0, width = 0;
   gl.GetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &limit);
@@ -24,7 +24,7 @@ bool takes(const GladGLContext& gl, const Vec3i& dims, GLenum stored) {
   return width == dims.x;
 }
 
-/// The largest volume of that form that the driver takes, by the length of its longest edge.
+/// The largest volume of that aspect ratio that the driver accepts, by the length of its longest edge.
 Vec3i largest_taken(const GladGLContext& gl, const Vec3i& dims, GLenum stored) {
   const int longest = std::max({dims.x, dims.y, dims.z});
   const auto shrunk = [&](int edge) { return glm::max(Vec3i(glm::floor(Vec3(dims) * (edge / static_cast<double>(longest)))), Vec3i(1)); };
@@ -78,7 +78,7 @@ GlObject make_volume(const GladGLContext& gl, const Vec3i& dims, GLenum stored, 
   return texture;
 }
 
-/// One channel of 16 bits: llvmpipe filters it a third faster than RGBA8, whose path through bytes a channel of 8 bits takes too.
+/// One channel of 16 bits: llvmpipe filters it a third faster than RGBA8 or one channel of 8 bits.
 GlObject make_field(const GladGLContext& gl, const VolumeView& view) {
   if (view.precise.normal_opacity.empty() && !view.field.empty())
     return make_volume(gl, view.dims, GL_R16, GL_RED, GL_LINEAR, view.field.data(), GL_UNSIGNED_SHORT);
@@ -121,7 +121,7 @@ Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const Volum
 void VolumeTexture::send(const TexelBox& texels, UploadRing* ring) const {
   const auto colors = std::as_bytes(std::span(texels.normal_opacity)), field = std::as_bytes(std::span(texels.field));
   if (const auto at = ring != nullptr ? ring->stage({colors, field}) : std::nullopt) {
-    // With a buffer bound a place in it is handed over as a pointer.
+    // With a bound buffer the offset is passed as a pointer.
     upload(*gl_, normal_opacity_.name(), texels.box, GL_RGBA, reinterpret_cast<const void*>(*at));
     upload(*gl_, field_.name(), texels.box, GL_RED, reinterpret_cast<const void*>(*at + colors.size()), GL_UNSIGNED_SHORT);
     ring->finish();
@@ -143,7 +143,7 @@ UploadedBytes VolumeTexture::update(const TexelBox& texels, bool may_grow, Uploa
                  [this](const Rgba8& t) { return static_cast<std::uint8_t>(t.a >= seen_from_); });
   const VoxelBox nearer = skip_map_.raise(texels.box, solid);
   if (nearer.empty()) return sent;
-  // Only when bone grew: whole slabs, since rows of a part are not contiguous and this is rare.
+  // Only if bone grew, which is rare: whole slabs, since rows of a part are not contiguous.
   const VoxelBox slab{{0, 0, nearer.lo.z}, {dims_.x, dims_.y, nearer.hi.z}};
   upload(*gl_, skip_texture_.name(), slab, GL_RED, skip_map_.distances().data() + all.offset_of(slab.lo));
   sent.skip_map = slab.count();

@@ -1,40 +1,41 @@
-/// app/render/volume_texture.h: the paper's two 3D textures, the seen field and the skip map on the card. Internal: only app/render's sources include it.
+/// app/render/volume_texture.h: the two 3D textures of the paper, the field texture and the skip map on the GPU. Internal to app/render.
+///   Frame  index.   Units  texels.   Errors  bad_input, out_of_range, unavailable.
 ///   Source [AcostaLiu07] section 4: normals and opacity in one RGBA texture, colours in a second, partial updates by sub-texture.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "app/engine/view.h"
 #include "app/render/gl_object.h"
 #include "app/render/skip_map.h"
 #include "app/render/upload_ring.h"
+#include "app/view/view.h"
 #include "core/base/result.h"
 
 namespace burrhole {
 
-/// Bytes that one change sent to the card.
+/// [bytes] sent to the GPU by one change.
 struct UploadedBytes {
   std::uint64_t texels = 0;
   std::uint64_t skip_map = 0;
 };
 
-/// The least 8-bit value at or above the drawn level 0.5; a trilinear mean of lesser ones stays below it.
+/// The smallest 8-bit value at or above the drawn level 0.5; a trilinear mean of smaller values is below the level.
 inline constexpr std::uint8_t kSolidOpacity = 128;
 
 class VolumeTexture {
  public:
   VolumeTexture() = default;
-  /// @param seen_from the least opacity of bone, 0..255, a picture shows: with it comes a skip map. A trilinear mean of lesser ones must
-  /// be invisible.
-  /// @returns ErrorCode::bad_input when sizes disagree or the affine is singular, ErrorCode::out_of_range beyond the driver's limit,
-  /// ErrorCode::unavailable when the driver has no memory for it.
+  /// @param seen_from smallest opacity of bone, 0..255, that is visible; if given, a skip map is made. A trilinear mean of smaller values
+  /// must be invisible.
+  /// @returns ErrorCode::bad_input if sizes disagree or the affine is singular, ErrorCode::out_of_range beyond the driver's limit,
+  /// ErrorCode::unavailable if the driver has not enough memory.
   [[nodiscard]] static Result<VolumeTexture> create(const GladGLContext& gl, const VolumeView& view, std::optional<std::uint8_t> seen_from);
 
-  /// Replaces exactly the texels of the box. @param may_grow bone of the box may be more than before: the skip map is told.
-  /// @param ring nothing: the driver copies texels itself. @returns what was sent; the box lies inside the volume (ours to see to).
+  /// Replaces the texels of the box. @param may_grow the box may have more bone than before: the skip map is updated.
+  /// @param ring null: the driver copies texels. @returns the bytes sent. @pre the box lies inside the volume.
   UploadedBytes update(const TexelBox& texels, bool may_grow, UploadRing* ring);
-  void bind() const;  ///< texture units 0, 1, 6 and, with a skip map, 2, with tissue 5
+  void bind() const;  ///< texture units 0, 1, 6; with a skip map 2, with tissue 5
 
   [[nodiscard]] const Vec3i& dims() const noexcept { return dims_; }
   [[nodiscard]] const Affine& bone_from_index() const noexcept { return bone_from_index_; }

@@ -9,7 +9,7 @@
 namespace burrhole {
 namespace {
 
-/// RFC 4180 section 2, rules 5 to 7: quotes round a cell with a comma, quote or line break; a quote inside is doubled.
+/// RFC 4180 section 2, rules 5 to 7: a cell with a comma, quote or line break is quoted; a quote inside is doubled.
 std::string quoted_cell(std::string_view cell) {
   if (cell.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(cell);
   std::string out = "\"";

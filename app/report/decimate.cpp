@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kKeptPerBucket = 5;
 
-/// Appends what bucket [begin, end) keeps, in order, each index once.
+/// Appends the kept samples of bucket [begin, end), in order, each index once.
 void keep_extremes(std::span<const double> y, std::size_t begin, std::size_t end, std::vector<std::size_t>& kept) {
   std::size_t picks[kKeptPerBucket] = {begin, begin, begin, begin, end - 1};
   std::size_t& low = picks[1];
@@ -22,7 +22,7 @@ void keep_extremes(std::span<const double> y, std::size_t begin, std::size_t end
       if (std::isfinite(y[gap])) gap = i;
       continue;
     }
-    // A comparison with NaN is false, so `not less` lets the first finite sample replace one that is not.
+    // A comparison with NaN is false, so `not less` lets the first finite sample replace a NaN.
     if (!(y[low] <= y[i])) low = i;
     if (!(y[high] >= y[i])) high = i;
   }

@@ -9,7 +9,7 @@
 namespace burrhole {
 namespace {
 
-/// Appends a tile for a value that applies.
+/// Appends a tile if the value applies.
 void add_tile(std::vector<HtmlTile>& tiles, const char* name, const std::optional<double>& value, int decimals, const char* unit,
               bool alert = false) {
   if (value) tiles.push_back({name, fmt::format("{:.{}f}", *value, decimals), unit, alert});
@@ -32,7 +32,7 @@ std::vector<HtmlTile> key_figures(const DrillReport& report) {
   return tiles;
 }
 
-/// One sentence on how the run ended.
+/// One sentence on the end of the run.
 std::string verdict(const DrillReport& report) {
   if (!report.breakthrough_s) return report.outcome.empty() ? "The run ended before the bone was drilled through." : report.outcome;
   std::string out = fmt::format("The bone was drilled through after {:.2f} s", *report.breakthrough_s);
@@ -72,7 +72,7 @@ Status add_plot(const DrillReport& report, HtmlPage& page) {
                        : "Depth is that of the tip along the axis, from the entry; the shaded layers are the bone as loaded.");
     return {};
   }
-  // A page without its plot is still worth having; anything but a missing program is our bug.
+  // A page without its plot is useful. Any error other than a missing program is our bug.
   if (svg.error().code != ErrorCode::unavailable) return svg.error();
   page.paragraph("No plot: " + svg.error().message + ".");
   return {};

@@ -1,5 +1,6 @@
-/// app/report/drill_report.h: one drilled burrhole on one page, for the trainee: what was done, and what went wrong.
-///   Units  as the names say. What does not apply is left empty and is then not shown.
+/// app/report/drill_report.h: report of one drilled burrhole on one page, for the trainee: results, and errors of the trainee.
+///   Units  in the names of the members. Values that do not apply are empty and are not shown.   Frame  none.
+///   Errors  bad_input with the path.   Thread  any.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +26,7 @@ struct DrillReport {
     std::string png_path;
     std::string caption;
   };
-  /// What one step of the loop cost, per call.
+  /// Duration of one step of the loop, per call.
   struct Timing {
     std::string name;
     std::int64_t count = 0;
@@ -35,16 +36,16 @@ struct DrillReport {
     std::string name, value;
   };
 
-  std::string title;  ///< of the scene
-  std::string scene;  ///< its file
+  std::string title;  ///< title of the scene
+  std::string scene;  ///< file of the scene
   std::string tool;
-  std::string setting;                ///< what was chosen for the run, in a line
-  std::string outcome;                ///< how a run ended that did not break through, in a sentence
-  std::vector<std::string> warnings;  ///< of the scene
+  std::string setting;                ///< the settings of the run, in one line
+  std::string outcome;                ///< end of a run without breakthrough, in one sentence
+  std::vector<std::string> warnings;  ///< warnings of the scene
 
-  // Over time; sizes equal that of time_s, or empty.
+  // Time series; each has the size of time_s or is empty.
   std::vector<double> time_s;
-  std::vector<double> force_N;     ///< magnitude of what bone exerts on the tool
+  std::vector<double> force_N;     ///< magnitude of the force of bone on the tool
   std::vector<double> depth_mm;    ///< of the tip along the axis from the entry, inwards positive
   std::vector<double> speed_mm_s;  ///< of the tip along the axis, inwards positive
 
@@ -55,17 +56,17 @@ struct DrillReport {
   std::optional<double> thickness_mm, depth_mm_at_breakthrough, plunge_mm, peak_force_N, angle_deg;
   std::optional<double> removed_mm3, removed_mass_mm3, hole_diameter_mm, inner_diameter_mm;
   std::optional<double> breakthrough_s, duration_s;
-  double plunge_limit_mm = 0.5;  ///< a plunge beyond this is shown as a fault; the thinnest dura is about 0.3 mm, so this is generous
+  double plunge_limit_mm = 0.5;  ///< a larger plunge is shown as an alert; the thinnest dura is about 0.3 mm thick
 
   std::vector<Timing> timing;
-  std::int64_t missed = 0;  ///< ticks that came late
+  std::int64_t missed = 0;  ///< [ticks] that started late
   std::vector<Hash> hashes;
 };
 
-/// @returns the page. Without gnuplot the page says so in place of the plot; a picture that cannot be read is an error.
+/// @returns the page. Without gnuplot a sentence replaces the plot; a picture that cannot be read is an error (bad_input).
 [[nodiscard]] Result<std::string> make_drill_report(const DrillReport& report);
 
-/// make_drill_report into a file.
+/// Writes make_drill_report() to a file.
 [[nodiscard]] Status write_drill_report(const DrillReport& report, const std::string& path);
 
 }  // namespace burrhole

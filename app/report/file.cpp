@@ -17,11 +17,11 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
-Error system_fault(const char* doing, const std::string& path, int code) {
+Error file_error(const char* doing, const std::string& path, int code) {
   return bad_input(std::string("cannot ") + doing + ": " + std::strerror(code), path);
 }
 
-/// @returns 0, or the errno of the first step that failed. A full disk may show only when the stream is flushed or closed.
+/// @returns 0, or the errno of the first failed step. A full disk may be detected only when the stream is flushed or closed.
 int write_all(const std::string& path, std::string_view bytes) {
   File file(std::fopen(path.c_str(), "wb"));
   if (!file) return errno;
@@ -34,25 +34,25 @@ int write_all(const std::string& path, std::string_view bytes) {
 Status write_file(const std::string& path, std::string_view bytes) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (!folder.empty()) {
-    std::error_code fault;
-    std::filesystem::create_directories(folder, fault);
-    if (fault) return bad_input("cannot make the folder: " + fault.message(), folder.string());
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) return bad_input("cannot make the folder: " + error.message(), folder.string());
   }
   const std::string temporary = path + "." + std::to_string(::getpid()) + ".tmp";
   int code = write_all(temporary, bytes);
   if (code == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) code = errno;
   if (code == 0) return {};
   std::remove(temporary.c_str());
-  return system_fault("write", path, code);
+  return file_error("write", path, code);
 }
 
 Result<std::string> read_file(const std::string& path) {
   File file(std::fopen(path.c_str(), "rb"));
-  if (!file) return system_fault("read", path, errno);
+  if (!file) return file_error("read", path, errno);
   std::string bytes;
   char block[65536];
   for (std::size_t count = 0; (count = std::fread(block, 1, sizeof block, file.get())) > 0;) bytes.append(block, count);
-  if (std::ferror(file.get()) != 0) return system_fault("read", path, errno);
+  if (std::ferror(file.get()) != 0) return file_error("read", path, errno);
   return bytes;
 }
 

@@ -1,4 +1,5 @@
-/// app/report/file.h: whole files, read and written at once.
+/// app/report/file.h: reads and writes whole files.
+///   Errors  bad_input with the path and the reason of the operating system.
 #pragma once
 
 #include <string>
@@ -8,11 +9,11 @@
 
 namespace burrhole {
 
-/// Writes a temporary file beside `path` and renames it: a reader, or a run that was cut short, sees the old file or the new one, never
-/// half. Folders that lack are made. Errors: bad_input with the path and the system's reason; the old file is then untouched.
+/// Writes a temporary file beside `path` and renames it, so that `path` always has either the old or the new content, also after a crash.
+/// Creates missing folders. On an error the old file is unchanged.
 [[nodiscard]] Status write_file(const std::string& path, std::string_view bytes);
 
-/// @returns the bytes of a file; bad_input with the path and the reason if it cannot be read.
+/// @returns the bytes of a file.
 [[nodiscard]] Result<std::string> read_file(const std::string& path);
 
 }  // namespace burrhole

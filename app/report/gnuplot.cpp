@@ -11,35 +11,15 @@
 #include <filesystem>
 
 #include "app/report/file.h"
+#include "app/report/scratch_folder.h"
 
 extern char** environ;
 
 namespace burrhole {
 namespace {
 
-/// A folder of our own that goes with its owner.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code fault;
-    std::string name = (std::filesystem::temp_directory_path(fault) / "burrhole-plot-XXXXXX").string();
-    if (!fault && ::mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] bool ok() const noexcept { return !path_.empty(); }
-  [[nodiscard]] std::string file(const char* name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
-};
-
-/// Starts `program script` with its streams on files, so neither side can wait for a full pipe. @returns the errno of the start;
-/// `status` is then that of waitpid.
+/// Starts `program script` with its streams redirected to files, so that no pipe can fill up. @returns the errno of the start; `status` is
+/// then that of waitpid.
 int run_on_files(const std::string& program, const std::string& script, const std::string& out, const std::string& complaint, int& status) {
   posix_spawn_file_actions_t streams;
   posix_spawn_file_actions_init(&streams);
@@ -73,8 +53,8 @@ std::string gnuplot_quoted(const std::string& text) {
 }
 
 Result<std::string> run_gnuplot(std::string_view script, const std::string& program) {
-  const TemporaryFolder folder;
-  if (!folder.ok())
+  const ScratchFolder folder;
+  if (folder.path().empty())
     return Error{ErrorCode::unavailable, "no temporary folder can be made for plots: " + std::string(std::strerror(errno)), {}};
   if (const Status written = write_file(folder.file("plot.gp"), script); !written) return written.error();
   int status = 0;

@@ -1,4 +1,5 @@
-/// app/report/gnuplot.h: runs the gnuplot program on a script; nothing else knows how it is called.
+/// app/report/gnuplot.h: runs the gnuplot program on a script. No other file starts it.
+///   Errors  unavailable, internal.
 #pragma once
 
 #include <string>
@@ -8,11 +9,11 @@
 
 namespace burrhole {
 
-/// Runs `program` on a script and waits. @returns what it wrote to stdout. Errors: unavailable if the program is not there or no temporary
-/// file can be made; internal, with the first line of its complaint, if it ends with a fault.
+/// Runs `program` on a script and waits. @returns its output on stdout. Errors: unavailable if the program does not exist or no temporary
+/// file can be created; internal, with the first line of its error output, if it exits with an error.
 [[nodiscard]] Result<std::string> run_gnuplot(std::string_view script, const std::string& program);
 
-/// Text between double quotes: backslash and quote escaped, control characters made blanks.
+/// @returns text in double quotes: backslash and quote escaped, control characters replaced by blanks.
 [[nodiscard]] std::string gnuplot_quoted(const std::string& text);
 
 }  // namespace burrhole

@@ -120,7 +120,7 @@ void HtmlPage::table(const std::vector<std::string>& columns, const std::vector<
 }
 
 void HtmlPage::svg(std::string_view document, std::string_view caption) {
-  // The XML declaration and document type before the element have no place inside a page.
+  // The XML declaration and document type before the element are not valid inside a page.
   const std::size_t begin = document.find("<svg");
   body_ += "<figure>" + std::string(begin == std::string_view::npos ? document : document.substr(begin)) + caption_element(caption) +
            "</figure>\n";
@@ -129,7 +129,7 @@ void HtmlPage::svg(std::string_view document, std::string_view caption) {
 Status HtmlPage::picture(const std::string& png_path, std::string_view caption) {
   const Result<std::string> bytes = read_file(png_path);
   if (!bytes) return bytes.error();
-  if (!bytes->starts_with(kPngSignature)) return bad_input("is no PNG picture", png_path);
+  if (!bytes->starts_with(kPngSignature)) return bad_input("is not a PNG picture", png_path);
   body_ += "<figure><img alt=\"" + html_escape(caption) + "\" src=\"data:image/png;base64," + base64(*bytes) + "\">" +
            caption_element(caption) + "</figure>\n";
   return {};

@@ -1,4 +1,5 @@
-/// app/report/html.h: one page in one file: pictures as data URIs, plots inline, plain CSS, no script, nothing fetched.
+/// app/report/html.h: builds a page in one file: pictures as data URIs, plots inline, plain CSS, no scripts, no external resources.
+///   Errors  bad_input.
 #pragma once
 
 #include <string>
@@ -9,33 +10,33 @@
 
 namespace burrhole {
 
-/// @returns text that HTML shows as given, inside elements and inside double-quoted attributes.
+/// @returns text escaped for elements and for double-quoted attributes.
 [[nodiscard]] std::string html_escape(std::string_view text);
 
-/// RFC 4648 section 4, with padding.
+/// @returns base64 as in RFC 4648 section 4, with padding.
 [[nodiscard]] std::string base64(std::string_view bytes);
 
-/// A big number with its name, as shown in the row of tiles.
+/// A number with its name, shown in the row of tiles.
 struct HtmlTile {
   std::string name;
   std::string value;
   std::string unit;
-  bool alert = false;  ///< drawn in red: something went wrong
+  bool alert = false;  ///< drawn in red: an error of the trainee
 };
 
-/// Builds the page from top to bottom. All texts are escaped here; only draw_svg's own output goes in as it is.
+/// Builds the page from top to bottom. All texts are escaped here; only the output of draw_svg is inserted unchanged.
 class HtmlPage {
  public:
   HtmlPage(std::string_view title, std::string_view subtitle);
   void heading(std::string_view text);
   void paragraph(std::string_view text);
   void tiles(const std::vector<HtmlTile>& tiles);
-  /// The first column reads as text, the others as numbers (right-aligned).
+  /// The first column is text, the others are numbers (right-aligned).
   void table(const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows);
   void svg(std::string_view document, std::string_view caption);
-  /// A PNG file goes in whole. Errors: bad_input if it cannot be read or is no PNG; the page is then unchanged.
+  /// Embeds a PNG file. Errors: bad_input if it cannot be read or is not a PNG; the page is then unchanged.
   [[nodiscard]] Status picture(const std::string& png_path, std::string_view caption);
-  /// Pictures between these two stand side by side where there is room.
+  /// Pictures between begin and end are placed side by side if there is room.
   void begin_pictures();
   void end_pictures();
   [[nodiscard]] std::string text() const;

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string_view>
+#include <utility>
 
 #include "app/report/csv.h"
 #include "app/report/decimate.h"
@@ -16,15 +18,15 @@
 namespace burrhole {
 namespace {
 
-// Sizes [px]. The right margin holds the names of the bands, the top one the rows of event names.
+// Sizes [px]. The right margin contains the names of the bands, the top margin the rows of event names.
 constexpr int kLeft = 84, kRight = 118, kBottom = 58, kTop = 14, kGap = 16;
-constexpr int kAxisName = 18;  // centre of the name of a y axis
+constexpr int kTitle = 30, kGridRight = 14;  // in a grid: above each panel, and to its right
+constexpr int kAxisName = 18;                // centre of the name of a y axis
 constexpr int kRowHeight = 16, kFontSize = 12;
-constexpr double kCharWidth = 6.3;    // mean advance of a 12 px sans serif letter, enough to keep names apart
-constexpr double kLabelPitch = 13.0;  // least distance between the names of two bands
+constexpr double kCharWidth = 6.3;    // mean advance of a 12 px sans serif letter; used to separate names
+constexpr double kLabelPitch = 13.0;  // smallest distance between the names of two bands
 
-// Dark enough for white paper, and apart for the colour-blind (after Okabe and Ito).
-constexpr const char* kLineColors[] = {"#0b5394", "#c4501b", "#1b7f5c", "#8a4f9e", "#555555"};
+constexpr const char* kLineColors[] = {kPlotBlue, kPlotOrange, kPlotGreen, kPlotViolet, kPlotGrey};
 constexpr const char* kBandColors[] = {"#f1e7d4", "#f9f4ea"};
 
 struct Range {
@@ -36,7 +38,7 @@ struct Range {
     lo = std::min(lo, value);
     hi = std::max(hi, value);
   }
-  /// A range that an axis can show: not empty, not a point.
+  /// A range with a positive length.
   [[nodiscard]] Range drawable() const {
     if (lo > hi) return {0.0, 1.0};
     if (lo == hi) return {lo - 0.5, hi + 0.5};
@@ -44,42 +46,51 @@ struct Range {
   }
 };
 
-/// Where a panel lies on the picture [px from the bottom].
+/// Where a panel's frame lies on the picture [px from the left and the bottom].
 struct Place {
-  double bottom = 0.0, top = 0.0;
+  double left = 0.0, right = 0.0, bottom = 0.0, top = 0.0;
 };
 
-Range x_range(const Plot& plot) {
+bool can_be_drawn(double value, bool log) { return std::isfinite(value) && (!log || value > 0.0); }
+
+/// Of one panel, or of all that share an axis.
+Range x_range(std::span<const PlotPanel> panels, bool log) {
   Range range;
-  for (const PlotPanel& panel : plot.panels)
+  for (const PlotPanel& panel : panels) {
+    if (panel.x_range) return {panel.x_range->first, panel.x_range->second};
     for (const PlotSeries& series : panel.series)
-      for (const double x : series.x) range.include(x);
+      for (const double x : series.x)
+        if (can_be_drawn(x, log)) range.include(x);
+  }
   return range.drawable();
 }
 
-Range y_range(const PlotPanel& panel) {
+Range y_range(const PlotPanel& panel, bool log) {
+  if (panel.y_range) return {panel.y_range->first, panel.y_range->second};
   Range range;
   for (const PlotSeries& series : panel.series)
-    for (const double y : series.y) range.include(y);
+    for (const double y : series.y)
+      if (can_be_drawn(y, log)) range.include(y);
   for (const PlotBand& band : panel.bands) {
     range.include(band.from);
     range.include(band.to);
   }
   if (panel.from_zero) range.include(0.0);
   range = range.drawable();
+  if (log) return range.lo > 0.0 ? Range{range.lo / 1.2, range.hi * 1.2} : Range{0.1, 1.0};
   // Room for the line's own width; an axis that starts at zero keeps its zero on the frame.
   const double room = 0.06 * (range.hi - range.lo);
   return {panel.from_zero && range.lo == 0.0 ? 0.0 : range.lo - room, range.hi + room};
 }
 
-/// A name of an event as a flag: its pole is the event's line, its text runs to the right.
+/// The name of an event: its text runs to the right of the event's line.
 struct Flag {
   double pole_px = 0.0;  // from the left
   double text_px = 0.0;
   std::size_t row = 0;  // from the frame upwards
 };
 
-/// Right to left, each flag flies one row above every pole that its text would cross, so no pole strikes a name through.
+/// From right to left, each name is placed one row above every line that its text would cross, so that no line crosses a name.
 std::vector<Flag> make_flags(const Plot& plot, const Range& x) {
   const double px_per_x = (plot.width_px - kLeft - kRight) / (x.hi - x.lo);
   std::vector<Flag> flags(plot.events.size());
@@ -99,21 +110,31 @@ std::vector<Flag> make_flags(const Plot& plot, const Range& x) {
   return flags;
 }
 
-/// Data of one series as a named block; a value that is not finite becomes a blank line, where gnuplot breaks the line.
-std::string data_block(const PlotSeries& series, const std::string& name, int width_px) {
-  BH_ASSERT(series.x.size() == series.y.size());
+/// Data of one series as a named block; a value that cannot be drawn becomes a blank line, where gnuplot breaks the line.
+std::string data_block(const Plot& plot, const PlotSeries& series, const std::string& name) {
+  BH_ASSERT(series.x.size() == series.y.size() && (series.labels.empty() || series.labels.size() == series.x.size()));
   std::string out = name + " << EOD\n";
-  for (const std::size_t i : decimate(series.x, series.y, static_cast<std::size_t>(width_px))) {
-    if (std::isfinite(series.x[i]) && std::isfinite(series.y[i]))
-      out += shortest_number(series.x[i]) + ' ' + shortest_number(series.y[i]) + '\n';
+  for (const std::size_t i : decimate(series.x, series.y, static_cast<std::size_t>(plot.width_px))) {
+    if (can_be_drawn(series.x[i], plot.log_x) && can_be_drawn(series.y[i], plot.log_y))
+      out += shortest_number(series.x[i]) + ' ' + shortest_number(series.y[i]) +
+             (series.labels.empty() ? "" : ' ' + gnuplot_quoted(series.labels[i])) + '\n';
     else
       out += '\n';
   }
   // A block without a point is an error to gnuplot; one outside every range draws nothing.
-  return out + "\n1e300 1e300\nEOD\n";
+  return out + "\n1e300 1e300" + (series.labels.empty() ? "" : " \"\"") + "\nEOD\n";
 }
 
-/// Shaded bands with their names to the right, moved apart where bands are thin.
+std::string fill_block(const PlotFill& fill, const Range& y, const std::string& name) {
+  BH_ASSERT(fill.x.size() == fill.from.size() && fill.x.size() == fill.to.size());
+  std::string out = name + " << EOD\n";
+  for (std::size_t n = 0; n < fill.x.size(); ++n)
+    out += fmt::format("{} {} {}\n", shortest_number(fill.x[n]), shortest_number(std::clamp(fill.from[n], y.lo, y.hi)),
+                       shortest_number(std::clamp(fill.to[n], y.lo, y.hi)));
+  return out + "EOD\n";
+}
+
+/// Shaded bands with their names to the right, separated where bands are thin.
 std::string band_commands(const PlotPanel& panel, const Range& y, const Place& place, int width_px, int height_px) {
   std::string out;
   const double px_per_y = (place.top - place.bottom) / (y.hi - y.lo);
@@ -135,7 +156,7 @@ std::string band_commands(const PlotPanel& panel, const Range& y, const Place& p
   return out;
 }
 
-/// Vertical lines of the events; their names only above the first panel.
+/// Vertical lines of the events; names above the first panel only.
 std::string event_commands(const Plot& plot, const std::vector<Flag>& flags, bool first_panel, const Place& place, int height_px) {
   std::string out;
   for (std::size_t i = 0; i < plot.events.size(); ++i) {
@@ -150,10 +171,10 @@ std::string event_commands(const Plot& plot, const std::vector<Flag>& flags, boo
   return out;
 }
 
-/// Rows of a panel's legend: columns of three.
+/// Rows of the legend of a panel: three columns.
 std::size_t legend_rows(const PlotPanel& panel) { return panel.series.size() > 1 ? std::min<std::size_t>(panel.series.size(), 3) : 0; }
 
-/// The legend gets room of its own above the data, so that it never covers a line.
+/// The legend has its own space above the data, so that it covers no line.
 Range with_legend_room(const Range& y, const PlotPanel& panel, int panel_height_px) {
   constexpr double kLegendRow = 19.0;
   const double taken = kLegendRow * static_cast<double>(legend_rows(panel));
@@ -161,67 +182,139 @@ Range with_legend_room(const Range& y, const PlotPanel& panel, int panel_height_
   return panel.y_down ? Range{y.lo - room, y.hi} : Range{y.lo, y.hi + room};
 }
 
+std::string titled(const std::string& name) { return name.empty() ? "notitle" : "title " + gnuplot_quoted(name); }
+
 std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
-  std::string out = legend_rows(panel) > 0 ? "set key top left Left reverse vertical maxrows 3 samplen 2\n" : "unset key\n";
-  out += "plot ";
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < panel.fills.size(); ++i)
+    parts.push_back(fmt::format("$f{}_{} using 1:2:3 with filledcurves linecolor rgb \"{}\" {}", panel_index, i, kBandColors[0],
+                                titled(panel.fills[i].name)));
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
-    out += fmt::format("{}$p{}_{} using 1:2 with lines linewidth 1.6 linecolor rgb \"{}\" title {}", i > 0 ? ", \\\n     " : "",
-                       panel_index, i, kLineColors[i % std::size(kLineColors)], gnuplot_quoted(panel.series[i].name));
+    const PlotSeries& series = panel.series[i];
+    const std::string block = fmt::format("$p{}_{}", panel_index, i);
+    parts.push_back(fmt::format("{} using 1:2 {} {}", block,
+                                series.style.empty() ? line_style(kLineColors[i % std::size(kLineColors)], "1", 1.6) : series.style,
+                                titled(series.name)));
+    if (!series.labels.empty())
+      parts.push_back(block + " using 1:2:3 with labels offset -0.7,0.8 font \",9\" textcolor rgb \"#444444\" notitle");
   }
+  std::string out = "plot ";
+  for (const std::string& part : parts) out += (&part == parts.data() ? "" : ", \\\n     ") + part;
   return out + '\n';
 }
 
-std::string panel_commands(const Plot& plot, std::size_t index, const std::vector<Flag>& flags, const Place& place, int height_px) {
-  const PlotPanel& panel = plot.panels[index];
-  const Range y = with_legend_room(y_range(panel), panel, plot.panel_height_px);
-  const bool last = index + 1 == plot.panels.size();
-  std::string out = fmt::format("unset object\nunset label\nunset arrow\nset bmargin at screen {:.5f}\nset tmargin at screen {:.5f}\n",
-                                place.bottom / height_px, place.top / height_px);
+/// Room for the frame, the y axis and its name. A label of our own: gnuplot's ylabel moves with the width of the numbers, so those of
+/// stacked panels would not line up.
+std::string frame_commands(const Plot& plot, const PlotPanel& panel, const Range& y, const Place& place, int height_px) {
+  std::string out = "unset object\nunset label\nunset arrow\n";
+  for (const auto& [side, at] : {std::pair{'l', place.left / plot.width_px}, std::pair{'r', place.right / plot.width_px},
+                                 std::pair{'b', place.bottom / height_px}, std::pair{'t', place.top / height_px}})
+    out += fmt::format("set {}margin at screen {:.5f}\n", side, at);
   out += fmt::format("set yrange [{}:{}]\n", shortest_number(panel.y_down ? y.hi : y.lo), shortest_number(panel.y_down ? y.lo : y.hi));
-  // A label of our own: gnuplot's ylabel moves with the width of the numbers, so those of stacked panels would not line up.
-  out += fmt::format("set label {} at screen {:.5f}, screen {:.5f} center rotate\n", gnuplot_quoted(panel.y_label),
-                     kAxisName / double(plot.width_px), 0.5 * (place.bottom + place.top) / height_px);
-  out += last ? fmt::format("set format x \"%g\"\nset xlabel {} offset 0,0.3\n", gnuplot_quoted(plot.x_label))
-              : "set format x \"\"\nunset xlabel\n";
+  return out + fmt::format("set label {} at screen {:.5f}, screen {:.5f} center rotate\n", gnuplot_quoted(panel.y_label),
+                           (place.left - kLeft + kAxisName) / plot.width_px, 0.5 * (place.bottom + place.top) / height_px);
+}
+
+std::string stacked_panel(const Plot& plot, std::size_t index, const std::vector<Flag>& flags, const Place& place, int height_px) {
+  const PlotPanel& panel = plot.panels[index];
+  const Range y = with_legend_room(y_range(panel, plot.log_y), panel, plot.panel_height_px);
+  std::string out = frame_commands(plot, panel, y, place, height_px);
+  out += index + 1 == plot.panels.size() ? fmt::format("set format x \"%g\"\nset xlabel {} offset 0,0.3\n", gnuplot_quoted(plot.x_label))
+                                         : "set format x \"\"\nunset xlabel\n";
   out += band_commands(panel, y, place, plot.width_px, height_px);
   out += event_commands(plot, flags, index == 0, place, height_px);
+  out += legend_rows(panel) > 0 ? "set key top left Left reverse vertical maxrows 3 samplen 2\n" : "unset key\n";
   return out + series_commands(panel, index);
 }
 
-}  // namespace
+/// Marks at 1, 2 and 5 times the powers of ten.
+std::string log_tics(const Range& x) {
+  std::string out;
+  for (double decade = std::pow(10.0, std::floor(std::log10(x.lo))); decade <= x.hi; decade *= 10.0)
+    for (const double step : {1.0, 2.0, 5.0})
+      if (decade * step >= x.lo && decade * step <= x.hi) out += fmt::format("{}{:g}", out.empty() ? "" : ", ", decade * step);
+  return "set xtics (" + out + ")\n";
+}
 
-std::string plot_script(const Plot& plot) {
-  const Range x = x_range(plot);
+std::string grid_panel(const Plot& plot, std::size_t index, const Place& place, int height_px) {
+  const PlotPanel& panel = plot.panels[index];
+  const Range x = x_range({&panel, 1}, plot.log_x);
+  std::string out = frame_commands(plot, panel, y_range(panel, plot.log_y), place, height_px);
+  out += fmt::format("set title {} offset 0,-0.6\nset xlabel {} offset 0,0.5\nset xrange [{}:{}]\n", gnuplot_quoted(panel.title),
+                     gnuplot_quoted(plot.x_label), shortest_number(x.lo), shortest_number(x.hi));
+  if (plot.log_x) out += log_tics(x);
+  out += index == 0 ? "set key opaque " + plot.legend + " Left reverse samplen 2 maxrows 8 font \",10\"\n" : "unset key\n";
+  return out + series_commands(panel, index);
+}
+
+/// What all panels share, and their data.
+std::string opening(const Plot& plot, int height_px) {
+  std::string out =
+      fmt::format("set encoding utf8\nset terminal svg size {},{} dynamic noenhanced font \"Helvetica,{}\" background \"white\"\n",
+                  plot.width_px, height_px, kFontSize);
+  for (std::size_t p = 0; p < plot.panels.size(); ++p) {
+    const PlotPanel& panel = plot.panels[p];
+    for (std::size_t s = 0; s < panel.series.size(); ++s) out += data_block(plot, panel.series[s], fmt::format("$p{}_{}", p, s));
+    for (std::size_t f = 0; f < panel.fills.size(); ++f)
+      out += fill_block(panel.fills[f], y_range(panel, plot.log_y), fmt::format("$f{}_{}", p, f));
+  }
+  out += "set multiplot\nset border 3 linecolor rgb \"#666666\"\nset tics nomirror out scale 0.6\n";
+  out += "set grid linecolor rgb \"#dddddd\" linewidth 0.6 dashtype solid\n";
+  if (plot.log_x) out += "set logscale x\n";
+  if (plot.log_y) out += "set logscale y\nset format y \"%g\"\n";
+  return out;
+}
+
+std::string stacked_script(const Plot& plot) {
+  const Range x = x_range(plot.panels, plot.log_x);
   const std::vector<Flag> flags = make_flags(plot, x);
   std::size_t row_count = 0;
   for (const Flag& flag : flags) row_count = std::max(row_count, flag.row + 1);
   const int count = static_cast<int>(plot.panels.size());
   const int top = kTop + kRowHeight * static_cast<int>(row_count);
   const int height = top + count * plot.panel_height_px + (count - 1) * kGap + kBottom;
-
-  std::string out =
-      fmt::format("set encoding utf8\nset terminal svg size {},{} dynamic noenhanced font \"Helvetica,{}\" background \"white\"\n",
-                  plot.width_px, height, kFontSize);
-  for (std::size_t p = 0; p < plot.panels.size(); ++p)
-    for (std::size_t s = 0; s < plot.panels[p].series.size(); ++s)
-      out += data_block(plot.panels[p].series[s], fmt::format("$p{}_{}", p, s), plot.width_px);
-  out += "set multiplot\nset border 3 linecolor rgb \"#666666\"\nset tics nomirror out scale 0.6\n";
-  out += "set grid linecolor rgb \"#dddddd\" linewidth 0.6 dashtype solid\n";
-  out += fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\n", double(kLeft) / plot.width_px,
-                     double(plot.width_px - kRight) / plot.width_px);
+  std::string out = opening(plot, height);
   out += fmt::format("set xrange [{}:{}]\n", shortest_number(x.lo), shortest_number(x.hi));
   for (std::size_t p = 0; p < plot.panels.size(); ++p) {
     const double panel_top = height - top - static_cast<double>(p) * (plot.panel_height_px + kGap);
-    out += panel_commands(plot, p, flags, {panel_top - plot.panel_height_px, panel_top}, height);
+    const Place place{kLeft, double(plot.width_px - kRight), panel_top - plot.panel_height_px, panel_top};
+    out += stacked_panel(plot, p, flags, place, height);
   }
-  return out + "unset multiplot\n";
+  return out;
 }
+
+std::string grid_script(const Plot& plot) {
+  const int count = static_cast<int>(plot.panels.size()), rows = (count + plot.columns - 1) / plot.columns;
+  const int row_height = kTitle + plot.panel_height_px + kBottom, height = rows * row_height;
+  const double width = double(plot.width_px) / plot.columns;
+  std::string out = opening(plot, height);
+  for (int p = 0; p < count; ++p) {
+    const double left = width * (p % plot.columns), top = height - row_height * (p / plot.columns) - kTitle;
+    out +=
+        grid_panel(plot, static_cast<std::size_t>(p), {left + kLeft, left + width - kGridRight, top - plot.panel_height_px, top}, height);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string line_style(const char* colour, const char* dash, double width) {
+  return fmt::format("with lines linewidth {} linecolor rgb \"{}\" dashtype {}", width, colour, dash);
+}
+std::string linked_point_style(const char* colour, int type) {
+  return fmt::format("with linespoints linewidth 1.2 linecolor rgb \"{}\" pointtype {} pointsize {}", colour, type, type < 7 ? 1.0 : 0.6);
+}
+std::string point_style(const char* colour, int type, double size, double width) {
+  return fmt::format("with points pointtype {} pointsize {} linewidth {} linecolor rgb \"{}\"", type, size, width, colour);
+}
+
+std::string plot_script(const Plot& plot) { return (plot.columns > 0 ? grid_script(plot) : stacked_script(plot)) + "unset multiplot\n"; }
 
 Result<std::string> draw_svg(const Plot& plot, const std::string& gnuplot) {
   Result<std::string> svg = run_gnuplot(plot_script(plot), gnuplot);
   // Browsers show a title as a tooltip over the whole plot, and this one names only the program.
-  constexpr std::string_view kTitle = "<title>Gnuplot</title>";
-  if (const std::size_t at = svg ? svg->find(kTitle) : std::string::npos; at != std::string::npos) svg->erase(at, kTitle.size());
+  constexpr std::string_view kTooltip = "<title>Gnuplot</title>";
+  if (const std::size_t at = svg ? svg->find(kTooltip) : std::string::npos; at != std::string::npos) svg->erase(at, kTooltip.size());
   return svg;
 }
 

@@ -1,54 +1,84 @@
-/// app/report/plot.h: stacked panels over one shared x axis, drawn by gnuplot as SVG.
-///   Units  as the labels say; the caller converts. Values that are not finite break a line.
+/// app/report/plot.h: panels of lines and points, drawn by gnuplot as SVG: stacked over one shared x axis, or in a grid.
+///   Units  as the labels say; the caller converts. A value that is not finite, or not above 0 on a logarithmic axis, breaks a line.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
 
 namespace burrhole {
 
+// Dark enough for white paper, and apart for the colour-blind (after Okabe and Ito).
+inline constexpr const char* kPlotBlue = "#0b5394";
+inline constexpr const char* kPlotOrange = "#c4501b";
+inline constexpr const char* kPlotGreen = "#1b7f5c";
+inline constexpr const char* kPlotViolet = "#8a4f9e";
+inline constexpr const char* kPlotGrey = "#555555";
+
 struct PlotSeries {
-  std::string name;          ///< in the legend, which is drawn when a panel has more than one
-  std::vector<double> x, y;  ///< equal sizes; x does not fall. Long series are decimated, peaks stay
+  std::string name;          ///< in the legend, which is drawn when a panel has more than one; empty: not there
+  /// [units of the axes] equal sizes. A series with over five points per pixel is decimated; peaks are kept; its x must not decrease.
+  std::vector<double> x, y;
+  std::string style{};       ///< as line_style() or point_style() make it; empty: a line, colours in turn
+  std::vector<std::string> labels{};  ///< beside each point; empty: none
 };
 
-/// A shaded stretch of the y axis, such as a layer of bone.
+/// @param dash gnuplot's dash type: "1" or lengths such as "(6,3)"
+[[nodiscard]] std::string line_style(const char* colour, const char* dash, double width);
+/// @param type gnuplot's; those below 7 are open and drawn larger, so that a curve under another is seen
+[[nodiscard]] std::string linked_point_style(const char* colour, int type);
+[[nodiscard]] std::string point_style(const char* colour, int type, double size, double width = 1.0);
+
+/// An area between two curves, under the series; values are clamped to the panel's y_range, which is given.
+struct PlotFill {
+  std::string name;  ///< in the legend
+  std::vector<double> x, from, to;  ///< [units of the axes]
+};
+
+/// A shaded range of the y axis, such as a layer of bone.
 struct PlotBand {
   std::string label;
-  double from = 0.0, to = 0.0;
+  double from = 0.0, to = 0.0;  ///< [unit of the y axis]
 };
 
-/// A vertical line through every panel, named above the first.
+/// A vertical line through every panel, with its name above the first.
 struct PlotEvent {
-  double x = 0.0;
+  double x = 0.0;  ///< [unit of the x axis]
   std::string label;
 };
 
 struct PlotPanel {
-  std::string y_label;  ///< with its unit
+  std::string y_label;  ///< including its unit
   std::vector<PlotSeries> series;
   std::vector<PlotBand> bands;
-  bool y_down = false;     ///< larger values lower, as depth is thought of
-  bool from_zero = false;  ///< the axis holds 0 even if the data do not
+  bool y_down = false;                                            ///< larger values lower, as depth is thought of
+  bool from_zero = false;                                         ///< the axis holds 0 even if the data do not
+  std::string title{};                                            ///< in a grid
+  std::optional<std::pair<double, double>> x_range{}, y_range{};  ///< of the axes; without one that of the data. x_range: in a grid
+  std::vector<PlotFill> fills{};
 };
 
 struct Plot {
-  std::string x_label;  ///< with its unit
+  std::string x_label;  ///< including its unit
   std::vector<PlotPanel> panels;
   std::vector<PlotEvent> events;
-  int width_px = 900;
+  int width_px = 900;  ///< of the picture
   int panel_height_px = 190;
+  int columns = 0;  ///< of a grid, filled row by row, each panel with axes of its own; 0: stacked over one x axis
+  bool log_x = false, log_y = false;
+  std::string legend = "top left";  ///< gnuplot's word for where the legend goes: in a grid the first panel has the only one
 };
 
-/// @returns the commands for gnuplot, data inside. Pure: the same plot gives the same text.
+/// @returns the commands for gnuplot, including the data. Pure: the same plot gives the same text.
 [[nodiscard]] std::string plot_script(const Plot& plot);
 
-/// @returns an SVG document. Errors: unavailable if there is no gnuplot; internal with gnuplot's own words if it refuses the script.
+/// @returns an SVG document. Errors: unavailable without gnuplot; internal with the message of gnuplot if it rejects the script.
 [[nodiscard]] Result<std::string> draw_svg(const Plot& plot, const std::string& gnuplot = "gnuplot");
 
-/// draw_svg into a file.
+/// Writes draw_svg() to a file.
 [[nodiscard]] Status write_svg(const Plot& plot, const std::string& path);
 
 }  // namespace burrhole

@@ -7,7 +7,7 @@
 namespace burrhole {
 namespace {
 
-constexpr int kOver = 3;  // samples a pixel along each side
+constexpr int kOver = 3;  // samples per pixel along each side
 constexpr float kNothing = std::numeric_limits<float>::lowest();
 
 std::uint8_t byte_of(double x) noexcept { return static_cast<std::uint8_t>(std::clamp(x, 0.0, 255.0) + 0.5); }
@@ -17,7 +17,7 @@ Raster blank(const RasterSize& size) {
   return {size, std::vector<Rgb>(count, kPaper), std::vector<float>(count, kNothing)};
 }
 
-/// Means of kOver x kOver samples; the depth is that of the nearest.
+/// Means of kOver x kOver samples; the depth is that of the nearest sample.
 Raster reduced(const Raster& fine) {
   Raster out = blank({fine.size.width / kOver, fine.size.height / kOver});
   for (int row = 0; row < out.size.height; ++row)
@@ -34,7 +34,7 @@ Raster reduced(const Raster& fine) {
   return out;
 }
 
-/// From a view's plane to samples.
+/// Transform from the plane of a view to samples.
 struct Grid {
   SheetFrame frame;
   RasterSize size;
@@ -43,7 +43,7 @@ struct Grid {
   [[nodiscard]] int clamped(double x, int most) const noexcept { return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(most))); }
 };
 
-/// One triangle into the picture, nearest wins. Corners are (column, row, depth).
+/// Draws one triangle with a depth test. Corners are (column, row, depth).
 void fill_triangle(Raster& raster, const std::array<Vec3, 3>& corners, const Rgb& colour, const Grid& grid) {
   const auto& [a, b, c] = corners;
   const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -63,8 +63,8 @@ void fill_triangle(Raster& raster, const std::array<Vec3, 3>& corners, const Rgb
     }
 }
 
-/// Does the surface at `p`, facing `normal`, cut? As the nearest shell point does that faces alike; points of edges, which face halfway,
-/// count at twice their distance, so that they speak only for faces too narrow to have points of their own.
+/// Whether the surface at `p` with normal `normal` cuts, as the nearest shell point with a similar normal does. Points on edges, with a
+/// bisecting normal, count at twice their distance: they decide only for faces too narrow to have points of their own.
 bool cuts_at(const PointShell& shell, const Vec3& p, const Vec3& normal) noexcept {
   double best = std::numeric_limits<double>::infinity();
   bool cuts = false;
@@ -88,10 +88,10 @@ Rgb lit(const Rgb& base, const Vec3& normal, const SheetView& view, bool pale) n
   return out;
 }
 
-/// Where the cut plane meets a triangle: from left to right in (x, z), and which way the solid lies.
+/// The section of the cut plane with a triangle, from left to right in (x, z), and the side of the solid.
 struct Crossing {
   Vec3 a{0.0}, b{0.0};
-  int entering = 0;  ///< +1 where x grows into the solid, -1 out of it
+  int entering = 0;  ///< +1 if x enters the solid, -1 if it leaves
 };
 
 std::vector<Crossing> cross_plane(const TriangleMesh& mesh, double y) {
@@ -110,7 +110,7 @@ std::vector<Crossing> cross_plane(const TriangleMesh& mesh, double y) {
   return crossings;
 }
 
-/// One row of the cut: inside where the crossings to the left do not cancel.
+/// One row of the section: inside where the crossings to the left do not cancel.
 void fill_row(Raster& raster, const Grid& grid, int row, const std::vector<Crossing>& crossings) {
   const double v = grid.frame.v_lo + (grid.frame.v_hi - grid.frame.v_lo) * (row + 0.5) / grid.size.height;
   std::vector<std::pair<double, int>> steps;
@@ -132,7 +132,7 @@ void fill_row(Raster& raster, const Grid& grid, int row, const std::vector<Cross
 }  // namespace
 
 SheetView oblique_view() noexcept {
-  // Half a right angle would foreshorten; 0.35 rad (20 degrees) shows an end face and keeps lengths within 6 %.
+  // 0.35 rad (20 degrees) shows an end face and keeps lengths within 6 %; half a right angle would foreshorten.
   const double turn = 0.45, lift = 0.35;
   const Vec3 viewer(-std::sin(turn) * std::cos(lift), -std::cos(turn) * std::cos(lift), -std::sin(lift));
   const Vec3 right = glm::normalize(glm::cross(Vec3(0.0, 0.0, 1.0), viewer));
@@ -168,14 +168,14 @@ Raster shade_tool(const Tool& tool, const SheetView& view, const SheetFrame& fra
       normal += Vec3(mesh.normals[mesh.indices[t + i]]) / 3.0;
     }
     normal = glm::length(normal) > 0.0 ? glm::normalize(normal) : view.viewer;
-    if (glm::dot(normal, view.viewer) < -0.2) continue;  // turned away; a closed mesh hides it
+    if (glm::dot(normal, view.viewer) < -0.2) continue;  // faces away from the viewer; a closed mesh hides it
     fill_triangle(fine, corners, lit(cuts_at(tool.shell, middle, normal) ? kCuts : kSteel, normal, view, pale), grid);
   }
   return reduced(fine);
 }
 
 Rgb factor_colour(double share) noexcept {
-  // Light yellow to dark red, evenly darker; apart from the grey of what does not cut.
+  // Light yellow to dark red with even steps of lightness; distinct from the grey of passive parts.
   static constexpr std::array<Rgb, 5> kStops{{{255, 237, 160}, {254, 190, 92}, {248, 131, 56}, {211, 58, 36}, {128, 0, 38}}};
   const double at = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
   const auto low = std::min(static_cast<std::size_t>(at), kStops.size() - 2);

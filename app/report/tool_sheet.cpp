@@ -17,11 +17,11 @@ namespace {
 constexpr int kPanelWidth = 380, kPanelHeight = 520, kPanelPitch = 472, kLeft = 88, kBottom = 132;
 constexpr double kPanelAspect = static_cast<double>(kPanelWidth) / kPanelHeight;
 constexpr double kMm = 1e3;       // of a metre
-constexpr double kLongest = 5.0;  // length over width of a bit that is shown whole
+constexpr double kLongest = 5.0;  // length over width of a bit that is drawn completely
 
 std::string colour_text(const Rgb& c) { return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]); }
 
-/// Height up to which the working end reaches: what cuts and a little of what carries it.
+/// Height of the working end: the cutting part and a part of its support.
 double working_height(const Tool& tool) {
   double top = 0.0, wide = 0.0;
   for (const Vec3& p : tool.erosion.positions) {
@@ -42,7 +42,7 @@ SheetFrame frame_of(const Tool& tool, const SheetView& view, double height) {
   return frame.fitted(0.05, kPanelAspect);
 }
 
-/// A picture as a block of "r g b" rows, and the plot element that lays it over its frame.
+/// A picture as a block of "r g b" rows, and the plot element that draws it in its frame.
 std::string picture_block(const std::string& name, const Raster& raster) {
   std::string out = "$" + name + " << EOD\n";
   for (const Rgb& p : raster.pixels) out += fmt::format("{} {} {}\n", p[0], p[1], p[2]);
@@ -68,14 +68,14 @@ std::string panel_commands(int index, const SheetFrame& f, const std::string& ti
                            gnuplot_quoted(title), gnuplot_quoted(x_label), gnuplot_quoted(y_label));
 }
 
-/// A legend under the panel, of entries that a plot command appends after the picture.
+/// A legend under the panel; a plot command appends its entries after the picture.
 constexpr const char* kLegend = "set key at graph 0.5, -0.13 center top horizontal maxrows 1 Left reverse samplen 1 font \",12\"\n";
 
 std::string square_entry(const Rgb& colour, const std::string& name) {
   return fmt::format("NaN with points pointtype 5 pointsize 2 linecolor rgb \"{}\" title {}", colour_text(colour), gnuplot_quoted(name));
 }
 
-/// Shell points that the viewer sees, with the way into the tool, as "u v du dv", cutting or not.
+/// Shell points that are visible, with their inward normals, as "u v du dv", cutting or passive.
 std::string shell_block(const std::string& name, const Tool& tool, const SheetView& view, const SheetFrame& f, const Raster& raster,
                         bool cutting) {
   const double width = f.u_hi - f.u_lo, arrow = 0.03 * width;
@@ -86,22 +86,22 @@ std::string shell_block(const std::string& name, const Tool& tool, const SheetVi
     const int column = static_cast<int>(std::floor((seen.x - f.u_lo) / width * raster.size.width));
     const int row = static_cast<int>(std::floor((seen.y - f.v_lo) / (f.v_hi - f.v_lo) * raster.size.height));
     if (column < 0 || row < 0 || column >= raster.size.width || row >= raster.size.height) continue;
-    // Behind what is drawn there by more than a pixel or two's slope: on the far side, hidden.
+    // Behind the drawn surface by more than the slope of a pixel or two: on the far side, hidden.
     if (seen.z < static_cast<double>(raster.depth[raster.at(column, row)]) - 0.015 * width) continue;
     out += fmt::format("{:.6g} {:.6g} {:.6g} {:.6g}\n", seen.x * kMm, seen.y * kMm, way.x * kMm, way.y * kMm);
   }
-  return out + "1e300 1e300 0 0\nEOD\n";  // a block without a row is an error to gnuplot; this one is outside every range
+  return out + "1e300 1e300 0 0\nEOD\n";  // a block without rows is an error for gnuplot; this row is outside every range
 }
 
-std::string look_panel(const Tool& tool, const SheetView& view) {
-  // A shaft many times longer than wide would leave a thread to look at: it is cut off, and the title says so.
+std::string picture_panel(const Tool& tool, const SheetView& view) {
+  // A shaft many times longer than wide would make the picture a thin line: it is cut off, and the title states it.
   const double wide = 2.0 * std::max({tool.bound_hi.x, tool.bound_hi.y, -tool.bound_lo.x, -tool.bound_lo.y});
   const bool whole = tool.bound_hi.z <= kLongest * wide;
   const SheetFrame frame = frame_of(tool, view, whole ? tool.bound_hi.z : 0.8 * kLongest * wide);
   const std::string title = whole ? "The bit" : fmt::format("The bit; its shaft ends at z = {:.0f} mm", tool.bound_hi.z * kMm);
   const Raster raster = shade_tool(tool, view, frame, {kPanelWidth, kPanelHeight}, false);
-  return picture_block("look", raster) + panel_commands(0, frame, title, "across the picture [mm]", "up the picture [mm]") + kLegend +
-         "plot " + picture_element("look", raster, frame) + ", " + square_entry(kCuts, "cuts") + ", " +
+  return picture_block("picture", raster) + panel_commands(0, frame, title, "across the picture [mm]", "up the picture [mm]") + kLegend +
+         "plot " + picture_element("picture", raster, frame) + ", " + square_entry(kCuts, "cuts") + ", " +
          square_entry(kSteel, "does not cut") + "\n";
 }
 
@@ -153,7 +153,7 @@ std::string tool_sheet_script(const ToolSheet& sheet) {
                      1.0 - 26.0 / kToolSheetHeight);
   out += fmt::format("set label 2 {} at screen 0.5, screen {:.5f} center font \",12\" textcolor rgb \"#444444\"\n",
                      gnuplot_quoted(sheet.subtitle), 1.0 - 56.0 / kToolSheetHeight);
-  out += look_panel(tool, view) + "unset label\n" + shell_panel(tool, view) + erosion_panel(tool);
+  out += picture_panel(tool, view) + "unset label\n" + shell_panel(tool, view) + erosion_panel(tool);
   return out + "unset multiplot\n";
 }
 

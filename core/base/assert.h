@@ -1,4 +1,5 @@
-/// core/base/assert.h: checks for our own bugs; on in debug and sanitizer builds.
+/// core/base/assert.h: checks of internal invariants, enabled in debug and sanitizer builds. A failed check prints file and line and
+/// aborts.
 #pragma once
 
 #include <cstdio>
@@ -16,5 +17,6 @@
   } while (false)
 #endif
 
-/// Marks functions on the servo path: no allocation, lock, exception, log, file, GL, or loop without a written bound.
+/// Marks a function of the servo path: it does not allocate, lock, throw, log, access files or OpenGL, and every loop has a documented
+/// bound.
 #define BH_REALTIME

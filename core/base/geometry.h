@@ -1,6 +1,6 @@
 /// core/base/geometry.h: vectors, poses and boxes shared by every folder.
 ///   Frames  world (LPS, patient), index (voxel centres at integers; i is x and fastest), tool (origin at the tip, +z up the shaft).
-///   Units   SI unless a name says otherwise.
+///   Units   SI unless a name says otherwise.   Errors  none.   Thread  any: values without shared state.
 #pragma once
 
 #include <algorithm>
@@ -20,10 +20,10 @@ using Quat = glm::dquat;
 
 [[nodiscard]] inline bool is_finite(const Vec3& v) noexcept { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-/// Rigid motion; names say both frames, target first: world_from_tool * p_tool = p_world.
+/// Rigid transform. Names state both frames, target first: world_from_tool * p_tool = p_world.
 struct Pose {
-  Quat rotation{1.0, 0.0, 0.0, 0.0};
-  Vec3 translation{0.0};
+  Quat rotation{1.0, 0.0, 0.0, 0.0};  ///< [-] unit length
+  Vec3 translation{0.0};              ///< [m]
 
   [[nodiscard]] Vec3 operator*(const Vec3& p) const noexcept { return rotation * p + translation; }
   [[nodiscard]] Pose operator*(const Pose& b) const noexcept { return {rotation * b.rotation, rotation * b.translation + translation}; }
@@ -34,19 +34,19 @@ struct Pose {
   }
 };
 
-/// Shortest rotation that turns +z into `axis` (unit length).
+/// @returns the shortest rotation that maps +z to `axis`. @pre `axis` has length 1.
 [[nodiscard]] inline Quat rotation_from_z(const Vec3& axis) noexcept {
-  // 1 + z cancels near -z; there it is (x^2 + y^2) / (1 - z), which does not.
+  // 1 + z loses digits near z = -1; (x^2 + y^2) / (1 - z) is the same value and does not.
   const double across2 = axis.x * axis.x + axis.y * axis.y;
   if (axis.z < 0.0 && across2 == 0.0) return Quat(0.0, 1.0, 0.0, 0.0);
   const Quat q(axis.z < -0.5 ? across2 / (1.0 - axis.z) : 1.0 + axis.z, -axis.y, axis.x, 0.0);
   return glm::normalize(q);
 }
 
-/// Full affine map: oblique and sheared scans are real, so voxel-to-world is never reduced to spacing and origin.
+/// Affine map. Scans may be oblique or sheared, so voxel-to-world is never reduced to spacing and origin.
 struct Affine {
-  Mat3 linear{1.0};
-  Vec3 offset{0.0};
+  Mat3 linear{1.0};  ///< [m] per index step for voxel-to-world maps, columns are the images of the axes
+  Vec3 offset{0.0};  ///< [m]
 
   [[nodiscard]] Vec3 operator*(const Vec3& p) const noexcept { return linear * p + offset; }
   [[nodiscard]] Affine operator*(const Affine& b) const noexcept { return {linear * b.linear, linear * b.offset + offset}; }
@@ -56,19 +56,20 @@ struct Affine {
   }
   [[nodiscard]] static Affine from_pose(const Pose& pose) noexcept { return {glm::mat3_cast(pose.rotation), pose.translation}; }
   [[nodiscard]] static Affine scaling(double edge, const Vec3& offset) noexcept { return {Mat3(edge), offset}; }
-  /// Edge of the cube with the volume of one cell [m].
+  /// @returns the edge [m] of the cube with the volume of one cell.
   [[nodiscard]] double mean_edge() const noexcept { return std::cbrt(std::abs(glm::determinant(linear))); }
-  /// Longest of the three cell edges [m].
+  /// @returns the longest of the three cell edges [m].
   [[nodiscard]] double longest_edge() const noexcept {
     return std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
   }
+  /// @returns the volume [m^3] of one cell.
   [[nodiscard]] double cell_volume() const noexcept { return std::abs(glm::determinant(linear)); }
 };
 
-/// Half-open box of voxels: lo <= v < hi on every axis.
+/// Half-open box of voxels in index coordinates: lo <= v < hi on every axis.
 struct VoxelBox {
-  Vec3i lo{0};
-  Vec3i hi{0};
+  Vec3i lo{0};  ///< [voxels]
+  Vec3i hi{0};  ///< [voxels]
 
   [[nodiscard]] Vec3i size() const noexcept { return hi - lo; }
   [[nodiscard]] bool empty() const noexcept { return hi.x <= lo.x || hi.y <= lo.y || hi.z <= lo.z; }
@@ -99,7 +100,7 @@ struct VoxelBox {
       hi = glm::max(hi, v + 1);
     }
   }
-  /// Position of v in a dense array over this box, i fastest.
+  /// @returns the offset of v in a dense array over this box, i fastest. @pre contains(v).
   [[nodiscard]] std::size_t offset_of(const Vec3i& v) const noexcept {
     const Vec3i s = size();
     const Vec3i d = v - lo;
@@ -117,20 +118,20 @@ void for_each_voxel(const VoxelBox& box, F&& f) {
       for (int i = box.lo.x; i < box.hi.x; ++i) f(Vec3i(i, j, k));
 }
 
-/// floor() to int without a library call; |x| must be below 2^31.
+/// floor() to int without a library call. @pre |x| < 2^31.
 [[nodiscard]] inline int floor_int(double x) noexcept {
   const int i = static_cast<int>(x);
   return i - (x < static_cast<double>(i) ? 1 : 0);
 }
 [[nodiscard]] inline Vec3i floor_int(const Vec3& p) noexcept { return {floor_int(p.x), floor_int(p.y), floor_int(p.z)}; }
 
-/// Index of the voxel whose cell holds a point given in index coordinates (cell = centre +- 1/2).
+/// @returns the index of the voxel whose cell (centre +- 1/2) contains point p. Index coordinates.
 [[nodiscard]] inline Vec3i voxel_of(const Vec3& p) noexcept { return floor_int(p + 0.5); }
 
 /// Force [N] and torque [N*m] about the tool origin, world frame.
 struct Wrench {
-  Vec3 force{0.0};
-  Vec3 torque{0.0};
+  Vec3 force{0.0};   ///< [N]
+  Vec3 torque{0.0};  ///< [N*m]
 };
 
 }  // namespace burrhole

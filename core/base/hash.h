@@ -1,4 +1,6 @@
-/// core/base/hash.h: 64-bit hash of values in a fixed order (FNV-1a over 64-bit words, finished by mix64). Same bits on every machine.
+/// core/base/hash.h: 64-bit hash of a sequence of values (FNV-1a over 64-bit words, finished by mix64). The order of values matters.
+///   The hash is the same on every machine. It is not cryptographic.   Frame  none: vectors are hashed as three numbers.   Thread  one
+///   owner.
 #pragma once
 
 #include <bit>

@@ -1,4 +1,4 @@
-/// core/base/line_vector.h: a std::vector that begins on a cache line: vectors of 64 bytes then touch one line each, not two.
+/// core/base/line_vector.h: a std::vector whose storage is aligned to a cache line, so that each 64-byte vector lies in one line.
 #pragma once
 
 #include <cstddef>

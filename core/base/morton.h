@@ -1,4 +1,5 @@
-/// core/base/morton.h: the Morton curve: cells that are near each other on it are near each other in space.
+/// core/base/morton.h: Morton (Z-order) code. Cells with nearby codes are close in space.
+///   Frame  any integer grid.   Units  cells.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +8,9 @@
 
 namespace burrhole {
 
-inline constexpr int kMortonCells = 1 << 21;  ///< along each axis
+inline constexpr int kMortonCells = 1 << 21;  ///< cells along each axis
 
-/// Bits of three numbers in [0, kMortonCells) interleaved, x lowest.
+/// @returns the bits of three coordinates interleaved, x lowest. @pre each coordinate is in [0, kMortonCells).
 [[nodiscard]] inline std::uint64_t morton_code(const Vec3i& cell) noexcept {
   std::uint64_t code = 0;
   for (std::uint64_t bit = 0; bit < 21; ++bit)

@@ -1,4 +1,5 @@
-/// core/base/result.h: the world's faults (file, scene, command line, device) as values. Our own bugs are BH_ASSERT.
+/// core/base/result.h: errors of input and environment (file, scene, command line, device) as values. BH_ASSERT checks our own code.
+///   Errors  ErrorCode gives the class; the message is one line.   Thread  any: values.
 #pragma once
 
 #include <optional>
@@ -9,10 +10,10 @@
 
 namespace burrhole {
 
-/// Exit codes of the program follow from these: bad_input 2, check_failed 3, unavailable 4, internal 1.
+/// The exit code of the program follows from the error code: bad_input 2, out_of_range 2, check_failed 3, unavailable 4, internal 1.
 enum class ErrorCode { bad_input, out_of_range, unavailable, check_failed, internal };
 
-/// One fault, one line. `place` is "file:line:column", "file" or empty.
+/// One error, one line. `place` is "file:line:column", "file" or empty.
 struct Error {
   ErrorCode code = ErrorCode::internal;
   std::string message;
@@ -21,7 +22,7 @@ struct Error {
   [[nodiscard]] std::string text() const { return place.empty() ? message : place + ": " + message; }
 };
 
-/// A value or an Error. The caller asks ok() first; value() on an error is our bug and aborts.
+/// A value or an Error. Call ok() first: value() on an error and error() on a value throw std::bad_variant_access.
 template <class T>
 class [[nodiscard]] Result {
  public:
@@ -43,7 +44,7 @@ class [[nodiscard]] Result {
   std::variant<T, Error> state_;
 };
 
-/// Success or an Error.
+/// Success or an Error. error() is valid only if ok() is false.
 class [[nodiscard]] Status {
  public:
   Status() = default;

@@ -7,8 +7,8 @@
 namespace burrhole {
 namespace {
 
-constexpr double kShort = 1e-12;  // [rad] sin and angle are one to rounding
-constexpr double kLongest = 1e6;  // [rad] that portable_sin answers for
+constexpr double kShort = 1e-12;  // [rad] below this angle, sine and angle are equal to within rounding
+constexpr double kLongest = 1e6;  // [rad] range in which portable_sin is accurate
 
 }  // namespace
 

@@ -11,22 +11,22 @@ namespace {
 struct LevelInfo {
   SimdLevel level;
   std::string_view name;
-  std::int64_t target;  // Highway's bit; lower bits are better targets
+  std::int64_t target;  // Highway's bit; a lower bit is a better target
 };
 constexpr std::array<LevelInfo, 3> kLevels{
     {{SimdLevel::sse4, "sse4", HWY_SSE4}, {SimdLevel::avx2, "avx2", HWY_AVX2}, {SimdLevel::avx512, "avx512", HWY_AVX3}}};
 
 void use_targets_from(std::int64_t best) {
-  hwy::DisableTargets(best - 1);  // all lower bits: everything better
+  hwy::DisableTargets(best - 1);  // all lower bits: every better target
 }
 
-/// The best target in use: the lowest bit.
+/// @returns the best target in use: the lowest bit.
 std::int64_t best_in_use() {
   const std::int64_t targets = hwy::SupportedTargets();
   return targets & -targets;
 }
 
-/// What the machine has, whatever is chosen at the moment.
+/// @returns the targets that the machine supports, independent of the current choice.
 std::int64_t machine_targets() {
   const SimdLevelGuard guard;
   hwy::DisableTargets(0);

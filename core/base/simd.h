@@ -1,6 +1,7 @@
-/// core/base/simd.h: the SIMD level that every vector kernel runs at: the best the machine has, or one that is forced.
-///   All levels give the same bits (no fused multiply-add, sums in a fixed order), so a level is a question of speed alone.
-///   Thread  choose before other threads start: the choice is the process's (Highway keeps it), the one global of this library.
+/// core/base/simd.h: selection of the SIMD level of all vector kernels: the best that the machine supports, or a forced one.
+///   All levels return the same bits (no fused multiply-add, sums in a fixed order). The level changes speed only.
+///   Errors  bad_input for an unknown or unsupported level.
+///   Thread  choose the level before other threads start. It is global to the process (Highway keeps it), the only global of this library.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +18,17 @@ namespace burrhole {
 enum class SimdLevel { sse4, avx2, avx512 };
 
 [[nodiscard]] std::string_view name_of(SimdLevel level) noexcept;
-/// What this machine can run, weakest first; empty where kernels run their portable form.
+/// @returns the levels that this machine supports, weakest first; empty if kernels run in their portable form.
 [[nodiscard]] std::vector<SimdLevel> simd_levels();
-/// What a name asks of a machine that has `levels`: "sse4", "avx2", "avx512", or nothing for "auto" (the best). bad_input names what may be
-/// written, or, where the machine lacks what is asked for, what it has.
+/// @returns the level of a name ("sse4", "avx2", "avx512"), or nothing for "auto" (the best level). bad_input if the name is unknown (the
+/// message lists the names) or is not in `levels` (the message lists `levels`).
 [[nodiscard]] Result<std::optional<SimdLevel>> simd_level_named(std::string_view name, std::span<const SimdLevel> levels);
-/// The same for this machine, and puts it in use.
+/// Sets the level of this process by name. Errors as simd_level_named() with the levels of this machine.
 [[nodiscard]] Status choose_simd(std::string_view name);
-/// The level in use: a name as above, or "portable".
+/// @returns the name of the level in use, or "portable".
 [[nodiscard]] std::string simd_in_use();
 
-/// Puts the level that was in use when it was made back in use at its end: round code that runs at several.
+/// Restores, at its destruction, the level that was in use at its construction. For code that runs at several levels.
 class SimdLevelGuard {
  public:
   SimdLevelGuard() noexcept;

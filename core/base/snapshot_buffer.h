@@ -1,4 +1,4 @@
-/// core/base/snapshot_buffer.h: hands large values from one writer to one reader by index swap, wait-free on both sides.
+/// core/base/snapshot_buffer.h: transfers large values from one writer thread to one reader thread by index swap; wait-free on both sides.
 #pragma once
 
 #include <array>
@@ -9,26 +9,27 @@
 
 namespace burrhole {
 
-/// Three slots: the writer owns one, the reader one, the third is exchanged. The writer sees an old value in its slot after each
-/// publish() and catches it up (it must know what that slot missed); the reader never waits and never sees half a value.
+/// Three slots: the writer owns one, the reader owns one, and the third is exchanged. After each publish() the writer owns a slot with an
+/// older value and must bring it up to date, so it must track what that slot missed. The reader never waits and never sees a partly written
+/// value.
 template <class T>
 class SnapshotBuffer {
  public:
-  /// Writer: the slot to bring up to date before publish().
+  /// Writer: the slot to update before publish().
   [[nodiscard]] T& back() noexcept { return slots_[back_]; }
   [[nodiscard]] std::size_t back_index() const noexcept { return back_; }
-  /// Writer: hands the slot over; an older one not yet taken comes back to the writer.
+  /// Writer: passes the slot to the reader. If the previous slot was not taken, it returns to the writer.
   void publish() noexcept BH_REALTIME {
     back_ = shared_.exchange(static_cast<std::uint8_t>(back_ | kFresh), std::memory_order_acq_rel) & kIndex;
   }
-  /// Reader: the newest value; the reference stays good until the next call.
+  /// Reader: the newest published value. The reference stays valid until the next call.
   [[nodiscard]] const T& latest() noexcept BH_REALTIME {
     if ((shared_.load(std::memory_order_relaxed) & kFresh) != 0) front_ = shared_.exchange(front_, std::memory_order_acq_rel) & kIndex;
     return slots_[front_];
   }
-  /// Reader: what latest() gave, without looking for a newer one.
+  /// Reader: the value that the last call of latest() returned.
   [[nodiscard]] const T& front() const noexcept { return slots_[front_]; }
-  /// All slots, for set-up before the threads run.
+  /// All slots, for initialisation before the threads start.
   [[nodiscard]] std::array<T, 3>& slots() noexcept { return slots_; }
   [[nodiscard]] const std::array<T, 3>& slots() const noexcept { return slots_; }
 

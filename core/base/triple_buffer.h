@@ -1,4 +1,5 @@
-/// core/base/triple_buffer.h: latest-wins mailbox for plain values between one writer and one reader, wait-free on both sides.
+/// core/base/triple_buffer.h: mailbox of plain values from one writer thread to one reader thread. The latest value wins; wait-free on both
+/// sides.
 #pragma once
 
 #include <type_traits>
@@ -13,12 +14,12 @@ class TripleBuffer {
 
  public:
   explicit TripleBuffer(const T& initial = {}) { buffer_.slots().fill(initial); }
-  /// Writer: hands over a new value; an older one not yet taken is dropped.
+  /// Writer: publishes a new value. A previous value that was not read is dropped.
   void publish(const T& value) noexcept BH_REALTIME {
     buffer_.back() = value;
     buffer_.publish();
   }
-  /// Reader: the newest value; the reference stays good until the next call.
+  /// Reader: the newest value. The reference stays valid until the next call.
   [[nodiscard]] const T& latest() noexcept BH_REALTIME { return buffer_.latest(); }
 
  private:

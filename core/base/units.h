@@ -1,4 +1,4 @@
-/// core/base/units.h: the only factors between the units of files and SI.
+/// core/base/units.h: factors from the units of files to SI. No other file contains such factors.
 #pragma once
 
 #include <numbers>

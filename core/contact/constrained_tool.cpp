@@ -10,33 +10,34 @@
 namespace burrhole {
 namespace {
 
-constexpr double kLookAhead = 0.6;                   // [voxel edges] planes nearer than this are known to a move
-constexpr double kFarthestLook = kRecordBand - 1.0;  // [voxel edges] all eight records round a point still tell their distance there
-constexpr double kLongestMove = 0.4;  // [voxel edges] of any point while bone is near: within the look-ahead, with room for its curvature
-constexpr double kSettled = 0.05;     // [voxel edges] a last move this short need not be looked at again: its error is of second order
-constexpr double kTolerance = 0.002;  // [voxel edges] of the planes
-constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are bone in part, and no plane may give way without end
-// Part of a cutting plane's give that is its own; the rest is the engagement shared by all. Opposed walls push against each other through
-// this part alone, so it sets how hard a tool that is a little too wide for its hole is pinched.
+constexpr double kLookAhead = 0.6;                   // [voxel edges] a move knows all planes nearer than this
+constexpr double kFarthestLook = kRecordBand - 1.0;  // [voxel edges] all eight records around a point hold their distance up to here
+constexpr double kLongestMove = 0.4;  // [voxel edges] of any point near bone: less than the search distance, with margin for curvature
+constexpr double kSettled = 0.05;     // [voxel edges] a last move below this needs no new probe: its error is of second order
+constexpr double kTolerance = 0.002;  // [voxel edges] tolerance of the planes
+constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are partly bone, and the compliance must stay bounded
+// Fraction of a cutting plane's compliance that is its own; the rest is the shared engagement. Opposed walls act on each other through this
+// fraction alone, so it sets the clamping force on a tool slightly too wide for its hole.
 constexpr double kOwnGive = 0.05;
-// [voxel edges] by which a spinning tool is drawn in across its push, at points that cut and face away from the push (drawn_shell.h). On
-// voxels the corner between wall and floor is rounded: without this play the rim of a bit rests there, where it has nothing left to cut
-// (half the play: 40 % slower through the shipped scene; none: stuck after 0.5 mm), and a burr sits on the wall of its own bore. Along the
-// push nothing is drawn in, nor on faces within 23 degrees of it: there the engaged depth stays F / K_cut.
+// [voxel edges] clearance of a spinning tool: the distance by which cutting points that face away from the push move inwards, across the
+// push (drawn_shell.h). On voxels the corner between wall and floor is rounded. Without clearance the rim of a bit rests on that corner,
+// where it has nothing to cut (half the clearance: 40 % slower through the shipped scene; none: stuck after 0.5 mm), and a burr rests on
+// the wall of its own bore. Points do not move along the push, nor on faces within 23 degrees of it: there the engaged depth stays F /
+// K_cut.
 constexpr double kPlay = 0.75;
-constexpr std::size_t kGripPoints = 1200;  // tell how bone holds sideways well enough: every bit that ships has fewer that cut
-constexpr double kSameFace = 0.94;         // [-] cosine of 20 degrees: two directions this near each other are of one face
-// [voxel edges] off its springs' rest by which a spinning tool's force may be passed over for a period: so deep it may lie in bone that it
-// cuts.
+constexpr std::size_t kGripPoints = 1200;  // enough to sample the lateral stiffness; every shipped bit has fewer cutting points
+constexpr double kSameFace = 0.94;         // [-] cosine of 20 degrees: two directions within this angle belong to one face
+// [voxel edges] largest distance from the equilibrium of its springs at which a force reversal of a spinning tool is suppressed for a
+// period: it may penetrate bone that it cuts to this depth.
 constexpr double kTurnsRound = 0.2;
-constexpr double kNewPlay = 0.01;  // [-] change of the push's direction from which the drawn-in points are made anew
+constexpr double kNewPlay = 0.01;  // [-] change of the push's direction from which the points are moved again
 
 std::size_t grip_stride(const ContactShellPart& part) noexcept {
   return std::max<std::size_t>(1, (part.size() + kGripPoints - 1) / kGripPoints);
 }
 
-/// Every so many points of a part that has more than are asked to tell how bone holds sideways: they lie near each other in order, so what
-/// is left is even. `to` has its sizes.
+/// Selects an even subset of a part for the lateral stiffness: every n-th point, since neighbours are adjacent in order. `to` is already
+/// sized.
 void thin_out(const ContactShellPart& from, ContactShellPart& to) noexcept {
   const std::size_t every = grip_stride(from);
   for (std::size_t n = 0; n < to.x.size(); ++n) {
@@ -47,7 +48,7 @@ void thin_out(const ContactShellPart& from, ContactShellPart& to) noexcept {
   }
 }
 
-/// The points that thin_out() fills in.
+/// Number of points that thin_out() writes.
 ContactShellPart thinned(const ContactShellPart& from) {
   ContactShellPart out;
   const std::size_t every = grip_stride(from);
@@ -72,7 +73,8 @@ double yield_of(const ConstrainedToolConfig& config, const SurfaceView& bone, co
   return 1.0 / (config.bone_stiffness * static_cast<double>(std::max(stiffness, kLeastStiffness)));
 }
 
-/// [m] Middle of the shell's box. Points are kept about it in single precision, so that a tool origin far off costs none.
+/// [m] Centre of the shell's bounding box. Points are stored relative to it in single precision, so a distant tool origin costs no
+/// accuracy.
 Vec3 middle_of(const PointShell& shell) noexcept {
   Vec3 lo = shell.positions.front(), hi = lo;
   for (const Vec3& p : shell.positions) {
@@ -87,9 +89,9 @@ PointShell about(PointShell shell, const Vec3& middle) {
   return shell;
 }
 
-/// The direction of a plane that carries load and does not cut: of the distances round it, where the records' own normal agrees roughly.
-/// Where it does not, two faces are near and the normal says which one is meant. What is being cut keeps the records' normals: they see
-/// less far aside, and on a front narrower than four voxels the wider look tips the bit off it.
+/// The normal of a loaded plane that does not cut: the gradient of the distances around it, where the records' own normal roughly agrees.
+/// Where it does not, two faces are near and the record's normal selects one. Planes that cut keep the records' normals: these have less
+/// lateral support, and on a cutting front narrower than four voxels the wider support would tip the bit off it.
 Vec3 steadied(const SurfaceView& bone, const Vec3& bone_point, const Vec3& normal) noexcept {
   const auto slope = distance_slope(bone.records, bone.records.bone_from_index.inverse() * bone_point);
   return slope && glm::dot(*slope, normal) >= kSameFace ? *slope : normal;
@@ -97,7 +99,7 @@ Vec3 steadied(const SurfaceView& bone, const Vec3& bone_point, const Vec3& norma
 
 }  // namespace
 
-/// The hits of the last look, as planes to choose from.
+/// The hits of the last probe as candidate planes.
 class ConstrainedTool::Candidates final : public HoldCandidates {
  public:
   Candidates(ConstrainedTool& tool, const SurfaceView& bone, bool spinning)
@@ -115,7 +117,7 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     const ProbeHits& hits = tool_->hits_;
     std::optional<WorstHit> worst;
     const auto consider = [&](std::size_t first, std::size_t last, const Vec3& shift) {
-      // A little more than what counts as a violation: that is decided in double below.
+      // Slightly more than the tolerance: the decision is made in double precision below.
       const float limit = worst ? worst->distance : static_cast<float>(-0.99 * problem.tolerance / tool_->edge_);
       if (const auto found = find_worst(hits, first, last, motion(move, shift), limit)) worst = found;
     };
@@ -132,7 +134,7 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     plane.arm = axes_ * tool_->drawn_in(plane.point);
     plane.normal = Vec3(static_cast<double>(hits.nx[hit]), static_cast<double>(hits.ny[hit]), static_cast<double>(hits.nz[hit]));
     const double length = glm::length(plane.normal);
-    // Where bone has no direction (deep inside, noise at one level) the tool's own way out stands in.
+    // Where bone has no normal (deep inside, noise at one level) the tool's own outward direction replaces it.
     plane.normal = length > 0.1 ? plane.normal / length : axes_ * tool_->shell_.inward_normals[plane.point];
     plane.gap = static_cast<double>(hits.distance[hit]) * tool_->edge_;
     plane.cutting = spinning_ && hit < tool_->cutting_hits_;
@@ -149,7 +151,7 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     out.offset = (move.translation + shift + glm::cross(move.turn, axes_ * tool_->middle_)) / tool_->edge_;
     return out;
   }
-  /// A plane that is kept yields under its own load: the search looks past it.
+  /// A kept plane yields under its own load, so the search must skip it.
   void mask_kept(std::span<const HoldPlane> kept) noexcept {
     ProbeHits& hits = tool_->hits_;
     for (const HoldPlane& plane : kept) {
@@ -171,7 +173,7 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     masked_ = left;
   }
 
-  static constexpr float kHidden = 1e9f;  // [voxel edges] further than any hit
+  static constexpr float kHidden = 1e9f;  // [voxel edges] beyond any hit
   struct Hidden {
     std::size_t hit;
     float distance;
@@ -230,11 +232,11 @@ ConstrainedTool::Pull ConstrainedTool::pull_of(const HandMotion& hand, double dt
   const double damping = config_.coupling_damping / dt;
   Pull pull;
   pull.stiffness = config_.coupling_stiffness + damping;
-  // K (h - t) + B (h' - (t - t_before) / dt) vanishes at the target.
+  // K (h - t) + B (h' - (t - t_before) / dt) is zero at the target.
   pull.world_from_target.translation =
       (config_.coupling_stiffness * hand.world_from_hand.translation + damping * (before.translation + hand.velocity * dt)) /
       pull.stiffness;
-  // Turning alike, with the same time constant; the hand's own turn in this period stands for its rate.
+  // Rotation likewise, with the same time constant; the hand's rotation in this period gives its rate.
   const double share = config_.coupling_stiffness / pull.stiffness;
   pull.turn_stiffness = config_.turn_stiffness / share;
   const Vec3 whole = rotation_vector(hand.world_from_hand.rotation * glm::conjugate(before.rotation));
@@ -251,7 +253,7 @@ Vec3 ConstrainedTool::drawn_in(std::size_t point) const noexcept {
 
 void ConstrainedTool::set_play(bool spinning) noexcept {
   const double engaged = spinning ? glm::length(engaged_) : 0.0;
-  // The play comes with the engagement, so that first contact is felt where the tool is.
+  // The clearance grows with the engagement, so that first contact is at the tool's pose.
   const double play = std::min(engaged, kPlay * edge_);
   const Vec3 push = engaged > 0.0 ? glm::conjugate(bone_from_tool_.rotation) * engaged_ / engaged : push_;
   if (std::abs(play - play_) < kNewPlay * edge_ && glm::length(push - push_) < kNewPlay && (play > 0.0) == (play_ > 0.0)) return;
@@ -297,8 +299,9 @@ void ConstrainedTool::let_lie(double furthest_out) noexcept {
 HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept {
   const Affine index_from_bone = bone.records.bone_from_index.inverse();
   const RecordSampler records(bone.records);
+  if (constrained_) solver_.refresh([](const HoldPlane& plane) { return plane.point < kConstraintPoint || plane.both_ways; });
   solver_.refresh([&](HoldPlane& plane) {
-    if (plane.both_ways) return false;  // made anew below
+    if (plane.both_ways) return false;  // added again below
     plane.arm = bone_from_tool_.rotate(drawn_in(plane.point));
     plane.cutting = spinning && shell_.cutting[plane.point] != 0;
     const Vec3 position = bone_from_tool_.translation + plane.arm + (plane.cutting ? engaged_ : Vec3(0.0));
@@ -316,12 +319,14 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
                             .turn_stiffness = pull.turn_stiffness,
                             .cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGive),
                             .tolerance = kTolerance * edge_};
-  // Within a sweep bone stands still: what a move brought under the surface, by planes that are not quite the surface, is not its doing.
+  // Bone is at rest within a sweep, so only the first move corrects penetration. Later penetration comes from planes that only approximate
+  // the surface.
   if (spinning && std::isfinite(config_.push_out)) let_lie(state_.moves == 0 ? config_.push_out / pull.stiffness : 0.0);
   for (const HoldPlane& plane : grip_.planes(bone_from_tool_))
     if (plane.yield > 0.0) solver_.add(plane);
   Candidates candidates(*this, bone, spinning);
-  return solver_.solve(problem, candidates);
+  if (added_.constraints.empty() && added_.tangential == nullptr) return solver_.solve(problem, candidates);
+  return solve_with(bone, problem, candidates);
 }
 
 Vec3 ConstrainedTool::direction(const SurfaceView& bone, const HoldPlane& plane, const Vec3& position, const Vec3& normal,
@@ -338,12 +343,15 @@ void ConstrainedTool::apply(const HoldMove& move, double part) noexcept {
   bone_from_tool_.translation += move.translation * part;
   bone_from_tool_.rotation = glm::normalize(rotation_of(move.turn * part) * bone_from_tool_.rotation);
   engaged_ += (move.engagement - engaged_) * part;
+  if (added_.tangential == nullptr) return;
+  slip_.moved.translation += move.translation * part;
+  slip_.moved.turn += move.turn * part;
 }
 
 void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spinning) noexcept {
   const Pose bone_from_target = bone.world_from_bone.inverse() * pull.world_from_target;
   HoldMove last;
-  Pose known = bone_from_tool_;  // the pose of the look before
+  Pose known = bone_from_tool_;  // the pose of the last probe
   Vec3 known_engaged = engaged_;
   double relaxation = 1.0;
   state_.moves = 0;
@@ -351,7 +359,7 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
   for (; !at_rest && state_.moves < static_cast<std::uint32_t>(config_.max_moves); ++state_.moves) {
     look(bone, spinning, kLookAhead);
     if (hits_.outside) {
-      // What the window does not know is not free: wait for it to follow, or a fast hand would outrun the bone.
+      // Space outside the known window is not free: wait until the window follows, or a fast hand would leave the known bone.
       state_.flags |= kContactOutsideWindow;
       bone_from_tool_ = known;
       engaged_ = known_engaged;
@@ -364,9 +372,9 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
     const Vec3 engaging = move.engagement - engaged_;
     const double turned = glm::length(move.turn) * (points_.reach + glm::length(middle_));
     const double length = std::max(glm::length(move.translation), glm::length(move.translation + engaging)) + turned;
-    // Where nothing is near, the way is free as far as the nearest point of bone.
+    // Where nothing is near, the path is free up to the nearest point of bone.
     const double free = std::max(kLongestMove, static_cast<double>(hits_.nearest) - kLookAhead) * edge_;
-    // Planes found anew at each pose may disagree by a little; a reversal means that the truth lies between.
+    // Planes found at successive poses may differ slightly; a reversal means that the solution lies between them.
     const double lever = points_.reach * points_.reach;
     if (glm::dot(move.translation, last.translation) + glm::dot(engaging, last.engagement) + lever * glm::dot(move.turn, last.turn) < 0.0)
       relaxation = std::max(0.125, 0.5 * relaxation);
@@ -382,6 +390,7 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
 void ConstrainedTool::pass_through_nothing(const Pose& bone_from_target, const Vec3& before) noexcept {
   Vec3 now(0.0);
   for (const HoldPlane& plane : solver_.planes()) now += plane.normal * plane.force;
+  if (added_.tangential != nullptr) now += tangential_.on_tool().force;
   const Vec3 back = bone_from_target.translation - bone_from_tool_.translation;
   if (glm::dot(now, before) >= 0.0 || glm::length(back) > kTurnsRound * edge_) return;
   bone_from_tool_.translation += back;
@@ -389,6 +398,9 @@ void ConstrainedTool::pass_through_nothing(const Pose& bone_from_target, const V
   since_look_.engagement -= engaged_;
   engaged_ = Vec3(0.0);
   solver_.clear();
+  if (added_.tangential == nullptr) return;
+  added_.tangential->clear();
+  tangential_.clear();
 }
 
 void ConstrainedTool::report(const SurfaceView& bone) noexcept {
@@ -400,6 +412,12 @@ void ConstrainedTool::report(const SurfaceView& bone) noexcept {
     state_.on_hand.force += force;
     if (plane.cutting) cutting += force;
     state_.on_hand.torque += glm::cross(bone.world_from_bone.rotate(plane.arm), force);
+  }
+  if (added_.tangential != nullptr) {
+    state_.tangential = {bone.world_from_bone.rotate(tangential_.on_tool().force),
+                         bone.world_from_bone.rotate(tangential_.on_tool().torque)};
+    state_.on_hand.force += state_.tangential.force;
+    state_.on_hand.torque += state_.tangential.torque;
   }
   state_.cutting_force = glm::length(cutting);
   state_.engagement = state_.cutting_force / config_.cutting_stiffness;
@@ -417,11 +435,13 @@ void ConstrainedTool::describe(const SurfaceView& bone, double reach, LocalConta
   out.coupling_damping = config_.coupling_damping;
   out.turn_stiffness = config_.turn_stiffness;
   out.cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGive);
+  out.tangential = state_.tangential;
+  out.spin = bone.world_from_bone.rotate(slip_.spin);
   const auto list = [&](HoldPlane plane) {
     if (out.count == kMaxLocalPlanes) return;
     plane.gap += glm::dot(plane.normal, since_look_.translation + glm::cross(since_look_.turn, plane.arm) +
                                             (plane.cutting ? since_look_.engagement : Vec3(0.0)));
-    if (plane.cutting && plane.force == 0.0) plane.gap = std::max(plane.gap, 0.0);  // it lies: let_lie()
+    if (plane.cutting && plane.force == 0.0) plane.gap = std::max(plane.gap, 0.0);  // no force outwards, as in let_lie()
     plane.normal = bone.world_from_bone.rotate(plane.normal);
     plane.arm = bone.world_from_bone.rotate(plane.arm);
     out.planes[out.count++] = plane;
@@ -439,31 +459,35 @@ void ConstrainedTool::describe(const SurfaceView& bone, double reach, LocalConta
       list(candidates.plane_of(hit));
 }
 
-const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const HandMotion& hand, double dt) noexcept {
+const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const HandMotion& hand, double dt, const ToolSpin& spin,
+                                                  const ContactAdditions& added) noexcept {
   state_.flags = 0;
   const Quat& turn = hand.world_from_hand.rotation;
   if (!is_finite(hand.world_from_hand.translation) || !is_finite(hand.velocity) || !std::isfinite(turn.w + turn.x + turn.y + turn.z)) {
-    // Motion that means nothing gives no force and cuts nothing; the tool stays where it was.
+    // A motion that is not finite gives no force and cuts nothing; the tool stays in place.
     const Pose stays = state_.world_from_tool;
     state_ = {};
     state_.world_from_tool = stays;
     state_.flags = kContactNotFinite;
     return state_;
   }
+  const bool placed = placed_;
   if (!placed_) {
     world_from_bone_ = bone.world_from_bone;
     hand_before_ = hand.world_from_hand.rotation;
     placed_ = true;
   }
-  bone_from_tool_ = world_from_bone_.inverse() * state_.world_from_tool;  // carried along by a bone that moved
+  bone_from_tool_ = world_from_bone_.inverse() * state_.world_from_tool;  // moves with a bone that moved
+  begin_added(added, spin.rate, dt, placed);
   const Pull pull = pull_of(hand, dt);
-  spinning_ = hand.spinning;
-  set_play(hand.spinning);
-  grip(bone, hand.spinning);
+  spinning_ = spin.spinning;
+  set_play(spinning_);
+  grip(bone, spinning_);
   const Vec3 before = bone.world_from_bone.inverse().rotate(state_.on_hand.force);
-  sweep(bone, pull, hand.spinning);
-  if (hand.spinning) pass_through_nothing(bone.world_from_bone.inverse() * pull.world_from_target, before);
+  sweep(bone, pull, spinning_);
+  if (spinning_) pass_through_nothing(bone.world_from_bone.inverse() * pull.world_from_target, before);
   report(bone);
+  end_added();
   world_from_bone_ = bone.world_from_bone;
   hand_before_ = hand.world_from_hand.rotation;
   return state_;

@@ -1,5 +1,5 @@
-/// core/contact/contact_shell.h: a point shell laid out for vector look-ups: single precision, one array a coordinate, points near each
-///   other in space near each other in memory, cutting points first.
+/// core/contact/contact_shell.h: a point shell in the layout for vector kernels: single precision, one array per coordinate, spatial
+///   neighbours adjacent in memory, cutting points first.
 ///   Frame  tool frame.   Units  SI.   Thread  built once, read by contact.
 #pragma once
 
@@ -11,21 +11,21 @@
 
 namespace burrhole {
 
-/// Arrays are padded to a multiple of kShellPad with copies of the last point of their part, so that a kernel never reads past an end.
+/// Each array is padded to a multiple of kShellPad with copies of its last point, so that a kernel never reads beyond the end.
 inline constexpr std::size_t kShellPad = 16;
 
 struct ContactShellPart {
   LineVector<float> x, y, z;         ///< [m], padded
-  std::vector<std::uint32_t> point;  ///< index into the shell it was made from, not padded
+  std::vector<std::uint32_t> point;  ///< index into the source shell, not padded
   [[nodiscard]] std::size_t size() const noexcept { return point.size(); }
 };
 
 struct ContactShell {
   ContactShellPart cutting, passive;
-  double reach = 0.0;  ///< [m] greatest distance of a point from the tool origin
+  double reach = 0.0;  ///< [m] largest distance of a point from the tool origin
 };
 
-/// Sorted along a Morton curve of cells of `cell` [m] (a voxel's edge is right). Equal cells keep the shell's order.
+/// Sorts along a Morton curve with cells of `cell` [m] (use the voxel edge). Points of one cell keep the order of the shell.
 [[nodiscard]] ContactShell make_contact_shell(const PointShell& shell, double cell);
 
 }  // namespace burrhole

@@ -1,21 +1,17 @@
 #include "core/contact/contact_view.h"
 
+#include "core/base/bounds.h"
+#include "core/base/trilinear.h"
+
 namespace burrhole {
 namespace {
 
-/// Cell of eight voxels round a point, and the point's place in it.
+/// Cell of eight voxels around a point, and the point's position in it.
 struct Cell {
   Vec3i base;
   Vec3 t;
   explicit Cell(const Vec3& p) : base(floor_int(p)), t(p - Vec3(base)) {}
 };
-
-template <class T, class Fetch>
-T interpolate(const Cell& cell, Fetch&& fetch) {
-  const auto mix = [](const T& a, const T& b, double t) { return a + (b - a) * t; };
-  const auto row = [&](int y, int z) { return mix(fetch(Vec3i(0, y, z)), fetch(Vec3i(1, y, z)), cell.t.x); };
-  return mix(mix(row(0, 0), row(1, 0), cell.t.y), mix(row(0, 1), row(1, 1), cell.t.y), cell.t.z);
-}
 
 }  // namespace
 
@@ -47,18 +43,13 @@ Vec3 ContactView::outward_normal(const Vec3& index_gradient) const noexcept {
 
 double ContactView::sample(const Vec3& index) const noexcept {
   const Cell cell(index);
-  if (grids_ == nullptr && valid_.contains(cell.base) && valid_.contains(cell.base + 1)) {
-    const Vec3i size = box_.size();
-    const float* d = density_ + box_.offset_of(cell.base);
-    const std::ptrdiff_t row = size.x, slab = row * size.y;
-    return interpolate<double>(cell, [&](const Vec3i& o) { return static_cast<double>(d[o.x + o.y * row + o.z * slab]); });
-  }
-  return interpolate<double>(cell, [&](const Vec3i& o) { return static_cast<double>(density(cell.base + o)); });
+  if (grids_ == nullptr && valid_.contains(cell.base) && valid_.contains(cell.base + 1)) return trilinear(box_, density_, index);
+  return trilinear(cell.t, [&](unsigned n) { return static_cast<double>(density(cell.base + cell_corner(n))); });
 }
 
 Vec3 ContactView::sample_gradient(const Vec3& index) const noexcept {
   const Cell cell(index);
-  return interpolate<Vec3>(cell, [&](const Vec3i& o) { return Vec3(gradient(cell.base + o)); });
+  return trilinear(cell.t, [&](unsigned n) { return Vec3(gradient(cell.base + cell_corner(n))); });
 }
 
 std::optional<SurfacePoint> ContactView::leave_bone(const Vec3& from, const Vec3& direction, double reach) const noexcept {
@@ -74,7 +65,7 @@ std::optional<SurfacePoint> ContactView::leave_bone(const Vec3& from, const Vec3
       inside_excess = outside_excess;
       continue;
     }
-    // False position, bounded to the bracket; the field is trilinear, so three steps are enough for a thousandth of a voxel.
+    // False position, bounded to the bracket. The field is trilinear, so three steps reach a thousandth of a voxel.
     double crossing_at = outside;
     for (int refinement = 0; refinement < 3; ++refinement) {
       crossing_at = inside + (outside - inside) * std::max(0.0, inside_excess) / (std::max(0.0, inside_excess) - outside_excess);
@@ -89,7 +80,7 @@ std::optional<SurfacePoint> ContactView::leave_bone(const Vec3& from, const Vec3
     }
     const Vec3 crossing = start + way * crossing_at;
     Vec3 normal = outward_normal(sample_gradient(crossing));
-    if (normal == Vec3(0.0)) normal = direction;  // dead zone or the ridge of a thin wall: the way out stands in
+    if (normal == Vec3(0.0)) normal = direction;  // dead zone or ridge of a thin wall: use the search direction
     return SurfacePoint{world_of(crossing), normal};
   }
   return std::nullopt;

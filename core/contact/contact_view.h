@@ -1,5 +1,5 @@
-/// core/contact/contact_view.h: what a contact model may ask of bone: density and gradient per voxel, the 0.5 surface between them.
-///   Frame  world for points that go in or out, index where said.   Units SI; density 0..1.   Thread contact, one reader a view.
+/// core/contact/contact_view.h: queries of contact models on bone: density and gradient per voxel, and points of the 0.5 surface.
+///   Frame  world for points in arguments and results, index where stated.   Units SI; density 0..1.   Thread contact, one reader per view.
 #pragma once
 
 #include <cmath>
@@ -11,39 +11,40 @@
 
 namespace burrhole {
 
-/// The felt, drawn, meshed and measured surface: this level of occupancy x remaining.
+/// Level of occupancy x remaining that defines the surface of bone for contact, display, meshes and measurement.
 inline constexpr float kSurfaceLevel = 0.5f;
 
-/// Whether an index fits an int with room for a march: a device may report any place, and a cast beyond int has no meaning. False for NaN.
+/// @returns whether an index fits an int with margin for a march. A device may report any position, and a cast beyond int is undefined.
+/// False for NaN.
 [[nodiscard]] inline bool holds_index(const Vec3& index) noexcept {
   constexpr double kLargest = 1e9;
   return std::abs(index.x) < kLargest && std::abs(index.y) < kLargest && std::abs(index.z) < kLargest;
 }
 
-/// A point of the 0.5 surface with its outward unit normal, world frame.
+/// A point of the 0.5 surface [m] with its outward unit normal [-], world frame.
 struct SurfacePoint {
-  Vec3 position;
-  Vec3 normal;
+  Vec3 position;  ///< [m]
+  Vec3 normal;  ///< [-]
 };
 
 class ContactView {
  public:
-  /// The dense window; `window` must outlive the view, and hold those fields that are asked of the view.
+  /// A view of the dense window; `window` must outlive the view and contain the fields that are queried.
   ContactView(const ContactWindow& window, const Affine& bone_from_index, const Pose& world_from_bone);
-  /// The paper's storage; bone is known everywhere, not only in a window.
+  /// A view of the storage of the paper; bone is known everywhere, not only in a window.
   ContactView(const VdbContactGrids& grids, const Affine& bone_from_index, const Pose& world_from_bone);
 
   [[nodiscard]] Vec3 index_of(const Vec3& world) const noexcept { return index_from_world_ * world; }
   [[nodiscard]] Vec3 world_of(const Vec3& index) const noexcept { return world_from_index_ * index; }
-  /// Direction in index axes of a world direction (not normalised).
+  /// The direction in index axes of a world direction (not normalised).
   [[nodiscard]] Vec3 index_direction(const Vec3& world) const noexcept { return index_from_world_.linear * world; }
-  /// Outward world normal for a density gradient in index axes: a gradient is a covector, so it maps by the transposed inverse.
+  /// Outward world normal for a density gradient in index axes. A gradient is a covector: it maps by the transposed inverse.
   [[nodiscard]] Vec3 outward_normal(const Vec3& index_gradient) const noexcept;
   [[nodiscard]] double voxel_edge() const noexcept { return voxel_edge_; }
 
   /// True where density and gradient are both known.
   [[nodiscard]] bool knows(const Vec3i& v) const noexcept { return grids_ != nullptr || valid_.contains(v); }
-  /// 0 outside what is known.
+  /// 0 outside the known part.
   [[nodiscard]] float density(const Vec3i& v) const noexcept {
     if (grids_ != nullptr) return grids_->density(v);
     return valid_.contains(v) ? density_[box_.offset_of(v)] : 0.0f;
@@ -52,7 +53,7 @@ class ContactView {
     if (grids_ != nullptr) return grids_->gradient(v);
     return valid_.contains(v) ? gradient_[box_.offset_of(v)] : Vec3f(0.0f);
   }
-  /// The packed form of what is known, over box(), outermost layer empty; nullptr where the window does not carry it.
+  /// Packed words over box(), outermost layer empty; nullptr where the window has none.
   [[nodiscard]] const ContactWord* words() const noexcept { return words_; }
   [[nodiscard]] const VoxelBox& box() const noexcept { return box_; }
   [[nodiscard]] const Affine& world_from_index() const noexcept { return world_from_index_; }
@@ -62,8 +63,8 @@ class ContactView {
   /// Trilinear gradient [1/voxel], index axes.
   [[nodiscard]] Vec3 sample_gradient(const Vec3& index) const noexcept;
 
-  /// First crossing of the 0.5 level on the way from a point inside bone along `direction` (unit, world), at most `reach` [m]; refined by
-  /// three steps of false position (below 0.002 voxel on smooth fields, tested). Nothing when the way stays in bone.
+  /// Finds the first crossing of the 0.5 level from a point inside bone along `direction` (unit, world), within `reach` [m], with three
+  /// steps of false position (below 0.002 voxel on smooth fields, tested). Empty when the ray stays in bone.
   [[nodiscard]] std::optional<SurfacePoint> leave_bone(const Vec3& from, const Vec3& direction, double reach) const noexcept;
 
  private:

@@ -5,7 +5,7 @@
 namespace burrhole {
 namespace {
 
-constexpr double kLeastSlope = 0.5;  // [-] of a distance it is 1; less is the ridge between two faces, where both mean nothing
+constexpr double kLeastSlope = 0.5;  // [-] the slope of a distance is 1; less means a ridge between two faces with no defined normal
 
 /// The four taps of a cubic B-spline and of its derivative, at voxels -1, 0, 1, 2 from the cell's corner.
 struct Taps {
@@ -42,7 +42,7 @@ std::optional<Vec3> distance_slope(const RecordView& bone, const Vec3& index) no
   const Vec3 base = glm::floor(index);
   const Vec3 slope = bone.records16 != nullptr ? slope_of(bone.box, bone.records16, kRecord16Distance, Vec3i(base), index - base)
                                                : slope_of(bone.box, bone.records8, kRecord8Distance, Vec3i(base), index - base);
-  // A covector: by the transposed inverse of the map from index to metric voxel edges.
+  // A covector maps by the transposed inverse of the map from index to metric voxel edges.
   const Vec3 metric = glm::transpose(glm::inverse(bone.bone_from_index.linear)) * slope * bone.bone_from_index.mean_edge();
   const double length = glm::length(metric);
   if (!(length >= kLeastSlope)) return std::nullopt;

@@ -1,4 +1,4 @@
-// The plain twin is drawn_in() itself, point by point.
+// The scalar reference is drawn_in(), point by point.
 #include "core/contact/drawn_shell.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
-/// core/contact/drawn_shell.h: the cutting points of a shell, drawn in across the push of the tool, as the surface probe wants them.
-///   Frame  tool frame.   Units  SI.   Thread  built once; contact draws. Never allocates after construction.
-///   Source own derivation. Double precision, the same bits on every SIMD level as drawn_in() of each point.
+/// core/contact/drawn_shell.h: the cutting points of a shell, moved inwards across the push of the tool by a clearance, for the surface
+///   probe.
+///   Frame  tool frame.   Units  SI.   Thread  built once, used by contact. Never allocates after construction.
+///   Source own derivation. Double precision; gives the same bits as drawn_in() of each point on every SIMD level.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +13,11 @@
 
 namespace burrhole {
 
-/// Faces within 23 degrees of the push (by the square of the cosine) are not drawn in, those over 51 degrees off it wholly.
+/// Faces within 23 degrees of the push are not moved, faces more than 51 degrees off it by the full clearance (limits on the squared
+/// cosine).
 inline constexpr double kDrawnBelow = 0.85, kDrawnRise = 2.2;
 
-/// Where a point is drawn to: along its inward normal, but not along `push` (unit), by up to `play` [m].
+/// @returns the point moved along its inward normal without the component along `push` (unit), by up to `play` [m].
 [[nodiscard]] inline Vec3 drawn_in(const Vec3& position, const Vec3& inward, const Vec3& push, double play) noexcept {
   const double along = glm::dot(inward, push), part = std::clamp((kDrawnBelow - along * along) * kDrawnRise, 0.0, 1.0);
   return position + (inward - push * along) * (play * part);
@@ -23,9 +25,9 @@ inline constexpr double kDrawnBelow = 0.85, kDrawnRise = 2.2;
 
 class DrawnShell {
  public:
-  /// `part` says which points of `shell` and in which order; its places are about `middle` [m].
+  /// `part` gives the points of `shell` and their order; its positions are relative to `middle` [m].
   DrawnShell(const PointShell& shell, const ContactShellPart& part, const Vec3& middle);
-  /// Writes the places of `part`, padding too: the part that this was made of.
+  /// Writes the positions of `part`, with padding. `part` must be the one passed to the constructor.
   void draw(const Vec3& push, double play, ContactShellPart& part) const noexcept;
 
  private:

@@ -1,4 +1,4 @@
-// The plain twin is in tests/core/contact/facing_points_test.cpp.
+// The scalar reference is in tests/core/contact/facing_points_test.cpp.
 #include "core/contact/facing_points.h"
 
 #include <algorithm>
@@ -62,7 +62,7 @@ namespace {
 
 HWY_EXPORT(Pick);
 
-// Of a sum of three products of unit vectors in single precision: 4 roundings of 6e-8, and those of the vectors' own. No more than 1e-6.
+// Rounding bound of a sum of three products of unit vectors in single precision: 4 roundings of 6e-8, and those of the vectors. Below 1e-6.
 constexpr double kRounding = 5e-6;
 
 }  // namespace
@@ -73,13 +73,13 @@ FacingPoints::FacingPoints(const PointShell& shell, const ContactShellPart& part
     for (std::size_t axis = 0; axis < 3; ++axis) inward_[axis].push_back(static_cast<float>(shell.inward_normals[point][axis]));
     point_.push_back(point);
   }
-  // Vector stores may touch up to a vector past what they keep.
+  // Vector stores may write up to one vector beyond the kept elements.
   for (auto* axis : {&facing_.x, &facing_.y, &facing_.z}) axis->assign(part.x.size() + kShellPad, 0.0f);
   facing_.point.assign(part.x.size() + kShellPad, 0);
 }
 
 const ContactShellPart& FacingPoints::pick(const ContactShellPart& part, const Vec3& push, double least) noexcept {
-  facing_.point.resize(part.x.size() + kShellPad);  // what it had at first: no allocation
+  facing_.point.resize(part.x.size() + kShellPad);  // its initial size: no allocation
   const FacingJob job{.inward = {inward_[0].data(), inward_[1].data(), inward_[2].data()},
                       .place = {part.x.data(), part.y.data(), part.z.data()},
                       .point = point_.data(),

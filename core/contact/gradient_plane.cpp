@@ -12,13 +12,13 @@ struct GradientPlane::Surface {
   Vec3f gradient{0.0f};
 };
 
-Result<std::unique_ptr<ContactModel>> GradientPlane::create(const GradientPlaneConfig& config, PointShell shell) {
+Result<std::unique_ptr<PenaltyModel>> GradientPlane::create(const GradientPlaneConfig& config, PointShell shell) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
   if (!(std::isfinite(config.stiffness) && config.stiffness > 0.0)) return refuse("contact stiffness must be finite and above 0");
   if (config.max_march < 1 || config.max_ascent < 1) return refuse("march limits must be at least 1");
   if (shell.size() == 0 || shell.size() > kMaxShellPoints) return refuse("the point shell must hold 1 to 200000 points");
   if (shell.inward_normals.size() != shell.size()) return refuse("a point shell needs one inward normal a point");
-  return std::unique_ptr<ContactModel>(new GradientPlane(config, std::move(shell)));
+  return std::unique_ptr<PenaltyModel>(new GradientPlane(config, std::move(shell)));
 }
 
 bool GradientPlane::solid(const ContactView& bone, const Vec3i& v) const noexcept {
@@ -59,11 +59,11 @@ Vec3 plane_point_of(const Vec3i& v, IsSolid&& is_solid) {
 }  // namespace
 
 bool GradientPlane::find_surface(const ContactView& bone, const Vec3& index, const Vec3& tool_vector, Surface& found) const noexcept {
-  // The trilinear density may call a point solid whose own voxel is empty; the densest corner of its cell is then solid for sure.
+  // The trilinear density may classify a point as solid although its voxel is empty; the densest corner of its cell is then solid.
   Vec3 at = solid(bone, voxel_of(index)) ? index : densest_corner(bone, index);
   Vec3i last_solid = voxel_of(at);
 
-  // 1. Along the tool vector, a voxel at a time, to the first voxel with a gradient.
+  // 1. March along the tool vector, voxel by voxel, to the first voxel with a gradient.
   int marched = 0;
   Vec3f gradient = bone.gradient(voxel_of(at));
   while (gradient == Vec3f(0.0f) && marched++ < config_.max_march) {
@@ -73,10 +73,10 @@ bool GradientPlane::find_surface(const ContactView& bone, const Vec3& index, con
     if (solid(bone, v))
       last_solid = v;
     else if (gradient == Vec3f(0.0f))
-      break;  // out of bone without meeting a gradient: the last solid voxel is the surface
+      break;  // left bone without a gradient: the last solid voxel is the surface
   }
 
-  // 2. Down the density gradient to the last solid voxel before an empty one.
+  // 2. March down the density gradient to the last solid voxel before an empty one.
   int ascended = 0;
   while (solid(bone, voxel_of(at)) && ascended++ < config_.max_ascent) {
     last_solid = voxel_of(at);

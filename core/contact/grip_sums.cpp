@@ -1,4 +1,4 @@
-// The terms of a block of hits by vectors, then their sums one after another. The plain twin is in tests/core/contact/grip_sums_test.cpp.
+// Vectors compute the terms of a block of hits; a scalar loop sums them in order. Scalar reference: tests/core/contact/grip_sums_test.cpp.
 #include "core/contact/grip_sums.h"
 
 #include <algorithm>
@@ -93,10 +93,10 @@ GripSums sum_grip(const ProbeHits& inside, const PointShell& shell, const GripAx
       block.count += inside.distance[n] < 0.0f ? 1 : 0;
     }
     if (block.count == 0) continue;
-    // Past the last a vector finds a point that is there.
+    // Lanes beyond the end repeat a valid point.
     std::fill(block.first + block.count, block.first + (block.count + 7) / 8 * 8, block.first[0]);
     HWY_DYNAMIC_DISPATCH(Terms)(shell, axes, least, block);
-    // Points that do not count add 0, which changes no sum.
+    // Points that do not count add 0, which does not change the sums.
     for (std::size_t each = 0; each < block.count; ++each)
       for (std::size_t t = 0; t < 8; ++t) sums[t] += block.terms[t][each];
   }

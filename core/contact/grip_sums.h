@@ -1,6 +1,6 @@
-/// core/contact/grip_sums.h: what the engaged points of a tool have in common, summed for side_grip.h.
+/// core/contact/grip_sums.h: sums over the engaged points of a tool, for the lateral stiffness of side_grip.h.
 ///   Frame  tool.   Units  SI.   Thread  contact; never allocates.
-///   Source own derivation. Points are summed in their order, in double precision: the bits of a plain loop on every SIMD level.
+///   Source own derivation. Points are summed in their order, in double precision: every SIMD level gives the bits of a scalar loop.
 #pragma once
 
 #include "core/contact/surface_probe.h"
@@ -8,20 +8,20 @@
 
 namespace burrhole {
 
-/// Three directions at right angles, unit.
+/// [-] Three orthogonal unit vectors.
 struct GripAxes {
-  Vec3 push, u, v;
+  Vec3 push, u, v;  ///< [-]
 };
 
-/// Sums over points; the load of one is the square of its inward normal's part along the push.
+/// Sums over points. The load of a point is the squared component of its inward normal along the push.
 struct GripSums {
-  double along = 0.0;                   ///< of load
-  Vec3 middle{0.0};                     ///< of load times place [m]
-  double spread = 0.0;                  ///< of load times squared distance from the push's line through the origin [m^2]
-  double uu = 0.0, uv = 0.0, vv = 0.0;  ///< of products of the inward normal's parts along u and v
+  double along = 0.0;                   ///< [-] sum of load
+  Vec3 middle{0.0};                     ///< [m] sum of load * position
+  double spread = 0.0;                  ///< [m^2] sum of load * squared distance from the line through the origin along the push
+  double uu = 0.0, uv = 0.0, vv = 0.0;  ///< [-] sums of products of the inward normal's components along u and v
 };
 
-/// Over the hits under the surface whose inward normals have `least` and more along the push.
+/// Sums over the hits below the surface whose inward normals have a component of at least `least` along the push.
 [[nodiscard]] GripSums sum_grip(const ProbeHits& inside, const PointShell& shell, const GripAxes& axes, double least) noexcept;
 
 }  // namespace burrhole

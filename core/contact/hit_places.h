@@ -1,5 +1,5 @@
-/// core/contact/hit_places.h: where a point of the shell is among the hits of a look, without asking all of them.
-///   Thread  built once; contact finds. Never allocates after construction.
+/// core/contact/hit_places.h: finds a shell point among the hits of a probe without a scan of all hits.
+///   Thread  built once, used by contact. Never allocates after construction.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@ namespace burrhole {
 class HitPlaces {
  public:
   explicit HitPlaces(const ContactShell& shell);
-  /// @param hits of the cutting part, then of the passive one. @returns where the point is; hits.count where it is none of them, or no
-  /// point.
+  /// @param hits of the cutting part, then of the passive part. @returns the index of the point's hit; hits.count where the point has no
+  /// hit or does not exist.
   [[nodiscard]] std::size_t find(const ProbeHits& hits, std::uint32_t point) const noexcept;
 
  private:
-  std::vector<std::uint32_t> place_;  // a point of the shell: its place among the points of both parts, which hits keep to
+  std::vector<std::uint32_t> place_;  // per shell point: its position in the order of both parts, which hits follow
 };
 
 }  // namespace burrhole

@@ -7,10 +7,11 @@
 namespace burrhole {
 namespace {
 
-// A plane's compliance that is its own, not shared with those before it: less than this part is rounding, and would give any force.
+// Least fraction of a plane's compliance that is independent of earlier planes: below it the rest is rounding and the force is
+// undetermined.
 constexpr double kOwnPart = 1e-13;
 
-/// Gap of a plane after a move, its yield included.
+/// Gap of a plane after a move, with its yield.
 double gap_after(const HoldProblem& problem, const HoldPlane& plane, const HoldMove& move) noexcept {
   const Vec3 engaging = plane.cutting ? move.engagement - problem.engaged : Vec3(0.0);
   return plane.gap + glm::dot(plane.normal, move.translation + glm::cross(move.turn, plane.arm) + engaging) + plane.yield * plane.force;
@@ -36,7 +37,7 @@ bool HoldSolver::factor_row(const HoldProblem& problem, std::size_t r) noexcept 
   auto& turning = factor_.turning;
   turning[r] = glm::cross(plane.arm, plane.normal);
   for (std::size_t c = 0; c <= r; ++c) {
-    // How a unit force on one plane moves the gap of the other [m/N].
+    // Change of one plane's gap per unit force on the other [m/N].
     const double along = glm::dot(plane.normal, planes_[c].normal);
     double whole = along / problem.stiffness + glm::dot(turning[r], turning[c]) / problem.turn_stiffness +
                    (plane.cutting && planes_[c].cutting ? along / problem.cutting_stiffness : 0.0);
@@ -50,7 +51,7 @@ bool HoldSolver::factor_row(const HoldProblem& problem, std::size_t r) noexcept 
       rows[r][r] = std::sqrt(sum);
     }
   }
-  // The right side is the gap without any force, with its sign turned.
+  // The right side is the negative of the gap without forces.
   HoldPlane unloaded = plane;
   unloaded.force = 0.0;
   right[r] = -gap_after(problem, unloaded, {problem.target, problem.turn, Vec3(0.0)});
@@ -94,10 +95,10 @@ void HoldSolver::settle(const HoldProblem& problem) noexcept {
   std::array<double, kMaxHoldPlanes> wanted{};
   while (count_ > 0) {
     if (!solve_kept(problem, wanted)) {
-      drop(count_ - 1);  // two planes alike to rounding: one is enough
+      drop(count_ - 1);  // numerically dependent planes: one is enough
       continue;
     }
-    // As far towards the wanted forces as none pulls.
+    // Steps towards the optimal forces until one of them would become attractive.
     double part = 1.0;
     std::size_t first = count_;
     for (std::size_t n = 0; n < count_; ++n) {
@@ -112,7 +113,7 @@ void HoldSolver::settle(const HoldProblem& problem) noexcept {
       for (std::size_t n = 0; n < count_; ++n) planes_[n].force = wanted[n];
       return;
     }
-    // The one that stops the way ends at 0, and another at the same place may end a rounding below.
+    // The limiting plane ends at 0; another at the same place may end below it by rounding.
     for (std::size_t n = 0; n < count_; ++n) {
       const double force = planes_[n].force + part * (wanted[n] - planes_[n].force);
       planes_[n].force = planes_[n].both_ways ? force : std::max(0.0, force);
@@ -135,7 +136,7 @@ HoldMove HoldSolver::solve(const HoldProblem& problem, HoldCandidates& candidate
     const std::size_t before = count_;
     add(*found);
     settle(problem);
-    // Dropped at once while all others stayed: the same would be found again, and again.
+    // Dropped at once while all others stayed: the same plane would be found again in each round.
     if (count_ == before && std::ranges::find(planes(), found->point, &HoldPlane::point) == planes().end()) break;
   }
   return move_of(problem);

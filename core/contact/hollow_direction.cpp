@@ -1,5 +1,5 @@
-// What does not depend on the mean is found once, by vectors, for the hits that count at all; then their sums, one after another: the bits
-// of the plain loop over hits in tests/core/contact/hollow_direction_test.cpp.
+// Vectors compute, once, the values that do not depend on the mean; a scalar loop sums them in order. The bits are those of the scalar loop
+//   in tests/core/contact/hollow_direction_test.cpp.
 #include "core/contact/hollow_direction.h"
 
 #include <algorithm>
@@ -14,21 +14,21 @@
 #define BURRHOLE_HOLLOW_DIRECTION_ONCE
 namespace burrhole {
 
-// [voxel edges] of gap, beyond the touching point's, within which a point counts: all that a look tells (its look-ahead). With half of it
-// the direction in a dent is off by twice as much.
+// [voxel edges] a point counts if its gap exceeds that of the contact point by less than this: the search distance of the probe. With half
+// of it the error of the direction in a dent is twice as large.
 inline constexpr double kNearly = 0.6;
-inline constexpr double kReach = 8.0;  // [voxel edges] from the touching point: a wider patch may be of another place
+inline constexpr double kReach = 8.0;  // [voxel edges] from the contact point: a larger patch may include another place
 inline constexpr double kAlike = 0.3;  // [-] cosine of 73 degrees off the mean: a wall beside a floor is another face
-// [1/voxel edge] of outward bend by which a point counts half: a radius of 33 voxels; noise of normals is a quarter of it. Across an edge
-// the patch would lie about the edge and not about the touch.
+// [1/voxel edge] convex curvature at which a point has half weight: a radius of 33 voxels; the noise of normals is a quarter of it. Across
+// an edge the patch would be centred on the edge and not on the contact.
 inline constexpr double kBulge = 0.03;
-// [-] of the patch, by weight, that does not bulge: from where the mean counts, and where it alone does.
+// [-] fraction of the patch, by weight, that is not convex: from the first on the mean has weight, from the second on all weight.
 inline constexpr double kLeastShare = 0.8, kWholeShare = 0.95;
-inline constexpr int kPasses = 3;               // the window of directions is about the mean, which is not known before
-inline constexpr std::size_t kAsked = 2000;     // and up to twice as many: bounds the time
+inline constexpr int kPasses = 3;               // the window of directions is centred on the mean, which is not known at first
+inline constexpr std::size_t kAsked = 2000;     // largest number of hits is twice this: bounds the time
 inline constexpr std::size_t kHollowLanes = 8;  // at most
 
-/// The hits asked.
+/// The hits to use.
 struct HollowJob {
   const ProbeHits* hits;
   HitRange near;
@@ -38,16 +38,16 @@ struct HollowJob {
   double edge;
 };
 
-/// Those that count, in their order. 160 kB of the stack, of which no more is touched than there are points.
+/// The hits that count, in order. 160 kB on the stack, written only as far as there are points.
 struct HollowPatch {
   static constexpr std::size_t kRoom = 2 * kAsked + 2 * kHollowLanes;
-  alignas(64) double normal[3][kRoom], nearness[kRoom], level[kRoom];  // how nearly it touches, and how little it bulges: 0..1
+  alignas(64) double normal[3][kRoom], nearness[kRoom], level[kRoom];  // weights 0..1: proximity to contact, and flatness
   std::size_t count = 0;
 };
 
 struct PatchSum {
   Vec3 normal{0.0};
-  double all = 0.0, level = 0.0;  // weights: of all, and of those that do not bulge
+  double all = 0.0, level = 0.0;  // sums of weights: of all points, and of those that are not convex
 };
 
 }  // namespace burrhole
@@ -74,7 +74,7 @@ HWY_INLINE Vd3 sub(const Vd3& a, const Vd3& b) { return {hn::Sub(a.x, b.x), hn::
 HWY_INLINE Vd dot(const Vd3& a, const Vd3& b) { return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z)); }
 HWY_INLINE Vd promoted(const float* from) { return hn::PromoteTo(Doubles(), hn::LoadU(Floats(), from)); }
 
-/// Distance, place and normal of a vector of hits from the n-th asked on.
+/// Distance, position and normal of a vector of hits from the n-th on.
 struct AskedHits {
   HWY_INLINE AskedHits(const HollowJob& job, std::size_t n, std::size_t asked) {
     const ProbeHits& hits = *job.hits;
@@ -88,7 +88,7 @@ struct AskedHits {
     for (std::size_t a = 0; a < 7; ++a) {
       HWY_ALIGN float taken[kHollowLanes];
       for (std::size_t lane = 0; lane < hn::Lanes(Doubles()); ++lane)
-        taken[lane] = arrays[a][first + job.every * std::min(lane, asked - 1 - n)];  // past the last, the last again
+        taken[lane] = arrays[a][first + job.every * std::min(lane, asked - 1 - n)];  // lanes beyond the last repeat it
       value[a] = promoted(taken);
     }
   }
@@ -112,11 +112,11 @@ void FindPatch(const HollowJob& job, HollowPatch& patch) {
     auto counts = hn::And(hn::Lt(beyond, hn::Set(d, kNearly)), hn::Lt(way2, hn::Set(d, kReach * kReach)));
     counts = hn::And(counts, hn::FirstN(d, asked - n));
     if (hn::AllFalse(d, counts)) continue;
-    // The rate at which normals lean towards each other; over half a voxel and less it would be of their noise.
+    // Rate at which normals converge; below half a voxel of distance it would be noise.
     const Vd bend = hn::Div(hn::Neg(dot(sub(normal, touch_normal), way)), hn::Add(way2, hn::Set(d, 0.25)));
     const Vd level = hn::Clamp(hn::Add(hn::Set(d, 1.5), hn::Div(bend, hn::Set(d, kBulge))), zero, one);
     const Vd nearness = hn::Sub(one, hn::Div(beyond, hn::Set(d, kNearly)));
-    const bool all = hn::AllTrue(d, counts);  // then plain stores: packing goes through tables below 512 bits
+    const bool all = hn::AllTrue(d, counts);  // if all count, plain stores: compaction uses tables below 512 bits
     const auto keep = [&](Vd v, double* list) HWY_ATTR {
       all ? hn::StoreU(v, d, list + count) : static_cast<void>(hn::CompressStore(v, counts, d, list + count));
     };
@@ -128,7 +128,7 @@ void FindPatch(const HollowJob& job, HollowPatch& patch) {
     count += hn::CountTrue(d, counts);
   }
   patch.count = count;
-  // What a vector sees past the last.
+  // Values that a vector reads beyond the last.
   for (double* list : {patch.nearness, patch.level, patch.normal[0], patch.normal[1], patch.normal[2]})
     std::fill_n(list + count, kHollowLanes, 0.0);
 }
@@ -152,7 +152,7 @@ void SumPatch(const HollowPatch& patch, const Vec3& about, PatchSum& sum) {
       hn::Store(hn::Mul(normal.y, level), d, terms[3] + n);
       hn::Store(hn::Mul(normal.z, level), d, terms[4] + n);
     }
-    // Hits of other faces add 0, which changes no sum.
+    // Hits of other faces add 0, which does not change the sums.
     for (std::size_t n = 0; n < count; ++n) {
       sum.all += terms[0][n];
       sum.level += terms[1][n];

@@ -6,15 +6,34 @@
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kDirections = 24;  // faces of a cube, each in four
+constexpr std::size_t kDirections = 24;  // faces of a cube, four sectors each
 static_assert(kDirections <= kMaxLocalPlanes);
 
-/// Which of kDirections a unit vector falls in.
+/// Index, below kDirections, of a unit vector's sector.
 std::size_t direction_of(const Vec3& n) noexcept {
   const Vec3 size = glm::abs(n);
   const std::size_t axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
   const auto positive = [&](std::size_t a) -> std::size_t { return n[a] >= 0.0 ? 1 : 0; };
   return axis * 8 + positive(axis) * 4 + positive((axis + 1) % 3) * 2 + positive((axis + 2) % 3);
+}
+
+/// Index, below kDirections: axis and side of the normal, and the quadrant of the contact about the centre.
+std::size_t place_of(const Contact& contact, const Vec3& middle) noexcept {
+  const Vec3 size = glm::abs(contact.normal);
+  const std::size_t axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
+  const auto beyond = [&](std::size_t a) -> std::size_t { return contact.position[a] >= middle[a] ? 1 : 0; };
+  return axis * 8 + (contact.normal[axis] >= 0.0 ? 4 : 0) + beyond((axis + 1) % 3) * 2 + beyond((axis + 2) % 3);
+}
+
+/// [m] Mean weighted with depth; the first contact's position where all depths are 0.
+Vec3 middle_of(std::span<const Contact> contacts) noexcept {
+  Vec3 sum(0.0);
+  double depth = 0.0;
+  for (const Contact& contact : contacts) {
+    sum += contact.depth * contact.position;
+    depth += contact.depth;
+  }
+  return depth > 0.0 ? sum / depth : contacts.front().position;
 }
 
 HoldPlane plane_of(const Vec3& normal, const Vec3& arm, double depth, double stiffness, std::uint32_t point) noexcept {
@@ -36,10 +55,10 @@ struct Bundle {
   std::size_t count = 0;
 };
 
-/// Whether a plane resists a small motion of its own accord.
+/// @returns whether a plane resists a small motion through its own compliance.
 bool carries(const HoldPlane& plane) noexcept { return plane.both_ways || plane.force > 0.0; }
 
-/// Lower factor of a symmetric positive definite matrix, in place, row by row.
+/// Lower Cholesky factor of a symmetric positive definite matrix, in place, row by row.
 struct Factor {
   std::array<std::array<double, kMaxLocalPlanes>, kMaxLocalPlanes> rows;
   std::size_t size = 0;
@@ -49,11 +68,11 @@ struct Factor {
       for (std::size_t j = 0; j <= i; ++j) {
         double sum = rows[i][j];
         for (std::size_t k = 0; k < j; ++k) sum -= rows[i][k] * rows[j][k];
-        // The yields on the diagonal keep it positive; rounding beside planes that repeat each other must not.
+        // The yields keep the diagonal positive; rounding with repeated planes must not change that.
         rows[i][j] = i == j ? std::sqrt(std::max(sum, 1e-30)) : sum / rows[j][j];
       }
   }
-  /// L y = x in place.
+  /// Solves L y = x in place.
   void forward(std::array<Vec3, kMaxLocalPlanes>& x) const noexcept {
     for (std::size_t i = 0; i < size; ++i) {
       for (std::size_t k = 0; k < i; ++k) x[i] -= rows[i][k] * x[k];
@@ -90,7 +109,8 @@ Mat3 coupled_gradient(const LocalContact& local) noexcept {
 
 }  // namespace
 
-void list_penalty(std::span<const Contact> contacts, const Vec3& tool_origin, double point_stiffness, LocalContact& out) noexcept {
+void list_penalty(std::span<const Contact> contacts, const Vec3& tool_origin, double point_stiffness, LocalContact& out,
+                  bool by_place) noexcept {
   out.kind = LocalKind::penalty;
   out.count = 0;
   if (!(point_stiffness > 0.0)) return;
@@ -100,8 +120,9 @@ void list_penalty(std::span<const Contact> contacts, const Vec3& tool_origin, do
     return;
   }
   std::array<Bundle, kDirections> bundles{};
+  const Vec3 middle = by_place ? middle_of(contacts) : Vec3(0.0);
   for (const Contact& contact : contacts) {
-    Bundle& bundle = bundles[direction_of(contact.normal)];
+    Bundle& bundle = bundles[by_place ? place_of(contact, middle) : direction_of(contact.normal)];
     bundle.pull += contact.depth * contact.normal;
     bundle.arm += contact.depth * (contact.position - tool_origin);
     bundle.depth += contact.depth;
@@ -110,7 +131,7 @@ void list_penalty(std::span<const Contact> contacts, const Vec3& tool_origin, do
   for (std::size_t n = 0; n < kDirections; ++n) {
     const Bundle& bundle = bundles[n];
     const double pull = glm::length(bundle.pull);
-    if (pull == 0.0) continue;  // points on their planes only: nothing pushes yet
+    if (pull == 0.0) continue;  // all points are at depth 0: no force yet
     const double count = static_cast<double>(bundle.count);
     out.planes[out.count++] =
         plane_of(bundle.pull / pull, bundle.arm / bundle.depth, pull / count, count * point_stiffness, static_cast<std::uint32_t>(n));

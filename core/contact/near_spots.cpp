@@ -5,7 +5,7 @@
 namespace burrhole {
 namespace {
 
-/// How unlike two points of a shell are: opposite directions count as much as opposite ends of the tool.
+/// Dissimilarity of two points of a shell: opposite directions count as much as opposite ends of the tool.
 double unlike(const PointShell& shell, std::size_t a, std::size_t b, double reach) noexcept {
   const Vec3 apart = (shell.positions[a] - shell.positions[b]) / reach;
   const Vec3 turned = shell.inward_normals[a] - shell.inward_normals[b];

@@ -1,6 +1,6 @@
-/// core/contact/near_spots.h: which of many near points of a tool stand for all: the nearest of each spot of its surface, so that a handful
-/// of planes tells what the tool will meet next whichever way it goes.
-///   Frame  tool.   Units SI.   Thread contact; never allocates after its construction.
+/// core/contact/near_spots.h: selects the nearest hit of each region of a tool's surface, so that a few planes represent the possible next
+///   contacts in all directions.
+///   Frame  tool.   Units SI.   Thread contact; never allocates after construction.
 #pragma once
 
 #include <array>
@@ -17,14 +17,15 @@ inline constexpr std::uint32_t kNoHit = 0xffffffffu;
 
 class NearSpots {
  public:
-  /// Parts the shell into at most kMaxSpots spots of alike place and direction (farthest points first, each point to the nearest).
+  /// Divides the shell into at most kMaxSpots regions of similar position and direction (farthest-point seeds, each point to the nearest
+  /// seed).
   explicit NearSpots(const PointShell& shell);
-  /// The nearest hit of each spot, by index into the hits; kNoHit where a spot has none.
+  /// The index of the nearest hit of each region; kNoHit where a region has no hit.
   void pick(const ProbeHits& hits, std::array<std::uint32_t, kMaxSpots>& out) const noexcept;
   [[nodiscard]] std::size_t spot_of(std::size_t point) const noexcept { return spot_of_[point]; }
 
  private:
-  std::vector<std::uint8_t> spot_of_;  // a shell point
+  std::vector<std::uint8_t> spot_of_;  // per shell point
 };
 
 }  // namespace burrhole

@@ -1,5 +1,5 @@
-// core/contact/packed_lanes-inl.h: what the kernels of packed_plane share: lanes, places, what a word says. Included by SIMD
-// kernels only, once a target (hence no #pragma once).
+// core/contact/packed_lanes-inl.h: shared by the kernels of packed_plane: lanes, positions, fields of a word.
+// Included by SIMD kernels only, once per target (hence no #pragma once).
 #if defined(BURRHOLE_PACKED_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_PACKED_LANES_INL_H
 #undef BURRHOLE_PACKED_LANES_INL_H
@@ -21,7 +21,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using DI = hn::CappedTag<std::int32_t, 16>;
 using DF = hn::CappedTag<float, 16>;
-using DD = hn::CappedTag<double, 8>;  // half as many lanes, or one where there is only one
+using DD = hn::CappedTag<double, 8>;  // half of the lanes, at least one
 using DIofD = hn::Rebind<std::int32_t, DD>;
 using DFofD = hn::Rebind<float, DD>;
 using VI = hn::Vec<DI>;
@@ -31,7 +31,7 @@ using MI = hn::Mask<DI>;
 inline constexpr DI kI;
 inline constexpr DF kF;
 inline constexpr DD kD;
-inline constexpr int kLanes = static_cast<int>(hn::MaxLanes(DI()));  // fixed on every target there is
+inline constexpr int kLanes = static_cast<int>(hn::MaxLanes(DI()));  // constant on every supported target
 inline constexpr int kFlight = 4;                                    // vectors
 
 template <int N, class F>
@@ -71,7 +71,7 @@ HWY_INLINE Triple GradientOf(VI word) {
   return {hn::ConvertTo(kF, hn::ShiftRight<24>(hn::ShiftLeft<16>(word))), hn::ConvertTo(kF, hn::ShiftRight<24>(hn::ShiftLeft<8>(word))),
           hn::ConvertTo(kF, hn::ShiftRight<24>(word))};
 }
-/// One voxel along `v` (or against it, `length` < 0), whole numbers, at most a voxel on each axis; none where v is zero.
+/// A step of one voxel along `v` (opposite for `length` < 0), as whole numbers, at most one voxel per axis; zero where v is zero.
 HWY_INLINE Place StepAlong(const Triple& v, float length) {
   const VF square = Dot(v, v);
   const VF scale = hn::IfThenElseZero(hn::Gt(square, hn::Zero(kF)), hn::Div(hn::Set(kF, length), hn::Sqrt(square)));

@@ -28,7 +28,7 @@ void set_rows(double (&rows)[3][4], const Affine& map) noexcept {
   }
 }
 
-/// Adds the upper half to the lower until one is left.
+/// Adds the upper half to the lower half until one element remains.
 double total(double (&part)[kSums]) noexcept {
   for (int half = kSums / 2; half > 0; half /= 2)
     for (int n = 0; n < half; ++n) part[n] += part[n + half];

@@ -1,32 +1,35 @@
-/// core/contact/packed_plane.h: gradient_plane by vectors over the packed words of the contact window.
-///   The law is that of gradient_plane.h with these figures of its own:
-///   Place     in the window, 1/16384 voxel as whole numbers, so that leaping and stepping meet the same voxels exactly. A step along the
-///             tool vector or the gradient is rounded to the same, at most one voxel on each axis.
-///   Density   of 1/255, gradient of 1/254 (contact_words.h); the 0.5 surface is where the trilinear density, in float, meets 127.5.
-///   Plane     normal and way to it in float (1e-7 of its length); sums and what goes out in double. Positions are those on the 1/16384
-///   grid. Sums      sixteen, the n-th touching point of the sorted shell in sum n % 16, added by halves at the end: the same bits on all
-///   SIMD levels. List      contacts are listed only when asked for; sums do not need them.
-///   Source    [AcostaLiu07] section 2; leaps and lockstep are our own derivation.
+/// core/contact/packed_plane.h: gradient_plane in vector arithmetic over the packed words of the contact window.
+///   Frame  world for results.   Units  SI.   Thread  contact.
+///   The law is that of gradient_plane.h, with this arithmetic:
+///   Position  in the window, whole multiples of 1/16384 voxel, so that leaps and single steps visit exactly the same voxels. A step along
+///             the tool vector or the gradient is rounded to the same grid, at most one voxel per axis.
+///   Density   multiples of 1/255, gradient of 1/254 (contact_words.h); the 0.5 surface is where the trilinear density, in float, reaches
+///             127.5.
+///   Plane     normal and distance in float (relative error 1e-7); sums and results in double. Positions are those of the 1/16384 grid.
+///   Sums      sixteen partial sums, the n-th touching point of the sorted shell in sum n % 16, added pairwise: same bits on all SIMD
+///             levels.
+///   List      contacts are listed only when requested; sums do not need them.
+///   Source    [AcostaLiu07] section 2; leaps and lockstep are own derivations.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "core/contact/contact_model.h"
+#include "core/contact/penalty_model.h"
 
 namespace burrhole {
 
 struct GradientPlaneConfig;
 
-/// Points of a shell near each other in space follow each other: sixteen in lockstep then take ways of about the same length.
-/// @returns their numbers. Order: bits of three 10-bit cells of the bounding cube interleaved; the caller's where equal.
+/// Sorts points so that spatial neighbours are adjacent: sixteen points in lockstep then have marches of similar length.
+/// @returns the point numbers in order of interleaved bits of three 10-bit cells of the bounding cube; the caller's order where equal.
 [[nodiscard]] std::vector<std::uint32_t> morton_order(const std::vector<Vec3>& positions);
 
 class PackedPlane {
  public:
   explicit PackedPlane(const PointShell& shell);
-  /// `bone` must hold words. Contacts, if listed, come in the order of the sorted shell and carry the caller's point numbers.
+  /// `bone` must have words. Listed contacts are in the order of the sorted shell, with the caller's point numbers.
   void evaluate(const GradientPlaneConfig& config, const ContactView& bone, const Pose& world_from_tool,
                 ContactResult& out) const noexcept BH_REALTIME;
 

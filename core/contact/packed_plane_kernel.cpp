@@ -1,10 +1,10 @@
-// Two stages. The first places points and asks whether they touch, a vector at a time, and queues those that do. The second takes 64 from
-// the queue, four vectors of sixteen in flight so that one gather hides behind another: along the tool vector by leaps, down the gradient,
-// the plane, the sums.
-// No place outside the window is ever read: a point starts inside its known part; a leap ends at the outermost layer at the latest
-// (contact_words.h); that layer is empty, so no walk goes on from there; a step down the gradient starts in a solid voxel.
+// Two stages. The first transforms points, tests them for contact, one vector at a time, and queues those that touch. The second takes 64
+//   from the queue, four vectors of sixteen at a time so that gathers overlap: march along the tool vector by leaps, march down the
+//   gradient, plane, sums.
+// The kernel never reads outside the window: a point starts inside its known part; a leap ends at the outermost layer at the latest
+//   (contact_words.h); that layer is empty, so no march continues there; a step down the gradient starts in a solid voxel.
 //
-// Vector kernels (TSan does not see their gathers); the plain twin is tests/core/contact/words_twin.cpp.
+// TSan does not track the gathers of vector kernels; the scalar reference is tests/core/contact/words_twin.cpp.
 #include "core/contact/packed_plane_kernel.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ HWY_BEFORE_NAMESPACE();
 namespace burrhole {
 namespace HWY_NAMESPACE {
 
-/// Positions, forces, torques and normals of a vector's contacts, in double, into the sums. `at` is the vector's place in the batch.
+/// Adds positions, forces, torques and normals of a vector's contacts, in double, to the sums. `at` is the vector's position in the batch.
 HWY_INLINE void AddUp(const PackedJob& job, int at, const TouchQueue& queue, PackedPlanes& planes, PackedSums& sums) {
   for (int lane = at; lane < at + kLanes; lane += static_cast<int>(hn::Lanes(kD))) {
     VD index[3], n[3], arm[3], push[3];
@@ -42,7 +42,7 @@ HWY_INLINE void AddUp(const PackedJob& job, int at, const TouchQueue& queue, Pac
       arm[a] = hn::Sub(position, hn::Set(kD, job.origin[a]));
       push[a] = hn::Mul(n[a], depth);
     });
-    // Lanes that lost their way, and padding, have depth 0.
+    // Lanes without a surface, and padding, have depth 0.
     const auto pushed = hn::Gt(depth, hn::Zero(kD));
     int which = 0;
     const auto add = [&](VD value) BH_LANES {
@@ -58,7 +58,7 @@ HWY_INLINE void AddUp(const PackedJob& job, int at, const TouchQueue& queue, Pac
   }
 }
 
-/// Walks `count` queued points from `first` on, one flight of vectors. @returns flags.
+/// Marches `count` queued points from `first` on, one group of vectors. @returns flags.
 HWY_INLINE std::uint32_t WalkFlight(const PackedJob& job, int first, int count, const TouchQueue& queue, PackedPlanes& planes,
                                     PackedSums& sums) {
   Place place[kFlight], step[kFlight];
@@ -68,7 +68,7 @@ HWY_INLINE std::uint32_t WalkFlight(const PackedJob& job, int first, int count, 
   Repeat<kFlight>([&](auto v) BH_LANES {
     const int at = first + v * kLanes;
     live[v] = hn::FirstN(kI, static_cast<std::size_t>(std::clamp(count - at, 0, kLanes)));
-    // Lanes past the end of the queue walk nowhere, but must stand in the window.
+    // Lanes beyond the end of the queue do not march, but must be in the window.
     const auto stand = [&](const std::int32_t* list)
                            BH_LANES { return hn::IfThenElse(live[v], hn::Load(kI, list + at), hn::Set(kI, kVoxel)); };
     place[v] = {stand(queue.x), stand(queue.y), stand(queue.z)};
@@ -124,7 +124,7 @@ HWY_INLINE std::uint32_t WalkFlight(const PackedJob& job, int first, int count, 
   return flags;
 }
 
-/// Appends those of a batch that found their plane. Flat: a call would build each contact, then copy it and wait for its stores.
+/// Appends the points of a batch that have a plane. Inlined: a call would build each contact, copy it and wait for its stores.
 __attribute__((flatten)) inline void list(const PackedJob& job, int count, const TouchQueue& queue, const PackedPlanes& planes,
                                           std::vector<Contact>& contacts) {
   for (int n = 0; n < count; ++n) {
@@ -136,7 +136,7 @@ __attribute__((flatten)) inline void list(const PackedJob& job, int count, const
   }
 }
 
-/// Walks the first `count` of the queue and lists their contacts if that is asked for.
+/// Marches the first `count` points of the queue and lists their contacts if requested.
 HWY_INLINE void WalkBatch(const PackedJob& job, int count, const TouchQueue& queue, PackedSums& sums, ContactResult& out) {
   PackedPlanes planes;
   for (int first = 0; first < count; first += kFlight * kLanes) out.flags |= WalkFlight(job, first, count, queue, planes, sums);
@@ -147,7 +147,7 @@ void EvaluateAll(const PackedJob& job, PackedSums& sums, ContactResult& out) {
   TouchQueue queue;
   for (std::int32_t* list : {queue.x, queue.y, queue.z, queue.word, queue.tag}) std::fill_n(list, TouchQueue::kRoom, 0);
   for (auto& axis : queue.inward) std::fill_n(axis, TouchQueue::kRoom, 0.0f);
-  const VI numbers = hn::Iota(kI, 0);  // made once: it goes through memory
+  const VI numbers = hn::Iota(kI, 0);  // made once: it is loaded from memory
   for (int n = 0; n < job.count; n += kLanes) {
     out.flags |= QueueTouching(job, n, numbers, queue);
     if (queue.size < kBatch) continue;

@@ -1,5 +1,5 @@
-// core/contact/packed_touch-inl.h: the first stage of packed_plane: points placed in the window, and those that touch queued. Included by
-// SIMD kernels only, once a target (hence no #pragma once).
+// core/contact/packed_touch-inl.h: first stage of packed_plane: transforms points into the window and queues those that touch.
+// Included by SIMD kernels only, once per target (hence no #pragma once).
 #if defined(BURRHOLE_PACKED_TOUCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_PACKED_TOUCH_INL_H
 #undef BURRHOLE_PACKED_TOUCH_INL_H
@@ -11,14 +11,15 @@
 
 #include <algorithm>
 
+#include "core/base/trilinear-inl.h"
 #include "core/contact/packed_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace burrhole {
 namespace HWY_NAMESPACE {
 
-/// Trilinear density of the cell round each place at or above the 0.5 level; where the place's own voxel is below, `word` becomes the word
-/// of the densest corner (the first of equals, i fastest) and `corner` 1 + its number.
+/// @returns whether the trilinear density at each position is at or above the 0.5 level. Where the voxel of the position is below it,
+/// `word` becomes the word of the densest corner (the first of equals, i fastest) and `corner` 1 + its number.
 HWY_INLINE MI Trilinear(const PackedJob& job, const Place& p, VI& word, VI& corner) {
   const VI half = hn::Set(kI, kHalf), fraction = hn::Set(kI, kVoxel - 1);
   const Place low{hn::Sub(p.x, half), hn::Sub(p.y, half), hn::Sub(p.z, half)};
@@ -36,17 +37,14 @@ HWY_INLINE MI Trilinear(const PackedJob& job, const Place& p, VI& word, VI& corn
     best_density = hn::Max(density, best_density);
     best_corner = hn::IfThenElse(denser, hn::Set(kI, m + 2), best_corner);
   });
-  const auto mix = [&](VF a, VF b, VF t) BH_LANES { return hn::Add(a, hn::Mul(hn::Sub(b, a), t)); };
-  const auto along = [&](VI a, VI b) BH_LANES { return mix(hn::ConvertTo(kF, Density(a)), hn::ConvertTo(kF, Density(b)), tx); };
-  const VF below = mix(along(words[0], words[1]), along(words[2], words[3]), ty);
-  const VF above = mix(along(words[4], words[5]), along(words[6], words[7]), ty);
+  const VF density = trilinear(tx, ty, tz, [&](unsigned n) BH_LANES { return hn::ConvertTo(kF, Density(words[n])); });
   const MI own = Solid(job, word);
   word = hn::IfThenElse(own, word, best);
   corner = hn::IfThenElse(own, hn::Zero(kI), best_corner);
-  return hn::RebindMask(kI, hn::Ge(mix(below, above, tz), hn::Set(kF, kWordLevel)));
+  return hn::RebindMask(kI, hn::Ge(density, hn::Set(kF, kWordLevel)));
 }
 
-/// Places of one vector of points, n the first. @returns where they are known.
+/// Computes the positions of one vector of points, n the first. @returns where they are known.
 HWY_INLINE MI PlacePoints(const PackedJob& job, int n, Place& p) {
   const VD scale = hn::Set(kD, static_cast<double>(kVoxel)), shift = hn::Set(kD, kHalf + 0.5);
   const auto half_vector = [&](const double(&m)[4], int first) BH_LANES {
@@ -54,7 +52,7 @@ HWY_INLINE MI PlacePoints(const PackedJob& job, int n, Place& p) {
              z = hn::LoadU(kD, job.position[2] + first);
     const VD sum = hn::Add(hn::Add(hn::Mul(hn::Set(kD, m[0]), x), hn::Mul(hn::Set(kD, m[1]), y)), hn::Mul(hn::Set(kD, m[2]), z));
     const VD index = hn::Add(sum, hn::Set(kD, m[3]));
-    // Beyond what an index may be, or not a number: outside.
+    // Beyond the range of an index, or NaN: outside.
     const auto sane = hn::And(hn::Gt(index, hn::Set(kD, -1.0)), hn::Lt(index, hn::Set(kD, 2.0 * kMaxWindowEdge)));
     const VD bounded = hn::IfThenElse(sane, index, hn::Set(kD, -1.0));
     return hn::DemoteTo(DIofD(), hn::Add(hn::Mul(bounded, scale), shift));
@@ -73,7 +71,7 @@ HWY_INLINE MI PlacePoints(const PackedJob& job, int n, Place& p) {
   return inside;
 }
 
-/// Queues those of one vector of points that touch; `numbers` 0, 1, 2 and so on. @returns flags.
+/// Queues the touching points of one vector; `numbers` is 0, 1, 2 and so on. @returns flags.
 HWY_INLINE std::uint32_t QueueTouching(const PackedJob& job, int n, VI numbers, TouchQueue& queue) {
   Place p;
   const MI inside = PlacePoints(job, n, p);
@@ -83,7 +81,7 @@ HWY_INLINE std::uint32_t QueueTouching(const PackedJob& job, int n, VI numbers, 
   VI word = WordOf(job, p), corner = hn::Zero(kI);
   MI touching = hn::And(asked, Solid(job, word));
   if (job.trilinear) {
-    // A leap of two or more: the whole cell is on one side, and the trilinear density with it.
+    // A leap of two or more: the whole cell is on one side of the level, and so is the trilinear density.
     const MI near = hn::AndNot(hn::And(Still(word), hn::Gt(Leap(word), hn::Set(kI, 1))), asked);
     if (!hn::AllFalse(kI, near)) {
       VI start = word, from = corner;
@@ -95,7 +93,7 @@ HWY_INLINE std::uint32_t QueueTouching(const PackedJob& job, int n, VI numbers, 
   }
   if (hn::AllFalse(kI, touching)) return flags;
   const VI tag = hn::Or(hn::Add(numbers, hn::Set(kI, n)), hn::ShiftLeft<kPointBits>(corner));
-  // Whole vectors: what lies past the end of the queue is overwritten by the next, or masked.
+  // Stores whole vectors: elements beyond the end of the queue are overwritten by the next store, or masked.
   const int at = queue.size;
   const auto keep = [&](VI value, std::int32_t* list) BH_LANES { hn::StoreU(hn::Compress(value, touching), kI, list + at); };
   keep(p.x, queue.x);

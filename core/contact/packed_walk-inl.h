@@ -1,5 +1,5 @@
-// core/contact/packed_walk-inl.h: the second stage of packed_plane: from a touching point to the surface voxel and its plane point.
-// Included by SIMD kernels only, once a target (hence no #pragma once).
+// core/contact/packed_walk-inl.h: second stage of packed_plane: from a touching point to the surface voxel and its plane point.
+// Included by SIMD kernels only, once per target (hence no #pragma once).
 #if defined(BURRHOLE_PACKED_WALK_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_PACKED_WALK_INL_H
 #undef BURRHOLE_PACKED_WALK_INL_H
@@ -21,7 +21,7 @@ struct Walk {
   MI lost;
 };
 
-/// Along the tool vector, by leaps, to the first voxel with a gradient or out of bone.
+/// Walks along the tool vector, by leaps, to the first voxel with a gradient or outside bone.
 HWY_INLINE void March(const PackedJob& job, const Place (&step)[kFlight], const MI (&live)[kFlight], Walk (&walk)[kFlight]) {
   VI left[kFlight];
   Repeat<kFlight>([&](auto v) BH_LANES { left[v] = hn::IfThenElseZero(live[v], hn::Set(kI, job.max_march)); });
@@ -41,7 +41,7 @@ HWY_INLINE void March(const PackedJob& job, const Place (&step)[kFlight], const 
     });
   }
   Repeat<kFlight>([&](auto v) BH_LANES {
-    // Landed beyond bone: the step before was the last in it.
+    // The leap ended outside bone: the previous step was the last inside.
     Walk& w = walk[v];
     const MI beyond = hn::AndNot(Solid(job, w.word), live[v]);
     w.last = {hn::Sub(w.at.x, hn::IfThenElseZero(beyond, step[v].x)), hn::Sub(w.at.y, hn::IfThenElseZero(beyond, step[v].y)),
@@ -51,7 +51,7 @@ HWY_INLINE void March(const PackedJob& job, const Place (&step)[kFlight], const 
   });
 }
 
-/// Down the gradient to the last solid voxel before an empty one.
+/// Walks down the gradient to the last solid voxel before an empty one.
 HWY_INLINE void Ascend(const PackedJob& job, Walk (&walk)[kFlight]) {
   Place step[kFlight];
   Repeat<kFlight>([&](auto v) BH_LANES { step[v] = {hn::Zero(kI), hn::Zero(kI), hn::Zero(kI)}; });
@@ -76,7 +76,7 @@ HWY_INLINE void Ascend(const PackedJob& job, Walk (&walk)[kFlight]) {
   Repeat<kFlight>([&](auto v) BH_LANES { walk[v].lost = hn::Or(walk[v].lost, Solid(job, walk[v].word)); });
 }
 
-/// From the place p (half a voxel added) to the plane point, in voxels: facet or centre of the surface voxel.
+/// From the position p (plus half a voxel) to the plane point, in voxels: facet or centre of the surface voxel.
 HWY_INLINE Triple WayToPlane(const PackedJob& job, const Place& p, const Place& last) {
   const Place voxel = VoxelOf(last);
   const VI offset = Offset(job, voxel), one = hn::Set(kI, 1), half = hn::Set(kI, kHalf);

@@ -1,5 +1,5 @@
-// core/contact/probe_cell-inl.h: cells of surface records interpolated, as many at once as a vector has lanes. Included by SIMD kernels
-// only, once a target (hence no #pragma once); the plain twin is tests/core/contact/surface_probe_twin.cpp.
+// core/contact/probe_cell-inl.h: interpolates cells of surface records, one cell per lane. Included by SIMD kernels only, once per target
+//   (hence no #pragma once). The scalar reference is tests/core/contact/surface_probe_twin.cpp.
 #if defined(BURRHOLE_PROBE_CELL_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_PROBE_CELL_INL_H
 #undef BURRHOLE_PROBE_CELL_INL_H
@@ -18,16 +18,16 @@ HWY_BEFORE_NAMESPACE();
 namespace burrhole {
 namespace HWY_NAMESPACE {
 
-// Lanes are cells. A row of a cell, two records, is one load, and rows of as many cells are transposed as words: nothing is gathered.
-// Channels are mixed along k, then j, then i, in one order of operations for every width, and so are the bits. Beside them goes what bends
-// the distance (surface_probe.h): f (1 - f) times the change of the normal along each axis, weighted by `metric`.
+// Each lane is a cell. One load reads a row of a cell (two records); the rows of several cells are transposed as words, without gathers.
+// Channels are interpolated along k, then j, then i, in the same order for every width, so the bits are the same. The correction for
+// curvature (surface_probe.h) is computed beside them: f (1 - f) times the change of the normal along each axis, weighted by `metric`.
 
-/// Channels stay in the upper bits of their words, which saves a shift: what comes out is what is stored times this power of two, and no
-/// bit of what follows depends on it.
+/// Channels stay in the upper bits of their words, which saves a shift: results are the stored values times this power of two. The scale
+/// does not change later bits.
 template <class Channel>
 inline constexpr float kChannelScale = static_cast<float>(std::uint64_t{1} << (32 - 8 * sizeof(Channel)));
 
-/// One row of cells: words of the record at i, and of that at i + 1.
+/// One row of cells: words of the record at i and of the record at i + 1.
 template <class Channel>
 struct CellRow {
   Vi here[sizeof(Channel)], next[sizeof(Channel)];
@@ -39,7 +39,7 @@ struct CellRows {
   CellRow<Channel> row00, row01, row10, row11;
 };
 
-/// Where the rows of the cell of record 0 lie.
+/// Offsets of the rows of the cell of record 0.
 template <class Channel>
 struct RowStarts {
   const Channel *row00, *row01, *row10, *row11;
@@ -49,8 +49,8 @@ struct RowStarts {
 
 inline constexpr std::size_t kCellLanes = HWY_MIN(HWY_MAX_BYTES, 64) / 4;
 
-/// Rows of two records, 4 words each, of cells first, first + 4, first + 8 and so on. Loads repeat them over the vector for nothing, and
-/// blends keep each where it belongs.
+/// Loads rows of two records, 4 words each, of cells first, first + 4, first + 8 and so on. Loads broadcast over the vector at no cost;
+/// blends select each block.
 HWY_INLINE Vi load_rows(const std::int16_t* row, const std::int32_t* cells, std::size_t first) {
   const Ints di;
   const hn::Repartition<std::int16_t, Ints> stored;
@@ -65,7 +65,7 @@ HWY_INLINE Vi load_rows(const std::int16_t* row, const std::int32_t* cells, std:
     return hn::ConcatUpperLower(di, hn::OddEvenBlocks(block(3), block(2)), hn::OddEvenBlocks(block(1), block(0)));
 }
 
-/// The same of records of 2 words a row, of cells first, first + 1, first + 2 and so on.
+/// The same for records of 2 words per row, of cells first, first + 1, first + 2 and so on.
 template <std::size_t kWords>
 HWY_INLINE hn::Vec<hn::FixedTag<std::int32_t, kWords>> load_pairs(const std::int8_t* row, const std::int32_t* cells, std::size_t first) {
   const hn::FixedTag<std::int32_t, kWords> d;
@@ -78,7 +78,7 @@ HWY_INLINE Vi load_rows(const std::int8_t* row, const std::int32_t* cells, std::
   return load_pairs<kCellLanes>(row, cells, first);
 }
 
-/// All four rows at once, so that each cell's place is read once.
+/// Loads all four rows together, so that each cell's offset is read once.
 struct LoadedRows {
   template <class Channel>
   HWY_INLINE LoadedRows(const RowStarts<Channel>& starts, const std::int32_t* cells, std::size_t first)
@@ -89,7 +89,7 @@ struct LoadedRows {
   Vi row00, row01, row10, row11;
 };
 
-/// Four words of cell n, n + 4 and so on as n goes from 0 to 3, to one word of all cells.
+/// Transposes four words of cells n, n + 4 and so on, n from 0 to 3, to one word of all cells.
 HWY_INLINE CellRow<std::int16_t> transposed(Vi r0, Vi r1, Vi r2, Vi r3) {
   const Ints di;
   const hn::Repartition<std::int64_t, Ints> dw;
@@ -146,14 +146,14 @@ HWY_INLINE Vf channel_of(const Vi (&words)[kWords]) {
   constexpr std::size_t kBits = 8 * sizeof(Channel), kInWord = 32 / kBits, kPlace = kChannel % kInWord;
   static_assert(kChannel / kInWord < kWords);
   const Vi top = hn::ShiftLeft<static_cast<int>(32 - kBits * (kPlace + 1))>(words[kChannel / kInWord]);
-  if constexpr (kPlace == 0) return hn::ConvertTo(Floats(), top);  // nothing lies below it
+  if constexpr (kPlace == 0) return hn::ConvertTo(Floats(), top);  // no bits below it
   constexpr auto kTop = static_cast<std::int32_t>(~std::uint32_t{0} << (32 - kBits));
   return hn::ConvertTo(Floats(), hn::And(top, hn::Set(Ints(), kTop)));
 }
 
 HWY_INLINE Vf mix(Vf a, Vf b, Vf t) { return hn::Add(a, hn::Mul(hn::Sub(b, a), t)); }
 
-/// One channel on the side i or i + 1 of cells.
+/// One channel at i or at i + 1 of the cells.
 struct CellSide {
   HWY_INLINE CellSide(Vf v00, Vf v01, Vf v10, Vf v11, Vf fy, Vf fz) {
     const Vf near = mix(v00, v01, fz), past = mix(v10, v11, fz);
@@ -164,7 +164,7 @@ struct CellSide {
   Vf value, over_j, over_k;
 };
 
-/// One channel in cells, and how it changes along each axis.
+/// One channel at points in cells, and its change along each axis.
 struct CellChannel {
   HWY_INLINE CellChannel(const CellSide& left, const CellSide& right, Vf fx)
       : value(mix(left.value, right.value, fx)),
@@ -183,12 +183,12 @@ HWY_INLINE CellChannel channel_in(const CellRows<Channel>& rows, Vf fx, Vf fy, V
   return CellChannel(left, right, fx);
 }
 
-/// Points in their cells; all times kChannelScale.
+/// Interpolated values at points in cells; all times kChannelScale.
 struct CellSample {
   Vf distance, nx, ny, nz;
 };
 
-/// `metric` holds four channels an axis, of which the first is not read. `kStraight`: only those of each axis with itself are not zero.
+/// `metric` has four channels per axis, of which the first is not read. `kStraight`: only the diagonal entries are not zero.
 template <bool kStraight, class Channel>
 HWY_INLINE CellSample interpolate(const CellRows<Channel>& rows, Vf fx, Vf fy, Vf fz, const float* metric) {
   const Floats df;
@@ -208,7 +208,7 @@ HWY_INLINE CellSample interpolate(const CellRows<Channel>& rows, Vf fx, Vf fy, V
   return {hn::Add(distance.value, bend), nx.value, ny.value, nz.value};
 }
 
-/// The distance of one record of each cell, times kChannelScale: of that at i + 1, j + 1, k + 1 where the masks say so.
+/// The distance of one record of each cell, times kChannelScale: the masks select the record at i + 1, j + 1, k + 1.
 template <class Channel>
 HWY_INLINE Vf distance_at(const CellRows<Channel>& rows, hn::Mask<Floats> up_i, hn::Mask<Floats> up_j, hn::Mask<Floats> up_k) {
   const Ints di;

@@ -1,5 +1,5 @@
-// core/contact/probe_hits-inl.h: what the surface probe appends to its hits, and what their block has in common. Included by SIMD kernels
-// only, once a target (hence no #pragma once).
+// core/contact/probe_hits-inl.h: appends hits of the surface probe and computes the bounds of their blocks.
+// Included by SIMD kernels only, once per target (hence no #pragma once).
 #if defined(BURRHOLE_PROBE_HITS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_PROBE_HITS_INL_H
 #undef BURRHOLE_PROBE_HITS_INL_H
@@ -19,9 +19,9 @@ HWY_BEFORE_NAMESPACE();
 namespace burrhole {
 namespace HWY_NAMESPACE {
 
-/// Least and greatest of what one block of hits holds.
+/// Minimum and maximum over the hits of one block.
 struct BlockRange {
-  Vf distance, lo[6], hi[6];  // place, then normal
+  Vf distance, lo[6], hi[6];  // position, then normal
 
   HWY_INLINE void clear() {
     const Floats df;
@@ -54,7 +54,7 @@ struct BlockRange {
   }
 };
 
-/// Appends those of a vector of points that are within reach.
+/// Appends the points of a vector that are within reach.
 template <class Channel>
 HWY_INLINE void append(const ProbeJob& job, hn::Mask<Floats> real, const CellSample& found, Vf px, Vf py, Vf pz, Vi name, BlockRange& range,
                        ProbeHits& hits) {

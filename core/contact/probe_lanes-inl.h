@@ -1,5 +1,5 @@
-// core/contact/probe_lanes-inl.h: what the kernels of the surface probe share: how many lanes, points moved, lanes that are kept. Included
-// by SIMD kernels only, once a target (hence no #pragma once).
+// core/contact/probe_lanes-inl.h: shared by the kernels of the surface probe: number of lanes, transformed points, compaction of lanes.
+// Included by SIMD kernels only, once per target (hence no #pragma once).
 #if defined(BURRHOLE_PROBE_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BURRHOLE_PROBE_LANES_INL_H
 #undef BURRHOLE_PROBE_LANES_INL_H
@@ -16,7 +16,7 @@
 #define BURRHOLE_PROBE_PACK_ORDER
 namespace burrhole {
 
-/// For each set of eight lanes, by its bits: those in it first, then the others. Its first four columns serve four lanes.
+/// For each set of eight lanes, by its bits: the lanes in it first, then the others. The first four columns serve four lanes.
 inline constexpr auto kPackOrder = [] {
   std::array<std::array<std::uint8_t, 8>, 256> out{};
   for (unsigned bits = 0; bits < 256; ++bits) {
@@ -36,7 +36,7 @@ namespace burrhole {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-// At most sixteen lanes: the shell is padded to that.
+// At most sixteen lanes: the padding of the shell.
 using Floats = hn::CappedTag<float, 16>;
 using Ints = hn::RebindToSigned<Floats>;
 using Vf = hn::Vec<Floats>;
@@ -48,8 +48,8 @@ HWY_INLINE Vf row_times(const float* m, Vf x, Vf y, Vf z, float offset) {
   return hn::Add(hn::Add(xy, hn::Mul(hn::Set(df, m[6]), z)), hn::Set(df, offset));
 }
 
-// Lanes that are kept, moved to the front. Highway's own Compress() is one instruction with 512 bits, but without them it copies its table
-// to the stack at each call and makes the order anew for each array: five times slower than the one order made here for all of them.
+// Compacts the kept lanes to the lowest lanes. Highway's Compress() is one instruction with 512 bits; with fewer it copies its table to the
+// stack at each call and computes the order again for each array, which is five times slower than one order for all arrays.
 #if HWY_MAX_BYTES == 16 || HWY_MAX_BYTES == 32
 using Packing = decltype(hn::IndicesFromVec(Ints(), hn::Zero(Ints())));
 
@@ -74,8 +74,8 @@ HWY_INLINE void pack_store(V v, Packing packing, D d, hn::TFromD<D>* to) {
 }
 #endif
 
-/// Calls store_all(keep) with what stores the lanes of `kept` to the front: keep(vector, tag, to). Where all are kept that is a plain
-/// store.
+/// Calls store_all(keep) with a function that stores the lanes of `kept` contiguously: keep(vector, tag, to). If all lanes are kept it is a
+/// plain store.
 template <class StoreAll>
 HWY_INLINE void keep_lanes(hn::Mask<Floats> kept, StoreAll&& store_all) {
   if (hn::AllTrue(Floats(), kept)) {

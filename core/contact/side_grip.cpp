@@ -10,9 +10,9 @@
 namespace burrhole {
 namespace {
 
-constexpr double kLeastEngaged = 1e-7;   // [m] less is rounding of a tool that only touches
-constexpr double kLeastStiffness = 1.0;  // [N/m] less is felt by no one, and its inverse would swamp the other planes
-constexpr double kLargestShare = 0.5;    // [-] of the thrust that flanks carry
+constexpr double kLeastEngaged = 1e-7;   // [m] smaller values are rounding of a tool that only touches
+constexpr double kLeastStiffness = 1.0;  // [N/m] a lower value is imperceptible, and its inverse would dominate the other planes
+constexpr double kLargestShare = 0.5;    // [-] of the thrust: largest lateral force of flanks
 constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max() - 2;  // beyond every shell point
 
 Vec3 across(const Vec3& v, const Vec3& push) noexcept { return v - push * glm::dot(v, push); }
@@ -33,7 +33,7 @@ void SideGrip::look(const ProbeHits& inside, const PointShell& shell, const Pose
   push_ = engaged / depth;
   const Vec3 u = glm::normalize(glm::cross(push_, std::abs(push_.x) < 0.7 ? Vec3(1.0, 0.0, 0.0) : Vec3(0.0, 1.0, 0.0)));
   const Vec3 v = glm::cross(push_, u);
-  // Summed in the tool frame, where the points are.
+  // Summed in the tool frame, the frame of the points.
   const Quat tool_from_bone = glm::conjugate(bone_from_tool.rotation);
   const Vec3 push = tool_from_bone * push_, tool_u = tool_from_bone * u, tool_v = tool_from_bone * v;
   const GripSums sums = sum_grip(inside, shell, {push, tool_u, tool_v}, kLeastFacing);
@@ -41,7 +41,7 @@ void SideGrip::look(const ProbeHits& inside, const PointShell& shell, const Pose
   arm_ = sums.middle / sums.along;
   const Vec3 off = across(arm_, push);
   half_width_ =
-      std::sqrt(std::max(0.0, 2.0 * (sums.spread / sums.along - glm::dot(off, off))));  // of a disc the mean square is half the radius's
+      std::sqrt(std::max(0.0, 2.0 * (sums.spread / sums.along - glm::dot(off, off))));  // for a disc the mean square radius is half of R^2
   const double mean = 0.5 * (sums.uu + sums.vv), skew = 0.5 * (sums.uu - sums.vv), apart = std::sqrt(skew * skew + sums.uv * sums.uv);
   const double angle = 0.5 * portable_atan2(sums.uv, skew), cosine = portable_cos(angle), sine = portable_sin(angle);
   axes_ = {u * cosine + v * sine, v * cosine - u * sine};
@@ -76,7 +76,7 @@ void SideGrip::settle(const Pose& bone_from_tool, const Vec3& engaged, double th
   if (stiffness_[0] < kLeastStiffness || left(bone_from_tool)) return clear();
   const Vec3 moved = bone_from_tool * arm_ - start_;
   aside_ = aside_at(bone_from_tool);
-  // The pose without engagement follows the surface: what it has gone against the push is what was cut. Back and forth cuts nothing.
+  // The pose without engagement follows the surface: its motion against the push is what was cut. Reciprocating motion cuts nothing.
   const double depth = std::max(glm::dot(engaged, push_), kLeastEngaged);
   to_cut_ = std::max(to_cut_ - glm::dot(moved + engaged - engaged_, push_), -depth);
   if (to_cut_ > 0.0) {

@@ -1,13 +1,14 @@
-/// core/contact/side_grip.h: how bone holds a spinning tool sideways where it is engaged, so that a flat bit does not skate before it has a
+/// core/contact/side_grip.h: the lateral stiffness of a spinning tool while cutting, so that a flat bit does not skate before it has a
 ///   bore.
-///   Frame  bone, but for what is named otherwise.   Units  SI.   Thread  contact; never allocates.
-///   Source own derivation. Every engaged piece of the cutting surface presses on bone along its own normal n, by c for each metre that it
-///   is moved into it; c is such that along the push p (unit, out of bone) all of them together are K_cut: c sum (n.p)^2 = K_cut. Sideways
-///   the same pieces give the tensor c/2 sum n' n'^T, n' the part of n across the push; half, since of two opposed flanks only one presses.
-///   A flat end of radius R engaged by d has K_cut d / (2 R), a ball that touches up to the angle t K_cut t^2 / 8.
-///   It is let go as bone is cut: when the surface has receded by a part f of what is engaged, f of the way aside is cut away with it,
-///   which is the feed law v = k d with its own k, sideways. It slips when the tool is moved aside by the half width of what is engaged (a
-///   ball has then climbed out of its dent), and at half the thrust (a flat end of radius R, moved by R).
+///   Frame  bone, unless stated otherwise.   Units  SI.   Thread  contact; never allocates.
+///   Source own derivation. Every engaged element of the cutting surface has a stiffness c along its normal n. Along the push p (unit, out
+///   of bone) the elements together have the stiffness K_cut: c sum (n.p)^2 = K_cut. Their lateral stiffness is the tensor c/2 sum n' n'^T
+///   with n' the component of n across the push; the factor 1/2 is there because only one of two opposed flanks is in contact. A flat end
+///   of radius R engaged by d has K_cut d / (2 R); a ball in contact up to the angle t has K_cut t^2 / 8.
+///   Cutting relaxes the displacement: when the surface has receded by a fraction f of the engaged depth, the fraction f of the lateral
+///   displacement is cut away with it. This is the feed law v = k d with its own k, laterally. The tool slips at a displacement of half the
+///   width of the engaged part (a ball has then climbed out of its dent), and at a lateral force of half the thrust (a flat end of radius
+///   R, displaced by R).
 #pragma once
 
 #include <array>
@@ -20,35 +21,35 @@ namespace burrhole {
 
 class SideGrip {
  public:
-  /// [-] along the push, of inward normals: less is relieved. Sine of 3 degrees: a straight flank is one still while the push leans a
-  /// little.
+  /// [-] least component of an inward normal along the push. Sine of 3 degrees: a straight flank counts even if the push is slightly
+  /// oblique.
   static constexpr double kLeastFacing = -0.05;
 
-  /// Holds nothing, and forgets how far aside the tool is.
+  /// Sets the stiffness to zero and the displacement to zero.
   void clear() noexcept;
-  /// At the start of a period. @param inside cutting points at the tool's true pose; those under the surface that face the push count.
-  /// @param engaged [m] of the period before. @param stiffness [N/m] K_cut.
+  /// Starts a period. @param inside cutting points at the tool's pose; points below the surface that face the push count. @param engaged
+  /// [m] engagement of the last period. @param stiffness [N/m] K_cut.
   void look(const ProbeHits& inside, const PointShell& shell, const Pose& bone_from_tool, const Vec3& engaged, double stiffness) noexcept;
-  /// The two directions held, at a pose of the same period; `both_ways`, force 0. Of yield 0: not held.
+  /// The two lateral directions as planes at a pose of the same period; `both_ways`, force 0. A plane of yield 0 has no stiffness.
   [[nodiscard]] std::array<HoldPlane, 2> planes(const Pose& bone_from_tool) const noexcept;
-  /// At the end of a period: lets go what was cut, and slips. @param thrust [N]
+  /// Ends a period: relaxes the displacement by cutting, and by slip. @param thrust [N]
   void settle(const Pose& bone_from_tool, const Vec3& engaged, double thrust) noexcept;
 
-  [[nodiscard]] const Vec3& aside() const noexcept { return aside_; }  ///< [m] from where it is cut, across the push
+  [[nodiscard]] const Vec3& aside() const noexcept { return aside_; }  ///< [m] lateral displacement from the place of cutting
 
  private:
-  /// Within the period the tool has gone further along the push than it was engaged: what held is no more round it.
+  /// @returns whether the tool has moved along the push by more than its engagement within the period, so that the flanks are free.
   [[nodiscard]] bool left(const Pose& bone_from_tool) const noexcept;
   [[nodiscard]] Vec3 aside_at(const Pose& bone_from_tool) const noexcept;
 
   Vec3 push_{0.0, 0.0, 1.0};  // unit, out of bone
   std::array<Vec3, 2> axes_{};
-  std::array<double, 2> stiffness_{};  // [N/m] along the axes; 0: not held
-  Vec3 arm_{0.0};                      // [m] tool frame: middle of what is engaged, by load
-  double half_width_ = 0.0;            // [m] of what is engaged, across the push
-  Vec3 start_{0.0}, engaged_{0.0};     // [m] the middle and the engagement at the start of the period
+  std::array<double, 2> stiffness_{};  // [N/m] along the axes; 0: no stiffness
+  Vec3 arm_{0.0};                      // [m] tool frame: load-weighted centre of the engaged part
+  double half_width_ = 0.0;            // [m] of the engaged part, across the push
+  Vec3 start_{0.0}, engaged_{0.0};     // [m] the centre and the engagement at the start of the period
   Vec3 aside_{0.0};
-  double to_cut_ = 0.0;  // [m] <= 0: how far the surface that is felt has to recede until it is where it was before
+  double to_cut_ = 0.0;  // [m] <= 0: distance that the surface has to recede to return to its earlier position
 };
 
 }  // namespace burrhole

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/bounds.h"
 #include "core/contact/surface_probe_kernel.h"
 
 namespace burrhole {
@@ -13,13 +14,13 @@ void copy_matrix(const Mat3& m, const Vec3& offset, float* linear, float* moved)
   for (std::size_t r = 0; r < 3; ++r) moved[r] = static_cast<float>(offset[r]);
 }
 
-/// Between the eight records of the cell that begins at `first`, not normalised.
+/// Interpolates between the eight records of the cell that begins at `first`; not normalised.
 template <class Record>
 SurfaceSample between(const Record* first, const Vec3i& size, const Vec3& f, const Mat3& metric, double distance_step, double normal_step) {
   SurfaceSample out{0.0, Vec3(0.0)};
   const Vec3 rest = 1.0 - f;
-  for (int n = 0; n < 8; ++n) {
-    const Vec3i d(n & 1, (n >> 1) & 1, n >> 2);
+  for (unsigned n = 0; n < 8; ++n) {
+    const Vec3i d = cell_corner(n);
     const double weight = (d.x != 0 ? f.x : rest.x) * (d.y != 0 ? f.y : rest.y) * (d.z != 0 ? f.z : rest.z);
     const Record& r = first[(static_cast<std::ptrdiff_t>(d.z) * size.y + d.y) * size.x + d.x];
     const Vec3 normal = normal_step * Vec3(r.nx, r.ny, r.nz);
@@ -32,7 +33,7 @@ SurfaceSample between(const Record* first, const Vec3i& size, const Vec3& f, con
 }  // namespace
 
 void HitBlocks::reserve(std::size_t points) {
-  // Each of the two parts of a shell ends with a block of its own; a vector may look past the last.
+  // Each of the two parts of a shell ends with a block of its own; a vector may read beyond the last.
   const std::size_t room = points / kHitBlock + 2 + kShellPad;
   end.assign(room, 0);
   distance.assign(room, 0.0f);
@@ -41,7 +42,7 @@ void HitBlocks::reserve(std::size_t points) {
 }
 
 void ProbeHits::reserve(std::size_t points) {
-  // Vector stores may touch up to a vector past what they keep.
+  // Vector stores may write up to one vector beyond the kept elements.
   for (LineVector<float>* array : {&x, &y, &z, &distance, &nx, &ny, &nz}) array->assign(points + kShellPad, 0.0f);
   point.assign(points + kShellPad, 0);
   blocks.reserve(points);
@@ -86,7 +87,7 @@ void probe_surface(const RecordView& bone, const ContactShellPart& points, const
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t c = 0; c < 3; ++c) job.straight = job.straight && (c == axis || job.metric[4 * axis + 1 + c] == 0.0f);
   job.look_ahead = static_cast<float>(look_ahead);
-  // Distance changes by no more than the way: half a cell's diagonal, and a hundredth for rounding of stored values.
+  // The change of distance is at most the path length: half a cell's diagonal, plus a hundredth for rounding of stored values.
   job.slack = static_cast<float>(0.5 * diagonal / edge + 0.02);
   const float nearest_before = hits.nearest;
   hits.nearest = static_cast<float>(kRecordBand);

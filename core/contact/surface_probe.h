@@ -1,8 +1,8 @@
-/// core/contact/surface_probe.h: distance and normal of the bone's surface at many points at once, from surface records.
+/// core/contact/surface_probe.h: computes distance and normal of the bone's surface at many points at once, from surface records.
 ///   Frame  distances in voxel edges, normals in the axes of the bone frame.   Thread  contact; never allocates after reserve().
-///   Source own derivation: one record near a point bounds its distance; points near the surface are then interpolated between eight, each
-///   of which says d + n.(p - v) / 2 of a point p, v its voxel: weighted as usual that is exact for distances of second order, where d
-///   alone is off by up to f (1 - f) / 2 an axis over the radius of curvature.
+///   Source own derivation. One record near a point bounds its distance. For points near the surface eight records are interpolated; each
+///   gives d + n.(p - v) / 2 at a point p, with v its voxel. With trilinear weights this is exact for distances of second order, while d
+///   alone has an error of up to f (1 - f) / 2 per axis over the radius of curvature.
 ///   Single precision, the same bits on every SIMD level.
 #pragma once
 
@@ -17,57 +17,57 @@
 
 namespace burrhole {
 
-/// Records as contact reads them; what they point to must outlive the view.
+/// Records as contact reads them. The pointees must outlive the view.
 struct RecordView {
   VoxelBox box, valid;
-  const Record8* records8 = nullptr;  ///< one of the two
+  const Record8* records8 = nullptr;  ///< exactly one of the two is set
   const Record16* records16 = nullptr;
   Affine bone_from_index;
 };
 
-inline constexpr std::size_t kHitBlock = 128;  ///< points of the shell, at most, whose hits are one block
+inline constexpr std::size_t kHitBlock = 128;  ///< largest number of shell points per block of hits
 
 struct HitRange {
   std::size_t first, last;
 };
 
-/// What neighbouring hits have in common, so that a search may pass them by. One array a figure.
+/// Bounds over neighbouring hits, with which a search can skip them. One array per quantity.
 struct HitBlocks {
-  std::vector<std::uint32_t> end;            ///< a block's hits begin where those of the block before end
-  std::vector<float> distance;               ///< [voxel edges] least
-  std::array<std::vector<float>, 6> lo, hi;  ///< least and greatest x, y, z, nx, ny, nz
+  std::vector<std::uint32_t> end;            ///< per block: index after its last hit; the next block begins there
+  std::vector<float> distance;               ///< [voxels] minimum, in voxel edges
+  std::array<std::vector<float>, 6> lo, hi;  ///< minimum and maximum of x, y, z, nx, ny, nz
   std::size_t count = 0;
-  bool wanted = true;  ///< or none are made
+  bool wanted = true;  ///< false: no blocks are made
 
   void reserve(std::size_t points);
   [[nodiscard]] HitRange hits_of(std::size_t block) const noexcept { return {block == 0 ? 0 : end[block - 1], end[block]}; }
 };
 
-/// Points of the shell within reach of the surface; sizes agree.
+/// Points of the shell within reach of the surface. All arrays have the same size.
 struct ProbeHits {
   LineVector<float> x, y, z;               ///< [m] tool frame
-  LineVector<float> distance, nx, ny, nz;  ///< [voxel edges], [-] bone frame, not normalised
+  LineVector<float> distance, nx, ny, nz;  ///< [voxels] in voxel edges, [-] bone frame, not normalised
   LineVector<std::uint32_t> point;         ///< index into the shell
   std::size_t count = 0;
-  HitBlocks blocks;      ///< of all hits, in order, or none
-  float nearest = 0.0f;  ///< [voxel edges] no point looked at is nearer to the surface; at most the records' band, inside too
-  bool outside = false;  ///< a point lay outside what the records know
+  HitBlocks blocks;      ///< of all hits in order, or empty
+  float nearest = 0.0f;  ///< [voxels] lower bound of the distances of all probed points; at most the records' band, also inside
+  bool outside = false;  ///< a point was outside the known records
 
   void reserve(std::size_t points);
-  /// @param blocked whether blocks are wanted of what is appended from now on; without them a search looks at all.
+  /// @param blocked whether blocks are made for hits appended from now on; without blocks a search scans all hits.
   void clear(bool blocked = true) noexcept;
 };
 
-/// Appends the points whose surface is nearer than `look_ahead` [voxel edges] (inside bone counts as nearer).
+/// Appends the points with a distance to the surface below `look_ahead` [voxel edges] (points inside bone have a negative distance).
 void probe_surface(const RecordView& bone, const ContactShellPart& points, const Affine& index_from_tool, double look_ahead,
                    ProbeHits& hits) noexcept;
 
-/// The same at one point, plainly, and at others of the same records.
+/// The same at single points, without vectors.
 class RecordSampler {
  public:
   explicit RecordSampler(const RecordView& bone) noexcept;
-  /// @param index in index coordinates. @returns nothing outside what the records know; the normal is of length 1, or zero where there is
-  /// none.
+  /// @param index in index coordinates. @returns empty outside the known records; the normal has length 1, or is zero where it is
+  /// undefined.
   [[nodiscard]] std::optional<SurfaceSample> at(const Vec3& index) const noexcept;
 
  private:

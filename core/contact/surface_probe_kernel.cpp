@@ -1,6 +1,6 @@
-// Points are taken in blocks through three passes: those that one record says are near; their cells; interpolated, those that are near.
-// Where most of the block before were near all is done in one: which way is taken changes no bit.
-// The plain twin is tests/core/contact/surface_probe_twin.cpp: thread sanitizers do not see gathers.
+// Blocks of points go through three passes: selection by one record each; cells; interpolation and selection by distance.
+// Where most of the last block was near, one pass does all. The choice does not change any bit.
+// The scalar reference is tests/core/contact/surface_probe_twin.cpp: thread sanitizers do not track gathers.
 #include "core/contact/surface_probe_kernel.h"
 
 #include <algorithm>
@@ -19,10 +19,10 @@
 #define BURRHOLE_SURFACE_PROBE_ONCE
 namespace burrhole {
 
-/// So few that what one pass leaves for the next stays in the nearest cache.
+/// Small enough that the data between passes stays in the first-level cache.
 inline constexpr std::size_t kProbeBlock = kHitBlock;
 
-/// Survivors of one block. Vector stores may touch up to a vector past what they keep.
+/// Survivors of one block. Vector stores may write up to one vector beyond the kept elements.
 struct ProbeBlock {
   static constexpr std::size_t kRoom = kProbeBlock + kShellPad;
   alignas(64) float x[kRoom], y[kRoom], z[kRoom];     // [m] tool frame
@@ -76,7 +76,7 @@ HWY_INLINE Vi record_of(const ProbeJob& job, Vf i, Vf j, Vf k) {
   return hn::Sub(sum, hn::Set(di, static_cast<std::int32_t>(above)));
 }
 
-/// Point numbers, which alone are not padded.
+/// Point numbers, the only array without padding.
 HWY_INLINE Vi names(const ContactShellPart& part, std::size_t first) {
   const Ints di;
   const auto* from = reinterpret_cast<const std::int32_t*>(part.point.data()) + first;
@@ -87,7 +87,7 @@ HWY_INLINE Vi names(const ContactShellPart& part, std::size_t first) {
   return hn::Load(di, last);
 }
 
-/// A vector of points in window coordinates; those without a record, which are not usable, are put at the first one.
+/// A vector of points in window coordinates; points without a record are not usable and are moved to the first record.
 struct Placed {
   Vf px, py, pz, x, y, z;
   hn::Mask<Floats> usable;
@@ -107,10 +107,10 @@ HWY_INLINE Placed place(const ProbeJob& job, const ContactShellPart& part, std::
   return {px, py, pz, hn::IfThenElseZero(usable, x), hn::IfThenElseZero(usable, y), hn::IfThenElseZero(usable, z), usable};
 }
 
-/// The voxels whose centres are nearest.
+/// The voxels with the nearest centres.
 HWY_INLINE Vf nearest_voxel(Vf x) { return hn::Floor(hn::Add(x, hn::Set(Floats(), 0.5f))); }
 
-/// First pass: points [first, last) against the one record of their voxel. @returns how many survive, written one after another.
+/// First pass: points [first, last) against the one record of their voxel. @returns the number of survivors, stored contiguously.
 template <class Channel>
 HWY_INLINE std::size_t keep_near(const ProbeJob& job, const ContactShellPart& part, std::size_t first, std::size_t last, ProbeBlock& block,
                                  Vf& nearest, bool& outside) {
@@ -184,7 +184,7 @@ struct InCells {
   CellRows<Channel> rows;
 };
 
-/// Last pass: survivors interpolated; those within reach are appended.
+/// Last pass: interpolates the survivors and appends those within reach.
 template <bool kStraight, class Channel>
 HWY_INLINE void append_near(const ProbeJob& job, const ProbeBlock& block, std::size_t kept, BlockRange& range, ProbeHits& hits) {
   const Floats df;
@@ -208,7 +208,7 @@ HWY_INLINE bool begins_near(const ProbeJob& job, const ContactShellPart& part) {
   return 4 * hn::CountTrue(df, hn::And(at.usable, hn::Lt(distance, limit))) >= 3 * last;
 }
 
-/// The cells of all points of a block. @returns false, and nothing is known, where one has none.
+/// The cells of all points of a block. @returns false, with undefined cells, where a point has none.
 HWY_INLINE bool find_all_cells(const ProbeJob& job, const ContactShellPart& part, std::size_t first, std::size_t last, ProbeBlock& block) {
   const Floats df;
   for (std::size_t n = first; n < last; n += hn::Lanes(df)) {

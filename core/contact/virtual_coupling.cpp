@@ -3,27 +3,26 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/matrix6.h"
 #include "core/base/rotation.h"
+#include "core/contact/constraint_planes.h"
 
 namespace burrhole {
 namespace {
 
-using Six = std::array<double, 6>;  // translation, then rotation
-using Matrix6 = std::array<Six, 6>;
-
 bool is_finite(const Quat& q) noexcept { return std::isfinite(q.w + q.x + q.y + q.z); }
 bool is_finite(const Pose& pose) noexcept { return burrhole::is_finite(pose.translation) && is_finite(pose.rotation); }
 
-/// Weight of each touching plane: trace(-G) = sum of weights, as normals have length 1. Exact for models that stack alike points by sum or
-/// average; any other keeps its trace, which spreads its stiffness over the planes that are there.
+/// Weight of each touching plane: trace(-G) is the sum of weights, since normals have length 1. Exact for models that combine equal points
+/// by sum or average; for any other the trace is kept and its stiffness is divided among the planes.
 double weight_of(const ContactResult& contacts, std::size_t touching) noexcept {
   const Mat3& g = contacts.force_gradient;
   const double trace = -(g[0][0] + g[1][1] + g[2][2]);
   return touching > 0 && std::isfinite(trace) ? std::max(0.0, trace) / static_cast<double>(touching) : 0.0;
 }
 
-/// Adds w J J^T a touching plane, J = (N, arm x N): positive semidefinite whatever the model says. The turn of the arms under the force is
-/// left out: force x arm is thousandths of K_r.
+/// Adds w J J^T per touching plane, J = (N, arm x N): positive semidefinite for any model. The rotation of the arms under the force is
+/// neglected: force x arm is thousandths of K_r.
 void add_contact_stiffness(const ContactResult& contacts, const Vec3& tool_origin, double scale, Matrix6& matrix) noexcept {
   std::size_t touching = 0;
   for (const Contact& contact : contacts.contacts) touching += contact.depth > 0.0 ? 1 : 0;
@@ -39,24 +38,7 @@ void add_contact_stiffness(const ContactResult& contacts, const Vec3& tool_origi
   }
 }
 
-/// Solves A x = b by L D L^T on the lower half of A, positive definite.
-Six solved(Matrix6 a, Six b) noexcept {
-  for (std::size_t j = 0; j < 6; ++j) {
-    for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k] * a[k][k];
-    for (std::size_t i = j + 1; i < 6; ++i) {
-      for (std::size_t k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k] * a[k][k];
-      a[i][j] /= a[j][j];
-    }
-  }
-  for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t k = 0; k < i; ++k) b[i] -= a[i][k] * b[k];
-  for (std::size_t i = 0; i < 6; ++i) b[i] /= a[i][i];
-  for (std::size_t i = 6; i-- > 0;)
-    for (std::size_t k = i + 1; k < 6; ++k) b[i] -= a[k][i] * b[k];
-  return b;
-}
-
-/// 2 sin(a/2) times the axis of the shorter turn from tool to hand, world frame.
+/// 2 sin(a/2) times the axis of the shorter rotation from tool to hand, world frame.
 Vec3 turn_to(const Quat& hand, const Quat& tool) noexcept {
   const Quat turn = hand * glm::conjugate(tool);
   const double sign = turn.w < 0.0 ? -2.0 : 2.0;
@@ -69,7 +51,7 @@ double unforeseen_stiffness(const VirtualCouplingConfig& config, double dt) noex
   return config.stiffness + 2.0 * config.damping / dt;
 }
 
-Result<VirtualCoupling> VirtualCoupling::create(const VirtualCouplingConfig& config, std::unique_ptr<ContactModel> model) {
+Result<VirtualCoupling> VirtualCoupling::create(const VirtualCouplingConfig& config, std::unique_ptr<PenaltyModel> model) {
   struct Range {
     double value, lowest, highest;
     const char* message;
@@ -85,8 +67,8 @@ Result<VirtualCoupling> VirtualCoupling::create(const VirtualCouplingConfig& con
   return VirtualCoupling(config, std::move(model));
 }
 
-VirtualCoupling::VirtualCoupling(const VirtualCouplingConfig& config, std::unique_ptr<ContactModel> model)
-    : config_(config), model_(std::move(model)) {
+VirtualCoupling::VirtualCoupling(const VirtualCouplingConfig& config, std::unique_ptr<PenaltyModel> model)
+    : config_(config), model_(std::move(model)), lever2_(mean_square_lever(model_->shell())) {
   contacts_.contacts.reserve(model_->shell().size());
 }
 
@@ -94,6 +76,15 @@ void VirtualCoupling::place(const Pose& world_from_tool) noexcept {
   if (!is_finite(world_from_tool)) return;
   state_ = {};
   state_.world_from_tool = world_from_tool;
+  hand_before_ = world_from_tool.rotation;
+  spring_.clear();
+}
+
+Vec3 VirtualCoupling::turning_of(const HandMotion& hand, double dt) noexcept {
+  const Quat turned = glm::normalize(hand.world_from_hand.rotation * glm::conjugate(hand_before_));
+  hand_before_ = hand.world_from_hand.rotation;
+  if (hand.angular_velocity) return *hand.angular_velocity;
+  return Vec3(turned.x, turned.y, turned.z) * ((turned.w < 0.0 ? -2.0 : 2.0) / dt);
 }
 
 void VirtualCoupling::stay(std::uint32_t flags) noexcept {
@@ -120,19 +111,45 @@ void VirtualCoupling::describe(LocalContact& out) const noexcept {
   out.coupling_stiffness = config_.stiffness;
   out.coupling_damping = config_.damping;
   out.turn_stiffness = config_.angular_stiffness;
-  out.cutting_stiffness = config_.stiffness;  // nothing engages
+  out.cutting_stiffness = config_.stiffness;  // no engagement
+  out.tangential = state_.tangential;
+  out.spin = state_.spin;
 }
 
-const VirtualCouplingState& VirtualCoupling::step(const ContactView& bone, const CoupledHand& hand, double dt) noexcept {
+Wrench VirtualCoupling::rub(TangentialLaw& law, const Pose& world_from_tool, const Pose& world_from_bone, const Vec3& spin,
+                            double dt) noexcept {
+  list_pressed(contacts_.contacts, contacts_.wrench.force, world_from_bone, world_from_tool.translation, pressed_);
+  const double most = unforeseen_stiffness(config_, dt), most_turning = config_.angular_stiffness + 2.0 * config_.angular_damping / dt;
+  const double stiffness = std::min(model_->stiffness(), most);
+  const TangentialSpringConfig config{stiffness, std::min(stiffness * lever2_, most_turning)};
+  const Pose bone_from_world = world_from_bone.inverse();
+  const Wrench load = spring_.step(law, config, pressed_.list(), bone_from_world * world_from_tool, bone_from_world.rotate(spin), dt);
+  return {world_from_bone.rotate(load.force), world_from_bone.rotate(load.torque)};
+}
+
+const VirtualCouplingState& VirtualCoupling::step(const ContactView& bone, const HandMotion& hand, double dt, const ToolSpin& spin,
+                                                  const ContactAdditions& added, const Pose& world_from_bone) noexcept {
   if (!(std::isfinite(dt) && dt > 0.0) || !is_finite(hand.world_from_hand) || !burrhole::is_finite(hand.velocity) ||
-      !burrhole::is_finite(hand.angular_velocity)) {
+      !burrhole::is_finite(hand.angular_velocity.value_or(Vec3(0.0)))) {
     stay(kContactNotFinite);
     return state_;
   }
+  const Vec3 turning = turning_of(hand, dt);
   const Pose before = state_.world_from_tool;
   looked_from_ = before.translation;
   model_->evaluate(bone, before, contacts_);
   const VirtualCouplingConfig& c = config_;
+  VirtualCouplingState next;
+  Wrench on_tool = contacts_.wrench;
+  if (added.tangential != nullptr) {
+    next.spin = before.rotate(Vec3(0.0, 0.0, spin.rate));
+    next.tangential = rub(*added.tangential, before, world_from_bone, next.spin, dt);
+    on_tool = {on_tool.force + next.tangential.force, on_tool.torque + next.tangential.torque};
+  }
+  if (!added.constraints.empty()) {
+    const Wrench more = constraint_wrench(added.constraints, before);
+    on_tool = {on_tool.force + more.force, on_tool.torque + more.torque};
+  }
 
   Matrix6 matrix{};
   for (std::size_t n = 0; n < 6; ++n)
@@ -141,19 +158,17 @@ const VirtualCouplingState& VirtualCoupling::step(const ContactView& bone, const
 
   const Vec3 stretch = hand.world_from_hand.translation - before.translation;
   const Vec3 turn = turn_to(hand.world_from_hand.rotation, before.rotation);
-  const Vec3 push = c.mass * state_.velocity + dt * (c.stiffness * stretch + c.damping * hand.velocity + contacts_.wrench.force);
-  const Vec3 twist = c.inertia * state_.angular_velocity +
-                     dt * (c.angular_stiffness * turn + c.angular_damping * hand.angular_velocity + contacts_.wrench.torque);
+  const Vec3 push = c.mass * state_.velocity + dt * (c.stiffness * stretch + c.damping * hand.velocity + on_tool.force);
+  const Vec3 twist = c.inertia * state_.angular_velocity + dt * (c.angular_stiffness * turn + c.angular_damping * turning + on_tool.torque);
   const Six u = solved(matrix, {push.x, push.y, push.z, twist.x, twist.y, twist.z});
 
-  VirtualCouplingState next;
   next.velocity = {u[0], u[1], u[2]};
   next.angular_velocity = {u[3], u[4], u[5]};
   next.world_from_tool = {glm::normalize(rotation_of(dt * next.angular_velocity) * before.rotation),
                           before.translation + dt * next.velocity};
   next.on_hand.force =
       c.stiffness * (next.world_from_tool.translation - hand.world_from_hand.translation) + c.damping * (next.velocity - hand.velocity);
-  next.on_hand.torque = c.angular_damping * (next.angular_velocity - hand.angular_velocity) -
+  next.on_hand.torque = c.angular_damping * (next.angular_velocity - turning) -
                         c.angular_stiffness * turn_to(hand.world_from_hand.rotation, next.world_from_tool.rotation);
   next.on_tool = contacts_.wrench;
   for (const Contact& contact : contacts_.contacts) next.deepest = std::max(next.deepest, contact.depth);

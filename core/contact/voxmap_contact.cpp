@@ -18,7 +18,7 @@ Longest longest_projection(const std::vector<Contact>& contacts, const Vec3& sum
   out.sum_length = glm::length(sum);
   double largest = 0.0;
   for (const Contact& contact : contacts) largest = std::max(largest, contact.depth);
-  // Points that cancel leave roundings of the largest vector, whose direction means nothing.
+  // Points that cancel leave rounding of the largest vector, with an undefined direction.
   if (!(out.sum_length > 1e-12 * largest)) return out;
   out.direction = sum / out.sum_length;
   for (const Contact& contact : contacts) {
@@ -42,13 +42,13 @@ Mat3 longest_gradient(const Longest& longest, const Mat3& spread) noexcept {
 
 }  // namespace
 
-Result<std::unique_ptr<ContactModel>> VoxmapContact::create(const VoxmapContactConfig& config, PointShell shell) {
+Result<std::unique_ptr<PenaltyModel>> VoxmapContact::create(const VoxmapContactConfig& config, PointShell shell) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
   if (!(std::isfinite(config.stiffness) && config.stiffness > 0.0)) return refuse("contact stiffness must be finite and above 0");
   if (config.max_march < 1) return refuse("march limits must be at least 1");
   if (shell.size() == 0 || shell.size() > kMaxShellPoints) return refuse("the point shell must hold 1 to 200000 points");
   if (shell.inward_normals.size() != shell.size()) return refuse("a point shell needs one inward normal a point");
-  return std::unique_ptr<ContactModel>(new VoxmapContact(config, std::move(shell)));
+  return std::unique_ptr<PenaltyModel>(new VoxmapContact(config, std::move(shell)));
 }
 
 std::uint32_t VoxmapContact::find_surface(const ContactView& bone, const Vec3& index, const Vec3& step, Vec3i& voxel) const noexcept {
@@ -75,7 +75,7 @@ void VoxmapContact::evaluate(const ContactView& bone, const Pose& world_from_too
     out.flags = kContactNotFinite;
     return;
   }
-  // Most points are in air: one map takes them to voxels, the rest is computed for those that collide.
+  // Most points are in air: one map gives their voxels, and only colliding points compute more.
   const Mat3 rotation = glm::mat3_cast(turn);
   const Affine index_from_tool{{bone.index_direction(rotation[0]), bone.index_direction(rotation[1]), bone.index_direction(rotation[2])},
                                bone.index_of(world_from_tool.translation)};
@@ -101,7 +101,7 @@ void VoxmapContact::evaluate(const ContactView& bone, const Pose& world_from_too
     const Vec3 position = rotation * shell_.positions[n] + world_from_tool.translation;  // P_h
     const Vec3 normal = rotation * shell_.inward_normals[n];
     const Vec3 centre = bone.world_of(Vec3(voxel));
-    const double depth = std::max(0.0, glm::dot(centre - position, normal));  // under the plane through the centre
+    const double depth = std::max(0.0, glm::dot(centre - position, normal));  // below the plane through the centre
     out.contacts.push_back({static_cast<std::uint32_t>(n), position, centre, normal, depth});
     out.deepest = std::max(out.deepest, depth);
   }
@@ -110,7 +110,7 @@ void VoxmapContact::evaluate(const ContactView& bone, const Pose& world_from_too
 }
 
 void VoxmapContact::stack(ContactResult& out, const Vec3& tool_origin) const noexcept {
-  Wrench sum;  // of depths: stiffness and share follow
+  Wrench sum;  // of depths, before stiffness and share
   Mat3 spread(0.0);
   for (const Contact& contact : out.contacts) {
     const Vec3 vector = contact.normal * contact.depth;

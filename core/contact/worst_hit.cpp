@@ -1,4 +1,4 @@
-// The plain twin is worst_plainly() of tests/core/contact/surface_probe_twin.cpp.
+// The scalar reference is worst_plainly() of tests/core/contact/surface_probe_twin.cpp.
 #include "core/contact/worst_hit.h"
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace burrhole {
 
 inline constexpr std::size_t kFewBlocks = kScannedHits / kHitBlock;
 inline constexpr std::size_t kMaxHitBlocks = kMaxShellPoints / kHitBlock + 2;
-// Of the sum of magnitudes behind a bound: what rounding may take from the bound and from the distances of its hits together, 12 operations
-// deep each, of half a unit in the last place (6e-8); and what is lost where numbers underflow.
+// Relative to the sum of magnitudes behind a bound: rounding of the bound and of the distances of its hits together, 12 operations deep
+// each, of half a unit in the last place (6e-8); and the loss by underflow.
 inline constexpr float kBoundRounding = 4e-6f, kBoundLeast = 1e-30f;
 
 /// The motion in single precision, column by column.
@@ -36,7 +36,7 @@ namespace burrhole {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// The least so far, by lanes; each lane keeps its first.
+/// The minimum so far, per lane; each lane keeps its first one.
 struct Least {
   Vf value;
   Vi place;
@@ -46,7 +46,7 @@ HWY_INLINE void scan(const ProbeHits& hits, const WorstJob& job, const HitRange&
   const Floats df;
   const Ints di;
   const std::size_t lanes = hn::Lanes(df);
-  const Vi lane = hn::Iota(di, 0);  // made once: it goes through memory
+  const Vi lane = hn::Iota(di, 0);  // made once: it is loaded from memory
   for (std::size_t n = range.first; n < range.last; n += lanes) {
     const Vf x = hn::LoadU(df, hits.x.data() + n), y = hn::LoadU(df, hits.y.data() + n), z = hn::LoadU(df, hits.z.data() + n);
     const Vf mx = row_times(job.linear, x, y, z, job.offset[0]), my = row_times(job.linear + 1, x, y, z, job.offset[1]),
@@ -60,7 +60,7 @@ HWY_INLINE void scan(const ProbeHits& hits, const WorstJob& job, const HitRange&
   }
 }
 
-/// What no hit of a block comes below, for a vector of blocks.
+/// Lower bounds of the distances in blocks, for a vector of blocks.
 HWY_INLINE Vf bound(const HitBlocks& blocks, std::size_t n, const WorstJob& job) {
   const Floats df;
   Vf sum = hn::LoadU(df, blocks.distance.data() + n), size = hn::Abs(sum);
@@ -96,8 +96,8 @@ HWY_INLINE WorstHit first_of(const Least& least) {
   return {static_cast<std::size_t>(places[best]), values[best]};
 }
 
-/// Blocks [first, last). The block of the least bound is scanned for a value that the answer cannot exceed; then, in order, all blocks that
-/// may come as low: so that ties fall as in a plain scan.
+/// Blocks [first, last). Scans the block of the least bound for an upper bound of the answer, then, in order, all blocks with a bound not
+/// above it, so that ties resolve as in a plain scan.
 HWY_INLINE void scan_blocks(const ProbeHits& hits, const WorstJob& job, const HitRange& which, Least& least) {
   const Floats df;
   const HitBlocks& blocks = hits.blocks;
@@ -115,7 +115,7 @@ HWY_INLINE void scan_blocks(const ProbeHits& hits, const WorstJob& job, const Hi
     known = first_of(of_seed).distance;
   }
   for (std::size_t n = 0; n < count; ++n) {
-    if (bounds[n] > known) continue;  // not what is not a number: the scan tells
+    if (bounds[n] > known) continue;  // NaN passes: the scan decides
     HitRange range = blocks.hits_of(which.first + n);
     while (n + 1 < count && !(bounds[n + 1] > known)) range.last = blocks.end[which.first + ++n];
     scan(hits, job, range, least);
@@ -146,7 +146,7 @@ namespace {
 
 HWY_EXPORT(Worst);
 
-/// The blocks that lie in a range of hits as a whole.
+/// The blocks that lie completely in a range of hits.
 HitRange whole_blocks(const HitBlocks& blocks, const HitRange& range) noexcept {
   std::size_t first = 0, last = blocks.count;
   while (first < last && blocks.hits_of(first).first < range.first) ++first;

@@ -14,11 +14,9 @@ namespace burrhole {
 namespace {
 
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
-constexpr float kLeastDip = 0.01f;  // of a voxel or so
-constexpr std::size_t kAhead = 6;   // voxels whose bend is fetched early
-constexpr double kRounding = 1e-3;  // [nodes] more than floats lose in a distance
-
-Vec3i block_of(const Vec3i& v) { return {v.x >> 3, v.y >> 3, v.z >> 3}; }
+constexpr float kLeastDip = 0.01f;  // [voxels] about
+constexpr std::size_t kAhead = 6;   // voxels whose curvature is prefetched
+constexpr double kRounding = 1e-3;  // [nodes] bound on the rounding error of a distance in single precision
 
 PlaceJob place_job(const CuttingField& field, const CoverageSweep& sweep) {
   PlaceJob job{.distance = field.distance.data(),
@@ -39,7 +37,7 @@ PlaceJob place_job(const CuttingField& field, const CoverageSweep& sweep) {
   return job;
 }
 
-/// The largest float at most x.
+/// The largest float <= x.
 float float_below(double x) {
   const auto near = static_cast<float>(x);
   return static_cast<double>(near) > x ? std::nextafter(near, -std::numeric_limits<float>::infinity()) : near;
@@ -47,18 +45,18 @@ float float_below(double x) {
 
 }  // namespace
 
-/// Voxels of one block within the tool's reach, side by side. Nothing is set but what `count` tells of.
+/// Voxels of one block within reach of the tool, as arrays. Only the first `count` entries are set.
 struct Coverage::Near {
   template <class T>
   using List = std::array<T, kBlockVoxels + kPlacePad>;
   std::size_t count = 0;
-  List<std::uint32_t> at;  ///< into the window
+  List<std::uint32_t> at;  ///< offsets into the window
   List<std::uint16_t> in_block;
   List<float> x, y, z, distance;
   List<float> share, grown, available;
   List<float> exposure, radius;
 
-  /// Entry n becomes entry `to` <= n.
+  /// Moves entry n to entry `to` <= n.
   void move(std::size_t n, std::size_t to) noexcept {
     at[to] = at[n];
     x[to] = x[n];
@@ -68,11 +66,11 @@ struct Coverage::Near {
   }
 };
 
-/// One voxel in it.
+/// One voxel of the list.
 struct Coverage::Probe {
-  Vec3f q;         ///< [nodes] the centre, in the middle of the sub-step
-  Vec3f half;      ///< [nodes] half its way
-  float distance;  ///< [m] there
+  Vec3f q;         ///< [nodes] its centre, at the middle of the sub-step
+  Vec3f half;      ///< [nodes] half its travel
+  float distance;  ///< [m] of the centre
 };
 
 Coverage::Coverage(std::shared_ptr<const CuttingField> field, CoverageKernel kernel) : field_(std::move(field)), kernel_(kernel) {
@@ -149,7 +147,7 @@ void Coverage::visit_block(const Voxmap& voxmap, const CoverageSweep& sweep, con
   weigh(sweep, near, engaged);
 }
 
-/// Voxels with bone whose samples the tool may meet, eighth by eighth of the block.
+/// Finds the voxels with bone whose samples the tool may meet, one eighth of the block after another.
 void Coverage::find_near(const MasterWindow& window, const CoverageSweep& sweep, const Vec3i& block, Near& near) const {
   constexpr int kHalf = kEdge / 2;
   constexpr std::size_t kMost = kHalf * kHalf * kHalf + kPlacePad;
@@ -162,7 +160,7 @@ void Coverage::find_near(const MasterWindow& window, const CoverageSweep& sweep,
   const PlaceJob job = place_job(*field_, sweep);
   for_each_voxel({Vec3i(0), Vec3i(2)}, [&](const Vec3i& eighth) {
     const Vec3i start = corner + kHalf * eighth;
-    // The same question of a cube of 4^3 voxels: three sevenths of the block's diagonal.
+    // The same test for a cube of 4^3 voxels: three sevenths of the block's diagonal.
     if (distance_at(Vec3(start) + 0.5 * (kHalf - 1)) > limit + 3.0 / 7.0 * sweep.cell) return;
     std::array<std::int32_t, kMost> i, j, k;
     std::array<std::uint32_t, kMost> at;
@@ -187,9 +185,9 @@ void Coverage::find_near(const MasterWindow& window, const CoverageSweep& sweep,
   });
 }
 
-/// Brings masks up to date, and keeps of `near` the voxels with bone that may go.
+/// Updates the masks; keeps the voxels of `near` that have bone to remove.
 void Coverage::mark(const MasterWindow& window, const CoverageSweep& sweep, const Vec3i& corner, Block& block, Near& near) {
-  if (block.seen + 1 != step_) block.asleep.fill(0.0);
+  if (block.seen + 1 != step_) block.inactive.fill(0.0);
   block.seen = step_;
   const auto all = static_cast<int>(samples_.size());
   std::size_t kept = 0;
@@ -210,15 +208,15 @@ void Coverage::mark(const MasterWindow& window, const CoverageSweep& sweep, cons
     }
     const int before = marks_in(mask);
     int after = before;
-    if (before != all && block.asleep[in_block] <= odometer_) {
+    if (before != all && block.inactive[in_block] <= odometer_) {
       const Probe probe{{near.x[n], near.y[n], near.z[n]}, Vec3f(sweep.half * Vec3(voxel())), near.distance[n]};
       const double nearest = static_cast<double>(meet(sweep, probe, mask)) - kRounding * sweep.pitch;
-      block.asleep[in_block] = nearest > 0.0 ? half_odometer_ + nearest / steepest_ : 0.0;
+      block.inactive[in_block] = nearest > 0.0 ? half_odometer_ + nearest / steepest_ : 0.0;
       after = marks_in(mask);
       block.full += after == all ? 1 : 0;
     }
     const float share = share_of(after), grown = share - share_of(before);
-    // Covered mass left before, and what has come under the tool. Where others have taken more than was covered, no more than there is.
+    // Covered mass left before, plus the newly covered mass. If another law removed more than was covered: at most what is there.
     const float left = std::max(0.0f, remaining - (1.0f - share_of(before)));
     const float available = after == all ? remaining : std::min(remaining, left + grown);
     if (!(available > 0.0f)) continue;
@@ -248,7 +246,7 @@ void Coverage::weigh(const CoverageSweep& sweep, Near& near, std::vector<Engaged
                          .radius = near.radius[n]});
 }
 
-/// @returns [m] in the middle of the sub-step no sample that is left unmet is nearer to the tool; 0 where that is not known.
+/// @returns the least distance [m] of an unmet sample to the tool at the middle of the sub-step; 0 if unknown.
 float Coverage::meet(const CoverageSweep& sweep, const Probe& probe, std::uint64_t* mask) const {
   constexpr float kFar = std::numeric_limits<float>::infinity();
   const auto pitch = static_cast<float>(sweep.pitch), reach = static_cast<float>(sweep.reach);
@@ -257,19 +255,19 @@ float Coverage::meet(const CoverageSweep& sweep, const Probe& probe, std::uint64
     std::fill_n(mask, samples_.words, kAll);
     return kFar;
   }
-  // A sample's distance is at least that of the plane through the centre's, less what the field bends downwards on the way and what the
-  // gradient, that of the middle of its cell, is off by. Most voxels and samples need no look-up.
+  // The distance of a sample is at least that of the tangent plane at the centre, less the downward curvature of the field along the travel
+  // and the error of the gradient, which is that of the middle of its cell. Most voxels and samples need no table access.
   const Vec3f slope = sweep.field.gradient(probe.q);
   const Bend& here = bends_[sweep.field.nearest_node(probe.q)];
   const float bend = 0.5f * here.down, up = here.up, sway = pitch * up, spare = probe.distance - half_way - slack;
   float deepest = 0.0f;
   for (const Vec3f& edge : sweep.span) deepest += std::abs(glm::dot(slope, edge));
-  // Outside the table distances are bounds, and no sleep is sound.
+  // Outside the table distances are bounds, so a voxel may not become inactive.
   const bool inside =
       glm::all(glm::greaterThanEqual(probe.q - sweep.extent, Vec3f(0.0f))) && glm::all(glm::lessThan(probe.q + sweep.extent, sweep.end));
   const float bent = (bend * reach + sway) * reach;
   if (spare - deepest > bent) return inside ? spare - deepest - bent + half_way : 0.0f;
-  // Between the ends of a short way a distance dips below both by no more than this: then the end that lies deeper tells.
+  // Between the ends of a short travel the distance is below both ends by at most this: the deeper end then decides.
   const bool straight = 0.5f * up * half_way * half_way < kLeastDip * static_cast<float>(sweep.ramp);
   const Vec3f deeper = glm::dot(slope, probe.half) > 0.0f ? -probe.half : probe.half;
   MeetJob job{.distance = field_->distance.data(),
@@ -306,7 +304,7 @@ float Coverage::meet(const CoverageSweep& sweep, const Probe& probe, std::uint64
   return nearest;
 }
 
-/// Whether a sample that bounds and vectors say nothing sure of is met.
+/// Tests a single sample that the bounds and the vector kernels could not decide.
 bool Coverage::meet_alone(const CoverageSweep& sweep, const Probe& probe, const MeetJob& job, const Vec3f& offset) const {
   const Vec3f q = probe.q + offset, deeper(job.deeper[0], job.deeper[1], job.deeper[2]);
   const float d = sweep.field.distance(q);

@@ -1,21 +1,23 @@
-/// core/drill/coverage.h: which part of each voxel a tool has covered so far: the bound on what it may remove.
-///   Frame   index coordinates of the bone.   Thread  simulation.   Source  own derivation:
-///   Of the voxel's N samples (coverage_samples.h; 64, of a slim tool 256) a mask marks those that the tool's cutting part has met on its
-///   way, the straight line between two poses included: the union over sub-steps and steps. A share c = marks / N of the voxel may go, so
-///   remaining r >= 1 - c, and
-///   r = (1 - c) + m with m the covered mass left. When c grows by dc, so does m; then a law takes m at the rate
-///   lambda' = e spin (share under the tool now) / c, full rate in a voxel that is covered and under the tool. m is not stored: it is
-///   r - (1 - c). The share now, a matter of speed only, is a ramp of the distance d from the voxel's centre to the tool in the middle of
-///   the sub-step, 1/2 - d / (2 w), w = sqrt(3 variance) of the kernel: exact on average over a plane's passage. What was met for the first
-///   time in this sub-step was met half-way through it, on average.
-///   Masks are kept by blocks of 8^3 voxels wherever the tool has been, outside the window too, so that a window may slide. A block that is
-///   covered wholly keeps none.
-///   A voxel sleeps, its mask unread, until the tool may have come as near as the nearest sample not yet met: the way of all steps since,
-///   bounded by the corners of a box round the tool, times the steepest that interpolated distances get, is below that sample's distance.
-///   So masks are the same as without sleep. A block that the tool has left in between is looked at anew.
-///   When bone grows back (restore) all masks are dropped. A voxel met without a mask is taken to have lost c = 1 - r, on the side to
-///   which remaining falls (a plane across it): exact where the covered bone is gone, as it is behind a tool that cuts at full rate; a
-///   voxel that was covered wholly and had mass left is covered anew the moment the tool comes back, with the same mass.
+/// core/drill/coverage.h: the part of each voxel that a tool has covered so far. It bounds the bone that the tool may remove.
+///   Frame   index coordinates of the bone.   Units  [voxels] unless stated.   Errors  none.   Thread  simulation.
+///   Source  own derivation:
+///   Each voxel has N sample points (coverage_samples.h; 64, or 256 for a slim tool). A mask marks the samples that the cutting part of the
+///   tool has met, including those on the straight line between two poses. The mask is the union over all sub-steps and steps. The covered
+///   share c = marks / N of the voxel may be removed, so remaining r >= 1 - c and r = (1 - c) + m, with m the covered mass that is left.
+///   When c grows by dc, m grows by dc. A law then removes m at the rate lambda' = e spin (share under the tool now) / c: the full rate in
+///   a voxel that is covered and under the tool. m is not stored, since m = r - (1 - c).
+///   The share under the tool now affects the speed only. It is a ramp of the distance d from the voxel's centre to the tool at the middle
+///   of the sub-step, 1/2 - d / (2 w), w = sqrt(3 variance) of the kernel: exact on average when a plane passes. A sample first met in this
+///   sub-step is taken as met half-way through it, which is the average.
+///   Masks are stored in blocks of 8^3 voxels wherever the tool has been, also outside the window, so that the window can slide. A block
+///   that is covered completely stores no masks.
+///   A voxel is inactive, its mask not read, until the tool may have come as near as the nearest unmet sample, that is, while the travel of
+///   all steps since, times the largest slope of interpolated distances, is below the distance of that sample. The travel is bounded by
+///   the corners of a box around the tool. The masks are the same as without inactive voxels. A block that the tool has left and re-entered
+///   is evaluated again.
+///   When bone grows back (restore), all masks are dropped. A voxel without a mask is assumed to have lost c = 1 - r on the side towards
+///   which remaining decreases (a plane across the voxel). This is exact where covered bone is gone, as behind a tool that cuts at full
+///   rate. A voxel that was covered completely and had mass left is covered again, with the same mass, when the tool returns.
 #pragma once
 
 #include <array>
@@ -30,12 +32,12 @@
 
 namespace burrhole {
 
-/// A voxel that the tool works on in one sub-step.
+/// A voxel that the tool acts on in one sub-step.
 struct Engaged {
-  std::uint32_t at;  ///< into the window
-  float available;   ///< part of remaining that may go
-  float share;       ///< of the voxel that is covered, (0, 1]
-  float exposure;    ///< [1/rev] e x share of the covered part under the tool: the rate law's lambda is spin x this
+  std::uint32_t at;  ///< offset into the window
+  float available;   ///< [-] part of remaining that may be removed
+  float share;       ///< [-] share of the voxel that is covered, (0, 1]
+  float exposure;    ///< [1/rev] e x share of the covered part under the tool; lambda of law `rate` is spin x exposure
   float radius;      ///< [m] from the tool's axis
 };
 
@@ -44,14 +46,15 @@ struct MeetJob;
 
 class Coverage {
  public:
-  /// @pre the field is not null.
+  /// @pre `field` is not null.
   Coverage(std::shared_ptr<const CuttingField> field, CoverageKernel kernel);
 
-  /// Marks what the tool covers on its way from `path.from` to `path.to`, and appends the voxels with bone to take, k, j, i.
-  /// @returns voxels that the tool reaches beyond the erodible box.
+  /// Marks the samples that the tool covers from `path.from` to `path.to`, and appends the voxels with bone that may be removed, ordered k,
+  /// j, i.
+  /// @returns the number of voxels that the tool reaches outside the erodible box.
   std::uint32_t advance(const Voxmap& voxmap, const ErosionPath& path, std::vector<Engaged>& engaged);
 
-  /// Share covered so far, 0..1; 0 where nothing is known.
+  /// @returns the share of a voxel [-] covered so far, 0..1; 0 if unknown.
   [[nodiscard]] double covered(const Vec3i& voxel) const;
   [[nodiscard]] std::size_t bytes() const noexcept;
 
@@ -60,11 +63,11 @@ class Coverage {
   static constexpr std::size_t kBlockVoxels = 512;
   struct Block {
     explicit Block(std::size_t words) : masks(words * kBlockVoxels) {}
-    std::vector<std::uint64_t> masks;           ///< words a voxel
-    std::array<double, kBlockVoxels> asleep{};  ///< [m] up to this reading of odometer_ no sample more is met
+    std::vector<std::uint64_t> masks;             ///< `words` per voxel
+    std::array<double, kBlockVoxels> inactive{};  ///< [m] no further sample is met until odometer_ exceeds this
     std::bitset<kBlockVoxels> known{};
     std::size_t full = 0;    ///< voxels with all samples met
-    std::uint64_t seen = 0;  ///< number of the sub-step that looked at it last
+    std::uint64_t seen = 0;  ///< number of the sub-step that evaluated the block last
   };
   struct Near;
   struct Probe;
@@ -82,20 +85,20 @@ class Coverage {
 
   std::shared_ptr<const CuttingField> field_;
   CoverageKernel kernel_;
-  CoverageSamples samples_;  // chosen at the first step, when the voxels' size is known
-  double steepest_ = 1.0;    // [-] of interpolated distances
-  /// How far the field bends at a node [1/m].
+  CoverageSamples samples_;  // chosen at the first step, when the voxel size is known
+  double steepest_ = 1.0;    // [-] largest slope of interpolated distances
+  /// Curvature of the field at a node [1/m].
   struct Bend {
-    float down;  ///< anywhere within its margin; 0 for convex tools
-    float up;    ///< at the node and its neighbours
+    float down;  ///< [1/m] largest downwards within the margin of the node; 0 for convex tools
+    float up;    ///< [1/m] largest upwards at the node and its neighbours
   };
   std::vector<Bend> bends_;                                           // per node
-  std::unordered_map<std::uint64_t, std::unique_ptr<Block>> blocks_;  // null: covered wholly
+  std::unordered_map<std::uint64_t, std::unique_ptr<Block>> blocks_;  // null: covered completely
   std::uint64_t growth_epoch_ = 0;
-  std::uint64_t step_ = 0;      // number of the sub-step at hand; 0 before the first
-  Affine last_{};               // pose at its end
-  double odometer_ = 0.0;       // [m] bound on the way of any place near the tool, up to its end
-  double half_odometer_ = 0.0;  // up to its middle
+  std::uint64_t step_ = 0;      // number of the current sub-step; 0 before the first
+  Affine last_{};               // pose at the end of the last sub-step
+  double odometer_ = 0.0;       // [m] bound on the travel of any point near the tool, to the end of the last sub-step
+  double half_odometer_ = 0.0;  // [m] the same, to the middle of the current sub-step
 };
 
 }  // namespace burrhole

@@ -1,5 +1,5 @@
-// Gathers, which sanitizers do not see through; the plain form of the same question is what Coverage::meet asks of samples that stay
-// unsure, and tests/core/drill/coverage_volume_test.cpp holds the outcome against solids.
+// Sanitizers do not check gather instructions. Coverage::meet contains the scalar form of the same test, used for undecided samples;
+// tests/core/drill/coverage_volume_test.cpp compares the result with solids.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/drill/coverage_kernels.cpp"
 #include <hwy/foreach_target.h>
@@ -9,6 +9,8 @@
 #include <cstring>
 #include <limits>
 
+#include "core/base/trilinear-inl.h"
+#include "core/base/trilinear.h"
 #include "core/drill/coverage_kernels.h"
 #include "core/drill/coverage_samples.h"
 
@@ -27,17 +29,12 @@ struct Place {
   F x, y, z;
 };
 
-/// Trilinear from cell (i, j, k) on, in the order of FieldSampler.
+/// Trilinear from cell (i, j, k) on.
 template <class DF, class VI, class VF>
 HWY_INLINE VF between(DF d, const float* values, std::int32_t row, std::int32_t slab, const VI* cell, const VF* t) {
   const hn::RebindToSigned<DF> di;
   const auto at = hn::Add(hn::Add(cell[0], hn::Mul(cell[1], hn::Set(di, row))), hn::Mul(cell[2], hn::Set(di, slab)));
-  const auto mix = [](VF a, VF b, VF w) { return hn::Add(a, hn::Mul(hn::Sub(b, a), w)); };
-  const auto along = [&](std::int32_t from) {
-    return mix(hn::GatherIndex(d, values + from, at), hn::GatherIndex(d, values + from + 1, at), t[0]);
-  };
-  const VF below = mix(along(0), along(row), t[1]), above = mix(along(slab), along(slab + row), t[1]);
-  return mix(below, above, t[2]);
+  return trilinear(t[0], t[1], t[2], [&](unsigned n) HWY_ATTR { return hn::GatherIndex(d, values + corner_offset(n, row, slab), at); });
 }
 
 HWY_INLINE M inside_table(const MeetJob& job, const Place& q) {
@@ -46,7 +43,7 @@ HWY_INLINE M inside_table(const MeetJob& job, const Place& q) {
   return hn::And(within(q.x, job.end[0]), hn::And(within(q.y, job.end[1]), within(q.z, job.end[2])));
 }
 
-/// Lanes outside the table look at its first cell.
+/// Lanes outside the table read its first cell.
 HWY_INLINE F distance_at(const MeetJob& job, const Place& q, M inside) {
   const D d;
   const DI di;
@@ -58,7 +55,7 @@ HWY_INLINE F distance_at(const MeetJob& job, const Place& q, M inside) {
 
 HWY_INLINE M mask_of(std::uint64_t bits) {
   std::uint8_t bytes[8];
-  std::memcpy(bytes, &bits, sizeof bytes);  // lanes are the low bits: little-endian, as every target there is
+  std::memcpy(bytes, &bits, sizeof bytes);  // lanes are the low bits: every target is little-endian
   return hn::LoadMaskBits(D(), bytes);
 }
 
@@ -70,20 +67,20 @@ HWY_INLINE void add_bits(M mask, const std::int32_t* samples, std::uint64_t& bit
     bits |= std::uint64_t{1} << samples[std::countr_zero(left)];
 }
 
-/// Samples that may be inside, side by side.
+/// Samples that may be inside, as arrays.
 struct Candidates {
   HWY_ALIGN float x[kCoverageSamples + 16], y[kCoverageSamples + 16], z[kCoverageSamples + 16];
   HWY_ALIGN std::int32_t sample[kCoverageSamples + 16];
   std::size_t count = 0;
-  float nearest = std::numeric_limits<float>::infinity();  ///< [m] of those that bounds keep out
+  float nearest = std::numeric_limits<float>::infinity();  ///< [m] least distance of the samples excluded by bounds
 };
 
-/// Those of `asked` that bounds alone do not keep out.
+/// Those of `asked` that the bounds do not exclude.
 HWY_INLINE void find_candidates(const MeetJob& job, std::uint64_t asked, Candidates& out) {
   const D d;
   const DI di;
   constexpr std::size_t kStep = hn::MaxLanes(d);
-  const auto lane = hn::Iota(di, 0);  // made once: it goes through memory
+  const auto lane = hn::Iota(di, 0);  // computed once: it is stored and loaded
   F nearest = hn::Set(d, out.nearest);
   const auto set = [&](float v) { return hn::Set(d, v); };
   for (std::size_t n = 0; n < kCoverageSamples; n += kStep) {
@@ -113,7 +110,7 @@ using DD = hn::CappedTag<double, 8>;
 using DH = hn::Rebind<float, DD>;
 using H = hn::Vec<DH>;
 
-/// As FieldSampler::distance has it, outside the table as well.
+/// As FieldSampler::distance, also outside the table.
 HWY_INLINE H distance_of(const PlaceJob& job, const H* q) {
   const DH d;
   const DD dd;

@@ -1,5 +1,6 @@
-/// core/drill/coverage_kernels.h: voxels and samples looked up in a cutting field, a vector of them at a time; inside of coverage.cpp.
-///   Frame  nodes of the cutting field.   Bits  those of FieldSampler and of the plain form in coverage.cpp, at every SIMD level.
+/// core/drill/coverage_kernels.h: SIMD evaluation of voxels and samples in a cutting field. Internal to coverage.cpp.
+///   Frame  nodes of the cutting field.   Units  as each member states.   Errors  none.
+///   Bits  equal to FieldSampler and to the scalar form in coverage.cpp, at every SIMD level.
 #pragma once
 
 #include <cstddef>
@@ -7,66 +8,66 @@
 
 namespace burrhole {
 
-/// Lists of places are read and written in whole vectors: this many entries beyond the last.
+/// Lists are read and written in whole vectors: they need this many entries beyond the last one.
 inline constexpr std::size_t kPlacePad = 8;
 
-/// A cutting field and the pose of voxels in it.
+/// A cutting field and the transform from voxels to its nodes.
 struct PlaceJob {
   const float *distance, *factor;  ///< [m], [1/rev] of the field's nodes
-  std::int32_t row, slab;          ///< strides
+  std::int32_t row, slab;          ///< [nodes] offsets of a row and of a slab
   float end[3];                    ///< [nodes] last node of each axis
-  double linear[3][3], offset[3];  ///< nodes from index, column by column
+  double linear[3][3], offset[3];  ///< [nodes] nodes from index, column by column
   double margin, pitch;            ///< [m] of the field
   double origin[3];                ///< [m] of the field
-  double ramp;                     ///< [m] see coverage.h
+  double ramp;                     ///< [m] w of coverage.h
 };
 
-/// Voxels side by side.
+/// Index coordinates of voxels, as arrays.
 struct VoxelList {
   std::size_t count;
-  const std::int32_t *i, *j, *k;
+  const std::int32_t *i, *j, *k;  ///< [voxels]
 };
 
-/// Where they lie.
+/// Positions of voxels in the field, as arrays.
 struct PlaceList {
   float *x, *y, *z;  ///< [nodes]
   float* distance;   ///< [m]
 };
 
-/// What follows from coverage: of each place the share covered and what of it is new, to its exposure and radius.
+/// Input: covered share and its growth per voxel. Output: exposure and radius.
 struct WeighList {
   std::size_t count;
   PlaceList at;
-  const float *share, *grown;
-  float *exposure, *radius;  ///< [1/rev] 0 where nothing is exposed; [m]
+  const float *share, *grown;  ///< [-] covered share; [-] its growth in this sub-step
+  float *exposure, *radius;    ///< [1/rev] 0 if not exposed; [m] from the tool's axis
 };
 
 /// One voxel and 64 of its samples in one sub-step. Arrays hold kCoverageSamples values.
 struct MeetJob {
   const float* distance;    ///< [m] of the field's nodes
-  std::int32_t row, slab;   ///< strides
+  std::int32_t row, slab;   ///< [nodes] offsets of a row and of a slab
   float end[3];             ///< [nodes] last node of each axis
-  const float *x, *y, *z;   ///< [nodes] samples from the centre
-  const float* far;         ///< [m] the same as lengths
-  float centre[3];          ///< [nodes] of the voxel, in the middle of the sub-step
-  float slope[3];           ///< [m] per node, of the distance there
-  float deeper[3];          ///< [nodes] from the middle to the end of the way that lies deeper
+  const float *x, *y, *z;   ///< [nodes] samples relative to the centre
+  const float* far;         ///< [m] their distances from the centre
+  float centre[3];          ///< [nodes] of the voxel, at the middle of the sub-step
+  float slope[3];           ///< [m/nodes] gradient of the distance at the centre
+  float deeper[3];          ///< [nodes] from the middle to the deeper end of the travel
   float closest;            ///< [m] distance of the centre
-  float spare, bend, sway;  ///< [m], [1/m], [m/m]: lower bound of a sample's distance, see coverage.cpp
-  float half_way, slack;    ///< [m]
-  bool straight;            ///< whether the ends of the way tell all
+  float spare, bend, sway;  ///< [m], [1/m], [m/m]: lower bound of the distance of a sample, see coverage.cpp
+  float half_way, slack;    ///< [m] half the travel; tolerance
+  bool straight;            ///< the ends of the travel decide
 };
 
 struct MeetMasks {
-  std::uint64_t met = 0;     ///< inside the tool at some time
-  std::uint64_t unsure = 0;  ///< to be asked one by one: outside the table, or on a way whose ends do not tell
-  float nearest = 0.0f;      ///< [m] in the middle of the sub-step no other sample asked for is nearer; infinite when there is none
+  std::uint64_t met = 0;     ///< bits of samples that were inside the tool at some time
+  std::uint64_t unsure = 0;  ///< bits to test one by one: outside the table, or on a travel whose ends do not decide
+  float nearest = 0.0f;  ///< [m] least distance of the other requested samples at the middle of the sub-step; infinite if there are none
 };
 
-/// FieldSampler::distance of each voxel's centre.
+/// Evaluates FieldSampler::distance at each voxel's centre.
 void measure_places(const PlaceJob& job, const VoxelList& voxels, const PlaceList& out) noexcept;
 void weigh_places(const PlaceJob& job, const WeighList& list) noexcept;
-/// @param asked bits of the samples to look at.
+/// @param asked bits of the samples to evaluate.
 [[nodiscard]] MeetMasks meet_samples(const MeetJob& job, std::uint64_t asked) noexcept;
 
 }  // namespace burrhole

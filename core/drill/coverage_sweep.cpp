@@ -4,17 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/bounds.h"
+
 namespace burrhole {
 namespace {
 
-constexpr int kTraceSteps = 32;  // along one sub-step; the least stride is its length over this
+constexpr int kTraceSteps = 32;  // per sub-step; the smallest stride is its length divided by this
 
 Affine nodes_from_index(const CuttingField& field, const Affine& index_from_tool) {
   return Affine::scaling(1.0 / field.pitch, -field.origin / field.pitch) * index_from_tool.inverse();
-}
-
-Vec3 corner_of(const Vec3& lo, const Vec3& hi, int n) {
-  return {(n & 1) != 0 ? hi.x : lo.x, (n & 2) != 0 ? hi.y : lo.y, (n & 4) != 0 ? hi.z : lo.z};
 }
 
 }  // namespace
@@ -38,25 +36,18 @@ CoverageSweep::CoverageSweep(const CuttingField& table, const CoverageSamples& s
     reach = std::max(reach, static_cast<double>(far[n]));
   }
   for (std::size_t axis = 0; axis < 3; ++axis) span[axis] = Vec3f(samples.reach * middle.linear[axis]);
-  Vec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;
-  for (int n = 0; n < 8; ++n)
-    for (const Affine* pose : {&path.from, &path.to}) {
-      const Vec3 p = *pose * corner_of(table.bounds.lo, table.bounds.hi, n);
-      lo = glm::min(lo, p);
-      hi = glm::max(hi, p);
-    }
+  const Bounds first = bounds_under(path.from, table.bounds), last = bounds_under(path.to, table.bounds);
   const double wide = samples.reach + 0.1;  // a turn inside a sub-step bulges by far less
-  lo -= wide;
-  hi += wide;
+  const Bounds swept{glm::min(first.lo, last.lo) - wide, glm::max(first.hi, last.hi) + wide};
   // Far outside the window numbers need not fit an int.
   const VoxelBox& window = voxmap.window().box;
   const Vec3 low(window.lo - 2), high(window.hi + 2);
-  box = {Vec3i(glm::ceil(glm::clamp(lo, low, high))), Vec3i(glm::floor(glm::clamp(hi, low, high))) + 1};
+  box = {Vec3i(glm::ceil(glm::clamp(swept.lo, low, high))), Vec3i(glm::floor(glm::clamp(swept.hi, low, high))) + 1};
   allowed = box.intersect(voxmap.window().erodible_box());
-  for (int n = 0; n < 8; ++n) half_way = std::max(half_way, pitch * glm::length(half * corner_of(lo, hi, n)));
+  for (const Vec3& corner : swept.corners()) half_way = std::max(half_way, pitch * glm::length(half * corner));
   ramp = std::sqrt(3.0 * samples.variance) * voxmap.bone().bone_from_index().mean_edge();
-  for (int n = 0; n < 4; ++n)
-    cell = std::max(cell, 0.5 * glm::length(bone * (corner_of(Vec3(-1.0), Vec3(1.0), n) * (kCoverageEdge - 1.0))));
+  for (unsigned n = 0; n < 4; ++n)  // the other four corners are opposite to these
+    cell = std::max(cell, 0.5 * glm::length(bone * (Bounds{Vec3(-1.0), Vec3(1.0)}.corner(n) * (kCoverageEdge - 1.0))));
 }
 
 bool CoverageSweep::met_on_the_way(const Vec3f& q, const Vec3f& half_step) const noexcept {
@@ -74,8 +65,8 @@ double CoverageSweep::way_between(const CuttingField& table, const ErosionPath& 
   const Affine from = nodes_from_index(table, path.from), to = nodes_from_index(table, path.to);
   const Affine way{to.linear - from.linear, to.offset - from.offset};
   double longest = 0.0;  // affine in the place, so at a corner
-  for (int n = 0; n < 8; ++n)
-    longest = std::max(longest, glm::length(way * corner_of(Vec3(box.lo - kCoverageEdge), Vec3(box.hi + kCoverageEdge), n)));
+  for (const Vec3& corner : Bounds{Vec3(box.lo - kCoverageEdge), Vec3(box.hi + kCoverageEdge)}.corners())
+    longest = std::max(longest, glm::length(way * corner));
   return pitch * longest;
 }
 

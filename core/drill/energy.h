@@ -1,12 +1,13 @@
 /// core/drill/energy.h: removal by cutting power, law `energy`.
-///   Units SI.   Source  facts of abrasive cutting Q = E_f F v_rel, E_f = mu / u; own derivation of its share among voxels:
-///   A tool that rubs at v_rel = 2 pi r n under a normal force F does the work W = mu F v_rel dt on bone in dt, r the mean radius of what
-///   is engaged, by exposure. Bone of hardness h takes u = u0 h [J/m^3] to remove, h = max(hardness, 0.1) as in law `rate`.
-///   A voxel's remaining falls to r exp(-k x / h), x its exposure: the share of work that it gets goes with its exposure and with the bone
-///   that it has left, and the loss per work with 1 / u. k >= 0 solves  sum of u0 h occ cell r (1 - exp(-k x / h)) = W;  the sum rises with
-///   k from 0 to all the bone is worth. Exponentials compose: two half steps are one step, but for what the tool's way changes; so Q = W /
-///   (u dt) does not hang on rate, grid or points.
-///   What falls below the minimum density is cleared, which takes work too: that is held against the next steps.
+///   Frame  index coordinates of the bone.   Units  SI.   Errors  none.   Thread  simulation.
+///   Source  abrasive cutting Q = E_f F v_rel, E_f = mu / u; the distribution over voxels is our own derivation:
+///   A tool that rubs at v_rel = 2 pi r n under a normal force F does the work W = mu F v_rel dt on bone in dt; r is the mean radius of the
+///   engaged voxels, weighted by exposure. Removal of bone of hardness h takes u = u0 h [J/m^3], h = max(hardness, 0.1) as in law `rate`.
+///   Remaining falls from r to r exp(-k x / h), x the exposure of the voxel: its share of the work is proportional to its exposure and to
+///   the bone left in it, and the loss per work is proportional to 1 / u. k >= 0 solves  sum of u0 h occ cell r (1 - exp(-k x / h)) = W.
+///   The sum increases with k from 0 to the work that removes all the bone. Exponentials compose, so two half steps equal one step except
+///   for the motion of the tool; Q = W / (u dt) does not depend on rate, grid or number of points.
+///   Bone that falls below the minimum density is cleared. The work of clearing is subtracted from the next steps.
 #pragma once
 
 #include <span>
@@ -19,15 +20,15 @@
 namespace burrhole {
 
 struct EnergyTerm {
-  double worth;  ///< [J] >= 0 to remove all of it
+  double worth;  ///< [J] >= 0 work that removes all bone of the voxel
   double rate;   ///< [1/rev] > 0: x / h
 };
 
-/// k [rev]: 0 for work <= 0, +infinity when the terms are worth no more than the work. By Newton's method from 0: the sum is concave, so
-/// every iterate stays below the root and rises; at most 100 steps, relative residual 1e-12.
+/// @returns k [rev]; 0 for work <= 0, +infinity if the work removes all terms. Newton's method from 0: the sum is concave, so the iterates
+/// increase and stay below the root. At most 100 steps, relative residual 1e-12.
 [[nodiscard]] double turns_for_work(std::span<const EnergyTerm> terms, double work) noexcept;
 
-/// Mean radius [m] by exposure.
+/// Mean radius [m], weighted by exposure.
 class RubbingRadius {
  public:
   void add(const Engaged& one) noexcept {
@@ -45,23 +46,23 @@ class RubbingRadius {
   double weight_ = 0.0, moment_ = 0.0;
 };
 
-/// The same of a whole tool, for laws without a list of engaged voxels. 0 when nothing cuts.
+/// @returns the mean radius [m] of a whole tool, weighted by exposure, for laws without a list of engaged voxels; 0 if nothing cuts.
 [[nodiscard]] double rubbing_radius(const ErosionPoints& points) noexcept;
 
-/// M = mu F r [N m]. Power 2 pi n M is the power of the law; the feed's, F times its speed, is left out: a thousandth of it or less.
-/// @param cutting_ratio mu [-]. @param force F [N]. @param radius r [m].
+/// @returns M = mu F r [N m]. The power 2 pi n M is the power of the law. The power of the feed, F times the feed speed, is neglected: a
+/// thousandth of it or less. @param cutting_ratio mu [-]. @param force F [N]. @param radius r [m].
 [[nodiscard]] double cutting_torque(double cutting_ratio, double force, double radius) noexcept;
 
-/// Engaged voxels by erosion points, for removal without coverage.
+/// Engaged voxels from erosion points, for removal without coverage.
 class EngagedScatter {
  public:
-  /// Appends the voxels with bone that points lie in, in the order met. `cell_share`: (pitch of points / voxel edge)^3.
-  /// @returns points beyond the erodible box.
+  /// Appends the voxels with bone that contain points, in the order met. @param cell_share [-] (pitch of points / voxel edge)^3.
+  /// @returns the number of points outside the erodible box.
   std::uint32_t gather(const Voxmap& voxmap, const ErosionPoints& points, const Affine& index_from_tool, double cell_share,
                        std::vector<Engaged>& engaged);
 
  private:
-  std::vector<std::uint32_t> slot_;  // of the window's voxels in `sums_`, plus 1; 0: none
+  std::vector<std::uint32_t> slot_;  // per voxel of the window: index into `sums_` plus 1; 0: none
   struct Sum {
     std::uint32_t at;
     double exposure, moment;

@@ -1,17 +1,18 @@
-/// core/drill/engaged_kernels.h: what is left of engaged voxels, a vector of them at a time; inside of engaged_removal.cpp.
+/// core/drill/engaged_kernels.h: SIMD kernel for the remaining part of engaged voxels. Internal to engaged_removal.cpp.
+///   Units  SI.   Errors  none.
 #pragma once
 
 #include <cstddef>
 
 namespace burrhole {
 
-/// left = available x exp(-turns x exposure / hardness), the bits of portable_exp; 0 where that is under 1e-307. Arrays hold whole vectors:
-/// up to 7 entries past `count` are read and written.
+/// left = available x exp(-turns x exposure / hardness), with the bits of portable_exp; 0 where the exponential is below 1e-307. Up to 7
+/// entries beyond `count` are read and written.
 struct DecayJob {
   std::size_t count;
-  double turns;
-  const float *available, *exposure, *hardness;
-  float* left;
+  double turns;                                  ///< [rev]
+  const float *available, *exposure, *hardness;  ///< [-], [1/rev], [-]
+  float* left;                                   ///< [-]
 };
 
 void decay(const DecayJob& job) noexcept;

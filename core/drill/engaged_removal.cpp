@@ -20,14 +20,14 @@ Affine pose_at(const ErosionPath& path, double t) {
   return {path.from.linear + (path.to.linear - path.from.linear) * t, path.from.offset + (path.to.offset - path.from.offset) * t};
 }
 
-/// Where voxels of a box lie, asked for one after another: most follow in the row of the one before.
+/// Index coordinates of voxels from their offsets; fast for consecutive voxels of one row.
 class Voxels {
  public:
   explicit Voxels(const VoxelBox& box) noexcept
       : row_(static_cast<std::size_t>(box.size().x)), slab_(row_ * static_cast<std::size_t>(box.size().y)) {}
   /// Relative to the box.
   [[nodiscard]] Vec3i at(std::size_t n) noexcept {
-    if (n - start_ >= row_) {  // before the row too: it wraps
+    if (n - start_ >= row_) {  // also true for offsets before the row: the difference wraps
       y_ = static_cast<int>(n % slab_ / row_);
       z_ = static_cast<int>(n / slab_);
       start_ = n - n % row_;
@@ -48,7 +48,7 @@ Result<EngagedRemoval> EngagedRemoval::create(const ErosionConfig& config, const
                                               std::shared_ptr<const CuttingField> field) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
   const auto above_zero = [](double x) { return x > 0.0 && std::isfinite(x); };
-  if (config.subvoxel && config.law == ErosionLaw::per_update) return refuse("sub-voxel removal goes with the laws rate and energy only");
+  if (config.subvoxel && config.law == ErosionLaw::per_update) return refuse("sub-voxel removal needs law rate or law energy");
   if (config.subvoxel && field == nullptr) return refuse("sub-voxel removal needs the cutting field of its tool");
   if (config.law == ErosionLaw::energy && !(above_zero(config.energy.specific_energy) && above_zero(config.energy.cutting_ratio)))
     return refuse("specific energy and cutting ratio must be numbers above 0");

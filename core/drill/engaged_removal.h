@@ -1,12 +1,13 @@
-/// core/drill/engaged_removal.h: erosion by way of a list of engaged voxels: law `energy`, and sub-voxel removal with `rate` or `energy`.
-///   Units SI.   Thread simulation.   Source  own derivation:
-///   In a sub-step the part a of a voxel's remaining that may go (all of it, or what core/drill/coverage.h leaves) falls to
-///   a exp(-k x / h), x [1/rev] its exposure, h = max(hardness, 0.1), and k [rev] the same for all voxels: law `rate` spin x dt, law
-///   `energy` as many turns as the work at hand is worth (core/drill/energy.h).
-///   The part left becomes 0 where occupancy x a is below minimum_density x the share of the voxel covered; in a voxel covered
-///   in part below clear_below x that share, if that is more. At 0.5 the covered part goes when it leaves the felt surface, as whole voxels
-///   leave it; the exponential's tail would keep the surface half a voxel inside the wall for several times as long, and the wall would
-///   hold the tool back. The price is mass: walls go early in unsaturated runs (17 % of all that is removed at a radius of 3 voxels).
+/// core/drill/engaged_removal.h: erosion with a list of engaged voxels: law `energy`, and sub-voxel removal with `rate` or `energy`.
+///   Frame  index coordinates of the bone.   Units  SI.   Errors  out_of_range.   Thread  simulation.   Source  own derivation:
+///   In a sub-step the removable part a of a voxel's remaining (all of it, or what core/drill/coverage.h permits) falls to a exp(-k x / h).
+///   x [1/rev] is the exposure, h = max(hardness, 0.1), and k [rev] is the same for all voxels: spin x dt for law `rate`; for law `energy`
+///   the k that uses the work of the sub-step (core/drill/energy.h).
+///   The rest of a becomes 0 where occupancy x a is below minimum_density x the covered share of the voxel; in a partly covered voxel,
+///   below clear_below x that share if this is more. With 0.5 the covered part is cleared when it leaves the felt surface, as whole voxels
+///   are. Without it the tail of the exponential keeps the surface half a voxel inside the wall for several times as long, and the wall
+///   holds the tool back. The cost is mass: in unsaturated runs walls are cleared early (17 % of the total removed at a radius of 3
+///   voxels).
 #pragma once
 
 #include <memory>
@@ -19,10 +20,10 @@
 
 namespace burrhole {
 
-/// One per Erosion; made and called by it.
+/// One per Erosion, which makes and calls it.
 class EngagedRemoval {
  public:
-  /// out_of_range when energies are not above 0, `subvoxel` has no field or goes with law `per_update`.
+  /// @returns out_of_range if energies are not > 0, or if `subvoxel` has no field or is used with law `per_update`.
   [[nodiscard]] static Result<EngagedRemoval> create(const ErosionConfig& config, const ErosionPoints& points,
                                                      std::shared_ptr<const CuttingField> field);
   ErosionOutcome step(Voxmap& voxmap, const ErosionPath& path, int substeps, const CuttingLoad& load, double dt);
@@ -31,18 +32,18 @@ class EngagedRemoval {
 
  private:
   EngagedRemoval(const ErosionConfig& config, const ErosionPoints& points) : config_(config), points_(points) {}
-  /// Turns k of this sub-step.
+  /// @returns k [rev] of this sub-step.
   [[nodiscard]] double turns(const MasterWindow& window, double cell_volume, double spin_time, double work);
   void apply(Voxmap& voxmap, double turns, ErosionOutcome& outcome);
 
   ErosionConfig config_;
   ErosionPoints points_;
   std::optional<Coverage> coverage_;
-  std::vector<Engaged> engaged_;   // of this sub-step
+  std::vector<Engaged> engaged_;   // of the current sub-step
   std::vector<EnergyTerm> terms_;  // the same, for law `energy`
   EngagedScatter scatter_;
-  TileMarks marks_;    // of voxels changed in the step at hand
-  double debt_ = 0.0;  // [J] of work done beyond what the load brought, by clearing what the minimum density leaves
+  TileMarks marks_;    // of voxels changed in the current step
+  double debt_ = 0.0;  // [J] work of clearing below the minimum density that exceeds the work of the load so far
 };
 
 }  // namespace burrhole

@@ -11,7 +11,7 @@ namespace burrhole {
 namespace {
 
 constexpr float kLeastHardness = 0.1f;  // keeps dr/dt finite in pores; part of the law
-constexpr double kGone = 128.0;         // e^-128 of a float at most 1 rounds to 0; -ln(1 - e s) of a double is below 37 otherwise
+constexpr double kGone = 128.0;         // e^-128 x a float <= 1 rounds to 0; any other -ln(1 - e s) of a double is below 37
 
 Affine mix(const Affine& a, const Affine& b, double t) {
   Affine out;
@@ -20,19 +20,11 @@ Affine mix(const Affine& a, const Affine& b, double t) {
   return out;
 }
 
-Vec3 corner_of(const Vec3& lo, const Vec3& hi, int n) {
-  return {(n & 1) != 0 ? hi.x : lo.x, (n & 2) != 0 ? hi.y : lo.y, (n & 4) != 0 ? hi.z : lo.z};
-}
-
 }  // namespace
 
 Erosion::Erosion(const ErosionConfig& config, const ErosionPoints& points) : config_(config), points_(points), scatter_(points) {
   if (points_.size() == 0) return;
-  lo_ = hi_ = points_.positions.front();
-  for (const Vec3& p : points_.positions) {
-    lo_ = glm::min(lo_, p);
-    hi_ = glm::max(hi_, p);
-  }
+  tool_bounds_ = bounds_of_points(points_.positions);
 }
 
 Erosion::Erosion(Erosion&&) noexcept = default;
@@ -63,10 +55,9 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
 const Coverage* Erosion::coverage() const noexcept { return engaged_ ? engaged_->coverage() : nullptr; }
 
 int Erosion::substeps_for(const ErosionPath& path) const noexcept {
-  // The corner of the tool's box that moves most bounds every point: positions are affine in the corners.
+  // Positions are affine in the corners, so the corner of the tool's box with the largest motion bounds every point.
   double longest = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p = corner_of(lo_, hi_, corner);
+  for (const Vec3& p : tool_bounds_.corners()) {
     longest = std::max(longest, glm::length(path.to * p - path.from * p));
   }
   return std::max(1, static_cast<int>(std::ceil(longest / config_.longest_substep)));
@@ -106,7 +97,7 @@ ErosionOutcome Erosion::step(Voxmap& voxmap, const ErosionPath& path, const Cutt
   return outcome;
 }
 
-/// By rate a point weighs its factor; by update -ln(1 - e s), so that the law's product is a sum. Made anew when s changes.
+/// Weight of a point: its factor for `rate`, -ln(1 - e s) for `per_update`, so that the product becomes a sum. Recomputed when s changes.
 void Erosion::weigh_points(double spin, double voxel_edge) {
   const double s = config_.law == ErosionLaw::per_update ? spin : 0.0;
   const auto weight = [s](float factor) {
@@ -127,13 +118,13 @@ void Erosion::weigh_points(double spin, double voxel_edge) {
   weighed_for_ = s;
 }
 
-/// Fills exposure_ at that pose. @returns points outside the erodible box.
+/// Fills exposure_ for a pose. @returns the number of points outside the erodible box.
 std::uint32_t Erosion::expose(const MasterWindow& window, const Affine& index_from_tool) {
   if (config_.form == ErosionForm::scatter) return scatter_.add(window, index_from_tool, exposure_);
   strength_.look_up(window, index_from_tool, exposure_);
   const VoxelBox allowed = window.erodible_box();
   bool inside = true;
-  for (int corner = 0; corner < 8; ++corner) inside = inside && allowed.contains(voxel_of(index_from_tool * corner_of(lo_, hi_, corner)));
+  for (const Vec3& corner : tool_bounds_.corners()) inside = inside && allowed.contains(voxel_of(index_from_tool * corner));
   if (inside) return 0;
   std::uint32_t outside = 0;
   for (const Vec3& p : points_.positions) outside += allowed.contains(voxel_of(index_from_tool * p)) ? 0 : 1;

@@ -13,14 +13,14 @@
 #include "core/drill/exposure.h"
 #include "core/drill/exposure_kernels.h"
 
-// How a point finds its voxel. Positions are 32.32 fixed point [voxels from the window's corner], floor = the upper word. Point n of a run
-// lies at S + T[n], S the start of its run and T[n] = round(n x step) the same for all runs of a pose, so its floor on each axis is
-//   floor(S) + floor(T[n]) + carry,   carry = frac(S) + frac(T[n]) >= 1,   which is   frac(T[n]) > not frac(S)   of unsigned words.
-// Offsets in the field are linear in the floors: one table holds the offset of floor(T[n]), and three compares add the strides that a
-// carry costs. Points of a run that share a voxel follow each other, since a straight line meets a cell once: a voxel gets the difference
-// of two running sums of weights.
-// TSan does not see what gathers and vector stores touch; all of it is owned by one thread. The plain twin is tests/core/drill/
-// exposure_test.cpp.
+// Voxel of a point. Positions are 32.32 fixed point [voxels from the window's corner]; floor = the upper word. Point n of a run lies at
+// S + T[n], with S the start of its run and T[n] = round(n x step), equal for all runs of a pose. Its floor on each axis is
+//   floor(S) + floor(T[n]) + carry,   carry = frac(S) + frac(T[n]) >= 1,   that is   frac(T[n]) > not frac(S)   for unsigned words.
+// Offsets in the field are linear in the floors: one table has the offset of floor(T[n]), and three compares add the strides of the
+// carries. A straight line meets a cell once, so points of a run that share a voxel are consecutive: a voxel gets the difference of two
+// prefix sums of weights.
+// TSan does not check gathers and vector stores; one thread owns all the data. The scalar reference is in
+// tests/core/drill/exposure_test.cpp.
 
 HWY_BEFORE_NAMESPACE();
 namespace burrhole {
@@ -46,11 +46,11 @@ void StartRuns(const StartArgs& a) {
       const auto last = hn::Add(first, hn::Mul(hn::Set(d, a.along[axis]), span));
       inside = hn::And(
           inside, hn::And(hn::Ge(hn::Min(first, last), hn::Set(d, a.least[axis])), hn::Lt(hn::Max(first, last), hn::Set(d, a.most[axis]))));
-      const auto fixed = hn::BitCast(du, hn::Add(first, bias));  // low word the fraction, above it 2^19 + whole voxels
+      const auto fixed = hn::BitCast(du, hn::Add(first, bias));  // low word: the fraction; above it: 2^19 + whole voxels
       const auto whole = hn::BitCast(di32, hn::TruncateTo(du32, hn::ShiftRight<32>(fixed)));
       const auto origin = static_cast<std::int32_t>(std::bit_cast<std::uint64_t>(kFixedBias) >> 32) + a.corner[axis];
       base = hn::Add(base, hn::Mul(hn::Sub(whole, hn::Set(di32, origin)), hn::Set(di32, a.strides[axis])));
-      // "not fraction", its upper bit turned so that a signed compare orders unsigned words
+      // "not fraction", with its upper bit inverted so that a signed compare orders unsigned words
       const auto limit = hn::Xor(hn::BitCast(di32, hn::TruncateTo(du32, fixed)), hn::Set(di32, 0x7fffffff));
       hn::StoreU(limit, di32, carries[axis] + n);
     }
@@ -59,17 +59,17 @@ void StartRuns(const StartArgs& a) {
   }
 }
 
-constexpr std::size_t kBatch = 1024;  // points, more by a run at most: their offsets and stretches stay in the first cache
+constexpr std::size_t kBatch = 1024;  // points, plus one run at most: their offsets and segments stay in the first-level cache
 
-/// Points from `start` on, many runs of them.
+/// Points from `start`, in many runs.
 struct Batch {
   std::uint32_t start = 0;
   std::size_t count = 0;
   HWY_ALIGN std::int32_t offset[kBatch + kLongestRun + 64];  // of each point's voxel
-  std::uint64_t ends[(kBatch + kLongestRun) / 64 + 1];       // a bit for each point after which another voxel follows
+  std::uint64_t ends[(kBatch + kLongestRun) / 64 + 1];       // a bit for each point that is followed by another voxel
 };
 
-/// Offsets of a run's points. Whole vectors: what they write past the run's end the next run overwrites.
+/// Offsets of the points of a run. Whole vectors: entries written beyond the end of the run are overwritten by the next run.
 void append_run(const RunArgs& a, std::size_t r, Batch& b) {
   const hn::CappedTag<std::int32_t, 16> d;
   const auto sx = hn::Set(d, a.strides.x), sy = hn::Set(d, a.strides.y), sz = hn::Set(d, a.strides.z);
@@ -86,11 +86,11 @@ void append_run(const RunArgs& a, std::size_t r, Batch& b) {
   b.count += count;
 }
 
-/// A stretch of points that share a voxel ends where the next one lies in another, whether in the same run or not.
+/// A segment of points in one voxel ends where the next point lies in another voxel, in the same run or not.
 void find_ends(Batch& b) {
   const hn::CappedTag<std::int32_t, 16> d;
   const std::size_t lanes = hn::Lanes(d);
-  b.offset[b.count] = -1;  // no voxel: ends the last stretch
+  b.offset[b.count] = -1;  // no voxel: ends the last segment
   std::size_t n = 0;
   for (std::uint64_t* word = b.ends; n < b.count; ++word) {
     *word = 0;
@@ -103,7 +103,7 @@ void find_ends(Batch& b) {
   if (b.count % 64 != 0) b.ends[b.count / 64] &= ~std::uint64_t{0} >> (64 - b.count % 64);
 }
 
-/// Calls add(offset, end) for each stretch, in order; `end` counts all points of the tool.
+/// Calls add(offset, end) for each segment, in order; `end` counts all points of the tool.
 template <class Add>
 HWY_INLINE void for_each_stretch(const Batch& b, Add&& add) {
   for (std::size_t from = 0; from < b.count; from += 64)
@@ -154,12 +154,12 @@ HWY_EXPORT(AddRuns);
 namespace {
 
 constexpr std::size_t kRunPad = 8, kStepPad = 64;
-constexpr double kFar = 262144.0;  // [voxels] 2^18: nearer than this, positions fit the fixed point; no window is a thousandth as long
+constexpr double kFar = 262144.0;  // [voxels] 2^18: positions below this fit the fixed point; no window is a thousandth as long
 
-/// 32.32 fixed point, as the kernels round. |x| < 2^19.
+/// 32.32 fixed point with the rounding of the kernels. |x| < 2^19.
 std::int64_t to_fixed(double x) { return std::bit_cast<std::int64_t>(x + kFixedBias) - std::bit_cast<std::int64_t>(kFixedBias); }
 
-/// Order of the tool's lattice: k, j, i, i fastest; ties by number, so that the order is one.
+/// Order of the tool's lattice: k, j, i, i fastest; ties by number, so that the order is unique.
 std::vector<std::uint32_t> lattice_order(const ErosionPoints& points) {
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -184,11 +184,7 @@ void ExposureField::place(const MasterWindow& window, const VoxelBox& part) {
 
 PointScatter::PointScatter(const ErosionPoints& points) : pitch_(points.pitch), count_(static_cast<std::uint32_t>(points.size())) {
   if (points.size() == 0) return;
-  lo_ = hi_ = points.positions.front();
-  for (const Vec3& p : points.positions) {
-    lo_ = glm::min(lo_, p);
-    hi_ = glm::max(hi_, p);
-  }
+  tool_bounds_ = bounds_of_points(points.positions);
   distinct_ = points.factors;
   std::ranges::sort(distinct_);
   distinct_.erase(std::unique(distinct_.begin(), distinct_.end()), distinct_.end());
@@ -224,7 +220,7 @@ void PointScatter::set_weights(std::span<const double> weights) {
   BH_ASSERT(weights.size() == distinct_.size());
   if (weights.empty()) return;
   const double heaviest = *std::ranges::max_element(weights);
-  // 38 bits for the heaviest point: 2^25 of them, more than a tool may have, still fit 63 bits.
+  // 38 bits for the largest weight: 2^25 points, more than a tool may have, still fit 63 bits.
   unit_ = heaviest > 0.0 ? std::ldexp(1.0, std::ilogb(heaviest) - 37) : 1.0;
   std::vector<std::uint64_t> whole;
   for (const double weight : weights) whole.push_back(static_cast<std::uint64_t>(weight / unit_ + 0.5));
@@ -244,7 +240,7 @@ void PointScatter::measure_steps(const Vec3& along, const Vec3i& strides) {
     std::int64_t offset = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double way = along[axis] * n;
-      const std::int64_t fixed = std::abs(way) < kFar ? to_fixed(way) : 0;  // a run that long is never inside
+      const std::int64_t fixed = std::abs(way) < kFar ? to_fixed(way) : 0;  // a run of that length is never inside
       offset += (fixed >> 32) * strides[axis];
       fraction[axis][n] = static_cast<std::int32_t>(static_cast<std::uint32_t>(fixed) ^ kTurn);
     }
@@ -252,7 +248,7 @@ void PointScatter::measure_steps(const Vec3& along, const Vec3i& strides) {
   }
 }
 
-/// A run that does not lie inside for certain, point by point.
+/// A run that may cross the border of the box, point by point.
 std::uint32_t PointScatter::add_cut_run(std::size_t run, const Affine& window_from_tool, const VoxelBox& allowed, ExposureField& field,
                                         const Vec3i& corner) {
   const Vec3 first = window_from_tool * Vec3(run_x_[run], run_y_[run], run_z_[run]);
@@ -284,14 +280,9 @@ std::uint32_t PointScatter::add(const MasterWindow& window, const Affine& index_
   if (count_ == 0) return 0;
   const VoxelBox erodible = window.erodible_box();
   const VoxelBox allowed{erodible.lo - window.box.lo, erodible.hi - window.box.lo};
-  // Relative to the window's corner; cell = centre +- 1/2, so half a voxel up makes floor the voxel.
+  // Relative to the window's corner; cell = centre +- 1/2, so adding half a voxel makes floor the voxel.
   const Affine window_from_tool{index_from_tool.linear, index_from_tool.offset + 0.5 - Vec3(window.box.lo)};
-  Vec3 lo(1e300), hi(-1e300);
-  for (int n = 0; n < 8; ++n) {
-    const Vec3 p = window_from_tool * Vec3((n & 1) != 0 ? hi_.x : lo_.x, (n & 2) != 0 ? hi_.y : lo_.y, (n & 4) != 0 ? hi_.z : lo_.z);
-    lo = glm::min(lo, p);
-    hi = glm::max(hi, p);
-  }
+  const auto [lo, hi] = bounds_under(window_from_tool, tool_bounds_);
   // One voxel of margin: corners and points round differently.
   const Vec3 least = glm::max(lo - 1.0, Vec3(allowed.lo)), most = glm::min(hi + 1.0, Vec3(allowed.hi));
   if (!glm::all(glm::lessThan(least, most))) return count_;
@@ -301,7 +292,7 @@ std::uint32_t PointScatter::add(const MasterWindow& window, const Affine& index_
   const Vec3i size = field.box.size(), strides(1, size.x, size.x * size.y), corner = field.box.lo - window.box.lo;
   const Vec3 along = index_from_tool.linear[0] * pitch_;
   measure_steps(along, strides);
-  constexpr double kEdge = 1e-6;  // [voxels] far more than rounding: runs that come closer to the edge are looked at point by point
+  constexpr double kEdge = 1e-6;  // [voxels] far above rounding: runs closer to the border are tested point by point
   const StartArgs starts{run_x_.data(),
                          run_y_.data(),
                          run_z_.data(),

@@ -6,7 +6,7 @@
 namespace burrhole {
 namespace {
 
-/// Largest value within `reach` nodes along each axis, axis after axis.
+/// Maximum within `reach` nodes along each axis, one axis after another.
 void spread_largest(std::vector<float>& values, const Vec3i& dims, int reach) {
   const VoxelBox all{Vec3i(0), dims};
   std::vector<float> line;

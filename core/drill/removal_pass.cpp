@@ -9,14 +9,14 @@
 #include "core/base/simd_exp-inl.h"
 #include "core/drill/removal_pass.h"
 
-// The plain twin of this pass is in tests/core/drill/removal_pass_test.cpp.
+// The scalar reference of this pass is in tests/core/drill/removal_pass_test.cpp.
 
 HWY_BEFORE_NAMESPACE();
 namespace burrhole {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Eight voxels of a row from `n` on. @returns bits of those that lost bone.
+/// Processes eight voxels of a row from `n`. @returns bits of those that lost bone.
 template <class D>
 HWY_INLINE std::uint32_t remove_eight(D d, const RemovalArgs& a, std::size_t at_sum, std::size_t at) {
   const hn::RebindToSigned<D> di;
@@ -34,7 +34,7 @@ HWY_INLINE std::uint32_t remove_eight(D d, const RemovalArgs& a, std::size_t at_
       power = hn::Div(power, hn::PromoteTo(d, hn::Max(hn::LoadU(df, a.hardness + at + p), hn::Set(df, a.law.least_hardness))));
     auto after = hn::DemoteTo(df, hn::Mul(hn::PromoteTo(d, before), exp_of_negative(d, power)));
     after = hn::IfThenZeroElse(hn::Lt(hn::Mul(occupancy, after), hn::Set(df, a.law.minimum_density)), after);
-    // Bone that no point met stays as it is, below the minimum too; so does what is no bone.
+    // Bone without exposure is unchanged, also below the minimum density; so are voxels without bone.
     const auto met =
         hn::MaskFromVec(hn::BitCast(df, hn::TruncateTo(du32, hn::BitCast(du, hn::VecFromMask(di, hn::Ne(sum, hn::Zero(di)))))));
     after = hn::IfThenElse(hn::And(met, hn::Ne(occupancy, none)), after, before);
@@ -85,8 +85,8 @@ HWY_EXPORT(RemoveRows);
 Removal apply_removal(Voxmap& voxmap, const RemovalLaw& law, ExposureField& exposure, TileMarks& marks) {
   if (exposure.box.empty()) return {};
   const MasterWindow& window = voxmap.window();
-  // Rows may reach up to seven voxels past the erodible box, which is two away from the window's end: there lies the start of the next
-  // row, written back as it was.
+  // Rows may extend up to seven voxels beyond the erodible box, which ends two voxels before the window's end. Those entries are the start
+  // of the next row and are written back unchanged.
   BH_ASSERT(window.erodible_box().contains(VoxelBox{exposure.box.lo + Vec3i(7, 0, 0), exposure.box.hi - Vec3i(7, 0, 0)}));
   const Vec3i corner = exposure.box.lo - window.box.lo;
   const auto row = static_cast<std::size_t>(window.box.size().x);

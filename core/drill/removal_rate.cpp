@@ -11,12 +11,12 @@
 namespace burrhole {
 namespace {
 
-constexpr double kLeastFacing = 0.1;  // a wall along the feed neither limits it nor is cut by it
+constexpr double kLeastFacing = 0.1;  // [-] cosine: a wall along the feed neither limits the feed nor is cut by it
 
-/// Coordinates of a feed: u and v across it, w along it, from the leading end backwards.
+/// Coordinates of a feed: u and v across it, w along it, backwards from the leading end.
 struct FeedFrame {
   std::size_t u, v, w;
-  double back;  ///< sign of w along its tool axis
+  double back;  ///< [-] sign of w along its tool axis
 
   [[nodiscard]] double behind(const Vec3& p) const noexcept { return back * p[w]; }
 };
@@ -35,8 +35,8 @@ class Columns {
     }
   }
   [[nodiscard]] double area() const noexcept { return static_cast<double>(cells_.size()) * pitch_ * pitch_; }
-  /// Integral of the factor along the feed up to q [m/rev], of the richest column within a pitch of q: voxels, two pitches wide as a rule,
-  /// smear that much, and a rim cuts with the cells beside it.
+  /// Integral of the factor along the feed up to q [m/rev], of the richest column within a pitch of q: a voxel, normally two pitches wide,
+  /// averages over this distance, and a rim cuts with the cells beside it.
   [[nodiscard]] double exposure(const Vec3& q) const {
     const long long i = cell(q[frame_.u]), j = cell(q[frame_.v]);
     double most = 0.0;
@@ -80,11 +80,11 @@ FeedPrediction predict_feed(const Tool& tool, FeedDirection direction, const Fee
   for (std::size_t n = 0; n < tool.shell.size(); ++n) {
     const Vec3 &p = tool.shell.positions[n], &inward = tool.shell.inward_normals[n];
     const double facing = frame.back * inward[frame.w];
-    // What does not cut and touches the cutting part from above or below is clear of bone too.
+    // Passive parts that touch the cutting part from above or below are clear of bone too.
     const double skin = tool.shell.cutting[n] != 0 ? 0.0 : half;
     const bool clear = p.z > high - skin || (direction == FeedDirection::sideways && p.z < low + skin);
     if (facing < kLeastFacing || clear) continue;
-    Vec3 gone = p;  // where bone must be gone: the whole cutting part is engaged by one way back along the push
+    Vec3 gone = p;  // position where bone must be gone: the whole cutting part is engaged by one distance back along the push
     if (tool.shell.cutting[n] != 0) gone[frame.w] += frame.back * out.engaged;
     least = std::min(least, columns.exposure(gone));
   }

@@ -1,15 +1,14 @@
-/// core/drill/removal_rate.h: how fast a bit goes through bone and how much it takes, foretold from its points alone (law `rate`).
-///   Frame  tool frame.   Units  SI.   Source  own derivation:
-///   A bone voxel at a place (x, y) that the bit passes at the feed v loses remaining by d(ln r)/dt = -e(x, y, w) s / h, w the depth behind
-///   the bit's leading end, dw = v dt. Bone at w is gone from the felt surface (r < 1/2) when E(x, y, w) = integral of e dw up to w >= v h
-///   ln 2 / s. A spinning tool is engaged by d = F / K_cut where it cuts, and by nothing where it does not: the constrained tool feels bone
-///   where its cutting points were before it was engaged, moved back along the push by d, whatever their planes. So bone must be gone at p
-///   - d feed for a cutting point p, at p for a passive one. v = min over the points that look along the feed of E(...) s / (h ln 2), and Q
-///   = A v, A the area of the bit's cutting part seen along the feed.
-///   For an even factor: v = (F / K_cut) e s / (h ln 2).
-///   Holds within 10 % where nothing but the end touches bone. In a bore the bit rests on the fillet between floor and wall, which lags:
-///   flat ends are slower than foretold; bits_drilling_test.cpp holds by how much. Round, pointed and thin-walled ends: an estimate, within
-///   a factor of 2.
+/// core/drill/removal_rate.h: feed speed of a bit in bone and its removal rate, predicted from its points (law `rate`).
+///   Frame  tool frame.   Units  SI.   Errors  none.   Thread  any; not for the servo path.   Source  own derivation:
+///   The bit passes a bone voxel at (x, y) with the feed speed v. The voxel loses remaining by d(ln r)/dt = -e(x, y, w) s / h, with w the
+///   depth behind the leading end of the bit, dw = v dt. Bone at w has left the felt surface (r < 1/2) when E(x, y, w) = integral of e dw
+///   up to w >= v h ln 2 / s. A spinning tool is engaged by d = F / K_cut at its cutting points and by 0 at passive points: the constrained
+///   tool meets bone at the position of its cutting points moved back along the push by d. So bone must be gone at p - d feed for a cutting
+///   point p, and at p for a passive point. v = min of E(...) s / (h ln 2) over the points that face the feed, and Q = A v, with A the area
+///   of the cutting part seen along the feed. For a uniform factor: v = (F / K_cut) e s / (h ln 2).
+///   Accuracy: 10 % if only the end touches bone. In a bore the bit rests on the fillet between floor and wall, which is removed later, so
+///   flat ends are slower than predicted (bound in bits_drilling_test.cpp). Round, pointed and thin-walled ends: an estimate within a voxel of the
+///   engaged depth and a factor of 2.
 #pragma once
 
 #include "core/base/result.h"
@@ -20,11 +19,11 @@ namespace burrhole {
 struct FeedConditions {
   double thrust = 20.0;              ///< [N] along the feed
   double spin = 1000.0 / 60.0;       ///< [rev/s]
-  double hardness = 1.0;             ///< h in (0, 1]
-  double cutting_stiffness = 100e3;  ///< [N/m] K_cut; a scene's default
+  double hardness = 1.0;             ///< [-] h in (0, 1]
+  double cutting_stiffness = 100e3;  ///< [N/m] K_cut; the default of a scene
 };
 
-/// Along the shaft into bone (-z), or sideways (+x).
+/// Direction of the feed: along the shaft into bone (-z), or sideways (+x).
 enum class FeedDirection { plunge, sideways };
 
 struct FeedPrediction {
@@ -34,8 +33,8 @@ struct FeedPrediction {
   double rate = 0.0;     ///< [m^3/s]
 };
 
-/// Points above the highest and (sideways) below the lowest cutting point are left out: a shaft or a foot is taken to be clear of bone.
-/// @pre conditions are finite and > 0. Linear in points; not for the servo path.
+/// Points above the highest and (sideways) below the lowest cutting point are ignored: a shaft or a foot is assumed to be clear of bone.
+/// Linear in the number of points. @pre conditions are finite and > 0.
 [[nodiscard]] FeedPrediction predict_feed(const Tool& tool, FeedDirection direction, const FeedConditions& conditions);
 
 }  // namespace burrhole

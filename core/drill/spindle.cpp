@@ -22,8 +22,8 @@ Result<Spindle> Spindle::create(const SpindleConfig& config) {
 
 double Spindle::step(double torque, double dt) noexcept {
   if (!(dt > 0.0)) return speed_;
-  const double load = torque > 0.0 ? torque : 0.0;  // a torque that is no number does not reach the motor
-  const double steady = config_.free_speed * (1.0 - load / config_.stall_torque);
+  const double load = torque > 0.0 ? torque : 0.0;  // a NaN torque counts as 0
+  const double steady = config_.free_speed * (command_ - load / config_.stall_torque);
   const double keep = lag_ > 0.0 ? portable_exp(-dt / lag_) : 0.0;
   speed_ = std::max(0.0, steady + (speed_ - steady) * keep);
   return speed_;

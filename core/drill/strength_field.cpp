@@ -8,9 +8,11 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/base/bounds.h"
+
 #include "core/drill/strength_field.h"
 
-// The plain twin of the look-up is in tests/core/drill/strength_field_test.cpp; TSan does not see gathers.
+// The scalar reference of the look-up is in tests/core/drill/strength_field_test.cpp. TSan does not check gathers.
 
 HWY_BEFORE_NAMESPACE();
 namespace burrhole {
@@ -29,7 +31,7 @@ HWY_INLINE void store_wide(D d, DW dw, V found, std::int64_t* out) {
   }
 }
 
-/// The table is a copy, so that what is stored is not taken for a change of it.
+/// The table is passed by copy: the compiler then knows that stores do not change it.
 void LookUpRows(const StrengthTable t, std::span<const StrengthRow> rows) {
   const hn::CappedTag<std::int32_t, 8> d;
   const hn::CappedTag<std::int64_t, 8> dw;
@@ -69,7 +71,7 @@ namespace {
 
 constexpr double kNodesPerVoxel = 3.0;
 constexpr double kOne = 65536.0;    // of the fixed point
-constexpr double kRounding = 0.05;  // [nodes] more than fixed point loses over the longest row
+constexpr double kRounding = 0.05;  // [nodes] bound on the error of the fixed point over the longest row
 
 struct Stretch {
   double lo, hi;
@@ -79,7 +81,7 @@ struct Stretch {
   }
 };
 
-/// Where on a line start + n x step its first `axes` coordinates lie within a radius of 0; what all lines of a pose share is made once.
+/// Interval on a line start + n x step in which its first `axes` coordinates lie within a radius of 0; shared data of all lines of a pose.
 class RoundCut {
  public:
   RoundCut(const Vec3& step, std::size_t axes, double radius) : step_(step), axes_(axes), radius_(radius) {
@@ -93,7 +95,7 @@ class RoundCut {
       c += start[axis] * start[axis];
     }
     const double under = b * b - square_ * c;
-    // A line along the axis is inside wholly or not at all; it is not cut then.
+    // A line along the axis is completely inside or outside; it is not clipped.
     if (per_square_ == 0.0) return;
     if (under < 0.0) {
       part.hi = part.lo;
@@ -111,7 +113,7 @@ class RoundCut {
 
 }  // namespace
 
-/// Cuts rows of one pose down to what may meet a node above 0.
+/// Clips rows of one pose to the part that may meet a node > 0.
 class StrengthField::RowCut {
  public:
   RowCut(const StrengthField& field, const Vec3& step, std::int32_t from, std::int32_t to)
@@ -152,7 +154,7 @@ class StrengthField::RowCut {
 
 namespace {
 
-/// Nodes of one axis that a point reaches, and the share of its cube that a voxel centred there holds.
+/// Nodes of one axis that a point reaches, and for each the share of its cube inside a voxel centred there.
 struct Reach {
   int first = 0;
   std::array<double, 64> share{};
@@ -170,7 +172,7 @@ StrengthField::StrengthField(const ErosionPoints& points, std::span<const double
     hi = glm::max(hi, p);
   }
   const double margin = 0.5 * (voxel_edge + points.pitch) + 2.0 * spacing_;
-  // A coarser lattice where the tool is so large that the table would not fit: 64 million nodes.
+  // A coarser lattice if the table would exceed 64 million nodes.
   const auto nodes = [&] { return glm::ceil((hi - lo + 2.0 * margin) / spacing_) + 1.0; };
   while (nodes().x * nodes().y * nodes().z > 0x1p26 || points.pitch + voxel_edge > 60.0 * spacing_) spacing_ *= 2.0;
   size_ = Vec3i(nodes());
@@ -223,7 +225,7 @@ void StrengthField::measure_extent() {
     ball_ = std::max(ball_, glm::length(Vec3(v) - middle_));
     tube_ = std::max(tube_, std::hypot(v.x - axis.x, v.y - axis.y));
   });
-  // A place takes the node nearest to it, at most half a node off on each axis.
+  // A position uses the nearest node, at most half a node away on each axis.
   ball_ += 0.5 * std::sqrt(3.0) + kRounding;
   tube_ += 0.5 * std::sqrt(2.0) + kRounding;
 }
@@ -233,13 +235,7 @@ void StrengthField::look_up(const MasterWindow& window, const Affine& index_from
   field.box = {};
   if (table_.empty()) return;
   const Vec3 least_node = origin_ + spacing_ * (Vec3(lo_) - 1.0), most_node = origin_ + spacing_ * Vec3(hi_);
-  Vec3 lo(1e300), hi(-1e300);
-  for (int n = 0; n < 8; ++n) {
-    const Vec3 p = index_from_tool * Vec3((n & 1) != 0 ? most_node.x : least_node.x, (n & 2) != 0 ? most_node.y : least_node.y,
-                                          (n & 4) != 0 ? most_node.z : least_node.z);
-    lo = glm::min(lo, p);
-    hi = glm::max(hi, p);
-  }
+  auto [lo, hi] = bounds_under(index_from_tool, {least_node, most_node});
   // A ball is a box no wider than itself, however it is turned.
   const Vec3 middle = index_from_tool * (origin_ + spacing_ * middle_);
   const Mat3 rows = glm::transpose(index_from_tool.linear);

@@ -12,7 +12,7 @@
 namespace burrhole {
 namespace {
 
-/// An empty table round the bounds, or why not.
+/// An empty table around the bounds, or the error.
 Result<CuttingField> make_table(const Bounds& bounds, const CuttingFieldSize& size) {
   if (!(size.pitch > 0.0) || !std::isfinite(size.pitch) || !(size.margin >= 0.0) || !std::isfinite(size.margin))
     return Error{ErrorCode::out_of_range, "pitch and margin of a cutting field must be numbers, the pitch above 0", {}};
@@ -34,7 +34,7 @@ Result<CuttingField> make_table(const Bounds& bounds, const CuttingFieldSize& si
   return field;
 }
 
-/// Layer by layer outwards, each node without a factor takes the mean of those of its six neighbours that have one.
+/// Extends factors outwards layer by layer: a node without a factor takes the mean of its six neighbours that have one.
 void extend_factors(CuttingField& field) {
   const VoxelBox all{Vec3i(0), field.dims};
   const int layers = static_cast<int>(std::ceil(field.margin / field.pitch)) + 1;
@@ -62,8 +62,8 @@ void extend_factors(CuttingField& field) {
   }
 }
 
-/// Between nodes linear interpolation lies above a function that bends upwards, as distances to a convex solid do: on average over a cell
-/// by a twelfth of the second differences along the three axes. Taking that off the nodes leaves no bias, on rounded edges neither.
+/// Linear interpolation lies above a convex function, such as the distance to a convex solid: on average over a cell by a twelfth of the
+/// second differences along the three axes. Subtracting this at the nodes removes the bias, also on rounded edges.
 void take_off_bias(CuttingField& field) {
   const VoxelBox all{Vec3i(0), field.dims};
   const std::size_t row = static_cast<std::size_t>(field.dims.x), slab = row * static_cast<std::size_t>(field.dims.y);
@@ -76,11 +76,11 @@ void take_off_bias(CuttingField& field) {
   });
 }
 
-/// One cutting region: its solid, less what was listed before it and does not cut.
+/// One cutting region: its solid without the passive regions listed before it.
 struct Piece {
   std::vector<Solid> solid;  ///< one
   std::vector<OutlinePiece> outline;
-  std::vector<std::size_t> passive_before;  ///< into the pieces
+  std::vector<std::size_t> passive_before;  ///< indices into the pieces
 };
 
 /// The cutting part of a bit made of regions.
@@ -136,7 +136,7 @@ class CuttingSolid {
                                     Face::minus_x, Face::plus_x, Face::minus_y, Face::plus_y};
     return rule.interior == 0.0 || std::any_of(faces.begin(), faces.end(), [&](Face face) { return rule.of_face(face) == 0.0; });
   }
-  /// Below a face with factor 0 nothing cuts down to the skin's depth; with an interior of 0 nothing cuts below it.
+  /// Below a face with factor 0, nothing cuts down to the depth of the skin; with an interior factor of 0, nothing cuts below the skin.
   [[nodiscard]] double skin(const Vec3& p) const {
     const double none = -std::numeric_limits<double>::infinity();
     const NearestFace near = find_nearest_face(solids_, spec_->outline, p);
@@ -150,13 +150,13 @@ class CuttingSolid {
   const ToolSpec* spec_;
   std::vector<Solid> solids_;
   std::vector<Piece> pieces_;
-  bool simple_ = true;  ///< one body that cuts everywhere
+  bool simple_ = true;  ///< one body that cuts on all faces
 };
 
 }  // namespace
 
 CuttingFieldSize cutting_field_size(double voxel_edge, double least_radius) noexcept {
-  // pitch^2 (2 / R) / 8 <= 0.005 voxel, R in voxels, of a ball; a reach of sqrt(3) voxels, half a sub-step and room for rounding.
+  // On a ball pitch^2 (2 / R) / 8 <= 0.005 voxel, R in voxels. Margin: sqrt(3) voxels, half a sub-step and a reserve for rounding.
   const double pitch = std::clamp(std::sqrt(0.02 * least_radius / voxel_edge), 0.125, 0.5);
   return {.pitch = pitch * voxel_edge, .margin = 2.5 * voxel_edge};
 }

@@ -1,7 +1,10 @@
-/// core/tool/cutting_field.h: the cutting part of a bit as a table of signed distances: where between erosion points its surface runs.
+/// core/tool/cutting_field.h: the cutting part of a bit as a table of signed distances and erosion factors. The table defines the cutting
+///   surface between the erosion points.
 ///   Frame   tool frame; node (i, j, k) lies at origin + pitch * (i, j, k), i fastest.   Units  SI.
-///   Linear interpolation between nodes is off by up to pitch^2 (1/R1 + 1/R2) / 8 on a surface with radii R1 and R2, without bias: nodes
-///   are lower by the mean of it. It rounds a sharp edge by a fraction of the pitch.   Source  own derivation.
+///   Errors  out_of_range for a size that is not positive or too many nodes.   Thread  any; immutable once made.
+///   Source  own derivation. Linear interpolation between nodes differs by up to pitch^2 (1/R1 + 1/R2) / 8 from a surface with radii R1 and
+///           R2. The nodes are lowered by the mean of this difference, so there is no bias. Sharp edges are rounded by a fraction of the
+///   pitch.
 #pragma once
 
 #include <functional>
@@ -17,18 +20,18 @@
 namespace burrhole {
 
 struct CuttingField {
-  Vec3 origin{0.0};             ///< [m]
-  double pitch = 0.0;           ///< [m]
-  double margin = 0.0;          ///< [m] the table reaches at least this far beyond `bounds`
-  Vec3i dims{0};                ///< at least 2 an axis, unless nothing cuts: then 0
+  Vec3 origin{0.0};             ///< [m] position of node (0, 0, 0)
+  double pitch = 0.0;           ///< [m] spacing of nodes
+  double margin = 0.0;          ///< [m] the table extends at least this far beyond `bounds`
+  Vec3i dims{0};                ///< [nodes] at least 2 per axis; 0 if nothing cuts
   Bounds bounds;                ///< [m] of the cutting part
   std::vector<float> distance;  ///< [m] to the surface of the cutting part, negative inside
-  std::vector<float> factor;    ///< [1/rev] erosion factor; outside, the mean of the nearest inside
+  std::vector<float> factor;    ///< [1/rev] erosion factor; outside, the mean of the nearest nodes inside
   [[nodiscard]] bool empty() const noexcept { return distance.empty(); }
   [[nodiscard]] std::size_t bytes() const noexcept { return (distance.size() + factor.size()) * sizeof(float); }
 };
 
-/// How fine and how wide.
+/// Spacing and extent of a cutting field.
 struct CuttingFieldSize {
   double pitch = 0.0;   ///< [m] > 0
   double margin = 0.0;  ///< [m] >= 0
@@ -36,21 +39,21 @@ struct CuttingFieldSize {
 
 inline constexpr std::size_t kMaxCuttingNodes = 64'000'000;
 
-/// Half the voxel edge for wide tools; finer for slim ones, so that interpolation is off by 0.005 voxel at most on a ball; never below an
-/// eighth.
-/// @param least_radius [m] smallest half-width of the cutting part. The margin is what core/drill/coverage.h asks for.
+/// @returns half the voxel edge for wide tools and less for slim tools, so that the interpolation error on a ball is at most 0.005 voxel;
+/// never less than an eighth of the voxel edge. The margin is the one that core/drill/coverage.h needs.
+/// @param voxel_edge [m] > 0. @param least_radius [m] smallest half-width of the cutting part.
 [[nodiscard]] CuttingFieldSize cutting_field_size(double voxel_edge, double least_radius) noexcept;
 
-/// From any signed distance [m], negative inside, never farther from the truth than the pitch, and a factor [1/rev] inside.
-/// @returns ErrorCode::out_of_range when the size is no positive number or there would be more than kMaxCuttingNodes.
+/// Makes a field from a signed distance [m], negative inside, with an error of at most the pitch, and an erosion factor [1/rev] inside.
+/// @returns ErrorCode::out_of_range if the size is not a positive number or the field would have more than kMaxCuttingNodes nodes.
 [[nodiscard]] Result<CuttingField> make_cutting_field(const Bounds& bounds, const std::function<double(const Vec3&)>& signed_distance,
                                                       const std::function<double(const Vec3&)>& factor, const CuttingFieldSize& size);
 
-/// Of a bit made of regions: exact where one body cuts on all its faces; else what cuts (regions by their order, faces with a factor of 0
-/// less their skin) by maxima and minima of distances: the surface is exact, distances far from it are bounds.
+/// Makes the field of a bit made of regions. It is exact if one body cuts on all its faces. Otherwise it combines distances by maxima and
+/// minima (regions in their order; faces with factor 0 without their skin): the surface is exact, distances far from it are bounds.
 [[nodiscard]] Result<CuttingField> make_cutting_field(const ToolSpec& spec, const CuttingFieldSize& size);
 
-/// Of a bit given by a closed surface: exact up to the margin from the surface, between its cutting heights.
+/// Makes the field of a bit given by a closed surface, between its cutting heights. It is exact up to `margin` from the surface.
 [[nodiscard]] Result<CuttingField> make_mesh_cutting_field(const MeshToolSpec& spec, const SurfaceMesh& mesh, const CuttingFieldSize& size);
 
 }  // namespace burrhole

@@ -5,8 +5,8 @@
 #include "core/tool/cutting_field.h"
 #include "core/tool/mesh_slices.h"
 
-// Distances of nodes near each triangle, by its own box grown by the margin; the sign comes from the winding of the slices. Nodes that no
-// triangle reaches are at least the margin away and get plus or minus that.
+// Distances are computed at the nodes in the box of each triangle, grown by the margin; the sign is the winding number of the slices. Nodes
+// that no triangle reaches are at least the margin away and get plus or minus the margin.
 
 namespace burrhole {
 namespace {
@@ -24,7 +24,7 @@ double squared_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) noexcept 
   return squared(p - a - t * way);
 }
 
-/// To the plane where the foot lies inside, else to the nearest edge.
+/// Distance to the plane if the foot of the perpendicular lies inside the triangle, else to the nearest edge.
 double squared_to_triangle(const Vec3& p, const Triangle& t) noexcept {
   const Vec3 normal = glm::cross(t.b - t.a, t.c - t.a);
   const auto left_of = [&](const Vec3& a, const Vec3& b) { return glm::dot(glm::cross(b - a, p - a), normal) >= 0.0; };
@@ -73,7 +73,7 @@ Result<CuttingField> make_mesh_cutting_field(const MeshToolSpec& spec, const Sur
     const auto beyond = static_cast<float>(std::max(spec.cut_from - z, z - spec.cut_to));
     for (const std::uint8_t in : inside) {
       field->distance[at] = std::max(in != 0 ? -field->distance[at] : field->distance[at], beyond);
-      field->factor[at] = static_cast<float>(spec.erosion_factor);  // one factor everywhere: nothing to extend
+      field->factor[at] = static_cast<float>(spec.erosion_factor);  // one factor everywhere: no extension needed
       ++at;
     }
     return true;

@@ -9,7 +9,7 @@
 namespace burrhole {
 namespace {
 
-/// Box round what cuts in the layer at height z; nothing where nothing cuts.
+/// Bounding box of what cuts in the layer at height z; nothing if the layer does not cut.
 std::optional<Bounds> cutting_bounds(const ToolSpec& spec, double z) noexcept {
   std::optional<Bounds> all;
   for (const RegionSpec& region : spec.regions) {
@@ -31,7 +31,7 @@ double cutting_height(const ToolSpec& spec) noexcept {
   return top;
 }
 
-/// Calls f(p, factor) for each cell that cuts, k, j, i with i fastest, until f returns false.
+/// Calls f(p, factor) for each cutting cell, ordered k, j, i with i fastest, until f returns false.
 template <class F>
 void for_each_cell(const ToolSpec& spec, double pitch, F&& f) {
   const auto layers = static_cast<long long>(std::ceil(cutting_height(spec) / pitch));
@@ -67,7 +67,7 @@ double erosion_factor_at(const ToolSpec& spec, const Vec3& p) noexcept {
   if (law.base <= 0.0) return 0.0;
   const double r = std::sqrt(p.x * p.x + p.y * p.y);
   const double radial = law.axis + (law.rim - law.axis) * (r / region.solid.largest_radius());
-  if (!law.needs_depth()) return law.base * radial * law.interior;  // every face has the interior's factor: the distance does not matter
+  if (!law.needs_depth()) return law.base * radial * law.interior;  // every face has the interior's factor: no distance needed
   const NearestFace near = find_nearest_face(spec.solids(), spec.outline, p);
   return law.base * radial * (near.distance < law.skin ? law.of_face(near.face) : law.interior);
 }
@@ -75,9 +75,9 @@ double erosion_factor_at(const ToolSpec& spec, const Vec3& p) noexcept {
 Result<ErosionPoints> make_erosion_points(const ToolSpec& spec, double pitch) {
   if (!std::isfinite(pitch) || pitch <= 0.0)
     return Error{ErrorCode::out_of_range, fmt::format("erosion pitch = {:g} mm must be > 0", pitch * 1e3), {}};
-  double volume = 0.0;  // of cutting regions, overlaps counted twice
+  double volume = 0.0;  // of the cutting regions; overlaps count twice
   for (const RegionSpec& region : spec.regions) volume += region.erosion.base > 0.0 ? region.solid.volume() : 0.0;
-  // Ten times the limit cannot be an overlap's doing; the exact count below decides the rest. This keeps the loop short, its indices small.
+  // An early exit: overlaps cannot explain ten times the limit. It bounds the loop and its indices; the exact count below decides the rest.
   if (volume / (pitch * pitch * pitch) > 10.0 * static_cast<double>(kMaxErosionPoints)) return too_many(pitch);
   std::size_t count = 0;
   for_each_cell(spec, pitch, [&](const Vec3&, double) { return ++count <= kMaxErosionPoints; });

@@ -14,14 +14,15 @@ namespace burrhole {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr int kArcSteps = 32;      ///< of a curved piece
-constexpr int kLeastCorners = 64;  ///< of a ring
-constexpr double kStep = 0.5e-3;   ///< [m] of a cutting flank
-constexpr double kCrease = 0.8;    ///< [-] cosine between faces that share a normal: 37 degrees
+constexpr int kArcSteps = 32;      ///< per curved piece
+constexpr int kLeastCorners = 64;  ///< per ring
+constexpr double kStep = 0.5e-3;   ///< [m] axial step on a cutting flank
+constexpr double kCrease = 0.8;    ///< [-] cosine of the largest angle between faces that share a normal: 37 degrees
 
-/// One edge's share of the girth, from the edge, at 0, against the turn: a narrow land, the relief behind it, the flute before the next one.
+/// Profile of one cutting edge around the circumference, from the edge against the direction of rotation: land, relief, flute of the next
+/// edge.
 struct ProfilePoint {
-  double share, depth, fall;  ///< depth of the flute and fall of a flat end, 0..1
+  double share, depth, fall;  ///< [-] position 0..1, depth of the flute 0..1, axial relief of a flat end 0..1
 };
 constexpr std::array kProfile{ProfilePoint{0.0, 0.0, 0.0},    ProfilePoint{0.06, 0.0, 0.08}, ProfilePoint{0.30, 0.35, 0.40},
                               ProfilePoint{0.50, 0.75, 0.65}, ProfilePoint{0.70, 1.0, 0.90}, ProfilePoint{0.92, 1.0, 1.0}};
@@ -32,7 +33,7 @@ bool meets(double a, double b) { return std::abs(a - b) < kOutlineTolerance; }
 
 bool meet(const Meridian& a, const Meridian& b) { return glm::length(a - b) < kOutlineTolerance; }
 
-/// Corners of a ring, the same number on every ring of a bit.
+/// Corners of a ring; every ring of a bit has the same number.
 std::vector<ProfilePoint> ring_profile(int edges) {
   const int between =
       std::max(1, (kLeastCorners + edges * static_cast<int>(kProfile.size()) - 1) / (edges * static_cast<int>(kProfile.size())));
@@ -49,7 +50,7 @@ std::vector<ProfilePoint> ring_profile(int edges) {
   return ring;
 }
 
-/// Heights between which something cuts: the helix turns there and nowhere else.
+/// Heights between which the bit cuts. The helix turns within this range only.
 std::pair<double, double> cutting_heights(const ToolSpec& spec) {
   double low = 1e9, high = -1e9;
   for (const OutlinePiece& piece : spec.outline)
@@ -72,7 +73,7 @@ class FlutedBit {
   }
 
  private:
-  /// The piece of the chain that meets this one at `place`; a ring closes on itself. Null at the axis.
+  /// The piece of the chain that adjoins this one at `place`; a ring closes on itself. Null at the axis.
   static const OutlinePiece* neighbour(OutlineChain chain, std::size_t n, bool at_start) {
     const Meridian& place = at_start ? chain[n].start : chain[n].end;
     const OutlinePiece& other = chain[at_start ? (n + chain.size() - 1) % chain.size() : (n + 1) % chain.size()];
@@ -89,7 +90,7 @@ class FlutedBit {
     for (int i = 0; i <= steps; ++i) {
       const bool end = i == 0 || i == steps;
       const OutlinePiece* other = end ? neighbour(chain, n, i == 0) : nullptr;
-      // Where a passive piece begins there is no flute, or the surface would gape.
+      // A passive piece starts without a flute; otherwise the surface would have a gap.
       const bool fluted = cutting && (other == nullptr || cuts(*spec_, *other));
       const bool falls = fluted && other != nullptr && other->solid == piece.solid && at_bottom(piece, i == 0 ? piece.start : piece.end);
       std::vector<Vec3> ring = make_ring(piece, piece.point(static_cast<double>(i) / steps), fluted, falls);
@@ -111,7 +112,7 @@ class FlutedBit {
       const double angle = kTurn * p.share + turned;
       const double z = at.y + (falls ? edges_.relief * p.fall : 0.0);
       double r = at.x * (fluted ? 1.0 - edges_.depth * p.depth : 1.0);
-      // A flank that leans takes the end that falls along with it.
+      // An inclined flank uses the end with the relief of the adjoining end face.
       if (falls && meets(at.x, solid.low_radius)) r *= solid.radius(z) / solid.low_radius;
       if (falls && solid.low_bore > 0.0 && meets(at.x, solid.low_bore)) r *= solid.bore(z) / solid.low_bore;
       ring.emplace_back(r * portable_cos(angle), r * portable_sin(angle), z);
@@ -139,11 +140,11 @@ class FlutedBit {
   std::vector<Vec3> corners_;
 };
 
-/// Each corner's normal is the mean of those faces round it, by area, that its own face runs smoothly into.
+/// The normal of a corner is the area-weighted mean of the adjacent faces that meet the corner's own face smoothly.
 void append_creased(TriangleMesh& mesh, const std::vector<Vec3>& corners) {
   using Key = std::array<float, 3>;
   const auto key = [](const Vec3& p) { return Key{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; };
-  std::map<Key, std::vector<Vec3>> round;  // twice the areas of faces, along their normals
+  std::map<Key, std::vector<Vec3>> round;  // normals of adjacent faces, of length twice the area
   const auto area = [&](std::size_t t) { return glm::cross(corners[t + 1] - corners[t], corners[t + 2] - corners[t]); };
   for (std::size_t n = 0; n < corners.size(); ++n) round[key(corners[n])].push_back(area(n - n % 3));
   for (std::size_t n = 0; n < corners.size(); ++n) {

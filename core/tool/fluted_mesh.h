@@ -1,6 +1,7 @@
-/// core/tool/fluted_mesh.h: a bit as it looks: flutes and cutting edges on what cuts, made from the tool file's own dimensions. For pictures
-///   alone: what is felt and what erodes is the solid that the turning bit sweeps, and this mesh sweeps the same.
-///   Frame   tool frame.   Units  SI.   Source  own derivation. Numbers of edges, rake and relief are drawn from pictures of bits, not measured.
+/// core/tool/fluted_mesh.h: mesh of a bit with flutes and cutting edges, for pictures only. Contact and erosion use the solid of revolution
+///   that the spinning bit sweeps; the fluted mesh sweeps the same solid.
+///   Frame   tool frame.   Units  SI.   Errors  none.
+///   Source  own derivation. Numbers of edges, rake and relief are estimates from pictures of bits, not measurements.
 #pragma once
 
 #include "core/tool/tool.h"
@@ -8,21 +9,21 @@
 
 namespace burrhole {
 
-/// How the edges of a bit are set.
+/// Number and shape of the cutting edges of a bit.
 struct CuttingEdges {
-  int count = 0;        ///< 0: none, nothing that revolves cuts
-  double twist = 0.0;   ///< [rad/m] right-handed
+  int count = 0;        ///< 0: no cutting edges, no solid of revolution cuts
+  double twist = 0.0;   ///< [rad/m] of the helix, right-handed
   double depth = 0.0;   ///< [-] of the flutes, as a share of the distance from the axis
-  double relief = 0.0;  ///< [m] by which flat ends fall back behind their edges
+  double relief = 0.0;  ///< [m] axial relief of flat ends behind their edges
 };
 
-/// By the lowest region that cuts: a cone has two lips, a tube teeth, a flat bit of 8 mm and more four edges, a burr an edge about every
-/// 1.6 mm of its girth, 6 to 12, on a helix.
+/// Chooses the edges by the lowest cutting region: two lips on a cone, teeth on a tube, four edges on a flat bit of at least 8 mm, and on a
+/// burr one edge per 1.6 mm of circumference (6 to 12) on a helix.
 [[nodiscard]] CuttingEdges find_cutting_edges(const ToolSpec& spec);
 
-/// Closed, turned counter-clockwise seen from outside, with hard edges. No vertex lies outside the bit's solids; each point of their
-/// surface is swept within 0.1 mm by a turn of the mesh (a test says so of every shipped tool). The bit cuts turning clockwise seen from
-/// above, from +z.
+/// @returns a closed mesh, counter-clockwise seen from outside, with hard edges. No vertex lies outside the bit's solids. One revolution of
+/// the mesh sweeps every point of their surface to within 0.1 mm (tested for every shipped tool). The bit cuts when it turns clockwise seen
+/// from above (+z).
 [[nodiscard]] TriangleMesh make_fluted_mesh(const ToolSpec& spec);
 
 }  // namespace burrhole

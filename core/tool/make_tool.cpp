@@ -23,7 +23,7 @@ void fill_bounds(Tool& tool) {
     }
 }
 
-/// What both kinds of tool end with. Faults of either part go to issues with the place given.
+/// Final steps of both kinds of tool. Errors are pushed to issues with the place given.
 std::optional<Tool> assemble(Result<PointShell> shell, Result<ErosionPoints> erosion, const std::string& place, Issues& issues) {
   const auto refuse = [&](Error error) {
     error.place = place;
@@ -39,7 +39,7 @@ std::optional<Tool> assemble(Result<PointShell> shell, Result<ErosionPoints> ero
   return tool;
 }
 
-/// Half the least extent of what cuts.
+/// Half the smallest extent of the cutting part.
 double least_radius(const ErosionPoints& points) {
   if (points.size() == 0) return 0.0;
   Vec3 lo = points.positions.front(), hi = lo;
@@ -51,7 +51,7 @@ double least_radius(const ErosionPoints& points) {
   return 0.5 * std::min({size.x, size.y, size.z});
 }
 
-/// Adds the table that `options` ask for, made by `make(size)`. @returns false when an issue was pushed.
+/// Adds the cutting field that `options` request, made by `make(size)`. @returns false if an issue was pushed.
 template <class Make>
 bool add_cutting_field(Tool& tool, const ToolOptions& options, const std::string& place, Issues& issues, Make&& make) {
   if (!(options.cutting_voxel > 0.0)) return true;
@@ -66,7 +66,7 @@ bool add_cutting_field(Tool& tool, const ToolOptions& options, const std::string
   return false;
 }
 
-/// The surface of a [mesh], in the tool frame; faults name the key `file`.
+/// The surface of a [mesh] in the tool frame; errors name the key `file`.
 std::optional<SurfaceMesh> read_tool_mesh(const MeshToolSpec& spec, const ToolOptions& options, Issues& issues) {
   const auto refuse = [&](Error error) {
     error.message = "mesh.file = \"" + spec.file + "\" " + error.message;
@@ -74,7 +74,7 @@ std::optional<SurfaceMesh> read_tool_mesh(const MeshToolSpec& spec, const ToolOp
     issues.push_back(std::move(error));
     return std::nullopt;
   };
-  if (!options.read_mesh) return refuse(bad_input("cannot be read here: this program reads no meshes"));
+  if (!options.read_mesh) return refuse(bad_input("cannot be read: this program has no mesh reader"));
   Result<SurfaceMesh> mesh = options.read_mesh(spec.path, spec.unit);
   if (!mesh) return refuse(mesh.error());
   Result<SurfaceMesh> placed = place_tool_mesh(spec, std::move(mesh).value());

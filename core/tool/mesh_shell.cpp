@@ -9,14 +9,13 @@
 
 #include "core/tool/mesh_tool.h"
 
-// Even sampling of any surface, own derivation. Candidates: the corners of all triangles, cut at the middle of their longest edge until no
-// edge is longer than h = 0.2 pitch. In a triangle with edges up to h no point is farther than h / sqrt(3) from a corner (the worst is the
-// middle of an equilateral one), so candidates cover the surface to 0.116 pitch. Samples are chosen from them in two passes, from the tip
-// upwards, like sand that settles: first at least 0.85 pitch apart, which packs nearly hexagonally where the surface is smooth; then where
-// a candidate still has no sample within 0.59 pitch. Every point of the surface thus has a sample within (0.116 + 0.59) pitch <
-// pitch / sqrt(2). (0.85 by trial: a sphere takes 1.45 samples a pitch^2; with 0.72 or 1.0 it takes 1.8.) A sample counts for a candidate
-// only if their normals agree to within 84 degrees (cosine 0.1), which keeps the sides of a thin wall and the faces of a right-angled edge
-// apart.
+// Even sampling of any surface; own derivation. Candidates are the corners of all triangles, which are split at the middle of their longest
+// edge until no edge is longer than h = 0.2 pitch. In a triangle with edges up to h every point is within h / sqrt(3) of a corner (worst
+// case: the centre of an equilateral triangle), so the candidates cover the surface to 0.116 pitch. Samples are chosen from them in two
+// passes, from the tip upwards: first at least 0.85 pitch apart, which gives a nearly hexagonal pattern on smooth surfaces; then every
+// candidate without a sample within 0.59 pitch. So every point of the surface has a sample within (0.116 + 0.59) pitch < pitch / sqrt(2).
+// (0.85 was found by trial: a sphere takes 1.45 samples per pitch^2, and 1.8 with 0.72 or 1.0.) A sample covers a candidate only if their
+// normals agree to within 84 degrees (cosine 0.1). This separates the two sides of a thin wall and the faces of a right-angled edge.
 
 namespace burrhole {
 namespace {
@@ -39,7 +38,7 @@ Corners corners_of(const SurfaceMesh& mesh, std::size_t triangle) {
   return {at(0), at(1), at(2)};
 }
 
-/// Cuts a triangle until its edges are at most h, adding the cuts' points.
+/// Splits a triangle until its edges are at most h and adds the new points.
 void split(const Corners& t, double h, std::uint32_t triangle, std::vector<Candidate>& out) {
   std::size_t longest = 0;
   double length = 0.0;
@@ -61,7 +60,7 @@ void split(const Corners& t, double h, std::uint32_t triangle, std::vector<Candi
 std::vector<Candidate> make_candidates(const SurfaceMesh& mesh, const std::vector<Vec3>& normals, double h) {
   std::vector<Candidate> out;
   for (std::uint32_t t = 0; t < normals.size() && out.size() <= kMaxCandidates; ++t) {
-    if (normals[t] == Vec3(0.0)) continue;  // no area: its neighbours have these points too
+    if (normals[t] == Vec3(0.0)) continue;  // zero area: its neighbours contain these points
     const Corners corners = corners_of(mesh, t);
     for (const Vec3& p : corners) out.push_back({p, t});
     split(corners, h, t, out);
@@ -85,7 +84,7 @@ std::vector<Vec3> outward_normals(const SurfaceMesh& mesh) {
   return normals;
 }
 
-/// Samples taken so far, in cells as wide as the widest question asked.
+/// Samples chosen so far, in a hash grid with cells as wide as the largest query radius.
 class Taken {
  public:
   Taken(double cell, const std::vector<Vec3>& normals) : cell_(cell), normals_(normals) {}
@@ -103,7 +102,7 @@ class Taken {
   void add(const Candidate& c) { cells_[key(floor_int(c.p / cell_))].push_back(c); }
 
  private:
-  /// A tool is within 0.2 m and a cell at least 9 um: 21 bits an axis suffice.
+  /// A tool lies within 0.2 m and a cell is at least 9 um wide, so 21 bits per axis suffice.
   [[nodiscard]] static std::uint64_t key(const Vec3i& v) noexcept {
     const auto bits = [](int x) { return static_cast<std::uint64_t>(x + (1 << 20)); };
     return bits(v.x) << 42 | bits(v.y) << 21 | bits(v.z);

@@ -5,12 +5,12 @@
 #include <numeric>
 #include <optional>
 
-// A closed mesh cut by the plane z = Z is a set of closed polygons: a triangle gives one segment, from the point of its edge that falls
-// through the plane to the point of the edge that rises. A vertex counts as below when z <= Z, so an edge either crosses or does not, and
-// its point is computed from the lower end to the upper one: the same bits for both triangles. The same again, one dimension down: a row
-// y = Y cuts the polygons where one end of a segment has y <= Y and the other has not. Seen from outside a triangle runs counter-clockwise,
-// so a face that looks towards -x has its rising edge at smaller y than its falling one: crossing it along +x is an entry. (Check:
-// (0,0,0), (0,0,1), (0,1,0) has the normal -x, rises at y = 0 and falls at y > 0.)
+// A plane z = Z cuts a closed mesh in closed polygons. Each triangle contributes one segment, from the point where an edge crosses the
+// plane downwards to the point where an edge crosses it upwards. A vertex counts as below if z <= Z, so an edge either crosses or does not.
+// The crossing is computed from the lower end to the upper end: both triangles get the same bits. The same rule applies one dimension down:
+// a row y = Y crosses a segment if exactly one end has y <= Y. Seen from outside a triangle runs counter-clockwise, so a face with a normal
+// towards -x has its rising edge at smaller y than its falling edge: a crossing along +x is an entry. (Check: (0,0,0), (0,0,1), (0,1,0) has
+// the normal -x, rises at y = 0 and falls at y > 0.)
 
 namespace burrhole {
 namespace {
@@ -24,7 +24,7 @@ struct Segment {
 };
 
 double between(double a, double b, double t) noexcept {
-  // Clamped: what is met must not lie outside the edge for the sake of a rounding.
+  // Clamped: rounding must not move the crossing outside the edge.
   return std::clamp(a + t * (b - a), std::min(a, b), std::max(a, b));
 }
 
@@ -50,7 +50,7 @@ std::optional<Segment> cut(const SurfaceMesh& mesh, std::size_t triangle, double
   return met ? std::optional<Segment>(s) : std::nullopt;
 }
 
-/// +1 where the row enters the solid through the segment, -1 where it leaves, 0 where they do not meet.
+/// +1 if the row enters the solid through the segment, -1 if it leaves, 0 if they do not cross.
 int crossing(const Segment& s, double y) noexcept { return (s.rising.y <= y ? 1 : 0) - (s.falling.y <= y ? 1 : 0); }
 
 double crossing_x(const Segment& s, double y) noexcept {
@@ -63,14 +63,14 @@ struct IntRange {
   int lo, hi;  ///< half-open
 };
 
-/// Lattice steps that may lie within [a, b], one to spare on either side against rounding; clamped to 0 .. count.
+/// Lattice steps that may lie within [a, b], with one extra on either side for rounding; clamped to 0 .. count.
 IntRange steps_within(double a, double b, double origin, double pitch, int count) noexcept {
   const double limit = count;
   const double lo = std::floor((a - origin) / pitch) - 1.0, hi = std::ceil((b - origin) / pitch) + 2.0;
   return {static_cast<int>(std::clamp(lo, 0.0, limit)), static_cast<int>(std::clamp(hi, 0.0, limit))};
 }
 
-/// Adds what a segment changes at the first lattice point of each row at or after it.
+/// Adds the change of the winding number by a segment at the first lattice point of each row at or after the crossing.
 void add_segment(const Segment& s, const PointLattice& lattice, std::vector<int>& change) {
   const IntRange rows =
       steps_within(std::min(s.rising.y, s.falling.y), std::max(s.rising.y, s.falling.y), lattice.origin.y, lattice.pitch, lattice.dims.y);
@@ -84,7 +84,7 @@ void add_segment(const Segment& s, const PointLattice& lattice, std::vector<int>
   }
 }
 
-/// Runs along the rows; leaves `change` zero for the next slice.
+/// Accumulates along the rows; leaves `change` zero for the next slice.
 void sum_rows(std::vector<int>& change, int width, std::vector<std::uint8_t>& inside) {
   for (std::size_t at = 0; at < change.size();) {
     int winding = 0;

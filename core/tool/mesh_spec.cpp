@@ -17,14 +17,14 @@ namespace fs = std::filesystem;
 
 constexpr double kMaxAcross = 50.0 * kMillimetre;  // from the axis, as for regions
 constexpr double kMaxHeight = 200.0 * kMillimetre;
-constexpr double kTipTolerance = 0.01 * kMillimetre;  // a tip that rounding or facets have moved, far below a voxel
+constexpr double kTipTolerance = 0.01 * kMillimetre;  // rounding or facets may move the tip by this much; far below a voxel
 constexpr double kMaxLength_mm = 1000.0;
 
 struct CosSin {
   double cos, sin;
 };
 
-/// Right angles are exact, so that a file that lies on its side comes up straight.
+/// Right angles are exact, so that a rotated file has no rounding error.
 CosSin cos_sin(double degrees) {
   const double quarters = degrees / 90.0;
   if (quarters == std::floor(quarters)) {
@@ -34,7 +34,7 @@ CosSin cos_sin(double degrees) {
   return {portable_cos(degrees * kDegree), portable_sin(degrees * kDegree)};
 }
 
-/// About x, then y, then z.
+/// Rotation about x, then y, then z.
 Mat3 turned(const Vec3& degrees) {
   const CosSin x = cos_sin(degrees.x), y = cos_sin(degrees.y), z = cos_sin(degrees.z);
   const Mat3 about_x(1, 0, 0, 0, x.cos, x.sin, 0, -x.sin, x.cos);  // columns
@@ -62,7 +62,7 @@ void read_frame(TableReader& table, MeshToolSpec& spec) {
                             "brings the turned file's tip to the origin");
 }
 
-std::optional<std::string> size_fault(const Vec3& lo, const Vec3& hi) {
+std::optional<std::string> size_error(const Vec3& lo, const Vec3& hi) {
   const double across = std::max({-lo.x, hi.x, -lo.y, hi.y});
   const auto mm = [](double length) { return length / kMillimetre; };
   if (across > kMaxAcross || hi.z - lo.z > kMaxHeight)
@@ -107,14 +107,14 @@ std::optional<MeshToolSpec> read_mesh_tool_spec(const TomlDocument& document, Is
 }
 
 Result<SurfaceMesh> place_tool_mesh(const MeshToolSpec& spec, SurfaceMesh mesh) {
-  if (auto fault = mesh_fault(mesh)) return bad_input("is no solid, " + *fault);
+  if (auto error = mesh_error(mesh)) return bad_input("is not a solid, " + *error);
   Vec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;
   for (Vec3& p : mesh.positions) {
     p = spec.turn * p + spec.shift;
     lo = glm::min(lo, p);
     hi = glm::max(hi, p);
   }
-  if (auto fault = size_fault(lo, hi)) return bad_input(*fault);
+  if (auto error = size_error(lo, hi)) return bad_input(*error);
   return mesh;
 }
 

@@ -11,7 +11,7 @@
 namespace burrhole {
 namespace {
 
-/// Lattice cells from lo to below hi; centres at (n + 1/2) pitch.
+/// Half-open range of lattice cells; centres at (n + 1/2) pitch.
 struct Cells {
   Vec3i lo{0}, hi{0};
 };
@@ -25,7 +25,7 @@ Error too_many(double pitch) {
       {}};
 }
 
-/// Cells round the mesh, at cutting heights only. Ten times the limit in volume would be slow as well as vain: nothing then.
+/// Cells around the mesh at cutting heights. Nothing if their volume is ten times the limit: filling them would be slow and fail anyway.
 bool find_cells(const MeshToolSpec& spec, const SurfaceMesh& mesh, double pitch, Cells& cells) {
   Vec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;
   for (const Vec3& p : mesh.positions) {

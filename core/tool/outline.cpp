@@ -13,7 +13,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kArcSteps = 128;
 
-/// Angle in [0, pi] whose cosine is c, by bisection on portable_cos: std::acos may differ between machines.
+/// Angle in [0, pi] with cosine c, by bisection on portable_cos: std::acos may differ between machines.
 double portable_acos(double c) noexcept {
   if (c >= 1.0) return 0.0;
   if (c <= -1.0) return kPi;
@@ -29,7 +29,7 @@ Meridian arc_point(const OutlinePiece& piece, double angle) noexcept {
   return {piece.radius * portable_sin(angle), piece.centre - piece.half_height * portable_cos(angle)};
 }
 
-/// Angle on an arc at a fraction of its length, by the table of lengths.
+/// Angle on an arc at a fraction of its length, from the table of lengths.
 double arc_angle(const OutlinePiece& piece, double fraction) noexcept {
   const double along = fraction * piece.arc_length.back();
   const auto above = std::upper_bound(piece.arc_length.begin() + 1, piece.arc_length.end() - 1, along);
@@ -44,7 +44,7 @@ Meridian nearest_on_segment(const Meridian& p, const Meridian& a, const Meridian
   return a + t * along;
 }
 
-/// Point of a piece nearest to p, and how far it is.
+/// Point of a piece nearest to p, and its distance.
 struct Foot {
   Meridian at{0.0};
   double distance = std::numeric_limits<double>::infinity();
@@ -70,14 +70,14 @@ Foot find_foot(const OutlinePiece& piece, const Meridian& p) noexcept {
   return foot;
 }
 
-/// Outward normal of a piece near one of its points: exact on a line, by the gradient of the ellipse on an arc.
+/// Outward normal of a piece near one of its points: exact on a line, from the gradient of the ellipse on an arc.
 Meridian outward_at(const OutlinePiece& piece, const Meridian& at) noexcept {
   if (!piece.curved) return piece.outward(0.0);
   const Meridian gradient(at.x * piece.half_height / piece.radius, (at.y - piece.centre) * piece.radius / piece.half_height);
   return glm::normalize(gradient);
 }
 
-/// Point of a box's face nearest to p.
+/// Point of a face of a box nearest to p.
 Vec3 box_foot(const Bounds& box, const BoxFace& face, const Vec3& p) noexcept {
   Vec3 foot = glm::clamp(p, box.lo, box.hi);
   foot[face.axis] = face.sign < 0.0 ? box.lo[face.axis] : box.hi[face.axis];
@@ -97,9 +97,9 @@ Meridian OutlinePiece::point(double fraction) const noexcept {
 Meridian OutlinePiece::outward(double fraction) const noexcept {
   if (!curved) {
     const Meridian along = glm::normalize(end - start);
-    return {along.y, -along.x};  // the tip is below: outside lies to the right of the way up
+    return {along.y, -along.x};  // the tip is at the bottom, so the outside is to the right of the upward direction
   }
-  // Gradient of (r / A)^2 + ((z - centre) / C)^2, scaled by A C: no division where a semi-axis is small.
+  // Gradient of (r / A)^2 + ((z - centre) / C)^2, scaled by A C: no division by a small semi-axis.
   const double angle = fraction <= 0.0 ? start_angle : fraction >= 1.0 ? end_angle : arc_angle(*this, fraction);
   return glm::normalize(Meridian(half_height * portable_sin(angle), -radius * portable_cos(angle)));
 }
@@ -136,7 +136,7 @@ std::vector<OutlineChain> chains_of(std::span<const OutlinePiece> outline) {
   std::vector<OutlineChain> chains;
   std::size_t first = 0;
   for (std::size_t i = 1; i <= outline.size(); ++i) {
-    // Joints are equal to the last bit (join_ends): a ring is closed when it is back at its start.
+    // join_ends makes joints equal to the last bit: a ring is closed if its end equals its start.
     const bool closed = outline[i - 1].end == outline[first].start;
     if (i < outline.size() && !closed && outline[i].start == outline[i - 1].end) continue;
     chains.push_back(outline.subspan(first, i - first));

@@ -9,15 +9,15 @@
 
 #include "core/tool/outline.h"
 
-// Own derivation. Each solid of revolution is a closed profile in the half-plane (r, z), walked with the material on the left: bottom,
-// outer side, top, and down the bore. All profiles are cut wherever they meet another one; a part is surface unless just outside it lies
-// another solid. Parts that are left join end to end. Edges are either level (z fixed) or have r^2(z) of degree two, so that two of them
-// meet at roots of a quadratic: no iteration and no tolerance but that of coinciding ends.
+// Own derivation. Each solid of revolution is a closed profile in the half-plane (r, z), traversed with the material on the left: bottom,
+// outer side, top, and down the bore. Every profile is cut where it meets another one. A part is surface unless the point just outside it
+// lies in another solid. The remaining parts are joined end to end. An edge is either level (z fixed) or has r^2(z) of degree two, so two
+// edges meet at roots of a quadratic: no iteration, and no tolerance other than that of coinciding ends.
 
 namespace burrhole {
 namespace {
 
-/// One edge of a profile. Level: from start.x to end.x at one height; else r^2(z) between the heights of its ends.
+/// One edge of a profile. Level: from start.x to end.x at one height; otherwise r^2(z) between the heights of its ends.
 struct Edge {
   std::size_t solid = 0;
   Face face = Face::side;
@@ -28,7 +28,7 @@ struct Edge {
   [[nodiscard]] double low() const noexcept { return std::min(start.y, end.y); }
   [[nodiscard]] double high() const noexcept { return std::max(start.y, end.y); }
   [[nodiscard]] double radius(double z) const noexcept { return std::sqrt(std::max(0.0, (form.a * z + form.b) * z + form.c)); }
-  /// How far along the edge a point of it lies, 0 at start, 1 at end.
+  /// Position of a point along its edge, 0 at start, 1 at end.
   [[nodiscard]] double along(const Meridian& p) const noexcept {
     return level ? (p.x - start.x) / (end.x - start.x) : (p.y - start.y) / (end.y - start.y);
   }
@@ -63,17 +63,17 @@ std::vector<Edge> profile_of(const Solid& solid, std::size_t index) {
   return edges;
 }
 
-/// Heights where two edges that are not level have the same r^2.
+/// Heights at which two edges that are not level have the same r^2.
 std::vector<double> equal_radius(const Solid::Quadratic& p, const Solid::Quadratic& q) {
   const double a = p.a - q.a, b = p.b - q.b, c = p.c - q.c;
   if (a == 0.0) return b != 0.0 ? std::vector<double>{-c / b} : std::vector<double>{};
   const double d = b * b - 4.0 * a * c;
   if (d <= 0.0) return {};
-  const double w = -0.5 * (b + (b < 0.0 ? -std::sqrt(d) : std::sqrt(d)));  // the root that does not cancel, then by c / w
+  const double w = -0.5 * (b + (b < 0.0 ? -std::sqrt(d) : std::sqrt(d)));  // the root without cancellation, the other one is c / w
   return w != 0.0 ? std::vector<double>{w / a, c / w} : std::vector<double>{w / a};
 }
 
-/// Points of `edge` where the inside of `other` meets it; ends are looked at apart.
+/// Points of `edge` where it meets the inside of `other`; ends are handled separately.
 std::vector<Meridian> crossings(const Edge& edge, const Edge& other) {
   std::vector<Meridian> points;
   const auto offer = [&](const Meridian& p) {
@@ -89,7 +89,7 @@ std::vector<Meridian> crossings(const Edge& edge, const Edge& other) {
   return points;
 }
 
-/// A stretch of an edge between two cuts.
+/// The part of an edge between two cuts.
 struct Part {
   const Edge* edge = nullptr;
   Meridian start{0.0}, end{0.0};
@@ -101,7 +101,7 @@ std::vector<Part> cut(const Edge& edge, std::span<const Edge> edges) {
     const auto same = [&](const Meridian& q) { return glm::length(p - q) < kOutlineTolerance; };
     if (edge.holds(p) && std::none_of(points.begin(), points.end(), same)) points.push_back(p);
   };
-  // Ends of other edges first: where they lie on this one their own bits are taken, so that neighbours share a point exactly.
+  // Ends of other edges first: if they lie on this edge their own bits are used, so that neighbours share a point exactly.
   for (const Edge& other : edges) {
     if (other.solid == edge.solid) continue;
     add(other.start);
@@ -116,7 +116,7 @@ std::vector<Part> cut(const Edge& edge, std::span<const Edge> edges) {
   return parts;
 }
 
-/// Just outside and just inside the middle of a part.
+/// Points just outside and just inside the middle of a part.
 struct Probes {
   Vec3 outside{0.0}, inside{0.0};
 };
@@ -136,7 +136,7 @@ Probes probe(const Part& part) noexcept {
   return {{middle.x + along.y, 0.0, middle.y - along.x}, {middle.x - along.y, 0.0, middle.y + along.x}};
 }
 
-/// Which solids hang together: union-find by the lowest index.
+/// Connected components of the solids: union-find by the lowest index.
 class Bodies {
  public:
   explicit Bodies(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
@@ -150,7 +150,7 @@ class Bodies {
   std::vector<std::size_t> parent_;
 };
 
-/// Surface points of a solid, dense enough to meet what it touches.
+/// Surface points of a solid, dense enough to detect contact with another solid.
 template <class F>
 void for_each_surface_point(const Solid& solid, F&& f) {
   constexpr int kSteps = 32;
@@ -179,8 +179,8 @@ bool boxes_touch(const Bounds& a, const Bounds& b) noexcept {
   return wide >= 2;
 }
 
-/// A box and a solid of revolution: a point just outside the box's faces lies in the other, or one just outside the other's profile, turned
-/// round the axis, lies in the box.
+/// A box and a solid of revolution are connected if a point just outside the faces of the box lies in the other solid, or a point just
+/// outside the other profile, rotated about the axis, lies in the box.
 bool box_touches(const Solid& box, const Solid& round) {
   bool touch = false;
   for_each_surface_point(box, [&](const Vec3& p) { touch = touch || round.contains(p); });
@@ -201,7 +201,7 @@ bool box_touches(const Solid& box, const Solid& round) {
   return touch;
 }
 
-/// Makes neighbours share their point, and the poles lie on the axis, to the last bit: a mesh made from the line is then closed.
+/// Makes neighbours share their point, and poles lie on the axis, to the last bit: a mesh made from the outline is then closed.
 void join_ends(std::vector<OutlinePiece>& chain) {
   for (std::size_t i = 1; i < chain.size(); ++i) chain[i].start = chain[i - 1].end;
   if (glm::length(chain.front().start - chain.back().end) < kOutlineTolerance) {
@@ -212,7 +212,7 @@ void join_ends(std::vector<OutlinePiece>& chain) {
   if (chain.back().end.x < kOutlineTolerance) chain.back().end.x = 0.0;
 }
 
-/// Parts that are surface, neighbours on one edge as one.
+/// Parts that are surface; neighbours on one edge are merged.
 std::vector<Part> surface_parts(std::span<const Solid> solids, std::span<const Edge> edges, Bodies& bodies) {
   std::vector<Part> kept;
   for (const Edge& edge : edges) {
@@ -224,7 +224,7 @@ std::vector<Part> surface_parts(std::span<const Solid> solids, std::span<const E
         if (j == edge.solid || !solids[j].revolves()) continue;
         const bool outside = solids[j].contains(at.outside), inside = solids[j].contains(at.inside);
         if (outside || inside) bodies.join(edge.solid, j);
-        // Inside j just under the part, outside it just above: the two surfaces coincide, and the first listed owns them.
+        // Inside j just under the part and outside j just above it: the two surfaces coincide, and the solid listed first owns the part.
         surface = surface && !outside && !(inside && j < edge.solid);
       }
       if (surface && before)
@@ -244,7 +244,7 @@ OutlinePiece make_piece(const Part& part, std::span<const Solid> solids) {
   return make_line_piece(edge.solid, edge.face, part.start, part.end);
 }
 
-/// Takes parts end to end from `first` until the axis or the start is met. Nothing when there is no next one.
+/// Joins parts end to end from `first` until the axis or the start is reached. Nothing if no part continues the chain.
 std::vector<Part> take_chain(std::vector<Part>& parts, std::size_t first) {
   std::vector<Part> chain;
   std::size_t next = first;
@@ -259,7 +259,7 @@ std::vector<Part> take_chain(std::vector<Part>& parts, std::size_t first) {
   return {};
 }
 
-/// Where the next chain starts: on the axis if possible, nearest to the tip.
+/// Start of the next chain: on the axis if possible, nearest to the tip.
 std::size_t next_start(const std::vector<Part>& parts) {
   const auto rank = [](const Part& part) { return std::pair(part.start.x < kOutlineTolerance ? 0 : 1, part.start.y); };
   return static_cast<std::size_t>(
@@ -277,7 +277,7 @@ void join_boxes(std::span<const Solid> solids, Bodies& bodies) {
     }
 }
 
-/// Height at which the body that holds the lowest solid ends, if others are apart from it.
+/// Height at which the body that contains the lowest solid ends, if there are other bodies.
 std::optional<double> find_gap(std::span<const Solid> solids, const Bodies& bodies) {
   std::size_t lowest = 0;
   for (std::size_t i = 1; i < solids.size(); ++i)

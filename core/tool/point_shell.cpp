@@ -9,16 +9,16 @@
 
 #include "core/base/portable_math.h"
 
-// Even sampling, own derivation. The outline of the tool is walked from the tip; each smooth piece of it is cut into equal lengths, and
-// each cut turns into a ring about the axis. Gaps along a ring and between rings should be alike:
-//   by pitch p        rows = ceil(length / p), ring = least even n >= 2 pi r / p. Both gaps are <= p, so no point of the surface is
-//                     further than about p / sqrt(2) from a shell point.
-//   by stacks/slices  rows = stacks on a whole side; on a flat face rows = length / (2 pi R / slices), the gap round its rim (or
-//                     length / voxel); ring = even number nearest to slices * r / R, R the widest radius of the region.
-// Rings have even counts, at least 4, and stand alternately at 0 and half a step: symmetric in x and y, and staggered like bricks.
+// Even sampling; own derivation. The outline of the tool is traversed from the tip. Each smooth piece is divided into equal lengths, and
+// each division gives a ring about the axis. Gaps along a ring and between rings are to be similar:
+//   by pitch p        rows = ceil(length / p), ring = smallest even n >= 2 pi r / p. Both gaps are <= p, so every point of the surface is
+//                     within about p / sqrt(2) of a shell point.
+//   by stacks/slices  rows = stacks on a whole side; on a flat face rows = length / (2 pi R / slices), the gap along its rim (or
+//                     length / voxel); ring = even number nearest to slices * r / R, R the largest radius of the region.
+// Rings have even counts, at least 4, and alternate between offsets of 0 and half a step: symmetric in x and y, and staggered.
 // Checks: a sphere with 8 stacks and 14 slices has rings of 6, 10, 12, 14, 12, 10, 6 and two poles: 72. A cylinder with 8 stacks and
 // 26 slices has flat faces of 1 + 6 + 14 + 20 and 9 rings of 26: 316. These are the two counts of [AcostaLiu07] Fig. 3.
-// Boxes have rows along their axes at most a pitch apart, ends included. A point is left out where another region covers it.
+// Boxes have rows along their axes at most a pitch apart, ends included. A point covered by another region is omitted.
 
 namespace burrhole {
 namespace {
@@ -26,11 +26,11 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kMinRing = 4.0;
 
-/// A ring of the shell: count points at (r, z), all with one meridian normal.
+/// A ring of the shell: `count` points at (r, z) with one meridian normal.
 struct Ring {
   Meridian at{0.0};
   Meridian outward{0.0};
-  double count = 0.0;  ///< whole; a double so that absurd pitches cannot overflow
+  double count = 0.0;  ///< a whole number; a double so that an extreme pitch cannot overflow
   bool cutting = false;
 };
 
@@ -44,7 +44,7 @@ double ring_count(const RegionSpec& region, double r) noexcept {
   return std::max(kMinRing, count);
 }
 
-/// Length of a whole side (or wall of a bore) of the region, of which a piece may be a part.
+/// Length of a whole side (or wall of a bore) of the region; a piece may be a part of it.
 double side_length(const RegionSpec& region, Face face) {
   const Solid alone[] = {region.solid};
   const Result<std::vector<OutlinePiece>> outline = make_outline(alone);
@@ -65,11 +65,11 @@ double row_count(const RegionSpec& region, const OutlinePiece& piece) {
   return std::max(1.0, std::round(length / (2.0 * kPi * region.solid.largest_radius() / shell.slices)));
 }
 
-/// Ring where two pieces meet: halfway normal, the denser count.
+/// Ring where two pieces meet: bisecting normal, the larger count.
 Ring make_edge_ring(const Ring& below, const Ring& above) {
   Ring edge = above;
   const Meridian sum = below.outward + above.outward;
-  edge.outward = glm::length(sum) > 1e-6 ? glm::normalize(sum) : above.outward;  // opposite faces of a blade have no halfway
+  edge.outward = glm::length(sum) > 1e-6 ? glm::normalize(sum) : above.outward;  // opposite faces of a blade have no bisector
   edge.count = std::max(below.count, above.count);
   edge.cutting = below.cutting || above.cutting;
   return edge;
@@ -82,8 +82,8 @@ Ring make_ring(const RegionSpec& region, const OutlinePiece& piece, double fract
   return {at, piece.outward(fraction), ring_count(region, at.x), cuts(region, piece.face)};
 }
 
-/// All rings of one chain in order. A chain from axis to axis has poles, of count 1, that look along it; one that closes on itself has
-/// none, and its first ring is the edge ring of its last piece and its first.
+/// All rings of one chain in order. A chain from axis to axis has poles with count 1 and normals along the axis. A closed chain has no
+/// poles; its first ring is the edge ring between its last and its first piece.
 std::vector<Ring> make_rings(const ToolSpec& spec, OutlineChain chain) {
   std::vector<Ring> rings;
   for (const OutlinePiece& piece : chain) {
@@ -116,7 +116,7 @@ void append_point(PointShell& shell, const Vec3& position, const Vec3& outward, 
   shell.cutting.push_back(cutting ? 1 : 0);
 }
 
-/// The parts of a ring that no box covers; what revolves hides nothing more, the outline has seen to that.
+/// The parts of a ring that no box covers. Other solids of revolution cover nothing here: the outline contains surface only.
 void append_ring(PointShell& shell, const Ring& ring, bool shifted, std::span<const Solid> boxes) {
   const int count = static_cast<int>(ring.count);
   for (int i = 0; i < count; ++i) {
@@ -127,10 +127,10 @@ void append_ring(PointShell& shell, const Ring& ring, bool shifted, std::span<co
   }
 }
 
-/// Even rows along each axis; faces share the points of their edges, whose normals are halfway.
+/// Even rows along each axis; faces share the points of their edges, whose normals bisect those of the faces.
 struct BoxRows {
   Vec3 lo{0.0}, hi{0.0};
-  std::array<double, 3> gaps{};  ///< whole; doubles so that absurd pitches cannot overflow
+  std::array<double, 3> gaps{};  ///< whole numbers; doubles so that an extreme pitch cannot overflow
 
   [[nodiscard]] double points() const noexcept {
     const auto [a, b, c] = gaps;

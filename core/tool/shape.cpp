@@ -14,7 +14,7 @@ constexpr double kPi = std::numbers::pi;
 double spheroid_area(double a, double c) noexcept {
   const double ratio = std::min(a, c) / std::max(a, c);
   const double e = std::sqrt(std::max(0.0, 1.0 - ratio * ratio));
-  if (e < 1e-6) return 4.0 * kPi * a * c;  // both forms lose digits near the sphere; their series differ from this by e^2 only
+  if (e < 1e-6) return 4.0 * kPi * a * c;  // both forms lose digits near the sphere; the series differ from this by e^2 only
   if (c > a) return 2.0 * kPi * a * a * (1.0 + c / (a * e) * std::asin(e));
   return 2.0 * kPi * a * a * (1.0 + (1.0 - e * e) / e * std::atanh(e));
 }
@@ -23,7 +23,7 @@ double frustum_volume(double height, double low, double high) noexcept {
   return kPi / 3.0 * height * (low * low + low * high + high * high);
 }
 
-/// Flank of a frustum.
+/// Lateral area of a frustum.
 double slant_area(double height, double low, double high) noexcept {
   const double rise = high - low;
   return kPi * (low + high) * std::sqrt(rise * rise + height * height);

@@ -1,11 +1,12 @@
-/// core/tool/shape.h: the primitives bits are stacked from: solids of revolution about the shaft, with or without a bore, and boxes.
-///   Frame  tool frame, axis = z axis; "meridian" coordinates are (r, z), r the distance from the axis.   Units  SI.
+/// core/tool/shape.h: the primitives of a bit: solids of revolution about the shaft, with or without a bore, and boxes.
+///   Frame  tool frame, axis = z axis; "meridian" coordinates are (r, z), r the distance from the axis.   Units  SI.   Errors  none.
 ///   Source closed forms of elementary geometry; own choice of primitives ([AcostaLiu07] sec. 2 has sphere and cylinder).
 #pragma once
 
 #include <cstdint>
 #include <span>
 
+#include "core/base/bounds.h"
 #include "core/base/geometry.h"
 
 namespace burrhole {
@@ -15,22 +16,17 @@ using Meridian = glm::dvec2;
 
 enum class SolidKind : std::uint8_t { frustum, ellipsoid, box };
 
-/// Which side of its solid a piece of surface is. The flank of a cone and the whole of an ellipsoid are `side`, the wall of a bore is
-/// `inner`; a box has four flanks instead of a side.
+/// Faces of a solid. The flank of a cone and the whole surface of an ellipsoid are `side`; the wall of a bore is `inner`; a box has four
+/// flanks instead of a side.
 enum class Face : std::uint8_t { bottom, side, top, inner, minus_x, plus_x, minus_y, plus_y };
 
-/// Faces that a box has, and their outward normals.
+/// A face of a box and its outward normal.
 struct BoxFace {
   Face face;
   std::size_t axis;  ///< 0 x, 1 y, 2 z
-  double sign;       ///< of the normal along the axis
+  double sign;       ///< [-] of the normal along the axis, -1 or 1
 };
 [[nodiscard]] std::span<const BoxFace> box_faces() noexcept;
-
-/// Box of coordinates [m].
-struct Bounds {
-  Vec3 lo{0.0}, hi{0.0};
-};
 
 /// Solid of revolution between two heights, or a box along the axes of the tool frame. Cylinders, cones and tubes are frusta, spheres are
 /// ellipsoids; make one by a named function below.
@@ -53,20 +49,20 @@ struct Solid {
   [[nodiscard]] Bounds bounds() const noexcept;
   /// Coefficients of r^2(z) = a z^2 + b z + c on [z_low, z_high]: every solid of revolution here is a quadric.
   struct Quadratic {
-    double a, b, c;
+    double a, b, c;  ///< [-], [m], [m^2]
   };
   [[nodiscard]] Quadratic squared_radius_form() const noexcept;
-  /// r^2 [m^2] of the outer surface at height z, never negative; 0 outside [z_low, z_high]. Solids of revolution only.
+  /// @returns r^2 [m^2] of the outer surface at height z, never negative; 0 outside [z_low, z_high]. Solids of revolution only.
   [[nodiscard]] double squared_radius(double z) const noexcept;
   [[nodiscard]] double radius(double z) const noexcept;
   [[nodiscard]] double bore(double z) const noexcept;  ///< [m] of the hole at height z
-  /// Exact inside test, surface included; the wall of a bore belongs to the solid.
+  /// @returns whether p is inside; exact, the surface and the wall of a bore are included.
   [[nodiscard]] bool contains(const Vec3& p) const noexcept;
   [[nodiscard]] double volume() const noexcept;  ///< [m^3] closed form
   [[nodiscard]] double area() const noexcept;    ///< [m^2] closed form, end faces and bore included
 };
 
-/// What frusta are described by.
+/// Size of a frustum.
 struct FrustumSize {
   double z_low = 0.0;        ///< [m]
   double height = 0.0;       ///< [m] > 0
@@ -76,24 +72,24 @@ struct FrustumSize {
 
 [[nodiscard]] Solid make_frustum(const FrustumSize& size) noexcept;
 [[nodiscard]] Solid make_cylinder(double z_low, double height, double radius) noexcept;
-/// Hollow frustum: the outer wall, and a bore through it. @pre the bore is no wider than the wall, and narrower at one end at least.
+/// Hollow frustum: the outer wall and a bore. @pre the bore is nowhere wider than the wall, and narrower at one end at least.
 struct BoreSize {
   double low_radius = 0.0;   ///< [m] >= 0
   double high_radius = 0.0;  ///< [m] >= 0
 };
 [[nodiscard]] Solid make_tube(const FrustumSize& outer, const BoreSize& bore) noexcept;
-/// Tip down at z_low, base of `radius` on top.
+/// Tip at z_low, base of `radius` at the top.
 [[nodiscard]] Solid make_cone(double z_low, double height, double radius) noexcept;
 [[nodiscard]] Solid make_sphere(double z_low, double radius) noexcept;
 /// Spheroid about the axis, `height` from pole to pole.
 [[nodiscard]] Solid make_ellipsoid(double z_low, double height, double radius) noexcept;
 
-/// What boxes are described by.
+/// Size of a box.
 struct BoxSize {
   double z_low = 0.0;      ///< [m]
   double height = 0.0;     ///< [m] > 0
   glm::dvec2 size{0.0};    ///< [m] > 0, along x and y
-  glm::dvec2 centre{0.0};  ///< [m] of its middle
+  glm::dvec2 centre{0.0};  ///< [m] x and y of its centre
 };
 [[nodiscard]] Solid make_box(const BoxSize& size) noexcept;
 

@@ -20,7 +20,7 @@ bool lexicographic(const Vec3& a, const Vec3& b) noexcept {
   return a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
-/// For each vertex the first vertex at the same place.
+/// For each vertex, the first vertex at the same position.
 std::vector<Id> first_at_place(std::span<const Vec3> positions) {
   std::vector<Id> order(positions.size()), first(positions.size());
   std::iota(order.begin(), order.end(), Id{0});
@@ -37,7 +37,8 @@ struct Triangle {
   Id a, b, c;
 };
 
-/// Triangles by welded vertex; those with fewer than three places are left out. Thin ones with three places stay: they hold neighbours.
+/// Triangles by merged vertex, without those with fewer than three distinct vertices. Thin ones with three vertices connect neighbours and
+/// stay.
 std::vector<Triangle> whole_triangles(const SurfaceMesh& mesh, std::span<const Id> first) {
   std::vector<Triangle> out;
   out.reserve(mesh.indices.size() / 3);
@@ -50,7 +51,7 @@ std::vector<Triangle> whole_triangles(const SurfaceMesh& mesh, std::span<const I
 
 struct Edge {
   Id low, high;
-  bool rising;  ///< its triangle runs from low to high
+  bool rising;  ///< its triangle traverses it from low to high
 };
 
 std::vector<Edge> sorted_edges(std::span<const Triangle> triangles) {
@@ -66,7 +67,7 @@ std::vector<Edge> sorted_edges(std::span<const Triangle> triangles) {
   return edges;
 }
 
-/// Counts edges by how they are shared. @returns the open ones.
+/// Counts edges by the number of triangles that share them. @returns the open ones.
 std::vector<Edge> count_edges(std::span<const Edge> edges, MeshCheck& check) {
   std::vector<Edge> open;
   for (std::size_t i = 0; i < edges.size();) {
@@ -81,13 +82,13 @@ std::vector<Edge> count_edges(std::span<const Edge> edges, MeshCheck& check) {
   return open;
 }
 
-/// Follows open edges from vertex to vertex until each chain comes back or ends.
+/// Follows open edges from vertex to vertex until each chain closes or ends.
 void measure_holes(std::span<const Edge> open, std::span<const Vec3> positions, MeshCheck& check) {
   struct Step {
     Id from, to;
     std::size_t edge;
   };
-  std::vector<Step> steps;  // both ways, so that a chain is followed whatever its triangles' winding
+  std::vector<Step> steps;  // both directions, so that a chain is followed for any winding of the triangles
   for (std::size_t i = 0; i < open.size(); ++i) {
     steps.push_back({open[i].low, open[i].high, i});
     steps.push_back({open[i].high, open[i].low, i});
@@ -111,7 +112,7 @@ void measure_holes(std::span<const Edge> open, std::span<const Vec3> positions, 
   }
 }
 
-/// Connected parts with their signed volumes and the vertex with the least x.
+/// Connected parts with their signed volumes and the vertex with the smallest x.
 struct Parts {
   std::vector<double> volume;
   std::vector<Vec3> leftmost;
@@ -139,7 +140,7 @@ Parts find_parts(std::span<const Triangle> triangles, std::span<const Vec3> posi
       parts.leftmost.push_back(positions[t.a]);
     }
     const Id n = number[r];
-    // About a vertex of the part, not the origin, so that a small part far away keeps its digits.
+    // Relative to a vertex of the part, not to the origin: a small part far from the origin keeps its precision.
     const Vec3& o = positions[r];
     parts.volume[n] += glm::dot(positions[t.a] - o, glm::cross(positions[t.b] - o, positions[t.c] - o)) / 6.0;
     for (const Id v : {t.a, t.b, t.c})
@@ -148,9 +149,9 @@ Parts find_parts(std::span<const Triangle> triangles, std::span<const Vec3> posi
   return parts;
 }
 
-std::optional<std::string> index_fault(const SurfaceMesh& mesh) {
+std::optional<std::string> index_error(const SurfaceMesh& mesh) {
   if (mesh.indices.empty()) return "no triangles";
-  if (mesh.indices.size() % 3 != 0) return "an index list that is no multiple of three";
+  if (mesh.indices.size() % 3 != 0) return "an index list whose length is not a multiple of three";
   for (const Id i : mesh.indices)
     if (i >= mesh.positions.size()) return fmt::format("index {} into {} vertices", i, mesh.positions.size());
   for (const Vec3& p : mesh.positions)
@@ -158,19 +159,19 @@ std::optional<std::string> index_fault(const SurfaceMesh& mesh) {
   return std::nullopt;
 }
 
-std::optional<std::string> edge_fault(const MeshCheck& check) {
+std::optional<std::string> edge_error(const MeshCheck& check) {
   if (check.open_edges > 0)
     return fmt::format("open: {} edges without a neighbour in {} hole{}, the longest {:.3g} mm around", check.open_edges, check.holes,
                        check.holes == 1 ? "" : "s", check.longest_hole * 1e3);
   if (check.non_manifold_edges > 0)
-    return fmt::format("no solid: {} edges are shared by more than two triangles", check.non_manifold_edges);
+    return fmt::format("not a solid: {} edges are shared by more than two triangles", check.non_manifold_edges);
   if (check.flipped_edges > 0)
     return fmt::format("wound both ways: the triangles at {} edges do not agree on which side is outside", check.flipped_edges);
   return std::nullopt;
 }
 
-/// An inward part is a cavity when solid surrounds it: the surface to the left of its leftmost vertex must have led inside.
-std::optional<std::string> part_fault(const SurfaceMesh& mesh, const Parts& parts) {
+/// A part with inward orientation is a cavity if solid surrounds it: the point to the left of its leftmost vertex must be inside.
+std::optional<std::string> part_error(const SurfaceMesh& mesh, const Parts& parts) {
   std::vector<Vec3> points;
   std::vector<std::size_t> which;
   for (std::size_t n = 0; n < parts.volume.size(); ++n)
@@ -219,14 +220,14 @@ MeshCheck check_mesh(const SurfaceMesh& mesh) {
   return check;
 }
 
-std::optional<std::string> mesh_fault(const SurfaceMesh& mesh) {
-  if (auto fault = index_fault(mesh)) return fault;
+std::optional<std::string> mesh_error(const SurfaceMesh& mesh) {
+  if (auto error = index_error(mesh)) return error;
   const MeshCheck check = check_mesh(mesh);
-  if (auto fault = edge_fault(check)) return fault;
+  if (auto error = edge_error(check)) return error;
   if (check.volume < 0.0) return fmt::format("inside-out: signed volume {:.3g} cm3", check.volume * 1e6);
   if (!(check.volume > 0.0)) return "flat: it encloses no volume";
   const std::vector<Id> first = first_at_place(mesh.positions);
-  return part_fault(mesh, find_parts(whole_triangles(mesh, first), mesh.positions));
+  return part_error(mesh, find_parts(whole_triangles(mesh, first), mesh.positions));
 }
 
 }  // namespace burrhole

@@ -1,5 +1,5 @@
-/// core/tool/surface_mesh.h: a triangle surface from a file, as given, and whether it encloses a solid.
-///   Frame of the file.   Units as the caller scaled it, SI once in the program.
+/// core/tool/surface_mesh.h: a triangle mesh from a file, and the check that it encloses a solid.
+///   Frame  of the file.   Units  as the caller scaled it; SI after loading.   Errors  mesh_error() returns one sentence.
 #pragma once
 
 #include <cstdint>
@@ -13,29 +13,29 @@
 namespace burrhole {
 
 struct SurfaceMesh {
-  std::vector<Vec3> positions;
-  std::vector<std::uint32_t> indices;  ///< three a triangle, counter-clockwise seen from outside
+  std::vector<Vec3> positions;         ///< [unit of the caller]
+  std::vector<std::uint32_t> indices;  ///< three per triangle, counter-clockwise seen from outside
 };
 
-/// What keeps a surface from being the skin of a solid.
+/// Properties that prevent a mesh from being the surface of a solid.
 struct MeshCheck {
   std::size_t triangles = 0, degenerate = 0;
-  std::size_t open_edges = 0;          ///< used by one triangle
+  std::size_t open_edges = 0;          ///< edges of one triangle only
   std::size_t holes = 0;               ///< closed chains of open edges
   double longest_hole = 0.0;           ///< [unit of positions] length of the longest such chain
-  std::size_t non_manifold_edges = 0;  ///< used by more than two triangles
-  std::size_t flipped_edges = 0;       ///< both triangles run along it the same way
+  std::size_t non_manifold_edges = 0;  ///< edges of more than two triangles
+  std::size_t flipped_edges = 0;       ///< edges that both triangles traverse in the same direction
   std::size_t parts = 0;               ///< connected components
-  double volume = 0.0;                 ///< signed [unit^3]: negative when inside-out
+  double volume = 0.0;                 ///< [unit of positions^3] signed: negative if inside-out
 };
 
-/// Joins vertices at exactly the same place (STL repeats them) and drops those that no triangle uses; triangles keep their order.
+/// Merges vertices at equal positions (STL repeats them) and removes unused vertices; triangles keep their order.
 /// @pre indices in range, positions finite.
 [[nodiscard]] SurfaceMesh weld(const SurfaceMesh& mesh);
-/// Vertices at exactly the same place are one. @pre indices are in range, positions finite; see mesh_fault.
+/// Checks a mesh. Vertices at equal positions count as one. @pre indices in range, positions finite; see mesh_error.
 [[nodiscard]] MeshCheck check_mesh(const SurfaceMesh& mesh);
-/// One sentence with the numbers when the mesh is no closed, outward oriented solid; else nothing. Closed parts wound inward are cavities
-/// and must lie inside another part. @pre positions in m: the sentence speaks of mm and cm3.
-[[nodiscard]] std::optional<std::string> mesh_fault(const SurfaceMesh& mesh);
+/// @returns one sentence with the numbers if the mesh is not a closed, outward oriented solid; nothing otherwise. Closed parts with inward
+/// orientation are cavities and must lie inside another part. @pre positions in m: the sentence uses mm and cm3.
+[[nodiscard]] std::optional<std::string> mesh_error(const SurfaceMesh& mesh);
 
 }  // namespace burrhole

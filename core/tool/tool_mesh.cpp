@@ -8,7 +8,7 @@
 namespace burrhole {
 namespace {
 
-/// Vertices of one ring: a pole is a ring whose vertices coincide, so that each has the normal of its own triangle.
+/// Vertices of one ring. A pole is a ring of coincident vertices, so that each has the normal of its own triangle.
 void append_ring(TriangleMesh& mesh, const Meridian& at, const Meridian& outward, int slices) {
   for (int i = 0; i < slices; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / slices;
@@ -18,7 +18,7 @@ void append_ring(TriangleMesh& mesh, const Meridian& at, const Meridian& outward
   }
 }
 
-/// Triangles between the ring that starts at vertex `lower` and the next one; none where an edge has shrunk to the axis.
+/// Triangles between the ring that starts at vertex `lower` and the next one; none where an edge degenerates to the axis.
 void append_band(TriangleMesh& mesh, std::uint32_t lower, bool lower_is_pole, bool upper_is_pole, int slices) {
   const auto n = static_cast<std::uint32_t>(slices);
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -44,7 +44,7 @@ void append_piece(TriangleMesh& mesh, const OutlinePiece& piece, int slices, int
 /// Six faces of two triangles each.
 void append_box(TriangleMesh& mesh, const Bounds& box) {
   for (const BoxFace& face : box_faces()) {
-    const std::size_t u = (face.axis + 1) % 3, v = (face.axis + 2) % 3;  // u x v is the axis: counter-clockwise from the plus side
+    const std::size_t u = (face.axis + 1) % 3, v = (face.axis + 2) % 3;  // u x v is the axis: counter-clockwise seen from the plus side
     Vec3f normal(0.0f);
     normal[face.axis] = static_cast<float>(face.sign);
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());

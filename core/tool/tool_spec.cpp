@@ -58,7 +58,7 @@ Solid read_tube(TableReader& region, double z) {
   }
   outer.height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region from its lower to its upper end");
   const double low_wall = outer.low_radius - bore.low_radius, high_wall = outer.high_radius - bore.high_radius;
-  if (!region.has(inner_key)) return make_tube(outer, bore);  // told already
+  if (!region.has(inner_key)) return make_tube(outer, bore);  // already reported
   if (low_wall < 0.0 || high_wall < 0.0 || low_wall + high_wall <= 0.0)
     region.fault(inner_key, "leaves no wall: the bore must be narrower than the tube");
   else if (conical && bore.low_radius + bore.high_radius <= 0.0)
@@ -129,7 +129,7 @@ ShellSampling read_sampling(TableReader& region, double default_pitch) {
   const bool pitched = region.has("pitch_mm");
   shell.voxel = region.number("voxel_mm", length_mm(20.0, 0.0),
                               "largest gap between rings of flat faces, beside stacks and slices; without it, the gap round the rim");
-  // 0 is outside the range: the default is no number of its own but that of [shell].
+  // 0 is outside the range: it means "as in [shell]" and is not a default of this key.
   shell.pitch = region.number("pitch_mm", {.fallback = 0.0, .min = 0.01, .max = 20.0, .to_si = kMillimetre},
                               "largest gap between shell points; without it, that of [shell]");
   if (!pitched) shell.pitch = default_pitch;
@@ -151,7 +151,7 @@ double read_default_pitch(TableReader& root) {
   return pitch;
 }
 
-/// Faults of the regions as a whole; fills the outline.
+/// Checks the regions as a whole; fills the outline.
 void assemble(ToolSpec& spec, TableReader& root, std::vector<TableReader>& readers) {
   const auto lowest = std::min_element(spec.regions.begin(), spec.regions.end(),
                                        [](const RegionSpec& a, const RegionSpec& b) { return a.solid.z_low < b.solid.z_low; });
@@ -164,7 +164,7 @@ void assemble(ToolSpec& spec, TableReader& root, std::vector<TableReader>& reade
   if (outline)
     spec.outline = std::move(outline).value();
   else
-    root.fault("region", "is no single body: " + outline.error().message);
+    root.fault("region", "is not a single body: " + outline.error().message);
 }
 
 }  // namespace

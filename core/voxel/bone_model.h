@@ -1,6 +1,6 @@
-/// core/voxel/bone_model.h: bone as loaded, constant: two fields from one scan, labels apart from colours.
+/// core/voxel/bone_model.h: bone as loaded, constant: occupancy, hardness, soft tissue and tissue labels of one scan.
 ///   Frame   bone frame (LPS at load); bone_from_index is a full affine; voxel centres at integer indices, i fastest.
-///   Units   occupancy 0..1 (is this bone? the 0.5 level is the surface), hardness 0..1 (relative mineral density).
+///   Units   occupancy 0..1 (share of bone in the voxel; the 0.5 level is the surface), hardness 0..1 (relative mineral density).
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace burrhole {
 
-/// Tissue of a voxel. A grid of its own: never a colour, never derived from density at run time.
+/// Tissue of a voxel, stored in a separate grid. It is not a colour and is not derived from density at run time.
 enum class VoxelLabel : std::uint8_t {
   none = 0,
   bone = 1,
@@ -28,7 +28,7 @@ enum class VoxelLabel : std::uint8_t {
 };
 inline constexpr std::size_t kVoxelLabels = 8;
 
-/// Whether the tissue is felt: bone of any kind.
+/// @returns whether the tissue exerts contact forces: bone of any kind.
 [[nodiscard]] constexpr bool is_felt(VoxelLabel label) noexcept {
   return label != VoxelLabel::none && label != VoxelLabel::dura && label != VoxelLabel::brain;
 }
@@ -37,24 +37,24 @@ inline constexpr std::size_t kVoxelLabels = 8;
 using LabelFactors = std::array<float, kVoxelLabels>;
 inline constexpr LabelFactors kAllAlike{1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
 
-/// Dense fields as phantoms and readers make them. All vectors hold dims.x*dims.y*dims.z values, i fastest.
+/// Dense fields, as created by phantoms and file readers. All vectors hold dims.x*dims.y*dims.z values, i fastest.
 struct DenseBone {
   Vec3i dims{0};
   Affine bone_from_index;            ///< [m]
-  std::vector<float> occupancy;      ///< 0..1
-  std::vector<float> hardness;       ///< 0..1
-  std::vector<float> soft;           ///< 0..1 occupancy of dura and brain, shown and labelled but neither felt nor cut; may be empty
+  std::vector<float> occupancy;      ///< [-] 0..1
+  std::vector<float> hardness;       ///< [-] 0..1
+  std::vector<float> soft;           ///< [-] 0..1 occupancy of dura and brain: drawn and labelled, no contact or erosion; may be empty
   std::vector<std::uint8_t> labels;  ///< VoxelLabel
 };
 
 class FloatVdb;
 
-/// Bone as loaded, sparse in OpenVDB, constant, shared between threads. Outside the grid there is no bone.
+/// Bone as loaded, in sparse OpenVDB grids. Constant, so any number of threads may read it. There is no bone outside the grid.
 class BoneModel {
  public:
   /// bad_input when sizes disagree, dims are not positive, the affine is singular, or a value is not finite or outside 0..1.
   [[nodiscard]] static Result<std::shared_ptr<const BoneModel>> create(const DenseBone& dense);
-  /// A file written by Voxmap::save; its `remaining` grid is not part of the model.
+  /// Reads a file written by Voxmap::save; its `remaining` grid is ignored. bad_input: see read_vdb().
   [[nodiscard]] static Result<std::shared_ptr<const BoneModel>> load(const std::string& path);
   ~BoneModel();
 
@@ -62,8 +62,8 @@ class BoneModel {
   [[nodiscard]] VoxelBox bounds() const noexcept { return {Vec3i(0), dims_}; }
   [[nodiscard]] const Affine& bone_from_index() const noexcept { return bone_from_index_; }
   [[nodiscard]] std::size_t bone_voxels() const noexcept { return bone_voxels_; }  ///< occupancy >= 0.5
-  [[nodiscard]] const VoxelBox& bone_box() const noexcept { return bone_box_; }    ///< round those
-  /// What was taken for granted when the bone was made from a scan, a line each; saved with it.
+  [[nodiscard]] const VoxelBox& bone_box() const noexcept { return bone_box_; }    ///< bounding box of these voxels
+  /// Assumptions made by the import of the scan, one per line; saved with the bone.
   [[nodiscard]] const std::string& notes() const noexcept { return notes_; }
   [[nodiscard]] std::size_t bytes() const;
   // Dense copies of a box, i fastest; the box may reach outside the grid, where all fields are 0.
@@ -73,7 +73,7 @@ class BoneModel {
   void read_labels(const VoxelBox& box, std::span<float> out) const;  ///< VoxelLabel as a number
   [[nodiscard]] VoxelLabel label(const Vec3i& v) const;
   [[nodiscard]] float occupancy(const Vec3i& v) const;
-  /// The grids, for writing a file.
+  /// @returns the grids to be written to a file.
   [[nodiscard]] std::vector<const FloatVdb*> grids() const;
 
  private:
@@ -88,7 +88,7 @@ class BoneModel {
   std::string notes_;
 };
 
-/// Makes a bone model part by part, so that a large scan never lies in memory as dense fields. One owner.
+/// Builds a bone model box by box, so that a large scan need not be in memory as dense fields.   Thread  one.
 class BoneModelBuilder {
  public:
   /// bad_input when dims are not positive or the affine is singular or not finite.
@@ -96,10 +96,10 @@ class BoneModelBuilder {
   BoneModelBuilder(BoneModelBuilder&&) noexcept;
   ~BoneModelBuilder();
 
-  /// Fields of one box; those of DenseBone, whose `dims` is the size of the box and whose affine is not looked at. Boxes may come in any
-  /// order. bad_input as BoneModel::create, or when the box reaches outside.
+  /// Adds the fields of one box, in any order of boxes. `fields.dims` is the size of the box; `fields.bone_from_index` is ignored.
+  /// bad_input as BoneModel::create, or if the box is not inside the grid.
   [[nodiscard]] Status add(const VoxelBox& box, const DenseBone& fields);
-  /// The model; the builder is empty afterwards.
+  /// @returns the model; the builder is empty afterwards.
   [[nodiscard]] std::shared_ptr<const BoneModel> finish(std::string notes = {});
 
  private:

@@ -1,21 +1,12 @@
 #include "core/voxel/box_parts.h"
 
+#include "core/base/box_list.h"
+
 namespace burrhole {
 
 std::vector<VoxelBox> box_without(const VoxelBox& box, const VoxelBox& hole) {
-  const VoxelBox inner = box.intersect(hole);
-  if (inner.empty()) return {box};
   std::vector<VoxelBox> out;
-  VoxelBox rest = box;
-  for (const std::size_t axis : {2, 1, 0}) {  // slabs across k first: their rows are the longest
-    VoxelBox below = rest, above = rest;
-    below.hi[axis] = inner.lo[axis];
-    above.lo[axis] = inner.hi[axis];
-    for (const VoxelBox& part : {below, above})
-      if (!part.empty()) out.push_back(part);
-    rest.lo[axis] = inner.lo[axis];
-    rest.hi[axis] = inner.hi[axis];
-  }
+  append_outside(box, hole, out);
   return out;
 }
 

@@ -1,5 +1,5 @@
-/// core/voxel/box_parts.h: what a dense window needs to slide: what is new, and moving what stays.
-///   Arrays are dense over their box, i fastest.
+/// core/voxel/box_parts.h: sliding of dense windows: finds the new voxels and moves the values that are kept.
+///   Arrays are dense over their box, i fastest.   Frame  index.   Errors  none.   Thread  any, on its own arrays.
 #pragma once
 
 #include <algorithm>
@@ -11,43 +11,43 @@
 
 namespace burrhole {
 
-/// `box` without `hole`, as at most six boxes that do not overlap.
+/// @returns `box` without `hole`, as at most six disjoint boxes.
 [[nodiscard]] std::vector<VoxelBox> box_without(const VoxelBox& box, const VoxelBox& hole);
 
-/// The part of `to` that keeps its values when a window slides from `from`: what both hold, `margin` voxels in from each face that moved
-/// (what is computed near a face depends on where the face is), by axis.
+/// @returns the part of `to` whose values remain valid when a window slides from `from` to `to`: the intersection, reduced by `margin`
+/// [voxels] at each face that moved. Values within the margin depend on the position of the face.
 [[nodiscard]] VoxelBox kept_by_slide(const VoxelBox& from, const VoxelBox& to, const Vec3i& margin);
 [[nodiscard]] inline VoxelBox kept_by_slide(const VoxelBox& from, const VoxelBox& to, int margin) {
   return kept_by_slide(from, to, Vec3i(margin));
 }
 
-/// Moves the values that both boxes hold from an array over `from` to one over `to`; all others are left as they are. The arrays may be the
-/// same if the boxes are of one size.
+/// Moves the values in the intersection of both boxes from an array over `from` to an array over `to`; does not change other values. The
+/// arrays may be the same, if it is long enough for both boxes.
+///   In place, no row is overwritten before it is moved: rows that move to higher addresses are moved first, from last to first; then the
+///   others, from first to last. Rows have the same order in both arrays, so the two groups do not overwrite each other.
 template <class T>
 void slide_values(const VoxelBox& from, const T* values, const VoxelBox& to, T* target) noexcept {
   static_assert(std::is_trivially_copyable_v<T>);
   const VoxelBox both = from.intersect(to);
   if (both.empty()) return;
   const Vec3i size = both.size();
-  // Rows go in the order in which, in place, none is overwritten before it has moved.
-  const bool upwards = from.offset_of(both.lo) >= to.offset_of(both.lo);
-  for (int n = 0; n < size.z; ++n)
-    for (int m = 0; m < size.y; ++m) {
-      const Vec3i start(both.lo.x, upwards ? both.lo.y + m : both.hi.y - 1 - m, upwards ? both.lo.z + n : both.hi.z - 1 - n);
-      std::memmove(target + to.offset_of(start), values + from.offset_of(start), static_cast<std::size_t>(size.x) * sizeof(T));
-    }
+  const auto move_row = [&](int n, bool up) {
+    const Vec3i start(both.lo.x, both.lo.y + n % size.y, both.lo.z + n / size.y);
+    const std::size_t at = from.offset_of(start), goal = to.offset_of(start);
+    if ((goal > at) == up) std::memmove(target + goal, values + at, static_cast<std::size_t>(size.x) * sizeof(T));
+  };
+  const int rows = size.y * size.z;
+  for (int n = rows - 1; n >= 0; --n) move_row(n, true);
+  for (int n = 0; n < rows; ++n) move_row(n, false);
 }
 
-/// The same for a whole vector, which takes the size of `to`; values that were in neither box are left unsaid.
+/// The same for a vector, which is resized to `to`. Values outside of the intersection are undefined. Allocates only beyond the vector's
+/// capacity.
 template <class T>
 void slide_array(const VoxelBox& from, const VoxelBox& to, std::vector<T>& values) {
-  if (from.size() == to.size()) {
-    slide_values(from, values.data(), to, values.data());
-  } else {
-    std::vector<T> other(to.count());
-    slide_values(from, values.data(), to, other.data());
-    values = std::move(other);
-  }
+  values.resize(std::max(values.size(), to.count()));
+  slide_values(from, values.data(), to, values.data());
+  values.resize(to.count());
 }
 
 /// Copies the values of `part` between dense arrays.
@@ -61,7 +61,7 @@ void copy_part(const VoxelBox& part, const VoxelBox& from_box, const T* from, co
     }
 }
 
-/// Gives every voxel of `part` the same value.
+/// Sets every voxel of `part` to `value`.
 template <class T>
 void fill_part(const VoxelBox& part, const T& value, const VoxelBox& box, T* values) noexcept {
   if (part.empty()) return;

@@ -13,10 +13,10 @@ std::size_t bytes_of_array(const std::vector<T>& values) noexcept {
 }
 
 /// The factor of each voxel's label; a voxel at a face that is labelled as what lies beyond it takes that of the bone beside it.
-std::vector<float> label_factors(const BoneModel& bone, const VoxelBox& box, const LabelFactors& factors) {
+std::vector<float> label_factors(const Voxmap& voxmap, const VoxelBox& box, const LabelFactors& factors) {
   const VoxelBox wide = box.grown(1);
   std::vector<float> labels(wide.count());
-  bone.read_labels(wide, labels);
+  voxmap.read_labels(wide, labels);
   const auto label_at = [&](const Vec3i& v) { return static_cast<VoxelLabel>(static_cast<int>(labels[wide.offset_of(v)])); };
   std::vector<float> out(box.count(), 1.0f);
   std::size_t n = 0;
@@ -62,15 +62,31 @@ std::size_t ContactWindowPublisher::bytes() const noexcept {
   return sum;
 }
 
+void ContactWindowPublisher::reserve(std::size_t window_voxels) {
+  const auto reserve_array = [&](auto& array) { array.reserve(window_voxels); };
+  if (fields_.words) words_.reserve(window_voxels);
+  if (records_) records_->reserve(window_voxels);
+  if (records_) stiffness_.reserve(window_voxels);
+  for (ContactWindow& copy : buffer_.slots()) {
+    if (fields_.density) copy.density.reserve(window_voxels);
+    if (fields_.gradient) copy.gradient.reserve(window_voxels);
+    if (fields_.words) copy.words.reserve(window_voxels);
+    if (!records_) continue;
+    copy.stiffness.reserve(window_voxels);
+    // The copy takes over the form of the records with its first values.
+    if (copy.records.index() != records_->records().index()) copy.records = RecordArray(records_->records());
+    std::visit(reserve_array, copy.records);
+  }
+}
+
 void ContactWindowPublisher::note(const VoxelBox& changed) {
-  for (DirtyBoxes& missed : missed_) missed.add(changed);
+  for (VoxelBoxes& missed : missed_) missed.add(changed);
 }
 
 void ContactWindowPublisher::find_stiffness(const Voxmap& voxmap, const VoxelBox& part) {
   const MasterWindow& master = voxmap.window();
   const bool alike = fields_.label_stiffness == kAllAlike;
-  const std::vector<float> factors =
-      alike ? std::vector<float>(part.count(), 1.0f) : label_factors(voxmap.bone(), part, fields_.label_stiffness);
+  const std::vector<float> factors = alike ? std::vector<float>(part.count(), 1.0f) : label_factors(voxmap, part, fields_.label_stiffness);
   std::size_t n = 0;
   for_each_voxel(part, [&](const Vec3i& v) {
     const std::size_t at = master.box.offset_of(v);
@@ -87,7 +103,7 @@ void ContactWindowPublisher::load_window(const Voxmap& voxmap) {
     find_stiffness(voxmap, master.box);
   }
   // A copy that is over no box is taken whole.
-  for (DirtyBoxes& missed : missed_) missed.clear();
+  for (VoxelBoxes& missed : missed_) missed.clear();
   note(master.box);
 }
 
@@ -119,13 +135,13 @@ void ContactWindowPublisher::follow_window(const Voxmap& voxmap) {
 void ContactWindowPublisher::publish(Voxmap& voxmap) {
   const MasterWindow& master = voxmap.window();
   if (published_epoch_ != voxmap.window_epoch()) follow_window(voxmap);
-  const std::vector<VoxelBox> changed = voxmap.take_dirty(listener_);
+  const VoxelBoxes changed = voxmap.take_dirty(listener_);
   for (const VoxelBox& dirty : changed) {
     note(dirty);
     if (fields_.words) note(words_.update(master, dirty));
   }
   if (records_) {
-    // Listeners are told of gradients, which change a voxel further out than density does.
+    // Dirty boxes include changed gradients, which extend one voxel beyond changed densities.
     std::vector<VoxelBox> dense;
     for (const VoxelBox& dirty : changed) dense.push_back(dirty.grown(-1));
     for (const VoxelBox& again : records_->update(master, dense)) note(again);
@@ -136,7 +152,7 @@ void ContactWindowPublisher::publish(Voxmap& voxmap) {
   buffer_.publish();
 }
 
-void ContactWindowPublisher::catch_up(ContactWindow& copy, DirtyBoxes& missed, const Voxmap& voxmap) {
+void ContactWindowPublisher::catch_up(ContactWindow& copy, VoxelBoxes& missed, const Voxmap& voxmap) {
   const MasterWindow& master = voxmap.window();
   const bool whole = copy.box.empty();
   for_each_field(copy, master, [&](auto& field, const auto& source) {

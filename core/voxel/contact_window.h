@@ -1,5 +1,6 @@
-/// core/voxel/contact_window.h: the published copy of the window that contact reads, with those fields that it asked for; never half a
-/// step.
+/// core/voxel/contact_window.h: the published copy of the master window that contact reads, with the fields that it requires. A copy always
+/// holds complete simulation steps.
+///   Frame  index; records as surface_records.h.   Errors  none.   Thread  publisher: simulation; copies: contact.
 #pragma once
 
 #include <array>
@@ -14,16 +15,21 @@
 
 namespace burrhole {
 
-/// What a reader needs; a field that is not asked for stays empty and costs nothing.
+/// Fields that a reader requires; other fields stay empty and cost nothing.
 struct ContactFields {
-  bool density = true;                          ///< trilinear samples: the 0.5 surface, the drill monitor
-  bool gradient = true;                         ///< float gradients, made from the master's density as boxes are caught up
-  bool words = false;                           ///< the packed form: gradient-plane by vectors
-  std::optional<RecordPrecision> records = {};  ///< distance and normal of the surface, and stiffness beside them: the constrained tool
-  LabelFactors label_stiffness = kAllAlike;     ///< 0..1, of bone's labels: scales the stiffness beside records
+  bool density = true;                          ///< for trilinear samples: the 0.5 surface, the drill monitor
+  bool gradient = true;                         ///< float gradients, computed from the master's density when a copy is updated
+  bool words = false;                           ///< packed density and gradient, for the SIMD gradient-plane model
+  std::optional<RecordPrecision> records = {};  ///< distance and normal of the surface, with stiffness, for the constrained tool
+  LabelFactors label_stiffness = kAllAlike;     ///< [-] 0..1 for each label: scales the stiffness
 };
 
-/// Bytes that a voxel of one copy takes.
+/// @returns whether a slide of the window reads labels.
+[[nodiscard]] inline bool needs_labels(const ContactFields& fields) noexcept {
+  return fields.records && fields.label_stiffness != kAllAlike;
+}
+
+/// @returns the bytes per voxel of one copy.
 [[nodiscard]] constexpr std::size_t bytes_a_voxel(const ContactFields& fields) noexcept {
   std::size_t sum = 0;
   if (fields.density) sum += sizeof(float);
@@ -36,12 +42,12 @@ struct ContactFields {
 /// Dense fields over `box`, i fastest; gradient valid inside box.grown(-1).
 struct ContactWindow {
   VoxelBox box;
-  std::vector<float> density;
-  std::vector<Vec3f> gradient;
+  std::vector<float> density;   ///< [-] 0..1
+  std::vector<Vec3f> gradient;  ///< [1/voxel] of the density
   std::vector<ContactWord> words;
   RecordArray records;
-  VoxelBox records_valid;               ///< where records are true
-  std::vector<std::uint8_t> stiffness;  ///< relative: hardness times its label's factor, 255 is 1; beside records
+  VoxelBox records_valid;               ///< box in which records are valid
+  std::vector<std::uint8_t> stiffness;  ///< relative: hardness times the factor of the label, 255 is 1; present with records
   std::uint64_t window_epoch = 0;
   std::uint64_t growth_epoch = 0;
   std::uint64_t number = 0;  ///< of the publication, from 1
@@ -49,26 +55,28 @@ struct ContactWindow {
   [[nodiscard]] std::size_t bytes() const noexcept;
 };
 
-/// Writer's side: keeps three copies, each with the boxes that it missed; publishing catches one up and swaps an index. Fields that are
-/// derived from the master window are kept once and copied like the others, so a copy never holds a leap of another step than its density.
-/// A window that slid is caught up by moving what stays and copying what is new.
+/// Writer of the copies. It holds three copies, and for each the boxes that changed since its last update. Publishing updates one copy and
+/// swaps an index. Fields derived from the master window are stored once and copied like the others, so the leaps of a copy always belong
+/// to the same step as its density. After a slide of the window, values that remain are moved and new ones are copied.
 /// Thread: publish() by the simulation; exchange().latest() by contact.
 class ContactWindowPublisher {
  public:
-  /// `voxmap` must have its window placed; registers itself as a listener.
+  /// Registers itself as a listener of `voxmap`, whose window must be placed.
   explicit ContactWindowPublisher(Voxmap& voxmap, const ContactFields& fields = {})
       : listener_(voxmap.add_listener()), fields_(fields), growth_epoch_(voxmap.growth_epoch()) {
     if (fields.records) records_.emplace(voxmap.bone().bone_from_index(), *fields.records);
   }
 
   void publish(Voxmap& voxmap);
+  /// Reserves memory for windows of up to `window_voxels`, so that sliding allocates nothing. Call before the reader starts.
+  void reserve(std::size_t window_voxels);
   [[nodiscard]] SnapshotBuffer<ContactWindow>& exchange() noexcept { return buffer_; }
   [[nodiscard]] const ContactFields& fields() const noexcept { return fields_; }
-  /// Window epoch of the newest copy handed over.
+  /// Window epoch of the newest published copy.
   [[nodiscard]] std::uint64_t published_epoch() const noexcept { return published_epoch_; }
-  [[nodiscard]] std::uint64_t published() const noexcept { return published_; }  ///< how many copies were handed over
+  [[nodiscard]] std::uint64_t published() const noexcept { return published_; }  ///< number of publications
   [[nodiscard]] std::uint64_t copied_voxels() const noexcept { return copied_voxels_; }
-  /// Of the three copies and of the fields kept for them.
+  /// @returns the memory of the three copies and of the derived fields.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
@@ -79,7 +87,7 @@ class ContactWindowPublisher {
   void slide_window(const Voxmap& voxmap);
   void find_stiffness(const Voxmap& voxmap, const VoxelBox& part);
   void note(const VoxelBox& changed);
-  void catch_up(ContactWindow& copy, DirtyBoxes& missed, const Voxmap& voxmap);
+  void catch_up(ContactWindow& copy, VoxelBoxes& missed, const Voxmap& voxmap);
 
   std::size_t listener_;
   ContactFields fields_;
@@ -88,7 +96,7 @@ class ContactWindowPublisher {
   std::vector<std::uint8_t> stiffness_;  // of the master, relative, in bytes
   VoxelBox box_;                         // of the master at the last publishing
   SnapshotBuffer<ContactWindow> buffer_;
-  std::array<DirtyBoxes, 3> missed_;
+  std::array<VoxelBoxes, 3> missed_;
   std::uint64_t published_epoch_ = 0;
   std::uint64_t published_ = 0;
   std::uint64_t growth_epoch_;

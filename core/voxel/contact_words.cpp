@@ -179,6 +179,12 @@ std::size_t ContactWords::bytes() const noexcept {
   return words_.size() * sizeof(ContactWord) + sides_.size() + seeds_.size() + across_.size();
 }
 
+void ContactWords::reserve(std::size_t window_voxels) {
+  words_.reserve(window_voxels);
+  sides_.reserve(window_voxels + 2 * kBytePad);
+  seeds_.reserve(window_voxels + 2 * kBytePad);
+}
+
 void ContactWords::place(const VoxelBox& box) {
   BH_ASSERT(box.size().x <= kMaxWindowEdge);
   box_ = box;

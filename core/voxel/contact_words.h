@@ -1,13 +1,14 @@
-/// core/voxel/contact_words.h: what contact asks of a voxel in one 32-bit word: density, gradient, and how far nothing changes.
-///   Word      bits 0-7 density in 1/255. Bits 8-15, 16-23, 24-31 gradient i, j, k as int8 in 1/254 [density/voxel], -127..127; or, where
-///             the gradient is zero (the dead zone of the master window, or all three parts below half a step), bits 24-31 are -128 and
-///             bits 8-15 a leap.
-///   Rounding  keeps both rules of what is solid: density 0 and only 0 is 0; 0.5 and above is 128 and above, below 0.5 is 127 and below.
-///   Leap      L >= 1: every voxel nearer than L (Chebyshev distance) has no gradient and is on the same side (empty, below 0.5, 0.5 and
-///             above), and none of them is on the window's outermost layer. A walk of at most one voxel a step on each axis may take L
-///             steps at once and look only where it lands, and so never leaves the window.
-///   Outermost layer of the window: empty, as everything outside is.
-///   Thread    simulation keeps them; contact reads copies.   Source  own derivation, shown in contact_words.cpp.
+/// core/voxel/contact_words.h: density, gradient and leap (size of the homogeneous neighbourhood) of a voxel in one 32-bit word.
+///   Word      bits 0-7 density in 1/255. Bits 8-15, 16-23, 24-31 gradient i, j, k as int8 in 1/254 [density/voxel], -127..127. If the
+///             gradient is zero (dead zone of the master window, or all three components below half a step), bits 24-31 are -128 and bits
+///             8-15 are the leap.
+///   Rounding  preserves both thresholds: only density 0 is 0; density >= 0.5 is >= 128, density < 0.5 is <= 127.
+///   Leap      L >= 1: all voxels at a Chebyshev distance < L have zero gradient and the same side (empty, below 0.5, 0.5 and above), and
+///             none is on the outermost layer of the window. A traversal that moves at most one voxel per step on each axis can take L
+///             steps at once and sample only the end point; it does not leave the window.
+///   Outermost layer of the window: empty, like everything outside.
+///   Frame     index.   Errors  none.
+///   Thread    simulation updates the words; contact reads copies.   Source  own derivation, shown in contact_words.cpp.
 #pragma once
 
 #include <cstddef>
@@ -20,28 +21,30 @@ namespace burrhole {
 
 using ContactWord = std::uint32_t;
 
-/// Leaps are no longer than this: it bounds how far a change spreads.
+/// [voxels] largest leap. It limits the distance over which a change of density changes words.
 inline constexpr int kMaxLeap = 8;
-/// Words further than this from each face of the window that moved stay the same in a slide.
+/// [voxels] a slide does not change words further than this from each face of the window that moved.
 inline constexpr int kWordSlideMargin = kMaxLeap + 1;
 inline constexpr std::uint32_t kWordSolid = 128;       ///< least density of a voxel on the solid side of the 0.5 level
 inline constexpr float kWordLevel = 127.5f;            ///< the 0.5 level [1/255]
-inline constexpr float kWordGradient = 254.0f;         ///< steps a [density/voxel]
+inline constexpr float kWordGradient = 254.0f;         ///< [steps/(density/voxel)]
 inline constexpr ContactWord kEmptyWord = 0x80000100;  ///< density 0, no gradient, leap 1
 
 class ContactWords {
  public:
-  /// Everything anew: the first time, or after bone grew.
+  /// Computes all words: at the start, or after bone was restored.
   void rebuild(const MasterWindow& window);
-  /// After density or gradient changed inside `dirty`. @returns the box of words that may differ now. Afterwards the words equal those of
-  /// a rebuild, bit for bit.
+  /// Updates the words after density or gradient changed inside `dirty`. @returns the box of words that may have changed. The result equals
+  /// that of rebuild(), bit for bit.
   VoxelBox update(const MasterWindow& window, const VoxelBox& dirty);
-  /// After the window slid from box() to its present place: keeps what both hold, makes what is new. Changes inside the part that is kept
-  /// must be told by update() besides. Equal to a rebuild, bit for bit.
+  /// Updates the words after the window slid from box(): keeps the words of the intersection and computes the new ones. Changes of density
+  /// inside the intersection require an additional update(). The result equals that of rebuild(), bit for bit.
   void slide(const MasterWindow& window);
 
   [[nodiscard]] const VoxelBox& box() const noexcept { return box_; }
   /// i fastest over box().
+  /// Reserves memory for windows of up to `window_voxels`.
+  void reserve(std::size_t window_voxels);
   [[nodiscard]] const std::vector<ContactWord>& words() const noexcept { return words_; }
   [[nodiscard]] std::size_t bytes() const noexcept;
 

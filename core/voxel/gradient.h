@@ -1,6 +1,7 @@
-/// core/voxel/gradient.h: density gradient by central differences, index axes, per voxel; the paper's normal and force direction.
-///   Source  [AcostaLiu07] sections 2-4 (gradients reused for force and shading); the dead zone is our own: noise of a few percent inside
-///           bone otherwise gives every interior voxel a direction and the surface walk wanders.
+/// core/voxel/gradient.h: density and its gradient by central differences. The paper derives normal and force direction from the gradient.
+///   Frame   index axes.   Units  density [-], gradient [1/voxel].   Errors  none.   Thread  any, on its own arrays.
+///   Source  [AcostaLiu07] sections 2-4 (gradients reused for force and shading). The dead zone is our own: without it, noise of a few
+///           percent inside bone gives every interior voxel a gradient, and the traversal to the surface follows noise.
 #pragma once
 
 #include <span>
@@ -12,28 +13,28 @@ namespace burrhole {
 /// Dense density over `box`, i fastest.
 struct DensityBlock {
   VoxelBox box;
-  std::span<const float> density;
+  std::span<const float> density;  ///< [-] 0..1
 };
 
-/// What the SIMD kernel of update_gradient is given: strides in floats.
+/// Arguments of the SIMD kernel of update_gradient. Strides in floats.
 struct GradientRows {
-  const float* density;  // at the target's first voxel
+  const float* density;  // [-] at the target's first voxel
   std::ptrdiff_t density_row, density_slab;
-  float* gradient;  // likewise, x y z of a voxel side by side
+  float* gradient;  // [1/voxel] at the target's first voxel; x, y, z of a voxel are contiguous
   std::size_t gradient_row, gradient_slab;
   std::size_t count, rows, slabs;  // of the target
-  float dead2;
+  float dead2;                     // [1/voxel^2] square of the dead zone
 };
 
-/// Likewise of update_density.
+/// Arguments of the SIMD kernel of update_density.
 struct ProductRows {
-  const float *a, *b;  // at the target's first voxel
-  float* product;
+  const float *a, *b;  // [-] at the target's first voxel
+  float* product;      // [-] likewise
   std::size_t row, slab;
   std::size_t count, rows, slabs;  // of the target
 };
 
-/// density = occupancy x remaining for each voxel of `target`; all dense over `box`, i fastest. Requires target inside box.
+/// Sets density = occupancy x remaining for each voxel of `target`. All arrays are dense over `box`, i fastest. Requires target inside box.
 void update_density(std::span<const float> occupancy, std::span<const float> remaining, const VoxelBox& box, const VoxelBox& target,
                     std::span<float> density) noexcept;
 

@@ -21,7 +21,7 @@ constexpr float kBand = static_cast<float>(kRecordBand);
 
 float dot(const Metric& a, const Metric& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Rows are looked at in blocks of 64, four or eight a slab: where each lies from the first of its block.
+/// Rows are searched in blocks of 64, four or eight per slab. Offset of each row from the first of its block.
 struct RowBlock {
   RowBlock(const SurfaceMap& map, const SurfaceTile& tile, int bits) : width_bits(bits) {
     for (int n = 0; n < 64; ++n) {

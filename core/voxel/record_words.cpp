@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/base/trilinear.h"
 #include "core/voxel/surface_tile.h"
 #include "core/voxel/surface_vectors-inl.h"
 
@@ -86,14 +87,11 @@ HWY_INLINE void place_foot(const SurfaceTile& tile, I cell, const F3& p, Feet& f
 void read_gradients(const SurfaceTile& tile, std::size_t count, Feet& feet) {
   const float* const samples = &tile.samples.data()->gx;
   const int row = 4 * tile.row, slab = 4 * tile.slab;
-  const auto between = [](float a, float b, float t) { return a + (b - a) * t; };
   for (std::size_t n = 0; n < count; ++n)
     for (std::size_t part = 0; part < 4; ++part) {
       const float* const at = samples + 4 * feet.at[n] + part;
-      const auto along_x = [&](const float* from) { return between(from[0], from[4], feet.x[n]); };
-      const float low = between(along_x(at), along_x(at + row), feet.y[n]);
-      const float high = between(along_x(at + slab), along_x(at + slab + row), feet.y[n]);
-      feet.gradient[4 * n + part] = between(low, high, feet.z[n]);
+      feet.gradient[4 * n + part] =
+          burrhole::trilinear(Vec3f(feet.x[n], feet.y[n], feet.z[n]), [&](unsigned c) { return at[corner_offset(c, row, slab, 4)]; });
     }
 }
 
@@ -106,13 +104,11 @@ void read_gradients(const SurfaceTile& tile, std::size_t count, Feet& feet) {
   const float* const samples = &tile.samples.data()->gx;
   const int row = 4 * tile.row, slab = 4 * tile.slab;
   for (std::size_t n = 0; n < count; n += hn::Lanes(d) / 4) {
-    const auto corner = [&](int shift) HWY_ATTR { return load_blocks<4, 1>(samples + shift, feet.at + n); };
+    const auto corner = [&](unsigned c) HWY_ATTR { return load_blocks<4, 1>(samples + corner_offset(c, row, slab, 4), feet.at + n); };
     const auto part = [&](const float* of)
                           HWY_ATTR { return by_block([&](std::size_t block) HWY_ATTR { return hn::Set(d, of[n + block]); }); };
     const F x = part(feet.x), y = part(feet.y), z = part(feet.z);
-    const auto along_x = [&](int shift) HWY_ATTR { return lerp(corner(shift), corner(shift + 4), x); };
-    const F low = lerp(along_x(0), along_x(row), y), high = lerp(along_x(slab), along_x(slab + row), y);
-    hn::Store(lerp(low, high, z), d, feet.gradient + 4 * n);
+    hn::Store(trilinear(x, y, z, corner), d, feet.gradient + 4 * n);
   }
 }
 
@@ -195,7 +191,7 @@ struct Found {
   F3 normal;
 };
 // Cosine of 20 degrees, by which a surface turns within a fan where its radius is three voxels. More is an edge, across which smoothing
-// mixes two faces: distance goes by the surfel's plane there. Further out than the fan nc tells the way round the edge.
+// mixes two faces: there the distance is that to the surfel's plane. Beyond the fan, nc is the direction round the edge.
 constexpr float kSameBend = 0.94f;
 
 HWY_INLINE Found measure(const SurfaceMap& map, const Feet& feet, std::size_t n, hn::Mask<D> bone, F per_edge) {

@@ -201,6 +201,10 @@ void SurfaceRecords::slide(const MasterWindow& window) {
   for (const VoxelBox& part : box_without(box_, kept.empty() ? VoxelBox{} : kept)) make(window, part);
 }
 
+void SurfaceRecords::reserve(std::size_t window_voxels) {
+  std::visit([&](auto& records) { records.reserve(window_voxels); }, records_);
+}
+
 std::size_t SurfaceRecords::bytes() const noexcept {
   return std::visit([](const auto& records) { return records.capacity() * sizeof(records[0]); }, records_);
 }

@@ -1,10 +1,11 @@
-/// core/voxel/surface_records.h: where the 0.5 surface is, kept for every voxel near it: one look-up gives distance and normal.
-///   Distance  from the voxel's centre to the surface, in voxel edges (bone_from_index.mean_edge()), above 0 outside bone. True metric
-///             distance: the map may be oblique, sheared, or of uneven edges.
-///   Normal    outward unit normal at the surface point nearest to the voxel, in the axes of the bone frame (not of the index).
-///   Between voxel centres both are interpolated trilinearly (contact does that), which keeps a plane exact.
-///   Beyond the band the distance is +-band and the normal zero: "at least that far".
-///   Thread  simulation keeps them; contact reads copies.   Source  own derivation, shown in surface_records.cpp.
+/// core/voxel/surface_records.h: distance to the 0.5 surface and its normal, stored for every voxel in a narrow band round the surface.
+///   Distance  from the voxel's centre to the surface, in voxel edges (bone_from_index.mean_edge()), positive outside bone. It is a metric
+///             distance: the index map may be oblique, sheared, or anisotropic.
+///   Normal    outward unit normal at the surface point nearest to the voxel.
+///   Frame     boxes in index coordinates; normals in the axes of the bone frame.   Errors  none.
+///   Contact interpolates both trilinearly between voxel centres; a plane is reproduced exactly.
+///   Outside the band the distance is +-kRecordBand, a lower bound of its magnitude, and the normal is zero.
+///   Thread    simulation updates the records; contact reads copies.   Source  own derivation, shown in surface_records.cpp.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +20,10 @@
 
 namespace burrhole {
 
-/// Distances up to this are true; further out they are +-kRecordBand [voxel edges].
+/// [voxel edges] half width of the band. Larger distances are clamped to +-kRecordBand.
 inline constexpr double kRecordBand = 3.5;
 
-/// How a record is stored: the knob of accuracy against bytes and time.
+/// Storage format of a record: accuracy against memory and time.
 enum class RecordPrecision : std::uint8_t {
   bits8,   ///< 4 bytes: distance in 1/32 edge, normal in 1/127
   bits16,  ///< 8 bytes: distance in 1/4096 edge, normal in 1/32767
@@ -30,18 +31,18 @@ enum class RecordPrecision : std::uint8_t {
 
 /// Distance, then normal x, y, z.
 struct Record8 {
-  std::int8_t distance, nx, ny, nz;
+  std::int8_t distance, nx, ny, nz;  ///< [steps] of kRecord8Distance and kRecord8Normal
 };
 struct Record16 {
-  std::int16_t distance, nx, ny, nz;
+  std::int16_t distance, nx, ny, nz;  ///< [steps] of kRecord16Distance and kRecord16Normal
 };
 static_assert(sizeof(Record8) == 4 && sizeof(Record16) == 8);
 inline constexpr double kRecord8Distance = 1.0 / 32.0, kRecord16Distance = 1.0 / 4096.0;  ///< [voxel edges] a step
 inline constexpr double kRecord8Normal = 1.0 / 127.0, kRecord16Normal = 1.0 / 32767.0;
 
 struct SurfaceSample {
-  double distance = kRecordBand;  ///< [voxel edges]
-  Vec3 normal{0.0};
+  double distance = kRecordBand;  ///< [voxel unit] in voxel edges
+  Vec3 normal{0.0};               ///< [-] outward, bone frame
 };
 
 /// Records of one window, i fastest over `box`.
@@ -54,20 +55,22 @@ class SurfaceRecords {
   SurfaceRecords& operator=(SurfaceRecords&&) noexcept;
   ~SurfaceRecords();
 
-  /// Everything anew: after the window was placed, or bone grew.
+  /// Computes all records: after the window was placed, or bone was restored.
   void rebuild(const MasterWindow& window);
-  /// After density changed inside `dirty` (halo of gradients included or not, it does not matter). @returns the box of records that may
-  /// differ now, to be copied. Afterwards the records equal those of a rebuild, bit for bit.
+  /// Updates the records after density changed inside `dirty`, which may include the halo of gradients. @returns the box of records that
+  /// may have changed. The result equals that of rebuild(), bit for bit.
   VoxelBox update(const MasterWindow& window, const VoxelBox& dirty);
 
-  /// The same after several boxes changed: boxes whose reaches overlap much are taken as one. @returns the boxes that may differ now.
+  /// The same for several boxes. Boxes whose reaches overlap much are united. @returns the boxes of records that may have changed.
   std::vector<VoxelBox> update(const MasterWindow& window, std::span<const VoxelBox> dirty);
-  /// The window moved: records that were true and still are stay, the others are made anew.
+  /// Updates the records after the window moved: keeps those that remain valid and computes the others.
   void slide(const MasterWindow& window);
   [[nodiscard]] std::size_t bytes() const noexcept;
+  /// Reserves memory for windows of up to `window_voxels`.
+  void reserve(std::size_t window_voxels);
 
   [[nodiscard]] const VoxelBox& box() const noexcept { return box_; }
-  /// Records are known inside this box: nearer to the window's edge the surface may come from what the window does not know.
+  /// @returns the box of valid records. Nearer to the window's boundary a record may depend on voxels outside of the window.
   [[nodiscard]] VoxelBox valid_box() const noexcept;
   [[nodiscard]] const RecordArray& records() const noexcept { return records_; }
   [[nodiscard]] RecordPrecision precision() const noexcept;
@@ -81,7 +84,8 @@ class SurfaceRecords {
   RecordArray records_;
 };
 
-/// Voxels along each axis that a record depends on: so far in from a window's edge records are not known.
+/// @returns the distance along each axis up to which densities affect a record [voxels]; nearer to the window's boundary records are
+/// invalid.
 [[nodiscard]] Vec3i record_reach(const Affine& bone_from_index) noexcept;
 
 /// One record, decoded (tests, plain twins).

@@ -11,6 +11,8 @@
 
 #include <hwy/highway.h>
 
+#include "core/base/trilinear-inl.h"
+#include "core/base/trilinear.h"
 #include "core/voxel/surface_tile.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -109,8 +111,6 @@ HWY_INLINE F3 times_transpose(const Matrix& m, const F3& v) {
           sum3(m[0][2], v.x, m[1][2], v.y, m[2][2], v.z)};
 }
 
-HWY_INLINE F lerp(F a, F b, F t) { return hn::Add(a, hn::Mul(hn::Sub(b, a), t)); }
-
 /// Values at the corners of a cell, x fastest.
 struct Corners {
   F v[8];
@@ -122,16 +122,14 @@ struct Cell {
 /// Of as many cells as lanes, each where `offsets` say.
 HWY_INLINE Cell read_cells(const FieldSample* samples, const std::int32_t* offsets, int row, int slab) {
   Cell out;
-  for (int n = 0; n < 8; ++n) {
-    const F4 at = read_fours<4>(&samples[(n & 1) + ((n >> 1) & 1) * row + (n >> 2) * slab].gx, offsets);
+  for (unsigned n = 0; n < 8; ++n) {
+    const F4 at = read_fours<4>(&samples[corner_offset(n, row, slab)].gx, offsets);
     out.gx.v[n] = at.x, out.gy.v[n] = at.y, out.gz.v[n] = at.z, out.density.v[n] = at.w;
   }
   return out;
 }
 HWY_INLINE F interpolate(const Corners& c, const F3& p) {
-  const F low = lerp(lerp(c.v[0], c.v[1], p.x), lerp(c.v[2], c.v[3], p.x), p.y);
-  const F high = lerp(lerp(c.v[4], c.v[5], p.x), lerp(c.v[6], c.v[7], p.x), p.y);
-  return lerp(low, high, p.z);
+  return trilinear(p.x, p.y, p.z, [&](unsigned n) HWY_ATTR { return c.v[n]; });
 }
 /// Gradient of the trilinear field itself.
 HWY_INLINE F3 slope(const Corners& c, const F3& p) {

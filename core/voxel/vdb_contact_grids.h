@@ -1,5 +1,7 @@
-/// core/voxel/vdb_contact_grids.h: the paper's storage: density and gradient in OpenVDB grids, probed voxel by voxel. Oracle of the dense
-/// window and baseline of its speed. Writer and reader share the grids: lockstep only.
+/// core/voxel/vdb_contact_grids.h: the paper's storage: density and gradient in OpenVDB grids, probed voxel by voxel. Reference for results
+/// and speed of the dense window.
+///   Frame   index.   Units  density [-], gradient [1/voxel].   Errors  none.
+///   Thread  writer and reader share the grids without locks: lockstep only.
 ///   Source  [AcostaLiu07] section 2 (each voxel encodes density and density gradient).
 #pragma once
 
@@ -18,7 +20,7 @@ class VdbContactGrids {
   VdbContactGrids& operator=(const VdbContactGrids&) = delete;
 
   void update(Voxmap& voxmap);
-  // Probes through accessors made once; one reader.
+  // Probes through persistent accessors; one reader only.
   [[nodiscard]] float density(const Vec3i& v) const noexcept;
   [[nodiscard]] Vec3f gradient(const Vec3i& v) const noexcept;
 

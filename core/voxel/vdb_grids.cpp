@@ -176,7 +176,7 @@ Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_
 
 namespace {
 
-/// Looked at before OpenVDB does, which writes about a version it does not know to the standard error.
+/// Checks the header before OpenVDB reads it: OpenVDB prints a message about an unknown version to the standard error.
 std::optional<std::string> start_fault(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return "cannot be read: no such file, or not for us to read";
@@ -191,7 +191,7 @@ std::optional<std::string> start_fault(const std::string& path) {
   return std::nullopt;
 }
 
-/// All grids of a file. Read as a stream that throws at its end: io::File does not look whether it is still reading anything, and builds
+/// All grids of a file. Read as a stream that throws at its end: io::File does not check whether reads succeed, and builds
 /// trees from whatever was in memory (measured: up to 9 GB, or without end, from 100 kB with a few damaged bytes). What is left is a length
 /// of a name, up to 4 GB for a moment, and what OpenVDB loses when reading throws within a tree: a path of nodes, once a refused file.
 openvdb::GridPtrVecPtr read_all_grids(const std::string& path) {

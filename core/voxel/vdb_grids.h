@@ -1,5 +1,6 @@
-/// core/voxel/vdb_grids.h: the only wrapper of OpenVDB's storage: a sparse float grid with a background, and .vdb files of them.
-/// OpenVDB types stay in the .cpp. Index space as everywhere: voxel centres at integers. One owner, no internal locking.
+/// core/voxel/vdb_grids.h: the only wrapper of OpenVDB's storage: a sparse float grid with a background value, and .vdb files.
+///   OpenVDB types are confined to the .cpp.   Frame  index; voxel centres at integers.   Errors  bad_input.
+///   Thread  one; no internal locks.
 #pragma once
 
 #include <functional>
@@ -26,7 +27,7 @@ class FloatVdb {
   [[nodiscard]] float value(const Vec3i& v) const;
   /// Dense copy of a box, i fastest; out.size() == box.count().
   void read_box(const VoxelBox& box, std::span<float> out) const;
-  /// Leaf by leaf; values equal to the background become inactive and cost nothing.
+  /// Writes a dense box leaf by leaf. Values equal to the background become inactive and use no memory.
   void write_box(const VoxelBox& box, std::span<const float> in);
   /// Calls f(voxel, value) for each voxel that differs from the background, sorted by k, j, i.
   void for_each_sorted(const std::function<void(const Vec3i&, float)>& f) const;
@@ -43,33 +44,33 @@ class FloatVdb {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What a .vdb file of ours holds: named float grids on one index space.
+/// Contents of a .vdb file of this program: named float grids in one index space.
 struct VdbFileContent {
   Vec3i dims{0};
   Affine bone_from_index;
-  std::string notes;  ///< lines of text that go with the bone
+  std::string notes;  ///< lines of text on the bone's origin
   std::vector<FloatVdb> grids;
 };
 
-/// Writes to a temporary name and renames. The map is kept exactly as metadata; the transform, for other programs, is the same in mm.
-/// bad_input when the place cannot be written.
+/// Writes a temporary file and renames it. Metadata hold the exact affine map; the grid transform, for other programs, is the same in mm.
+/// bad_input: the path cannot be written.
 [[nodiscard]] Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index,
                                std::span<const FloatVdb* const> grids, const std::string& notes = {});
-/// Reads without delayed loading. bad_input when missing, foreign or damaged.
+/// Reads without delayed loading. bad_input: the file is missing, not written by this program, or damaged.
 [[nodiscard]] Result<VdbFileContent> read_vdb(const std::string& path);
 
 /// One float grid of a file that another program wrote.
 struct ForeignGrid {
   FloatVdb grid;
-  bool level_set = false;                ///< its class says so: distances, negative inside; else values are densities
+  bool level_set = false;                ///< the grid class is level set: signed distances, negative inside; otherwise densities
   Affine world_from_index;               ///< [units of the file]
-  std::size_t active = 0;                ///< voxels with a value of their own, > 0
-  std::vector<std::string> other_float;  ///< names of float grids passed over
-  std::size_t other_type = 0;            ///< grids of other types
+  std::size_t active = 0;                ///< number of active voxels, > 0
+  std::vector<std::string> other_float;  ///< names of float grids not read
+  std::size_t other_type = 0;            ///< number of grids of other types
 };
 
-/// @param name of the grid; empty: the float grid with most active voxels. bad_input: missing, damaged, no such grid, empty, or with a
-/// transform that is no affine map (a camera's frustum).
+/// @param name of the grid; empty: the float grid with most active voxels. bad_input: the file is missing or damaged; the grid is missing,
+/// empty, or its transform is not affine (a camera frustum).
 [[nodiscard]] Result<ForeignGrid> read_foreign_grid(const std::string& path, const std::string& name);
 
 }  // namespace burrhole

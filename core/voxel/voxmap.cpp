@@ -1,5 +1,7 @@
 #include "core/voxel/voxmap.h"
 
+#include <cstring>
+
 #include "core/base/assert.h"
 #include "core/voxel/box_parts.h"
 #include "core/voxel/gradient.h"
@@ -7,17 +9,32 @@
 
 namespace burrhole {
 
-struct Voxmap::Store {
-  FloatVdb remaining{"remaining", 1.0f};
-};
+namespace {
 
-Voxmap::Voxmap(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config)
-    : bone_(std::move(bone)), config_(config), store_(std::make_unique<Store>()) {
+constexpr BlockValues kAsLoaded = [] {
+  BlockValues out{};
+  out.fill(1.0f);
+  return out;
+}();
+
+bool same_bits(const BlockValues& a, const BlockValues& b) noexcept { return std::memcmp(a.data(), b.data(), sizeof(BlockValues)) == 0; }
+
+/// Leaf by leaf; voxels of value 1 make no block.
+BlockStore blocks_from(const FloatVdb& grid) {
+  BlockStore out;
+  BlockValues values;
+  for_each_voxel(blocks_of(grid.active_bounds()), [&](const Vec3i& block) {
+    grid.read_box(box_of_block(block), values);
+    if (!same_bits(values, kAsLoaded)) out.put(block, values);
+  });
+  return out;
+}
+
+}  // namespace
+
+Voxmap::Voxmap(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config) : bone_(std::move(bone)), config_(config) {
   window_.gradient_dead_zone = config.gradient_dead_zone;
 }
-Voxmap::Voxmap(Voxmap&&) noexcept = default;
-Voxmap& Voxmap::operator=(Voxmap&&) noexcept = default;
-Voxmap::~Voxmap() = default;
 
 Result<Voxmap> Voxmap::create(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config) {
   if (!(config.gradient_dead_zone >= 0.0f && config.gradient_dead_zone < 0.5f)) return bad_input("gradient dead zone must be in [0, 0.5)");
@@ -43,17 +60,16 @@ Status Voxmap::place_window(const VoxelBox& box) {
     load_window(box);
   else
     slide_window(box);
+  unsaved_.reset(box);
+  if (prefetch_ != nullptr) prefetch_->aim(box);
   return {};
 }
 
 void Voxmap::load_window(const VoxelBox& box) {
-  const std::size_t n = box.count();
   window_.box = box;
-  for (std::vector<float>* field : {&window_.occupancy, &window_.hardness, &window_.remaining, &window_.density}) field->resize(n);
-  bone_->read_occupancy(box, window_.occupancy);
-  bone_->read_hardness(box, window_.hardness);
-  store_->remaining.read_box(box, window_.remaining);
-  for (std::size_t i = 0; i < n; ++i) window_.density[i] = window_.occupancy[i] * window_.remaining[i];
+  for (std::vector<float>* field : {&window_.occupancy, &window_.hardness, &window_.remaining, &window_.density})
+    field->resize(box.count());
+  load_part(box);
   ++window_epoch_;
 }
 
@@ -67,24 +83,39 @@ void Voxmap::slide_window(const VoxelBox& box) {
 }
 
 void Voxmap::load_part(const VoxelBox& part) {
-  std::vector<float> occupancy(part.count()), read(part.count());
-  const auto place = [&](std::vector<float>& field) { copy_part(part, part, read.data(), window_.box, field.data()); };
-  bone_->read_hardness(part, read);
-  place(window_.hardness);
-  bone_->read_occupancy(part, occupancy);
-  copy_part(part, part, occupancy.data(), window_.box, window_.occupancy.data());
-  store_->remaining.read_box(part, read);
-  place(window_.remaining);
-  for (std::size_t i = 0; i < read.size(); ++i) read[i] = occupancy[i] * read[i];
-  place(window_.density);
+  BlockValues read;
+  for_each_voxel(blocks_of(part), [&](const Vec3i& block) {
+    const VoxelBox box = box_of_block(block), inside = part.intersect(box);
+    if (prefetch_ == nullptr || !prefetch_->copy(inside, window_.box, window_.occupancy.data(), window_.hardness.data())) {
+      const std::span values(read.data(), inside.count());
+      bone_->read_occupancy(inside, values);
+      copy_part(inside, inside, read.data(), window_.box, window_.occupancy.data());
+      bone_->read_hardness(inside, values);
+      copy_part(inside, inside, read.data(), window_.box, window_.hardness.data());
+    }
+    const BlockValues* remaining = blocks_.find(block);
+    copy_part(inside, box, (remaining != nullptr ? *remaining : kAsLoaded).data(), window_.box, window_.remaining.data());
+  });
+  update_density(window_.occupancy, window_.remaining, window_.box, part, window_.density);
+}
+
+void Voxmap::set_prefetch(BonePrefetch* prefetch) noexcept {
+  prefetch_ = prefetch;
+  if (prefetch_ != nullptr && !window_.box.empty()) prefetch_->aim(window_.box);
+}
+
+void Voxmap::reserve(std::size_t window_voxels, std::size_t blocks) {
+  for (std::vector<float>* field : {&window_.occupancy, &window_.hardness, &window_.remaining, &window_.density})
+    field->reserve(window_voxels);
+  blocks_.reserve(blocks);
 }
 
 void Voxmap::commit(const VoxelBox& touched) noexcept {
   if (touched.empty()) return;
   BH_ASSERT(window_.erodible_box().contains(touched));
   update_density(window_.occupancy, window_.remaining, window_.box, touched, window_.density);
-  unsaved_ = unsaved_.unite(touched);
-  for (DirtyBoxes& listener : listeners_) listener.add(touched.grown(1));
+  unsaved_.mark(touched);
+  for (VoxelBoxes& listener : listeners_) listener.add(touched.grown(1));
 }
 
 std::size_t Voxmap::add_listener() {
@@ -92,39 +123,94 @@ std::size_t Voxmap::add_listener() {
   return listeners_.size() - 1;
 }
 
-std::vector<VoxelBox> Voxmap::take_dirty(std::size_t listener) { return listeners_.at(listener).take(); }
+VoxelBoxes Voxmap::take_dirty(std::size_t listener) { return listeners_.at(listener).take(); }
+
+bool Voxmap::put_block(const Vec3i& block, const BlockValues& values) {
+  const BlockValues* before = blocks_.find(block);
+  if (same_bits(before != nullptr ? *before : kAsLoaded, values)) return false;
+  if (keeper_ != nullptr) keeper_->keep(block, before);
+  if (same_bits(values, kAsLoaded))
+    blocks_.erase(block);
+  else
+    blocks_.put(block, values);
+  return true;
+}
 
 void Voxmap::write_back() {
-  if (unsaved_.empty()) return;
-  std::vector<float> part(unsaved_.count());
-  copy_part(unsaved_, window_.box, window_.remaining.data(), unsaved_, part.data());
-  store_->remaining.write_box(unsaved_, part);
-  unsaved_ = {};
+  unsaved_.take([&](const Vec3i& block) {
+    const VoxelBox box = box_of_block(block);
+    const BlockValues* before = blocks_.find(block);
+    BlockValues now = before != nullptr ? *before : kAsLoaded;
+    copy_part(box.intersect(window_.box), window_.box, window_.remaining.data(), box, now.data());
+    put_block(block, now);
+  });
 }
 
-void Voxmap::read_remaining(const VoxelBox& box, std::span<float> out) {
+void Voxmap::put_blocks(std::span<const BlockChange> changes) {
   write_back();
-  store_->remaining.read_box(box, out);
+  for (const BlockChange& change : changes) {
+    const BlockValues& values = change.values != nullptr ? *change.values : kAsLoaded;
+    if (!put_block(change.block, values)) continue;
+    const VoxelBox box = box_of_block(change.block), inside = box.intersect(window_.box);
+    if (!inside.empty()) {
+      copy_part(inside, box, values.data(), window_.box, window_.remaining.data());
+      update_density(window_.occupancy, window_.remaining, window_.box, inside, window_.density);
+    }
+    for (VoxelBoxes& listener : listeners_) listener.add(box.grown(1));
+  }
+  ++growth_epoch_;
+  ++window_epoch_;
 }
 
-void Voxmap::read_density(const VoxelBox& box, std::span<float> out) {
-  read_remaining(box, out);
-  std::vector<float> occupancy(box.count());
-  bone_->read_occupancy(box, occupancy);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = occupancy[i] * out[i];
+void Voxmap::read_remaining(const VoxelBox& box, std::span<float> out) const {
+  if (!window_.box.contains(box)) blocks_.read_box(box, out);
+  copy_part(box.intersect(window_.box), window_.box, window_.remaining.data(), box, out.data());
 }
 
-void Voxmap::read_gradient(const VoxelBox& box, std::span<Vec3f> out) {
+void Voxmap::read_density(const VoxelBox& box, std::span<float> out) const {
+  const VoxelBox inside = box.intersect(window_.box);
+  copy_part(inside, window_.box, window_.density.data(), box, out.data());
+  if (window_.box.contains(box)) return;
+  for (const VoxelBox& part : box_without(box, window_.box)) {
+    BlockValues occupancy{}, hardness{};
+    for_each_voxel(blocks_of(part), [&](const Vec3i& block) {
+      const VoxelBox whole = box_of_block(block), wanted = part.intersect(whole);
+      if (prefetch_ == nullptr || !prefetch_->copy(wanted, whole, occupancy.data(), hardness.data())) {
+        bone_->read_occupancy(wanted, {hardness.data(), wanted.count()});
+        copy_part(wanted, wanted, hardness.data(), whole, occupancy.data());
+      }
+      const BlockValues* changed = blocks_.find(block);
+      const BlockValues& remaining = changed != nullptr ? *changed : kAsLoaded;
+      for (std::size_t n = 0; n < occupancy.size(); ++n) occupancy[n] *= remaining[n];
+      copy_part(wanted, whole, occupancy.data(), box, out.data());
+    });
+  }
+}
+
+void Voxmap::read_gradient(const VoxelBox& box, std::span<Vec3f> out) const {
   const VoxelBox halo = box.grown(1);
   std::vector<float> density(halo.count());
   read_density(halo, density);
   update_gradient({halo, density}, box, config_.gradient_dead_zone, box, out);
 }
 
+void Voxmap::read_labels(const VoxelBox& box, std::span<float> out) const {
+  if (prefetch_ == nullptr) return bone_->read_labels(box, out);
+  BlockValues read;
+  for_each_voxel(blocks_of(box), [&](const Vec3i& block) {
+    const VoxelBox inside = box.intersect(box_of_block(block));
+    if (prefetch_->copy_labels(inside, box, out.data())) return;
+    bone_->read_labels(inside, {read.data(), inside.count()});
+    copy_part(inside, inside, read.data(), box, out.data());
+  });
+}
+
 Status Voxmap::save(const std::string& path) {
   write_back();
+  FloatVdb remaining("remaining", 1.0f);
+  blocks_.for_each_block([&](const Vec3i& block, const BlockValues& values) { remaining.write_box(box_of_block(block), values); });
   std::vector<const FloatVdb*> grids = bone_->grids();
-  grids.push_back(&store_->remaining);
+  grids.push_back(&remaining);
   return write_vdb(path, bone_->dims(), bone_->bone_from_index(), grids, bone_->notes());
 }
 
@@ -137,24 +223,27 @@ Status Voxmap::restore(const std::string& path) {
   if (found == nullptr) return bad_input("holds no grid named remaining: it is not a checkpoint", path);
   if (content->dims != bone_->dims() || found->background() != 1.0f)
     return bad_input("was saved from another bone: the dimensions differ", path);
+  if (!bone_->bounds().grown(2 * kMaxWindowEdge).contains(found->active_bounds()))
+    return bad_input("holds a remaining far outside its bone", path);
   bool sound = true;
   found->for_each_sorted([&](const Vec3i&, float value) { sound = sound && value >= 0.0f && value <= 1.0f; });
   if (!sound) return bad_input("holds a remaining outside 0..1 or not finite", path);
 
-  const VoxelBox changed = changed_bounds().unite(found->active_bounds());
-  store_->remaining = std::move(*found);
-  unsaved_ = {};
-  if (!window_.box.empty()) load_window(window_.box);
-  for (DirtyBoxes& listener : listeners_)
-    if (!changed.empty()) listener.add(changed.grown(1));
-  ++growth_epoch_;
+  const BlockStore read = blocks_from(*found);
+  std::vector<BlockChange> changes;
+  write_back();
+  blocks_.for_each_block([&](const Vec3i& block, const BlockValues&) {
+    if (read.find(block) == nullptr) changes.push_back({block, nullptr});
+  });
+  read.for_each_block([&](const Vec3i& block, const BlockValues& values) { changes.push_back({block, &values}); });
+  put_blocks(changes);
   return {};
 }
 
 std::uint64_t Voxmap::hash() {
   write_back();
   Hash64 hash;
-  store_->remaining.for_each_sorted([&](const Vec3i& v, float value) {
+  blocks_.for_each_sorted([&](const Vec3i& v, float value) {
     hash.add(static_cast<std::uint64_t>(static_cast<std::uint32_t>(v.x)));
     hash.add(static_cast<std::uint64_t>(static_cast<std::uint32_t>(v.y)));
     hash.add(static_cast<std::uint64_t>(static_cast<std::uint32_t>(v.z)));
@@ -165,9 +254,11 @@ std::uint64_t Voxmap::hash() {
 
 VoxelBox Voxmap::changed_bounds() {
   write_back();
-  return store_->remaining.active_bounds();
+  return blocks_.changed_bounds();
 }
 
-std::size_t Voxmap::bytes() const { return bone_->bytes() + store_->remaining.bytes() + window_.bytes(); }
+std::size_t Voxmap::bytes() const {
+  return bone_->bytes() + blocks_.bytes() + window_.bytes() + (prefetch_ != nullptr ? prefetch_->bytes() : 0);
+}
 
 }  // namespace burrhole

@@ -1,6 +1,8 @@
-/// core/voxel/voxmap.h: what is left of the bone. The master window is the truth inside its box; OpenVDB is the store of record outside
-/// and takes the window back when it slides, at checkpoints and on save.
-///   Units   remaining 1 as loaded .. 0 gone; density = occupancy x remaining.   Thread  one writer, the simulation.
+/// core/voxel/voxmap.h: present state of the bone. Inside its box, the master window is authoritative. Outside, blocks of 8^3 voxels store
+/// `remaining` where it differs from the bone as loaded. The window is written back to the blocks when it slides, at checkpoints and on
+/// save. OpenVDB stores the bone as loaded and is the file format.
+///   Frame   index.   Units  remaining [-]: 1 as loaded .. 0 removed; density [-] = occupancy x remaining.
+///   Errors  out_of_range, bad_input.   Thread  one writer, the simulation.
 #pragma once
 
 #include <cstdint>
@@ -8,103 +10,134 @@
 #include <string>
 #include <vector>
 
+#include "core/base/box_list.h"
 #include "core/base/geometry.h"
 #include "core/base/hash.h"
 #include "core/base/result.h"
+#include "core/voxel/block_store.h"
 #include "core/voxel/bone_model.h"
-#include "core/voxel/box_set.h"
-#include "core/voxel/dirty_boxes.h"
+#include "core/voxel/bone_prefetch.h"
 
 namespace burrhole {
 
 struct VoxmapConfig {
-  float gradient_dead_zone = 0.08f;  ///< [density/voxel] shorter gradients are zero
+  float gradient_dead_zone = 0.08f;  ///< [1/voxel] shorter gradients of the density are zero
 };
 
-/// Dense fields over `box`, i fastest. Gradients are not among them: whoever needs them makes them from the density, in the form needed
-/// (packed words, floats of a published copy, texels). They are known inside valid_box(); erosion may write inside erodible_box() only, so
-/// that every gradient that it changes lies in the window.
+/// Dense fields over `box`, i fastest. Gradients are not stored: readers compute them from the density in the form that they need (packed
+/// words, floats of a published copy, texels). Gradients are defined inside valid_box(). Erosion may write inside erodible_box() only, so
+/// every gradient that it changes is in the window.
 struct MasterWindow {
   VoxelBox box;
-  std::vector<float> occupancy, hardness, remaining, density;
-  float gradient_dead_zone = 0.0f;
+  std::vector<float> occupancy, hardness, remaining, density;  ///< [-] 0..1
+  float gradient_dead_zone = 0.0f;                             ///< [1/voxel] as VoxmapConfig
 
   [[nodiscard]] VoxelBox valid_box() const noexcept { return box.grown(-1); }
   [[nodiscard]] VoxelBox erodible_box() const noexcept { return box.grown(-2); }
   [[nodiscard]] std::size_t bytes() const noexcept { return 4 * sizeof(float) * box.count(); }
 };
 
-/// Float gradients of `part` from the window's density, into an array over window.box; zero in the outermost layer, where they are not
-/// known.
+/// Computes float gradients [1/voxel] of `part` from the window's density, into an array over window.box; zero in the outermost layer,
+/// where they are undefined.
 void derive_gradient(const MasterWindow& window, const VoxelBox& part, std::span<Vec3f> gradient) noexcept;
 
 /// Longest edge of a window [voxels].
 inline constexpr int kMaxWindowEdge = 256;
 
+/// Receives each block of the store before it changes. Undo stores these blocks.
+class BlockKeeper {
+ public:
+  virtual ~BlockKeeper() = default;
+  /// @param before values before the change; null: the block was as loaded.
+  virtual void keep(const Vec3i& block, const BlockValues* before) = 0;
+};
+
+/// A block and its new values of `remaining`; null: as loaded.
+struct BlockChange {
+  Vec3i block{0};  ///< [-] block coordinates, unit of 8 voxels
+  const BlockValues* values = nullptr;
+};
+
 class Voxmap {
  public:
   [[nodiscard]] static Result<Voxmap> create(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config);
-  Voxmap(Voxmap&&) noexcept;
-  Voxmap& operator=(Voxmap&&) noexcept;
-  ~Voxmap();
 
   [[nodiscard]] const BoneModel& bone() const noexcept { return *bone_; }
   [[nodiscard]] const VoxmapConfig& config() const noexcept { return config_; }
   [[nodiscard]] const MasterWindow& window() const noexcept { return window_; }
 
-  /// Moves the window: writes the old one back, keeps what both places hold, loads what is new. out_of_range when an edge is below 5 or
-  /// above kMaxWindowEdge.
+  /// Moves the window: writes the old window back, keeps the values of the intersection and loads the others. out_of_range: an edge is
+  /// below 5 or above kMaxWindowEdge.
   [[nodiscard]] Status place_window(const VoxelBox& box);
 
-  /// For erosion: remaining [0..1] of the window; after writing, commit() each box touched (inside erodible_box()).
+  /// Slides read blocks from `prefetch` if it holds them, otherwise from OpenVDB. Null: always from OpenVDB. The values are the same.
+  void set_prefetch(BonePrefetch* prefetch) noexcept;
+  /// Reserves memory for windows of up to `window_voxels` and for `blocks` changed blocks. Up to these limits, sliding and writing back
+  /// allocate nothing.
+  void reserve(std::size_t window_voxels, std::size_t blocks);
+
+  /// @returns `remaining` of the window, 0..1, for erosion. After writing, call commit() for each changed box (inside erodible_box()).
   [[nodiscard]] std::span<float> remaining() noexcept { return window_.remaining; }
-  /// Recomputes density in the box; marks it with its halo of one voxel, whose gradients change, dirty for every listener.
+  /// Recomputes density in the box. Marks the box dirty for every listener, with a halo of one voxel in which gradients change.
   void commit(const VoxelBox& touched) noexcept;
-  /// The same, box by box.
-  void commit(const BoxSet& touched) noexcept {
+  /// The same for each box.
+  void commit(const VoxelBoxes& touched) noexcept {
     for (const VoxelBox& box : touched) commit(box);
   }
 
-  /// Registers a listener for changed boxes (in voxels whose density or gradient may differ, halo included).
+  /// Registers a listener. take_dirty() returns the boxes in which density or gradient may have changed since its last call.
   [[nodiscard]] std::size_t add_listener();
-  [[nodiscard]] std::vector<VoxelBox> take_dirty(std::size_t listener);
+  [[nodiscard]] VoxelBoxes take_dirty(std::size_t listener);
 
-  /// Raised whenever bone may have grown back (restore): caches that assume that bone only disappears must drop what they know.
+  /// Incremented when bone may have been added (restore, undo). Caches that assume that bone is only removed must be cleared.
   [[nodiscard]] std::uint64_t growth_epoch() const noexcept { return growth_epoch_; }
-  /// Raised whenever the window moved or was reloaded: a copy must move with it and take what is new.
+  /// Incremented when the window moved or was reloaded. Copies must follow.
   [[nodiscard]] std::uint64_t window_epoch() const noexcept { return window_epoch_; }
 
-  /// Brings the store of record up to date with the window.
+  /// Updates the blocks from the window: those that were committed since the last call and differ.
   void write_back();
-  /// Dense copies from store and window together, i fastest; the box may reach outside the grid.
-  void read_remaining(const VoxelBox& box, std::span<float> out);
-  void read_density(const VoxelBox& box, std::span<float> out);
-  void read_gradient(const VoxelBox& box, std::span<Vec3f> out);
+  /// Replaces blocks, also in the window. Marks the blocks that differ dirty for every listener and increments both epochs. Values in 0..1;
+  /// they may belong to the keeper.
+  void put_blocks(std::span<const BlockChange> changes);
+  /// @returns the blocks that differ from the bone as loaded; up to date after write_back().
+  [[nodiscard]] const BlockStore& blocks() const noexcept { return blocks_; }
+  /// Sets the keeper that receives every block before it changes; null: none. Changes not yet written back are reported to the new keeper.
+  void set_keeper(BlockKeeper* keeper) noexcept { keeper_ = keeper; }
+
+  /// Dense copies of the present bone (blocks and window), i fastest. The box may extend outside the grid.
+  void read_remaining(const VoxelBox& box, std::span<float> out) const;
+  void read_density(const VoxelBox& box, std::span<float> out) const;
+  void read_gradient(const VoxelBox& box, std::span<Vec3f> out) const;
+  /// Labels of the bone as loaded, as numbers; read from the prefetch if possible.
+  void read_labels(const VoxelBox& box, std::span<float> out) const;
 
   /// Saves bone and remaining as one .vdb (temporary name, then rename).
   [[nodiscard]] Status save(const std::string& path);
-  /// Takes `remaining` from a file saved earlier from the same bone; raises the growth epoch. bad_input when the grids do not fit.
+  /// Reads `remaining` from a file saved from the same bone; increments the growth epoch. bad_input: the grids do not match the bone.
   [[nodiscard]] Status restore(const std::string& path);
 
-  /// Hash over all voxels that differ from as-loaded, sorted by k, j, i; independent of window and leaves.
+  /// @returns the hash over all voxels that differ from the bone as loaded, sorted by k, j, i; independent of window and storage.
   [[nodiscard]] std::uint64_t hash();
-  /// Box of all voxels that differ from as-loaded.
+  /// @returns the bounding box of all voxels that differ from the bone as loaded.
   [[nodiscard]] VoxelBox changed_bounds();
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  struct Store;
   Voxmap(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config);
   void load_window(const VoxelBox& box);
   void slide_window(const VoxelBox& box);
   void load_part(const VoxelBox& part);
+  /// @returns whether the block's values changed.
+  bool put_block(const Vec3i& block, const BlockValues& values);
 
   std::shared_ptr<const BoneModel> bone_;
   VoxmapConfig config_;
-  std::unique_ptr<Store> store_;
+  BlockStore blocks_;  // of remaining
   MasterWindow window_;
-  VoxelBox unsaved_;  // part of the window that the store has not seen
-  std::vector<DirtyBoxes> listeners_;
+  BlockMarks unsaved_;  // blocks of the window that were committed since write_back()
+  BlockKeeper* keeper_ = nullptr;
+  BonePrefetch* prefetch_ = nullptr;
+  std::vector<VoxelBoxes> listeners_;
   std::uint64_t growth_epoch_ = 0;
   std::uint64_t window_epoch_ = 0;
 };

@@ -1,5 +1,5 @@
-/// haptics/device/device_guard.h: whoever opens a device holds it by this: however the scope is left, by return or by exception, the last
-///   thing that the device is told is zero force.   Thread the owner's, after the servo has ended.
+/// haptics/device/device_guard.h: RAII owner of an open device. Its destructor writes zero force, also when an exception leaves the scope.
+///   Errors  none.   Thread  the owner's, after the servo has ended.
 #pragma once
 
 #include <memory>

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/base/toml.h"
-#include "core/base/toml_messages.h"
 #include "core/base/units.h"
+#include "core/config/toml.h"
+#include "core/config/toml_messages.h"
 
 namespace burrhole {
 namespace {
@@ -52,12 +52,12 @@ constexpr std::array<DeviceModel, 12> kDevices{{
     {"generic", "generic test device", kForce, kAbsent, kAbsent, kRadius, kFriction, kMass, kDamping, kQuantum},
 }};
 
-constexpr std::string_view kArm = "Sci Rep srep18004 fig. 3, one fitted trial", kGrip = "grips chosen for tests";
+constexpr std::string_view kArm = "Sci Rep srep18004 fig. 3, one fitted trial", kGrip = "values chosen for tests";
 constexpr Figure grip(double value) { return {value, Provenance::assumed, kGrip}; }
 constexpr Figure arm(double value) { return {value, Provenance::read, kArm}; }
 
 constexpr std::array<HandModel, 5> kHands{{
-    {"none", "nobody holds it", kAbsent, kAbsent, kAbsent},
+    {"none", "no hand", kAbsent, kAbsent, kAbsent},
     {"nominal", "nominal stylus grip", grip(0.15), grip(4.5), grip(300.0)},
     {"light", "light grip", grip(0.05), grip(0.5), grip(0.0)},
     {"firm", "firm grip", grip(0.6), grip(10.0), grip(1000.0)},

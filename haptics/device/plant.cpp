@@ -14,8 +14,8 @@ Result<Plant> Plant::create(const PlantConfig& config, double period) {
     if (!flow) return flow.error();
     out.flow_[static_cast<std::size_t>(n)] = *flow;
   }
-  // While the sign of the friction holds, the velocity is a free oscillation: its zeros are half an oscillation apart, whatever the force.
-  // A tick shorter than that holds one at most, and the signs at its ends tell whether it does.
+  // While the sign of the friction is constant, the velocity is a free oscillation: its zeros are half an oscillation apart for any force.
+  // A shorter tick contains one zero at most, and the signs at its ends show whether it does.
   const double half_damping = 0.5 * config.body.damping / config.body.mass;
   const double angular2 = config.body.stiffness / config.body.mass - half_damping * half_damping;  // [rad^2/s^2]
   if (config.friction > 0.0 && angular2 * period * period >= std::numbers::pi * std::numbers::pi)
@@ -51,9 +51,9 @@ void Plant::step_axis(double& x, double& v, double held) const noexcept {
 }
 
 double Plant::sign_out_of_rest(double x, double held) const noexcept {
-  const double pull = held - stiffness_ * x;
-  if (std::abs(pull) <= friction_) return 0.0;
-  return pull > 0.0 ? 1.0 : -1.0;
+  const double force = held - stiffness_ * x;
+  if (std::abs(force) <= friction_) return 0.0;
+  return force > 0.0 ? 1.0 : -1.0;
 }
 
 std::uint64_t Plant::go_to_stop(double& x, double& v, double input, double sign) const noexcept {

@@ -40,8 +40,8 @@ DeviceInfo SimulatedDevice::info() const noexcept {
 void SimulatedDevice::place(const Vec3& position, const Vec3& velocity) noexcept {
   grip_ = {position, velocity};
   goal_ = {position, Vec3(0.0)};
-  samples_.fill({told(position), Vec3(0.0)});
-  last_.device_from_grip.translation = told(position);
+  samples_.fill({reported(position), Vec3(0.0)});
+  last_.device_from_grip.translation = reported(position);
   last_.velocity = Vec3(0.0);
 }
 
@@ -65,7 +65,7 @@ DeviceReading SimulatedDevice::read() noexcept {
 
 Vec3 SimulatedDevice::shown(const Vec3& force) const noexcept {
   if (!is_finite(force) || lost_) return Vec3(0.0);
-  const double magnitude = std::hypot(force.x, force.y, force.z);  // never overflows where a component does not
+  const double magnitude = std::hypot(force.x, force.y, force.z);  // does not overflow unless a component does
   return magnitude > config_.largest_force ? force * (config_.largest_force / magnitude) : force;
 }
 
@@ -75,14 +75,14 @@ void SimulatedDevice::write(const Wrench& on_hand) noexcept {
   sample();
 }
 
-Vec3 SimulatedDevice::told(const Vec3& position) const noexcept {
+Vec3 SimulatedDevice::reported(const Vec3& position) const noexcept {
   if (config_.quantum == 0.0) return position;
   return glm::floor(position / config_.quantum + 0.5) * config_.quantum;
 }
 
 void SimulatedDevice::sample() noexcept {
   const Sample& before = samples_[newest_];
-  const Vec3 position = told(grip_.position);
+  const Vec3 position = reported(grip_.position);
   const Vec3 difference = (position - before.position) / period_;
   const Vec3 filtered = before.velocity + (difference - before.velocity) * (period_ / (period_ + config_.velocity_time));
   newest_ = (newest_ + 1) % samples_.size();

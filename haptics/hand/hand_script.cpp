@@ -9,8 +9,8 @@
 namespace burrhole {
 namespace {
 
-constexpr double kAdvanceFilter = 0.005;  // [s] of the speed in which a give is felt
-constexpr double kSettling = 0.5;         // [s] after the ramp before a give can be felt: the lean itself moves the hand
+constexpr double kAdvanceFilter = 0.005;  // [s] time constant of the filtered speed for breakthrough detection
+constexpr double kSettling = 0.5;         // [s] after the ramp before breakthrough detection starts: the lean itself moves the hand
 
 }  // namespace
 
@@ -29,7 +29,7 @@ Result<HandScript> HandScript::create(const HandScriptConfig& config, double per
 
 Vec3 HandScript::tremor() const noexcept {
   const double t = static_cast<double>(tick_) * period_;
-  // Two axes, slightly different rates and seeded phases: never a straight line.
+  // Two axes with slightly different frequencies and seeded phases, so that the path is not a line.
   const auto wave = [&](std::uint64_t axis, double ratio) {
     const double phase = 2.0 * std::numbers::pi * (config_.tremor_frequency * ratio * t + uniform01(config_.seed, axis));
     return config_.tremor_amplitude * portable_sin(phase);
@@ -71,7 +71,7 @@ void HandScript::follow(double felt, double height) noexcept {
       break;
     }
     case HandPhase::release: {
-      // The arm stays where it is while the muscles let go: dropped at once, the springs of arm and drill would throw the bit out.
+      // The rest position follows the hand while the thrust falls. If it stopped at once, the springs of arm and drill would eject the bit.
       const double left = config_.release > 0.0 ? 1.0 - seconds_since(release_tick_) / config_.release : 0.0;
       goal_.thrust = release_thrust_ * std::max(0.0, left);
       goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);

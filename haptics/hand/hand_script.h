@@ -1,7 +1,7 @@
-/// haptics/hand/hand_script.h: what a surgeon means to do at each tick of a burrhole, from what is felt: come down, lean, notice the give,
-///   let go, withdraw. It has no body: a simulated hand, or the hand on a simulated device, carries it out.
+/// haptics/hand/hand_script.h: the goal of a surgeon at each tick of a burrhole, computed from the measured force and motion: approach,
+///   lean, detect breakthrough, release, withdraw. A simulated hand, or the hand on a simulated device, carries the goal out.
 ///   Frame  approach frame: origin at the entry point, +z up the shaft, away from bone; depth = -z.   Units SI.   Thread servo.
-///   Source our own; its times and forces are assumed figures.
+///   Source own work; times and forces are assumptions.
 #pragma once
 
 #include <cstdint>
@@ -15,34 +15,34 @@ namespace burrhole {
 
 struct HandScriptConfig {
   double feed = 0.005;              ///< [m/s] approach and withdrawal
-  double push = 28.0;               ///< [N] thrust while leaning on the drill, real newtons: no device limits them
+  double push = 28.0;               ///< [N] thrust while leaning on the drill; a real force, not limited to a device's range
   double ramp = 1.0;                ///< [s] from first contact to full thrust
-  double reaction = 0.150;          ///< [s] from feeling the give to letting go (assumed)
-  double release = 0.3;             ///< [s] over which the thrust then falls to nothing
-  double contact_force = 1.0;       ///< [N] felt force that counts as contact
-  double give_speed = 0.008;        ///< [m/s] advance of the hand that feels like breaking through
-  double follow_time = 0.25;        ///< [s] how fast the rest position of the arm follows the drill while leaning
+  double reaction = 0.150;          ///< [s] from breakthrough detection to release (assumed)
+  double release = 0.3;             ///< [s] over which the thrust falls to zero after the release begins
+  double contact_force = 1.0;       ///< [N] force on the hand that counts as contact
+  double give_speed = 0.008;        ///< [m/s] advance of the hand that counts as breakthrough
+  double follow_time = 0.25;        ///< [s] time constant with which the rest position of the arm follows the drill while leaning
   double standoff = 0.003;          ///< [m] height above the entry where the script starts and ends
-  double tremor_amplitude = 40e-6;  ///< [m] lateral, peak, of the rest position
+  double tremor_amplitude = 40e-6;  ///< [m] lateral peak amplitude of the rest position
   double tremor_frequency = 9.0;    ///< [Hz]
   std::uint64_t seed = 1;
 };
 
-/// What the arm is asked to do during one tick.
+/// The goal of the arm for one tick.
 struct HandGoal {
   Vec3 rest{0.0};       ///< [m] rest point of the arm's spring
-  double thrust = 0.0;  ///< [N] along -z, besides that spring
+  double thrust = 0.0;  ///< [N] along -z, in addition to that spring
 };
 
 class HandScript {
  public:
-  /// out_of_range when a value is not finite or negative, or follow_time or the period is not above 0.
+  /// Errors: out_of_range when a value is not finite or negative, or when follow_time or the period is not above 0.
   [[nodiscard]] static Result<HandScript> create(const HandScriptConfig& config, double period);
 
-  /// Goes on by one tick. @param felt [N] force on the hand along +z. @param height, climb [m], [m/s] of the hand along z, now.
+  /// Advances one tick. @param felt [N] force on the hand along +z. @param height, climb [m], [m/s] of the hand along z, now.
   const HandGoal& advance(double felt, double height, double climb) noexcept BH_REALTIME;
   [[nodiscard]] HandPhase phase() const noexcept { return phase_; }
-  /// Ticks gone through.
+  /// Number of ticks since creation.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
  private:
@@ -55,9 +55,9 @@ class HandScript {
   double period_;
   HandPhase phase_ = HandPhase::approach;
   double goal_height_ = 0.0;  // [m] rest position of the arm along the axis
-  double advance_ = 0.0;      // [m/s] low-passed speed into bone
+  double advance_ = 0.0;      // [m/s] low-pass filtered speed into bone
   std::uint64_t tick_ = 0, lean_tick_ = 0, give_tick_ = 0, release_tick_ = 0;
-  double release_thrust_ = 0.0;  // [N] when letting go began
+  double release_thrust_ = 0.0;  // [N] at the start of the release
   HandGoal goal_;
 };
 

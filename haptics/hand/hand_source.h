@@ -1,4 +1,5 @@
-/// haptics/hand/hand_source.h: whoever holds the drill, as the servo sees it: a simulated hand, a device, or a recorded one in a replay.
+/// haptics/hand/hand_source.h: the source of the hand's motion as the servo reads it: a simulated hand, a device, or a replayed recording.
+///   Frame  world.   Units  SI.   Thread  servo.
 #pragma once
 
 #include <cstdint>
@@ -6,36 +7,37 @@
 
 #include "core/base/assert.h"
 #include "core/base/geometry.h"
+#include "core/contact/hand_motion.h"
 
 namespace burrhole {
 
 enum class HandPhase : std::uint32_t { approach, lean, give_felt, release, withdraw, done };
 
-/// What is wrong with a reading; the servo gives no force on it.
+/// Errors of a reading. The servo outputs no force for a reading with a flag.
 enum HandFlag : std::uint32_t {
-  kHandLost = 1u << 0,       ///< set by the source: the device does not answer; the motion is that of its last report
-  kHandNotFinite = 1u << 1,  ///< set by the servo: the motion told was not finite and is replaced by the last that was
+  kHandLost = 1u << 0,       ///< set by the source: the device does not answer; the motion is the last one that it reported
+  kHandNotFinite = 1u << 1,  ///< set by the servo: the motion read was not finite; the last finite motion replaces it
 };
 
-/// What the hand does now; goes to contact through a TripleBuffer.
-struct HandState {
-  Pose world_from_hand;  ///< where the hand would have the tool
-  Vec3 velocity{0.0};    ///< [m/s]
+/// State of the hand at this tick. A TripleBuffer carries it to contact. Contact models read its HandMotion.
+struct HandState : HandMotion {
   double thrust = 0.0;   ///< [N] along the axis into bone
+  double spin = 1.0;     ///< [-] spin command: 0 off, 1 the full spin of the scene
   HandPhase phase = HandPhase::approach;
-  std::uint64_t tick = 0;   ///< rises by one each tick
+  std::uint64_t tick = 0;   ///< increases by one each tick
   std::uint32_t flags = 0;  ///< HandFlag
+  std::uint32_t switches = 0;  ///< bits of pedals and buttons
 };
 static_assert(std::is_trivially_copyable_v<HandState>);
 
-/// Read once and pushed once a servo tick, in this order.
+/// The servo calls read() once and then apply() once per tick.
 class HandSource {
  public:
   virtual ~HandSource() = default;
-  /// Where the hand is now; the reference stays good until apply().
+  /// Current state of the hand; the reference stays valid until apply().
   [[nodiscard]] virtual const HandState& read() noexcept BH_REALTIME = 0;
-  /// What the drill exerts on the hand from now to the next tick, held: [N], [N m] about the hand's position, world frame. A simulated hand
-  /// moves on under it by one tick.
+  /// Sets the wrench of the drill on the hand, held from now to the next tick: [N], [N m] about the hand's position, world frame. A
+  /// simulated hand advances by one tick under it.
   virtual void apply(const Wrench& on_hand) noexcept BH_REALTIME = 0;
 };
 

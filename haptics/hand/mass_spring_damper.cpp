@@ -9,8 +9,9 @@ Result<MassSpringDamper> MassSpringDamper::create(const MassSpringDamperConfig& 
                      c.stiffness >= 0.0 && std::isfinite(period) && period > 0.0;
   if (!sound) return Error{ErrorCode::out_of_range, "mass must be above 0, damping and stiffness at least 0, the period above 0", {}};
 
-  // exp of [[0, 1, 0], [-k/m, -b/m, 1/m], [0, 0, 0]] * period by scaling and squaring: the last column is the response to a held input.
-  // Arithmetic only, so the same bits on every machine. glm is column-major: m[column][row].
+  // Computes exp([[0, 1, 0], [-k/m, -b/m, 1/m], [0, 0, 0]] * period) by scaling and squaring; the last column is the response to a held
+  // input.
+  // Uses basic arithmetic only, for the same bits on every machine. glm is column-major: m[column][row].
   Mat3 rate(0.0);
   rate[1][0] = 1.0;
   rate[0][1] = -c.stiffness / c.mass;

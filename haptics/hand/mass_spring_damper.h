@@ -13,13 +13,13 @@ struct MassSpringDamperConfig {
   double stiffness = 1000;  ///< [N/m] >= 0
 };
 
-/// The same dynamics on three independent axes. Exact: two half ticks equal one tick whatever the period.
+/// The same dynamics on three independent axes. The discretisation is exact: two half ticks equal one tick for any period.
 class MassSpringDamper {
  public:
-  /// out_of_range when a value is not finite or outside its range, or period <= 0 [s].
+  /// Errors: out_of_range when a value is not finite or outside its range, or when period [s] is not above 0.
   [[nodiscard]] static Result<MassSpringDamper> create(const MassSpringDamperConfig& config, double period);
-  /// `input` [N] is every force but the spring's and damper's own, the spring's rest position included as stiffness * rest.
-  /// @tparam V Vec3, or double for one axis alone: the same bits.
+  /// `input` [N] is the sum of all forces except those of the spring and the damper. A rest position enters as stiffness * rest.
+  /// @tparam V Vec3, or double for a single axis; both give the same bits.
   template <class V>
   void step(V& position, V& velocity, const V& input) const noexcept BH_REALTIME {
     const V x = position;

@@ -1,6 +1,6 @@
-/// haptics/hand/simulated_hand.h: a surgeon's two hands on a drill: a mass on a spring-damper that follows a script and feels the bone.
+/// haptics/hand/simulated_hand.h: two hands of a surgeon on a drill: a mass on a spring-damper that follows a script and receives force.
 ///   Frame  approach frame, as hand_script.h.   Units SI.   Thread servo.
-///   Source mass, damping and stiffness: firm grip of the project's facts (assumed figures).
+///   Source mass, damping and stiffness are assumed values for a firm grip of the handle.
 #pragma once
 
 #include "core/base/geometry.h"
@@ -13,16 +13,16 @@ namespace burrhole {
 
 struct HandConfig : HandScriptConfig {
   MassSpringDamperConfig dynamics;
-  bool feels = true;  ///< false: the force feedback is cut (for comparison)
+  bool feels = true;  ///< false: no force feedback (for comparison)
 };
 
 class SimulatedHand final : public HandSource {
  public:
-  /// out_of_range as MassSpringDamper and HandScript.
+  /// Errors as MassSpringDamper and HandScript.
   [[nodiscard]] static Result<SimulatedHand> create(const HandConfig& config, const Pose& world_from_approach, double period);
 
   [[nodiscard]] const HandState& read() noexcept BH_REALTIME override { return state_; }
-  /// Advances one tick; of the wrench a hand on a drill feels the force.
+  /// Advances one tick. The hand uses the force of the wrench and ignores its torque.
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
 
  private:

@@ -1,4 +1,4 @@
-/// haptics/servo/force_guard.h: whoever drives a hand with forces holds one of these: however that ends, the last force is zero.
+/// haptics/servo/force_guard.h: commands zero force when the scope that drives a hand ends, in whichever way it ends.
 #pragma once
 
 #include "haptics/hand/hand_source.h"

@@ -1,6 +1,5 @@
-/// haptics/servo/force_limits.h: what stands between a computed force and a hand, each limit a small thing of its own; ServoStep::act()
-///   puts them in order.
-///   Units SI.   Thread servo, fixed memory.
+/// haptics/servo/force_limits.h: limits between a computed force and a hand, one class per limit. ServoStep::act() applies them in order.
+///   Frame  any; the limits do not depend on it.   Units SI.   Thread servo, fixed memory.
 #pragma once
 
 #include "core/base/assert.h"
@@ -8,13 +7,13 @@
 
 namespace burrhole {
 
-/// v, no longer than `longest`, in its own direction; also where the square of its length overflows.
+/// @returns v scaled down to the length `longest` if it is longer. Correct also where the square of the length overflows.
 [[nodiscard]] Vec3 shortened(const Vec3& v, double longest) noexcept BH_REALTIME;
 
-/// [TellesONeill10] eq. (2), a bound on the change of force a tick, measured from the force *shown* before: |F'_t - F'_(t-1)| <= delta. As
-/// printed it starts from F_(t-1), the force asked for before; then a jump passes whole one tick later (a step of A: delta, then A), and
-/// while the force asked for changes faster than delta the shown one follows it a tick late at any speed.
-/// A cap on magnitude belongs before it: between two forces inside a ball every step stays inside, and nothing winds up beyond it.
+/// [TellesONeill10] eq. (2), a bound on the change of force per tick, measured from the last *output* force: |F'_t - F'_(t-1)| <= delta.
+/// The printed form starts from the last *requested* force F_(t-1). With it a jump passes in full one tick later (a step of A: delta, then
+/// A), and the output lags by one tick, without bound on its slew, while the requested force changes faster than delta.
+/// Apply a cap on magnitude before this limit: a step between two forces inside a ball stays inside it, so no windup occurs beyond the cap.
 class SlewLimit {
  public:
   /// @param per_tick [N] delta; 0 or infinite: off.
@@ -29,18 +28,18 @@ class SlewLimit {
   bool limited_ = false;
 };
 
-/// A gain that goes from 0 to 1 over the start's time and back over the stop's, in a straight line; 0 s: at once.
+/// A gain that ramps linearly from 0 to 1 over the start time and back over the stop time; 0 s: immediately.
 class SoftGain {
  public:
   SoftGain(double soft_start, double soft_stop, double dt) noexcept;
-  /// One tick towards 1 (on) or 0. @returns the gain of this tick.
+  /// Advances one tick towards 1 (on) or 0. @returns the gain of this tick.
   double operator()(bool on) noexcept BH_REALTIME;
-  void cut() noexcept { gain_ = 0.0; }   ///< to zero at once
-  void open() noexcept { gain_ = 1.0; }  ///< to the whole at once
+  void cut() noexcept { gain_ = 0.0; }   ///< sets the gain to 0 immediately
+  void open() noexcept { gain_ = 1.0; }  ///< sets the gain to 1 immediately
   [[nodiscard]] double gain() const noexcept { return gain_; }
 
  private:
-  double rise_, fall_;  // a tick
+  double rise_, fall_;  // per tick
   double gain_ = 0.0;
 };
 

@@ -8,17 +8,17 @@
 namespace burrhole {
 namespace {
 
-// [m] of the planes. A plane that begins to carry does so with at most the coupling's stiffness times this: 5 to 60 kN/m with its damper
-// over a tick make 6e-5 N.
+// [m] tolerance of the planes. A plane starts to carry load with at most the effective stiffness times this: 5 to 60 kN/m (coupling and
+// damper over a tick) give 6e-5 N.
 constexpr double kTolerance = 1e-9;
 
-/// [m] Gap of a plane after a move, bone's own yield left out.
+/// [m] Gap of a plane after a move, without the compliance of bone.
 double gap_after(const HoldProblem& problem, const HoldPlane& plane, const HoldMove& move) noexcept {
   const Vec3 engaging = plane.cutting ? move.engagement - problem.engaged : Vec3(0.0);
   return plane.gap + glm::dot(plane.normal, move.translation + glm::cross(move.turn, plane.arm) + engaging);
 }
 
-/// The listed planes, the most violated first.
+/// The listed planes as candidates; returns the most violated one.
 class ListedPlanes final : public HoldCandidates {
  public:
   explicit ListedPlanes(std::span<const HoldPlane> planes) : planes_(planes) {}
@@ -40,7 +40,7 @@ class ListedPlanes final : public HoldCandidates {
   std::span<const HoldPlane> planes_;
 };
 
-/// Where springs and dampers alone would bring the tool, and how stiff they are together: ConstrainedTool's formula, over a servo tick.
+/// The equilibrium of springs and dampers without contact, and their total stiffness: the formula of ConstrainedTool, over a servo tick.
 struct Pull {
   Pose world_from_target;
   double stiffness, turn_stiffness;
@@ -56,7 +56,7 @@ Pull pull_of(const LocalContact& local, const Pose& before, const HandNow& hand,
   const double damping = local.coupling_damping / dt;
   Pull pull;
   pull.stiffness = local.coupling_stiffness + damping;
-  // K (h - t) + B (h' - (t - t_before) / dt) vanishes at the target.
+  // K (h - t) + B (h' - (t - t_before) / dt) is zero at the target.
   pull.world_from_target.translation =
       (local.coupling_stiffness * hand.pose.translation + damping * (before.translation + hand.velocity * dt)) / pull.stiffness;
   const double share = local.coupling_stiffness / pull.stiffness;
@@ -73,6 +73,7 @@ Pull pull_of(const LocalContact& local, const Pose& before, const HandNow& hand,
 void LocalTool::clear() noexcept {
   placed_ = false;
   solver_.clear();
+  tangential_.clear();
 }
 
 void LocalTool::renew(const ContactState& state, double max_distance) noexcept {
@@ -85,7 +86,7 @@ void LocalTool::renew(const ContactState& state, double max_distance) noexcept {
   const Vec3 apart = world_from_tool_.translation - state.world_from_tool.translation;
   const double distance = glm::length(apart);
   if (!(distance <= max_distance)) world_from_tool_.translation = state.world_from_tool.translation + apart * (max_distance / distance);
-  // Planes go on with the load that they have, in place of the old ones of the same point.
+  // A new plane starts with the load of the old plane of the same point.
   solver_.refresh([&](HoldPlane& plane) {
     const auto listed = std::ranges::find(local.list(), plane.point, &HoldPlane::point);
     if (plane.both_ways || listed == local.list().end() || listed->both_ways) return false;
@@ -98,26 +99,40 @@ void LocalTool::renew(const ContactState& state, double max_distance) noexcept {
     if (plane.both_ways) solver_.add(plane);
 }
 
-Wrench LocalTool::step(const ContactState& state, const Pose& world_from_hand, const Vec3& velocity, double dt) noexcept {
+Wrench LocalTool::step(const ContactState& state, const Pose& world_from_hand, const Vec3& velocity, double dt,
+                       TangentialLaw* law) noexcept {
   const LocalContact& local = state.local;
   const Pose& sampled = state.world_from_tool;
   const Pull pull = pull_of(local, world_from_tool_, {world_from_hand, velocity, hand_before_}, dt);
   hand_before_ = world_from_hand.rotation;
   ListedPlanes candidates(local.list());
-  const HoldMove move = solver_.solve({.target = pull.world_from_target.translation - sampled.translation,
-                                       .turn = rotation_vector(pull.world_from_target.rotation * glm::conjugate(sampled.rotation)),
-                                       .engaged = local.engaged,
-                                       .stiffness = pull.stiffness,
-                                       .turn_stiffness = pull.turn_stiffness,
-                                       .cutting_stiffness = local.cutting_stiffness > 0.0 ? local.cutting_stiffness : pull.stiffness,
-                                       .tolerance = kTolerance},
-                                      candidates);
+  const HoldProblem problem{.target = pull.world_from_target.translation - sampled.translation,
+                            .turn = rotation_vector(pull.world_from_target.rotation * glm::conjugate(sampled.rotation)),
+                            .engaged = local.engaged,
+                            .stiffness = pull.stiffness,
+                            .turn_stiffness = pull.turn_stiffness,
+                            .cutting_stiffness = local.cutting_stiffness > 0.0 ? local.cutting_stiffness : pull.stiffness,
+                            .tolerance = kTolerance};
+  HoldMove move;
+  if (law == nullptr) {
+    move = solver_.solve(problem, candidates);
+  } else {
+    // Gaps refer to the sample; the step of the law starts at the current pose of the tool.
+    const SmallMove start{sampled.translation - world_from_tool_.translation,
+                          rotation_vector(sampled.rotation * glm::conjugate(world_from_tool_.rotation))};
+    move = tangential_.solve(*law, {.moved = start, .spin = local.spin, .dt = dt}, problem, candidates, solver_);
+    law->end_step({start.translation + move.translation, start.turn + move.turn});
+  }
   world_from_tool_.translation = sampled.translation + move.translation;
   world_from_tool_.rotation = glm::normalize(rotation_of(move.turn) * sampled.rotation);
   Wrench on_hand;
   for (const HoldPlane& plane : solver_.planes()) {
     on_hand.force += plane.normal * plane.force;
     on_hand.torque += glm::cross(plane.arm, plane.normal * plane.force);
+  }
+  if (law != nullptr) {
+    on_hand.force += tangential_.on_tool().force;
+    on_hand.torque += tangential_.on_tool().torque;
   }
   return on_hand;
 }

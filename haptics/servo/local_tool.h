@@ -1,9 +1,9 @@
-/// haptics/servo/local_tool.h: the held tool between two evaluations of contact: tied to the hand by the coupling's springs and dampers,
-///   held back by the planes that the last evaluation listed, and moved at the servo's rate.
+/// haptics/servo/local_tool.h: the constrained tool at the servo's rate between two evaluations of contact. The coupling's springs and
+///   dampers tie it to the hand; the planes of the last evaluation constrain it.
 ///   Frame  world.   Units SI.   Thread servo; fixed memory, no allocation.
-///   Massless, as core/contact/constrained_tool.h: at each tick the pose is the one that hold_solver.h's problem has as its optimum, with
-///   the dampers taken implicitly over the tick. Planes not touched at the sample are candidates like any other, so the next contact is
-///   felt when the tool gets there. It steers the force only: what is drawn, cut and measured is the contact's own tool.
+///   The tool is massless, as in core/contact/constrained_tool.h. At each tick its pose is the optimum of the problem of hold_solver.h,
+///   with the dampers integrated implicitly over the tick. Planes without load at the sample are candidates too, so a new contact acts as
+///   soon as the tool reaches it. This tool computes the force only; display, cutting and measurement use the tool of contact.
 ///   Cost  one HoldSolver::solve() over at most kMaxLocalPlanes candidates.
 ///   Source  own derivation.
 #pragma once
@@ -11,19 +11,22 @@
 #include "core/base/assert.h"
 #include "core/contact/contact_state.h"
 #include "core/contact/hold_solver.h"
+#include "core/contact/tangential_hold.h"
 
 namespace burrhole {
 
 class LocalTool {
  public:
-  /// Forgets where it was: the next state's tool is where it goes on.
+  /// Resets the pose; the next renew() starts at the pose of its state.
   void clear() noexcept BH_REALTIME;
-  /// A new state of kind `coupled`: its planes replace the old ones, and the tool goes on from where it is, no further than `max_distance`
-  /// [m] from the state's own tool.
+  /// Takes a new state of kind `coupled`. Its planes replace the old ones. The tool keeps its pose, limited to `max_distance` [m] from the
+  /// tool of the state.
   void renew(const ContactState& state, double max_distance) noexcept BH_REALTIME;
-  /// One servo tick of dt [s]; `state` as in the last renew(). @returns what the tool exerts on the hand: force [N], torque [N m] about its
-  /// origin.
-  [[nodiscard]] Wrench step(const ContactState& state, const Pose& world_from_hand, const Vec3& velocity, double dt) noexcept BH_REALTIME;
+  /// One servo tick of dt [s]; `state` as in the last renew(). @returns the wrench of the tool on the hand: force [N], torque [N m] about
+  /// the tool's origin.
+  /// @param law tangential loads between the tool and the planes; null: none. Not owned; used by this tool alone.
+  [[nodiscard]] Wrench step(const ContactState& state, const Pose& world_from_hand, const Vec3& velocity, double dt,
+                            TangentialLaw* law = nullptr) noexcept BH_REALTIME;
 
   [[nodiscard]] const Pose& world_from_tool() const noexcept { return world_from_tool_; }
 
@@ -32,6 +35,7 @@ class LocalTool {
   Quat hand_before_{1.0, 0.0, 0.0, 0.0};
   bool placed_ = false;
   HoldSolver solver_;
+  TangentialHold tangential_;
 };
 
 }  // namespace burrhole

@@ -7,25 +7,25 @@
 namespace burrhole {
 namespace {
 
-constexpr double kLongestTurn = 0.1;  // [rad] of the hand since the sample: planes turn in first order only, 5e-3 of a lever is left out
+constexpr double kLongestTurn = 0.1;  // [rad] turn of the hand since the sample: planes turn to first order; the error is 5e-3 of a lever
 
 Vec3 bounded(const Vec3& v, double longest) noexcept {
   const double length = glm::length(v);
   return length > longest ? v * (longest / length) : v;
 }
 
-/// The hand, no further from where it was sampled than the planes are good for.
+/// The pose of the hand, limited to the range in which the planes are valid.
 Pose near_sample(const Pose& sampled, const Pose& now, const Vec3& moved) noexcept {
   const Vec3 turn = rotation_vector(now.rotation * glm::conjugate(sampled.rotation));
   if (glm::length(turn) <= kLongestTurn) return {now.rotation, sampled.translation + moved};
   return {glm::normalize(rotation_of(bounded(turn, kLongestTurn)) * sampled.rotation), sampled.translation + moved};
 }
 
-/// [AcostaLiu07] eq. (3); of the result nothing pulls against the force that was sampled.
+/// [AcostaLiu07] eq. (3). The result has no component opposite to the sampled force.
 Wrench along_gradient(const ContactState& latest, const Vec3& moved) noexcept {
   const Vec3& sampled = latest.on_hand.force;
   const double square = glm::dot(sampled, sampled);
-  if (square == 0.0) return latest.on_hand;  // which way bone pushes is not known
+  if (square == 0.0) return latest.on_hand;  // no force at the sample: the direction of the contact is unknown
   Vec3 force = sampled + latest.force_gradient * moved;
   const double along = glm::dot(force, sampled);
   if (along < 0.0) force -= sampled * (along / square);
@@ -53,6 +53,13 @@ void MultiRate::clear() noexcept {
   ticks_ = 0;
   from_ = shown_ = {};
   tool_.clear();
+  spring_.clear();
+  if (law_ != nullptr) law_->clear();
+}
+
+void MultiRate::use_tangential_law(TangentialLaw* law) noexcept {
+  law_ = law;
+  clear();
 }
 
 Wrench MultiRate::between(const Wrench& latest, bool renewed) noexcept {
@@ -63,7 +70,7 @@ Wrench MultiRate::between(const Wrench& latest, bool renewed) noexcept {
   ++ticks_;
   if (ticks_ >= config_.contact_ticks) {
     ticks_ = config_.contact_ticks;
-    shown_ = latest;  // to the bit
+    shown_ = latest;  // same bits
   } else {
     const double part = static_cast<double>(ticks_) / static_cast<double>(config_.contact_ticks);
     shown_ = {from_.force + (latest.force - from_.force) * part, from_.torque + (latest.torque - from_.torque) * part};
@@ -73,7 +80,7 @@ Wrench MultiRate::between(const Wrench& latest, bool renewed) noexcept {
 
 Wrench MultiRate::pressed_on(const ContactState& latest, const Pose& hand, const Vec3& velocity, bool renewed, double dt) noexcept {
   if (renewed) tool_.renew(latest, config_.max_distance);
-  return tool_.step(latest, hand, velocity, dt);
+  return tool_.step(latest, hand, velocity, dt, law_);
 }
 
 Wrench MultiRate::extrapolate(const ContactState& latest, const HandState& hand, bool renewed, double dt) noexcept {
@@ -85,7 +92,7 @@ Wrench MultiRate::extrapolate(const ContactState& latest, const HandState& hand,
     const Wrench on_hand = pressed_on(latest, near_sample(sampled, hand.world_from_hand, moved), hand.velocity, renewed, dt);
     if (local.count > 0) return on_hand;
   } else {
-    tool_.clear();  // it would come back from long ago
+    tool_.clear();  // its pose would be out of date
   }
   if (local.kind == LocalKind::none || local.count == 0) return along_gradient(latest, moved);
   if (renewed) {
@@ -94,7 +101,24 @@ Wrench MultiRate::extrapolate(const ContactState& latest, const HandState& hand,
     else
       loads_.set_coupled(local);
   }
+  if (law_ != nullptr) return extrapolate_loads(latest, near_sample(sampled, hand.world_from_hand, moved), moved, dt);
   return loads_.extrapolate(latest.on_hand, moved);
+}
+
+Wrench MultiRate::extrapolate_loads(const ContactState& latest, const Pose& hand, const Vec3& moved, double dt) noexcept {
+  const LocalContact& local = latest.local;
+  const bool penalty = local.kind == LocalKind::penalty;
+  const TangentialSpringConfig config = penalty ? TangentialSpringConfig{local.tangential_stiffness, local.tangential_turn_stiffness}
+                                                : TangentialSpringConfig{local.coupling_stiffness, local.turn_stiffness};
+  // For a coupled contact, uses the loads of the planes: on_hand is the coupling's force and includes tangential loads and the tool's
+  // inertia.
+  const Wrench& all = latest.on_hand;
+  const Wrench sampled = penalty ? Wrench{all.force - local.tangential.force, all.torque - local.tangential.torque} : loads_.at_sample();
+  const Wrench normal = loads_.extrapolate(sampled, moved);
+  std::array<PressedPoint, kMaxLocalPlanes> points;
+  const std::size_t count = config.stiffness > 0.0 ? loads_.pressed(moved, points) : 0;
+  const Wrench load = spring_.step(*law_, config, {points.data(), count}, hand, local.spin, dt);
+  return {normal.force + load.force, normal.torque + load.torque};
 }
 
 Wrench MultiRate::operator()(const ContactState& latest, const HandState& hand, double dt) noexcept {

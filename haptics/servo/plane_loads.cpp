@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/contact_constraint.h"
+
 namespace burrhole {
 namespace {
 
-// A pivot below this part of its own diagonal is rounding: the plane is alike one before it and its load would be any number.
+// A pivot below this fraction of its diagonal is rounding: the plane repeats an earlier one and its load is undetermined.
 constexpr double kOwnPart = 1e-12;
 
-/// How a unit force on plane b moves the gap of plane a [m/N]; the hold solver's, for a tool on its coupling.
+/// Change of the gap of plane a per unit force on plane b [m/N], as in the hold solver for a tool on its coupling.
 double compliance(const LocalContact& local, const HoldPlane& a, const HoldPlane& b) noexcept {
   const double along = glm::dot(a.normal, b.normal);
   const double turned = glm::dot(glm::cross(a.arm, a.normal), glm::cross(b.arm, b.normal));
@@ -17,13 +19,13 @@ double compliance(const LocalContact& local, const HoldPlane& a, const HoldPlane
   return along / local.coupling_stiffness + turned / local.turn_stiffness + engaging;
 }
 
-/// The planes that carry load, and how their loads change as the hand moves.
+/// The loaded planes, and the derivatives of their loads with respect to the hand's position.
 struct LoadedPlanes {
   std::array<const HoldPlane*, kMaxLocalPlanes> planes{};
   std::array<std::array<double, kMaxLocalPlanes>, kMaxLocalPlanes> l;  // Cholesky of the compliance, lower
   std::size_t count = 0;
 
-  /// Takes the plane in unless it is alike those before it.
+  /// Adds the plane unless it is linearly dependent on earlier ones.
   void add(const LocalContact& local, const HoldPlane& plane) noexcept {
     planes[count] = &plane;
     std::array<double, kMaxLocalPlanes>& row = l[count];
@@ -41,7 +43,7 @@ struct LoadedPlanes {
     ++count;
   }
 
-  /// Rows of -A^-1 N^T.
+  /// Computes the rows of -A^-1 N^T.
   void slopes(std::array<Vec3, kMaxLocalPlanes>& out) const noexcept {
     for (std::size_t r = 0; r < count; ++r) {
       out[r] = -planes[r]->normal;
@@ -58,7 +60,7 @@ struct LoadedPlanes {
 }  // namespace
 
 void PlaneLoads::add(const HoldPlane& plane, double at_rest, const Vec3& slope) noexcept {
-  loads_[count_++] = {plane.normal, plane.arm, slope, at_rest, plane.both_ways};
+  loads_[count_++] = {plane.normal, plane.arm, slope, at_rest, plane.both_ways, plane.cutting, plane.point};
 }
 
 void PlaneLoads::set_penalty(const LocalContact& local, bool with_untouched) noexcept {
@@ -81,7 +83,7 @@ void PlaneLoads::set_coupled(const LocalContact& local) noexcept {
 
 PlaneLoads::Sum PlaneLoads::sum(const Vec3& d) const noexcept {
   Sum out;
-  Wrench springs;  // planes that hold both ways
+  Wrench springs;  // planes with `both_ways`
   double pushing_sampled = 0.0;
   for (std::size_t n = 0; n < count_; ++n) {
     const Load& plane = loads_[n];
@@ -94,7 +96,7 @@ PlaneLoads::Sum PlaneLoads::sum(const Vec3& d) const noexcept {
     out.pushing += load;
     pushing_sampled += std::max(0.0, plane.at_rest);
   }
-  // What holds sideways is engaged by the push and goes with it.
+  // The lateral stiffness exists through the push, so its load scales with the push.
   const double engaged = out.pushing < pushing_sampled ? out.pushing / pushing_sampled : 1.0;
   if (out.pushing > 0.0) {
     out.wrench.force += springs.force * engaged;
@@ -107,9 +109,21 @@ Wrench PlaneLoads::extrapolate(const Wrench& sampled, const Vec3& d) const noexc
   const Sum now = sum(d);
   const double share = now.pushing < sampled_.pushing ? now.pushing / sampled_.pushing : 1.0;
   if (now.pushing == 0.0) return {};
-  // In this order of operations the last bracket is exactly zero at d = 0.
+  // This order of operations makes the last bracket exactly zero at d = 0.
   return {sampled.force * share + (now.wrench.force - sampled_.wrench.force * share),
           sampled.torque * share + (now.wrench.torque - sampled_.wrench.torque * share)};
+}
+
+std::size_t PlaneLoads::pressed(const Vec3& d, std::span<PressedPoint, kMaxLocalPlanes> out) const noexcept {
+  const std::span<const Load> loads(loads_.data(), count_);
+  const bool gripped = std::ranges::any_of(loads, &Load::both_ways);
+  std::size_t count = 0;
+  for (const Load& plane : loads) {
+    const double load = plane.at_rest + glm::dot(plane.slope, d);
+    if (plane.both_ways || !(load > 0.0) || plane.point >= kConstraintPoint) continue;
+    out[count++] = {.point = plane.point, .arm = plane.arm, .normal = plane.normal, .load = load, .held = gripped && plane.cutting};
+  }
+  return count;
 }
 
 Mat3 PlaneLoads::gradient() const noexcept {

@@ -1,33 +1,43 @@
-/// haptics/servo/plane_loads.h: what the planes of a contact carry, each as a straight line over a small move of the hand.
+/// haptics/servo/plane_loads.h: the load of each contact plane as a linear function of a small displacement of the hand.
 ///   Frame  world.   Units SI.   Thread servo.
-///   Plane i carries  f_i(d) = max(0, at_rest_i + slope_i . d)  when the hand has moved by d since the sample: [AcostaLiu07] eq. (3), whose
-///   gradient is sum of N_i slope_i^T, with each contact clamped to pushing. Without the clamp a hand that leaves bone is pulled back.
+///   For a displacement d of the hand since the sample, plane i carries  f_i(d) = max(0, at_rest_i + slope_i . d). This is [AcostaLiu07]
+///   eq. (3) with the gradient sum of N_i slope_i^T and a clamp per contact. Without the clamp a hand that leaves bone would receive an
+///   attractive force.
 ///   penalty   slope_i = -N_i / yield_i.
-///   coupled   the planes that carry load stay the ones that do: with A the compliance among them (hold_solver.h; coupling, engagement and
-///             bone's own yield) A f = -gap - N . d, so the slopes are the rows of -A^-1 N^T. Own derivation; without the coupling's
+///   coupled   the set of loaded planes is assumed constant. With A the compliance among them (hold_solver.h: coupling, engagement and
+///             compliance of bone), A f = -gap - N . d, so the slopes are the rows of -A^-1 N^T. Own derivation; it omits the coupling's
 ///             damping.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "core/base/assert.h"
 #include "core/contact/local_contact.h"
+#include "core/contact/tangential_law.h"
 
 namespace burrhole {
 
 class PlaneLoads {
  public:
-  /// Of a penalty contact: those pressed at the sample, or all that are listed, so that the next to touch is foreseen.
+  /// Sets the planes of a penalty contact: those in penetration at the sample, or all listed planes, which includes the next contact.
   void set_penalty(const LocalContact& local, bool with_untouched) noexcept BH_REALTIME;
-  /// Of a coupled contact: those that carry load at the sample. One small Cholesky, at most kMaxLocalPlanes rows.
+  /// Sets the planes of a coupled contact that carry load at the sample. One Cholesky factorisation of at most kMaxLocalPlanes rows.
   void set_coupled(const LocalContact& local) noexcept BH_REALTIME;
 
-  /// @param sampled what the contact itself found at the sample; exactly that at d = 0. @param d [m] move of the hand since.
-  /// What it holds beyond the planes (rounding, a model's cap) goes as their load goes, so nothing is left once none pushes.
+  /// @param sampled wrench that contact computed at the sample; the result at d = 0, exactly. @param d [m] displacement of the hand since.
+  /// The part of `sampled` that the planes do not explain (rounding, a cap of the model) scales with their total load. The result is zero
+  /// once no plane carries load.
   [[nodiscard]] Wrench extrapolate(const Wrench& sampled, const Vec3& d) const noexcept BH_REALTIME;
 
-  /// Sum of N slope^T [N/m] over the planes: the gradient before any clamp.
+  /// Lists the planes with load at the displacement d, for a tangential law. @returns their number.
+  std::size_t pressed(const Vec3& d, std::span<PressedPoint, kMaxLocalPlanes> out) const noexcept BH_REALTIME;
+
+  /// Wrench of the planes at the sample: force [N], torque [N m].
+  [[nodiscard]] const Wrench& at_sample() const noexcept { return sampled_.wrench; }
+
+  /// Sum of N slope^T [N/m] over the planes: the gradient without the clamp.
   [[nodiscard]] Mat3 gradient() const noexcept BH_REALTIME;
 
  private:
@@ -35,10 +45,12 @@ class PlaneLoads {
     Vec3 normal, arm, slope;  // [-], [m], [N/m]
     double at_rest = 0.0;     // [N]
     bool both_ways = false;
+    bool cutting = false;
+    std::uint32_t point = 0;
   };
   struct Sum {
     Wrench wrench;
-    double pushing = 0.0;  // [N] of the planes that push, as numbers
+    double pushing = 0.0;  // [N] sum of the magnitudes of the loads of pushing planes
   };
   void add(const HoldPlane& plane, double at_rest, const Vec3& slope) noexcept;
   [[nodiscard]] Sum sum(const Vec3& d) const noexcept;

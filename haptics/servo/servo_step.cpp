@@ -7,7 +7,7 @@
 namespace burrhole {
 namespace {
 
-constexpr double kNothing = 1e-6;  // [N] roundings of a tool that touches nothing; a device's friction is 1e4 times that
+constexpr double kNothing = 1e-6;  // [N] rounding of a tool without contact; the friction of a device is 1e4 times this
 
 bool is_finite(const HandState& hand) noexcept {
   const Quat& q = hand.world_from_hand.rotation;
@@ -90,12 +90,14 @@ void ServoStep::look_at_hand() noexcept {
     jumped_ = counts_.ticks > 0 && config_.jump_speed > 0.0 && moved > config_.jump_speed * config_.period * std::max(1.0, ticks);
     output_.hand = read;
   } else {
-    // What is not finite goes no further: contact and erosion see the last motion that meant something, at rest.
+    // A motion that is not finite stops here: contact and erosion receive the last finite motion, at rest.
     output_.hand.velocity = Vec3(0.0);
     output_.hand.tick = read.tick;
     output_.hand.flags = read.flags | kHandNotFinite;
     hand_faults_ |= kServoHandNotFinite;
   }
+  output_.hand.spin = read.spin * spin_.load(std::memory_order_relaxed);
+  output_.hand.switches = read.switches | switches_.load(std::memory_order_relaxed);
   if ((read.flags & kHandLost) != 0 || (config_.max_hand_age > 0 && hand_age_ > config_.max_hand_age)) hand_faults_ |= kServoHandLost;
 }
 
@@ -158,7 +160,8 @@ Vec3 ServoStep::limited(Vec3 force) noexcept {
     faults_ |= kServoDamped;
     ++counts_.damped;
   }
-  // The cap first: a slew limit that starts from forces beyond it would hold the cap long after the wish is gone.
+  // The cap comes first: a slew limit that starts above the cap would keep the output at the cap long after the requested force has
+  // dropped.
   const Vec3 capped = shortened(force, config_.largest_force);
   if (capped != force) {
     faults_ |= kServoForceCapped;
@@ -171,17 +174,18 @@ Vec3 ServoStep::limited(Vec3 force) noexcept {
   }
   const bool on = (faults_ & (kServoContactStale | kServoStopped)) == 0;
   const double gain = gain_(on);
-  // Nothing can jump where nothing is felt, by a contact that saw the hand where it is now.
+  // A step of the force is impossible where the force is zero, if contact used the current place of the hand.
   if (on && output_.contact_number > 0 && contact_tick_ >= soft_since_ && glm::length(output_.wanted) <= kNothing) gain_.open();
   return shown * gain;
 }
 
-const ServoOutput& ServoStep::act() noexcept {
+const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
   answer_requests();
-  faults_ &= kServoLatched | kServoStopped;  // the others are told anew
+  faults_ &= kServoLatched | kServoStopped;  // other bits are set again in each tick
   const ContactState& contact = contact_in_->latest();
   watch(contact);
   output_.wanted = multi_rate_(contact, output_.hand, config_.period).force;
+  if (added != Vec3(0.0)) output_.wanted += added;
   if (!burrhole::is_finite(output_.wanted) || !burrhole::is_finite(contact.on_hand.force)) {
     output_.wanted = Vec3(0.0);
     latch(kServoForceNotFinite);

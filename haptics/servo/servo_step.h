@@ -1,9 +1,11 @@
-/// haptics/servo/servo_step.h: one tick of the servo: the hand in, a force out of what contact told last, limits, the force to the hand.
-///   Units SI, world frame.   Thread servo: no lock, allocation, log, file or exception. request_stop() and request_reset() from any
-///   thread. Order in act()  faults -> multi-rate force -> finite? -> passivity controller -> cap on magnitude -> slew -> soft gain.
-///   A latched fault is zero force from that tick on, until reset() finds its cause gone; the force then comes back through the soft start,
-///   and so it does at the start, after stale contact and after a jump. Where nothing is felt it is back at once: bone that is touched next
-///   is felt whole. Torque is not limited and so not shown: no device that is served here has one.
+/// haptics/servo/servo_step.h: one tick of the servo: reads the hand, computes a force from the latest contact state, limits it, applies
+///   it.
+///   Frame  world.   Units SI.   Thread servo: no lock, allocation, log, file or exception. request_stop() and request_reset() from any
+///          thread.
+///   Order in act()  faults -> multi-rate force -> finite? -> passivity controller -> cap on magnitude -> slew -> soft gain.
+///   A latched fault sets the force to zero from that tick on, until reset() succeeds. The force then returns through the soft start, as it
+///   does at the start, after stale contact and after a jump. While the force is zero the gain returns to 1 at once, so that the next
+///   contact has its full force. Torque is neither limited nor output: no supported device renders torque.
 #pragma once
 
 #include <atomic>
@@ -21,15 +23,15 @@ namespace burrhole {
 
 enum ServoFault : std::uint32_t {
   kServoForceNotFinite = 1u << 0,  ///< latched
-  kServoForceCapped = 1u << 1,     ///< this tick's magnitude was limited
-  kServoSlewLimited = 1u << 2,     ///< this tick's change was limited
+  kServoForceCapped = 1u << 1,     ///< the magnitude was limited in this tick
+  kServoSlewLimited = 1u << 2,     ///< the change was limited in this tick
   kServoHandNotFinite = 1u << 3,   ///< latched
-  kServoHandLost = 1u << 4,        ///< latched: the source said so, or told the same tick for too long
-  kServoContactStale = 1u << 5,    ///< contact is too old: the force fades, and comes back with it
-  kServoEnergy = 1u << 6,          ///< latched: the loop gave out more energy than device and hand swallow
-  kServoStopped = 1u << 7,         ///< a stop was asked for: the force fades; until reset()
-  kServoDamped = 1u << 8,          ///< this tick the passivity controller added a force
-  kServoHandJumped = 1u << 9,      ///< this tick the hand is where it cannot have moved to: the force comes back softly
+  kServoHandLost = 1u << 4,        ///< latched: reported by the source, or the source repeated one tick for too long
+  kServoContactStale = 1u << 5,    ///< contact is too old: the force fades out, and returns when contact does
+  kServoEnergy = 1u << 6,          ///< latched: the loop generated more energy than device and hand dissipate
+  kServoStopped = 1u << 7,         ///< a stop was requested: the force fades out; until reset()
+  kServoDamped = 1u << 8,          ///< the passivity controller added a force in this tick
+  kServoHandJumped = 1u << 9,      ///< the hand's change of position in this tick is not a motion: the force returns through the soft start
 };
 inline constexpr std::uint32_t kServoLatched = kServoForceNotFinite | kServoHandNotFinite | kServoHandLost | kServoEnergy;
 [[nodiscard]] const char* name_of(ServoFault fault) noexcept;
@@ -37,32 +39,32 @@ inline constexpr std::uint32_t kServoLatched = kServoForceNotFinite | kServoHand
 struct ServoConfig {
   double period = 1e-3;  ///< [s] > 0
   MultiRateConfig multi_rate{};
-  double largest_force = 200.0;       ///< [N] > 0: of what reaches the hand; a device's own limit
+  double largest_force = 200.0;       ///< [N] > 0: of the output to the hand; the limit of a device
   double largest_slew = 0.0;          ///< [N/s] >= 0; 0 or infinite: off
-  double soft_start = 0.0;            ///< [s] >= 0: from nothing to the whole force, at the start, after a fault and a jump; 0: at once
-  double soft_stop = 0.0;             ///< [s] >= 0: the way down, for a stop and for stale contact
-  std::uint64_t max_contact_age = 0;  ///< [ticks] beyond which contact is stale; 0: never. contact_age_limit() is the usual value
-  std::uint64_t max_hand_age = 0;     ///< [ticks] for which a source may tell the same tick; 0: for ever
-  double jump_speed = 0.0;            ///< [m/s] >= 0 beyond which the hand did not move but is told elsewhere; 0: never
+  double soft_start = 0.0;            ///< [s] >= 0: from zero to the full force, at the start, after a fault and a jump; 0: at once
+  double soft_stop = 0.0;             ///< [s] >= 0: from the full force to zero, for a stop and for stale contact
+  std::uint64_t max_contact_age = 0;  ///< [ticks] above which contact is stale; 0: never. contact_age_limit() is the usual value
+  std::uint64_t max_hand_age = 0;     ///< [ticks] for which a source may repeat the same tick; 0: no limit
+  double jump_speed = 0.0;            ///< [m/s] >= 0 above which a change of the hand's position is a jump and not a motion; 0: never
   EnergyObserverConfig energy{};
 };
-/// out_of_range, with the name of the value, when one is not what its comment says.
+/// Errors: out_of_range, with the name of the value, when a value is outside the range of its comment.
 [[nodiscard]] Status check(const ServoConfig& config);
 
 struct ServoOutput {
   Vec3 force{0.0};   ///< [N] on the hand this tick
   Vec3 wanted{0.0};  ///< [N] before all limits; zero when it was not finite
-  HandState hand;    ///< as read in this tick; where that was not finite, the last that was
+  HandState hand;    ///< as read in this tick; the last finite one where this one is not finite
   std::uint32_t faults = 0;
-  double gain = 0.0;                 ///< of the soft start and stop, 0..1
-  std::uint64_t contact_number = 0;  ///< of the evaluation that was used
-  std::uint64_t contact_age = 0;     ///< [ticks] since the motion that it answers; 0 before the first
+  double gain = 0.0;                 ///< [-] of the soft start and stop, 0..1
+  std::uint64_t contact_number = 0;  ///< number of the evaluation that was used
+  std::uint64_t contact_age = 0;     ///< [ticks] since the motion that the contact result belongs to; 0 before the first
 };
 
-/// Ticks in which each thing happened, since construction.
+/// Numbers of ticks with each event, since construction.
 struct ServoCounts {
   std::uint64_t ticks = 0, stale = 0, capped = 0, slewed = 0, damped = 0, jumped = 0;
-  std::uint64_t latched = 0;  ///< times that a fault latched
+  std::uint64_t latched = 0;  ///< number of times that a fault latched
 };
 
 class ServoStep {
@@ -70,22 +72,35 @@ class ServoStep {
   ServoStep(const ServoConfig& config, HandSource& hand, TripleBuffer<ContactState>& contact_in,
             TripleBuffer<HandState>& hand_out) noexcept;
 
-  /// First half of a tick: where the hand is, told to contact.
+  /// First half of a tick: reads the hand and publishes its state to contact.
   const HandState& sense() noexcept BH_REALTIME;
-  /// Second half: the force out of the latest contact, limited, to the hand. What contact found for this tick's motion counts already.
-  const ServoOutput& act() noexcept BH_REALTIME;
+  /// Second half: computes the force from the latest contact state, limits it and applies it to the hand. A contact result for this tick's
+  /// motion is used already.
+  const ServoOutput& act() noexcept BH_REALTIME { return act(Vec3(0.0)); }
+  /// @param added [N] on the hand in addition to the force of contact; the same limits apply.
+  const ServoOutput& act(const Vec3& added) noexcept BH_REALTIME;
   const ServoOutput& operator()() noexcept BH_REALTIME {
     sense();
     return act();
   }
 
-  /// Any thread or signal handler: the force fades over soft_stop and stays away until reset(). In one tick a stop outranks a reset.
+  /// Any thread or signal handler: the force fades out over soft_stop and stays zero until reset(). A stop and a reset in one tick: the
+  /// stop wins.
   void request_stop() noexcept { stop_asked_.store(true, std::memory_order_relaxed); }
-  /// Any thread: reset() at the next tick; forgotten if that refuses.
+  /// Any thread: calls reset() at the next tick, once.
   void request_reset() noexcept { reset_asked_.store(true, std::memory_order_relaxed); }
-  /// Servo thread: takes latched faults and a stop back. @returns false, with all as it was, while a cause is still there.
+  /// Servo thread: clears latched faults and a stop. @returns false, without a change, while a cause persists.
   bool reset() noexcept BH_REALTIME;
 
+  /// Any thread: sets the spin command [-] 0..1 from the next sense() on; it is multiplied with that of the hand's source.
+  void set_spin(double command) noexcept { spin_.store(command, std::memory_order_relaxed); }
+  /// Any thread: sets bits of pedals and buttons, combined with those of the hand's source.
+  void set_switches(std::uint32_t bits) noexcept { switches_.store(bits, std::memory_order_relaxed); }
+  /// Restarts the soft start. Call it while no clock runs, when the scene may have changed abruptly.
+  void restart() noexcept { restart_softly(); }
+  [[nodiscard]] const HandState& hand() const noexcept { return output_.hand; }  ///< of the last sense()
+  /// As MultiRate::use_tangential_law(). Call it while the servo is parked.
+  void use_tangential_law(TangentialLaw* law) noexcept { multi_rate_.use_tangential_law(law); }
   [[nodiscard]] std::uint32_t faults() const noexcept { return faults_; }
   [[nodiscard]] const ServoCounts& counts() const noexcept { return counts_; }
 
@@ -93,9 +108,9 @@ class ServoStep {
   void look_at_hand() noexcept;
   void latch(std::uint32_t fault) noexcept;
   void answer_requests() noexcept;
-  /// The force comes back softly from here on, unless contact finds nothing for a hand of this tick or later.
+  /// Starts the soft start, unless contact finds no force for a hand of this tick or later.
   void restart_softly() noexcept;
-  /// Faults of this tick but those of the force; the age of contact.
+  /// Sets the faults of this tick except those of the force, and the age of contact.
   void watch(const ContactState& contact) noexcept;
   [[nodiscard]] Vec3 limited(Vec3 force) noexcept;
 
@@ -109,9 +124,11 @@ class ServoStep {
   SlewLimit slew_;
   SoftGain gain_;
   std::uint64_t hand_age_ = 0;      // [ticks] for which the hand's tick has been the same
-  std::uint64_t soft_since_ = 0;    // tick of the hand at which the force was last taken away at once
-  std::uint64_t contact_tick_ = 0;  // of the motion that the latest contact answers
-  bool jumped_ = false;             // by the last reading
+  std::uint64_t soft_since_ = 0;    // tick of the hand at the last abrupt removal of the force
+  std::uint64_t contact_tick_ = 0;  // of the motion that the latest contact state belongs to
+  std::atomic<double> spin_{1.0};   // [-]
+  std::atomic<std::uint32_t> switches_{0};
+  bool jumped_ = false;             // in the last reading
   std::uint32_t hand_faults_ = 0;   // of the last reading
   std::uint32_t faults_ = 0;
   ServoCounts counts_;

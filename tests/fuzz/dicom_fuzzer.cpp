@@ -55,7 +55,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const std::vector<DicomKeepTag> keep = {{"StudyDescription", 0x00081030, "LO"}, {"Rows", 0x00280010, "US"}};
   const auto header = read_dicom_header(file_of(data, size), keep);
   if (!header) std::abort();  // the file can be opened
-  if (looks_like_dicom(std::as_bytes(std::span(data, size))) == (header->skip == "not DICOM")) std::abort();
+  if (starts_like_dicom(std::as_bytes(std::span(data, size))) == (header->skip == "not DICOM")) std::abort();
   if (header->skip.empty() && header->fault.empty()) read_frames(*header);
   return 0;
 }

@@ -63,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   const auto stack = stack_slices(slices, source.number());
   if (!stack) return 0;
-  if (affine_fault(stack->bone_from_index)) std::abort();
+  if (affine_error(stack->bone_from_index)) std::abort();
   std::vector<std::size_t> order = stack->order, each(slices.size());
   std::sort(order.begin(), order.end());
   std::iota(each.begin(), each.end(), 0u);

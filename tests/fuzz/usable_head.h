@@ -12,7 +12,7 @@ namespace burrhole {
 inline void demand_usable(const ImageHead& head) {
   const Vec3 dims(head.dims);
   if (head.dims.x < 1 || head.dims.y < 1 || head.dims.z < 1 || dims.x * dims.y * dims.z > kMaxScanVoxels) std::abort();
-  if (affine_fault(head.bone_from_index)) std::abort();
+  if (affine_error(head.bone_from_index)) std::abort();
 }
 
 }  // namespace burrhole

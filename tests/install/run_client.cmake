@@ -10,12 +10,39 @@ endfunction()
 
 file(REMOVE_RECURSE "${WORK_DIR}")
 step(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${WORK_DIR}/prefix)
-step(${CMAKE_COMMAND} -S ${CLIENT_DIR} -B ${WORK_DIR}/build -G Ninja -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix)
+
+# What scripts/run builds are all the libraries and programs that were installed: each is an input of that one target.
+step(ninja -C ${BINARY_DIR} -t inputs burrhole_product)
+file(GLOB_RECURSE copied RELATIVE "${WORK_DIR}/prefix" "${WORK_DIR}/prefix/*.a" "${WORK_DIR}/prefix/bin/*")
+list(LENGTH copied copies)
+if(copies LESS 10)
+  message(FATAL_ERROR "too little was installed: ${copied}")
+endif()
+foreach(file ${copied})
+  get_filename_component(name "${file}" NAME)
+  if(NOT output MATCHES "(^|[/\n])${name}(\n|$)")
+    message(FATAL_ERROR "${file} is installed, but the target burrhole_product does not build it")
+  endif()
+endforeach()
+
+# Every header that was installed is read by the name that a client writes.
+file(GLOB_RECURSE headers RELATIVE "${WORK_DIR}/prefix/include" "${WORK_DIR}/prefix/include/burrhole/*.h")
+list(TRANSFORM headers REPLACE "(.+)" "#include <\\1>")
+list(JOIN headers "\n" headers)
+file(WRITE "${WORK_DIR}/all_headers.cpp" "${headers}\n")
+step(${CMAKE_COMMAND} -S ${CLIENT_DIR} -B ${WORK_DIR}/build -G Ninja -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
+  -DALL_HEADERS=${WORK_DIR}/all_headers.cpp)
 step(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
-step(${WORK_DIR}/build/client)
+step(${WORK_DIR}/build/all_of_it)
+step(${WORK_DIR}/build/client ${WORK_DIR}/prefix/share/burrhole/scenes/parietal.toml ${WORK_DIR}/prefix/share/burrhole/tools ${WORK_DIR}/out)
 if(NOT output MATCHES "client: ok")
   message(FATAL_ERROR "the client ran but did not say ok:\n${output}")
 endif()
+foreach(written summary.json report.html session.sqlite)
+  if(NOT EXISTS "${WORK_DIR}/out/${written}")
+    message(FATAL_ERROR "the client left no ${written}")
+  endif()
+endforeach()
 
 # A client must not need OpenVDB's headers: ours stay free of them.
 file(GLOB_RECURSE headers "${WORK_DIR}/prefix/include/burrhole/*.h")

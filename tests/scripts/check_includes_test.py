@@ -5,6 +5,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "check_includes.py"
 SPEC = importlib.util.spec_from_file_location("check_includes", SCRIPT)
@@ -28,8 +29,8 @@ class Tree(unittest.TestCase):
 
     def test_lawful_includes_pass(self):
         self.write("core/contact/a.cpp", "#include <vector>", '#include "core/contact/a.h"', '#include "core/base/result.h"')
-        self.write("app/render/r.cpp", "#include <glad/gl.h>", '#include "app/engine/view.h"')
-        self.write("app/cli/drill.cpp", '#include "app/engine/run.h"', "#include <CLI/CLI.hpp>")
+        self.write("app/render/r.cpp", "#include <glad/gl.h>", '#include "app/view/view.h"')
+        self.write("app/cli/drill.cpp", '#include "app/run/run.h"', "#include <CLI/CLI.hpp>")
         self.assertEqual(self.faults(), [])
 
     def test_an_include_against_an_arrow_is_found_with_file_and_line(self):
@@ -41,14 +42,18 @@ class Tree(unittest.TestCase):
     def test_each_forbidden_arrow_of_the_design_is_found(self):
         for path, included in [
             ("core/voxel/a.cpp", "core/tool/tool.h"),
-            ("core/drill/a.cpp", "core/mesh/mesh.h"),
+            ("core/drill/a.cpp", "core/measure/approach.h"),
             ("core/contact/a.cpp", "haptics/servo/step.h"),
             ("haptics/a.cpp", "volumes/phantom/p.h"),
-            ("volumes/a.cpp", "app/engine/scene.h"),
-            ("app/engine/a.cpp", "app/render/r.h"),
-            ("app/render/a.cpp", "app/engine/scene.h"),
-            ("app/engine/view.h", "app/engine/scene.h"),
-            ("app/report/a.cpp", "app/engine/session.h"),
+            ("volumes/a.cpp", "app/scene/scene.h"),
+            ("app/run/a.cpp", "app/render/r.h"),
+            ("app/render/a.cpp", "app/scene/scene.h"),
+            ("app/view/view.h", "app/scene/scene.h"),
+            ("app/scene/a.cpp", "app/run/simulation.h"),
+            ("app/stage/a.cpp", "app/job/summary.h"),
+            ("app/lab/oracle/a.cpp", "app/lab/frontier.h"),
+            ("core/contact/a.cpp", "core/measure/approach.h"),
+            ("app/report/a.cpp", "app/session/session.h"),
             ("app/lab/a.cpp", "app/cli/c.h"),
         ]:
             with self.subTest(path=path, included=included):
@@ -58,7 +63,7 @@ class Tree(unittest.TestCase):
 
     def test_a_library_outside_its_wrapper_is_found(self):
         for path, included in [
-            ("app/engine/a.cpp", "GL/gl.h"),
+            ("app/run/a.cpp", "GL/gl.h"),
             ("app/cli/a.cpp", "sqlite3.h"),
             ("core/tool/a.cpp", "toml++/toml.h"),
             ("app/report/a.cpp", "png.h"),
@@ -86,8 +91,17 @@ class Tree(unittest.TestCase):
         self.write("core/utils/a.cpp", '#include "core/base/result.h"')
         self.assertEqual(len(self.faults()), 1)
 
+    def test_a_rule_that_names_nothing_is_found(self):
+        root = SCRIPT.parents[1]
+        self.assertEqual(check_includes.dead_rules(root), [])
+        with mock.patch.dict(check_includes.SEES, {"core/gone": []}):
+            self.assertEqual(len(check_includes.dead_rules(root)), 1)
+        for rule in [("gone/", "Gone", ["core/base/"]), ("zlib", "zlib", ["core/gone/"])]:
+            with mock.patch.object(check_includes, "WRAPPED", [rule]):
+                self.assertEqual(len(check_includes.dead_rules(root)), 1)
+
     def test_the_program_exits_3_and_prints_the_fault(self):
-        self.write("core/base/a.h", '#include "app/engine/view.h"')
+        self.write("core/base/a.h", '#include "app/view/view.h"')
         run = subprocess.run([sys.executable, SCRIPT, self.root], capture_output=True, text=True, check=False)
         self.assertEqual(run.returncode, 3)
         self.assertIn("core/base/a.h:1:", run.stderr)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace burrhole::test {
@@ -66,7 +67,7 @@ std::string scene_text(const SmallScene& scene) {
 SceneContext test_context() {
   static const TemporaryFolder folder;  // goes with the process
   write_tools(folder.path().string());
-  return {{folder.path().string(), BH_SOURCE_DIR "/app/tools"}};
+  return {{folder.path().string(), test::in_source("app/tools")}};
 }
 
 LoadedScene load_text(const std::string& text, const std::vector<std::string>& sets, const std::string& file_name) {
@@ -111,11 +112,15 @@ SimulatedHand make_hand(const LoadedScene& loaded) {
 
 WatchedHand::WatchedHand(const LoadedScene& loaded, std::function<void()> watch) : hand_(make_hand(loaded)), watch_(std::move(watch)) {}
 
-DrillRun& run_recorded(DrillRun& run, const std::string& path, bool live) {
+DrillRun& run_recorded(DrillRun& run, const std::string& path) {
   const LoadedScene& loaded = run.loaded();
-  const SessionMeta meta{"test", loaded.scene.file, loaded.scene.text, loaded.tool_text, loaded.scene.hand.seed, "2026-01-01T00:00:00Z"};
-  const SessionLayout layout = session_layout(loaded.scene, live);
-  auto session = SessionWriter::create(path, meta, layout.columns, loaded.scene.servo_hz, layout.streams);
+  const SessionMeta meta{.program = "test",
+                         .scene_path = loaded.scene.file,
+                         .scene = loaded.scene.text,
+                         .tool = loaded.tool_text,
+                         .seed = loaded.scene.hand.seed,
+                         .created = "2026-01-01T00:00:00Z"};
+  auto session = SessionWriter::create(path, meta, session_layout(run.simulation().stage()));
   REQUIRE_MESSAGE(session.ok(), (session ? "" : session.error().text()));
   run.simulation().set_session(&*session);
   run.run();
@@ -129,14 +134,25 @@ DrillRun& run_recorded(DrillRun& run, const std::string& path, bool live) {
 std::vector<double> session_column(const std::string& path, const std::string& name) {
   const auto session = SessionReader::open(path);
   REQUIRE_MESSAGE(session.ok(), (session ? "" : session.error().text()));
-  const std::vector<SessionColumn>& columns = session->columns();
-  const auto found = std::find_if(columns.begin(), columns.end(), [&](const SessionColumn& c) { return c.name == name; });
-  REQUIRE_MESSAGE(found != columns.end(), name);
-  const auto rows = session->rows(0, session->row_count());
-  REQUIRE(rows);
-  std::vector<double> values;
-  for (auto at = static_cast<std::size_t>(found - columns.begin()); at < rows->size(); at += columns.size()) values.push_back((*rows)[at]);
-  return values;
+  for (const SessionStream& stream : session->streams()) {
+    if (std::ranges::find(stream.columns, name, &SessionColumn::name) == stream.columns.end()) continue;
+    const auto values = session->column(stream.name, name);
+    REQUIRE(values);
+    return *values;
+  }
+  FAIL(name);
+  return {};
+}
+
+double slowest_spin(const Simulation& simulation) {
+  const auto rpm = simulation.stage().figure("spindle", "slowest_rpm");
+  return rpm ? *rpm * kRevPerMinute : simulation.stage().config.tool.spin;
+}
+
+double figure(const Simulation& simulation, const std::string& table, const std::string& name) {
+  const auto value = simulation.stage().figure(table, name);
+  REQUIRE_MESSAGE(value.has_value(), table << " reports no " << name);
+  return *value;
 }
 
 double first_contact(const Simulation& simulation, double force) {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "app/engine/load.h"
-#include "app/engine/simulation.h"
+#include "app/scene/load.h"
+#include "app/run/simulation.h"
 
 namespace burrhole::test {
 
@@ -105,9 +105,14 @@ class WatchedHand final : public HandSource {
 };
 
 /// Runs with a session at `path`, hashes noted, and closes it: what `burrhole drill` records.
-DrillRun& run_recorded(DrillRun& run, const std::string& path, bool live = false);
-/// One column of a session, a value a tick; a session or column that is not there fails the test.
+DrillRun& run_recorded(DrillRun& run, const std::string& path);
+/// One column of the first stream of a session that has it, a value a row; a session or column that is not there fails the test.
 [[nodiscard]] std::vector<double> session_column(const std::string& path, const std::string& name);
+
+/// [rev/s] the slowest that the spindle turned; the scene's spin without [spindle].
+[[nodiscard]] double slowest_spin(const Simulation& simulation);
+/// A count that an effect reports; an effect that is not there, or does not report it, fails the test.
+[[nodiscard]] double figure(const Simulation& simulation, const std::string& table, const std::string& name);
 
 /// First moment at which the hand feels more than `force` [N]; -1: never. [s]
 [[nodiscard]] double first_contact(const Simulation& simulation, double force = 0.5);

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "app/render/png.h"
+#include "tests/support/source_folder.h"
 
 namespace burrhole::test {
 
@@ -34,7 +35,7 @@ PictureDifference compare_pictures(const Image& actual, const Image& expected, i
 bool pictures_agree(const std::string& name, const Image& actual, const Image& expected, const PictureTolerance& tolerance) {
   const PictureDifference difference = compare_pictures(actual, expected, tolerance.level);
   if (difference.same_size && difference.differing_share <= tolerance.share) return true;
-  const std::filesystem::path folder = std::filesystem::path(BH_BINARY_DIR) / "test-pictures";
+  const std::filesystem::path folder = test::in_build("test-pictures");
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
   std::cerr << name << ": " << 100.0 * difference.differing_share << " % of the pixels differ by more than " << tolerance.level

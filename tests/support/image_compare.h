@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "app/engine/view.h"
+#include "app/view/view.h"
 
 namespace burrhole::test {
 

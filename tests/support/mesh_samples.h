@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/base/bounds.h"
 #include "core/tool/surface_mesh.h"
 
 namespace burrhole::test {
@@ -48,7 +49,7 @@ inline SurfaceMesh sphere_mesh(const Vec3& centre, double radius, int levels) {
 /// Box of half edges h, turned and moved.
 inline SurfaceMesh box_mesh(const Vec3& h, const Pose& pose = {}) {
   SurfaceMesh mesh;
-  for (int n = 0; n < 8; ++n) mesh.positions.push_back(pose * Vec3(n & 1 ? h.x : -h.x, n & 2 ? h.y : -h.y, n & 4 ? h.z : -h.z));
+  for (const Vec3& corner : Bounds{-h, h}.corners()) mesh.positions.push_back(pose * corner);
   mesh.indices = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
   return mesh;
 }

@@ -54,7 +54,7 @@ void fill_patch(const Truth& truth, const PhantomSpec& spec, DenseBone& bone) {
     const double occupancy = ramp(truth.nearest(p), spec.pitch);
     bone.occupancy[at] = static_cast<float>(occupancy);
     bone.hardness[at] = occupancy > 0.0 ? static_cast<float>(hardness.at(p, site.depth)) : 0.0f;
-    // Never more than the room the bone leaves: at the rim's edge, where the two ramps overlap, they would add to more than 1.
+    // At most 1 - occupancy: at the edge of the rim the two ramps overlap, and their sum would exceed 1.
     bone.soft[at] = static_cast<float>(std::min(1.0 - occupancy, ramp(soft_surface(spec, site), spec.pitch)));
     bone.labels[at] = static_cast<std::uint8_t>(skull_label(spec, site));
   });
@@ -72,7 +72,7 @@ void add_noise(const PhantomSpec& spec, DenseBone& bone) {
   }
 }
 
-std::optional<Error> fault_of(const PhantomSpec& spec) {
+std::optional<Error> first_error(const PhantomSpec& spec) {
   const Issues issues = validate(spec);
   if (issues.empty()) return std::nullopt;
   Error all = issues.front();
@@ -83,7 +83,7 @@ std::optional<Error> fault_of(const PhantomSpec& spec) {
 }  // namespace
 
 Result<Phantom> make_phantom(const PhantomSpec& spec) {
-  if (std::optional<Error> fault = fault_of(spec)) return *std::move(fault);
+  if (std::optional<Error> error = first_error(spec)) return *std::move(error);
   try {
     Phantom phantom{spec, Truth(spec), {}};
     DenseBone& bone = phantom.bone;

@@ -69,7 +69,7 @@ const std::array kLengths{
     LengthsField{"block_mm", &S::block_size, Vec3(20.0, 20.0, 8.0), kBlock, "size of the block along x, y, z"},
 };
 
-/// A fault, told as "volume.<key> = <value> <what>"; no value where the key is an array.
+/// An error, printed as "volume.<key> = <value> <what>"; without the value if the key is an array.
 struct Finding {
   const char* key;
   std::optional<double> value;  ///< as written
@@ -80,7 +80,7 @@ using Findings = std::vector<Finding>;
 std::string range_text(double min, double max, bool min_open) { return fmt::format("{}{:g}, {:g}]", min_open ? '(' : '[', min, max); }
 
 bool in_range(double written, double min, double max, bool min_open) {
-  // A value read from a file at the very bound may come back from SI a rounding away from it.
+  // A value at the bound may differ from it by a rounding error after the conversion to SI and back.
   const double slack = 1e-12 * std::max(std::abs(min), std::abs(max));
   return std::isfinite(written) && (min_open ? written > min : written >= min - slack) && written <= max + slack;
 }
@@ -147,7 +147,7 @@ void check_resolution(const PhantomSpec& spec, Findings& found) {
 }
 
 void check_patch(const PhantomSpec& spec, Findings& found) {
-  const double rounding = 1e-12;  // [m] tables that fill the whole bone leave no diploe and are allowed
+  const double rounding = 1e-12;  // [m] tables that fill the whole bone leave no diploe and are valid
   if (spec.outer_table + spec.inner_table > spec.thickness + rounding)
     found.push_back({"outer_table_mm", spec.outer_table / kMm,
                      fmt::format("and volume.inner_table_mm = {:g} must fit in volume.thickness_mm = {:g}", spec.inner_table / kMm,
@@ -157,7 +157,7 @@ void check_patch(const PhantomSpec& spec, Findings& found) {
     found.push_back({"curvature_mm", spec.curvature / kMm,
                      fmt::format("must be more than the bone with its dura ({:g} mm) and than the grid's depth below the origin ({:g} mm)",
                                  (spec.thickness + spec.dura) / kMm, below / kMm)});
-  // Beyond 0.9 the rim's wall would meet the inner surface at less than 26 degrees, a sliver no grid resolves.
+  // Beyond 0.9 the wall of the rim would meet the inner surface at less than 26 degrees, which no grid resolves.
   const double widest = 0.9 * (spec.curvature - spec.thickness);
   const double narrowest = 0.5 * kMinVoxelsThrough * spec.pitch;
   if (spec.rim_radius > 0.0 && (spec.rim_radius > widest || spec.rim_radius < narrowest))
@@ -167,7 +167,7 @@ void check_patch(const PhantomSpec& spec, Findings& found) {
 void check_plate(const PhantomSpec& spec, Findings& found) {
   const Vec3& n = spec.plate_normal;
   const double length = glm::length(n);
-  // 0.05: a plate steeper than 87 degrees runs past the grid without a face to drill.
+  // 0.05: a plate steeper than 87 degrees has no face within the grid.
   if (!std::isfinite(length) || length <= 0.0 || n.z < 0.05 * length)
     found.push_back({"plate_normal", {}, fmt::format("= [{:g}, {:g}, {:g}] must point up: z at least 0.05 of its length", n.x, n.y, n.z)});
 }
@@ -178,11 +178,11 @@ void check_pit(const PhantomSpec& spec, Findings& found) {
                      fmt::format("must be less than volume.thickness_mm = {:g}: the hole is blind", spec.thickness / kMm)});
 }
 
-Findings find_faults(const PhantomSpec& spec) {
+Findings find_errors(const PhantomSpec& spec) {
   Findings found;
   check_ranges(spec, found);
   if (spec.kind == PhantomKind::plate) check_plate(spec, found);
-  if (!found.empty()) return found;  // what follows divides by these numbers and would only repeat them
+  if (!found.empty()) return found;  // the following checks divide by these numbers and would only repeat the errors
   check_grid(spec, found);
   if (spec.kind == PhantomKind::skull_patch) check_patch(spec, found);
   if (spec.kind == PhantomKind::pit) check_pit(spec, found);
@@ -203,7 +203,7 @@ std::optional<PhantomKind> find_phantom(std::string_view name) noexcept {
 std::vector<std::string> phantom_names() { return {kNames.begin(), kNames.end()}; }
 
 Vec3i phantom_dims(const PhantomSpec& spec) noexcept {
-  // 1e-6 of a voxel: 30 mm / 0.25 mm is 120 voxels however the division rounds.
+  // 1e-6 of a voxel: 30 mm / 0.25 mm is 120 voxels for any rounding of the division.
   const Vec3 n = spec.extent / spec.pitch - 1e-6;
   return glm::max(Vec3i(1), Vec3i(static_cast<int>(std::ceil(n.x)), static_cast<int>(std::ceil(n.y)), static_cast<int>(std::ceil(n.z))));
 }
@@ -216,7 +216,7 @@ Affine phantom_bone_from_index(const PhantomSpec& spec) noexcept {
 
 Issues validate(const PhantomSpec& spec) {
   Issues issues;
-  for (const Finding& f : find_faults(spec)) {
+  for (const Finding& f : find_errors(spec)) {
     const std::string value = f.value ? fmt::format(" = {:g}", *f.value) : std::string();
     issues.push_back({ErrorCode::out_of_range, fmt::format("volume.{}{} {}", f.key, value, f.what), {}});
   }
@@ -232,7 +232,7 @@ PhantomSpec read_phantom(TableReader& volume, std::string_view kind) {
                                        fmt::join(kNames, ", ")));
   }
   spec.kind = found.value_or(PhantomKind::skull_patch);
-  // After an unknown kind every key is taken as known, so that one slip makes one message.
+  // After an unknown kind all keys count as known, so that one typing error gives one message.
   const Kinds kinds = found ? only(spec.kind) : kEvery;
   for (const NumberField& f : kNumbers)
     if ((f.kinds & kinds) != 0)
@@ -246,7 +246,7 @@ PhantomSpec read_phantom(TableReader& volume, std::string_view kind) {
     spec.plate_normal = volume.vector("plate_normal", Vec3(0.0, 0.0, 1.0), {}, "outward normal of the plate, of any length; z above 0");
   spec.seed = volume.integer("seed", 1, 0, std::numeric_limits<std::int64_t>::max(), "seed of pores and noise");
   if (found)
-    for (const Finding& f : find_faults(spec)) volume.fault(f.key, f.what);
+    for (const Finding& f : find_errors(spec)) volume.fault(f.key, f.what);
   return spec;
 }
 

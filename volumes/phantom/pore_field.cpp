@@ -7,24 +7,24 @@
 namespace burrhole {
 namespace {
 
-/// Lattice edge over mean pore width: random lines at porosity 0.4 cross the pores in chords of 1.49 lattice edges on average (measured; a
-/// test holds it).
+/// Lattice edge over mean pore width: at porosity 0.4, random lines cross pores in chords of 1.49 lattice edges on average (measured, and
+/// checked by a test).
 constexpr double kEdgePerPore = 1.0 / 1.49;
 
-/// Typical slope of the field across a pore's wall, in 1/lattice edge: with lattice values uniform in [0, 1) (variance 1/12) and weights
-/// f(t) = t^3 (10 - 15 t + 6 t^2), the derivative along one axis has the mean square 2/12 * mean(f'^2) * mean(f^2 + (1-f)^2)^2
-/// = 1/6 * 10/7 * (0.783)^2 = 0.146; three axes give sqrt(0.438).
+/// Typical slope of the field across the wall of a pore, in 1/lattice edge. For lattice values uniform in [0, 1) (variance 1/12) and
+/// weights f(t) = t^3 (10 - 15 t + 6 t^2), the derivative along one axis has the mean square 2/12 * mean(f'^2) * mean(f^2 + (1-f)^2)^2 =
+/// 1/6 * 10/7 * (0.783)^2 = 0.146; three axes give sqrt(0.438).
 constexpr double kTypicalSlope = 0.66;
 
-/// Turns the lattice off the grid's axes, else its planes would show on level cuts. A rotation with rational entries, so exact to state.
+/// Rotates the lattice relative to the grid: otherwise its planes are visible on level cuts. The entries are rational, so they are exact.
 Vec3 turned(const Vec3& p) noexcept {
   return Vec3(2.0 * p.x - p.y + 2.0 * p.z, 2.0 * p.x + 2.0 * p.y - p.z, -p.x + 2.0 * p.y + 2.0 * p.z) / 3.0;
 }
 
-/// Weight of the upper lattice value: first and second derivative vanish at both ends, so the field has no creases at lattice planes.
+/// Weight of the upper lattice value. First and second derivatives vanish at both ends, so the field is smooth at lattice planes.
 double fade(double t) noexcept { return t * t * t * (10.0 + t * (6.0 * t - 15.0)); }
 
-/// One counter a lattice point; 21 bits an axis hold a million edges either way, kilometres of bone.
+/// One counter per lattice point; 21 bits per axis hold a million edges in either direction.
 std::uint64_t counter_of(std::int64_t i, std::int64_t j, std::int64_t k) noexcept {
   constexpr std::uint64_t kMask = (1u << 21) - 1;
   return (static_cast<std::uint64_t>(i) & kMask) | ((static_cast<std::uint64_t>(j) & kMask) << 21) |
@@ -37,7 +37,7 @@ double mix(double a, double b, double t) noexcept { return a + t * (b - a); }
 
 PoreField PoreField::calibrated(std::uint64_t seed, double pore_size, double porosity, std::span<const Vec3> samples) {
   PoreField field(seed, kEdgePerPore * pore_size);
-  // The field lies in [0, 1): a threshold of 0 opens no pore and 2, well clear of the ramp, leaves nothing else.
+  // The field lies in [0, 1): threshold 0 gives no pores, and threshold 2, far above the ramp, gives pores only.
   const auto rank = static_cast<std::ptrdiff_t>(porosity * static_cast<double>(samples.size()));
   if (rank <= 0) {
     field.threshold_ = porosity > 0.0 ? 0.0 : -2.0;
@@ -65,7 +65,7 @@ double PoreField::value(const Vec3& p_bone) const noexcept {
 }
 
 double PoreField::share(const Vec3& p_bone, double width) const noexcept {
-  const double depth = (threshold_ - value(p_bone)) * lattice_edge_ / kTypicalSlope;  // [m], about the distance from the wall
+  const double depth = (threshold_ - value(p_bone)) * lattice_edge_ / kTypicalSlope;  // [m] approximate distance from the wall
   return std::clamp(0.5 + depth / width, 0.0, 1.0);
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr RaySpan kNothing{0.0, 0.0};
 
-/// Keeps t between (-b - sqrt(discriminant)) / a and (-b + sqrt(discriminant)) / a, a > 0; nothing where there is no root.
+/// Keeps t between (-b - sqrt(discriminant)) / a and (-b + sqrt(discriminant)) / a, a > 0; nothing if there is no root.
 RaySpan clip_between_roots(RaySpan span, double a, double b, double discriminant) noexcept {
   if (!(discriminant > 0.0)) return kNothing;
   const double root = std::sqrt(discriminant);
@@ -42,7 +42,7 @@ RaySpan clip_box(RaySpan span, const Ray& ray, const Vec3& lo, const Vec3& hi) n
 RaySpan clip_ball(RaySpan span, const Ray& ray, const Vec3& centre, double radius) noexcept {
   const Vec3 from_centre = ray.origin - centre;
   const double b = glm::dot(from_centre, ray.direction);
-  // Squared distance of the line from the centre: better conditioned for far origins than |o - c|^2 - b^2.
+  // Squared distance of the line from the centre: better conditioned for distant origins than |o - c|^2 - b^2.
   const Vec3 miss = from_centre - b * ray.direction;
   const double half_chord_squared = radius * radius - glm::dot(miss, miss);
   return clip_between_roots(span, 1.0, b, half_chord_squared);

@@ -1,6 +1,6 @@
-/// volumes/phantom/ray_span.h: where a ray runs inside a convex solid, found by clipping with its faces one by one.
-///   Frame  that of the caller.   Units  SI; positions along the ray in m from its origin (the direction has length 1).
-///   Source own derivation: each face of a convex solid keeps an interval of the ray, so the solid keeps their intersection.
+/// volumes/phantom/ray_span.h: the part of a ray inside a convex solid, by clipping with one face after another.
+///   Frame  that of the caller.   Units  SI; positions along the ray in m from its origin (the direction has length 1).   Errors  none.
+///   Source own derivation: each face keeps an interval of the ray; the solid keeps the intersection of the intervals.
 #pragma once
 
 #include <limits>
@@ -11,13 +11,13 @@ namespace burrhole {
 
 struct Ray {
   Vec3 origin{0.0};               ///< [m]
-  Vec3 direction{0.0, 0.0, 1.0};  ///< length 1
+  Vec3 direction{0.0, 0.0, 1.0};  ///< [-] length 1
 };
 
-/// Half line or part of it; empty if out <= in.
+/// Interval of a ray; empty if out <= in.
 struct RaySpan {
-  double in = 0.0;
-  double out = std::numeric_limits<double>::infinity();
+  double in = 0.0;                                       ///< [m]
+  double out = std::numeric_limits<double>::infinity();  ///< [m]
 
   [[nodiscard]] bool empty() const noexcept { return !(out > in); }
 };
@@ -28,10 +28,10 @@ struct RaySpan {
 [[nodiscard]] RaySpan clip_box(RaySpan span, const Ray& ray, const Vec3& lo, const Vec3& hi) noexcept;
 /// Keeps the part inside the ball.
 [[nodiscard]] RaySpan clip_ball(RaySpan span, const Ray& ray, const Vec3& centre, double radius) noexcept;
-/// Keeps the part inside the endless cylinder round the z axis.
+/// Keeps the part inside the infinite cylinder around the z axis.
 [[nodiscard]] RaySpan clip_cylinder(RaySpan span, const Ray& ray, double radius) noexcept;
 
-/// What is left of one interval when another is taken out: at most two, in order along the ray, empty ones last.
+/// @returns the difference of two intervals: at most two parts, in order along the ray, empty ones last.
 struct RaySpans {
   RaySpan first{0.0, 0.0};
   RaySpan second{0.0, 0.0};

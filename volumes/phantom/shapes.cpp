@@ -9,11 +9,11 @@ namespace {
 
 using Vec2 = glm::dvec2;
 
-/// Below this distance [m] the direction from an edge is rounding, not geometry.
+/// [m] Below this distance the direction from an edge is dominated by rounding.
 constexpr double kOnEdge = 1e-12;
 
-/// Meridian half plane of a solid of revolution: x = distance from the z axis, y = z. Its nearest surface point lies in the same half
-/// plane, since turning a point about the axis towards p never takes it further away. So distance in 3D is distance to a curve in 2D.
+/// Meridian half plane of a solid of revolution: x = distance from the z axis, y = z. The nearest surface point lies in the half plane of
+/// p: rotating a point about the axis towards p never increases its distance. So the distance in 3D is the distance to a curve in 2D.
 struct Meridian {
   Vec2 point;
   Vec2 radial;  ///< unit, from the axis to p; +x on the axis
@@ -25,7 +25,7 @@ Meridian meridian_of(const Vec3& p) noexcept {
   return {{rho, p.z}, rho > 0.0 ? Vec2(p.x, p.y) / rho : Vec2(1.0, 0.0)};
 }
 
-/// The nearest of the curve's pieces so far.
+/// The nearest piece of the curve so far.
 struct NearestPiece {
   double distance = std::numeric_limits<double>::infinity();
   Vec2 normal{0.0, 1.0};
@@ -35,7 +35,7 @@ struct NearestPiece {
     distance = piece_distance;
     normal = piece_normal;
   }
-  /// Straight piece from a to b with its outward normal; outside says on which side p is, for the direction from an end.
+  /// Straight piece from a to b with its outward normal; `outside` states the side of p, for the direction from an end.
   void offer_segment(const Vec2& p, const Vec2& a, const Vec2& b, const Vec2& outward, bool outside) noexcept {
     const Vec2 ab = b - a;
     const double t = std::clamp(glm::dot(p - a, ab) / glm::dot(ab, ab), 0.0, 1.0);
@@ -59,7 +59,7 @@ SurfaceDistance BoxShape::nearest(const Vec3& p) const noexcept {
   const Vec3 out = glm::max(beyond, Vec3(0.0));
   const double d = glm::length(out);
   if (d > 0.0) return {d, side * out / d};
-  // Inside, the nearest face is the one with the least room left.
+  // Inside, the nearest face is the one with the smallest distance.
   std::size_t face = 2;
   for (std::size_t a = 0; a < 2; ++a)
     if (beyond[a] > beyond[face]) face = a;
@@ -93,12 +93,12 @@ RaySpans BallShape::along(const Ray& ray, const RaySpan& span) const noexcept {
 }
 
 SurfaceDistance WedgeShape::nearest(const Vec3& p) const noexcept {
-  // By symmetry fold to x >= 0. The face runs from the edge along (sine, -cosine); `down` is how far along it the foot of p lies.
+  // By symmetry fold to x >= 0. The face starts at the edge along (sine, -cosine); `down` is the position of the foot of p on it.
   const Vec2 q(std::abs(p.x), p.z);
   const double side = p.x < 0.0 ? -1.0 : 1.0;
   const double height = q.x * cosine + q.y * sine;
   const double down = q.x * sine - q.y * cosine;
-  // Inside (height <= 0) the foot is always on the face, as the solid is convex; outside it may fall beyond the edge.
+  // Inside (height <= 0) the foot is always on the face, as the solid is convex; outside it may lie beyond the edge.
   const double r = glm::length(q);
   if (height > 0.0 && down < 0.0 && r > kOnEdge) return {r, Vec3(side * q.x, 0.0, q.y) / r};
   return {height, Vec3(side * cosine, 0.0, sine)};
@@ -115,7 +115,7 @@ SurfaceDistance PitShape::nearest(const Vec3& p) const noexcept {
   const bool in_hole = m.x < hole_radius && m.y > -hole_depth;
   const bool outside = in_hole || m.y > 0.0 || m.y < -thickness;
   NearestPiece piece;
-  // The top face runs out without an end: one farther out than p is as good as endless.
+  // The top face has no outer end: an end farther out than p gives the same result.
   const double far_out = 2.0 * std::max(m.x, hole_radius);
   piece.offer_segment(m, {hole_radius, 0.0}, {far_out, 0.0}, {0.0, 1.0}, outside);
   piece.offer_segment(m, {hole_radius, 0.0}, {hole_radius, -hole_depth}, {-1.0, 0.0}, outside);
@@ -141,7 +141,8 @@ SurfaceDistance ShellShape::nearest(const Vec3& p) const noexcept {
 }
 
 SurfaceDistance ShellShape::nearest_with_rim(const Vec3& q) const noexcept {
-  // Meridian curve: the outer arc, the inner arc and the straight wall between their ends at x = rim_radius; origin at the spheres' centre.
+  // Meridian curve: the outer arc, the inner arc and the straight wall between their ends at x = rim_radius; origin at the centre of the
+  // spheres.
   const Meridian at = meridian_of(q);
   const Vec2& m = at.point;
   const double r = glm::length(m);
@@ -150,7 +151,8 @@ SurfaceDistance ShellShape::nearest_with_rim(const Vec3& q) const noexcept {
   const Vec2 outer_end(rim_radius, std::sqrt(outer_radius * outer_radius - rim_radius * rim_radius));
   const Vec2 inner_end(rim_radius, std::sqrt(inner_radius * inner_radius - rim_radius * rim_radius));
   NearestPiece piece;
-  // An arc's foot lies on the line through the centre if that line meets the arc; else one of the ends, which belong to the wall too.
+  // The foot on an arc lies on the line through the centre if that line meets the arc; otherwise it is an end, which also belongs to the
+  // wall.
   const double reach = up.y > 0.0 ? up.x : 2.0;  // sine of the angle from the axis; 2: below the centre, no arc there
   if (reach * outer_radius <= rim_radius) piece.offer(std::abs(r - outer_radius), up);
   if (reach * inner_radius <= rim_radius) piece.offer(std::abs(r - inner_radius), -up);

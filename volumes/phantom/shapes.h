@@ -1,8 +1,8 @@
-/// volumes/phantom/shapes.h: the solids that phantoms are made of: exact distance, outward normal and the stretch of a ray inside.
-///   Frame   bone frame.   Units  SI; distances in m, negative inside, Euclidean everywhere.
-///   Normals length 1, the gradient of the distance: that of the nearest face, or away from the nearest edge. Where two faces are equally
-///           near (there is no gradient) one of them is taken; at a distance of 0 from an edge, one of its faces'.
-///   Source  own derivations, each at its shape in shapes.cpp.
+/// volumes/phantom/shapes.h: the solids of phantoms: exact distance, outward normal, and the part of a ray inside.
+///   Frame   bone frame.   Units  SI; Euclidean distances in m, negative inside.   Errors  none.   Thread  any.
+///   Normals length 1, the gradient of the distance: the normal of the nearest face, or the direction away from the nearest edge. Where two
+///           faces are equally near (no gradient) it is the normal of one of them, also at distance 0 from an edge.
+///   Source  own derivations, shown at each shape in shapes.cpp.
 #pragma once
 
 #include "core/base/geometry.h"
@@ -10,57 +10,58 @@
 
 namespace burrhole {
 
-/// Distance and direction of the surface as seen from a point.
+/// Distance and normal of the surface at a point.
 struct SurfaceDistance {
   double signed_distance = 0.0;  ///< [m] negative inside
-  Vec3 normal{0.0, 0.0, 1.0};    ///< outward
+  Vec3 normal{0.0, 0.0, 1.0};    ///< [-] outward
 };
 
-/// Every shape offers `nearest(p)` and `along(ray, span)`: the parts of the span inside the solid.
+/// Every shape has `nearest(p)` and `along(ray, span)`, which returns the parts of the span inside the solid.
 struct BoxShape {
-  Vec3 centre;
-  Vec3 half;
+  Vec3 centre;  ///< [m]
+  Vec3 half;    ///< [m] half size
   [[nodiscard]] SurfaceDistance nearest(const Vec3& p) const noexcept;
   [[nodiscard]] RaySpans along(const Ray& ray, const RaySpan& span) const noexcept;
 };
 
 /// -thickness <= dot(normal, p) <= 0.
 struct SlabShape {
-  Vec3 normal;
-  double thickness;
+  Vec3 normal;       ///< [-] length 1
+  double thickness;  ///< [m]
   [[nodiscard]] SurfaceDistance nearest(const Vec3& p) const noexcept;
   [[nodiscard]] RaySpans along(const Ray& ray, const RaySpan& span) const noexcept;
 };
 
 struct BallShape {
-  Vec3 centre;
-  double radius;
+  Vec3 centre;    ///< [m]
+  double radius;  ///< [m]
   [[nodiscard]] SurfaceDistance nearest(const Vec3& p) const noexcept;
   [[nodiscard]] RaySpans along(const Ray& ray, const RaySpan& span) const noexcept;
 };
 
 /// Below both faces: dot((+-cosine, 0, sine), p) <= 0, sine and cosine of half the angle inside the bone.
 struct WedgeShape {
-  double sine;
-  double cosine;
+  double sine;    ///< [-]
+  double cosine;  ///< [-]
   [[nodiscard]] SurfaceDistance nearest(const Vec3& p) const noexcept;
   [[nodiscard]] RaySpans along(const Ray& ray, const RaySpan& span) const noexcept;
 };
 
-/// -thickness <= z <= 0 less the cylinder of hole_radius round the z axis down to -hole_depth.
+/// -thickness <= z <= 0 without the cylinder of hole_radius around the z axis down to -hole_depth.
 struct PitShape {
-  double thickness;
-  double hole_radius;
-  double hole_depth;
+  double thickness;    ///< [m]
+  double hole_radius;  ///< [m]
+  double hole_depth;   ///< [m]
   [[nodiscard]] SurfaceDistance nearest(const Vec3& p) const noexcept;
   [[nodiscard]] RaySpans along(const Ray& ray, const RaySpan& span) const noexcept;
 };
 
-/// inner_radius <= |p - (0, 0, -outer_radius)| <= outer_radius; with a rim (> 0) only what lies above the centre within it of the z axis.
+/// inner_radius <= |p - (0, 0, -outer_radius)| <= outer_radius. With a rim (> 0): only the part above the centre within rim_radius of the z
+/// axis.
 struct ShellShape {
-  double outer_radius;
-  double inner_radius;
-  double rim_radius;
+  double outer_radius;  ///< [m]
+  double inner_radius;  ///< [m]
+  double rim_radius;    ///< [m] 0: no rim
   [[nodiscard]] SurfaceDistance nearest(const Vec3& p) const noexcept;
   [[nodiscard]] RaySpans along(const Ray& ray, const RaySpan& span) const noexcept;
 

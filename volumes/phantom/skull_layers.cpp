@@ -7,12 +7,12 @@
 namespace burrhole {
 namespace {
 
-/// Counter stream of the sample points, apart from that of the pores themselves.
+/// Counter stream of the sample points, different from that of the pores.
 constexpr std::uint64_t kSampleStream = 0x706f726573616d70ull;
 
-/// Points spread over the diploe of this patch. They depend on the bone's measures and the seed, not on the pitch, so that a finer grid has
-/// the same pores. Uniform across the box and in depth: the layer's true volume element differs by 1/cos of the slope, a few per cent at
-/// the corners, and the pores know nothing of the slope.
+/// Points distributed over the diploe of this patch. They depend on the dimensions of the bone and the seed, not on the pitch, so a finer
+/// grid has the same pores. They are uniform across the box and in depth. The true volume element differs by 1/cos of the slope, a few
+/// percent at the corners, which is neglected.
 std::vector<Vec3> diploe_samples(const PhantomSpec& spec) {
   constexpr std::uint64_t kCount = 1u << 15;
   std::vector<Vec3> points;
@@ -29,7 +29,7 @@ std::vector<Vec3> diploe_samples(const PhantomSpec& spec) {
   return points;
 }
 
-/// 1 well above the border, 0 well below, over one voxel.
+/// 1 well above the border, 0 well below, a ramp over one voxel.
 double share_above(double distance_above, double pitch) noexcept { return std::clamp(0.5 + distance_above / pitch, 0.0, 1.0); }
 
 }  // namespace
@@ -66,7 +66,7 @@ SkullHardness::SkullHardness(const PhantomSpec& spec)
 double SkullHardness::at(const Vec3& p_bone, double depth) const noexcept {
   const double in_outer = share_above(spec_.outer_table - depth, spec_.pitch);
   const double in_inner = share_above(depth - (spec_.thickness - spec_.inner_table), spec_.pitch);
-  // Without diploe both borders meet and the shares add to 1; under a voxel of diploe they may pass it.
+  // Without diploe both borders coincide and the shares add to 1; with less than a voxel of diploe their sum may exceed 1.
   const double in_diploe = std::max(0.0, 1.0 - in_outer - in_inner);
   if (in_diploe <= 0.0) return spec_.table_hardness;
   const double in_pore = pores_.share(p_bone, spec_.pitch);

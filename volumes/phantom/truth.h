@@ -1,7 +1,7 @@
-/// volumes/phantom/truth.h: the closed form of a generated bone: what every measured surface, normal and thickness is compared with.
-///   Frame  bone frame.   Units  SI.
-///   The grid ends where it ends: rays see only the bone inside the grid's box (voxel cells included), while distances and normals are
-///   those of the shape itself, which for plate, pit, wedge and a patch without a rim runs on past the box.
+/// volumes/phantom/truth.h: closed form of a generated bone, the reference for measured surfaces, normals and thicknesses.
+///   Frame  bone frame.   Units  SI.   Errors  none.   Thread  any; immutable.
+///   Rays are limited to the box of the grid (voxel cells included). Distances and normals are those of the shape itself, which extends
+///   beyond the box for plate, pit, wedge and a patch without a rim.
 #pragma once
 
 #include <optional>
@@ -15,25 +15,25 @@ namespace burrhole {
 
 class Truth {
  public:
-  /// @pre validate(spec) found nothing.
+  /// @pre validate(spec) found no error.
   explicit Truth(const PhantomSpec& spec);
 
   /// @returns Euclidean distance [m] from the bone's surface, negative inside.
   [[nodiscard]] double signed_distance(const Vec3& p_bone) const noexcept { return nearest(p_bone).signed_distance; }
   /// @returns outward unit normal of the nearest surface point; see shapes.h for edges and ties.
   [[nodiscard]] Vec3 normal(const Vec3& p_bone) const noexcept { return nearest(p_bone).normal; }
-  /// Both at once.
+  /// Distance and normal together.
   [[nodiscard]] SurfaceDistance nearest(const Vec3& p_bone) const noexcept;
 
-  /// @returns length [m] of bone ahead of the origin along the direction (any length but 0), all stretches added.
+  /// @returns the total length [m] of bone ahead of the origin along the direction (any length except 0).
   [[nodiscard]] double thickness_along(const Vec3& origin, const Vec3& direction) const noexcept;
-  /// @returns distance [m] from the origin to the first bone ahead, 0 from inside; nothing if there is none.
+  /// @returns the distance [m] from the origin to the first bone ahead, 0 if the origin is inside; nothing if there is none.
   [[nodiscard]] std::optional<double> entry_distance(const Vec3& origin, const Vec3& direction) const noexcept;
 
-  /// @returns tissue at a point: bone or none; for skull_patch tables, diploe, dura and brain by depth below the outer surface.
+  /// @returns the tissue at a point: bone or none; for skull_patch the tables, diploe, dura and brain by depth below the outer surface.
   [[nodiscard]] VoxelLabel label(const Vec3& p_bone) const noexcept;
 
-  /// Ends of the grid's box [m], bone frame.
+  /// Corners of the box of the grid [m], bone frame.
   [[nodiscard]] const Vec3& box_lo() const noexcept { return box_lo_; }
   [[nodiscard]] const Vec3& box_hi() const noexcept { return box_hi_; }
 

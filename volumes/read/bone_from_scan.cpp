@@ -13,23 +13,23 @@ namespace burrhole {
 namespace {
 
 constexpr std::array<double, 2> kBoneHu{250.0, 400.0};
-constexpr double kMeshHardness = 0.8;  // of a mesh or a fog volume, which say nothing of density: that of a phantom
-constexpr int kSlab = 8;               // layers at a time: one leaf of OpenVDB
+constexpr double kMeshHardness = 0.8;  // [-] of a mesh or a fog volume, which have no density: the default of a phantom
+constexpr int kSlab = 8;               // layers per step: the edge of an OpenVDB leaf
 constexpr std::array<double, 2> kOccupancyBand{0.0, 1.0};
 
-// ---- what the numbers mean ----
+// ---- interpretation of the values ----
 
-/// Shares are of the voxels at -1100 and above: scanners pad what they do not see with anything below.
+/// Shares of the voxels with values >= -1100: scanners fill the area outside the field of view with any lower value.
 struct ValueFacts {
   double min = 0.0, max = 0.0;
   double air_share = 0.0;  ///< from -1100 to -900
   double low_share = 0.0;  ///< from -1100 to -1
-  // Of a scan stored as HU + 1024, soft tissue lies from 900 to 1200 and next to nothing between air and fat.
+  // In a scan stored as HU + 1024, soft tissue lies between 900 and 1200, and few voxels between air and fat.
   double tissue_share = 0.0;  ///< from 900 to 1200
   double gap_share = 0.0;     ///< from 450 to 750
 };
 
-ValueFacts look_at(std::span<const float> values) {
+ValueFacts collect_facts(std::span<const float> values) {
   constexpr float kPadding = -1100.0f;
   ValueFacts out;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
@@ -58,21 +58,21 @@ struct Meaning {
   std::array<double, 2> band = kBoneHu;
 };
 
-/// Air fills much of a scan of a head, and some of any scan; a spread of arbitrary 16-bit numbers has 0.3 % there.
+/// Air fills a large part of a scan of a head, and a part of any scan. Random 16-bit numbers have 0.3 % in this range.
 bool holds_air(const ValueFacts& facts) {
   constexpr double kAirShare = 0.01;
   return facts.air_share > kAirShare;
 }
 
 bool is_offset_scan(const ValueFacts& facts) {
-  // Two head CTs stored so have 18 and 27 % tissue, 10 and 15 times what lies in the gap; an MR of the same range has 1 %, less than its
-  // gap.
+  // Two head CTs stored in this way have 18 and 27 % of tissue, 10 and 15 times the share of the gap. An MR of the same range has 1 %, less
+  // than in its gap.
   constexpr double kTissueShare = 0.02, kOverGap = 3.0, kNoise = 1e-3;
   return facts.low_share < kNoise && facts.max > 1200.0 && facts.tissue_share > kTissueShare &&
          facts.tissue_share > kOverGap * facts.gap_share;
 }
 
-/// HU, HU + 1024, or the file's own unit, for which the band must be given.
+/// HU, HU + 1024, or the unit of the file, which requires a band.
 Result<Meaning> find_meaning(const Scan& scan, const ValueFacts& facts, const BoneOptions& options, std::vector<std::string>& assumed) {
   Meaning out;
   if (options.band) out.band = *options.band;
@@ -89,7 +89,7 @@ Result<Meaning> find_meaning(const Scan& scan, const ValueFacts& facts, const Bo
     assumed.push_back(fmt::format("values from {:g} to {:g}, {:.0f} % of them air near -1000, are taken as HU", facts.min, facts.max,
                                   100.0 * facts.air_share));
   } else if (options.band) {
-    assumed.push_back("values are no HU: they are compared with the band given as they are");
+    assumed.push_back("values are not in HU: they are compared with the given band unchanged");
   } else {
     return bad_input(
         fmt::format("values from {:g} to {:g} are not Hounsfield units ({}); if there is bone in them, name its band in the "
@@ -105,8 +105,8 @@ std::string mm_text(const Vec3& v) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f})", v.x / kMillimetre, v.y / kMillimetre, v.z / kMillimetre);
 }
 
-/// A region that the scan does not fill is cut at the scan's end: told, as its missing part looks like an edge of the bone.
-void tell_missing_region(const BoneOptions& options, const BoneGrid& grid, std::vector<std::string>& assumed) {
+/// A region that extends beyond the scan is cut at its end, with a line in the report: the cut resembles an edge of the bone.
+void report_cut_region(const BoneOptions& options, const BoneGrid& grid, std::vector<std::string>& assumed) {
   if (!options.region) return;
   const Vec3 size = Vec3(grid.dims - 1) * *options.spacing;
   if (glm::all(glm::greaterThan(size, options.region->size - 2.0 * *options.spacing))) return;
@@ -115,7 +115,7 @@ void tell_missing_region(const BoneOptions& options, const BoneGrid& grid, std::
 
 // ---- values on the grid, slab by slab ----
 
-/// Layers [k_lo - 1, k_hi + 1) of the grid with one voxel more on each side; what lies outside the scan repeats its border.
+/// Layers [k_lo - 1, k_hi + 1) of the grid, with a margin of one voxel; outside the scan its border is repeated.
 struct Slab {
   Vec3i dims{0};  ///< of the grid, without margins
   std::vector<float> values;
@@ -137,8 +137,8 @@ void fill_native(const Scan& scan, int k_lo, Slab& slab) {
     }
 }
 
-/// Catmull-Rom weights of the four voxels round a fraction t: passes through the voxels, exact for quadratics. On an edge as
-/// wide as a slice it moves the surface by up to 0.12 slices, linear interpolation by up to 0.16.
+/// Catmull-Rom weights of the four voxels around a fraction t: interpolating, exact for quadratics. At an edge as wide as a slice it moves
+/// the surface by up to 0.12 slices; linear interpolation moves it by up to 0.16 slices.
 struct CubicAxis {
   std::array<std::ptrdiff_t, 4> offset;
   std::array<double, 4> weight;
@@ -152,7 +152,7 @@ struct CubicAxis {
   }
 };
 
-/// Beyond the outer faces of the scan's voxels there is nothing, `nothing`; in their outer halves the border's value holds.
+/// Outside the outer faces of the scan's voxels the value is `nothing`; in their outer halves it is that of the border.
 float sample(const Scan& scan, const Vec3& index, float nothing) {
   if (glm::any(glm::lessThan(index, Vec3(-0.5))) || glm::any(glm::greaterThan(index, Vec3(scan.dims) - 0.5))) return nothing;
   const std::ptrdiff_t row = scan.dims.x, layer = row * scan.dims.y;
@@ -184,7 +184,7 @@ void fill_resampled(const Scan& scan, const Affine& scan_from_grid, float nothin
 struct Rule {
   std::array<double, 2> band;
   double offset = 0.0;
-  bool given_occupancy = false;  ///< values are occupancy already
+  bool given_occupancy = false;  ///< the values are occupancy
   bool hounsfield = false;
   std::vector<HardnessPoint> table;
 
@@ -240,15 +240,8 @@ double hardness_of_table(const std::vector<HardnessPoint>& table, double value) 
   return a.hardness + (b.hardness - a.hardness) * (value - a.value) / (b.value - a.value);
 }
 
-std::array<Vec3, 2> bounds_of(const VoxelBox& box, const Affine& bone_from_index) {
-  Vec3 lo(std::numeric_limits<double>::max()), hi(std::numeric_limits<double>::lowest());
-  for (const int i : {box.lo.x, box.hi.x - 1})
-    for (const int j : {box.lo.y, box.hi.y - 1})
-      for (const int k : {box.lo.z, box.hi.z - 1}) {
-        lo = glm::min(lo, bone_from_index * Vec3(i, j, k));
-        hi = glm::max(hi, bone_from_index * Vec3(i, j, k));
-      }
-  return {lo, hi};
+Bounds bounds_of(const VoxelBox& box, const Affine& bone_from_index) {
+  return bounds_under(bone_from_index, {Vec3(box.lo), Vec3(box.hi - 1)});
 }
 
 Status check_options(const BoneOptions& options) {
@@ -284,16 +277,16 @@ Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options) {
 Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,
                                const std::function<void(const BoneGrid&)>& before) {
   if (scan.values.empty() || scan.values.size() != VoxelBox{Vec3i(0), scan.dims}.count()) return bad_input("the scan has no voxels");
-  const ValueFacts facts = look_at(scan.values);
+  const ValueFacts facts = collect_facts(scan.values);
   Meaning meaning;
   if (scan.quantity == Quantity::occupancy) {
-    assumed.push_back(fmt::format("hardness is {:g} throughout: the file says nothing of density", kMeshHardness));
+    assumed.push_back(fmt::format("hardness is {:g} everywhere: the file has no density", kMeshHardness));
   } else {
     auto found = find_meaning(scan, facts, options, assumed);
     if (!found) return found.error();
     meaning = *found;
     if (!meaning.hounsfield && options.hardness.empty())
-      assumed.push_back(fmt::format("hardness is {:g} throughout: values that are not HU say nothing of density", kMeshHardness));
+      assumed.push_back(fmt::format("hardness is {:g} everywhere: values that are not in HU give no density", kMeshHardness));
   }
   const auto grid = plan_grid(scan, options);
   if (!grid) return grid.error();
@@ -303,7 +296,7 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
 
   const bool given = scan.quantity == Quantity::occupancy;
   const Rule rule{given ? kOccupancyBand : meaning.band, meaning.offset, given, meaning.hounsfield, options.hardness};
-  // Beyond the scan: no bone, whatever its own lowest value is.
+  // Outside the scan: no bone, independent of the lowest value of the scan.
   const double nothing = std::min(facts.min, rule.band[0] - meaning.offset);
   const Affine scan_from_grid = scan.bone_from_index.inverse() * grid->bone_from_index;
   for (int k = 0; k < grid->dims.z; k += kSlab) {
@@ -321,7 +314,7 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
     classify(slab, rule, part);
     if (const Status added = builder->add(where, part); !added) return added.error();
   }
-  tell_missing_region(options, *grid, assumed);
+  report_cut_region(options, *grid, assumed);
   BoneFromScan out;
   out.has_values = !given;
   out.value_min = facts.min + meaning.offset;
@@ -330,7 +323,7 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
   out.hounsfield = meaning.hounsfield;
   out.bone = builder->finish(fmt::format("{}", fmt::join(assumed, "\n")));
   if (out.bone->bone_voxels() > 0) return out;
-  return bad_input(fmt::format("no bone: values from {:g} to {:g} hold nothing above the middle of the band {:g} to {:g}", out.value_min,
+  return bad_input(fmt::format("no bone: values from {:g} to {:g} do not exceed the middle of the band {:g} to {:g}", out.value_min,
                                out.value_max, rule.band[0], rule.band[1]));
 }
 

@@ -1,10 +1,11 @@
-/// volumes/read/bone_from_scan.h: from the numbers of a scan to the two fields of bone: occupancy (is it bone?) and hardness.
-///   Frame      bone frame (LPS).   Units SI; values of the scan in HU, or as the file has them.   Thread any.
+/// volumes/read/bone_from_scan.h: computes the two fields of bone, occupancy and hardness, from the values of a scan.
+///   Frame      bone frame (LPS).   Units SI; values of the scan in HU or in the unit of the file.   Errors bad_input, unavailable.
+///   Thread     any.
 ///   Occupancy  0.5 + (v - m) / (2 b), clamped to 0..1: m the middle of the band, b the larger of half the band and the sum over the index
-///              axes of the larger of the two steps to the next voxel. Where a scan steps over the band within a voxel, as most do, a ramp
-///              of the band alone would put the 0.5 level half way between the voxels; widened so, trilinear interpolation has it where the
-///              scan's own trilinear interpolation passes m. Own derivation.
-///   Hardness   (rho - 1100) / 800 clamped to 0..1, rho [kg/m3] from HU by the piecewise line of k-Wave's hounsfield2density; or a table.
+///              axes of the larger of the two steps to the next voxel. Most scans pass the whole band within a voxel; a ramp of the band
+///              alone would then place the 0.5 level half way between the voxels. With b, trilinear interpolation of occupancy has its 0.5
+///              level where trilinear interpolation of the scan is m. Own derivation.
+///   Hardness   (rho - 1100) / 800 clamped to 0..1, rho [kg/m3] from HU by the piecewise linear hounsfield2density of k-Wave; or a table.
 #pragma once
 
 #include <array>
@@ -13,18 +14,19 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/bounds.h"
 #include "core/voxel/bone_model.h"
 #include "volumes/read/scan.h"
 
 namespace burrhole {
 
-/// Most voxels of a resampled grid: as many as a phantom may have.
+/// [voxels] Largest resampled grid, as for a phantom.
 inline constexpr double kMaxResampledVoxels = 300e6;
 
-/// A corner of a piecewise linear table; values before the first and after the last keep its hardness.
+/// A point of a piecewise linear table. Values outside the table take the hardness of its first or last point.
 struct HardnessPoint {
-  double value = 0.0;     ///< [HU] or the file's own unit
-  double hardness = 0.0;  ///< 0..1
+  double value = 0.0;     ///< [HU] or [unit of the file]
+  double hardness = 0.0;  ///< [-] 0..1
 };
 
 /// Box in the bone frame.
@@ -35,48 +37,47 @@ struct BoneRegion {
 
 struct BoneOptions {
   std::optional<std::array<double, 2>>
-      band;                             ///< from no bone to bone, in HU or, if the scan is not in HU, its own unit; absent: 250, 400 HU
-  std::vector<HardnessPoint> hardness;  ///< sorted by value; empty: by density
-  std::optional<double> hu_offset;      ///< added to each value; absent: found out (HU + 1024 scans are common)
-  std::optional<double> spacing;        ///< [m] resample to this isotropic pitch; absent: voxels as they are
-  std::optional<BoneRegion> region;     ///< keep this box only; needs `spacing`
+      band;  ///< [HU] values without bone and of full bone; [unit of the file] if the scan is not in HU; absent: 250, 400 HU
+  std::vector<HardnessPoint> hardness;  ///< sorted by value; empty: from density
+  std::optional<double> hu_offset;      ///< [HU] added to each value; absent: detected (scans stored as HU + 1024 are common)
+  std::optional<double> spacing;        ///< [m] isotropic pitch after resampling; absent: the voxels of the scan
+  std::optional<BoneRegion> region;     ///< keeps this box only; needs `spacing`
 };
 
-/// CT density of [k-Wave], kg/m3, never negative. facts: h = HU + 1000, four lines.
+/// @returns the CT density [kg/m3] of [k-Wave], >= 0: four linear parts in h = HU + 1000.
 [[nodiscard]] double density_of_hounsfield(double hu) noexcept;
-/// Hardness of that density: 0 at 1100 kg/m3, 1 at 1900 (assumption).
+/// @returns the hardness [-] of that density: 0 at 1100 kg/m3, 1 at 1900 kg/m3 (assumption).
 [[nodiscard]] double hardness_of_hounsfield(double hu) noexcept;
 [[nodiscard]] double hardness_of_table(const std::vector<HardnessPoint>& table, double value) noexcept;
 
-/// The grid a bone will have, known before it is made.
+/// The grid of the bone, known before it is made.
 struct BoneGrid {
-  Vec3i dims{0};
+  Vec3i dims{0};  ///< [voxels]
   Affine bone_from_index;
   bool resampled = false;
 };
 
-/// @returns bad_input: a band that does not increase, a region without a spacing.
+/// @returns bad_input if the band does not increase, or a region is given without a spacing.
 [[nodiscard]] Status check_options(const BoneOptions& options);
 
 /// Box round the centres of some voxels: lowest and highest corner, bone frame [m].
-[[nodiscard]] std::array<Vec3, 2> bounds_of(const VoxelBox& box, const Affine& bone_from_index);
+[[nodiscard]] Bounds bounds_of(const VoxelBox& box, const Affine& bone_from_index);
 
-/// @returns the scan's own grid, or the isotropic one in the bone frame that options ask for; bad_input if it passes kMaxResampledVoxels or
-/// the region misses the scan, with the numbers.
+/// @returns the grid of the scan, or the isotropic grid in the bone frame that `options` request; bad_input, with the numbers, if it
+/// exceeds kMaxResampledVoxels or the region does not meet the scan.
 [[nodiscard]] Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options);
 
 struct BoneFromScan {
   std::shared_ptr<const BoneModel> bone;
-  bool has_values = false;                  ///< the scan has values that mean density, not occupancy
-  double value_min = 0.0, value_max = 0.0;  ///< of the scan, offset applied
-  double hu_offset = 0.0;
-  bool hounsfield = false;  ///< values are taken as HU
+  bool has_values = false;                  ///< the values are densities, not occupancy
+  double value_min = 0.0, value_max = 0.0;  ///< [HU] or [unit of the file] range of the scan, offset applied
+  double hu_offset = 0.0;                   ///< [HU] offset that was applied
+  bool hounsfield = false;                  ///< the values are interpreted as HU
 };
 
-/// @param assumed gets one line for each thing taken for granted. @returns bad_input: values that are no HU and no band given, a band that
-/// is not increasing, no bone in the band (with the range found). Works in slabs: beside the scan it needs the bone's own grids
-/// and about 120 bytes a voxel of one layer.
-/// `before` is called when the grid is known and before it takes memory; may be empty.
+/// @param assumed receives one line per assumption. @param before is called when the grid is known, before its memory is allocated; may be
+/// empty. @returns bad_input: values that are not HU without a band, a band that does not increase, no bone in the band (with the range of
+/// the values). Works in slabs: in addition to the scan it needs the grids of the bone and about 120 bytes per voxel of one layer.
 [[nodiscard]] Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,
                                              const std::function<void(const BoneGrid&)>& before = {});
 

@@ -10,8 +10,8 @@
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kWindow = 262144;  ///< [bytes] of the file held at a time
-constexpr int kGzipOrZlib = 15 + 32;     ///< inflateInit2: largest window, kind told apart by the header
+constexpr std::size_t kWindow = 262144;  ///< [bytes] of the file in memory
+constexpr int kGzipOrZlib = 15 + 32;     ///< inflateInit2: largest window, detects the kind by the header
 
 }  // namespace
 
@@ -34,10 +34,10 @@ struct ByteStream::State {
   std::string path;
   std::ifstream file;
   bool packed = false;
-  bool ended = false;  ///< the packed data is over, as it says itself
+  bool ended = false;  ///< the packed data has ended
   bool cut = false;
   bool zlib_open = false;
-  bool gzip = false;  ///< gzip may go on with another member, zlib may not
+  bool gzip = false;  ///< gzip may continue with another member, zlib may not
   bool started = false;
   z_stream zlib{};
   std::vector<unsigned char> window = std::vector<unsigned char>(kWindow);
@@ -52,7 +52,7 @@ struct ByteStream::State {
     return static_cast<std::size_t>(file.gcount());
   }
 
-  /// Takes in more of the file behind what is left of the window. @returns whether there was more.
+  /// Reads more of the file behind the rest of the window. @returns whether there was more.
   Result<bool> refill() {
     const std::size_t left = zlib.avail_in;
     std::copy_n(zlib.next_in, left, window.data());
@@ -63,7 +63,7 @@ struct ByteStream::State {
     return got.value() > 0;
   }
 
-  /// After the end of one member: on to the next, if one starts here; anything else behind a gzip file is padding.
+  /// After the end of a member: starts the next one, if there is one. Anything else behind gzip data is padding.
   Status next_member() {
     if (gzip && zlib.avail_in < 2)
       if (const Result<bool> more = refill(); !more) return more.error();
@@ -71,7 +71,7 @@ struct ByteStream::State {
     if (!another)
       ended = true;
     else if (inflateReset(&zlib) != Z_OK)
-      return bad_input("compressed data cannot be read on", path);
+      return bad_input("compressed data cannot be read further", path);
     return {};
   }
 

@@ -1,5 +1,5 @@
-/// volumes/read/byte_stream.h: the bytes of one file from an offset on, inflated on the way if they are packed; the only wrapper of zlib.
-///   Memory  bounded: a window of the file and zlib's own, whatever the file claims.     Thread  one owner.
+/// volumes/read/byte_stream.h: sequential bytes of one file from an offset, decompressed if they are packed. The only wrapper of zlib.
+///   Units  bytes.   Errors  bad_input.   Memory  bounded: a window of the file and the state of zlib.   Thread  one owner.
 #pragma once
 
 #include <cstddef>
@@ -13,26 +13,26 @@
 
 namespace burrhole {
 
-/// Size of a regular file [bytes]; bad_input when it is missing or no regular file (a folder, a device, a pipe that never ends).
+/// @returns the size [bytes] of a regular file; bad_input if it is missing or not a regular file (a folder, a device, a pipe).
 [[nodiscard]] Result<std::uint64_t> size_of_file(const std::string& path);
 
-/// Whether the file starts with gzip's two magic bytes; false when it cannot be read.
+/// @returns whether the file starts with the two magic bytes of gzip; false if it cannot be read.
 [[nodiscard]] bool starts_as_gzip(const std::string& path);
 
 class ByteStream {
  public:
-  /// @param packed bytes from `offset` on are gzip (any number of members) or zlib, told apart by their first bytes.
+  /// @param packed the bytes from `offset` are gzip (any number of members) or zlib, detected by their first bytes.
   [[nodiscard]] static Result<ByteStream> open(const std::string& path, std::uint64_t offset, bool packed);
   ByteStream(ByteStream&&) noexcept;
   ByteStream& operator=(ByteStream&&) noexcept;
   ~ByteStream();
 
-  /// Fills `out` from its start. @returns the bytes filled: fewer than out.size() at the end. bad_input: unreadable, or packed data
-  /// damaged.
+  /// Fills `out` from its start. @returns the number of bytes, fewer than out.size() at the end; bad_input if the file cannot be read or
+  /// packed data is damaged.
   [[nodiscard]] Result<std::size_t> read(std::span<std::byte> out);
-  /// Reads on without keeping anything. @returns the bytes passed, fewer than `count` at the end.
+  /// Skips bytes. @returns the number of bytes skipped, fewer than `count` at the end.
   [[nodiscard]] Result<std::uint64_t> skip(std::uint64_t count);
-  /// The end was met inside packed data, its checksum included.
+  /// @returns whether the end was reached inside packed data or its checksum.
   [[nodiscard]] bool cut() const noexcept;
 
  private:
@@ -41,7 +41,7 @@ class ByteStream {
   std::unique_ptr<State> state_;
 };
 
-/// The first bytes of a file, at most `most`, inflated if `packed`.
+/// @returns the first bytes of a file, at most `most`, decompressed if `packed`.
 [[nodiscard]] Result<std::vector<std::byte>> read_head(const std::string& path, bool packed, std::size_t most);
 
 }  // namespace burrhole

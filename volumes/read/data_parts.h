@@ -1,4 +1,5 @@
-/// volumes/read/data_parts.h: from the file names in a text header to parts on disk, for NRRD and MetaImage.
+/// volumes/read/data_parts.h: resolves the file names in a text header to parts on disk, for NRRD and MetaImage.
+///   Errors  bad_input.   Thread  any.
 #pragma once
 
 #include <optional>
@@ -11,17 +12,17 @@
 
 namespace burrhole {
 
-inline constexpr std::size_t kMostHeaderBytes = 1048576;  ///< text read for a header
+inline constexpr std::size_t kMostHeaderBytes = 1048576;  ///< limit of the text of a header
 
-/// The start of a file as text, at most kMostHeaderBytes.
+/// @returns the start of a file as text, at most kMostHeaderBytes.
 [[nodiscard]] Result<std::string> read_header_text(const std::string& path);
 
-/// One part a name, each name relative to the folder of `header_path`. @returns bad_input: more names than slices, a name that leads
-/// nowhere.
+/// @returns one part per name, each name relative to the folder of `header_path`; bad_input if there are more names than slices, or a file
+/// does not exist.
 [[nodiscard]] Result<std::vector<VoxelPart>> parts_of(const std::string& header_path, const std::vector<std::string>& names,
                                                       const std::optional<NumberedNames>& numbered, int slices);
 
-/// Offset of the byte behind `lines` line ends that follow byte `from`; bad_input if there are fewer in kMostHeaderBytes.
+/// @returns the offset [bytes] after `lines` line ends that follow byte `from`; bad_input if there are fewer within kMostHeaderBytes.
 [[nodiscard]] Result<std::uint64_t> behind_lines(const std::string& path, std::uint64_t from, std::uint64_t lines);
 
 }  // namespace burrhole

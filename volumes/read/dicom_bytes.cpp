@@ -10,14 +10,14 @@
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kWindow = 16 * 1024;                   // [bytes] most headers fit
+constexpr std::size_t kWindow = 16 * 1024;                   // [bytes] holds most headers
 constexpr std::size_t kMostInflated = std::size_t{1} << 28;  // [bytes]
 
 }  // namespace
 
 Result<DicomBytes> DicomBytes::open(const std::string& path) {
   DicomBytes out;
-  out.file_.rdbuf()->pubsetbuf(nullptr, 0);  // the window below is the buffer
+  out.file_.rdbuf()->pubsetbuf(nullptr, 0);  // window_ is the buffer
   out.file_.open(path, std::ios::binary | std::ios::ate);
   if (!out.file_) return bad_input("the file cannot be opened for reading", path);
   const auto end = out.file_.tellg();

@@ -9,13 +9,13 @@
 namespace burrhole {
 namespace {
 
-constexpr std::uint32_t kUndefined = 0xffffffff;  // a length that a delimiter ends
+constexpr std::uint32_t kUndefined = 0xffffffff;  // length of an element that ends at a delimiter
 constexpr DicomTag kItem = 0xfffee000, kItemEnd = 0xfffee00d, kSequenceEnd = 0xfffee0dd;
 constexpr DicomTag kTransferSyntax = 0x00020010, kMediaClass = 0x00020002;
 constexpr std::size_t kHead = 132;              // [bytes] preamble and magic text
-constexpr int kDeepest = 16;                    // sequences within sequences; real files have up to about six
+constexpr int kDeepest = 16;                    // nested sequences; real files have up to about six
 constexpr std::size_t kMostElements = 5000000;  // 2000 frames with 2500 elements each
-constexpr std::size_t kLongestValue = 16384;    // [bytes] kept of one element; longer ones are text or tables that nobody here asks for
+constexpr std::size_t kLongestValue = 16384;    // [bytes] kept of one element; longer values are texts or tables that no reader requests
 
 struct Form {
   bool explicit_vr = true;
@@ -31,7 +31,7 @@ struct Head {
 
 bool is_upper(char c) noexcept { return c >= 'A' && c <= 'Z'; }
 
-/// VRs with two reserved bytes and a length of four. PS3.5 table 7.1-1.
+/// VRs with two reserved bytes and a length of four bytes. PS3.5 table 7.1-1.
 bool has_long_length(std::array<char, 2> vr) {
   constexpr std::array<std::string_view, 13> kLong = {"OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"};
   return std::find(kLong.begin(), kLong.end(), std::string_view(vr.data(), 2)) != kLong.end();
@@ -48,10 +48,10 @@ class Walker {
  public:
   Walker(DicomBytes& bytes, const WantedTags& wanted) : bytes_(bytes), wanted_(wanted) {}
 
-  /// The group 0002, always explicit and little-endian. @returns where the data set begins.
+  /// Reads group 0002, which is always explicit and little-endian. @returns the offset of the data set.
   std::uint64_t walk_meta(std::uint64_t at, DicomElements& out);
   void walk_top(std::uint64_t at, Form form, DicomElements& out);
-  [[nodiscard]] const std::string& fault() const noexcept { return fault_; }
+  [[nodiscard]] const std::string& error() const noexcept { return error_; }
 
  private:
   bool read_head(std::uint64_t at, std::uint64_t end, Form form, Head& head);
@@ -60,14 +60,14 @@ class Walker {
   bool walk_sequence(const Head& head, std::uint64_t end, Form form, int depth, DicomValue* value, std::uint64_t& next);
   bool walk_item(std::uint64_t at, std::uint64_t end, bool delimited, Form form, int depth, DicomItem* item, std::uint64_t& next);
   bool fail(std::string what) {
-    if (fault_.empty()) fault_ = std::move(what);
+    if (error_.empty()) error_ = std::move(what);
     return false;
   }
 
   DicomBytes& bytes_;
   const WantedTags& wanted_;
   std::size_t elements_ = 0;
-  std::string fault_;
+  std::string error_;
 };
 
 bool Walker::read_head(std::uint64_t at, std::uint64_t end, Form form, Head& head) {
@@ -102,7 +102,7 @@ bool Walker::keep_value(const Head& head, DicomValue& value) {
   return true;
 }
 
-/// Past one element whose head was read; it is kept in `item` if it is wanted and there is an item to keep it in.
+/// Skips one element whose head was read; keeps it in `item` if it was requested and there is an item.
 bool Walker::step_over(const Head& head, std::uint64_t end, Form form, int depth, DicomItem* item, std::uint64_t& next) {
   const bool wanted = item != nullptr && (wanted_.values.contains(head.tag) || wanted_.sequences.contains(head.tag));
   const bool undefined = head.length == kUndefined;
@@ -112,7 +112,7 @@ bool Walker::step_over(const Head& head, std::uint64_t end, Form form, int depth
   value.vr = head.vr;
   const bool sequence = wanted_.sequences.contains(head.tag) && (!form.explicit_vr || is(head.vr, "SQ"));
   if (undefined || (wanted && sequence)) {
-    // An element of unknown type and undefined length is an implicit sequence inside. PS3.5 sec. 6.2.2 note 4.
+    // An element of unknown type and undefined length contains an implicit sequence. PS3.5 sec. 6.2.2 note 4.
     const Form inside = is(head.vr, "UN") ? Form{false, false} : form;
     if (!walk_sequence(head, end, inside, depth + 1, wanted ? &value : nullptr, next)) return false;
   } else {
@@ -135,7 +135,7 @@ bool Walker::walk_sequence(const Head& head, std::uint64_t end, Form form, int d
       next = item.value_at;
       return true;
     }
-    if (item.tag != kItem) return fail("the header is damaged: a sequence holds what is no item");
+    if (item.tag != kItem) return fail("the header is damaged: a sequence contains an element that is not an item");
     const bool open = item.length == kUndefined;
     if (!open && item.length > stop - item.value_at) return fail("the header is cut short inside a sequence");
     if (value == nullptr && !open) {
@@ -201,7 +201,7 @@ void Walker::walk_top(std::uint64_t at, Form form, DicomElements& out) {
 
 bool has_magic(std::span<const std::byte> head) noexcept { return head.size() >= kHead && std::memcmp(head.data() + 128, "DICM", 4) == 0; }
 
-/// Files without the preamble begin with the group 0002 or 0008 at once; then that group's first element tells.
+/// Files without a preamble begin with group 0002 or 0008; the first element of that group decides.
 bool begins_with_data(std::span<const std::byte> raw, Form& form) noexcept {
   if (raw.size() < 8) return false;
   const std::uint16_t group = dicom_u16(raw.data(), false), element = dicom_u16(raw.data() + 2, false);
@@ -218,7 +218,7 @@ const DicomValue* DicomItem::find(DicomTag tag) const {
   return found == values.end() ? nullptr : &found->second;
 }
 
-bool looks_like_dicom(std::span<const std::byte> head) noexcept {
+bool starts_like_dicom(std::span<const std::byte> head) noexcept {
   Form form;
   return has_magic(head) || begins_with_data(head, form);
 }
@@ -235,18 +235,18 @@ std::optional<DicomElements> read_elements(DicomBytes& bytes, const WantedTags& 
   DicomElements out;
   Walker walker(bytes, wanted);
   at = walker.walk_meta(at, out);
-  if (walker.fault().empty()) {
+  if (walker.error().empty()) {
     const std::string& uid = out.transfer_syntax;
     if (!uid.empty()) form = {uid != "1.2.840.10008.1.2", uid == "1.2.840.10008.1.2.2"};
     if (uid == "1.2.840.10008.1.2.1.99") {
       out.deflated_at = at;
-      out.fault = bytes.inflate_from(at);
+      out.error = bytes.inflate_from(at);
       at = 0;
     }
     out.big_endian = form.big_endian;
     walker.walk_top(at, form, out);
   }
-  if (out.fault.empty()) out.fault = walker.fault();
+  if (out.error.empty()) out.error = walker.error();
   return out;
 }
 

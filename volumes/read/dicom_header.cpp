@@ -8,7 +8,7 @@
 #include <limits>
 #include <string_view>
 
-#include "core/base/toml_messages.h"
+#include "core/config/toml_messages.h"
 #include "volumes/read/scan.h"
 
 namespace burrhole {
@@ -26,7 +26,7 @@ constexpr DicomTag kPlanePosition = 0x00209113, kPlaneOrientation = 0x00209116, 
                    kSharedGroups = 0x52009229, kPerFrameGroups = 0x52009230;
 
 constexpr std::string_view kDicomDirectory = "1.2.840.10008.1.3.10", kSecondaryCapture = "1.2.840.10008.5.1.4.1.1.7";
-// A compressed file may claim this many times its own size: a 512 x 512 slice of nothing but air in JPEG 2000 comes to about 200.
+// Largest accepted compression ratio: a 512 x 512 slice that contains only air has about 200 in JPEG 2000.
 constexpr double kMostExpansion = 1000.0;
 
 /// Text of a value without its padding.
@@ -58,7 +58,7 @@ std::optional<double> number(std::string word) {
   return value;
 }
 
-/// `count` decimal numbers, or nothing if there are fewer or one is none.
+/// `count` decimal numbers, or nothing if there are fewer or one of them is invalid.
 std::optional<std::vector<double>> numbers(const DicomItem& item, DicomTag tag, std::size_t count) {
   const std::vector<std::string> words = parts(text(item, tag));
   if (words.size() < count) return std::nullopt;
@@ -86,14 +86,14 @@ bool holds(const std::vector<std::string>& words, std::string_view word) {
   return std::any_of(words.begin(), words.end(), [&](const std::string& w) { return w.find(word) != std::string::npos; });
 }
 
-/// Only codes go into reports: whoever writes a name into a code field shall not find it there.
+/// Only codes are copied to reports: a name that was written into a code field must not appear there.
 std::string code_or_dash(const std::string& word, bool digits) {
   const auto fits = [&](char c) { return digits ? c >= '0' && c <= '9' : c >= 'A' && c <= 'Z'; };
   const bool good = !word.empty() && word.size() <= (digits ? 12u : 4u) && std::all_of(word.begin(), word.end(), fits);
   return good ? word : "-";
 }
 
-/// Whether the transfer syntax is one we read, and its codec. PS3.5 annex A, PS3.6 table A-1.
+/// Whether the transfer syntax is supported, and its codec. PS3.5 annex A, PS3.6 table A-1.
 std::optional<DicomCodec> codec_of(const std::string& uid) {
   if (uid.empty()) return DicomCodec::none;
   constexpr std::string_view kRoot = "1.2.840.10008.1.2";
@@ -111,11 +111,11 @@ std::string skip_reason(const DicomElements& file) {
   const DicomItem& top = file.top;
   const std::string sop = text(top, kSopClassUid);
   if (file.media_class == kDicomDirectory || sop == kDicomDirectory) return "DICOMDIR";
-  if (!file.fault.empty() && text(top, kSeriesInstanceUid).empty()) return "broken DICOM";
+  if (!file.error.empty() && text(top, kSeriesInstanceUid).empty()) return "broken DICOM";
   const std::vector<std::string> type = parts(text(top, kImageType));
   if (sop.rfind(kSecondaryCapture, 0) == 0 || holds(type, "SCREEN")) return "screen capture";
   if (holds(type, "LOCALIZER")) return "localizer";
-  if (!file.fault.empty()) return {};
+  if (!file.error.empty()) return {};
   if (!file.pixels || top.find(kRows) == nullptr || top.find(kColumns) == nullptr) return "no image";
   const std::string photometric = text(top, kPhotometric);
   if (u16(top, kSamplesPerPixel, file.big_endian).value_or(1) != 1 || (!photometric.empty() && photometric.rfind("MONOCHROME", 0) != 0))
@@ -129,7 +129,7 @@ const DicomItem* inside(const DicomItem* item, DicomTag sequence) {
   return value != nullptr && !value->items.empty() ? &value->items.front() : nullptr;
 }
 
-/// Where a frame's values are: its own functional groups, those that all frames share, or the top of a plain file.
+/// Location of a frame's values: its own functional groups, the shared groups, or the top level of a plain file.
 struct FrameScope {
   const DicomItem *own = nullptr, *shared = nullptr, *top = nullptr;
 
@@ -141,7 +141,7 @@ struct FrameScope {
   }
 };
 
-/// Slope and intercept, which stand together; a frame's own, those of all frames, or the file's. Not a number: NaN, refused later.
+/// Slope and intercept, which belong together: of the frame, of all frames, or of the file. Invalid numbers give NaN, an error later.
 void read_rescale(const FrameScope& scope, const DicomItem& file_top, DicomFrame& frame) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const DicomItem* holder = &scope.holder(kPixelValues, kSlope);
@@ -170,25 +170,25 @@ DicomFrame read_frame(const FrameScope& scope, const DicomItem& file_top, int co
   return frame;
 }
 
-/// Fills frames. @returns the fault of a multi-frame file that says too little.
+/// Fills frames. @returns the error of a multi-frame file with incomplete information.
 std::string read_frames(const DicomItem& top, DicomHeader& out) {
   const double claimed = number_or(top, kNumberOfFrames, 1.0);
   const DicomValue* per_frame = top.find(kPerFrameGroups);
   const std::size_t described = per_frame != nullptr ? per_frame->items.size() : 0;
   if (claimed < 1.0 || claimed != std::floor(claimed)) return fmt::format("the number of frames is {:.6g}", claimed);
   if (described == 0) {
-    if (claimed > 1.0) return fmt::format("multi-frame that is no volume: {:.0f} frames without positions of their own", claimed);
+    if (claimed > 1.0) return fmt::format("multi-frame image that is not a volume: {:.0f} frames without positions of their own", claimed);
     out.frames = {read_frame({.own = nullptr, .shared = inside(&top, kSharedGroups), .top = &top}, top, out.columns, out.rows)};
     return {};
   }
   if (claimed != static_cast<double>(described))
-    return fmt::format("multi-frame that is no volume: {:.0f} frames, {} of them described", claimed, described);
+    return fmt::format("multi-frame image that is not a volume: {:.0f} frames, {} of them described", claimed, described);
   for (const DicomItem& own : per_frame->items)
     out.frames.push_back(read_frame({.own = &own, .shared = inside(&top, kSharedGroups), .top = nullptr}, top, out.columns, out.rows));
   return {};
 }
 
-/// RescaleType wherever it stands; "US" and others mean that the values are no Hounsfield units.
+/// RescaleType at any of its locations; "US" and others mean that the values are not Hounsfield units.
 void read_rescale_type(const DicomItem& top, DicomHeader& out) {
   const DicomValue* per_frame = top.find(kPerFrameGroups);
   const DicomItem* first = per_frame != nullptr && !per_frame->items.empty() ? &per_frame->items.front() : nullptr;
@@ -197,7 +197,7 @@ void read_rescale_type(const DicomItem& top, DicomHeader& out) {
   out.hounsfield = type.empty() || type == "HU";
 }
 
-/// 16 bits of padding value, read with the sign of the pixels whatever its own type is, as files disagree on that.
+/// 16 bits of padding value, interpreted with the sign of the pixels: files disagree on the type of the padding.
 std::optional<std::int64_t> padding_value(const DicomItem& top, DicomTag tag, const StoredForm& form, bool big_endian) {
   const auto raw = u16(top, tag, big_endian);
   if (!raw) return std::nullopt;
@@ -226,8 +226,8 @@ std::string read_form(const DicomElements& file, DicomHeader& out) {
   return {};
 }
 
-/// Sizes that the file claims against the bytes that it has, before anyone allocates.
-std::string size_fault(const DicomHeader& h) {
+/// Checks the sizes in the header against the size of the file, before any allocation.
+std::string size_error(const DicomHeader& h) {
   if (h.columns < 1 || h.rows < 1) return fmt::format("the image has {} x {} pixels", h.columns, h.rows);
   const double voxels = static_cast<double>(h.columns) * h.rows * static_cast<double>(h.frames.size());
   const double needed = voxels * static_cast<double>(h.stored.bytes());
@@ -239,13 +239,13 @@ std::string size_fault(const DicomHeader& h) {
     return fmt::format("pixels cut short: {} of {:.0f} bytes are there", h.pixels.there, needed);
   }
   if (needed <= kMostExpansion * static_cast<double>(h.file_bytes)) return {};
-  return fmt::format("{} x {} x {} compressed pixels in {} bytes: more than {:.0f} to 1 is not believed", h.columns, h.rows,
+  return fmt::format("{} x {} x {} compressed pixels in {} bytes: more than {:.0f} to 1 is not accepted", h.columns, h.rows,
                      h.frames.size(), h.file_bytes, kMostExpansion);
 }
 
-std::string rescale_fault(const DicomHeader& h) {
+std::string rescale_error(const DicomHeader& h) {
   for (const DicomFrame& f : h.frames) {
-    if (!std::isfinite(f.slope) || !std::isfinite(f.intercept)) return "rescale slope or intercept is there, but is no number";
+    if (!std::isfinite(f.slope) || !std::isfinite(f.intercept)) return "rescale slope or intercept is not a number";
     const double largest = std::abs(f.slope) * std::ldexp(1.0, h.stored.bits_stored) + std::abs(f.intercept);
     if (f.slope == 0.0 || largest > static_cast<double>(std::numeric_limits<float>::max()))
       return fmt::format("rescale slope {:.4g} and intercept {:.4g} give no usable values", f.slope, f.intercept);
@@ -259,22 +259,22 @@ std::string read_image(const DicomElements& file, DicomHeader& out) {
   if (!codec)
     return fmt::format("transfer syntax {} is not read", file.transfer_syntax.find_first_not_of("0123456789.") == std::string::npos
                                                              ? file.transfer_syntax
-                                                             : "that is no UID");
+                                                             : "that is not a UID");
   out.codec = *codec;
   out.pixels = *file.pixels;
   out.deflated_at = file.deflated_at;
   if (out.pixels.encapsulated != (out.codec != DicomCodec::none))
-    return fmt::format("pixels are {}compressed, which the transfer syntax denies", out.pixels.encapsulated ? "" : "not ");
+    return fmt::format("pixels are {}compressed, in contradiction to the transfer syntax", out.pixels.encapsulated ? "" : "not ");
   out.rows = u16(top, kRows, file.big_endian).value_or(0);
   out.columns = u16(top, kColumns, file.big_endian).value_or(0);
   read_rescale_type(top, out);
   out.white_is_low = text(top, kPhotometric) == "MONOCHROME1";
   out.lossy = text(top, kLossy) == "01";
-  std::string fault = read_form(file, out);
-  if (fault.empty()) fault = read_frames(top, out);
+  std::string error = read_form(file, out);
+  if (error.empty()) error = read_frames(top, out);
   out.has_rescale = std::all_of(out.frames.begin(), out.frames.end(), [](const DicomFrame& f) { return f.has_rescale; });
-  if (fault.empty()) fault = size_fault(out);
-  return fault.empty() ? rescale_fault(out) : fault;
+  if (error.empty()) error = size_error(out);
+  return error.empty() ? rescale_error(out) : error;
 }
 
 WantedTags wanted_tags(const std::vector<DicomKeepTag>& keep) {
@@ -337,7 +337,7 @@ Result<DicomHeader> read_dicom_header(const std::string& path, const std::vector
   out.skip = skip_reason(*file);
   if (!out.skip.empty()) return out;
   for (const DicomKeepTag& k : keep) out.kept.push_back(kept_text(*file, k));
-  out.fault = file->fault.empty() ? read_image(*file, out) : file->fault;
+  out.error = file->error.empty() ? read_image(*file, out) : file->error;
   return out;
 }
 

@@ -1,6 +1,7 @@
-/// volumes/read/dicom_header.h: what one DICOM file says about its slice or slices, as plain values.
-///   Units   mm, as DICOM has them.   Privacy  UIDs stay in memory to group files by; no other field of a patient or study is looked at
-///   unless it is asked for by tag.   Source   DICOM PS3.3 C.7.6.2, C.7.6.3, C.8.2.1 (CT), C.7.6.16 (functional groups).
+/// volumes/read/dicom_header.h: the header of one DICOM file as plain values: its slice or slices.
+///   Frame   LPS.   Units  mm, as in DICOM.   Errors  bad_input; DicomHeader::skip and ::error.
+///   Privacy UIDs are kept in memory to group files; other fields of a patient or study are read only if requested by tag.
+///   Source  DICOM PS3.3 C.7.6.2, C.7.6.3, C.8.2.1 (CT), C.7.6.16 (functional groups).
 #pragma once
 
 #include <cstdint>
@@ -16,27 +17,27 @@ namespace burrhole {
 
 enum class DicomCodec : std::uint8_t { none, rle, jpeg, jpeg_ls, jpeg_2000 };
 
-/// How one stored pixel is laid out. PS3.5 sec. 8.1.1.
+/// Storage of a pixel. PS3.5 sec. 8.1.1.
 struct StoredForm {
-  int bits_allocated = 16;  ///< 8, 16 or 32
-  int bits_stored = 16;     ///< 1..bits_allocated
-  int high_bit = 15;        ///< bits_stored - 1 .. bits_allocated - 1; bits outside are overlays
+  int bits_allocated = 16;  ///< [bits] 8, 16 or 32
+  int bits_stored = 16;     ///< [bits] 1..bits_allocated
+  int high_bit = 15;        ///< bits_stored - 1 .. bits_allocated - 1; other bits are overlays
   bool is_signed = false;
   bool big_endian = false;
-  bool swapped_bytes = false;                                    ///< 8-bit pixels in big-endian words: neighbours are exchanged
-  std::optional<std::pair<std::int64_t, std::int64_t>> padding;  ///< stored values lo..hi that are no measurement
+  bool swapped_bytes = false;                                    ///< 8-bit pixels in big-endian words: neighbours are swapped
+  std::optional<std::pair<std::int64_t, std::int64_t>> padding;  ///< stored values lo..hi that are padding
 
   [[nodiscard]] std::size_t bytes() const noexcept { return static_cast<std::size_t>(bits_allocated) / 8; }
 };
 
 struct DicomFrame {
-  std::optional<SlicePlane> plane;  ///< absent: the file does not say where the frame lies
-  double slope = 1.0, intercept = 0.0;
-  bool has_rescale = false;   ///< both are in the file
-  double thickness_mm = 0.0;  ///< SliceThickness; 0: not said
+  std::optional<SlicePlane> plane;      ///< absent: the file does not define the position of the frame
+  double slope = 1.0, intercept = 0.0;  ///< [HU per stored unit], [HU]
+  bool has_rescale = false;             ///< the file has both
+  double thickness_mm = 0.0;            ///< [mm] SliceThickness; 0: absent
 };
 
-/// A field that the user asked for.
+/// A field that the user requested.
 struct DicomKeepTag {
   std::string keyword;
   DicomTag tag = 0;
@@ -45,8 +46,8 @@ struct DicomKeepTag {
 
 struct DicomHeader {
   std::string path;
-  std::string skip;   ///< why the file is no slice of a scan, empty if it may be one
-  std::string fault;  ///< why it is one that cannot be read, empty if it can
+  std::string skip;   ///< why the file is not a slice of a scan, empty if it may be one
+  std::string error;  ///< why the slice cannot be read, empty if it can
   std::string series_uid, instance_uid;
   std::string series_number;  ///< digits, or "-"
   std::string modality;       ///< capital letters, or "-"
@@ -54,18 +55,18 @@ struct DicomHeader {
   DicomCodec codec = DicomCodec::none;
   StoredForm stored;
   PixelSpan pixels;
-  std::optional<std::uint64_t> deflated_at;  ///< where inflation starts, for files whose data set is deflated
+  std::optional<std::uint64_t> deflated_at;  ///< [bytes] start of deflated data, if the data set is deflated
   std::uint64_t file_bytes = 0;
   std::vector<DicomFrame> frames;
-  bool has_rescale = false;       ///< slope and intercept are in the file, for every frame
-  bool hounsfield = true;         ///< RescaleType is HU or not said
+  bool has_rescale = false;       ///< every frame has slope and intercept in the file
+  bool hounsfield = true;         ///< RescaleType is HU or absent
   bool white_is_low = false;      ///< MONOCHROME1
   bool lossy = false;             ///< was compressed with loss
-  std::vector<std::string> kept;  ///< one for each tag asked for
+  std::vector<std::string> kept;  ///< one for each requested tag
 };
 
-/// Reads one regular file up to its pixels. @returns a header whose `skip` or `fault` says what is wrong with it;
-/// bad_input only when the file cannot be opened.
+/// Reads one regular file up to its pixels. @returns a header whose `skip` or `error` describes what is wrong with it; bad_input only if
+/// the file cannot be opened.
 [[nodiscard]] Result<DicomHeader> read_dicom_header(const std::string& path, const std::vector<DicomKeepTag>& keep);
 
 }  // namespace burrhole

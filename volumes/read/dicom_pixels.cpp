@@ -12,7 +12,7 @@
 namespace burrhole {
 namespace {
 
-constexpr std::uint32_t kItemHead = 0xe000fffe, kEndHead = 0xe0ddfffe;  // little-endian, as all compressed files are
+constexpr std::uint32_t kItemHead = 0xe000fffe, kEndHead = 0xe0ddfffe;  // little-endian, as in all compressed files
 constexpr std::size_t kMostFragments = 1000000;
 
 template <class Word>
@@ -22,7 +22,7 @@ Word load(const std::byte* at, bool big_endian) {
   if constexpr (sizeof(Word) == 4) return dicom_u32(at, big_endian);
 }
 
-/// Stored bits alone, sign carried upwards; what lies above and below them in the word are overlays. PS3.5 sec. 8.1.1.
+/// Extracts the stored bits with sign extension; other bits of the word are overlays. PS3.5 sec. 8.1.1.
 template <class Word>
 void unpack(std::span<const std::byte> raw, const StoredForm& form, double slope, double intercept, bool hounsfield, std::span<float> out,
             PixelCounts& counts) {
@@ -47,7 +47,7 @@ void unpack(std::span<const std::byte> raw, const StoredForm& form, double slope
   }
 }
 
-/// One PackBits segment into every `stride`-th byte. @returns how many bytes it gave. PS3.5 G.3.1.
+/// Decodes one PackBits segment into every `stride`-th byte. @returns the number of bytes. PS3.5 G.3.1.
 std::size_t unpack_bits(std::span<const std::byte> in, std::size_t wanted, std::byte* out, std::size_t stride) {
   std::size_t made = 0;
   for (std::size_t at = 0; at + 1 < in.size() && made < wanted;) {
@@ -95,10 +95,10 @@ Result<FrameReader> FrameReader::open(const DicomHeader& header) {
   auto bytes = DicomBytes::open(header.path);
   if (!bytes) return bytes.error();
   if (header.deflated_at)
-    if (const std::string fault = bytes->inflate_from(*header.deflated_at); !fault.empty()) return bad_input(fault, header.path);
+    if (const std::string error = bytes->inflate_from(*header.deflated_at); !error.empty()) return bad_input(error, header.path);
   FrameReader out(header, std::move(bytes).value());
   if (header.codec != DicomCodec::none)
-    if (const std::string fault = out.list_fragments(); !fault.empty()) return bad_input(fault, header.path);
+    if (const std::string error = out.list_fragments(); !error.empty()) return bad_input(error, header.path);
   return Result<FrameReader>(std::move(out));
 }
 
@@ -108,14 +108,14 @@ std::string FrameReader::list_fragments() {
   std::uint64_t at = header_->pixels.offset, first_item = at;
   for (std::size_t item = 0;; ++item) {
     std::array<std::byte, 8> head{};
-    if (!bytes_.read(at, head)) return fmt::format("pixels cut short: the file ends after {} compressed pieces", fragments.size());
+    if (!bytes_.read(at, head)) return fmt::format("pixels cut short: the file ends after {} compressed fragments", fragments.size());
     const std::uint32_t tag = dicom_u32(head.data(), false), length = dicom_u32(head.data() + 4, false);
     at += head.size();
     if (tag == kEndHead) break;
-    if (tag != kItemHead) return fmt::format("compressed pixels are damaged after {} pieces", fragments.size());
-    if (item > kMostFragments) return fmt::format("more than {} compressed pieces", kMostFragments);
+    if (tag != kItemHead) return fmt::format("compressed pixels are damaged after {} fragments", fragments.size());
+    if (item > kMostFragments) return fmt::format("more than {} compressed fragments", kMostFragments);
     if (length > bytes_.size() - at)
-      return fmt::format("pixels cut short: a compressed piece of {} bytes has {}", length, bytes_.size() - at);
+      return fmt::format("pixels cut short: a compressed fragment of {} bytes has {}", length, bytes_.size() - at);
     if (item > 0) {
       fragments.push_back({at, length});
     } else {
@@ -129,11 +129,11 @@ std::string FrameReader::list_fragments() {
   return share_out(fragments, first_item, table);
 }
 
-/// Which fragments make which frame: one frame has all, else one each, else by the table of offsets. PS3.5 A.4.
+/// Assigns fragments to frames: a single frame has all; otherwise one each; otherwise by the offset table. PS3.5 A.4.
 std::string FrameReader::share_out(const std::vector<Fragment>& fragments, std::uint64_t first_item,
                                    const std::vector<std::uint32_t>& table) {
   const std::size_t frames = header_->frames.size();
-  if (fragments.empty()) return "pixels cut short: there is no compressed piece";
+  if (fragments.empty()) return "pixels cut short: there is no compressed fragment";
   frames_.resize(frames);
   if (frames == 1) {
     frames_.front() = fragments;
@@ -144,7 +144,7 @@ std::string FrameReader::share_out(const std::vector<Fragment>& fragments, std::
     return {};
   }
   if (table.size() != frames || !std::is_sorted(table.begin(), table.end()))
-    return fmt::format("{} compressed pieces for {} frames, and no table says which is whose", fragments.size(), frames);
+    return fmt::format("{} compressed fragments for {} frames, and no offset table assigns them", fragments.size(), frames);
   for (const Fragment& f : fragments) {
     const std::uint64_t from_first = f.offset - 8 - first_item;
     const auto after = std::upper_bound(table.begin(), table.end(), from_first);
@@ -153,7 +153,7 @@ std::string FrameReader::share_out(const std::vector<Fragment>& fragments, std::
   return {};
 }
 
-/// Pixels of one frame into raw_; `form` becomes theirs, as a codec may deliver other words than the file's.
+/// Reads the pixels of one frame into raw_ and sets `form` to their format: a codec may return other words than the file states.
 std::string FrameReader::read_stored(std::size_t frame, StoredForm& form) {
   const std::size_t pixels = static_cast<std::size_t>(header_->columns) * static_cast<std::size_t>(header_->rows);
   form = header_->stored;
@@ -181,10 +181,10 @@ std::string FrameReader::decode(StoredForm& form) {
   const auto shape = stream_shape(codec, coded_);
   if (!shape) return fmt::format("the compressed image of {} bytes has no usable header", coded_.size());
   if (shape->columns != header_->columns || shape->rows != header_->rows || shape->components != 1)
-    return fmt::format("the compressed image has {} x {} pixels of {} colours, its file says {} x {} of 1", shape->columns, shape->rows,
+    return fmt::format("the compressed image has {} x {} pixels of {} colours, the file states {} x {} of 1", shape->columns, shape->rows,
                        shape->components, header_->columns, header_->rows);
   if (shape->bits < 2 || shape->bits > form.bits_allocated || (form.is_signed && shape->bits < form.bits_stored))
-    return fmt::format("the compressed image has {} bits, its file says {}", shape->bits, form.bits_stored);
+    return fmt::format("the compressed image has {} bits, the file states {}", shape->bits, form.bits_stored);
   if (!decode_stream(codec, coded_, *shape, raw_))
     return fmt::format("pixels cut short or damaged: {} compressed bytes do not give {} x {} pixels", coded_.size(), shape->columns,
                        shape->rows);
@@ -199,7 +199,7 @@ std::string FrameReader::decode(StoredForm& form) {
 
 Status FrameReader::read(std::size_t frame, bool hounsfield, std::span<float> out, PixelCounts& counts) {
   StoredForm form;
-  if (const std::string fault = read_stored(frame, form); !fault.empty()) return bad_input(fault, header_->path);
+  if (const std::string error = read_stored(frame, form); !error.empty()) return bad_input(error, header_->path);
   const DicomFrame& f = header_->frames[frame];
   stored_to_float(raw_, form, f.slope, f.intercept, hounsfield, out, counts);
   return {};

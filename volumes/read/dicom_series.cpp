@@ -9,7 +9,7 @@
 #include <set>
 #include <system_error>
 
-#include "core/base/toml_messages.h"
+#include "core/config/toml_messages.h"
 #include "volumes/read/scan_geometry.h"
 
 namespace burrhole {
@@ -65,7 +65,7 @@ Error nothing_left(const std::string& path, const std::vector<std::string>& file
                                  files.size(), counts_text(skipped)),
                      path);
   const std::string& reason = skipped.front().reason;
-  return bad_input(reason == "not DICOM" ? "the file is not DICOM" : fmt::format("the file is no slice of a scan: {}", reason), path);
+  return bad_input(reason == "not DICOM" ? "the file is not DICOM" : fmt::format("the file is not a slice of a scan: {}", reason), path);
 }
 
 std::string direction_of(const Vec3& row, const Vec3& column) {
@@ -74,20 +74,20 @@ std::string direction_of(const Vec3& row, const Vec3& column) {
   return normal.y >= normal.x ? "coronal" : "sagittal";
 }
 
-/// A fault of a single file makes the series faulty: which one, and how many.
-void note_file_faults(const DicomFolder& folder, DicomSeries& series) {
-  std::size_t faulty = 0;
+/// An error of a single file makes the series invalid; the message states the file and the number of such files.
+void note_file_errors(const DicomFolder& folder, DicomSeries& series) {
+  std::size_t invalid = 0;
   for (const std::size_t n : series.files) {
     const DicomHeader& h = folder.headers[n];
-    if (h.fault.empty() || faulty++ > 0) continue;
-    series.line.fault = h.fault;
-    series.fault_place = h.path;
+    if (h.error.empty() || invalid++ > 0) continue;
+    series.line.error = h.error;
+    series.error_place = h.path;
   }
-  if (faulty > 0 && series.files.size() > 1)
-    series.line.fault += fmt::format(" ({} of {} files of the series at fault)", faulty, series.files.size());
+  if (invalid > 0 && series.files.size() > 1)
+    series.line.error += fmt::format(" ({} of {} files of the series are invalid)", invalid, series.files.size());
 }
 
-/// Frames of a multi-frame file that lie where others do are a time series or several stacks.
+/// Frames of a multi-frame file at equal positions are a time series or several stacks.
 std::string repeated_frames(const std::vector<SlicePlane>& planes) {
   std::set<std::array<long long, 3>> places;  // [um]
   for (const SlicePlane& p : planes) {
@@ -96,10 +96,10 @@ std::string repeated_frames(const std::vector<SlicePlane>& planes) {
     places.insert(key);
   }
   if (places.size() == planes.size()) return {};
-  return fmt::format("multi-frame that is no volume: {} frames at {} positions", planes.size(), places.size());
+  return fmt::format("multi-frame image that is not a volume: {} frames at {} positions", planes.size(), places.size());
 }
 
-/// Positions of all slices, or the fault of the series.
+/// Positions of all slices, or the error of the series.
 std::vector<SlicePlane> planes_of(const DicomFolder& folder, DicomSeries& series) {
   std::vector<SlicePlane> planes;
   std::size_t without = 0;
@@ -114,13 +114,13 @@ std::vector<SlicePlane> planes_of(const DicomFolder& folder, DicomSeries& series
       ++without;
   }
   if (without > 0 && multi_frame)
-    series.line.fault = fmt::format("multi-frame that is no volume: {} of {} frames without a position, orientation or pixel spacing",
-                                    without, series.slices.size());
+    series.line.error =
+        fmt::format("multi-frame image that is not a volume: {} of {} frames without a position, orientation or pixel spacing", without,
+                    series.slices.size());
   else if (without > 0)
-    series.line.fault =
-        fmt::format("{} of {} slices do not say where they lie (position, orientation, pixel spacing)", without, series.slices.size());
+    series.line.error = fmt::format("{} of {} slices lack position, orientation or pixel spacing", without, series.slices.size());
   else if (multi_frame)
-    series.line.fault = repeated_frames(planes);
+    series.line.error = repeated_frames(planes);
   return planes;
 }
 
@@ -129,22 +129,22 @@ void stack_series(const DicomFolder& folder, DicomSeries& series) {
     for (std::size_t f = 0; f < folder.headers[n].frames.size(); ++f) series.slices.push_back({n, f});
   const DicomHeader& first = folder.headers[series.files.front()];
   series.line.modality = first.modality;
-  const std::size_t slices = std::max(series.slices.size(), series.files.size());  // a faulty file may have no frames yet
+  const std::size_t slices = std::max(series.slices.size(), series.files.size());  // an invalid file may have no frames
   series.line.dims = Vec3i(first.columns, first.rows, static_cast<int>(slices));
   if (!first.frames.empty() && first.frames.front().plane) {
     const SlicePlane& plane = *first.frames.front().plane;
     series.line.direction = direction_of(plane.row, plane.column);
     series.line.spacing = Vec3(plane.column_spacing, plane.row_spacing, first.frames.front().thickness_mm) * 1e-3;
   }
-  note_file_faults(folder, series);
-  if (!series.line.fault.empty()) return;
+  note_file_errors(folder, series);
+  if (!series.line.error.empty()) return;
 
   const std::vector<SlicePlane> planes = planes_of(folder, series);
-  if (!series.line.fault.empty()) return;
+  if (!series.line.error.empty()) return;
   const double thickness = first.frames.front().thickness_mm;
   auto stack = stack_slices(planes, thickness);
   if (!stack) {
-    series.line.fault = stack.error().message;
+    series.line.error = stack.error().message;
     return;
   }
   series.thickness_assumed = planes.size() == 1;
@@ -154,7 +154,7 @@ void stack_series(const DicomFolder& folder, DicomSeries& series) {
   for (const std::size_t n : series.stack.order) sorted.push_back(series.slices[n]);
   series.slices = std::move(sorted);
   if (series.voxels() > kMaxScanVoxels)
-    series.line.fault = fmt::format("{:.4g} voxels are more than the {:.4g} that are read", series.voxels(), kMaxScanVoxels);
+    series.line.error = fmt::format("{:.4g} voxels are more than the {:.4g} that are read", series.voxels(), kMaxScanVoxels);
 }
 
 /// "3", then "3b", "3c", ... for further series of that number.
@@ -163,15 +163,15 @@ std::string series_name(const std::string& number, std::size_t nth) {
   return nth < 26 ? number + static_cast<char>('a' + nth) : fmt::format("{}.{}", number, nth + 1);
 }
 
-/// Faultless before faulty, CT before others, axial before others, then the larger.
+/// Order: without errors first, then CT, then axial, then larger.
 bool better(const DicomSeries& a, const DicomSeries& b) {
   const auto rank = [](const DicomSeries& s) {
-    return std::make_tuple(s.line.fault.empty(), s.line.modality == "CT", s.line.direction == "axial", s.voxels());
+    return std::make_tuple(s.line.error.empty(), s.line.modality == "CT", s.line.direction == "axial", s.voxels());
   };
   return rank(a) > rank(b);
 }
 
-/// Whether two files of one instance UID are the same slice of the same series.
+/// Whether two files with one instance UID are the same slice of the same series.
 bool lies_where(const DicomHeader& a, const DicomHeader& b) {
   if (a.series_uid != b.series_uid || a.frames.size() != b.frames.size()) return false;
   for (std::size_t n = 0; n < a.frames.size(); ++n) {
@@ -188,14 +188,14 @@ Result<DicomFolder> scan_dicom_folder(const std::string& folder_or_file, const s
   if (!files) return files.error();
   DicomFolder out;
   ReasonCounts skipped;
-  std::map<std::string, std::size_t> instances;  // to the header that has it
+  std::map<std::string, std::size_t> instances;  // to the header that has the UID
   for (const std::string& path : *files) {
     auto header = read_dicom_header(path, keep);
     if (!header) return header.error();
     std::string reason = header->skip;
     if (reason.empty() && !header->instance_uid.empty()) {
       const auto [at, fresh] = instances.try_emplace(header->instance_uid, out.headers.size());
-      // One UID on slices of several places is a careless anonymiser's: those are no copies.
+      // One UID on slices at different positions is an error of anonymisation: these are not copies.
       if (!fresh && lies_where(out.headers[at->second], *header)) reason = "duplicate";
     }
     if (reason.empty())
@@ -230,9 +230,9 @@ Result<std::size_t> choose_series(const std::vector<DicomSeries>& series, const 
     if (chosen == series.end())
       return bad_input(fmt::format("no series '{}'; there are: {}", one_line(name), fmt::join(names, ", ")), place);
   }
-  if (chosen->line.fault.empty()) return static_cast<std::size_t>(chosen - series.begin());
+  if (chosen->line.error.empty()) return static_cast<std::size_t>(chosen - series.begin());
   const std::string which = series.size() > 1 ? fmt::format("series {}: ", chosen->line.name) : "";
-  return bad_input(which + chosen->line.fault, chosen->fault_place.empty() ? place : chosen->fault_place);
+  return bad_input(which + chosen->line.error, chosen->error_place.empty() ? place : chosen->error_place);
 }
 
 }  // namespace burrhole

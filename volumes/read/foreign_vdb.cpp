@@ -1,4 +1,4 @@
-// read_foreign_vdb of volumes/read/scan.h: a float grid of another program as a volume of bone.
+// read_foreign_vdb of volumes/read/scan.h: converts a float grid of another program to occupancy.
 
 #include <fmt/format.h>
 
@@ -16,13 +16,13 @@
 namespace burrhole {
 namespace {
 
-constexpr int kMargin = 2;          // layers of background round the active voxels
-constexpr int kSlab = 8;            // slices converted at once: a leaf's edge
-constexpr int kFarthest = 1 << 28;  // largest index: differences of two stay within an int
+constexpr int kMargin = 2;          // layers of background around the active voxels
+constexpr int kSlab = 8;            // slices per step: the edge of an OpenVDB leaf
+constexpr int kFarthest = 1 << 28;  // largest index: differences of two indices fit into an int
 
 /// Occupancy of a voxel of a level set: the ramp of volumes/phantom/phantom.h, 0.5 - d / (2 w). A step along index axis i changes d by
-/// |n . column i|, so w, the sum of these, is read off the neighbours, whatever the map and its unit. The larger of the two steps of an
-/// axis counts: the smaller one may cross the middle of a thin wall or the end of the band.
+/// |n . column i|, so w, the sum of these, is computed from the neighbours, for any map and unit. The larger of the two steps of an axis is
+/// used: the smaller one may cross the middle of a thin wall or the end of the narrow band.
 float ramp(const std::vector<float>& d, std::size_t at, std::size_t row, std::size_t slice) {
   double w = 0.0;
   for (const std::size_t step : {std::size_t{1}, row, slice}) {
@@ -40,7 +40,7 @@ struct Conversion {
   std::size_t not_finite = 0;
 };
 
-/// Slab by slab, each with a layer of neighbours.
+/// Slab by slab, each with one layer of neighbours.
 Conversion convert(const ForeignGrid& foreign, const VoxelBox& box, const std::function<void(double)>& progress) {
   Conversion out;
   out.values.reserve(box.count());
@@ -71,8 +71,8 @@ Status check_box(const VoxelBox& active, std::optional<double> memory) {
   if (voxels > most)
     return bad_input(fmt::format("spans {:g} x {:g} x {:g} voxels ({:.3g} GB), at most {:.3g} are allowed", size.x, size.y, size.z,
                                  voxels * 4e-9, most));
-  if (const auto fault = memory_fault(voxels * sizeof(float), memory))
-    return Error{ErrorCode::unavailable, fmt::format("spans {:g} x {:g} x {:g} voxels: {}", size.x, size.y, size.z, *fault), {}};
+  if (const auto error = memory_error(voxels * sizeof(float), memory))
+    return Error{ErrorCode::unavailable, fmt::format("spans {:g} x {:g} x {:g} voxels: {}", size.x, size.y, size.z, *error), {}};
   return {};
 }
 
@@ -81,11 +81,11 @@ Status check_background(const ForeignGrid& foreign) {
   if (foreign.level_set && !(background > 0.0f))
     return bad_input(fmt::format("is a level set with a background of {:g}: inside-out", background));
   if (!foreign.level_set && !(std::abs(background) < 0.5f))
-    return bad_input(fmt::format("is bone without end: its background is {:g}", background));
+    return bad_input(fmt::format("has infinite bone: its background is {:g}", background));
   return {};
 }
 
-/// Voxel centres of the box at integers from 0; lengths times the unit.
+/// Transform with voxel centres of the box at integers from 0; lengths times the unit.
 Affine bone_from_box(const Affine& world_from_index, const VoxelBox& box, double unit) {
   return {world_from_index.linear * unit, (world_from_index * Vec3(box.lo)) * unit};
 }
@@ -114,7 +114,7 @@ Result<ReadScan> read_checked(const std::string& path, const ReadOptions& option
   out.scan.dims = box.size();
   out.scan.bone_from_index = bone_from_box(foreign->world_from_index, box, *options.unit);
   out.scan.quantity = Quantity::occupancy;
-  if (const auto fault = affine_fault(out.scan.bone_from_index)) return bad_input(grid + "with this unit: " + *fault);
+  if (const auto error = affine_error(out.scan.bone_from_index)) return bad_input(grid + "with this unit: " + *error);
   Conversion converted = convert(*foreign, box, options.progress);
   if (converted.not_finite > 0) return bad_input(grid + fmt::format("holds {} values that are not finite", converted.not_finite));
   fill_report(*foreign, converted, *options.unit, out.report);

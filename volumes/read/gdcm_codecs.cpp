@@ -18,14 +18,14 @@
 #include <string>
 #include <string_view>
 
-#include "core/base/toml.h"
-#include "core/base/toml_messages.h"
+#include "core/config/toml.h"
+#include "core/config/toml_messages.h"
 #include "volumes/read/jpeg_scan.h"
 
 namespace burrhole {
 namespace {
 
-/// GDCM writes warnings to stderr unless told otherwise, for the whole process.
+/// GDCM writes warnings to stderr by default, for the whole process.
 void silence_gdcm() {
   static const bool silent = [] {
     gdcm::Trace::DebugOff();
@@ -53,7 +53,7 @@ std::size_t decoded_bytes(const StreamShape& shape) {
 bool decode(gdcm::ImageCodec& codec, std::span<const std::byte> stream, const StreamShape& shape, std::vector<std::byte>& out) {
   gdcm::Fragment fragment;
   fragment.SetByteValue(reinterpret_cast<const char*>(stream.data()), gdcm::VL(static_cast<std::uint32_t>(stream.size())));
-  const gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;  // owned by the pointer, GDCM's own kind
+  const gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;  // owned by the pointer, as GDCM requires
   fragments->AddFragment(fragment);
   gdcm::DataElement in(gdcm::Tag(0x7fe0, 0x0010)), decoded;
   in.SetVR(gdcm::VR::OB);
@@ -66,12 +66,12 @@ bool decode(gdcm::ImageCodec& codec, std::span<const std::byte> stream, const St
   return true;
 }
 
-/// The way in by a stream: the codec's Decode() leaks its copy of every stream that it refuses (3.0.21).
+/// Decodes through a stream: the codec's Decode() leaks its copy of every stream that it rejects (3.0.21).
 class JpegLsCodec : public gdcm::JPEGLSCodec {
  public:
   bool decode_all(std::span<const std::byte> stream, const StreamShape& shape, std::vector<std::byte>& out) {
     const auto length = static_cast<std::uint32_t>(stream.size());
-    std::string pieces("\xfe\xff\x00\xe0\0\0\0\0\xfe\xff\x00\xe0", 12);  // an empty table of offsets, then the one piece
+    std::string pieces("\xfe\xff\x00\xe0\0\0\0\0\xfe\xff\x00\xe0", 12);  // an empty offset table, then the only fragment
     for (int n = 0; n < 4; ++n) pieces += static_cast<char>((length >> (8 * n)) & 0xff);
     pieces.append(reinterpret_cast<const char*>(stream.data()), stream.size());
     pieces.append("\xfe\xff\xdd\xe0\0\0\0\0", 8);
@@ -96,7 +96,8 @@ bool decode_stream(DicomCodec codec, std::span<const std::byte> stream, const St
   const auto allocated = static_cast<unsigned short>(8 * shape.bytes());
   try {
     if (codec == DicomCodec::jpeg) {
-      // GDCM picks its 8-, 12- or 16-bit library by these bits; given 16 for a 12-bit stream, the wrong library is tried first and says so.
+      // GDCM selects its 8-, 12- or 16-bit library by these bits. With 16 for a 12-bit stream, it tries the wrong library first and prints
+      // a warning.
       const std::vector<std::byte> plain = plain_jpeg(stream);
       gdcm::JPEGCodec jpeg;
       set_up(jpeg, shape, shape.bits > 8 && shape.bits <= 12 ? 12 : allocated);
@@ -131,7 +132,7 @@ Result<DicomKeepTag> find_keyword(const std::string& keyword) {
     return DicomKeepTag{keyword, (DicomTag{entry->first.GetGroup()} << 16) | entry->first.GetElement(), gdcm::VR::GetVRString(vr)};
   }
   const auto nearest = nearest_name(keyword, known);
-  return bad_input(fmt::format("'{}' is no DICOM keyword{}", one_line(keyword), nearest ? "; did you mean " + *nearest + "?" : ""));
+  return bad_input(fmt::format("'{}' is not a DICOM keyword{}", one_line(keyword), nearest ? "; did you mean " + *nearest + "?" : ""));
 }
 
 }  // namespace burrhole

@@ -1,6 +1,6 @@
-/// volumes/read/gdcm_codecs.h: the wrapper round GDCM: JPEG, JPEG-LS and JPEG 2000 streams to samples, and its dictionary of keywords.
-///   Why checked first  GDCM's assertions and its reliance on the stream's own sizes: a stream is looked at by ourselves (stream_shape.h)
-///   before GDCM sees it.
+/// volumes/read/gdcm_codecs.h: wrapper of GDCM: decodes JPEG, JPEG-LS and JPEG 2000 streams to samples, and looks up DICOM keywords.
+///   Errors  bad_input; false.   Reason  GDCM has enabled assertions and trusts the sizes in a stream, so stream_shape.h checks every
+///   stream first.
 #pragma once
 
 #include <cstddef>
@@ -13,12 +13,12 @@
 
 namespace burrhole {
 
-/// Decodes one greyscale frame into little-endian samples of shape.bytes(). @pre `shape` is the stream's own.
-/// @returns false when GDCM cannot, or when another number of bytes than the shape's comes out.
+/// Decodes one greyscale frame into little-endian samples of shape.bytes(). @pre `shape` is that of the stream.
+/// @returns false if GDCM fails or returns another number of bytes than `shape` states.
 [[nodiscard]] bool decode_stream(DicomCodec codec, std::span<const std::byte> stream, const StreamShape& shape,
                                  std::vector<std::byte>& out);
 
-/// The tag of a DICOM keyword. @returns bad_input that names the nearest keyword, or for an element that holds no text.
+/// @returns the tag of a DICOM keyword; bad_input if it is unknown (names the nearest keyword) or its element is not text.
 [[nodiscard]] Result<DicomKeepTag> find_keyword(const std::string& keyword);
 
 }  // namespace burrhole

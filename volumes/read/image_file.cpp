@@ -14,19 +14,19 @@
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kPiece = 32768;           ///< voxels converted at a time
-constexpr std::uint64_t kMostInflation = 1032;  ///< deflate cannot do better: zlib's technical notes, "maximum compression factor"
+constexpr std::size_t kPiece = 32768;           ///< [voxels] converted per step
+constexpr std::uint64_t kMostInflation = 1032;  ///< largest ratio of deflate: zlib's technical notes, "maximum compression factor"
 constexpr std::uint64_t kShortestNumber = 2;    ///< [bytes] a digit and a blank
 
 struct Share {
-  std::uint64_t voxels = 0, bytes = 0;  ///< bytes unpacked
+  std::uint64_t voxels = 0, bytes = 0;  ///< bytes after decompression
 };
 
 Error ends_early(std::uint64_t has, const Share& share, const VoxelPart& part) {
   return bad_input(fmt::format("data ends after {} of {} bytes", has, share.bytes), part.path);
 }
 
-/// Unpacks without keeping anything. @returns whether more follows than the share.
+/// Decompresses and discards. @returns whether there is more data than the share.
 Result<bool> check_packed(const VoxelPart& part, const Share& share, std::uint64_t packed_bytes) {
   if (packed_bytes < (part.inner_offset + share.bytes) / kMostInflation)
     return bad_input(fmt::format("{} compressed bytes cannot hold {} bytes of data", packed_bytes, share.bytes), part.path);
@@ -37,13 +37,13 @@ Result<bool> check_packed(const VoxelPart& part, const Share& share, std::uint64
   const Result<std::uint64_t> has = stream->skip(share.bytes);
   if (!has) return has.error();
   if (has.value() < share.bytes) return ends_early(has.value(), share, part);
-  const Result<std::uint64_t> more = stream->skip(1);  // reads the checksum too
+  const Result<std::uint64_t> more = stream->skip(1);  // also reads the checksum
   if (!more) return more.error();
   if (stream->cut()) return bad_input(fmt::format("compressed data is cut short behind its {} bytes", share.bytes), part.path);
   return more.value() > 0;
 }
 
-/// Does the part hold its share? Sets the offset of a part that lies at the end. @returns whether more follows than the share.
+/// Checks that the part contains its share; sets the offset of a part at the end. @returns whether there is more data than the share.
 Result<bool> check_part(VoxelPart& part, const Share& share, Packing packing) {
   const Result<std::uint64_t> size = size_of_file(part.path);
   if (!size) return size.error();
@@ -63,7 +63,7 @@ Result<bool> check_part(VoxelPart& part, const Share& share, Packing packing) {
   return check_packed(part, share, has);
 }
 
-/// Reads and converts, piece by piece. `done` counts voxels of all parts, for progress.
+/// Reads and converts, piece by piece. `done` counts the voxels of all parts, for progress.
 Status fill_binary(const VoxelPart& part, const ImageFile& file, std::span<float> out, const std::function<void(std::size_t)>& done) {
   Result<ByteStream> stream = ByteStream::open(part.path, part.offset, file.packing == Packing::packed);
   if (!stream) return stream.error();
@@ -91,7 +91,7 @@ Status fill_text(const VoxelPart& part, const ImageFile& file, std::span<float> 
   const auto take = [&]() -> Status {
     if (word.empty() || at == out.size()) return {};
     const auto value = number_of(word);
-    if (!value) return bad_input(fmt::format("value {} of the data is no number", at + 1), part.path);
+    if (!value) return bad_input(fmt::format("value {} of the data is not a number", at + 1), part.path);
     out[at++] = static_cast<float>(file.head.form.slope * *value + file.head.form.intercept);
     word.clear();
     return {};
@@ -105,7 +105,7 @@ Status fill_text(const VoxelPart& part, const ImageFile& file, std::span<float> 
       if (is_blank(c) || c == ',') {
         if (Status status = take(); !status) return status;
       } else if (word.push_back(c); word.size() > kLongestNumber) {
-        return bad_input(fmt::format("value {} of the data is no number", at + 1), part.path);
+        return bad_input(fmt::format("value {} of the data is not a number", at + 1), part.path);
       }
     }
   }
@@ -115,7 +115,7 @@ Status fill_text(const VoxelPart& part, const ImageFile& file, std::span<float> 
   return {};
 }
 
-/// @returns whether anything follows the voxels in some part.
+/// @returns whether a part has data after the voxels.
 Result<bool> check_parts(ImageFile& file, const Share& share) {
   bool surplus = false;
   for (VoxelPart& part : file.parts) {
@@ -149,17 +149,17 @@ Status fill(const ImageFile& file, std::vector<float>& values, const ReadOptions
 
 Result<ReadScan> read_image(ImageFile file, const ReadOptions& options) {
   const Vec3i dims = file.head.dims;
-  if (const auto fault = dims_fault(dims.x, dims.y, dims.z)) return bad_input(*fault, file.place);
-  if (const auto fault = affine_fault(file.head.bone_from_index)) return bad_input(*fault, file.place);
+  if (const auto error = dims_error(dims.x, dims.y, dims.z)) return bad_input(*error, file.place);
+  if (const auto error = affine_error(file.head.bone_from_index)) return bad_input(*error, file.place);
   if (file.parts.empty() || static_cast<std::size_t>(dims.z) % file.parts.size() != 0)
     return bad_input(fmt::format("{} data files do not share {} slices evenly", file.parts.size(), dims.z), file.place);
   const std::size_t voxels = VoxelBox{Vec3i(0), dims}.count();
   const std::uint64_t share = voxels / file.parts.size();
   const Result<bool> surplus = check_parts(file, {.voxels = share, .bytes = share * bytes_of(file.head.form.type)});
   if (!surplus) return surplus.error();
-  // An honest file of a few MB may unpack to a thousand times as much.
-  if (const auto fault = memory_fault(static_cast<double>(voxels) * sizeof(float), options.memory))
-    return Error{ErrorCode::unavailable, fmt::format("{} x {} x {} voxels: {}", dims.x, dims.y, dims.z, *fault), file.place};
+  // A valid file of a few MB may decompress to a thousand times its size.
+  if (const auto error = memory_error(static_cast<double>(voxels) * sizeof(float), options.memory))
+    return Error{ErrorCode::unavailable, fmt::format("{} x {} x {} voxels: {}", dims.x, dims.y, dims.z, *error), file.place};
   ReadScan out;
   try {
     out.scan.values.resize(voxels);
@@ -172,7 +172,7 @@ Result<ReadScan> read_image(ImageFile file, const ReadOptions& options) {
   out.scan.quantity = file.quantity;
   out.report.format = file.format;
   out.report.assumed = std::move(file.head.assumed);
-  if (surplus.value()) out.report.assumed.emplace_back("data goes on behind the last voxel: the rest is not read");
+  if (surplus.value()) out.report.assumed.emplace_back("data continues after the last voxel: the rest is ignored");
   return out;
 }
 

@@ -1,5 +1,7 @@
-/// volumes/read/image_file.h: from what a header says to voxels: sizes checked against the files first, then read and converted in pieces.
-///   Memory  the floats of the volume and one piece; nothing is allocated before the files are known to hold that many voxels.
+/// volumes/read/image_file.h: reads the voxels that a header describes. Sizes are checked against the files first; then voxels are read and
+///   converted in pieces.
+///   Frame  LPS.   Units  SI.   Errors  bad_input, unavailable.
+///   Memory  the floats of the volume and one piece; allocated only after the files are known to have the voxels.
 #pragma once
 
 #include <cstdint>
@@ -12,36 +14,36 @@
 
 namespace burrhole {
 
-/// What the header of any image format comes down to.
+/// The common content of the headers of all image formats.
 struct ImageHead {
-  Vec3i dims{0};
+  Vec3i dims{0};  ///< [voxels]
   PixelForm form;
   Affine bone_from_index;            ///< [m], LPS
-  std::vector<std::string> assumed;  ///< goes to the report
+  std::vector<std::string> assumed;  ///< lines for the report
 };
 
-enum class Packing { raw, packed, text };  ///< packed: gzip or zlib; text: decimal numbers between blanks
+enum class Packing { raw, packed, text };  ///< packed: gzip or zlib; text: decimal numbers separated by blanks
 
-/// One file that holds an equal share of the voxels; parts follow each other along k.
+/// One file that contains an equal share of the voxels; parts are consecutive along k.
 struct VoxelPart {
   std::string path;
-  std::uint64_t offset = 0;        ///< [bytes] in the file as it lies on disk
-  std::uint64_t inner_offset = 0;  ///< [bytes] to drop after unpacking
-  bool at_end = false;             ///< the share is the last bytes of the file; offset is not used; raw only
+  std::uint64_t offset = 0;        ///< [bytes] in the file on disk
+  std::uint64_t inner_offset = 0;  ///< [bytes] to skip after decompression
+  bool at_end = false;             ///< the share is at the end of the file; `offset` is not used; `raw` only
 };
 
 struct ImageFile {
-  std::string place;   ///< of messages: the file that was named by the user
-  std::string format;  ///< of the report
+  std::string place;   ///< place in messages: the file that the user named
+  std::string format;  ///< format in the report
   ImageHead head{};
   Quantity quantity = Quantity::unknown;
   Packing packing = Packing::raw;
   std::vector<VoxelPart> parts{};
-  bool exact = false;  ///< bytes behind the voxels are refused; else told as assumed
+  bool exact = false;  ///< bytes after the voxels are an error; otherwise an assumption in the report
 };
 
-/// @returns the scan, values as in the file, NaN and infinities included; bad_input: sizes, affine, missing files, "data ends after N of M
-/// bytes", damaged compression, text that is no number; unavailable: more memory than there is.
+/// @returns the scan with the values of the file, including NaN and infinities. bad_input: sizes, affine, missing files, "data ends after N
+/// of M bytes", damaged compression, invalid numbers in text; unavailable: not enough memory.
 [[nodiscard]] Result<ReadScan> read_image(ImageFile file, const ReadOptions& options);
 
 }  // namespace burrhole

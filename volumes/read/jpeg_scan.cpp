@@ -13,11 +13,11 @@ using Bytes = std::span<const std::byte>;
 unsigned byte_at(Bytes s, std::size_t at) { return std::to_integer<unsigned>(s[at]); }
 unsigned word_at(Bytes s, std::size_t at) { return (byte_at(s, at) << 8) | byte_at(s, at + 1); }
 
-/// Bits of a scan, most significant first, stuffed zeros left out; ends at a marker. T.81 F.2.2.5.
+/// Bits of a scan, most significant first, without stuffed zeros; ends at a marker. T.81 F.2.2.5.
 class Bits {
  public:
   explicit Bits(Bytes scan) : scan_(scan) {}
-  /// @returns 0 or 1, or -1 when there is none left.
+  /// @returns 0 or 1, or -1 at the end.
   int next() {
     if (left_ == 0 && !fill()) return -1;
     return static_cast<int>((byte_ >> --left_) & 1u);
@@ -27,7 +27,7 @@ class Bits {
       if (next() < 0) return false;
     return true;
   }
-  /// Past the restart marker that must follow.
+  /// Skips the restart marker that must follow.
   bool restart() {
     left_ = 0;
     if (at_ + 2 > scan_.size() || byte_at(scan_, at_) != 0xff || (byte_at(scan_, at_ + 1) & 0xf8u) != 0xd0) return false;
@@ -58,7 +58,7 @@ struct Huffman {
   std::array<unsigned, 17> counts{};
   std::vector<std::uint8_t> values;
 
-  /// @returns the value of the next code, or -1: no bits left, or no such code.
+  /// @returns the value of the next code, or -1: no bits left, or an invalid code.
   [[nodiscard]] int next(Bits& bits) const {
     unsigned code = 0, first = 0, index = 0;
     for (std::size_t length = 1; length <= 16; ++length) {
@@ -75,7 +75,7 @@ struct Huffman {
 };
 
 struct Stream {
-  std::array<std::optional<Huffman>, 4> dc, ac;  ///< dc: of differences, in lossless files too
+  std::array<std::optional<Huffman>, 4> dc, ac;  ///< dc: of differences, also in lossless files
   unsigned restart_interval = 0;
   unsigned rows = 0, columns = 0;
   bool lossless = false, has_frame = false;
@@ -99,7 +99,7 @@ bool read_tables(Bytes body, Stream& out) {
   return true;
 }
 
-/// Segments up to the scan. @returns false for what is no stream of one grey image.
+/// Reads the segments up to the scan. @returns false if the stream is not one grey image.
 bool read_segments(Bytes s, Stream& out) {
   for (std::size_t at = 2; at + 6 <= s.size();) {
     const unsigned marker = byte_at(s, at + 1);
@@ -126,13 +126,13 @@ bool read_segments(Bytes s, Stream& out) {
   return false;
 }
 
-/// One difference: its category, then as many bits; category 16 has none. T.81 H.1.2.2.
+/// One difference: its category, then as many bits as the category; category 16 has none. T.81 H.1.2.2.
 bool pass_sample(const Huffman& table, Bits& bits) {
   const int category = table.next(bits);
   return category >= 0 && category <= 16 && (category == 16 || bits.skip(static_cast<unsigned>(category)));
 }
 
-/// One 8 x 8 block: its mean, then runs of zeros and coefficients until the end of block. T.81 F.2.2.1, F.2.2.2.
+/// One 8 x 8 block: its mean, then runs of zeros and coefficients until the end of the block. T.81 F.2.2.1, F.2.2.2.
 bool pass_block(const Huffman& dc, const Huffman& ac, Bits& bits) {
   if (!pass_sample(dc, bits)) return false;
   for (int k = 1; k < 64;) {

@@ -16,8 +16,8 @@ std::optional<double> available_memory(std::string_view meminfo) {
   if (at == std::string_view::npos) return std::nullopt;
   std::uint64_t kibibytes = 0;
   const char* const end = meminfo.data() + meminfo.size();
-  const auto [rest, fault] = std::from_chars(meminfo.data() + at, end, kibibytes);
-  if (fault != std::errc() || !std::string_view(rest, static_cast<std::size_t>(end - rest)).starts_with(" kB")) return std::nullopt;
+  const auto [rest, error] = std::from_chars(meminfo.data() + at, end, kibibytes);
+  if (error != std::errc() || !std::string_view(rest, static_cast<std::size_t>(end - rest)).starts_with(" kB")) return std::nullopt;
   return static_cast<double>(kibibytes) * 1024.0;
 }
 
@@ -27,7 +27,7 @@ std::optional<double> available_memory() {
   return available_memory(text);
 }
 
-std::optional<std::string> memory_fault(double bytes, std::optional<double> most) {
+std::optional<std::string> memory_error(double bytes, std::optional<double> most) {
   if (!most) most = available_memory();
   if (!most || bytes <= *most) return std::nullopt;
   return fmt::format("needs {:.3g} GB of memory, {:.3g} GB are available", bytes * 1e-9, *most * 1e-9);

@@ -1,6 +1,7 @@
-/// volumes/read/memory_check.h: is there memory for an array, asked before it is made? Where the system promises more than it has, an
-/// allocation succeeds and the process is ended when it writes: that cannot be caught, so it is asked for beforehand.
-///   Source  proc(5): MemAvailable of /proc/meminfo, what can be used without swapping. What limits a container is not looked at.
+/// volumes/read/memory_check.h: checks the available memory before a large array is allocated. On systems that overcommit memory, an
+///   allocation succeeds and the process is killed on a write, which cannot be caught.
+///   Units  bytes.   Errors  one line of text.
+///   Source  proc(5): MemAvailable of /proc/meminfo, the memory usable without swapping. Limits of a container are not considered.
 #pragma once
 
 #include <optional>
@@ -9,14 +10,14 @@
 
 namespace burrhole {
 
-/// @param meminfo the text of /proc/meminfo. @returns [bytes] that can be used, or nothing when it does not say.
+/// @param meminfo the text of /proc/meminfo. @returns the usable memory [bytes], or nothing if the text does not contain it.
 [[nodiscard]] std::optional<double> available_memory(std::string_view meminfo);
 
-/// The same of this machine, now; nothing where there is no /proc/meminfo.
+/// @returns the same for this machine, now; nothing if there is no /proc/meminfo.
 [[nodiscard]] std::optional<double> available_memory();
 
-/// @param most [bytes] absent: what this machine has available; where that is not known there is no limit.
-/// @returns both numbers when an array of `bytes` is more than that, else nothing.
-[[nodiscard]] std::optional<std::string> memory_fault(double bytes, std::optional<double> most = {});
+/// @param most [bytes] absent: the available memory of this machine; if that is unknown, no limit.
+/// @returns both numbers if an array of `bytes` exceeds the limit; nothing otherwise.
+[[nodiscard]] std::optional<std::string> memory_error(double bytes, std::optional<double> most = {});
 
 }  // namespace burrhole

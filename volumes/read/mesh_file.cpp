@@ -15,10 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A surface takes about three times its file; a thousand million bytes are more than any scanner's mesh.
+/// A mesh takes about three times the size of its file; no scanner writes more than 1e9 bytes.
 constexpr std::uintmax_t kMaxFileBytes = 1u << 30;
 
-/// Of a text STL and of any PLY; a binary STL begins with anything.
+/// First bytes of a text STL and of any PLY; a binary STL has no fixed first bytes.
 std::string format_by_content(const std::string& path) {
   std::array<char, 6> first{};
   std::ifstream file(path, std::ios::binary);
@@ -46,7 +46,7 @@ Result<SurfaceMesh> parse(const std::string& bytes, const std::string& format) {
 
 Result<SurfaceMesh> read_and_weld(const std::string& path, double unit) {
   const std::string format = mesh_format(path);
-  if (format.empty()) return bad_input("is no mesh that can be read: .stl, .obj or .ply");
+  if (format.empty()) return bad_input("is not a supported mesh: .stl, .obj or .ply");
   const Result<std::string> bytes = read_bytes(path);
   if (!bytes) return bytes.error();
   Result<SurfaceMesh> mesh = parse(*bytes, format);

@@ -1,4 +1,5 @@
-/// volumes/read/mesh_file.h: STL, OBJ and PLY (text or binary) to triangles; the formats are read in volumes/read/mesh_formats.h.
+/// volumes/read/mesh_file.h: reads STL, OBJ and PLY (text or binary) as triangles. The formats are in volumes/read/mesh_formats.h.
+///   Frame  of the file.   Units  SI after scaling.   Errors  bad_input, unavailable.
 #pragma once
 
 #include <string>
@@ -8,13 +9,13 @@
 
 namespace burrhole {
 
-/// @returns "STL", "OBJ" or "PLY" by the file's ending, else by its first bytes (OBJ has nothing to tell it by); empty: no mesh that is
-/// read.
+/// @returns "STL", "OBJ" or "PLY" by the extension of the file, else by its first bytes (OBJ has no magic bytes); empty if the file is not
+/// a supported mesh.
 [[nodiscard]] std::string mesh_format(const std::string& path);
 
-/// The format is mesh_format's. @param unit [m] length of one unit of the file. All parts of the file joined; polygons are cut into
-/// triangles, vertices welded. Points, lines and triangle strips are refused, not dropped.
-/// @returns bad_input: unreadable, empty, not finite, or larger than its file can hold. Does not ask whether the surface is closed.
+/// Reads a mesh in the format of mesh_format(). @param unit [m] length of one unit of the file. Parts of the file are joined, polygons are
+/// triangulated, equal vertices are merged. Points, lines and triangle strips are errors.
+/// @returns bad_input: unreadable, empty, not finite, or counts larger than the file. It does not check that the surface is closed.
 [[nodiscard]] Result<SurfaceMesh> read_mesh(const std::string& path, double unit);
 
 }  // namespace burrhole

@@ -1,4 +1,4 @@
-// read_mesh_scan of volumes/read/scan.h: a closed mesh as a volume of bone.
+// read_mesh_scan of volumes/read/scan.h: converts a closed mesh to occupancy.
 
 #include <fmt/format.h>
 
@@ -14,8 +14,8 @@ namespace burrhole {
 namespace {
 
 constexpr double kDefaultVoxels = 256.0;  // along the longest side
-constexpr double kLeastVoxels = 4.0;      // across the thinnest side: fewer show no shape
-constexpr double kSmallest = 1e-3;        // [m] sizes outside these come from a wrong unit
+constexpr double kLeastVoxels = 4.0;      // across the thinnest side: fewer do not resolve the shape
+constexpr double kSmallest = 1e-3;        // [m] sizes outside this range result from a wrong unit
 constexpr double kLargest = 2.0;          // [m]
 
 struct MeshSize {
@@ -60,8 +60,8 @@ Status check_grid(const MeshSize& mesh, double pitch, std::optional<double> memo
     return bad_input(fmt::format("a pitch of {:.3g} mm makes {:.3g} voxels ({:.3g} GB), at most {:.3g} are allowed: take a coarser pitch",
                                  pitch * 1e3, voxels, voxels * 4e-9, std::min(kMaxMeshVoxels, kMaxScanVoxels)),
                      path);
-  if (const auto fault = memory_fault(voxels * sizeof(float), memory))
-    return Error{ErrorCode::unavailable, fmt::format("a pitch of {:.3g} mm {}: take a coarser pitch", pitch * 1e3, *fault), path};
+  if (const auto error = memory_error(voxels * sizeof(float), memory))
+    return Error{ErrorCode::unavailable, fmt::format("a pitch of {:.3g} mm {}: take a coarser pitch", pitch * 1e3, *error), path};
   return {};
 }
 
@@ -71,7 +71,7 @@ Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& opti
   if (const Status usable = check_options(options, path); !usable) return usable.error();
   const Result<SurfaceMesh> mesh = read_mesh(path, *options.unit);
   if (!mesh) return mesh.error();
-  if (const auto fault = mesh_fault(*mesh)) return bad_input(*fault, path);
+  if (const auto error = mesh_error(*mesh)) return bad_input(*error, path);
   const MeshSize size = size_of(*mesh);
   const double pitch = options.pitch.value_or(size.longest / kDefaultVoxels);
   if (const Status fits = check_grid(size, pitch, options.memory, path); !fits) return fits.error();

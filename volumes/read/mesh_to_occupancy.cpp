@@ -9,17 +9,18 @@
 #include <numeric>
 #include <span>
 
+#include "core/base/bounds.h"
 #include "core/tool/mesh_slices.h"
 
-// Two sweeps over the slices. The first writes 1 inside and 0 outside. The second looks at the voxels of which a neighbour (of 26) lies on
-// the other side: only they can be within w of a surface that parts solid from air, since from a plane's voxel at d < w the step by one
-// voxel along (sign nx, sign ny, sign nz) goes w along n and so across. Walls inside a union of overlapping parts have no such voxels, and
-// stay solid. Each of these voxels gets its nearest point among the triangles that come within reach, slab by slab.
+// Two sweeps over the slices. The first writes 1 inside and 0 outside. The second processes the voxels with a neighbour (of 26) on the
+// other side. Only these can be within w of a surface between solid and air: from a voxel at distance d < w of a plane, the step by one
+// voxel along (sign nx, sign ny, sign nz) moves w along n and so across the plane. Walls inside a union of overlapping parts have no such
+// voxels and stay solid. Each processed voxel gets its nearest point on the triangles within reach, slab by slab.
 
 namespace burrhole {
 namespace {
 
-/// A voxel and its neighbour across the surface are at most a cell's diagonal apart, sqrt(3) = 1.7321; a little more against rounding.
+/// A voxel and its neighbour across the surface are at most a cell's diagonal apart, sqrt(3) = 1.7321, plus a reserve for rounding.
 constexpr double kReach = 1.74;  // [voxels]
 
 Vec3 nearest_on_edge(const Vec3& a, const Vec3& b, const Vec3& p) noexcept {
@@ -28,7 +29,7 @@ Vec3 nearest_on_edge(const Vec3& a, const Vec3& b, const Vec3& p) noexcept {
   return length2 > 0.0 ? a + along * std::clamp(glm::dot(p - a, along) / length2, 0.0, 1.0) : a;
 }
 
-/// The foot on the plane where that is inside, else the nearest of the three edges.
+/// The foot on the plane if it is inside the triangle, else the nearest point of the three edges.
 Vec3 nearest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) noexcept {
   const Vec3 normal = glm::cross(b - a, c - a);
   const double area2 = glm::dot(normal, normal);
@@ -46,7 +47,7 @@ struct Nearest {
   std::uint32_t triangle = 0;
 };
 
-/// The sweep over slices that turns signs into ramps. Index space throughout: the mesh is scaled to voxels.
+/// The second sweep, which converts signs to ramps. Index space throughout: the mesh is scaled to voxels.
 class RampSweep {
  public:
   RampSweep(const SurfaceMesh& mesh, const Vec3i& dims, std::vector<float>& values)
@@ -79,7 +80,7 @@ class RampSweep {
   bool solid(std::size_t at) const { return values_[at] >= 0.5f; }
   std::size_t row(int j) const { return static_cast<std::size_t>(j) * static_cast<std::size_t>(dims_.x); }
 
-  /// Marks the voxels of slice k whose block of 27 is neither all solid nor all air. The margin keeps the border out of it.
+  /// Marks the voxels of slice k whose block of 27 is neither all solid nor all air. The margin of the grid keeps the block inside it.
   bool mark_band(int k) {
     const std::size_t here = static_cast<std::size_t>(k) * area_, width = static_cast<std::size_t>(dims_.x);
     for (std::size_t at = 0; at < area_; ++at)
@@ -98,7 +99,7 @@ class RampSweep {
     return any;
   }
 
-  /// Offers a triangle to the band voxels within reach of its part near slice k.
+  /// Tests a triangle against the band voxels within reach of its part near slice k.
   void visit(std::uint32_t t, int k) {
     Vec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;
     const auto include = [&](const Vec3& p) {
@@ -126,7 +127,7 @@ class RampSweep {
     if (distance2 < best.distance2) best = {distance2, offset, t};
   }
 
-  /// w of the ramp [voxels]; on the surface itself the triangle's own normal says how it lies.
+  /// w of the ramp [voxels]; on the surface itself it uses the normal of the triangle.
   double half_width(const Nearest& near) const {
     Vec3 n = near.offset;
     if (near.distance2 < 1e-18)
@@ -153,29 +154,16 @@ class RampSweep {
   std::vector<Nearest> nearest_;
 };
 
-struct MeshBox {
-  Vec3 lo, hi;
-};
-
-MeshBox box_of(const SurfaceMesh& mesh) {
-  MeshBox box{mesh.positions.front(), mesh.positions.front()};
-  for (const Vec3& p : mesh.positions) {
-    box.lo = glm::min(box.lo, p);
-    box.hi = glm::max(box.hi, p);
-  }
-  return box;
-}
-
 }  // namespace
 
 Vec3 mesh_grid_dims(const Vec3& size, double pitch) noexcept { return glm::ceil(size / pitch) + (1.0 + 2.0 * kMeshMargin); }
 
 Result<Scan> mesh_to_occupancy(const SurfaceMesh& mesh, double pitch, const std::function<void(double)>& progress) {
-  const MeshBox box = box_of(mesh);
+  const Bounds box = bounds_of_points(mesh.positions);
   Scan scan;
   scan.dims = Vec3i(mesh_grid_dims(box.hi - box.lo, pitch));
   scan.quantity = Quantity::occupancy;
-  // What the grid is larger than the box is shared by both sides.
+  // The excess of the grid over the box is divided equally between both sides.
   const Vec3 origin = 0.5 * (box.lo + box.hi) - 0.5 * pitch * (Vec3(scan.dims) - 1.0);
   scan.bone_from_index = Affine::scaling(pitch, origin);
   try {

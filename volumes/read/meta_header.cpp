@@ -11,7 +11,7 @@
 namespace burrhole {
 namespace {
 
-/// Only keys that are needed; all else is dropped unread.
+/// The keys that are needed; all others are skipped.
 constexpr std::string_view kKeys[] = {"ObjectType",
                                       "NDims",
                                       "DimSize",
@@ -54,7 +54,7 @@ Result<Lines> split(std::string_view text) {
     ++number;
     if (trimmed(*line).empty()) continue;
     const std::size_t equals = line->find('=');
-    if (equals == std::string_view::npos) return bad_input(fmt::format("line {} of the header is no \"Key = value\"", number));
+    if (equals == std::string_view::npos) return bad_input(fmt::format("line {} of the header is not \"Key = value\"", number));
     const std::string_view name = trimmed(line->substr(0, equals));
     if (!is_key(name)) continue;
     if (!out.fields.emplace(name, trimmed(line->substr(equals + 1))).second)
@@ -70,7 +70,7 @@ Result<Lines> split(std::string_view text) {
   return out;
 }
 
-/// The value under the first of the names that is there.
+/// The value of the first of the names that is present.
 std::optional<std::string_view> value_of(const Fields& fields, std::initializer_list<std::string_view> names) {
   for (const std::string_view name : names)
     if (const auto found = fields.find(name); found != fields.end()) return std::string_view(found->second);
@@ -86,7 +86,7 @@ Result<bool> flag_of(const Fields& fields, std::initializer_list<std::string_vie
   return bad_input(fmt::format("{} is neither True nor False", *names.begin()));
 }
 
-/// `count` numbers under the first of the names that is there; nothing if none is.
+/// `count` numbers of the first of the names that is present; nothing if none is.
 Result<std::optional<std::vector<double>>> numbers_under(const Fields& fields, std::initializer_list<std::string_view> names,
                                                          std::size_t count) {
   const auto value = value_of(fields, names);
@@ -100,22 +100,22 @@ Result<Vec3i> dims_of(const Fields& fields) {
   if (const auto type = value_of(fields, {"ObjectType"}); type && lower(*type) != "image") return bad_input("its ObjectType is not Image");
   const auto value = value_of(fields, {"NDims"});
   const auto axes = value ? whole_of(*value) : std::nullopt;
-  if (!axes) return bad_input("NDims is missing or no whole number");
+  if (!axes) return bad_input("NDims is missing or not an integer");
   if (*axes != 3) return bad_input(fmt::format("{}D: a volume has three axes", *axes));
   const auto sizes = value_of(fields, {"DimSize"});
   const auto edges = sizes ? wholes_of(*sizes, 3) : std::nullopt;
-  if (!edges) return bad_input("DimSize is missing or not three whole numbers");
-  if (const auto fault = dims_fault((*edges)[0], (*edges)[1], (*edges)[2])) return bad_input(*fault);
+  if (!edges) return bad_input("DimSize is missing or not three integers");
+  if (const auto error = dims_error((*edges)[0], (*edges)[1], (*edges)[2])) return bad_input(*error);
   if (const auto channels = value_of(fields, {"ElementNumberOfChannels"})) {
     const auto count = whole_of(*channels);
-    if (!count) return bad_input("ElementNumberOfChannels is no whole number");
-    if (*count != 1) return bad_input(fmt::format("{} channels (colours or vectors): one number per voxel is read", *count));
+    if (!count) return bad_input("ElementNumberOfChannels is not an integer");
+    if (*count != 1) return bad_input(fmt::format("{} channels (colours or vectors): only one number per voxel is supported", *count));
   }
   return Vec3i((*edges)[0], (*edges)[1], (*edges)[2]);
 }
 
 std::optional<PixelType> pixel_type(std::string_view name) {
-  // MET_LONG is 4 bytes on every machine that MetaIO writes on, MET_LONG_LONG 8.
+  // MET_LONG has 4 bytes on every machine that MetaIO supports, MET_LONG_LONG has 8.
   static const std::map<std::string_view, PixelType> kTypes{
       {"MET_CHAR", PixelType::i8},   {"MET_UCHAR", PixelType::u8},   {"MET_SHORT", PixelType::i16},     {"MET_USHORT", PixelType::u16},
       {"MET_INT", PixelType::i32},   {"MET_UINT", PixelType::u32},   {"MET_LONG", PixelType::i32},      {"MET_ULONG", PixelType::u32},
@@ -128,7 +128,7 @@ Result<PixelForm> form_of(const Fields& fields, Packing packing, std::vector<std
   PixelForm out;
   const auto name = value_of(fields, {"ElementType"});
   const auto type = name ? pixel_type(*name) : std::nullopt;
-  if (!type) return bad_input("ElementType is missing or none that is read (MET_UCHAR .. MET_DOUBLE, no arrays)");
+  if (!type) return bad_input("ElementType is missing or not supported (MET_UCHAR .. MET_DOUBLE, no arrays)");
   out.type = *type;
   const Result<bool> big = flag_of(fields, {"BinaryDataByteOrderMSB", "ElementByteOrderMSB"}, false);
   if (!big) return big.error();
@@ -156,7 +156,7 @@ Result<Packing> packing_of(const Fields& fields) {
 /// [m] per unit of the file.
 Result<double> unit_of(const Fields& fields) {
   const auto unit = value_of(fields, {"DistanceUnits"});
-  const std::string word = unit ? lower(*unit) : std::string("mm");  // the format's own default
+  const std::string word = unit ? lower(*unit) : std::string("mm");  // default of the format
   if (word == "mm" || word == "?" || word == "unknown") return kMillimetre;
   if (word == "cm") return 0.01;
   if (word == "um") return 1e-6;
@@ -173,7 +173,7 @@ Result<Affine> affine_of(const Fields& fields, std::vector<std::string>& assumed
   if (!spacing) return spacing.error();
   const auto origin = numbers_under(fields, {"Offset", "Position", "Origin"}, 3);
   if (!origin) return origin.error();
-  if (!matrix.value()) assumed.emplace_back("no orientation in the file: i to the left, j to the back, k up");
+  if (!matrix.value()) assumed.emplace_back("no orientation in the file: i towards left, j towards posterior, k towards superior");
   if (!spacing.value()) assumed.emplace_back("no spacing in the file: 1 mm along each axis");
   if (!origin.value()) assumed.emplace_back("no origin in the file: first voxel at 0");
   Affine out;
@@ -208,7 +208,7 @@ Status set_files(Lines& lines, MetaHeader& out) {
   }
   if (const auto header = value_of(lines.fields, {"HeaderSize"})) {
     const auto count = whole_of(*header);
-    if (!count || *count < -1) return bad_input("HeaderSize is no whole number from -1 on");
+    if (!count || *count < -1) return bad_input("HeaderSize is not an integer of at least -1");
     if (local && *count > 0) return bad_input("HeaderSize goes with a data file of its own, not with LOCAL");
     out.at_end = *count == -1;
     out.file_header_bytes = *count > 0 ? static_cast<std::uint64_t>(*count) : 0;
@@ -221,7 +221,7 @@ Status set_files(Lines& lines, MetaHeader& out) {
 
 }  // namespace
 
-bool looks_like_metaimage(std::string_view text) {
+bool starts_like_metaimage(std::string_view text) {
   const auto line = take_line(text);
   const std::size_t equals = line ? line->find('=') : std::string_view::npos;
   if (equals == std::string_view::npos) return false;
@@ -247,7 +247,7 @@ Result<MetaHeader> parse_metaimage(std::string_view text) {
   const Result<Affine> affine = affine_of(fields, out.image.assumed);
   if (!affine) return affine.error();
   out.image.bone_from_index = affine.value();
-  if (const auto fault = affine_fault(affine.value())) return bad_input(*fault);
+  if (const auto error = affine_error(affine.value())) return bad_input(*error);
   const auto modality = value_of(fields, {"Modality"});
   if (modality && (*modality == "MET_MOD_MR" || *modality == "MET_MOD_NM" || *modality == "MET_MOD_US")) out.quantity = Quantity::other;
   if (const Status status = set_files(lines.value(), out); !status) return status.error();

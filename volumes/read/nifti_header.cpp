@@ -18,9 +18,11 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::size_t kBytes1 = 348, kBytes2 = 540;
-constexpr double kTold = 0.1 * kMillimetre;  ///< sform and qform may differ so much by the rounding of floats; more is told
+constexpr double kReportedDifference =
+    0.1 * kMillimetre;  ///< sform and qform may differ by this much due to rounding; a larger difference is reported
 
-/// Offsets of the fields in one version, nifti1.h and nifti2.h. Numbers are int16/float in version 1, int64/double in version 2 where said.
+/// Offsets of the fields in each version, nifti1.h and nifti2.h. Numbers are int16/float in version 1, int64/double in version 2 where
+/// stated.
 struct Places {
   std::size_t datatype, bitpix, dim, pixdim, vox_offset, slope, inter, units, qform, sform, quatern, qoffset, srow;
 };
@@ -77,8 +79,9 @@ Result<PixelType> pixel_type(int datatype, int bitpix) {
                                                  {768, PixelType::u32},
                                                  {1024, PixelType::i64},
                                                  {1280, PixelType::u64}}};
-  if (datatype == 128 || datatype == 2304) return bad_input("holds colours (RGB): one number per voxel is read");
-  if (datatype == 32 || datatype == 1792 || datatype == 2048) return bad_input("holds complex numbers: one number per voxel is read");
+  if (datatype == 128 || datatype == 2304) return bad_input("holds colours (RGB): only one number per voxel is supported");
+  if (datatype == 32 || datatype == 1792 || datatype == 2048)
+    return bad_input("holds complex numbers: only one number per voxel is supported");
   for (const Known& known : kKnown) {
     if (known.code != datatype) continue;
     const int bits = static_cast<int>(8 * bytes_of(known.type));
@@ -96,7 +99,7 @@ Result<Vec3i> volume_dims(const Fields& fields, const Places& at) {
   if (size(4) > 1) return bad_input(fmt::format("4D: {} volumes; one is read, so save one of them alone", size(4)));
   for (std::size_t n = 5; n <= 7; ++n)
     if (size(n) > 1) return bad_input(fmt::format("{} numbers per voxel (dim[{}]): one is read", size(n), n));
-  if (const auto fault = dims_fault(size(1), size(2), size(3))) return bad_input(*fault);
+  if (const auto error = dims_error(size(1), size(2), size(3))) return bad_input(*error);
   return Vec3i(size(1), size(2), size(3));
 }
 
@@ -120,11 +123,11 @@ Affine from_sform(const Fields& fields, const Places& at) {
   return out;
 }
 
-/// Method 2: unit quaternion (a, b, c, d) with a >= 0 left out of the file, the third axis flipped by the sign of pixdim[0].
+/// Method 2: unit quaternion (a, b, c, d) with a >= 0 omitted in the file, the third axis flipped by the sign of pixdim[0].
 Affine from_qform(const Fields& fields, const Places& at) {
   double b = fields.real(at.quatern, 0), c = fields.real(at.quatern, 1), d = fields.real(at.quatern, 2);
   double a = 1.0 - (b * b + c * c + d * d);
-  if (a < 1e-7) {  // as the reference library: half a turn, whose floats may sum to a little more than 1
+  if (a < 1e-7) {  // as the reference library: half a turn; the sum of squares may exceed 1 by rounding
     const double length = std::sqrt(b * b + c * c + d * d);
     a = 0.0, b /= length, c /= length, d /= length;
   } else {
@@ -139,14 +142,14 @@ Affine from_qform(const Fields& fields, const Places& at) {
   return out;
 }
 
-/// Method 1: sizes of the voxels and nothing else.
+/// Method 1: voxel sizes only.
 Affine from_pixdim(const Fields& fields, const Places& at) {
   Affine out;
   for (std::size_t n = 0; n < 3; ++n) out.linear[n] *= fields.real(at.pixdim, n + 1);
   return out;
 }
 
-/// Farthest that a corner of the grid is moved by taking one map for the other.
+/// Largest displacement of a corner of the grid between the two maps.
 double corner_distance(const Affine& one, const Affine& other, const Vec3i& dims) {
   double farthest = 0.0;
   for_each_voxel(VoxelBox{Vec3i(0), Vec3i(2)}, [&](const Vec3i& corner) {
@@ -158,7 +161,7 @@ double corner_distance(const Affine& one, const Affine& other, const Vec3i& dims
 
 Affine scaled(const Affine& a, double unit) { return {a.linear * unit, a.offset * unit}; }
 
-/// The file's map to RAS [m], by the best of its three methods.
+/// The map of the file to RAS [m], by the best available of its three methods.
 Result<Affine> ras_from_index(const Fields& fields, const Places& at, ImageHead& image) {
   const double unit = length_unit(fields, at, image.assumed);
   const bool by_sform = fields.code(at.sform) > 0, by_qform = fields.code(at.qform) > 0;
@@ -169,15 +172,16 @@ Result<Affine> ras_from_index(const Fields& fields, const Places& at, ImageHead&
   if (by_sform) {
     const Affine sform = scaled(from_sform(fields, at), unit);
     const double apart = by_qform ? corner_distance(sform, scaled(from_qform(fields, at), unit), image.dims) : 0.0;
-    if (apart > kTold) image.assumed.push_back(fmt::format("sform and qform lie {:.3g} mm apart: sform", apart / kMillimetre));
+    if (apart > kReportedDifference)
+      image.assumed.push_back(fmt::format("sform and qform lie {:.3g} mm apart: sform", apart / kMillimetre));
     return sform;
   }
   if (by_qform) return scaled(from_qform(fields, at), unit);
-  image.assumed.emplace_back("no orientation in the file: i to the right, j to the front, k up, first voxel at 0");
+  image.assumed.emplace_back("no orientation in the file: i towards right, j towards anterior, k towards superior, first voxel at 0");
   return scaled(from_pixdim(fields, at), unit);
 }
 
-/// scl_slope 0 and, as some writers have it, NaN mean: values as they are.
+/// scl_slope 0 and, from some writers, NaN mean no scaling.
 void set_scaling(const Fields& fields, const Places& at, PixelForm& form) {
   const double slope = fields.real(at.slope), intercept = fields.real(at.inter);
   if (slope == 0.0 || !std::isfinite(slope)) return;
@@ -188,7 +192,8 @@ void set_scaling(const Fields& fields, const Places& at, PixelForm& form) {
 Result<std::uint64_t> data_offset(const Fields& fields, const Places& at, bool pair) {
   const double written = fields.two() ? static_cast<double>(fields.get<std::int64_t>(at.vox_offset)) : fields.real(at.vox_offset);
   const double least = pair ? 0.0 : static_cast<double>(fields.two() ? kBytes2 : kBytes1);
-  if (!pair && written == 0.0) return fields.two() ? kBytes2 + 4 : kBytes1 + 4;  // nifti1.h: 0 means right behind the header's extension
+  if (!pair && written == 0.0)
+    return fields.two() ? kBytes2 + 4 : kBytes1 + 4;  // nifti1.h: 0 means directly after the extension of the header
   if (!(written >= least && written <= 0x1p52) || written != std::floor(written))
     return bad_input(fmt::format("vox_offset = {} must be a whole number from {} on", written, least));
   return static_cast<std::uint64_t>(written);
@@ -199,13 +204,13 @@ Result<NiftiHeader> recognise(std::span<const std::byte> bytes) {
   NiftiHeader out;
   const auto is = [&](std::string_view size_field) { return has(bytes, 0, size_field); };
   const bool one = is("\x5c\x01\0\0"sv) || is("\0\0\x01\x5c"sv), two = is("\x1c\x02\0\0"sv) || is("\0\0\x02\x1c"sv);
-  if (!one && !two) return bad_input("is no NIfTI file: its first four bytes are neither 348 nor 540");
+  if (!one && !two) return bad_input("is not a NIfTI file: its first four bytes are neither 348 nor 540");
   out.image.form.big_endian = bytes[0] == std::byte{0};
   out.version = one ? 1 : 2;
   const std::size_t needed = one ? kBytes1 : kBytes2;
   if (bytes.size() < needed) return bad_input(fmt::format("header ends after {} of {} bytes", bytes.size(), needed));
-  if (!looks_like_nifti(bytes)) {
-    if (one) return bad_input("is Analyze 7.5, or its NIfTI magic is damaged: which side is left is unknown; save it as NIfTI");
+  if (!starts_like_nifti(bytes)) {
+    if (one) return bad_input("is Analyze 7.5, or its NIfTI magic is damaged: left and right are ambiguous; save it as NIfTI");
     return bad_input("its NIfTI-2 magic is damaged");
   }
   out.pair = one ? has(bytes, 344, "ni1\0"sv) : has(bytes, 4, "ni2\0"sv);
@@ -214,7 +219,7 @@ Result<NiftiHeader> recognise(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-bool looks_like_nifti(std::span<const std::byte> bytes) noexcept {
+bool starts_like_nifti(std::span<const std::byte> bytes) noexcept {
   const bool one = has(bytes, 344, "n+1\0"sv) || has(bytes, 344, "ni1\0"sv);
   const bool two = has(bytes, 4, "n+2\0\r\n\x1a\n"sv) || has(bytes, 4, "ni2\0\r\n\x1a\n"sv);
   return one || two;
@@ -239,7 +244,7 @@ Result<NiftiHeader> parse_nifti(std::span<const std::byte> bytes) {
   const Result<Affine> ras = ras_from_index(fields, at, out.image);
   if (!ras) return ras.error();
   out.image.bone_from_index = lps_from_ras(ras.value());
-  if (const auto fault = affine_fault(out.image.bone_from_index)) return bad_input(*fault);
+  if (const auto error = affine_error(out.image.bone_from_index)) return bad_input(*error);
   return out;
 }
 

@@ -1,6 +1,6 @@
-/// volumes/read/nifti_header.h: the header of NIfTI-1 and NIfTI-2 from its bytes alone; no file access.
-///   Frame   RAS in the file, LPS out; sform before qform before pixdim, the sform kept whole, shear included.     Units  m out.
-///   Privacy descrip, aux_file, db_name and intent_name are never looked at.
+/// volumes/read/nifti_header.h: parses the header of NIfTI-1 and NIfTI-2 from its bytes; no file access.
+///   Frame   RAS in the file, LPS out; sform before qform before pixdim; the sform is used as it is, including shear.     Units  m.
+///   Errors  bad_input without place.   Privacy descrip, aux_file, db_name and intent_name are not read.
 ///   Source  nifti1.h and nifti2.h of the NIfTI reference library (public domain): field offsets, methods 1 to 3.
 #pragma once
 
@@ -17,16 +17,16 @@ inline constexpr std::size_t kNiftiHeaderBytes = 540;  ///< enough for either ve
 
 struct NiftiHeader {
   int version = 1;
-  bool pair = false;              ///< voxels lie in an .img beside the .hdr
-  std::uint64_t data_offset = 0;  ///< [bytes] of the first voxel, after unpacking
+  bool pair = false;              ///< the voxels are in an .img file beside the .hdr
+  std::uint64_t data_offset = 0;  ///< [bytes] of the first voxel, after decompression
   ImageHead image;
 };
 
-/// Whether the bytes carry NIfTI's magic text (of either version).
-[[nodiscard]] bool looks_like_nifti(std::span<const std::byte> bytes) noexcept;
+/// @returns whether the bytes contain NIfTI's magic text (of either version).
+[[nodiscard]] bool starts_like_nifti(std::span<const std::byte> bytes) noexcept;
 
-/// @param bytes the first kNiftiHeaderBytes of the file, or all of it. @returns bad_input without place: no magic (Analyze 7.5 too), 2D, 4D
-/// or vector valued, RGB or complex, impossible sizes, no usable affine.
+/// @param bytes the first kNiftiHeaderBytes of the file, or all of it. @returns bad_input without place: no magic (also Analyze 7.5), 2D,
+/// 4D or vector valued, RGB or complex, invalid sizes, no usable affine.
 [[nodiscard]] Result<NiftiHeader> parse_nifti(std::span<const std::byte> bytes);
 
 }  // namespace burrhole

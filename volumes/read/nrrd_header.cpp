@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kMostSkipped = std::int64_t{1} << 40;  ///< lines or bytes
 
-/// Fields as written, by their name; a name that is not here is a fault, as the format wants it.
+/// Fields as written, by name; the format requires that an unknown name is an error.
 using Fields = std::map<std::string, std::string, std::less<>>;
 
 constexpr std::array<std::string_view, 37> kFields{
@@ -32,11 +32,11 @@ bool is_field(std::string_view name) {
 
 struct Lines {
   Fields fields;
-  std::vector<std::string> list;  ///< lines behind "data file: LIST"
+  std::vector<std::string> list;  ///< lines after "data file: LIST"
   std::size_t bytes = 0;          ///< up to the data
 };
 
-/// Splits the header; keeps no comment and no key:=value pair.
+/// Splits the header; drops comments and key:=value pairs.
 Result<Lines> split(std::string_view text) {
   Lines out;
   std::string_view rest = text;
@@ -54,14 +54,14 @@ Result<Lines> split(std::string_view text) {
     if (line->empty()) break;
     if (line->front() == '#') continue;
     const std::size_t colon = line->find(':');
-    if (colon == std::string_view::npos) return bad_input(fmt::format("line {} of the header is no \"field: value\"", number));
+    if (colon == std::string_view::npos) return bad_input(fmt::format("line {} of the header is not \"field: value\"", number));
     if (line->substr(colon).starts_with(":=")) continue;
     std::string name = lower(trimmed(line->substr(0, colon)));
-    if (!is_field(name)) return bad_input(fmt::format("line {} of the header is no field of NRRD", number));
+    if (!is_field(name)) return bad_input(fmt::format("line {} of the header is not a field of NRRD", number));
     std::string value(trimmed(line->substr(colon + 1)));
     list = (name == "data file" || name == "datafile") && !words_of(value).empty() && words_of(value).front() == "LIST";
     if (!out.fields.emplace(std::move(name), std::move(value)).second)
-      return bad_input(fmt::format("line {} of the header says a field again", number));
+      return bad_input(fmt::format("line {} of the header repeats a field", number));
   }
   out.bytes = text.size() - rest.size();
   return out;
@@ -120,7 +120,7 @@ std::optional<PixelType> pixel_type(std::string_view name) {
   return found == kTypes.end() ? std::nullopt : std::optional(found->second);
 }
 
-/// "(1,0,0)" as a vector, taken off `rest`.
+/// Removes "(1,0,0)" from the start of `rest` and returns it as a vector.
 std::optional<Vec3> take_vector(std::string_view& rest) {
   rest = trimmed(rest);
   const std::size_t close = rest.find(')');
@@ -171,7 +171,7 @@ Result<Vec3> axis_units(std::optional<std::string_view> units, std::vector<std::
   return out;
 }
 
-/// Signs that bring the file's space to LPS; what had to be guessed is told.
+/// Signs that convert the space of the file to LPS; assumptions are reported.
 Result<Vec3> lps_from_space(const Fields& fields, std::vector<std::string>& assumed) {
   const auto space = value_of(fields, "space");
   const std::string name = space ? lower(*space) : std::string();
@@ -180,16 +180,16 @@ Result<Vec3> lps_from_space(const Fields& fields, std::vector<std::string>& assu
   if (name == "left-anterior-superior" || name == "las") return Vec3(1, -1, 1);
   if (name.ends_with("-time") || name == "rast" || name == "last" || name == "lpst") return bad_input("4D: its space has a time axis");
   if (name == "scanner-xyz" || name == "3d-right-handed" || name == "3d-left-handed") {
-    assumed.push_back(fmt::format("space {} says nothing of left and right: taken as LPS", name));
+    assumed.push_back(fmt::format("space {} does not define left and right: assumed to be LPS", name));
     return Vec3(1, 1, 1);
   }
   if (space) return bad_input("its space is not one of LPS, RAS, LAS, scanner-xyz, 3D-right-handed, 3D-left-handed");
   if (const auto axes = value_of(fields, "space dimension"); axes && *axes != "3") return bad_input("its space dimension is not 3");
-  assumed.emplace_back("no space in the file: i to the left, j to the back, k up");
+  assumed.emplace_back("no space in the file: i towards left, j towards posterior, k towards superior");
   return Vec3(1, 1, 1);
 }
 
-/// Columns from three vectors; "none" and anything else is refused.
+/// Columns from three vectors; "none" and other words are errors.
 Result<Mat3> directions_of(std::string_view text) {
   Mat3 out(0.0);
   std::string_view rest = text;
@@ -242,13 +242,13 @@ Result<Affine> affine_of(const Fields& fields, std::vector<std::string>& assumed
 Result<Vec3i> dims_of(const Fields& fields) {
   const auto dimension = value_of(fields, "dimension");
   const auto axes = dimension ? whole_of(*dimension) : std::nullopt;
-  if (!axes) return bad_input("dimension is missing or no whole number");
+  if (!axes) return bad_input("dimension is missing or not an integer");
   if (*axes == 4) return bad_input("dimension 4: several volumes, colours or vectors; one number per voxel of a volume is read");
   if (*axes != 3) return bad_input(fmt::format("dimension {}: a volume has three", *axes));
   const auto sizes = value_of(fields, "sizes");
   const auto edges = sizes ? wholes_of(*sizes, 3) : std::nullopt;
-  if (!edges) return bad_input("sizes are missing or not three whole numbers");
-  if (const auto fault = dims_fault((*edges)[0], (*edges)[1], (*edges)[2])) return bad_input(*fault);
+  if (!edges) return bad_input("sizes are missing or not three integers");
+  if (const auto error = dims_error((*edges)[0], (*edges)[1], (*edges)[2])) return bad_input(*error);
   if (const auto kinds = value_of(fields, "kinds")) {
     const auto words = words_of(*kinds);
     if (words.size() != 3) return bad_input(fmt::format("{} kinds for three axes", words.size()));
@@ -264,7 +264,7 @@ Result<Vec3i> dims_of(const Fields& fields) {
 Status set_form(const Fields& fields, NrrdHeader& out) {
   const auto type = value_of(fields, "type");
   const auto known = type ? pixel_type(*type) : std::nullopt;
-  if (!known) return bad_input("type is missing or none that is read (8 to 64 bit whole numbers, float, double)");
+  if (!known) return bad_input("type is missing or not supported (8 to 64 bit whole numbers, float, double)");
   out.image.form.type = *known;
   const auto encoding = value_of(fields, "encoding");
   const std::string name = encoding ? lower(*encoding) : std::string();
@@ -313,12 +313,12 @@ Status set_files(Lines& lines, NrrdHeader& out) {
 Status set_skips(const Fields& fields, NrrdHeader& out) {
   if (const auto lines = value_of(fields, "line skip", "lineskip")) {
     const auto count = whole_of(*lines);
-    if (!count || *count < 0 || *count > kMostSkipped) return bad_input("line skip is no whole number from 0 on");
+    if (!count || *count < 0 || *count > kMostSkipped) return bad_input("line skip is not an integer of at least 0");
     out.line_skip = static_cast<std::uint64_t>(*count);
   }
   if (const auto bytes = value_of(fields, "byte skip", "byteskip")) {
     const auto count = whole_of(*bytes);
-    if (!count || *count < -1 || *count > kMostSkipped) return bad_input("byte skip is no whole number from -1 on");
+    if (!count || *count < -1 || *count > kMostSkipped) return bad_input("byte skip is not an integer of at least -1");
     out.at_end = *count == -1;
     out.byte_skip = out.at_end ? 0 : static_cast<std::uint64_t>(*count);
   }
@@ -340,7 +340,7 @@ Result<NrrdHeader> parse_nrrd(std::string_view text) {
   const Result<Affine> affine = affine_of(lines->fields, out.image.assumed);
   if (!affine) return affine.error();
   out.image.bone_from_index = affine.value();
-  if (const auto fault = affine_fault(affine.value())) return bad_input(*fault);
+  if (const auto error = affine_error(affine.value())) return bad_input(*error);
   if (const Status status = set_skips(lines->fields, out); !status) return status.error();
   if (const Status status = set_files(lines.value(), out); !status) return status.error();
   return out;

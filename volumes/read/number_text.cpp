@@ -10,7 +10,7 @@ namespace burrhole {
 namespace {
 
 constexpr int kWidest = 18;                       ///< digits of a number in a file name
-constexpr std::int64_t kLargest = 1'000'000'000;  ///< of such a number, either sign
+constexpr std::int64_t kLargest = 1'000'000'000;  ///< magnitude of such a number
 
 template <class T>
 std::optional<T> whole_text(std::string_view text) noexcept {

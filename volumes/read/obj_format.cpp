@@ -12,13 +12,13 @@
 namespace burrhole {
 namespace {
 
-/// Words that say nothing about the surface's shape.
+/// Words that do not affect the shape of the surface.
 constexpr std::array<std::string_view, 14> kIgnored = {"vt",     "vn",     "g",     "o",        "s",        "mg",     "usemtl",
                                                        "mtllib", "usemap", "bevel", "c_interp", "d_interp", "maplib", "lod"};
 
 class ObjParser {
  public:
-  /// @returns what is wrong with the line, empty when nothing.
+  /// @returns the error of the line, empty if none.
   std::string add_line(std::string_view line) {
     Words words(line.substr(0, line.find('#')));
     const std::string_view key = words.next();
@@ -26,10 +26,10 @@ class ObjParser {
     if (key == "v") return add_vertex(words);
     if (key == "f") return add_face(words);
     if (key == "l" || key == "p") return "points or lines beside faces";
-    return fmt::format("\"{:.20}\" is no word of a polygon mesh", key);
+    return fmt::format("\"{:.20}\" is not a word of a polygon mesh", key);
   }
 
-  /// Faces may name vertices that come later, so they are cut into triangles at the end.
+  /// Faces may name later vertices, so polygons are triangulated at the end.
   Result<SurfaceMesh> finish() {
     std::size_t first = 0;
     std::uint64_t steps = 0;
@@ -37,8 +37,8 @@ class ObjParser {
       for (std::size_t n = first; n < end; ++n)
         if (corners_[n] >= mesh_.positions.size())
           return bad_input(fmt::format("a face names vertex {} of {}", std::size_t{corners_[n]} + 1, mesh_.positions.size()));
-      if (std::string fault = append_polygon({corners_.data() + first, end - first}, mesh_, steps); !fault.empty())
-        return bad_input(std::move(fault));
+      if (std::string error = append_polygon({corners_.data() + first, end - first}, mesh_, steps); !error.empty())
+        return bad_input(std::move(error));
       first = end;
     }
     return std::move(mesh_);
@@ -56,7 +56,7 @@ class ObjParser {
     const std::size_t first = corners_.size();
     for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
       const auto number = number_of<std::int64_t>(word.substr(0, word.find('/')));
-      // From 1; below 0 counted back from the latest vertex.
+      // Counted from 1; negative numbers count back from the latest vertex.
       const auto last = static_cast<std::int64_t>(mesh_.positions.size());
       const std::int64_t index = !number ? -1 : *number < 0 ? last + *number : *number - 1;
       if (index < 0 || index >= std::numeric_limits<std::uint32_t>::max()) return fmt::format("\"{:.20}\" names no vertex", word);
@@ -78,14 +78,14 @@ class ObjParser {
 Result<SurfaceMesh> parse_obj(std::string_view bytes) {
   ObjParser parser;
   Lines lines(bytes);
-  std::string joined;  // of lines that end in a backslash
+  std::string joined;  // lines that end in a backslash, joined
   for (std::string_view line; lines.next(line);) {
     if (!line.empty() && line.back() == '\\') {
       joined.append(line.substr(0, line.size() - 1)).append(1, ' ');
       continue;
     }
-    const std::string fault = joined.empty() ? parser.add_line(line) : parser.add_line(joined.append(line));
-    if (!fault.empty()) return bad_input(fmt::format("line {}: {}", lines.number(), fault));
+    const std::string error = joined.empty() ? parser.add_line(line) : parser.add_line(joined.append(line));
+    if (!error.empty()) return bad_input(fmt::format("line {}: {}", lines.number(), error));
     joined.clear();
   }
   if (!joined.empty()) return bad_input("ends within a line");

@@ -1,4 +1,5 @@
-/// volumes/read/pixels.h: raw voxel bytes to floats; byte order, slope and intercept in one pass.
+/// volumes/read/pixels.h: converts raw voxel bytes to floats: byte order, slope and intercept in one pass.
+///   Units  of the values in the file.   Errors  none.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +15,8 @@ enum class PixelType : std::uint8_t { u8, i8, u16, i16, u32, i32, u64, i64, f32,
 struct PixelForm {
   PixelType type = PixelType::i16;
   bool big_endian = false;
-  double slope = 1.0;
-  double intercept = 0.0;
+  double slope = 1.0;      ///< [unit of the values per stored unit]
+  double intercept = 0.0;  ///< [unit of the values]
 };
 
 /// out[n] = float(slope * raw[n] + intercept), computed in double. @pre raw.size() == out.size() * bytes_of(form.type).

@@ -44,7 +44,7 @@ struct Element {
   std::uint64_t count = 0;
   std::vector<Property> properties;
 
-  /// Fewest bytes that one takes: a digit and a blank a number in text.
+  /// Smallest size of one value [bytes]: in text, a digit and a blank per number.
   [[nodiscard]] std::size_t least_bytes(Form form) const {
     std::size_t sum = 0;
     for (const Property& p : properties) sum += form == Form::text ? 2 : size_of(p.count_type.value_or(p.type));
@@ -58,7 +58,7 @@ struct Header {
   std::string_view body;
 };
 
-/// @returns what is wrong, empty when nothing.
+/// @returns the error, empty if none.
 std::string add_property(Words& words, Header& header) {
   if (header.elements.empty()) return "a property before any element";
   Property property;
@@ -69,7 +69,7 @@ std::string add_property(Words& words, Header& header) {
     word = words.next();
   }
   const auto type = type_of(word);
-  if (!type) return fmt::format("\"{:.20}\" is no type of PLY", word);
+  if (!type) return fmt::format("\"{:.20}\" is not a PLY type", word);
   property.type = *type;
   property.name = words.next();
   header.elements.back().properties.push_back(property);
@@ -88,11 +88,11 @@ std::string add_line(std::string_view line, Header& header, bool& formatted) {
     header.elements.push_back({name, *count, {}});
     return {};
   }
-  if (key != "format") return fmt::format("\"{:.20}\" is no word of a PLY header", key);
+  if (key != "format") return fmt::format("\"{:.20}\" is not a word of a PLY header", key);
   const std::string_view form = words.next();
   formatted = form == "ascii" || form == "binary_little_endian" || form == "binary_big_endian";
   header.form = form == "ascii" ? Form::text : form == "binary_big_endian" ? Form::big_endian : Form::little_endian;
-  return formatted ? std::string() : fmt::format("\"{:.30}\" is no format of PLY", form);
+  return formatted ? std::string() : fmt::format("\"{:.30}\" is not a PLY format", form);
 }
 
 Result<Header> parse_header(std::string_view bytes) {
@@ -107,8 +107,8 @@ Result<Header> parse_header(std::string_view bytes) {
       header.body = lines.rest();
       return header;
     }
-    if (const std::string fault = add_line(line, header, formatted); !fault.empty())
-      return bad_input(fmt::format("line {}: {}", lines.number(), fault));
+    if (const std::string error = add_line(line, header, formatted); !error.empty())
+      return bad_input(fmt::format("line {}: {}", lines.number(), error));
   }
   return bad_input("has no end_header");
 }
@@ -167,19 +167,19 @@ class Body {
 
 constexpr const char* kCut = "ends within its elements: cut off?";
 
-/// One list; what is wrong goes to `fault`.
-std::vector<double> read_list(Body& body, const Property& property, std::string& fault) {
+/// One list; an error is written to `error`.
+std::vector<double> read_list(Body& body, const Property& property, std::string& error) {
   const auto count = body.next(*property.count_type);
   // No list is longer than the bytes left: nothing is allocated for a count that cannot be.
   if (!count || !(*count >= 0.0) || *count != std::floor(*count) || *count > static_cast<double>(body.left())) {
-    fault = count ? fmt::format("a list of {:g} numbers in {} bytes", *count, body.left()) : kCut;
+    error = count ? fmt::format("a list of {:g} numbers in {} bytes", *count, body.left()) : kCut;
     return {};
   }
   std::vector<double> list;
   for (double n = 0.0; n < *count; n += 1.0) {
     const auto value = body.next(property.type);
     if (!value) {
-      fault = kCut;
+      error = kCut;
       return {};
     }
     list.push_back(*value);
@@ -195,18 +195,18 @@ std::string add_vertices(Body& body, const Element& element, SurfaceMesh& mesh) 
     if (found == element.properties.end()) return "its vertices lack x, y or z";
     axis[x] = static_cast<std::size_t>(found - element.properties.begin());
   }
-  std::string fault;
+  std::string error;
   std::vector<double> values(element.properties.size());
   for (std::uint64_t n = 0; n < element.count; ++n) {
     for (std::size_t p = 0; p < values.size(); ++p) {
       if (element.properties[p].count_type) {
-        read_list(body, element.properties[p], fault);
+        read_list(body, element.properties[p], error);
       } else if (const auto value = body.next(element.properties[p].type)) {
         values[p] = *value;
       } else {
-        fault = kCut;
+        error = kCut;
       }
-      if (!fault.empty()) return fault;
+      if (!error.empty()) return error;
     }
     mesh.positions.emplace_back(values[axis[0]], values[axis[1]], values[axis[2]]);
   }
@@ -227,18 +227,18 @@ std::string add_face(const std::vector<double>& list, SurfaceMesh& mesh, std::ui
 
 /// Faces, or any element that is passed over: `mesh` null.
 std::string walk(Body& body, const Element& element, SurfaceMesh* mesh) {
-  std::string fault;
+  std::string error;
   std::uint64_t steps = 0;
   for (std::uint64_t n = 0; n < element.count; ++n)
     for (const Property& p : element.properties) {
       if (p.count_type) {
-        const std::vector<double> list = read_list(body, p, fault);
-        if (fault.empty() && mesh != nullptr && (p.name == "vertex_indices" || p.name == "vertex_index"))
-          fault = add_face(list, *mesh, steps);
+        const std::vector<double> list = read_list(body, p, error);
+        if (error.empty() && mesh != nullptr && (p.name == "vertex_indices" || p.name == "vertex_index"))
+          error = add_face(list, *mesh, steps);
       } else if (!body.next(p.type)) {
-        fault = kCut;
+        error = kCut;
       }
-      if (!fault.empty()) return fault;
+      if (!error.empty()) return error;
     }
   return {};
 }
@@ -261,7 +261,7 @@ Result<SurfaceMesh> parse_ply(std::string_view bytes) {
   SurfaceMesh mesh;
   Body body(header->body, header->form);
   for (const Element& element : header->elements)
-    if (const std::string fault = add_element(body, element, header->form, mesh); !fault.empty()) return bad_input(fault);
+    if (const std::string error = add_element(body, element, header->form, mesh); !error.empty()) return bad_input(error);
   return mesh;
 }
 

@@ -13,7 +13,7 @@ using Point = glm::dvec2;
 /// Twice the signed area of a, b, c.
 double turn(const Point& a, const Point& b, const Point& c) noexcept { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
-/// The corners in the plane of the two axes that the polygon's area normal (Newell's) leaves, counter-clockwise.
+/// The corners projected on the coordinate plane with the largest area (Newell's normal), counter-clockwise.
 std::vector<Point> flatten(std::span<const std::uint32_t> corners, const SurfaceMesh& mesh) {
   Vec3 normal(0.0);
   const Vec3 origin = mesh.positions[corners[0]];
@@ -28,15 +28,15 @@ std::vector<Point> flatten(std::span<const std::uint32_t> corners, const Surface
   return flat;
 }
 
-/// What is left of the polygon while ears are cut off.
+/// The rest of the polygon during ear clipping.
 struct Clipping {
   std::vector<Point> flat;
-  std::vector<std::size_t> left;  ///< corners still there, in order
-  std::uint64_t& steps;           ///< corners looked at
+  std::vector<std::size_t> left;  ///< remaining corners, in order
+  std::uint64_t& steps;           ///< corners tested
 
   [[nodiscard]] std::size_t at(std::size_t n) const { return left[n % left.size()]; }
 
-  /// Corner n turns left and no other corner lies within the triangle it makes with its neighbours.
+  /// Whether corner n is convex and no other corner lies inside the triangle with its neighbours.
   [[nodiscard]] bool is_ear(std::size_t n) const {
     ++steps;
     const Point &a = flat[at(n + left.size() - 1)], &b = flat[at(n)], &c = flat[at(n + 1)];
@@ -50,7 +50,7 @@ struct Clipping {
     return true;
   }
 
-  /// The next ear at or after corner n; without any, the corner that turns least to the right: a sliver or a crossing has none.
+  /// The next ear at or after corner n. Without any, the corner closest to convex: slivers and self-intersections have no ear.
   [[nodiscard]] std::size_t next_ear(std::size_t n) const {
     std::size_t best = n;
     double best_turn = -1e300;
@@ -58,7 +58,7 @@ struct Clipping {
       const std::size_t m = (n + step) % left.size();
       if (is_ear(m)) return m;
       const double t = turn(flat[at(m + left.size() - 1)], flat[at(m)], flat[at(m + 1)]);
-      // A straight corner waits: cutting it off would leave its neighbours an edge that runs past it.
+      // A straight corner is clipped last: otherwise its neighbours would share an edge that passes it.
       if (t != 0.0 && t > best_turn) {
         best_turn = t;
         best = m;

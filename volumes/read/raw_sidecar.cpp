@@ -11,7 +11,7 @@
 namespace burrhole {
 namespace {
 
-constexpr double kUnitLength = 1e-3;            ///< a direction written with four digits may be this far from length 1
+constexpr double kUnitLength = 1e-3;            ///< a direction written with four digits may deviate by this from length 1
 constexpr double kMostOffset = 1099511627776.;  ///< [bytes] 2^40
 
 const std::array<std::pair<const char*, PixelType>, 10> kTypes{{{"uint8", PixelType::u8},
@@ -41,13 +41,13 @@ void read_grid(TableReader& root, ImageHead& image) {
       root.numbers("dims", std::nullopt, 3, {.min = 1.0, .max = 2147483647.0}, "numbers of voxels along i, j, k; i runs fastest");
   if (std::any_of(sizes.begin(), sizes.end(), [](double size) { return size != std::floor(size); }))
     root.fault("dims", "must be whole numbers");
-  else if (const auto fault = dims_fault(std::llround(sizes[0]), std::llround(sizes[1]), std::llround(sizes[2])))
-    root.fault("dims", fmt::format("are not read: {}", *fault));
+  else if (const auto error = dims_error(std::llround(sizes[0]), std::llround(sizes[1]), std::llround(sizes[2])))
+    root.fault("dims", fmt::format("are not read: {}", *error));
   image.dims = Vec3i(sizes[0], sizes[1], sizes[2]);
   const Vec3 spacing = root.vector("spacing_mm", std::nullopt, {.min = 0.0, .max = 1000.0, .min_open = true, .to_si = kMillimetre},
                                    "distances of voxel centres along i, j, k");
   const bool turned = root.has("direction"), placed = root.has("origin_mm");
-  if (!turned) image.assumed.emplace_back("no direction in the sidecar: i to the left, j to the back, k up");
+  if (!turned) image.assumed.emplace_back("no direction in the sidecar: i towards left, j towards posterior, k towards superior");
   if (!placed) image.assumed.emplace_back("no origin in the sidecar: first voxel at 0");
   const auto nine = root.numbers("direction", std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1}, 9, {.min = -1.001, .max = 1.001},
                                  "unit vectors along which i, then j, then k run: left, posterior, superior");
@@ -59,23 +59,23 @@ void read_grid(TableReader& root, ImageHead& image) {
     units = false;
     root.fault("direction", fmt::format("has a vector of length {:.4g} for {}; it must be 1", glm::length(unit), "ijk"[axis]));
   }
-  const bool spaced = glm::all(glm::greaterThan(spacing, Vec3(0.0)));  // otherwise it is told
-  if (const auto fault = affine_fault({Mat3(spacing.x, 0, 0, 0, spacing.y, 0, 0, 0, spacing.z), Vec3(0.0)}); fault && spaced)
-    root.fault("spacing_mm", "is not read: " + *fault);
-  else if (const auto flat = affine_fault(image.bone_from_index); flat && units && spaced)
+  const bool spaced = glm::all(glm::greaterThan(spacing, Vec3(0.0)));  // otherwise already reported
+  if (const auto error = affine_error({Mat3(spacing.x, 0, 0, 0, spacing.y, 0, 0, 0, spacing.z), Vec3(0.0)}); error && spaced)
+    root.fault("spacing_mm", "is not read: " + *error);
+  else if (const auto flat = affine_error(image.bone_from_index); flat && units && spaced)
     root.fault("direction", "is not read: " + *flat);
   image.bone_from_index.offset =
       root.vector("origin_mm", Vec3(0.0), {.to_si = kMillimetre}, "centre of the first voxel: left, posterior, superior");
 }
 
-/// data, or files with an optional folder.
+/// `data`, or `files` with an optional `folder`.
 void read_files(TableReader& root, RawSidecar& out) {
   const bool one = root.has("data"), many = root.has("files"), folder = root.has("folder");
   out.data = root.text("data", "", "the one file of the voxels; $NAME/... by the environment");
   out.files = root.text("files", "", "pattern of one file a slice, * for its number, as CThead.*; slices are in the order of the numbers");
   out.folder = root.text("folder", ".", "folder of the files; $NAME/... by the environment");
   out.data_place = root.place_of("data"), out.files_place = root.place_of("files"), out.folder_place = root.place_of("folder");
-  if (one == many) root.fault(one ? "files" : "data", one ? "and data are both there: say one" : "or files must say where the voxels are");
+  if (one == many) root.fault(one ? "files" : "data", one ? "and data are both present: give one of them" : "or files is required");
   if (one && out.data.empty()) root.fault("data", "names no file");
   if (one && folder) root.fault("folder", "goes with files, not with data");
   if (many && std::count(out.files.begin(), out.files.end(), '*') != 1) root.fault("files", "must have exactly one * for the number");
@@ -100,9 +100,9 @@ Result<RawSidecar> parse_raw_sidecar(const TomlDocument& document, KeyLog* log) 
   read_grid(root, out.image);
   read_files(root, out);
   const std::string quantity =
-      root.choice("quantity", "unknown", {"hounsfield", "unknown"}, "what the values mean; unknown: told by the values themselves");
+      root.choice("quantity", "unknown", {"hounsfield", "unknown"}, "what the values mean; unknown: determined from the values");
   out.quantity = quantity == "hounsfield" ? Quantity::hounsfield : Quantity::unknown;
-  if (const std::string guess = root.text("assumed", "", "what in this file is a guess; it is told in every report"); !guess.empty())
+  if (const std::string guess = root.text("assumed", "", "what in this file is an assumption; every report prints it"); !guess.empty())
     out.image.assumed.push_back(guess);
   root.finish();
   if (issues.empty()) return out;

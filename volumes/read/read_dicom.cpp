@@ -1,4 +1,4 @@
-// read_dicom: a folder or file of DICOM to a Scan and its report.
+// read_dicom: converts a folder or file of DICOM to a Scan and its report.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace burrhole {
 namespace {
 
-constexpr double kTiltWorthTelling = 0.05 * kDegree;
+constexpr double kReportedTilt = 0.05 * kDegree;
 
 Result<std::vector<DicomKeepTag>> keep_tags(const std::vector<std::string>& keywords) {
   std::vector<DicomKeepTag> out;
@@ -35,14 +35,14 @@ Quantity quantity_of(const DicomFolder& folder, const DicomSeries& series) {
   return hounsfield ? Quantity::hounsfield : Quantity::unknown;
 }
 
-/// Larger series that were passed over for their faults or their direction.
-void tell_passed_over(const std::vector<DicomSeries>& series, std::size_t taken, std::vector<std::string>& assumed) {
+/// Larger series that were not selected because of errors or direction.
+void report_larger_series(const std::vector<DicomSeries>& series, std::size_t taken, std::vector<std::string>& assumed) {
   for (const DicomSeries& s : series) {
     if (s.voxels() <= series[taken].voxels()) continue;
     const std::string times = fmt::format("series {} is {:.1f} times as large as series {}, which was taken,", s.line.name,
                                           s.voxels() / series[taken].voxels(), series[taken].line.name);
-    if (!s.line.fault.empty())
-      assumed.push_back(fmt::format("{} but cannot be read: {}", times, s.line.fault));
+    if (!s.line.error.empty())
+      assumed.push_back(fmt::format("{} but cannot be read: {}", times, s.line.error));
     else
       assumed.push_back(fmt::format("{} but is {}", times, s.line.direction));
   }
@@ -53,16 +53,16 @@ std::size_t count_files(const DicomFolder& folder, const DicomSeries& series, bo
       std::count_if(series.files.begin(), series.files.end(), [&](std::size_t n) { return folder.headers[n].*property == value; }));
 }
 
-void tell_assumptions(const DicomFolder& folder, const DicomSeries& series, Quantity quantity, std::vector<std::string>& assumed) {
+void report_assumptions(const DicomFolder& folder, const DicomSeries& series, Quantity quantity, std::vector<std::string>& assumed) {
   const double tilt = series.stack.tilt;
   if (series.thickness_assumed)
     assumed.push_back(fmt::format("one slice: thickness {:.4g} mm from SliceThickness", series.line.spacing.z / kMillimetre));
-  if (tilt > kTiltWorthTelling)
+  if (tilt > kReportedTilt)
     assumed.push_back(fmt::format("slices are tilted by {:.2f} degrees (gantry tilt), kept as shear", tilt / kDegree));
-  if (quantity == Quantity::unknown) assumed.push_back("RescaleType is not HU: what the values are is told by themselves");
+  if (quantity == Quantity::unknown) assumed.push_back("RescaleType is not HU: the unit is determined from the values");
   if (const std::size_t n = count_files(folder, series, &DicomHeader::has_rescale, false); n > 0 && quantity == Quantity::hounsfield)
     assumed.push_back(fmt::format("{} of {} files lack rescale slope or intercept: 1 and 0 are taken", n, series.files.size()));
-  // MONOCHROME1 turns the display over, not the numbers: HU follow slope and intercept either way. PS3.3 C.7.6.3.1.2, C.11.1.
+  // MONOCHROME1 inverts the display, not the values: HU follow from slope and intercept. PS3.3 C.7.6.3.1.2, C.11.1.
   if (const std::size_t n = count_files(folder, series, &DicomHeader::white_is_low, true); n > 0)
     assumed.push_back(
         fmt::format("{} of {} files are MONOCHROME1, which concerns display alone: values as stored", n, series.files.size()));
@@ -70,15 +70,15 @@ void tell_assumptions(const DicomFolder& folder, const DicomSeries& series, Quan
     assumed.push_back(fmt::format("{} of {} files were compressed with loss", n, series.files.size()));
 }
 
-void tell_counts(const PixelCounts& counts, std::vector<std::string>& assumed) {
+void report_counts(const PixelCounts& counts, std::vector<std::string>& assumed) {
   if (counts.padded > 0) assumed.push_back(fmt::format("{} padding pixels set to -1024 HU (air)", counts.padded));
   if (counts.clamped > 0) assumed.push_back(fmt::format("{} pixels below -1024 HU set to -1024 HU", counts.clamped));
 }
 
-/// Slice after slice in stack order. A multi-frame file stays open while its frames are next to each other.
+/// Slice by slice in stack order. A multi-frame file stays open while its frames are consecutive.
 Status read_pixels(const DicomFolder& folder, const DicomSeries& series, const ReadOptions& options, Scan& scan, PixelCounts& counts) {
   const std::size_t each = static_cast<std::size_t>(scan.dims.x) * static_cast<std::size_t>(scan.dims.y);
-  if (const auto fault = memory_fault(series.voxels() * sizeof(float), options.memory)) return Error{ErrorCode::unavailable, *fault, {}};
+  if (const auto error = memory_error(series.voxels() * sizeof(float), options.memory)) return Error{ErrorCode::unavailable, *error, {}};
   scan.values.resize(each * series.slices.size());
   std::optional<FrameReader> reader;
   std::size_t open_file = 0;
@@ -118,9 +118,9 @@ Result<ReadScan> read_checked(const std::string& path, const ReadOptions& option
 
   out.report.format = "DICOM";
   out.report.skipped = folder->skipped;
-  if (options.series.empty()) tell_passed_over(series, *chosen, out.report.assumed);
-  tell_assumptions(*folder, taken, out.scan.quantity, out.report.assumed);
-  tell_counts(counts, out.report.assumed);
+  if (options.series.empty()) report_larger_series(series, *chosen, out.report.assumed);
+  report_assumptions(*folder, taken, out.scan.quantity, out.report.assumed);
+  report_counts(counts, out.report.assumed);
   const DicomHeader& first = folder->headers[taken.slices.front().file];
   for (std::size_t n = 0; n < keep->size(); ++n) out.report.kept.push_back({(*keep)[n].keyword, first.kept[n]});
   for (DicomSeries& s : series) out.report.series.push_back(std::move(s.line));

@@ -10,7 +10,7 @@
 namespace burrhole {
 namespace {
 
-/// Path without ".gz" and its last ending, which goes to `ending` in small letters.
+/// Path without ".gz" and its last extension, which is returned in `ending` in lower case.
 std::string stem_of(std::string path, std::string& ending) {
   if (lower(path).ends_with(".gz")) path.resize(path.size() - 3);
   ending = lower(std::filesystem::path(path).extension().string());
@@ -18,7 +18,7 @@ std::string stem_of(std::string path, std::string& ending) {
   return path;
 }
 
-/// The other file of a pair: the same name with one of the endings, packed or not, in small or capital letters.
+/// The other file of a pair: the same name with one of the extensions, packed or not, in lower or upper case.
 Result<std::string> partner(const std::string& path, const std::string& stem, const std::vector<std::string>& endings) {
   for (const std::string& ending : endings)
     for (const char* const packed : {"", ".gz"})

@@ -12,14 +12,14 @@
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kMostDigits = 9;  ///< of the number in a file name
+constexpr std::size_t kMostDigits = 9;  ///< digits of the number in a file name
 
 struct Numbered {
   std::int64_t number = 0;
   std::string path;
 };
 
-/// The files of a folder that the pattern fits, * standing for digits only, in numeric order.
+/// The files of a folder that match the pattern, where * stands for digits only, in numeric order.
 Result<std::vector<Numbered>> files_of(const std::filesystem::path& folder, const RawSidecar& sidecar) {
   std::error_code error;
   std::filesystem::directory_iterator entry(folder, error);
@@ -40,7 +40,7 @@ Result<std::vector<Numbered>> files_of(const std::filesystem::path& folder, cons
   return found;
 }
 
-/// One file a slice, numbers evenly spaced: a gap would put every later slice in the wrong place.
+/// One file per slice, numbers evenly spaced: a gap would misplace all later slices.
 Result<std::vector<VoxelPart>> slices_of(const std::filesystem::path& folder, const RawSidecar& sidecar) {
   const Result<std::vector<Numbered>> files = files_of(folder, sidecar);
   if (!files) return files.error();

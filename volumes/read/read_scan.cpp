@@ -16,12 +16,12 @@
 namespace burrhole {
 namespace {
 
-/// One of the readers; no reader: the kind is not known yet.
+/// One of the readers; null: the kind is not known yet.
 struct Reader {
   Result<ReadScan> (*read)(const std::string&, const ReadOptions&) = nullptr;
 };
 
-constexpr std::size_t kSniffed = 1024;  ///< [bytes] looked at to tell a format by its content
+constexpr std::size_t kSniffed = 1024;  ///< [bytes] read to detect a format by its content
 constexpr const char* kKinds =
     "a DICOM folder or file, NIfTI (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), the .toml of a raw volume, "
     "a mesh (.stl, .obj, .ply), a .vdb";
@@ -42,20 +42,20 @@ Reader by_ending(std::string path) {
   return {};
 }
 
-/// By the first bytes. Those of DICOM without its magic text say least, so they are asked last.
+/// Detects the format by the first bytes. DICOM without its magic text is the weakest criterion and is tested last.
 Result<Reader> by_content(const std::string& path) {
   const bool packed = starts_as_gzip(path);
   const Result<std::vector<std::byte>> head = read_head(path, packed, kSniffed);
   if (!head) return head.error();
   const std::string_view text(reinterpret_cast<const char*>(head.value().data()), head.value().size());
   if (text.size() >= 132 && text.substr(128, 4) == "DICM") return Reader{read_dicom};
-  if (looks_like_nifti(head.value())) return Reader{read_nifti};
+  if (starts_like_nifti(head.value())) return Reader{read_nifti};
   if (text.starts_with("NRRD000")) return Reader{read_nrrd};
-  if (looks_like_metaimage(text)) return Reader{read_metaimage};
+  if (starts_like_metaimage(text)) return Reader{read_metaimage};
   if (text.starts_with(std::string_view(" BDV\0\0\0\0", 8))) return Reader{read_foreign_vdb};
   if (!packed && !mesh_format(path).empty()) return Reader{read_mesh_scan};
-  if (!packed && looks_like_dicom(head.value())) return Reader{read_dicom};
-  return bad_input(fmt::format("is of no kind that is read: {}", kKinds), path);
+  if (!packed && starts_like_dicom(head.value())) return Reader{read_dicom};
+  return bad_input(fmt::format("is not in a supported format: {}", kKinds), path);
 }
 
 Result<Reader> reader_of(const std::string& path) {
@@ -66,12 +66,12 @@ Result<Reader> reader_of(const std::string& path) {
   return by_content(path);
 }
 
-/// What every reader promises, asked once more of all of them.
+/// Checks the guarantees of every reader again.
 Status check(const Scan& scan, const std::string& path) {
   const VoxelBox box{Vec3i(0), scan.dims};
   if (box.empty() || scan.values.size() != box.count())
     return bad_input(fmt::format("{} values for {} x {} x {} voxels", scan.values.size(), scan.dims.x, scan.dims.y, scan.dims.z), path);
-  if (const auto fault = affine_fault(scan.bone_from_index)) return bad_input(*fault, path);
+  if (const auto error = affine_error(scan.bone_from_index)) return bad_input(*error, path);
   const std::size_t bad = count_not_finite(scan.values);
   if (bad > 0) return bad_input(fmt::format("holds {} NaN or infinite voxels", bad), path);
   return {};

@@ -15,7 +15,7 @@ namespace {
 constexpr double kShortest = 1e-6, kLongest = 1.0;  // [m] edges of a voxel
 constexpr double kFlattest = 1e-3;                  // volume of the cell over that of the box with the same edges
 
-/// Angle between a unit vector and the line of another, from 0 to pi/2; by both sine and cosine, so that small angles keep their digits.
+/// Angle between a unit vector and the line of another, from 0 to pi/2; from sine and cosine, so that small angles are accurate.
 double angle_to_line(const Vec3& a, const Vec3& b) { return std::atan2(glm::length(glm::cross(a, b)), std::abs(glm::dot(a, b))); }
 
 }  // namespace
@@ -41,7 +41,7 @@ GridShape describe_grid(const Affine& bone_from_index) noexcept {
   return out;
 }
 
-std::optional<std::string> affine_fault(const Affine& bone_from_index) {
+std::optional<std::string> affine_error(const Affine& bone_from_index) {
   double box = 1.0;
   for (int c = 0; c < 3; ++c) {
     const Vec3 edge = bone_from_index.linear[c];
@@ -56,9 +56,9 @@ std::optional<std::string> affine_fault(const Affine& bone_from_index) {
   return std::nullopt;
 }
 
-std::optional<std::string> dims_fault(std::int64_t i, std::int64_t j, std::int64_t k) {
+std::optional<std::string> dims_error(std::int64_t i, std::int64_t j, std::int64_t k) {
   for (const std::int64_t edge : {i, j, k})
-    if (edge < 1 || edge > std::numeric_limits<int>::max()) return fmt::format("sizes {} x {} x {} are no volume's", i, j, k);
+    if (edge < 1 || edge > std::numeric_limits<int>::max()) return fmt::format("sizes {} x {} x {} are not those of a volume", i, j, k);
   if (static_cast<double>(i) * static_cast<double>(j) * static_cast<double>(k) > kMaxScanVoxels)
     return fmt::format("{} x {} x {} voxels are more than the {:.0f} that are read", i, j, k, kMaxScanVoxels);
   return std::nullopt;

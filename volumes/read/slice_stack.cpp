@@ -16,13 +16,14 @@ namespace {
 
 constexpr double kUnitLength = 1e-3;    // directions are decimal text, often of five digits: 1e-3 rad moves a corner of a head by 0.1 mm
 constexpr double kSpacingShare = 1e-4;  // pixel spacings of one stack may differ by this share: 0.02 mm over 200 mm
-constexpr double kSamePlace = 0.001;    // [mm] closer slices are one place told twice
-constexpr double kStepShare = 0.01;     // a step may be off the rule by this share
+constexpr double kSamePlace = 0.001;    // [mm] slices closer than this are at one position
+constexpr double kStepShare = 0.01;     // [-] a step may differ from the median by this share
 constexpr double kStepSlack = 0.01;     // [mm] and by this much, as positions are rounded decimals
-constexpr double kMostOffPlace = 0.1;   // no slice may lie further from its place in the affine than this share of the shortest voxel edge
-constexpr double kFarthest = 1e6;       // [mm] no scanner has coordinates beyond a kilometre
+constexpr double kMostOffPlace =
+    0.1;                           // [-] largest distance of a slice from its position in the affine, as a share of the shortest voxel edge
+constexpr double kFarthest = 1e6;  // [mm] largest coordinate of a scanner
 
-/// A stack under examination: everything along the normal of the first slice.
+/// A stack during the checks: everything along the normal of the first slice.
 struct Axis {
   Vec3 row, column, normal;
   char letter = 'z';  ///< patient axis nearest to the normal, for messages
@@ -31,7 +32,7 @@ struct Axis {
 
 struct Steps {
   std::vector<Vec3> between;  ///< [mm] from slice n to slice n + 1, sorted
-  double rule = 0.0;          ///< [mm] median along the normal: what a few gaps cannot move, unlike the mean
+  double rule = 0.0;          ///< [mm] median along the normal; unlike the mean it is robust against a few gaps
 };
 
 bool directions_usable(const SlicePlane& s) {
@@ -39,7 +40,7 @@ bool directions_usable(const SlicePlane& s) {
          std::abs(glm::dot(s.row, s.column)) < kUnitLength;
 }
 
-std::optional<std::string> fault_of_plane(const SlicePlane& s) {
+std::optional<std::string> error_of_plane(const SlicePlane& s) {
   const bool finite =
       is_finite(s.position) && is_finite(s.row) && is_finite(s.column) && std::isfinite(s.column_spacing) && std::isfinite(s.row_spacing);
   if (!finite) return "a slice's position, direction or pixel spacing is not finite";
@@ -63,8 +64,8 @@ bool same_spacing(const SlicePlane& a, const SlicePlane& b) {
          std::abs(a.row_spacing - b.row_spacing) <= kSpacingShare * a.row_spacing;
 }
 
-/// What keeps slices from being one stack, whatever their positions.
-std::optional<std::string> fault_of_mixture(const std::vector<SlicePlane>& slices) {
+/// Checks the slices for one stack, independent of their positions.
+std::optional<std::string> error_of_mixture(const std::vector<SlicePlane>& slices) {
   const SlicePlane& first = slices.front();
   std::size_t sizes = 0, turned = 0, spacings = 0;
   for (const SlicePlane& s : slices) {
@@ -84,7 +85,7 @@ std::optional<std::string> fault_of_mixture(const std::vector<SlicePlane>& slice
 Axis axis_of(const SlicePlane& s) {
   Axis axis;
   axis.row = glm::normalize(s.row);
-  // Exactly square to the row: what is left of the text's last digits would otherwise look like shear.
+  // Exactly perpendicular to the row: otherwise the rounding of the text would appear as shear.
   axis.column = glm::normalize(s.column - axis.row * glm::dot(axis.row, s.column));
   axis.normal = glm::cross(axis.row, axis.column);
   for (int c = 0; c < 3; ++c)
@@ -115,7 +116,7 @@ Steps steps_of(const std::vector<Vec3>& sorted, const Vec3& normal) {
   return steps;
 }
 
-std::optional<std::string> fault_of_doubles(const Steps& steps, const std::vector<Vec3>& sorted, const Axis& axis) {
+std::optional<std::string> error_of_doubles(const Steps& steps, const std::vector<Vec3>& sorted, const Axis& axis) {
   std::size_t doubles = 0, first = 0;
   for (std::size_t n = 0; n < steps.between.size(); ++n)
     if (glm::dot(steps.between[n], axis.normal) < kSamePlace && doubles++ == 0) first = n;
@@ -124,8 +125,8 @@ std::optional<std::string> fault_of_doubles(const Steps& steps, const std::vecto
                      axis.letter, sorted[first][axis.component]);
 }
 
-/// Gaps and uneven steps. A whole multiple of the rule is told as slices that are missing.
-std::optional<std::string> fault_of_gaps(const Steps& steps, const std::vector<Vec3>& sorted, const Axis& axis) {
+/// Gaps and uneven steps. A whole multiple of the median step is reported as missing slices.
+std::optional<std::string> error_of_gaps(const Steps& steps, const std::vector<Vec3>& sorted, const Axis& axis) {
   std::size_t off = 0, first = 0, missing = 0;
   bool whole = true;
   for (std::size_t n = 0; n < steps.between.size(); ++n) {
@@ -148,8 +149,8 @@ std::optional<std::string> fault_of_gaps(const Steps& steps, const std::vector<V
                      number - 1, where);
 }
 
-/// Sideways drift may be steady (gantry tilt), not uneven; and errors too small to see in one step must not add up.
-std::optional<std::string> fault_of_drift(const std::vector<Vec3>& sorted, const Axis& axis, const Vec3& step, double shortest_edge) {
+/// Sideways drift may be steady (gantry tilt) but not uneven. Errors too small to detect in one step must not accumulate.
+std::optional<std::string> error_of_drift(const std::vector<Vec3>& sorted, const Axis& axis, const Vec3& step, double shortest_edge) {
   const double allowed = kMostOffPlace * shortest_edge + kStepSlack;
   double worst = 0.0;
   std::size_t at = 0;
@@ -170,8 +171,8 @@ std::optional<std::string> fault_of_drift(const std::vector<Vec3>& sorted, const
 Result<SliceStack> stack_slices(const std::vector<SlicePlane>& slices, double single_slice_mm) {
   if (slices.empty()) return bad_input("there is no slice");
   for (const SlicePlane& s : slices)
-    if (const auto fault = fault_of_plane(s)) return bad_input(*fault);
-  if (const auto fault = fault_of_mixture(slices)) return bad_input(*fault);
+    if (const auto error = error_of_plane(s)) return bad_input(*error);
+  if (const auto error = error_of_mixture(slices)) return bad_input(*error);
 
   const SlicePlane& front = slices.front();
   const Axis axis = axis_of(front);
@@ -182,19 +183,19 @@ Result<SliceStack> stack_slices(const std::vector<SlicePlane>& slices, double si
 
   Vec3 step = axis.normal * single_slice_mm;
   if (slices.size() == 1) {
-    if (!std::isfinite(single_slice_mm) || single_slice_mm <= 0.0) return bad_input("there is one slice, and nothing says how thick it is");
+    if (!std::isfinite(single_slice_mm) || single_slice_mm <= 0.0) return bad_input("there is one slice, and its thickness is unknown");
   } else {
     const Steps steps = steps_of(sorted, axis.normal);
-    if (const auto fault = fault_of_doubles(steps, sorted, axis)) return bad_input(*fault);
-    if (const auto fault = fault_of_gaps(steps, sorted, axis)) return bad_input(*fault);
+    if (const auto error = error_of_doubles(steps, sorted, axis)) return bad_input(*error);
+    if (const auto error = error_of_gaps(steps, sorted, axis)) return bad_input(*error);
     step = (sorted.back() - sorted.front()) / static_cast<double>(sorted.size() - 1);
     const double shortest = std::min({front.column_spacing, front.row_spacing, glm::length(step)});
-    if (const auto fault = fault_of_drift(sorted, axis, step, shortest)) return bad_input(*fault);
+    if (const auto error = error_of_drift(sorted, axis, step, shortest)) return bad_input(*error);
   }
   stack.tilt = std::atan2(glm::length(glm::cross(axis.normal, step)), glm::dot(axis.normal, step));
   stack.bone_from_index.linear = Mat3(axis.row * front.column_spacing, axis.column * front.row_spacing, step) * kMillimetre;
   stack.bone_from_index.offset = sorted.front() * kMillimetre;
-  if (const auto fault = affine_fault(stack.bone_from_index)) return bad_input(*fault);
+  if (const auto error = affine_error(stack.bone_from_index)) return bad_input(*error);
   return stack;
 }
 

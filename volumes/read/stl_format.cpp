@@ -12,16 +12,16 @@ namespace {
 
 constexpr std::size_t kHeader = 84, kTriangle = 50;  // [bytes]
 
-Error line_fault(const Lines& lines, const std::string& what) { return bad_input(fmt::format("line {}: {}", lines.number(), what)); }
+Error line_error(const Lines& lines, const std::string& what) { return bad_input(fmt::format("line {}: {}", lines.number(), what)); }
 
-/// Little-endian, as the machines this runs on.
+/// Little-endian, as the supported machines.
 Result<SurfaceMesh> parse_binary(std::string_view bytes) {
   SurfaceMesh mesh;
   const std::size_t count = (bytes.size() - kHeader) / kTriangle;
   mesh.positions.reserve(3 * count);
   mesh.indices.reserve(3 * count);
   for (std::size_t n = 0; n < count; ++n) {
-    float numbers[12];  // normal, unused: the corners' order says as much
+    float numbers[12];  // the normal is not used: the order of the corners defines it
     std::memcpy(numbers, bytes.data() + kHeader + n * kTriangle, sizeof numbers);
     for (std::size_t c = 3; c < 12; c += 3) {
       mesh.indices.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
@@ -48,7 +48,7 @@ Result<SurfaceMesh> parse_text(std::string_view text) {
     if (key.empty()) continue;
     if (key == "vertex" && in_facet) {
       const auto x = number_of<double>(words.next()), y = number_of<double>(words.next()), z = number_of<double>(words.next());
-      if (!x || !y || !z) return line_fault(lines, "a vertex needs three numbers");
+      if (!x || !y || !z) return line_error(lines, "a vertex needs three numbers");
       mesh.indices.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
       mesh.positions.emplace_back(*x, *y, *z);
       ++corners;
@@ -56,12 +56,12 @@ Result<SurfaceMesh> parse_text(std::string_view text) {
       in_facet = true;
       corners = 0;
     } else if (key == "endfacet" && in_facet) {
-      if (corners != 3) return line_fault(lines, fmt::format("a facet of {} vertices", corners));
+      if (corners != 3) return line_error(lines, fmt::format("a facet of {} vertices", corners));
       in_facet = false;
     } else if ((key == "solid" && !in_solid) || (key == "endsolid" && in_solid && !in_facet)) {
       in_solid = key == "solid";
     } else if ((key != "outer" && key != "endloop") || !in_facet) {
-      return line_fault(lines, "no word of a text STL at this place");
+      return line_error(lines, "unexpected word in a text STL");
     }
   }
   if (in_solid) return bad_input("ends without endsolid: cut off?");
@@ -71,7 +71,7 @@ Result<SurfaceMesh> parse_text(std::string_view text) {
 }  // namespace
 
 Result<SurfaceMesh> parse_stl(std::string_view bytes) {
-  // Binary files may begin with "solid" too; the count of triangles fits the size of a whole one exactly.
+  // Binary files may begin with "solid" too. In a complete binary file the count of triangles matches the size exactly.
   std::uint32_t count = 0;
   const bool counted = bytes.size() >= kHeader;
   if (counted) std::memcpy(&count, bytes.data() + kHeader - 4, 4);

@@ -11,7 +11,7 @@ constexpr std::size_t kLongestBox = 512;  // [bytes] JP2 boxes that some writers
 unsigned byte_at(std::span<const std::byte> s, std::size_t at) { return std::to_integer<unsigned>(s[at]); }
 unsigned word_at(std::span<const std::byte> s, std::size_t at) { return dicom_u16(s.data() + at, true); }
 
-/// Bytes without the padding after the end: DICOM asks for an even length, some writers for more.
+/// Bytes without the padding after the end: DICOM requires an even length, some writers pad more.
 std::span<const std::byte> without_padding(std::span<const std::byte> s) {
   while (!s.empty() && s.back() == std::byte{0}) s = s.first(s.size() - 1);
   return s;
@@ -41,7 +41,7 @@ std::optional<StreamShape> jpeg_shape(DicomCodec codec, std::span<const std::byt
   return std::nullopt;
 }
 
-/// Entropy-coded bytes hold no marker but restarts. T.81 B.1.1.5.
+/// Entropy-coded bytes contain no markers except restarts. T.81 B.1.1.5.
 bool scan_is_plain(std::span<const std::byte> scan) {
   for (std::size_t n = 0; n < scan.size(); ++n) {
     if (scan[n] != std::byte{0xff}) continue;
@@ -68,7 +68,7 @@ std::optional<StreamShape> jpeg_2000_shape(std::span<const std::byte> s) {
   const auto size = [&](std::size_t at) { return std::int64_t{dicom_u32(siz + at, true)}; };
   const std::int64_t columns = size(8) - size(16), rows = size(12) - size(20);
   const bool sized = columns > 0 && rows > 0 && columns <= 65535 && rows <= 65535;
-  // No offset and no subsampling, as DICOM writers make them.
+  // No offset and no subsampling, as written for DICOM.
   const bool plain = size(16) == 0 && size(20) == 0 && std::to_integer<int>(siz[43]) == 1 && std::to_integer<int>(siz[44]) == 1;
   if (!sized || !plain) return std::nullopt;
   return StreamShape{.columns = static_cast<int>(columns),
@@ -79,7 +79,7 @@ std::optional<StreamShape> jpeg_2000_shape(std::span<const std::byte> s) {
 
 bool ends_with(std::span<const std::byte> s) { return s.size() >= 2 && word_at(s, s.size() - 2) == 0xffd9; }
 
-/// Tile parts follow each other by their own lengths and end at EOC. T.800 A.4.2; a length of 0 means the rest.
+/// Tile parts follow each other by their lengths and end at EOC. T.800 A.4.2; a length of 0 means the rest.
 bool tile_parts_whole(std::span<const std::byte> s) {
   const auto start = codestream_at(s);
   if (!start) return false;

@@ -1,5 +1,5 @@
-/// volumes/read/stream_shape.h: what a compressed stream says about itself, before a codec sees it.
-///   Source  ITU-T T.81 annex B (JPEG), T.87 annex C (JPEG-LS), T.800 annex A (JPEG 2000): markers and sizes.
+/// volumes/read/stream_shape.h: sizes in the header of a compressed stream, checked before a codec is used.
+///   Errors  an empty result.   Source  ITU-T T.81 annex B (JPEG), T.87 annex C (JPEG-LS), T.800 annex A (JPEG 2000): markers and sizes.
 #pragma once
 
 #include <cstddef>
@@ -11,23 +11,22 @@
 
 namespace burrhole {
 
-/// What a compressed stream says about itself.
+/// Sizes stated in a compressed stream.
 struct StreamShape {
-  int columns = 0, rows = 0;
+  int columns = 0, rows = 0;  ///< [pixels]
   int components = 0;
-  int bits = 0;
+  int bits = 0;                                                                                    ///< [bits] per sample
   [[nodiscard]] std::size_t bytes() const noexcept { return bits <= 8 ? 1 : bits <= 16 ? 2 : 4; }  ///< of one decoded sample
 };
 
-/// @returns the sizes in the stream's header, or nothing when there is no such header.
+/// @returns the sizes in the stream's header, or nothing if there is no such header.
 [[nodiscard]] std::optional<StreamShape> stream_shape(DicomCodec codec, std::span<const std::byte> stream);
 
-/// @returns whether the stream has its end: the last marker and, in JPEG 2000, all tile parts in between.
+/// @returns whether the stream is complete: the last marker and, in JPEG 2000, all tile parts are present.
 [[nodiscard]] bool stream_is_whole(DicomCodec codec, std::span<const std::byte> stream);
 
-/// The same JPEG image of one scan without comments and application segments, which decoders warn about; GDCM answers a warning about the
-/// header by ending the process. @pre stream_is_whole. @returns nothing for a stream that is anything but tables, one frame header and one
-/// scan.
+/// @returns the same JPEG image of one scan without comments and application segments. Decoders warn about these, and GDCM ends the process
+/// on a warning about the header. Empty if the stream has more than tables, one frame header and one scan. @pre stream_is_whole().
 [[nodiscard]] std::vector<std::byte> plain_jpeg(std::span<const std::byte> stream);
 
 }  // namespace burrhole

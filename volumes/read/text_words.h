@@ -1,4 +1,5 @@
-/// volumes/read/text_words.h: words of a text, by line, without copies; numbers independent of the locale.
+/// volumes/read/text_words.h: splits a text into words and lines without copies, and parses numbers independent of the locale.
+///   Errors  an empty result.
 #pragma once
 
 #include <charconv>
@@ -8,12 +9,12 @@
 
 namespace burrhole {
 
-/// Words between blanks; a line end is a blank like others.
+/// Words separated by blanks; a line end is a blank.
 class Words {
  public:
   explicit Words(std::string_view text) : rest_(text) {}
 
-  /// Empty at the end.
+  /// @returns the next word, empty at the end.
   std::string_view next() noexcept {
     std::size_t at = 0;
     while (at < rest_.size() && is_blank(rest_[at])) ++at;
@@ -44,7 +45,7 @@ class Lines {
     ++number_;
     return true;
   }
-  [[nodiscard]] std::size_t number() const noexcept { return number_; }  ///< of the line given last
+  [[nodiscard]] std::size_t number() const noexcept { return number_; }  ///< of the last line returned
   [[nodiscard]] std::string_view rest() const noexcept { return rest_; }
 
  private:
@@ -52,7 +53,7 @@ class Lines {
   std::size_t number_ = 0;
 };
 
-/// The whole word as a number, or nothing. "nan" and "inf" are numbers; a whole number may be asked for.
+/// @returns the whole word as a number, or nothing. "nan" and "inf" are numbers; T may be an integer.
 template <class T>
 [[nodiscard]] std::optional<T> number_of(std::string_view word) noexcept {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);

@@ -1,4 +1,5 @@
-/// volumes/read/written_path.h: a path as it stands in a file, to where it leads.
+/// volumes/read/written_path.h: resolves a path written in a file.
+///   Errors  bad_input.
 #pragma once
 
 #include <string>
@@ -7,8 +8,8 @@
 
 namespace burrhole {
 
-/// "$NAME/rest" with the environment's value of NAME; what is then relative lies beside `file`. @returns bad_input at `place` when the
-/// variable is not set or empty. Does not ask whether anything is there.
+/// @returns the path with "$NAME/rest" replaced by the environment's value of NAME; a relative path is relative to the folder of `file`.
+/// bad_input at `place` if the variable is not set or empty. It does not check that the path exists.
 [[nodiscard]] Result<std::string> written_path(const std::string& written, const std::string& file, const std::string& place);
 
 }  // namespace burrhole

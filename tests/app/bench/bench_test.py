@@ -4,6 +4,7 @@
 """
 import json
 import math
+import os
 import subprocess
 import sys
 import tempfile
@@ -30,7 +31,7 @@ class Bench(unittest.TestCase):
     def test_every_row_has_the_keys_and_no_result_differs(self):
         status, errors, rows = run("--quick", out=self.out)
         self.assertEqual(status, 0, errors)
-        self.assertEqual({row["area"] for row in rows}, AREAS)
+        self.assertEqual({row["area"] for row in rows}, MEASURED)
         self.assertEqual(len({(row["area"], row["name"]) for row in rows}), len(rows), "two rows have one name")
         for row in rows:
             with self.subTest(row=row["name"]):
@@ -50,7 +51,7 @@ class Bench(unittest.TestCase):
         self.assertEqual(status, 3, errors)
         compared = [row for row in rows if row["baseline"] != 1.0]
         self.assertEqual(compared, [], "a row was kept although what it compares was broken")
-        for area in AREAS:
+        for area in MEASURED:
             self.assertTrue(any(line.startswith(f"bench: {area}: ") and "differ" in line for line in errors), (area, errors))
 
     def test_an_area_may_be_asked_for_alone(self):
@@ -87,8 +88,13 @@ def areas_of_this_build():
 
 
 AREAS = areas_of_this_build()
+# Without real slices an import is not measured, and the program says so.
+MEASURED = AREAS if os.environ.get("BURRHOLE_DATA") else AREAS - {"import"}
+if MEASURED != AREAS:
+    print("skipped: bench, area import: needs real scans, and BURRHOLE_DATA is not set", flush=True)
 if "render" in AREAS:
     with tempfile.TemporaryDirectory() as probe:
         if run("--quick", "render", out=probe)[0] == 4:
+            print("skipped: bench: needs OpenGL 4.5")
             sys.exit(77)
 unittest.main()

@@ -105,11 +105,11 @@ class References(unittest.TestCase):
         self.assertEqual(run("docs").returncode, 2)
 
 
-class Readme(unittest.TestCase):
-    def test_the_table_of_bits_is_what_the_program_foretells(self):
+class Bits(unittest.TestCase):
+    def test_the_table_of_bits_is_what_the_program_predicts(self):
         """Figures as printed, to the two digits of the table."""
-        readme = (SOURCE / "README.md").read_text()
-        table = {row[0]: row[1:] for row in re.findall(r"^\| `(\w+)` \| (.+?) \| (\d+) \| (\S+?)(?: mm3/s)? \| (\S+?)(?: mm3/s)? \|$", readme, re.M)}
+        page = (SOURCE / "docs" / "bits.md").read_text()
+        table = {row[0]: row[1:] for row in re.findall(r"^\| `(\w+)` \| (.+?) \| (\d+) \| (\S+?)(?: mm3/s)? \| (\S+?)(?: mm3/s)? \|$", page, re.M)}
         self.assertEqual(sorted(table), TOOLS)
         for bit in json.loads(printed("tools", "--json")):
             sheet = printed("tools", bit["name"])

@@ -171,7 +171,7 @@ cutting_N_per_m = 25e3
         victim = next(short.iterdir())
         victim.write_bytes(victim.read_bytes()[:-1000])
         for source, words in ((self.folder / "empty", "empty"), (self.folder / "notes", "DICOM"), (gap, "step"), (short, "short"),
-                              (self.folder / "absent", "no such file"), (self.folder / "notes" / "readme.txt", "kind")):
+                              (self.folder / "absent", "no such file"), (self.folder / "notes" / "readme.txt", "supported format")):
             with self.subTest(source.name):
                 message = self.refused(source, "--volume", out)
                 self.assertIn(str(source), message)

@@ -1,5 +1,6 @@
 // What drawing costs, as the lab measures it: the bars on accuracy, and that each knob acts on what it is for. No time is judged.
 #include "app/lab/render_cost.h"
+#include "tests/support/source_folder.h"
 
 #include <doctest/doctest.h>
 
@@ -14,7 +15,7 @@ namespace {
 
 const RenderCost& measured() {
   static const RenderCost cost = [] {
-    auto made = measure_render_cost({.share_folder = BH_SOURCE_DIR "/app",
+    auto made = measure_render_cost({.share_folder = test::in_source("app"),
                                      .width = 400,
                                      .height = 300,
                                      .frames = 1,
@@ -129,7 +130,7 @@ TEST_CASE("render cost: a front over two subjects takes the mean cost and the le
   const auto point = [](const std::string& subject, const DrawingQuality& quality, double cost, double psnr) {
     return DrawnPoint{.subject = subject, .method = "rays", .quality = quality, .over_shipped = cost, .psnr = psnr};
   };
-  const std::vector<FrontRow> front = front_of({point("a", low, 0.1, 20.0), point("a", high, 0.5, 35.0), point("a", worse, 0.6, 34.0),
+  const std::vector<ParetoRow> front = front_of({point("a", low, 0.1, 20.0), point("a", high, 0.5, 35.0), point("a", worse, 0.6, 34.0),
                                                 point("b", low, 0.3, 22.0), point("b", high, 0.7, 31.0), point("b", worse, 0.8, 40.0)},
                                                "rays");
   // Mean costs 0.2, 0.6 and 0.7; least PSNR 20, 31 and 34.

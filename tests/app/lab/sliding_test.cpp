@@ -11,6 +11,7 @@
 #include "core/base/units.h"
 #include "core/contact/gradient_plane.h"
 #include "core/contact/voxmap_contact.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
@@ -22,7 +23,7 @@ const Vec3 kUp(0.0, 0.0, 1.0);
 /// Coarser and shorter than the full table: a second.
 SlidingOptions quick() {
   SlidingOptions options;
-  options.tool_folder = std::string(BH_SOURCE_DIR) + "/app/tools";
+  options.tool_folder = test::in_source("app/tools");
   options.tilts_deg = {0.0, 5.0, 25.0, 45.0};
   options.pitch = 0.5 * kMillimetre;
   options.length = 3.0 * kMillimetre;
@@ -57,7 +58,7 @@ SlidingSubject one_point_voxmap(const Vec3& tool_vector) {
   shell.cutting = {1};
   auto model = VoxmapContact::create({}, std::move(shell));
   REQUIRE(model.ok());
-  const std::shared_ptr<const ContactModel> shared = std::move(model).value();
+  const std::shared_ptr<const PenaltyModel> shared = std::move(model).value();
   return {"one point", [shared](const SlidingBone& bone) -> ForceAt {
             return [shared, view = &bone.voxels](const Pose& pose) {
               ContactResult result;
@@ -109,8 +110,10 @@ TEST_CASE("sliding: a closed-form spring on the tilted plane shows no step, so t
 }
 
 TEST_CASE("sliding: gradient-plane is steady on a level plate on the grid, and on no tilted one") {
+  int level = 0, tilted = 0;
   for (const SlidingRow& row : quick_rows()) {
     if (row.model != "gradient-plane") continue;
+    ++(row.tilt_deg == 0.0 ? level : tilted);
     CAPTURE(row.tilt_deg);
     CAPTURE(row.depth_voxel);
     // Sums of the same depths in the same order; only the roundings of the positions change.
@@ -122,15 +125,20 @@ TEST_CASE("sliding: gradient-plane is steady on a level plate on the grid, and o
     }
     CHECK(row.rms_step_N <= row.largest_step_N);
   }
+  CHECK(level > 0);
+  CHECK(tilted > 0);
 }
 
 TEST_CASE("sliding: the original voxmap steps at voxel boundaries even on a level plate") {
+  std::map<std::string, int> judged;
   for (const SlidingRow& row : quick_rows()) {
     if (row.tilt_deg != 0.0 || !row.model.starts_with("voxmap")) continue;
     CAPTURE(row.model);
+    ++judged[row.model];
     CHECK(row.largest_step_N > 1e-3);
     CHECK(row.ripple > 0.01);
   }
+  CHECK(judged.size() == 3);  // both plane voxels, three ways to stack
 }
 
 namespace {

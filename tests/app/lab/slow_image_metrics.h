@@ -1,7 +1,7 @@
 /// tests/app/lab/slow_image_metrics.h: the image metrics once more, pixel by pixel with windows in the plane, sharing no code with app/lab.
 #pragma once
 
-#include "app/engine/view.h"
+#include "app/view/view.h"
 
 namespace burrhole::test {
 

@@ -42,22 +42,22 @@ TEST_CASE("stability: a sampled spring leaks half a step of its force each way a
   // Work of the held force over a stroke of N steps d: sum of K d^2 n. In: K d^2 N(N-1)/2 with the force of the tick before; out: N(N+1)/2.
   // What is owed at the end is K d^2 N; each tick of delay adds twice as much.
   const double leak = 1000.0 * 1e-10 * 100.0;
-  CHECK(std::abs(energy_owed(in_and_out(0), {}) - leak) <= 1e-12);
+  CHECK(std::abs(passivity_deficit(in_and_out(0), {}) - leak) <= 1e-12);
   // One step less at the turn, where both ticks hold the same force.
-  CHECK(energy_owed(in_and_out(1), {}) == doctest::Approx(3.0 * leak).epsilon(0.02));
+  CHECK(passivity_deficit(in_and_out(1), {}) == doctest::Approx(3.0 * leak).epsilon(0.02));
   // Damping of K T / 2 = 0.5 N s/m pays for a tick's hold and not for a tick of delay.
   // At the turn the velocity jumps within a tick; as a straight line it is swallowed there by a third, 2/3 b v^2 T too little.
-  CHECK(energy_owed(in_and_out(0), {.damping = 0.5}) <= 2.0 / 3.0 * 0.5 * 1e-4 * kPeriod * (1.0 + 1e-9));
-  CHECK(energy_owed(in_and_out(1), {.damping = 0.5}) > leak);
+  CHECK(passivity_deficit(in_and_out(0), {.damping = 0.5}) <= 2.0 / 3.0 * 0.5 * 1e-4 * kPeriod * (1.0 + 1e-9));
+  CHECK(passivity_deficit(in_and_out(1), {.damping = 0.5}) > leak);
   // Friction of 0.02 N over 2 mm pays 40 uJ: all of both.
-  CHECK(energy_owed(in_and_out(1), {.friction = 0.02}) <= 1e-12);
+  CHECK(passivity_deficit(in_and_out(1), {.friction = 0.02}) <= 1e-12);
 }
 
 TEST_CASE("stability: a force with its sign flipped owes all the energy that it gives") {
   StabilityTrace trace = in_and_out(0);
   for (StabilitySample& s : trace.samples) s.shown = -s.shown;
   // It pulls the grip in: K d^2 N (N - 1) / 2 at the turn.
-  CHECK(energy_owed(trace, {}) == doctest::Approx(1000.0 * 1e-10 * 100.0 * 99.0 / 2.0).epsilon(1e-9));
+  CHECK(passivity_deficit(trace, {}) == doctest::Approx(1000.0 * 1e-10 * 100.0 * 99.0 / 2.0).epsilon(1e-9));
 }
 
 TEST_CASE("stability: work by whoever moves bone is not the wall's") {
@@ -69,8 +69,8 @@ TEST_CASE("stability: work by whoever moves bone is not the wall's") {
       s.shown = {0.0, 0.0, 1.0};
     });
   };
-  CHECK(energy_owed(carried(true), {}) <= 1e-15);
-  CHECK(energy_owed(carried(false), {}) == doctest::Approx(99e-5).epsilon(1e-9));
+  CHECK(passivity_deficit(carried(true), {}) <= 1e-15);
+  CHECK(passivity_deficit(carried(false), {}) == doctest::Approx(99e-5).epsilon(1e-9));
 }
 
 TEST_CASE("stability: what is not finite is counted, and no bound holds it") {
@@ -82,11 +82,13 @@ TEST_CASE("stability: what is not finite is counted, and no bound holds it") {
   CHECK(std::isnan(largest_force(trace, {})));
 }
 
-TEST_CASE("stability: the pull is the largest of the span, and one that is no number stays") {
-  const auto pulling = [](double newton) { return make_trace(5, [newton](int n, StabilitySample& s) { s.pull = n == 2 ? newton : 0.0; }); };
-  CHECK(largest_pull(pulling(2.0), {}) == 2.0);
-  CHECK(largest_pull(pulling(2.0), {3e-3, 1.0}) == 0.0);
-  CHECK(std::isnan(largest_pull(pulling(std::nan("")), {})));
+TEST_CASE("stability: the attractive force is the largest of the span, and one that is no number stays") {
+  const auto pulling = [](double newton) {
+    return make_trace(5, [newton](int n, StabilitySample& s) { s.attractive_force = n == 2 ? newton : 0.0; });
+  };
+  CHECK(largest_attractive_force(pulling(2.0), {}) == 2.0);
+  CHECK(largest_attractive_force(pulling(2.0), {3e-3, 1.0}) == 0.0);
+  CHECK(std::isnan(largest_attractive_force(pulling(std::nan("")), {})));
 }
 
 TEST_CASE("stability: force that outlives its bone is timed by its longest stretch") {

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "app/engine/texels.h"
+#include "app/view/texels.h"
 #include "core/contact/surface_view.h"
 #include "tests/app/render/render_scenes.h"
 #include "tests/support/drill_scene.h"
@@ -22,13 +23,18 @@ above_mm = 1.5
 radius_mm = 4.0
 )";
 constexpr int kWidth = 160, kHeight = 120;
+/// [voxel edges] On smooth bone: the drawn level mixes densities along chords, whose sagitta over a voxel is 1/(8 R) at a radius of R voxels,
+/// and records cost 0.2/R (docs/accuracy.md). R is at least 4, the bit's: 0.03 and 0.05.
+constexpr double kSmooth = 0.1;
 
 struct Agreement {
   int pixels = 0;            ///< that show bone's surface where records know it
   int off_level = 0;         ///< of them, those where the 0.5 level of the float density is not met within 0.1 voxel along the normal
-  int beyond = 0;            ///< of them, those farther than 0.1 voxel from the felt surface
+  int beyond = 0;            ///< of them, those farther than kSmooth from the felt surface
+  int beyond_as_loaded = 0;  ///< of these, those where no bone is gone from any voxel that a record here is made of
   double worst = 0.0;        ///< [voxel edges] from a pixel's place on the drawn surface to the felt one
   double worst_depth = 0.0;  ///< [voxel edges] between that place and the one that the depth buffer gives
+  double pixel = 0.0;        ///< [voxel edges] across one in the nearest of these places
 };
 
 /// The density that the 0.5 level is of, between voxels.
@@ -59,7 +65,8 @@ FrameView view_of(double side) {
 }
 
 /// What is drawn of `volume` against what is felt of `voxmap`.
-Agreement compare(Renderer& renderer, const VolumeView& volume, Voxmap& voxmap, const FrameView& view) {
+Agreement compare(Renderer& renderer, const VolumeView& volume, Voxmap& voxmap, const FrameView& view,
+                  const std::vector<float>& density_as_loaded) {
   const auto probe = renderer.probe(view, kWidth, kHeight);
   REQUIRE(probe.ok());
   REQUIRE(voxmap.place_window(voxmap.bone().bounds().grown(2)).ok());
@@ -72,7 +79,18 @@ Agreement compare(Renderer& renderer, const VolumeView& volume, Voxmap& voxmap, 
   const Vec3 forward = glm::normalize(view.camera.target - view.camera.eye);
   const Vec3 right = glm::normalize(glm::cross(forward, view.camera.up));
   const double pixel = 2.0 * std::tan(0.5 * view.camera.vertical_fov) / kHeight;
+  std::vector<float> density(density_as_loaded.size());
+  voxmap.read_density(all, density);
+  // A sample mixes the records of eight voxels, each made of densities up to two voxels off.
+  const auto as_loaded = [&](const Vec3& index) {
+    const Vec3i base(glm::floor(index));
+    bool same = true;
+    for_each_voxel(VoxelBox{base - 2, base + 4}.intersect(all),
+                   [&](const Vec3i& v) { same = same && density[all.offset_of(v)] == density_as_loaded[all.offset_of(v)]; });
+    return same;
+  };
   Agreement found;
+  found.pixel = std::numeric_limits<double>::infinity();
   for (std::size_t n = 0; n < probe->hit.size(); ++n) {
     if (probe->hit[n] == 0) continue;
     const Vec3 hit(probe->hit_index[n]);
@@ -88,7 +106,11 @@ Agreement compare(Renderer& renderer, const VolumeView& volume, Voxmap& voxmap, 
     const bool met = level.at(hit + 0.1 * normal) < 0.5 && level.at(hit - 0.1 * normal) >= 0.5;
     if (!met) ++found.off_level;
     const double apart = std::abs(static_cast<double>(sample->distance));
-    if (apart > 0.1) ++found.beyond;
+    if (apart > kSmooth) {
+      ++found.beyond;
+      if (as_loaded(hit)) ++found.beyond_as_loaded;
+    }
+    found.pixel = std::min(found.pixel, static_cast<double>(probe->view_depth[n]) * pixel / felt.bone_from_index.mean_edge());
     found.worst = std::max(found.worst, apart);
     const Vec3 direction = forward + (static_cast<double>(n % kWidth) + 0.5 - 0.5 * kWidth) * pixel * right +
                            (0.5 * kHeight - static_cast<double>(n / kWidth) - 0.5) * pixel * glm::cross(right, forward);
@@ -112,40 +134,43 @@ BeforeAndAfter drill_and_compare(const char* volume_keys) {
   const VolumeView loaded = make_volume_view(voxmap);
   REQUIRE(renderer.set_volume(loaded).ok());
   const std::size_t listener = voxmap.add_listener();
+  std::vector<float> density(VoxelBox{Vec3i(0), loaded.dims}.count());
+  voxmap.read_density({Vec3i(0), loaded.dims}, density);
   BeforeAndAfter found;
-  found.before = compare(renderer, loaded, voxmap, view_of(1.0));
+  found.before = compare(renderer, loaded, voxmap, view_of(1.0), density);
   const std::uint64_t whole = voxmap.hash();
   run.run();
   REQUIRE(voxmap.hash() != whole);
-  found.stale = compare(renderer, loaded, voxmap, view_of(0.0));
+  found.stale = compare(renderer, loaded, voxmap, view_of(0.0), density);
   for (const VoxelBox& box : voxmap.take_dirty(listener)) {
     const TexelBox texels = make_texels(voxmap, box);
     if (texels.box.empty()) continue;
     renderer.update(texels);
     ++found.boxes;
   }
-  found.after = compare(renderer, loaded, voxmap, view_of(0.0));
+  found.after = compare(renderer, loaded, voxmap, view_of(0.0), density);
   return found;
 }
 
 void check(const std::string& what, const BeforeAndAfter& found) {
   for (const Agreement* one : {&found.before, &found.after}) {
     const std::string when = one == &found.before ? " before drilling: " : " after drilling: ";
-    MESSAGE(what << when << one->pixels << " pixels, worst " << one->worst << " voxel, beyond 0.1: " << one->beyond
-                 << ", off the 0.5 level " << one->off_level << ", depth buffer within " << one->worst_depth);
+    MESSAGE(what << when << one->pixels << " pixels, worst " << one->worst << " voxel, beyond " << kSmooth << ": " << one->beyond
+                 << ", of a pixel of " << one->pixel << ", off the 0.5 level " << one->off_level << ", depth buffer within "
+                 << one->worst_depth);
     CHECK(one->pixels > 1000);
     CHECK(one->off_level == 0);
     // Single precision of a depth of 25 mm and of the depth buffer.
     CHECK(one->worst_depth < 0.01);
   }
-  CHECK(found.before.worst < 0.1);
-  // In the fresh pit of a bit of four voxels records, a point a cell, smooth over the facets that the drawn level has: on some of its
-  // pixels they stand up to a fifth of a voxel off it.
-  CHECK(50 * found.after.beyond < found.after.pixels);  // measured: 1.2 % on the ball, 0.5 % on the patch
-  CHECK(found.after.worst < 0.25);
+  CHECK(found.before.worst < kSmooth);
+  // A fresh pit is not smooth: its density falls off as the bit's dwell does, and records, a point a cell, pass over facets of the drawn
+  // level. Only there may pixels be beyond, and by less than the picture resolves: one pixel.
+  CHECK(found.after.beyond_as_loaded == 0);
+  CHECK(found.after.worst < found.after.pixel);
   CHECK(found.boxes > 0);
   // Sabotage: texels that were not sent.
-  CHECK(found.stale.worst > 0.5);
+  CHECK(found.stale.worst > 2.0 * found.stale.pixel);
   CHECK(found.stale.off_level > 100);
 }
 
@@ -153,4 +178,6 @@ void check(const std::string& what, const BeforeAndAfter& found) {
 
 TEST_CASE("felt and drawn: one surface on a ball, before and after drilling") { check("ball", drill_and_compare(kBallKeys)); }
 
-TEST_CASE("felt and drawn: one surface on the skull patch, before and after drilling") { check("patch", drill_and_compare(kSkullPatchKeys)); }
+TEST_CASE("felt and drawn: one surface on the skull patch, before and after drilling") {
+  check("patch", drill_and_compare(kSkullPatchKeys));
+}

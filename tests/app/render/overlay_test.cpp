@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "app/render/camera.h"
+#include "app/view/camera.h"
 
 using namespace burrhole;
 

@@ -28,7 +28,7 @@ TEST_CASE("pace: the rate is held from the second picture on, with the finest st
     CHECK(pace.resolution() == Pace::kCoarsest);
     for (int picture = 0; picture < 20; ++picture) {
       const double resolution = pace.resolution();
-      pace.tell(resolution, machine.time(resolution));
+      pace.record(resolution, machine.time(resolution));
       const double next = pace.resolution();
       const bool fits = machine.time(next) <= pace.budget() * (1.0 + 1e-9);
       CHECK((fits || next == Pace::kCoarsest));
@@ -43,7 +43,7 @@ TEST_CASE("pace: a part of the time that does not shrink with the pixels makes i
   for (int picture = 0; picture < 40; ++picture) {
     const double resolution = pace.resolution();
     if (picture > 0) CHECK(machine.time(resolution) <= pace.budget());
-    pace.tell(resolution, machine.time(resolution));
+    pace.record(resolution, machine.time(resolution));
   }
   CHECK(pace.resolution() >= 0.5);  // 0.683 would fit
 }
@@ -51,13 +51,13 @@ TEST_CASE("pace: a part of the time that does not shrink with the pixels makes i
 TEST_CASE("pace: a picture that suddenly takes three times as long is followed at once, one that is quicker again within a few") {
   Pace pace(0.02);
   const Machine light{0.0, 0.02}, heavy{0.0, 0.06};
-  for (int n = 0; n < 10; ++n) pace.tell(pace.resolution(), light.time(pace.resolution()));
+  for (int n = 0; n < 10; ++n) pace.record(pace.resolution(), light.time(pace.resolution()));
   CHECK(pace.resolution() == 1.0);
-  pace.tell(1.0, heavy.time(1.0));
+  pace.record(1.0, heavy.time(1.0));
   CHECK(heavy.time(pace.resolution()) <= pace.budget());
   int pictures = 0;
   while (pace.resolution() < 0.875 && pictures < 100) {
-    pace.tell(pace.resolution(), light.time(pace.resolution()));
+    pace.record(pace.resolution(), light.time(pace.resolution()));
     ++pictures;
   }
   CHECK(pictures <= 5);

@@ -1,4 +1,5 @@
 #include "app/render/png.h"
+#include "tests/support/source_folder.h"
 
 #include <doctest/doctest.h>
 
@@ -10,7 +11,7 @@ using namespace burrhole;
 namespace {
 
 std::filesystem::path scratch(const char* name) {
-  const std::filesystem::path folder = std::filesystem::path(BH_BINARY_DIR) / "test-png";
+  const std::filesystem::path folder = test::in_build("test-png");
   std::filesystem::create_directories(folder);
   return folder / name;
 }

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "app/engine/view.h"
+#include "app/view/view.h"
 #include "app/render/renderer.h"
 
 namespace burrhole::test {

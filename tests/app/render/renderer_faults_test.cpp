@@ -8,6 +8,7 @@
 
 #include "app/render/shader_source.h"
 #include "tests/app/render/render_scenes.h"
+#include "tests/support/source_folder.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -93,7 +94,7 @@ TEST_CASE("faults: a shader folder that is missing or holds a faulty shader is n
   REQUIRE_FALSE(missing.ok());
   CHECK(missing.error().text().find("/nonexistent/shaders") != std::string::npos);
 
-  const std::filesystem::path folder = std::filesystem::path(BH_BINARY_DIR) / "test-shaders-faulty";
+  const std::filesystem::path folder = test::in_build("test-shaders-faulty");
   std::filesystem::create_directories(folder);
   for (const auto& [name, text] : embedded_shaders())
     std::ofstream(folder / name) << text << (name == "raycast.frag" ? "\nnonsense\n" : "");

@@ -9,6 +9,7 @@
 #include "app/render/shader_source.h"
 #include "tests/app/render/render_scenes.h"
 #include "tests/support/image_compare.h"
+#include "tests/support/source_folder.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -222,7 +223,7 @@ TEST_CASE("slices: from every side the near half hides the far one, and from ins
 }
 
 TEST_CASE("slices: drawn from near to far, the order shows, so the test above would notice") {
-  const std::filesystem::path folder = std::filesystem::path(BH_BINARY_DIR) / "test-shaders-near-first";
+  const std::filesystem::path folder = test::in_build("test-shaders-near-first");
   std::filesystem::create_directories(folder);
   for (const auto& [name, text] : embedded_shaders()) {
     std::string broken = text;

@@ -204,11 +204,15 @@ TEST_CASE("translucent: a cut takes away what lies beyond it, and every pixel is
 }
 
 TEST_CASE("translucent: nothing of it is in the shader of a surface") {
+  int with = 0, without = 0;
   for (const ShaderVariant& variant : all_shader_variants()) {
+    ++(variant.fragment == "translucent.frag" ? with : without);
     const auto text = expand_shader(embedded_shaders(), variant.fragment, variant.defines);
     REQUIRE(text.ok());
     CHECK((text.value().find("sampler1D transfer") != std::string::npos) == (variant.fragment == "translucent.frag"));
   }
+  CHECK(with > 0);
+  CHECK(without > 0);
 }
 
 TEST_CASE("translucent: faulty transfer functions are refused") {

@@ -8,6 +8,7 @@
 #include "tests/app/render/render_scenes.h"
 #include "tests/app/render/slow_ray_caster.h"
 #include "tests/support/image_compare.h"
+#include "tests/support/source_folder.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -79,7 +80,7 @@ TEST_CASE("ray caster: the comparison notices a flipped normal, a lookup half a 
 }
 
 TEST_CASE("ray caster: the comparison notices a fault in the shader itself, read from a folder") {
-  const std::filesystem::path folder = std::filesystem::path(BH_BINARY_DIR) / "test-shaders-sabotaged";
+  const std::filesystem::path folder = test::in_build("test-shaders-sabotaged");
   std::filesystem::create_directories(folder);
   for (const auto& [name, text] : embedded_shaders()) {
     std::string broken = text;

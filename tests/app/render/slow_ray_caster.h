@@ -2,7 +2,7 @@
 /// app/render.
 #pragma once
 
-#include "app/engine/view.h"
+#include "app/view/view.h"
 
 namespace burrhole::test {
 

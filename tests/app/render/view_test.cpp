@@ -1,4 +1,4 @@
-#include "app/engine/view.h"
+#include "app/view/view.h"
 
 #include <doctest/doctest.h>
 

@@ -12,6 +12,7 @@
 #include "app/render/png.h"
 #include "app/report/tool_raster.h"
 #include "core/tool/make_tool.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
@@ -20,7 +21,7 @@ namespace {
 
 Tool shipped(const std::string& name) {
   Issues issues;
-  auto tool = load_tool(BH_SOURCE_DIR "/app/tools/" + name + ".toml", {.erosion_pitch = 0.1e-3}, issues);
+  auto tool = load_tool(test::in_source("app/tools/") + name + ".toml", {.erosion_pitch = 0.1e-3}, issues);
   REQUIRE_MESSAGE(tool.has_value(), (issues.empty() ? "" : issues.front().text()));
   return std::move(*tool);
 }
@@ -107,16 +108,19 @@ TEST_CASE("shading: a sphere's outline is a disc, nearest at its middle, and cut
 }
 
 TEST_CASE("sheet: every shipped bit makes a script of one picture each panel, names and units on it") {
-  for (const auto& entry : std::filesystem::directory_iterator(BH_SOURCE_DIR "/app/tools")) {
+  int sheets = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(test::in_source("app/tools"))) {
     const Tool tool = shipped(entry.path().stem().string());
     const std::string script = tool_sheet_script({&tool, "Headline \"quoted\"", "subtitle"});
     CAPTURE(tool.name);
     for (const char* needle :
-         {"pngcairo", "Headline \\\"quoted\\\"", "subtitle", "$look", "$pale", "$cut", "[mm]", "erosion factor e [1/rev]", "does not cut"})
+         {"pngcairo", "Headline \\\"quoted\\\"", "subtitle", "$picture", "$pale", "$cut", "[mm]", "erosion factor e [1/rev]", "does not cut"})
       CHECK(script.find(needle) != std::string::npos);
     CHECK(script.find("nan") == std::string::npos);
     CHECK(script == tool_sheet_script({&tool, "Headline \"quoted\"", "subtitle"}));
+    ++sheets;
   }
+  CHECK(sheets > 0);
 }
 
 TEST_CASE("sheet: a PNG of its size that is far from blank; no gnuplot and a bad place are told") {

@@ -26,7 +26,7 @@ Outcome run(const Bench& bench, const Stroke& stroke, double voxels, Step&& step
   for (int tick = 0; tick <= moving + 10; ++tick) {
     const bool moves = tick < moving;
     const double gone = std::min(stroke.length, tick * voxels * kFine);
-    HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), stroke.from + stroke.along * gone}, moves ? stroke.along * speed : Vec3(0.0), false};
+    HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), stroke.from + stroke.along * gone}, moves ? stroke.along * speed : Vec3(0.0)};
     const Pose pose = step(hand);
     const Vec3 centre = pose * Vec3(0.0, 0.0, kBallRadius), way = centre - before;
     // A centre that never meets bone, in or between ticks, has stayed on its side: the path is followed, not only its end.
@@ -58,7 +58,7 @@ TEST_CASE("constrained tool: at spin 0 up to 40 N leave it on the plate and the 
       ConstrainedTool tool = bench.tool();
       for (const double force : {1.0, 8.0, 20.0, 40.0}) {
         CAPTURE(force);
-        const HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), -normal * (force / kConfig.coupling_stiffness)}, Vec3(0.0), false};
+        const HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), -normal * (force / kConfig.coupling_stiffness)}, Vec3(0.0)};
         for (int tick = 0; tick < 60; ++tick) {
           const ConstrainedToolState& state = tool.step(bench.view(), hand, kPeriod);
           CHECK(deepest_of(bench.shell, state.world_from_tool, bench.phantom.truth) < 0.1);  // what the project promises
@@ -82,8 +82,8 @@ TEST_CASE("constrained tool: spinning, it engages by F / K_cut where it cuts") {
   ConstrainedTool tool = bench.tool(config);
   for (const double push : {5.0, 20.0}) {
     CAPTURE(push);
-    const HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, -push / config.coupling_stiffness)}, Vec3(0.0), true};
-    for (int tick = 0; tick < 60; ++tick) (void)tool.step(bench.view(), hand, kPeriod);
+    const HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, -push / config.coupling_stiffness)}, Vec3(0.0)};
+    for (int tick = 0; tick < 60; ++tick) (void)tool.step(bench.view(), hand, kPeriod, {.spinning = true});
     const ConstrainedToolState& state = tool.state();
     const double force = glm::length(state.on_hand.force);
     REQUIRE(force > 0.8 * push);
@@ -99,8 +99,8 @@ TEST_CASE("constrained tool: a tool that cannot cut does not engage even when it
   Bench bench(press);
   bench.shell.cutting.assign(bench.shell.size(), 0);
   ConstrainedTool tool = bench.tool();
-  const HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, -4e-3)}, Vec3(0.0), true};
-  for (int tick = 0; tick < 60; ++tick) (void)tool.step(bench.view(), hand, kPeriod);
+  const HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, -4e-3)}, Vec3(0.0)};
+  for (int tick = 0; tick < 60; ++tick) (void)tool.step(bench.view(), hand, kPeriod, {.spinning = true});
   CHECK(tool.state().engagement == 0.0);
   CHECK(tool.state().world_from_tool.translation.z > -0.1 * kFine);
 }
@@ -170,7 +170,7 @@ TEST_CASE("constrained tool: a flat bit pressed with 40 N stays out while it is 
     const SurfaceView view = bench.view();
     for (int tick = 0; tick < 200; ++tick) {
       const double part = tick < 100 ? tick / 100.0 : 2.0 - tick / 100.0;
-      const HandMotion hand{{turn_about_x(10.0 * kDegree * part), Vec3(0.0, 0.0, -8e-3)}, Vec3(0.0), false};
+      const HandMotion hand{{turn_about_x(10.0 * kDegree * part), Vec3(0.0, 0.0, -8e-3)}, Vec3(0.0)};
       const ConstrainedToolState& state = tool.step(view, hand, kPeriod);
       CAPTURE(tick);
       CHECK(deepest_of(bench.shell, state.world_from_tool, bench.phantom.truth) < 0.1);
@@ -184,9 +184,8 @@ TEST_CASE("constrained tool: engagement at spin 0 would fail the same check (sab
   config.cutting_stiffness = 50e3;
   ConstrainedTool tool = bench.tool(config);
   const SurfaceView view = bench.view();
-  const Outcome outcome = run(bench, bench.stroke, 1.0, [&](HandMotion hand) {
-    hand.spinning = true;  // what a tool that forgot to ask would do
-    return tool.step(view, hand, kPeriod).world_from_tool;
+  const Outcome outcome = run(bench, bench.stroke, 1.0, [&](const HandMotion& hand) {
+    return tool.step(view, hand, kPeriod, {.spinning = true}).world_from_tool;  // a tool that takes itself to spin
   });
   CHECK_FALSE(held(bench, outcome));
 }
@@ -229,7 +228,7 @@ TEST_CASE("constrained tool: in free space it follows the hand without force") {
     const double t = tick * kPeriod;
     const Vec3 velocity(0.005, -0.003, 0.004);
     const Pose hand{turn_about_x(0.2 * t), bench.stroke.from + velocity * t};
-    const ConstrainedToolState& state = tool.step(bench.view(), {hand, velocity, tick % 2 == 0}, kPeriod);
+    const ConstrainedToolState& state = tool.step(bench.view(), {hand, velocity}, kPeriod, {.spinning = tick % 2 == 0});
     CHECK(state.on_hand.force == Vec3(0.0));
     CHECK(state.on_hand.torque == Vec3(0.0));
     CHECK(state.engagement == 0.0);
@@ -245,11 +244,11 @@ TEST_CASE(
   const Bench bench(every_stroke().front());
   const SurfaceView view = bench.view();
   ConstrainedTool tool = bench.tool();
-  HandMotion pressed{{glm::identity<Quat>(), bench.stroke.from}, Vec3(0.0), true};
+  HandMotion pressed{{glm::identity<Quat>(), bench.stroke.from}, Vec3(0.0)};
   const auto press = [&] {
     for (int tick = 0; tick < 400; ++tick) {
       if (tool.state().on_hand.force.z < 5.0) pressed.world_from_hand.translation.z -= 0.02e-3;
-      (void)tool.step(view, pressed, kPeriod);
+      (void)tool.step(view, pressed, kPeriod, {.spinning = true});
     }
     return tool.state();
   };
@@ -262,7 +261,7 @@ TEST_CASE(
       if (part == 0) broken.world_from_hand.translation.x = bad;
       if (part == 1) broken.world_from_hand.rotation.y = bad;
       if (part == 2) broken.velocity.z = bad;
-      const ConstrainedToolState state = tool.step(view, broken, kPeriod);
+      const ConstrainedToolState state = tool.step(view, broken, kPeriod, {.spinning = true});
       CHECK(state.flags == kContactNotFinite);
       CHECK(state.on_hand.force == Vec3(0.0));
       CHECK(state.on_hand.torque == Vec3(0.0));
@@ -271,7 +270,7 @@ TEST_CASE(
       CHECK(state.world_from_tool.translation == before.world_from_tool.translation);
     }
   // The same press again: the tool was where it had been.
-  (void)tool.step(view, pressed, kPeriod);
+  (void)tool.step(view, pressed, kPeriod, {.spinning = true});
   CHECK(std::abs(tool.state().on_hand.force.z / before.on_hand.force.z - 1.0) < 0.01);
 }
 
@@ -283,7 +282,7 @@ TEST_CASE("constrained tool: a step cut short by its bound on moves says so, and
     REQUIRE(tool.ok());
     tool.value().place({glm::identity<Quat>(), bench.stroke.from});
     // Half a millimetre into bone in one step: several looks' worth.
-    const HandMotion hand{{glm::identity<Quat>(), bench.stroke.from + Vec3(0.0, 0.0, -8e-3)}, Vec3(0.0), false};
+    const HandMotion hand{{glm::identity<Quat>(), bench.stroke.from + Vec3(0.0, 0.0, -8e-3)}, Vec3(0.0)};
     CHECK((tool.value().step(view, hand, kPeriod).flags & kContactUnsettled) == (moves == 1 ? kContactUnsettled : 0u));
   }
 }

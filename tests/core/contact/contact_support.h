@@ -11,6 +11,7 @@
 #include "core/base/random.h"
 #include "core/contact/gradient_plane.h"
 #include "core/tool/make_tool.h"
+#include "tests/support/source_folder.h"
 #include "volumes/phantom/phantom.h"
 
 namespace burrhole::contact_test {
@@ -78,7 +79,7 @@ inline FeltBone felt(const PhantomSpec& spec) { return FeltBone(phantom_of(spec)
 
 inline PointShell shipped_shell(const std::string& name) {
   Issues issues;
-  auto tool = load_tool(std::string(BH_SOURCE_DIR) + "/app/tools/" + name + ".toml", {.erosion_pitch = 1e-3}, issues);
+  auto tool = load_tool(test::in_source("app/tools/") + name + ".toml", {.erosion_pitch = 1e-3}, issues);
   REQUIRE(tool);
   return std::move(tool->shell);
 }
@@ -92,13 +93,13 @@ inline PointShell shell_of(std::vector<Vec3> positions, const Vec3& inward = {0.
   return shell;
 }
 
-inline std::unique_ptr<ContactModel> model_of(const PointShell& shell, const GradientPlaneConfig& config = {}) {
+inline std::unique_ptr<PenaltyModel> model_of(const PointShell& shell, const GradientPlaneConfig& config = {}) {
   auto model = GradientPlane::create(config, shell);
   REQUIRE(model.ok());
   return std::move(model).value();
 }
 
-inline ContactResult evaluated(const ContactModel& model, const ContactView& bone, const Pose& world_from_tool = {}) {
+inline ContactResult evaluated(const PenaltyModel& model, const ContactView& bone, const Pose& world_from_tool = {}) {
   ContactResult out;
   model.evaluate(bone, world_from_tool, out);
   return out;

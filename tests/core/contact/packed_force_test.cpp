@@ -19,7 +19,7 @@ Pose pressed(std::uint64_t n, double least, double most) {
 }
 
 /// Mean difference of the forces over the mean force, of two bones felt by the same model at the same poses.
-double difference(const ContactModel& model, const ContactView& a, const ContactView& b, double least, double most) {
+double difference(const PenaltyModel& model, const ContactView& a, const ContactView& b, double least, double most) {
   double error = 0.0, force = 0.0;
   for (std::uint64_t n = 0; n < 60; ++n) {
     const Vec3 x = evaluated(model, a, pressed(n, least, most)).wrench.force, y = evaluated(model, b, pressed(n, least, most)).wrench.force;

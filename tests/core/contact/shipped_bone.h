@@ -3,8 +3,10 @@
 #pragma once
 
 #include "contact_support.h"
+#include "core/contact/constrained_tool.h"
 #include "core/contact/surface_view.h"
 #include "core/drill/erosion.h"
+#include "tests/support/plain_trilinear.h"
 
 namespace burrhole::contact_test {
 
@@ -49,17 +51,9 @@ class ShippedBone {
 
   /// Trilinear density at a point of the bone frame, in double, straight from the master window: the plain truth about what is felt.
   [[nodiscard]] double density(const Vec3& p_bone) const {
-    const Vec3 index = map_.inverse() * p_bone, base = glm::floor(index), t = index - base;
     const MasterWindow& w = voxmap_->window();
-    double sum = 0.0;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 step(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1);
-      const Vec3i v(base + step);
-      if (!w.box.contains(v)) continue;
-      const Vec3 weight = glm::mix(1.0 - t, t, step);
-      sum += weight.x * weight.y * weight.z * static_cast<double>(w.density[w.box.offset_of(v)]);
-    }
-    return sum;
+    return test::plain_trilinear(map_.inverse() * p_bone,
+                                 [&](const Vec3i& v) { return w.box.contains(v) ? w.density[w.box.offset_of(v)] : 0.0f; });
   }
 
  private:

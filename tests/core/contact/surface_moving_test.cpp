@@ -18,7 +18,7 @@ struct Ride {
 Ride ride(const Bench& bench, const Vec3& way, const std::function<Pose(ConstrainedTool&, const SurfaceView&, const HandMotion&)>& step) {
   ConstrainedTool tool = bench.tool();
   SurfaceView view = bench.view();
-  const HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, -kPush)}, Vec3(0.0), false};
+  const HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, -kPush)}, Vec3(0.0)};
   for (int tick = 0; tick < 60; ++tick) (void)tool.step(view, hand, kPeriod);
   Ride out;
   const Vec3 centre(0.0, 0.0, kBallRadius);
@@ -86,7 +86,7 @@ TEST_CASE("surface: the force is the same with the tool's origin, or the whole s
     REQUIRE(tool.ok());
     tool->place({Quat(1.0, 0.0, 0.0, 0.0), origin + Vec3(0.0, 0.0, 1e-3)});
     for (int tick = 0; tick < 80; ++tick)
-      (void)tool->step(view, {{Quat(1.0, 0.0, 0.0, 0.0), origin - Vec3(0.0, 0.0, kPush)}, Vec3(0.0), false}, kPeriod);
+      (void)tool->step(view, {{Quat(1.0, 0.0, 0.0, 0.0), origin - Vec3(0.0, 0.0, kPush)}, Vec3(0.0)}, kPeriod);
     return tool->state().on_hand.force;
   };
   const Vec3 here = force_of(shell, bone.view(), Vec3(0.0));

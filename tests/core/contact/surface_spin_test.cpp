@@ -41,7 +41,7 @@ Pressed press(const Bench& bench, const ConstrainedToolConfig& config, double pu
   for (int tick = 0; tick < 200; ++tick) {
     const double gone = std::min(length, tick * 0.1e-3);
     const ConstrainedToolState& state = tool.step(
-        view, {{Quat(1.0, 0.0, 0.0, 0.0), bench.stroke.from + along * gone}, gone < length ? along * 0.1 : Vec3(0.0), true}, kPeriod);
+        view, {{Quat(1.0, 0.0, 0.0, 0.0), bench.stroke.from + along * gone}, gone < length ? along * 0.1 : Vec3(0.0)}, kPeriod, {.spinning = true});
     const Vec3 centre = state.world_from_tool * Vec3(0.0, 0.0, kBallRadius), moved = centre - before;
     if (glm::length(moved) > 0.0)
       if (const auto entry = bench.phantom.truth.entry_distance(before, moved)) out.crossed = out.crossed || *entry < glm::length(moved);
@@ -112,7 +112,7 @@ TEST_CASE("surface: a thin blade in a slot of its own width is let down by F / K
         REQUIRE(tool.ok());
         tool->place({Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.3e-3 - kSlotFloor)});
         for (int tick = 0; tick < 400; ++tick)
-          (void)tool->step(bone.view(), {{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, aside, -kSlotFloor - 4e-3)}, Vec3(0.0), true}, kPeriod);
+          (void)tool->step(bone.view(), {{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, aside, -kSlotFloor - 4e-3)}, Vec3(0.0)}, kPeriod, {.spinning = true});
         force = tool->state().on_hand.force.z;
         return -kSlotFloor - tool->state().world_from_tool.translation.z;
       };
@@ -196,7 +196,7 @@ Release release(double push_out) {
   double before = 0.0;
   for (int tick = 0; tick < 260; ++tick) {
     const ShippedBone bone = ring_of(1.6e-3 + std::max(0, tick - 40) * 2e-6);
-    const double force = tool->step(bone.view(), {hand, Vec3(0.0), true}, kPeriod).on_hand.force.z;
+    const double force = tool->step(bone.view(), {hand, Vec3(0.0)}, kPeriod, {.spinning = true}).on_hand.force.z;
     if (tick == 40) out.first = force;
     if (tick > 40) out.largest_rise = std::max(out.largest_rise, force - before);
     out.least = std::min(out.least, force);

@@ -35,7 +35,7 @@ inline Vec3 settled_force(ConstrainedTool& tool, const SurfaceView& view, const 
   tool.place(start);
   for (int tick = 0; tick < 80; ++tick) {
     const double part = std::min(1.0, tick / 20.0);
-    (void)tool.step(view, {{start.rotation, start.translation + way * part}, tick < 20 ? way / (20.0 * kTick) : Vec3(0.0), false}, kTick);
+    (void)tool.step(view, {{start.rotation, start.translation + way * part}, tick < 20 ? way / (20.0 * kTick) : Vec3(0.0)}, kTick);
   }
   return tool.state().on_hand.force;
 }

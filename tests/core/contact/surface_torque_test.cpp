@@ -76,7 +76,7 @@ TEST_CASE("surface: a lever on its spring turns until the moments balance") {
   const Vec3 start(-kLength, 0.0, kBall + 0.3e-3);
   (void)settled_force(tool, bone.view(), {Quat(1.0, 0.0, 0.0, 0.0), start}, Vec3(0.0, 0.0, -kDepth - 0.3e-3));
   for (int tick = 0; tick < 300; ++tick)
-    (void)tool.step(bone.view(), {{Quat(1.0, 0.0, 0.0, 0.0), start - Vec3(0.0, 0.0, kDepth + 0.3e-3)}, Vec3(0.0), false}, kTick);
+    (void)tool.step(bone.view(), {{Quat(1.0, 0.0, 0.0, 0.0), start - Vec3(0.0, 0.0, kDepth + 0.3e-3)}, Vec3(0.0)}, kTick);
   // K_r phi = a cos(phi) K (depth - a sin(phi)): the ball's end goes up as it turns.
   const auto force_at = [](double phi) { return kStiffness * (kDepth - kLength * std::sin(phi)); };
   const double phi = root([&](double p) { return kTurning * p - kLength * std::cos(p) * force_at(p); });
@@ -102,7 +102,7 @@ TEST_CASE("surface: a flat face lies flat until the moment of its spring exceeds
     const Quat turned = glm::angleAxis(tilt, Vec3(0.0, 1.0, 0.0));
     const Vec3 start(0.0, 0.0, 1e-3);
     (void)settled_force(tool, bone.view(), {turned, start}, Vec3(0.0, 0.0, -kDepth - 1e-3));
-    for (int tick = 0; tick < 300; ++tick) (void)tool.step(bone.view(), {{turned, Vec3(0.0, 0.0, -kDepth)}, Vec3(0.0), false}, kTick);
+    for (int tick = 0; tick < 300; ++tick) (void)tool.step(bone.view(), {{turned, Vec3(0.0, 0.0, -kDepth)}, Vec3(0.0)}, kTick);
     const ConstrainedToolState& state = tool.state();
     // The face's angle: 0, or where K_r (tilt - angle) = r cos(angle) K (depth + r sin(angle)).
     const auto force_at = [](double angle) { return kStiffness * (kDepth + kFace * std::sin(angle)); };

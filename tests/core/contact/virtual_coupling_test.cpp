@@ -17,7 +17,7 @@ const double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeri
 
 /// One point on a level surface at z = 0 of any stiffness, bone without end below: the contact whose closed form is plainest.
 /// `told` is the share of its stiffness that it admits to.
-class Floor final : public ContactModel {
+class Floor final : public PenaltyModel {
  public:
   Floor(double stiffness, const Vec3& point, double told = 1.0) : stiffness_(stiffness), told_(told), shell_(shell_of({point})) {}
   void evaluate(const ContactView&, const Pose& pose, ContactResult& out) const noexcept override {
@@ -33,6 +33,7 @@ class Floor final : public ContactModel {
     out.force_gradient[2][2] = -stiffness_ * told_;
   }
   [[nodiscard]] const PointShell& shell() const noexcept override { return shell_; }
+  [[nodiscard]] double stiffness() const noexcept override { return stiffness_; }
   [[nodiscard]] double energy(const Pose& pose) const {
     const double depth = std::max(0.0, -(pose * shell_.positions[0]).z);
     return 0.5 * stiffness_ * depth * depth;
@@ -43,7 +44,7 @@ class Floor final : public ContactModel {
   PointShell shell_;
 };
 
-VirtualCoupling coupling_of(std::unique_ptr<ContactModel> model, const VirtualCouplingConfig& config = {}) {
+VirtualCoupling coupling_of(std::unique_ptr<PenaltyModel> model, const VirtualCouplingConfig& config = {}) {
   auto made = VirtualCoupling::create(config, std::move(model));
   REQUIRE(made.ok());
   return std::move(made).value();
@@ -53,7 +54,7 @@ VirtualCoupling on_floor(double stiffness, const Vec3& point = Vec3(0.0), const 
   return coupling_of(std::make_unique<Floor>(stiffness, point, told), config);
 }
 
-std::unique_ptr<ContactModel> voxmap_of(const PointShell& shell, const VoxmapContactConfig& config = {}) {
+std::unique_ptr<PenaltyModel> voxmap_of(const PointShell& shell, const VoxmapContactConfig& config = {}) {
   auto model = VoxmapContact::create(config, shell);
   REQUIRE(model.ok());
   return std::move(model).value();
@@ -65,15 +66,15 @@ const FeltBone& plate() {
   return bone;
 }
 
-CoupledHand hand_at(const Vec3& position, const Quat& turn = Quat(1.0, 0.0, 0.0, 0.0)) { return {{turn, position}, Vec3(0.0), Vec3(0.0)}; }
+HandMotion hand_at(const Vec3& position, const Quat& turn = Quat(1.0, 0.0, 0.0, 0.0)) { return {{turn, position}, Vec3(0.0), Vec3(0.0)}; }
 
 /// Steps until at rest; critical damping settles within some ten times sqrt(m/K) = 3 ms, or as many steps.
-const VirtualCouplingState& rested(VirtualCoupling& tool, const CoupledHand& hand, double dt) {
+const VirtualCouplingState& rested(VirtualCoupling& tool, const HandMotion& hand, double dt) {
   for (int n = 0; n < 2000; ++n) (void)tool.step(plate().view(), hand, dt);
   return tool.state();
 }
 
-double spring_energy(const VirtualCouplingConfig& c, const VirtualCouplingState& state, const CoupledHand& hand) {
+double spring_energy(const VirtualCouplingConfig& c, const VirtualCouplingState& state, const HandMotion& hand) {
   const Vec3 stretch = hand.world_from_hand.translation - state.world_from_tool.translation;
   const double half_turn = std::min(1.0, std::abs(glm::dot(hand.world_from_hand.rotation, state.world_from_tool.rotation)));
   return 0.5 * c.mass * glm::dot(state.velocity, state.velocity) +
@@ -92,7 +93,7 @@ double largest_growth(double stiffness, double told, double dt, const VirtualCou
     VirtualCoupling tool = on_floor(stiffness, lever, config, told);
     // The tool starts 2 mm up and up to 5 mm away, turned by up to half a turn: the springs throw it at the floor.
     tool.place({random_rotation(kSeed, n), Vec3(0.0, 0.0, 2e-3) + 3e-3 * random_vector(kSeed, n)});
-    const CoupledHand hand = hand_at(Vec3(0.0, 0.0, -1e-3) + 2e-3 * random_vector(kSeed + 1, n), random_rotation(kSeed + 2, n));
+    const HandMotion hand = hand_at(Vec3(0.0, 0.0, -1e-3) + 2e-3 * random_vector(kSeed + 1, n), random_rotation(kSeed + 2, n));
     double before = spring_energy(config, tool.state(), hand) + floor.energy(tool.state().world_from_tool);
     const double scale = before;
     bool touched = floor.energy(tool.state().world_from_tool) > 0.0;
@@ -119,7 +120,7 @@ TEST_CASE("coupling: at rest on a plate the force is that of two springs in seri
     for (const double push : {0.1e-3, 0.5e-3, 1.5e-3}) {
       CAPTURE(dt);
       CAPTURE(push);
-      const CoupledHand hand = hand_at({0.11e-3, -0.2e-3, -push});
+      const HandMotion hand = hand_at({0.11e-3, -0.2e-3, -push});
       VirtualCoupling facet = coupling_of(model_of(shell_of({Vec3(0.0)})));
       const VirtualCouplingState& on_facet = rested(facet, hand, dt);
       CHECK(std::abs(on_facet.on_hand.force.z - series * push) <= 1e-10);  // [N] what is left of the approach
@@ -229,7 +230,7 @@ TEST_CASE("coupling: a hand in steady motion is followed without force or lag") 
     VirtualCoupling tool = on_floor(1e3);
     const Vec3 velocity(0.02, -0.01, 0.03), spin(0.0, 0.3, 0.0);
     const auto hand = [&](int n) {
-      return CoupledHand{{glm::angleAxis(0.3 * n * dt, Vec3(0.0, 1.0, 0.0)), n * dt * velocity}, velocity, spin};
+      return HandMotion{{glm::angleAxis(0.3 * n * dt, Vec3(0.0, 1.0, 0.0)), n * dt * velocity}, velocity, spin};
     };
     for (int n = 1; n <= 2000; ++n) (void)tool.step(plate().view(), hand(n), dt);
     // Roundings of angles and of 3 m of way, times 5 kN/m.
@@ -244,7 +245,7 @@ TEST_CASE("coupling: a hand in steady motion is followed without force or lag") 
 
 TEST_CASE("coupling: deep in bone and thrown anywhere it stays finite and comes back") {
   const auto models = [] {
-    std::vector<std::unique_ptr<ContactModel>> all;
+    std::vector<std::unique_ptr<PenaltyModel>> all;
     const PointShell shell = shipped_shell("acosta_liu_round");
     all.push_back(model_of(shell));
     for (const Stacking stacking : {Stacking::sum, Stacking::sum_limited, Stacking::average, Stacking::deepest})
@@ -276,7 +277,7 @@ TEST_CASE(
     "coupling: with the plane in the point's own voxel a push beyond k s/2 passes layer after layer, with the surface's it does not") {
   // What [AcostaLiu07]'s account leaves of the original: no depth above half a diagonal. One point holds 2000 N/m x 0.25 mm = 0.5 N on a
   // level plate; the coupling, stretched by 1.5 mm, pulls with 7.5 N. (Interior voxels are no part of that account.)
-  const CoupledHand hand = hand_at({0.0, 0.0, -1.5e-3});
+  const HandMotion hand = hand_at({0.0, 0.0, -1.5e-3});
   VirtualCoupling own = coupling_of(voxmap_of(shell_of({Vec3(0.0)})));
   CHECK(rested(own, hand, 1e-3).world_from_tool.translation.z < -2.5 * kPitch);
   CHECK(own.state().on_hand.force.z <= 0.5 + 1e-9);
@@ -303,7 +304,7 @@ TEST_CASE("coupling: the jumps of staircase and average leave at most a buzz in 
         tool.place({rotation_from_z(normal), 1e-3 * normal - 1e-3 * down});
         for (int tick = 0; tick < 1300; ++tick) {
           const double gone = std::min(tick, 300) / 300.0;
-          CoupledHand hand =
+          HandMotion hand =
               hand_at(normal * (1e-3 - 1.4e-3 * gone) + down * (-1e-3 + (1.5e-3 + 0.07e-3 * place) * gone), rotation_from_z(normal));
           (void)tool.step(bone.view(), hand, 1e-3);
           if (tick >= 1250) fastest = std::max(fastest, glm::length(tool.state().velocity));
@@ -322,8 +323,8 @@ TEST_CASE("coupling: where hand or period mean nothing there is no force, and th
   const Pose start{turn_about_x(0.2), Vec3(1e-3, 0.0, -1e-3)};
   tool.place(start);
   tool.place({{}, Vec3(kNan)});  // ignored
-  const CoupledHand good = hand_at({0.0, 0.0, 1e-3});
-  const auto stays = [&](const CoupledHand& hand, double dt) {
+  const HandMotion good = hand_at({0.0, 0.0, 1e-3});
+  const auto stays = [&](const HandMotion& hand, double dt) {
     const VirtualCouplingState& state = tool.step(plate().view(), hand, dt);
     return state.world_from_tool.translation == start.translation && state.world_from_tool.rotation == start.rotation &&
            state.on_hand.force == Vec3(0.0) && state.on_hand.torque == Vec3(0.0) && state.velocity == Vec3(0.0) &&

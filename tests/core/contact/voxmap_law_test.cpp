@@ -14,7 +14,7 @@ constexpr double kK = 2000.0;  ///< [N/m] the default stiffness
 // Products of doubles near 1 N: a dozen roundings.
 constexpr double kExact = 1e-12;
 
-std::unique_ptr<ContactModel> voxmap_of(const PointShell& shell, const VoxmapContactConfig& config = {}) {
+std::unique_ptr<PenaltyModel> voxmap_of(const PointShell& shell, const VoxmapContactConfig& config = {}) {
   auto model = VoxmapContact::create(config, shell);
   REQUIRE(model.ok());
   return std::move(model).value();
@@ -125,6 +125,28 @@ TEST_CASE("voxmap: a flat face of n points gives n k d, min(n, 10) k d, k d and 
     CHECK(near(force(Stacking::sum_limited), Vec3(0.0, 0.0, std::min(n, 10) * kK * d), 40 * kExact));
     CHECK(near(force(Stacking::average), Vec3(0.0, 0.0, kK * d), 40 * kExact));
     CHECK(near(force(Stacking::deepest), Vec3(0.0, 0.0, kK * d), 40 * kExact));
+  }
+}
+
+TEST_CASE(
+    "voxmap: a point that joins at depth 0 takes nothing from a sum, under the noticeable 10 % from a limited one, more from an average") {
+  const FeltBone bone = felt(small_spec(PhantomKind::plate));
+  const double d = 0.2e-3;
+  for (const int n : {1, 2, 9, 10, 11, 40}) {
+    CAPTURE(n);
+    PointShell joined = level_face(n + 1);
+    joined.positions.back().z += d;  // on the plane through the centres of its layer
+    const auto lost = [&](Stacking stacking) {
+      const auto force = [&](const PointShell& shell) {
+        return evaluated(*voxmap_of(shell, {.stacking = stacking}), bone.view(), at(0.0, 0.0, -d - kPitch / 2)).wrench.force.z;
+      };
+      return 1.0 - force(joined) / force(level_face(n));
+    };
+    // Shares of forces of up to 40 N, which are exact to 40 kExact.
+    CHECK(std::abs(lost(Stacking::sum)) <= 40 * kExact);
+    CHECK(std::abs(lost(Stacking::sum_limited) - (n < 10 ? 0.0 : 1.0 / (n + 1))) <= 40 * kExact);
+    CHECK(lost(Stacking::sum_limited) < 0.1);
+    CHECK(std::abs(lost(Stacking::average) - 1.0 / (n + 1)) <= 40 * kExact);
   }
 }
 

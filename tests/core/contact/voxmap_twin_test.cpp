@@ -68,7 +68,7 @@ Pose tool_pose(std::uint64_t n, const Pose& world_from_bone) {
   return world_from_bone * Pose{n % 2 == 0 ? Quat(1.0, 0.0, 0.0, 0.0) : random_rotation(kSeed, n), tip};
 }
 
-std::unique_ptr<ContactModel> voxmap_of(const PointShell& shell, const VoxmapContactConfig& config) {
+std::unique_ptr<PenaltyModel> voxmap_of(const PointShell& shell, const VoxmapContactConfig& config) {
   auto model = VoxmapContact::create(config, shell);
   REQUIRE(model.ok());
   return std::move(model).value();

@@ -135,6 +135,46 @@ class Walk {
   Int3 size_;
 };
 
+/// Force, torque and the normals' products of one contact, per unit of stiffness.
+constexpr std::size_t kTerms = 12;
+std::array<double, kTerms> terms_of(const Contact& contact, const Vec3& origin) {
+  const Vec3 push = contact.normal * contact.depth, arm = contact.position - origin, n = contact.normal;
+  return {push.x,
+          push.y,
+          push.z,
+          arm.y * push.z - arm.z * push.y,
+          arm.z * push.x - arm.x * push.z,
+          arm.x * push.y - arm.y * push.x,
+          n.x * n.x,
+          n.x * n.y,
+          n.x * n.z,
+          n.y * n.y,
+          n.y * n.z,
+          n.z * n.z};
+}
+
+/// Sixteen sums folded in halves.
+double folded(const std::array<double, 16>& sums) {
+  std::vector<double> left(sums.begin(), sums.end());
+  while (left.size() > 1) {
+    const std::size_t half = left.size() / 2;
+    for (std::size_t n = 0; n < half; ++n) left[n] += left[n + half];
+    left.resize(half);
+  }
+  return left[0];
+}
+
+/// Place of a point of the tool in fractions of a voxel; outside what is known where it does not fit.
+Int3 place_of(const Affine& index_from_tool, const Vec3& at) {
+  Int3 p{-kOne, -kOne, -kOne};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Mat3& m = index_from_tool.linear;
+    const double index = m[0][a] * at.x + m[1][a] * at.y + m[2][a] * at.z + index_from_tool.offset[a];
+    if (index > -1.0 && index < 512.0) p[a] = static_cast<int>(std::floor(index * kOne + 0.5));
+  }
+  return p;
+}
+
 }  // namespace
 
 ContactResult WordsTwin::operator()(const PointShell& shell, std::span<const std::uint32_t> order, const Pose& world_from_tool) const {
@@ -144,16 +184,10 @@ ContactResult WordsTwin::operator()(const PointShell& shell, std::span<const std
   index_from_tool.offset -= Vec3(box.lo);
   const Affine world_from_window = world_from_index * Affine{Mat3(1.0), Vec3(box.lo)};
   ContactResult out;
-  std::array<std::array<double, 16>, 12> sums{};
+  std::array<std::array<double, 16>, kTerms> sums{};
   std::size_t touching = 0;
   for (const std::uint32_t n : order) {
-    const Vec3 at = shell.positions[n];
-    Int3 p{-kOne, -kOne, -kOne};
-    for (std::size_t a = 0; a < 3; ++a) {
-      const Mat3& m = index_from_tool.linear;
-      const double index = m[0][a] * at.x + m[1][a] * at.y + m[2][a] * at.z + index_from_tool.offset[a];
-      if (index > -1.0 && index < 512.0) p[a] = static_cast<int>(std::floor(index * kOne + 0.5));
-    }
+    const Int3 p = place_of(index_from_tool, shell.positions[n]);
     if (!walk.known(p)) {
       out.flags |= kContactOutsideWindow;
       continue;
@@ -193,33 +227,13 @@ ContactResult WordsTwin::operator()(const PointShell& shell, std::span<const std
     }
     out.contacts.push_back(contact);
     if (!(depth > 0.0f)) continue;
-    const Vec3 push = contact.normal * contact.depth, arm = contact.position - world_from_tool.translation, nn = contact.normal;
-    const std::array<double, 12> terms{push.x,
-                                       push.y,
-                                       push.z,
-                                       arm.y * push.z - arm.z * push.y,
-                                       arm.z * push.x - arm.x * push.z,
-                                       arm.x * push.y - arm.y * push.x,
-                                       nn.x * nn.x,
-                                       nn.x * nn.y,
-                                       nn.x * nn.z,
-                                       nn.y * nn.y,
-                                       nn.y * nn.z,
-                                       nn.z * nn.z};
-    for (std::size_t k = 0; k < 12; ++k) sums[k][sum] += terms[k];
+    const std::array<double, kTerms> terms = terms_of(contact, world_from_tool.translation);
+    for (std::size_t k = 0; k < kTerms; ++k) sums[k][sum] += terms[k];
   }
   if (out.contacts.empty()) return out;
   const double share = stiffness / double(out.contacts.size());
-  std::array<double, 12> total{};
-  for (std::size_t k = 0; k < 12; ++k) {
-    std::vector<double> left(sums[k].begin(), sums[k].end());
-    while (left.size() > 1) {
-      const std::size_t half = left.size() / 2;
-      for (std::size_t n = 0; n < half; ++n) left[n] += left[n + half];
-      left.resize(half);
-    }
-    total[k] = left[0] * share;
-  }
+  std::array<double, kTerms> total{};
+  for (std::size_t k = 0; k < kTerms; ++k) total[k] = folded(sums[k]) * share;
   out.wrench = {{total[0], total[1], total[2]}, {total[3], total[4], total[5]}};
   out.force_gradient = -Mat3(total[6], total[7], total[8], total[7], total[9], total[10], total[8], total[10], total[11]);
   return out;

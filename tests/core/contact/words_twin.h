@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/contact/contact_model.h"
+#include "core/contact/penalty_model.h"
 
 namespace burrhole::contact_test {
 

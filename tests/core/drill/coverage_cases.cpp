@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/random.h"
+#include "tests/support/plain_trilinear.h"
 
 namespace burrhole::test {
 namespace {
@@ -53,15 +54,7 @@ double sweep_through(Voxmap& voxmap, Erosion& erosion, const SweptSolid& solid, 
 }
 
 double density_at(const MasterWindow& window, const Vec3& p) {
-  const Vec3i v = floor_int(p);
-  const Vec3 t = p - Vec3(v);
-  double sum = 0.0;
-  for (int n = 0; n < 8; ++n) {
-    const Vec3i d(n & 1, (n >> 1) & 1, n >> 2);
-    const double weight = (d.x == 1 ? t.x : 1.0 - t.x) * (d.y == 1 ? t.y : 1.0 - t.y) * (d.z == 1 ? t.z : 1.0 - t.z);
-    sum += weight * static_cast<double>(window.density[window.box.offset_of(v + d)]);
-  }
-  return sum;
+  return plain_trilinear(p, [&](const Vec3i& v) { return window.density[window.box.offset_of(v)]; });
 }
 
 Vec3 rise_at(const MasterWindow& window, const Vec3& p) {
@@ -78,11 +71,11 @@ double hollow(const MasterWindow& window) {
   double sum = 0.0;
   for_each_voxel({window.box.lo + 4, window.box.hi - 5}, [&](const Vec3i& v) {
     float least = 1.0f, most = 0.0f;
-    for (int n = 0; n < 8; ++n) {
-      const float d = window.density[window.box.offset_of(v + Vec3i(n & 1, (n >> 1) & 1, n >> 2))];
+    for_each_voxel({v, v + 2}, [&](const Vec3i& corner) {
+      const float d = window.density[window.box.offset_of(corner)];
       least = std::min(least, d);
       most = std::max(most, d);
-    }
+    });
     if (least >= 0.5f) return;
     if (most < 0.5f) {
       sum += 1.0;

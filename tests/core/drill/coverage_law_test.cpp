@@ -1,6 +1,5 @@
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -231,25 +230,4 @@ TEST_CASE("coverage: voxels beyond the window are counted and left alone") {
   const ErosionOutcome outcome = erosion.step(voxmap, solid.path(), 1.0, 1e-3);
   CHECK(outcome.outside > 0);
   CHECK(voxmap.window().erodible_box().contains(outcome.changed.bounds()));
-}
-
-TEST_CASE("coverage: time of a step of a 4 mm burr at 0.25 mm voxels, 1 kHz") {
-  // A figure, not a demand: times belong to benchmarks.
-  for (const double speed : {0.01, 0.05, 0.2}) {  // [m/s]
-    const double step = speed * 1e-3 / kVoxel;    // [voxels]
-    const SolidCase one{.ball = true, .radius = 8.0, .way = std::min(30.0, 200.0 * step), .seed = 6};
-    const SweptSolid solid = random_solid(one);
-    Voxmap voxmap = block_for(one);
-    Erosion erosion = subvoxel_erosion(solid, 1.0f);
-    const int steps = static_cast<int>(one.way / step);
-    double spent = 0.0;
-    for (int n = 0; n < steps; ++n) {
-      const Affine from = moved(solid.from, solid.way * (static_cast<double>(n) / steps));
-      const auto start = std::chrono::steady_clock::now();
-      const ErosionOutcome outcome = erosion.step(voxmap, {from, moved(from, solid.way / static_cast<double>(steps))}, 300.0, 1e-3);
-      spent += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      voxmap.commit(outcome.changed);
-    }
-    MESSAGE("burr of 4 mm at " << speed * 1e3 << " mm/s: " << 1e6 * spent / steps << " us a step");
-  }
 }

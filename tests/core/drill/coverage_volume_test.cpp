@@ -50,7 +50,7 @@ TEST_CASE("coverage: removed mass is the swept volume within 3 % down to a radiu
         const SolidCase one{.ball = ball, .radius = radius, .way = std::array{0.0, 2.3, 6.1, 11.9}[seed % 4], .seed = seed};
         const SweptSolid solid = random_solid(one);
         Voxmap voxmap = block_for(one);
-        ErosionConfig config{.subvoxel = true};
+        ErosionConfig config{.subvoxel = true, .clear_below = 0.0f};
         config.longest_substep = std::array{0.25, 0.5, 1.0}[seed % 3];
         Erosion erosion = subvoxel_erosion(solid, kAtOnce, config);
         const double removed = sweep_through(voxmap, erosion, solid, std::array{1, 7, 60}[seed / 4 % 3]);
@@ -120,7 +120,7 @@ TEST_CASE("coverage: volume inside the 0.5 level is the swept volume within 3 % 
           const Vec3 middle = 0.5 * Vec3(voxmap.bone().dims() - 1);
           solid.from.offset += middle - (solid.from * Vec3(0.0, 0.0, ball ? solid.radius : 0.5 * solid.height) + 0.5 * solid.way);
           solid.from.offset += Vec3(0.1, 0.3, 0.45) * static_cast<double>(seed);
-          Erosion erosion = subvoxel_erosion(solid, kAtOnce, {.subvoxel = true, .kernel = kernel});
+          Erosion erosion = subvoxel_erosion(solid, kAtOnce, {.subvoxel = true, .kernel = kernel, .clear_below = 0.0f});
           (void)sweep_through(voxmap, erosion, solid, 9);
           excess.add(hollow(voxmap.window()) / solid.volume() - 1.0);
         }

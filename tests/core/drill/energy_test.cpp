@@ -53,7 +53,7 @@ CutResult run(const Cut& cut, const StepFunction& step = the_law) {
   const SweptSolid solid = solid_of(cut);
   Voxmap voxmap =
       Block{.dims = Vec3i(static_cast<int>(std::lround(9e-3 / cut.voxel))), .pitch = cut.voxel, .hardness = cut.hardness}.make();
-  auto erosion = Erosion::create({.law = ErosionLaw::energy, .subvoxel = cut.subvoxel, .energy = kEnergy},
+  auto erosion = Erosion::create({.law = ErosionLaw::energy, .subvoxel = cut.subvoxel, .clear_below = 0.0f, .energy = kEnergy},
                                  solid.points(cut.relative_pitch * cut.voxel, 1.0f), field_of(solid, 1.0f));
   REQUIRE(erosion.ok());
   const int steps = static_cast<int>(std::lround(cut.duration * cut.rate));

@@ -80,7 +80,7 @@ TEST_CASE("removal pass: same bits as a plain loop at every SIMD level, in both 
           CHECK(voxmap.window().remaining != sabotaged);
           CHECK(std::abs(removal.mass - mass) <= 1e-12 * mass);  // some thousand sums in another order
           CHECK(std::ranges::all_of(field.sums, [](std::int64_t sum) { return sum == 0; }));
-          const BoxSet boxes = marks.boxes();
+          const VoxelBoxes boxes = marks.boxes();
           std::uint32_t lost = 0;
           int uncovered = 0;
           for_each_voxel(before.box, [&](const Vec3i& v) {

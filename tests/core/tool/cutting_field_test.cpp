@@ -5,9 +5,11 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/bounds.h"
 #include "core/base/random.h"
 #include "core/tool/erosion_points.h"
 #include "core/tool/make_tool.h"
+#include "tests/support/plain_trilinear.h"
 
 using namespace burrhole;
 
@@ -26,15 +28,9 @@ ToolSpec spec_of(const std::string& regions) {
 
 double between(const CuttingField& field, const std::vector<float>& values, const Vec3& p) {
   const Vec3 q = (p - field.origin) / field.pitch;
-  const Vec3i v = glm::clamp(floor_int(q), Vec3i(0), field.dims - 2);
-  const Vec3 t = q - Vec3(v);
-  double sum = 0.0;
-  for (int n = 0; n < 8; ++n) {
-    const Vec3i d(n & 1, (n >> 1) & 1, n >> 2);
-    const double weight = (d.x == 1 ? t.x : 1.0 - t.x) * (d.y == 1 ? t.y : 1.0 - t.y) * (d.z == 1 ? t.z : 1.0 - t.z);
-    sum += weight * static_cast<double>(values[VoxelBox{Vec3i(0), field.dims}.offset_of(v + d)]);
-  }
-  return sum;
+  const VoxelBox box{Vec3i(0), field.dims};
+  return test::plain_trilinear(glm::clamp(q, Vec3(0.0), Vec3(field.dims - 1)),
+                               [&](const Vec3i& v) { return values[box.offset_of(glm::min(v, box.hi - 1))]; });
 }
 
 /// Share of places within a box round the tool where the field's sign is not that of what cuts, those within `skin` of its surface left
@@ -99,10 +95,9 @@ TEST_CASE("cutting field: factors go on outside as they are at the surface, and 
 TEST_CASE("cutting field: a closed surface has the distances of the solid that it bounds, between its cutting heights") {
   // A box of 4 x 3 x 5 mm on its tip, which cuts from 1 to 4 mm.
   SurfaceMesh mesh;
-  for (int n = 0; n < 8; ++n)
-    mesh.positions.emplace_back((n & 1) != 0 ? 2e-3 : -2e-3, (n & 2) != 0 ? 1.5e-3 : -1.5e-3, (n & 4) != 0 ? 5e-3 : 0.0);
+  for (const Vec3& corner : Bounds{{-2e-3, -1.5e-3, 0.0}, {2e-3, 1.5e-3, 5e-3}}.corners()) mesh.positions.push_back(corner);
   mesh.indices = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
-  REQUIRE_FALSE(mesh_fault(mesh).has_value());
+  REQUIRE_FALSE(mesh_error(mesh).has_value());
   MeshToolSpec spec;
   spec.erosion_factor = 0.1;
   spec.cut_from = 1e-3;

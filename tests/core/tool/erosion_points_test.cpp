@@ -88,14 +88,22 @@ TEST_CASE("erosion points: mirror symmetric in x and in y, factors too") {
 
 TEST_CASE("erosion points: the two drills of a perforator keep their own factors") {
   const ErosionPoints points = points_of(perforator(1e-3), 0.5e-3);
+  REQUIRE(std::ranges::count(points.factors, 0.028f) > 0);
+  REQUIRE(std::ranges::count(points.factors, 0.14f) > 0);
   for (std::size_t i = 0; i < points.size(); ++i) CHECK(points.factors[i] == (points.positions[i].z < 3e-3 ? 0.028f : 0.14f));
 }
 
 TEST_CASE("erosion points: passive regions have none, and the region listed first owns an overlap") {
-  for (const Vec3& p : points_of(burr(1e-3), 0.1e-3).positions) CHECK(glm::length(p - Vec3(0.0, 0.0, 2e-3)) <= 2e-3 + 1e-12);
+  const ErosionPoints head = points_of(burr(1e-3), 0.1e-3);
+  // A ball of 2 mm on cells of 0.1 mm: within the cells that its surface cuts, 4 pi r^2 of them and as many again for slanted ones.
+  CHECK(std::abs(static_cast<double>(head.size()) - 33510.0) < 2.0 * 5027.0);
+  for (const Vec3& p : head.positions) CHECK(glm::length(p - Vec3(0.0, 0.0, 2e-3)) <= 2e-3 + 1e-12);
   ToolSpec swapped = burr(1e-3);
   std::swap(swapped.regions[0], swapped.regions[1]);
-  for (const Vec3& p : points_of(swapped, 0.1e-3).positions) CHECK((p.z < 2.4e-3 || std::hypot(p.x, p.y) > 0.9e-3));
+  const ErosionPoints bored = points_of(swapped, 0.1e-3);
+  CHECK(bored.size() > 0);
+  CHECK(bored.size() < head.size());
+  for (const Vec3& p : bored.positions) CHECK((p.z < 2.4e-3 || std::hypot(p.x, p.y) > 0.9e-3));
 }
 
 TEST_CASE("erosion law: linear in the distance from the axis") {

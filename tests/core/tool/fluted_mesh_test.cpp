@@ -12,6 +12,7 @@
 
 #include "core/tool/tool_mesh.h"
 #include "tests/core/tool/tool_samples.h"
+#include "tests/support/source_folder.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -70,7 +71,7 @@ double farthest_unswept(const ToolSpec& spec, const TriangleMesh& mesh) {
 
 std::vector<ToolSpec> shipped_specs() {
   std::vector<ToolSpec> specs;
-  for (const auto& entry : std::filesystem::directory_iterator(BH_SOURCE_DIR "/app/tools")) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::in_source("app/tools"))) {
     const auto document = TomlDocument::load(entry.path().string());
     REQUIRE(document.ok());
     Issues issues;
@@ -78,6 +79,7 @@ std::vector<ToolSpec> shipped_specs() {
     REQUIRE(spec);
     specs.push_back(std::move(*spec));
   }
+  REQUIRE_FALSE(specs.empty());
   return specs;
 }
 

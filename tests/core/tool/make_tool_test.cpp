@@ -85,7 +85,7 @@ TEST_CASE("tool file: faults are told with their line and column") {
        {"bit.toml:12:1: region[0].pitch_mm = 1 cannot stand beside stacks and slices"}},
       {with_line(10, "voxel_mm = 1"), {"bit.toml:10:1: region[0].voxel_mm = 1 needs stacks and slices"}},
       {with_line(10, "[[region]]\nshape=\"sphere\"\nz_mm=5\ndiameter_mm=2\nerosion_factor=0"),
-       {"bit.toml:4:3: region is no single body: regions do not hold together at z = 3 mm"}},
+       {"bit.toml:4:3: region is not a single body: regions do not hold together at z = 3 mm"}},
       {with_line(10, "[[region]]\nshape=\"sphere\"\nz_mm=2\ndiameter_mm=2\nerosion_factor=0\nheight_mm = 2"),
        {"bit.toml:15:1: unknown key \"height_mm\" in [region[1]]"}},
       {"title = \"x\"\n", {"bit.toml: region is missing: a tool needs at least one [[region]]"}},

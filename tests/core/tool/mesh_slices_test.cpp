@@ -60,7 +60,7 @@ TEST_CASE("mesh slices: rows through vertices, edges and faces neither leak nor 
   // The same box of many vertices, all on lattice points.
   const SurfaceMesh octahedron{{{4, 0, 0}, {-4, 0, 0}, {0, 4, 0}, {0, -4, 0}, {0, 0, 4}, {0, 0, -4}},
                                {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5}};
-  REQUIRE_FALSE(mesh_fault(octahedron));
+  REQUIRE_FALSE(mesh_error(octahedron));
   const std::vector<std::uint8_t> diamond = inside_of(octahedron, lattice);
   std::size_t at = 0;
   for_each_voxel({Vec3i(0), lattice.dims}, [&](const Vec3i& v) {

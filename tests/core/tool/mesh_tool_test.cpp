@@ -243,9 +243,9 @@ TEST_CASE("mesh tool file: faults are told with their line and column") {
   open.indices.resize(open.indices.size() - 3);
   CHECK(faults(kFile, open)
             .at(0)
-            .rfind("bits/bit.toml:3:1: mesh.file = \"burr.stl\" is no solid, open: 3 edges without a neighbour in 1 hole, the longest ",
+            .rfind("bits/bit.toml:3:1: mesh.file = \"burr.stl\" is not a solid, open: 3 edges without a neighbour in 1 hole, the longest ",
                    0) == 0);
-  CHECK(faults(kFile, inside_out(ball)).at(0).rfind("bits/bit.toml:3:1: mesh.file = \"burr.stl\" is no solid, inside-out: ", 0) == 0);
+  CHECK(faults(kFile, inside_out(ball)).at(0).rfind("bits/bit.toml:3:1: mesh.file = \"burr.stl\" is not a solid, inside-out: ", 0) == 0);
   CHECK(faults(kFile, bad_input("cannot be read: No such file or directory", "bits/burr.stl")) ==
         Lines{"bits/bit.toml:3:1: mesh.file = \"burr.stl\" cannot be read: No such file or directory"});
   CHECK(faults(kFile, sphere_mesh({0, 0, 3}, 2, 2)) ==
@@ -262,5 +262,5 @@ TEST_CASE("mesh tool file: faults are told with their line and column") {
   const auto document = TomlDocument::parse(kFile, "bits/bit.toml");
   Issues issues;
   CHECK_FALSE(make_tool(*document, {}, issues));
-  CHECK(issues.at(0).message == "mesh.file = \"burr.stl\" cannot be read here: this program reads no meshes");
+  CHECK(issues.at(0).message == "mesh.file = \"burr.stl\" cannot be read: this program has no mesh reader");
 }

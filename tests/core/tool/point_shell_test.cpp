@@ -201,6 +201,9 @@ TEST_CASE("shell: cutting follows region and face") {
   ToolSpec front = perforator(0.7e-3);
   for (RegionSpec& one : front.regions) one.erosion.side = one.erosion.top = 0.0;
   const PointShell faces = shell_of(front);
+  CHECK(std::ranges::count(whole.cutting, 0) > 0);
+  CHECK(std::ranges::count(whole.cutting, 1) > 0);
+  CHECK(std::ranges::count(faces.cutting, 1) > 0);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const double z = faces.positions[i].z;
     const bool bottom = std::abs(z) < 1e-9 || std::abs(z - 3e-3) < 1e-9;
@@ -237,6 +240,8 @@ TEST_CASE("shell: voxel bounds the gap between the rings of flat faces") {
   for (const Vec3& p : shell.positions)
     if (p.z == 0.0) radii.push_back(std::hypot(p.x, p.y));
   std::sort(radii.begin(), radii.end());
+  REQUIRE(radii.size() > 7);  // the rim's 7 mm by steps of a millimetre
+  CHECK(radii.front() < 1e-12);
   for (std::size_t i = 1; i < radii.size(); ++i) CHECK(radii[i] - radii[i - 1] <= 1e-3 + 1e-12);
 }
 

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "core/tool/make_tool.h"
+#include "tests/support/source_folder.h"
 
 using namespace burrhole;
 
 namespace {
 
-const std::filesystem::path kFolder = std::filesystem::path(BH_SOURCE_DIR) / "app" / "tools";
+const std::filesystem::path kFolder = test::in_source("app/tools");
 
 Tool shipped(const std::string& name, double pitch = 0.25e-3) {
   Issues issues;

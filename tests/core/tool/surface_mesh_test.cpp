@@ -27,7 +27,7 @@ SurfaceMesh without_triangles(SurfaceMesh mesh, std::size_t first, std::size_t c
   return mesh;
 }
 
-std::string fault_of(const SurfaceMesh& mesh) { return mesh_fault(mesh).value_or(""); }
+std::string fault_of(const SurfaceMesh& mesh) { return mesh_error(mesh).value_or(""); }
 
 const SurfaceMesh kBox = box_mesh({0.01, 0.02, 0.03});
 
@@ -55,26 +55,26 @@ TEST_CASE("check_mesh: the volume of a sphere of chords tends to the ball's from
   CHECK(std::abs(coarse / fine - 4.0) < 0.1);  // second order in the edge; the next order is (edge / radius)^2 = 2 % of it
 }
 
-TEST_CASE("mesh_fault: holes are counted and measured") {
+TEST_CASE("mesh_error: holes are counted and measured") {
   // A face of 20 x 40 mm missing: its rim is 120 mm. One triangle more on the far side: 20 + 40 + its diagonal.
   CHECK(fault_of(without_triangles(kBox, 0, 2)) == "open: 4 edges without a neighbour in 1 hole, the longest 120 mm around");
   CHECK(fault_of(without_triangles(without_triangles(kBox, 2, 1), 0, 2)) ==
         "open: 7 edges without a neighbour in 2 holes, the longest 120 mm around");
 }
 
-TEST_CASE("mesh_fault: inside-out, wound both ways, doubled and flat surfaces are told apart") {
+TEST_CASE("mesh_error: inside-out, wound both ways, doubled and flat surfaces are told apart") {
   CHECK(fault_of(inside_out(kBox)) == "inside-out: signed volume -48 cm3");
   SurfaceMesh one_turned = kBox;
   std::swap(one_turned.indices[0], one_turned.indices[1]);
   CHECK(fault_of(one_turned) == "wound both ways: the triangles at 3 edges do not agree on which side is outside");
   SurfaceMesh doubled = kBox;
   doubled.indices.insert(doubled.indices.end(), {0, 2, 1});
-  CHECK(fault_of(doubled) == "no solid: 3 edges are shared by more than two triangles");
+  CHECK(fault_of(doubled) == "not a solid: 3 edges are shared by more than two triangles");
   const SurfaceMesh flat{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 2, 0, 2, 1}};
   CHECK(fault_of(flat) == "flat: it encloses no volume");
 }
 
-TEST_CASE("mesh_fault: a part wound inward is a cavity inside another and a fault outside") {
+TEST_CASE("mesh_error: a part wound inward is a cavity inside another and a fault outside") {
   const SurfaceMesh hole = inside_out(box_mesh({0.005, 0.005, 0.005}));
   CHECK(fault_of(joined(kBox, hole)) == "");
   CHECK(check_mesh(joined(kBox, hole)).parts == 2);
@@ -85,7 +85,7 @@ TEST_CASE("mesh_fault: a part wound inward is a cavity inside another and a faul
   CHECK(fault_of(joined(kBox, left)) != "");
 }
 
-TEST_CASE("mesh_fault: triangles with fewer than three places do no harm, thin ones hold their neighbours") {
+TEST_CASE("mesh_error: triangles with fewer than three places do no harm, thin ones hold their neighbours") {
   SurfaceMesh mesh = kBox;
   mesh.indices.insert(mesh.indices.end(), {0, 0, 1, 3, 3, 3});
   CHECK(check_mesh(mesh).degenerate == 2);
@@ -100,9 +100,9 @@ TEST_CASE("mesh_fault: triangles with fewer than three places do no harm, thin o
   CHECK(fault_of(mesh) == "");
 }
 
-TEST_CASE("mesh_fault: broken lists are faults, not crashes") {
+TEST_CASE("mesh_error: broken lists are faults, not crashes") {
   CHECK(fault_of({}) == "no triangles");
-  CHECK(fault_of({{{0, 0, 0}}, {0, 0}}) == "an index list that is no multiple of three");
+  CHECK(fault_of({{{0, 0, 0}}, {0, 0}}) == "an index list whose length is not a multiple of three");
   CHECK(fault_of({{{0, 0, 0}}, {0, 0, 7}}) == "index 7 into 1 vertices");
   CHECK(fault_of({{{0, 0, std::numeric_limits<double>::quiet_NaN()}}, {0, 0, 0}}) == "a vertex that is not finite");
 }

@@ -128,7 +128,7 @@ std::string difference(const MasterWindow& window, const PlainTwin& twin) {
   return {};
 }
 
-std::string uncovered_change(const MasterWindow& before, const MasterWindow& after, const std::vector<VoxelBox>& dirty) {
+std::string uncovered_change(const MasterWindow& before, const MasterWindow& after, std::span<const VoxelBox> dirty) {
   std::string first;
   const std::vector<Vec3f> gradient_before = gradients_of(before), gradient_after = gradients_of(after);
   for_each_voxel(before.box.intersect(after.box), [&](const Vec3i& v) {

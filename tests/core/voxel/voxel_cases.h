@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,6 @@ void erode_box(Voxmap& voxmap, PlainTwin& twin, const VoxelBox& box, Dice& dice)
 /// @returns what differs first between the window and a full rebuild by the twin, bit for bit; empty if nothing.
 [[nodiscard]] std::string difference(const MasterWindow& window, const PlainTwin& twin);
 /// @returns the first voxel inside both boxes whose density or gradient changed and that none of `dirty` covers; empty if all are covered.
-[[nodiscard]] std::string uncovered_change(const MasterWindow& before, const MasterWindow& after, const std::vector<VoxelBox>& dirty);
+[[nodiscard]] std::string uncovered_change(const MasterWindow& before, const MasterWindow& after, std::span<const VoxelBox> dirty);
 
 }  // namespace burrhole::test

@@ -60,7 +60,7 @@ TEST_CASE("Voxmap: dirty boxes cover every voxel whose density or gradient chang
       const VoxelBox touched = dice.box_inside(voxmap.window().erodible_box(), 5);
       erode_box(voxmap, twin, touched, dice);
       REQUIRE(uncovered_change(eager_saw, voxmap.window(), voxmap.take_dirty(eager)) == "");
-      caught += uncovered_change(eager_saw, voxmap.window(), {touched}).empty() ? 0 : 1;  // sabotage: boxes without their halo
+      caught += uncovered_change(eager_saw, voxmap.window(), std::span(&touched, 1)).empty() ? 0 : 1;  // sabotage: boxes without their halo
       eager_saw = voxmap.window();
       if (dice.next() < 0.1) {
         REQUIRE(uncovered_change(lazy_saw, voxmap.window(), voxmap.take_dirty(lazy)) == "");

@@ -1,4 +1,5 @@
 #include "haptics/device/device_model.h"
+#include "tests/support/source_folder.h"
 
 #include <doctest/doctest.h>
 
@@ -23,6 +24,8 @@ const DeviceModel& device(std::string_view name) {
 }  // namespace
 
 TEST_CASE("find_device: every device and hand is found by its own name, and a slip of the keyboard is told the nearest") {
+  REQUIRE_FALSE(device_models().empty());
+  REQUIRE_FALSE(hand_models().empty());
   for (const DeviceModel& model : device_models()) CHECK(&device(model.name) == &model);
   for (const HandModel& model : hand_models()) {
     const auto found = find_hand(model.name);
@@ -104,7 +107,7 @@ std::string cell(const Figure& figure, double unit) {
 }
 
 std::string page() {
-  std::ifstream file(BH_SOURCE_DIR "/docs/devices.md");
+  std::ifstream file(test::in_source("docs/devices.md"));
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();

@@ -1,26 +1,32 @@
-// What a client of the installed package does first: include by the same paths as inside the tree, call into the libraries.
-#include <core/base/geometry.h>
-#include <core/voxel/bone_model.h>
-#include <volumes/phantom/phantom.h>
+// A client of the installed package: drills the shipped scene, reads density and forces while it drills, writes summary and report.
+#include <burrhole/app/job/drill_job.h>
 
-#include <cmath>
 #include <cstdio>
 
-int main() {
-  burrhole::PhantomSpec spec;
-  spec.kind = burrhole::PhantomKind::sphere;
-  spec.extent = burrhole::Vec3(16e-3);
-  const auto phantom = burrhole::make_phantom(spec);
-  if (!phantom) return std::puts(phantom.error().text().c_str()), 1;
-  // Stores into OpenVDB, a private part of core: a dependency that the export forgot would stop at the link.
-  const auto bone = burrhole::BoneModel::create(phantom->bone);
-  if (!bone) return std::puts(bone.error().text().c_str()), 1;
+int main(int argc, char** argv) {
+  using namespace burrhole;
+  if (argc != 4) return std::fputs("usage: client SCENE TOOL_FOLDER OUTPUT_FOLDER\n", stderr), 2;
+  auto document = TomlDocument::load(argv[1]);
+  if (!document) return std::puts(document.error().text().c_str()), 2;
+  if (const Status set = document->set("duration_s=3"); !set) return std::puts(set.error().text().c_str()), 2;
+  Issues issues;
+  const auto loaded = load_scene(*document, {.tool_folders = {argv[2]}}, issues);
+  if (!loaded) return std::puts(issues.front().text().c_str()), 2;
 
-  const burrhole::Pose world_from_bone{burrhole::rotation_from_z({1.0, 0.0, 0.0}), {0.0, 0.0, 0.01}};
-  const double volume_mm3 = 1e9 * static_cast<double>((*bone)->bone_voxels()) * (*bone)->bone_from_index().cell_volume();
-  const double exact_mm3 = 4.0 / 3.0 * 3.14159265358979 * std::pow(spec.sphere_radius * 1e3, 3);
-  // Counting whole voxels of a ball 48 voxels across errs by well under 1 %.
-  if (std::abs(volume_mm3 / exact_mm3 - 1.0) > 0.01) return std::printf("client: %.1f mm3, not %.1f\n", volume_mm3, exact_mm3), 1;
-  std::printf("client: ok, %.1f mm3 of bone, outward along world x = %.1f\n", volume_mm3, world_from_bone.rotate({0.0, 0.0, 1.0}).x);
-  return 0;
+  double largest_force = 0.0, least_density = 1.0;  // [N], [-]
+  DrillJob job;
+  job.folder = argv[3];
+  job.watch = [&](Simulation& simulation) {  // ten times a simulated second
+    largest_force = std::max(largest_force, glm::length(simulation.contact_state().on_hand.force));
+    const Vec3 entry = loaded->bone->bone_from_index().inverse() * simulation.approach().bone_from_approach.translation;
+    const Vec3i voxel = floor_int(entry - Vec3(0.0, 0.0, 2.0));  // two voxels below the surface
+    float density = 0.0f;
+    simulation.voxmap().read_density({voxel, voxel + 1}, {&density, 1});
+    least_density = std::min(least_density, static_cast<double>(density));
+  };
+  const auto summary = drill(*loaded, job);
+  if (!summary) return std::puts(summary.error().text().c_str()), 1;
+  std::printf("client: ok, %.1f N at most, least density read at the entry %.2f, %.1f mm3 removed\n", largest_force, least_density,
+              summary->removed_mm3);
+  return largest_force > 1.0 && least_density < 1.0 && summary->removed_mm3 > 1.0 ? 0 : 1;
 }

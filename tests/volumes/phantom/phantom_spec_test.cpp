@@ -36,6 +36,7 @@ bool names(const Issues& issues, const std::string& words) {
 }
 
 TEST_CASE("phantom spec: the defaults of every kind are valid and an empty table gives exactly them") {
+  REQUIRE(phantom_names().size() > 1);
   for (const std::string& name : phantom_names()) {
     CAPTURE(name);
     PhantomSpec spec;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/random.h"
+#include "tests/support/plain_trilinear.h"
 #include "volumes/phantom/phantom.h"
 
 namespace burrhole::phantom_test {
@@ -66,17 +67,8 @@ inline Vec3 random_direction(std::uint64_t seed, std::uint64_t n) {
 /// Trilinear occupancy at a point of the bone frame; cells beyond the outermost centres take the nearest. Slow plain twin.
 inline double trilinear(const DenseBone& bone, const std::vector<float>& field, const Vec3& p_bone) {
   const Vec3 p = glm::clamp(bone.bone_from_index.inverse() * p_bone, Vec3(0.0), Vec3(bone.dims) - 1.0);
-  const Vec3i base = glm::min(Vec3i(glm::floor(p)), bone.dims - 2);
-  const Vec3 t = p - Vec3(base);
   const VoxelBox box{Vec3i(0), bone.dims};
-  double sum = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3i step(corner & 1, (corner >> 1) & 1, corner >> 2);
-    double weight = 1.0;
-    for (std::size_t a = 0; a < 3; ++a) weight *= step[a] == 1 ? t[a] : 1.0 - t[a];
-    sum += weight * static_cast<double>(field[box.offset_of(base + step)]);
-  }
-  return sum;
+  return test::plain_trilinear(p, [&](const Vec3i& v) { return field[box.offset_of(glm::min(v, bone.dims - 1))]; });
 }
 
 /// Largest |true distance| [m] of the field's 0.5 level, found along `rays` random lines through the grid (0.1 voxel marching, bisection).

@@ -72,8 +72,9 @@ TEST_CASE("phantom: the trilinear 0.5 level is the true surface, exactly on plan
 }
 
 TEST_CASE("phantom: at edges the 0.5 level stays within half a voxel of the true surface") {
-  // Interpolation rounds an edge over the cells that it passes: the sharper, the more. 0.45 voxel was the most on these shapes, on the
-  // wedge of 50 degrees; 0.27 on right angles.
+  // Where two faces of normals n and m meet, the distance along an axis bends by |n - m| there, and interpolation cuts the bend by a quarter
+  // of a voxel times that: 0.45 voxel across the edge of a wedge of 50 degrees (|n - m| = 2 cos 25), and 2/4 along the two axes of a
+  // right angle together.
   for (const Case& c : every_shape()) {
     CAPTURE(c.name);
     CHECK(worst_surface_error(made(c.spec), 400, 6, [](const Vec3&) { return true; }) < 0.5 * c.spec.pitch);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/units.h"
+#include "tests/support/plain_trilinear.h"
 #include "volumes/read/bone_from_scan.h"
 
 using namespace burrhole;
@@ -28,15 +29,7 @@ double ball_hu(const Vec3& p) {
 
 /// Twin of the sampling, written for one point at a time: fields of the model at the eight corners.
 double occupancy_at(const BoneModel& bone, const Vec3& p_bone) {
-  const Vec3 index = bone.bone_from_index().inverse() * p_bone;
-  const Vec3 base = glm::floor(index);
-  double sum = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 step(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1);
-    const Vec3 weight = glm::mix(1.0 - (index - base), index - base, step);
-    sum += weight.x * weight.y * weight.z * static_cast<double>(bone.occupancy(Vec3i(base + step)));
-  }
-  return sum;
+  return test::plain_trilinear(bone.bone_from_index().inverse() * p_bone, [&](const Vec3i& v) { return bone.occupancy(v); });
 }
 
 /// Distance from the middle at which a ray meets the 0.5 level.
@@ -134,7 +127,7 @@ TEST_CASE("make_bone: voxels far from the surface are exactly 0 and 1, hardness 
   made->bone->read_hardness({corner, corner + 1}, hardness);
   CHECK(hardness[0] == 0.0f);
   // Bone box: the ball, to a voxel.
-  CHECK(glm::length(bounds_of(made->bone->bone_box(), made->bone->bone_from_index())[1] - Vec3(kBallRadius)) < std::sqrt(3.0) * 1.0 * kMm);
+  CHECK(glm::length(bounds_of(made->bone->bone_box(), made->bone->bone_from_index()).hi - Vec3(kBallRadius)) < std::sqrt(3.0) * 1.0 * kMm);
 }
 
 TEST_CASE("make_bone: one slab, many slabs and odd sizes give the same fields as the voxel on its own") {

@@ -196,7 +196,7 @@ TEST_CASE("read_dicom: MONOCHROME1 turns the display over, not the numbers") {
 TEST_CASE("read_dicom: rescale that gives no finite numbers and bits that do not fit are refused") {
   CHECK(refusal(ct_slice({}).text(0x00281053, "DS", "1e300")).find("give no usable values") != std::string::npos);
   for (const char* none : {"-1O24", "-1024,0", ""})
-    CHECK(refusal(ct_slice({}).text(0x00281052, "DS", none)) == "rescale slope or intercept is there, but is no number");
+    CHECK(refusal(ct_slice({}).text(0x00281052, "DS", none)) == "rescale slope or intercept is not a number");
   CHECK(refusal(ct_slice({}).text(0x00281053, "DS", "0")).find("rescale slope 0") != std::string::npos);
   CHECK(refusal(row_of({1, 2}, {16, 12, 5, 0})) == "12 bits stored below bit 5 do not fit into 16");
   CHECK(refusal(ct_slice({}).numbers(0x00280100, "US", {12})) == "pixels of 12 bits; 8, 16 and 32 are read");
@@ -226,7 +226,7 @@ TEST_CASE("read_dicom: an RLE frame that gives too few bytes is refused with the
   CHECK(refusal(data.pieces({rle_frame({std::string(100, '\0'), std::string(60, '\x05')})}), kRleLossless) ==
         "pixels cut short: RLE segment 2 gives 60 of 100 bytes");
   CHECK(refusal(data.pieces({std::string(10, '\0')}), kRleLossless) == "pixels cut short: 10 bytes of an RLE frame");
-  CHECK(refusal(data.pieces({}), kRleLossless) == "pixels cut short: there is no compressed piece");
+  CHECK(refusal(data.pieces({}), kRleLossless) == "pixels cut short: there is no compressed fragment");
 }
 
 TEST_CASE("read_dicom: frames of one file are stacked by their own positions, each with its own rescale") {
@@ -245,9 +245,11 @@ TEST_CASE("read_dicom: frames of one file are stacked by their own positions, ea
 }
 
 TEST_CASE("read_dicom: frames that are no volume are refused with the numbers") {
-  CHECK(refusal(multi_frame({0, 1, 0, 1})).find("multi-frame that is no volume: 4 frames at 2 positions") == 0);
-  CHECK(refusal(multi_frame({0, 1, 2}).erase(0x52009230)) == "multi-frame that is no volume: 3 frames without positions of their own");
-  CHECK(refusal(multi_frame({0, 1, 2}).text(0x00280008, "IS", "5")) == "multi-frame that is no volume: 5 frames, 3 of them described");
+  CHECK(refusal(multi_frame({0, 1, 0, 1})).find("multi-frame image that is not a volume: 4 frames at 2 positions") == 0);
+  CHECK(refusal(multi_frame({0, 1, 2}).erase(0x52009230)) ==
+        "multi-frame image that is not a volume: 3 frames without positions of their own");
+  CHECK(refusal(multi_frame({0, 1, 2}).text(0x00280008, "IS", "5")) ==
+        "multi-frame image that is not a volume: 5 frames, 3 of them described");
   CHECK(refusal(multi_frame({0, 1, 2}).erase(0x52009229)).find("3 of 3 frames without a position") != std::string::npos);
   CHECK(refusal(multi_frame({0, 1, 2, 4, 5})).find("is missing: step 2.00 mm where 1.00 mm is the rule") != std::string::npos);
 }

@@ -154,7 +154,7 @@ TEST_CASE("read_dicom: a folder or file without any slice is refused for what wa
   ct_slice({}).numbers(0x00280002, "US", {3}).text(0x00280004, "CS", "RGB").write(folder.file("rgb"));
   CHECK(refusal(folder) ==
         "none of 3 files is a slice of a scan: 2 not DICOM, 1 colour picture (raw voxels are read by a .toml that describes them)");
-  CHECK(refusal(folder.file("rgb")) == "the file is no slice of a scan: colour picture");
+  CHECK(refusal(folder.file("rgb")) == "the file is not a slice of a scan: colour picture");
   CHECK(refusal(folder.file("a.txt")) == "the file is not DICOM");
   CHECK(refusal("/dev/null") == "neither a file nor a folder");
 }
@@ -209,7 +209,7 @@ TEST_CASE("read_dicom: a faulty larger series is not passed over in silence, and
   write_series(folder, {.slice = {.number = 2, .series = "1.2"}, .count = 4, .prefix = "b"});
   const ReadScan out = read(folder);
   CHECK(out.scan.dims.z == 4);
-  CHECK(out.report.series[0].fault == gap);
+  CHECK(out.report.series[0].error == gap);
   CHECK(told(out.report, "series 1 is 4.8 times as large as series 2, which was taken, but cannot be read: " + gap));
   CHECK(refusal(folder, of_series("1")) == "series 1: " + gap);
 }
@@ -224,9 +224,9 @@ TEST_CASE("read_dicom: two different slices at one place are refused") {
 TEST_CASE("read_dicom: slices that do not say where they lie are refused") {
   const TemporaryFolder folder;
   ct_slice({}).erase(0x00200032).write(folder.file("a"));
-  CHECK(refusal(folder) == "1 of 1 slices do not say where they lie (position, orientation, pixel spacing)");
+  CHECK(refusal(folder) == "1 of 1 slices lack position, orientation or pixel spacing");
   ct_slice({}).text(0x00200032, "DS", "1\\two\\3").write(folder.file("a"));
-  CHECK(refusal(folder).find("do not say where they lie") != std::string::npos);
+  CHECK(refusal(folder).find("lack position") != std::string::npos);
 }
 
 TEST_CASE("read_dicom: one slice is as thick as SliceThickness says, and that is told") {
@@ -237,7 +237,7 @@ TEST_CASE("read_dicom: one slice is as thick as SliceThickness says, and that is
   CHECK(told(out->report, "one slice: thickness 5 mm from SliceThickness"));
   CHECK(std::abs(glm::length(out->scan.bone_from_index.linear[2]) - 5e-3) < 1e-12);
   ct_slice({}).erase(0x00180050).write(folder.file("a"));
-  CHECK(refusal(folder.file("a")) == "there is one slice, and nothing says how thick it is");
+  CHECK(refusal(folder.file("a")) == "there is one slice, and its thickness is unknown");
 }
 
 // A name in every text field of patient, study, equipment and series, and in fields where only codes belong.
@@ -251,7 +251,7 @@ TEST_CASE("read_dicom: nothing of patient or study reaches a report or an error 
   const auto gather = [&](const Result<ReadScan>& out) {
     if (!out) return texts.push_back(out.error().text());
     const ScanReport& r = out->report;
-    for (const auto& s : r.series) texts.insert(texts.end(), {s.name, s.modality, s.direction, s.fault});
+    for (const auto& s : r.series) texts.insert(texts.end(), {s.name, s.modality, s.direction, s.error});
     for (const auto& s : r.skipped) texts.push_back(s.reason);
     for (const auto& k : r.kept) texts.push_back(k.value);
     texts.insert(texts.end(), r.assumed.begin(), r.assumed.end());
@@ -299,8 +299,8 @@ TEST_CASE("read_dicom: keep copies the named fields, tells absent ones and refus
   CHECK(out->report.kept[2].value == "(absent)");
   CHECK(out->report.kept[3].value == "5");
   const auto message = [&](const char* word) { return read_dicom(folder.file("a"), keeping({word})).error().message; };
-  CHECK(message("PatientId2") == "'PatientId2' is no DICOM keyword; did you mean PatientID?");
-  CHECK(message("qqqqqqqq") == "'qqqqqqqq' is no DICOM keyword");
+  CHECK(message("PatientId2") == "'PatientId2' is not a DICOM keyword; did you mean PatientID?");
+  CHECK(message("qqqqqqqq") == "'qqqqqqqq' is not a DICOM keyword");
   CHECK(message("PixelData") == "DICOM field PixelData holds no text that could be kept");
 }
 

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/base/random.h"
+#include "tests/support/plain_trilinear.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/read/scan.h"
@@ -61,16 +62,9 @@ void write(const std::string& path, const openvdb::GridCPtrVec& grids) {
 }
 
 double occupancy(const Scan& scan, const Vec3& p) {
-  const Vec3 v = scan.bone_from_index.inverse() * p;
-  const Vec3i lo = floor_int(v);
-  const Vec3 f = v - Vec3(lo);
-  double sum = 0.0;
-  for (int n = 0; n < 8; ++n) {
-    const Vec3i d(n & 1, (n >> 1) & 1, n >> 2);
-    const Vec3 w = glm::mix(1.0 - f, f, Vec3(d));
-    sum += w.x * w.y * w.z * static_cast<double>(scan.values[VoxelBox{Vec3i(0), scan.dims}.offset_of(lo + d)]);
-  }
-  return sum;
+  return test::plain_trilinear(scan.bone_from_index.inverse() * p, [&](const Vec3i& v) {
+    return scan.values[VoxelBox{Vec3i(0), scan.dims}.offset_of(v)];
+  });
 }
 
 std::string bytes_of(const std::string& path) {
@@ -179,7 +173,7 @@ TEST_CASE("foreign vdb: refusals say what and how much") {
   write(folder.file("vectors.vdb"), {openvdb::Vec3SGrid::create()});
   CHECK(refusal(folder.file("vectors.vdb"), options(kMm)) == "holds no float grid");
   write(folder.file("full.vdb"), {fog("rock", 4, 0.0f, 1.0f)});
-  CHECK(refusal(folder.file("full.vdb"), options(kMm)) == "grid \"rock\" is bone without end: its background is 1");
+  CHECK(refusal(folder.file("full.vdb"), options(kMm)) == "grid \"rock\" has infinite bone: its background is 1");
   auto far = fog("far", 4, 1.0f);
   far->tree().setValue(openvdb::Coord(20000, 9000, 0), 1.0f);
   write(folder.file("far.vdb"), {far});

@@ -58,13 +58,13 @@ void check_property(const std::string& name, const std::vector<std::string>& ori
   CHECK(rc::check(name, [&] {
     for (int round = 0; round < rounds; ++round) {
       const std::string& original = originals[*rc::gen::inRange<std::size_t>(0, originals.size())];
-      const auto fault = take(damaged(original));
-      ++(fault ? refused : taken);
-      if (!fault) continue;
+      const auto error = take(damaged(original));
+      ++(error ? refused : taken);
+      if (!error) continue;
       // the sidecar's TOML rules have a code of their own for numbers outside their range
-      RC_ASSERT(fault->code == ErrorCode::bad_input || fault->code == ErrorCode::out_of_range);
-      RC_ASSERT(!fault->message.empty());
-      RC_ASSERT(fault->text().find_first_of("\r\n") == std::string::npos);
+      RC_ASSERT(error->code == ErrorCode::bad_input || error->code == ErrorCode::out_of_range);
+      RC_ASSERT(!error->message.empty());
+      RC_ASSERT(error->text().find_first_of("\r\n") == std::string::npos);
     }
   }));
   MESSAGE(name, ": ", refused, " refused, ", taken, " taken");

@@ -15,10 +15,10 @@ TEST_CASE("available_memory: the line of MemAvailable in bytes, wherever it stan
   }
 }
 
-TEST_CASE("memory_fault: more than there is is refused with both numbers") {
-  CHECK_FALSE(memory_fault(4e9, 4e9));
-  CHECK(memory_fault(8.589934592e9, 4e9).value_or("") == "needs 8.59 GB of memory, 4 GB are available");
-  CHECK_FALSE(memory_fault(0.0));
+TEST_CASE("memory_error: more than there is is refused with both numbers") {
+  CHECK_FALSE(memory_error(4e9, 4e9));
+  CHECK(memory_error(8.589934592e9, 4e9).value_or("") == "needs 8.59 GB of memory, 4 GB are available");
+  CHECK_FALSE(memory_error(0.0));
   // No machine has an exabyte.
-  if (available_memory()) CHECK(memory_fault(1e18));
+  if (available_memory()) CHECK(memory_error(1e18));
 }

@@ -30,7 +30,7 @@ std::string fault_of(const std::string& path) {
   return mesh.error().message;
 }
 
-std::string fault_of_bytes(const TemporaryFolder& folder, const std::string& name, const std::string& bytes) {
+std::string error_of_bytes(const TemporaryFolder& folder, const std::string& name, const std::string& bytes) {
   write_file(folder.file(name), bytes);
   return fault_of(folder.file(name));
 }
@@ -60,7 +60,7 @@ TEST_CASE("read_mesh: STL, OBJ and PLY give the same surface, welded and scaled"
       const MeshCheck check = check_mesh(*mesh);
       // Float coordinates: 2^-24 of up to 0.05 m; the volume is as exact relative to the radius, three times over.
       CHECK(std::abs(check.volume / expected.volume - 1.0) < 3.0 * 0.05 / 0.02 * 6e-8);
-      CHECK_FALSE(mesh_fault(*mesh));
+      CHECK_FALSE(mesh_error(*mesh));
     }
 }
 
@@ -78,7 +78,7 @@ TEST_CASE("read_mesh: polygons are cut into triangles, concave ones too") {
   write_file(folder.file("l.obj"), text);
   const auto mesh = read_mesh(folder.file("l.obj"), 1.0);
   REQUIRE(mesh.ok());
-  CHECK_FALSE(mesh_fault(*mesh));
+  CHECK_FALSE(mesh_error(*mesh));
   CHECK(std::abs(check_mesh(*mesh).volume - 6.0) < 1e-12);  // small whole numbers: exact but for the division
 }
 
@@ -126,21 +126,21 @@ TEST_CASE("read_mesh: binary PLY of either byte order, doubles and unknown eleme
     const auto mesh = read_mesh(folder.file("a.ply"), 1.0);
     REQUIRE_MESSAGE(mesh.ok(), (mesh ? "" : mesh.error().text()));
     CHECK(std::abs(check_mesh(*mesh).volume - 1.0 / 6.0) < 1e-15);
-    CHECK_FALSE(mesh_fault(*mesh));
+    CHECK_FALSE(mesh_error(*mesh));
   }
 }
 
 TEST_CASE("read_mesh: what is no mesh is refused in one line") {
   const TemporaryFolder folder;
   CHECK(fault_of("/nowhere/a.stl") == "cannot be read: No such file or directory");
-  CHECK(fault_of(folder.path().string() + "/x.step") == "is no mesh that can be read: .stl, .obj or .ply");
+  CHECK(fault_of(folder.path().string() + "/x.step") == "is not a supported mesh: .stl, .obj or .ply");
   std::filesystem::create_directory(folder.path() / "folder.stl");
   CHECK(fault_of(folder.file("folder.stl")) == "cannot be read: Is a directory");
   const std::string ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string facet = "solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
   const struct {
     const char* name;
-    std::string bytes, fault;
+    std::string bytes, error;
   } table[] = {
       {"a.stl", "", "is empty"},
       {"a.stl", std::string(84, '\0'), "holds no triangles"},
@@ -148,23 +148,23 @@ TEST_CASE("read_mesh: what is no mesh is refused in one line") {
       {"a.stl", facet + "endloop\n", "ends without endsolid: cut off?"},
       {"a.stl", facet + "endloop\nendfacet\n", "line 7: a facet of 2 vertices"},
       {"a.stl", facet + "vertex 0 nought 0\n", "line 6: a vertex needs three numbers"},
-      {"a.stl", "solid a\nvertex 0 0 0\n", "line 2: no word of a text STL at this place"},
+      {"a.stl", "solid a\nvertex 0 0 0\n", "line 2: unexpected word in a text STL"},
       {"a.obj", "v 0 0 0\nv 1 0 0\n", "holds no triangles"},
       {"a.obj", kObjBox + "f 1 2 9\n", "a face names vertex 9 of 4"},
       {"a.obj", kObjBox + "f 1 2 0\n", "line 9: \"0\" names no vertex"},
       {"a.obj", kObjBox + "f -1 -2 -5\n", "line 9: \"-5\" names no vertex"},
       {"a.obj", kObjBox + "f 1 2\n", "line 9: a face of 2 corners, 3 to 256 are read"},
       {"a.obj", kObjBox + "l 1 2\n", "line 9: points or lines beside faces"},
-      {"a.obj", kObjBox + "curv 0 1 1 2\n", "line 9: \"curv\" is no word of a polygon mesh"},
+      {"a.obj", kObjBox + "curv 0 1 1 2\n", "line 9: \"curv\" is not a word of a polygon mesh"},
       {"a.obj", kObjBox + "v 0 0\n", "line 9: a vertex needs three numbers"},
       {"a.obj", kObjBox + "f 1 2 3 \\\n", "ends within a line"},
       {"a.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "holds a vertex that is not finite"},
       {"a.ply", "plain text", "does not begin with a line \"ply\""},
       {"a.ply", ply, "has no end_header"},
       {"a.ply", "ply\nend_header\n", "has no format line"},
-      {"a.ply", "ply\nformat cobol 1.0\n", "line 2: \"cobol\" is no format of PLY"},
+      {"a.ply", "ply\nformat cobol 1.0\n", "line 2: \"cobol\" is not a PLY format"},
       {"a.ply", ply + "property list float int a\n", "line 7: a list whose length has no whole type"},
-      {"a.ply", ply + "end_header0 0 0\n", "line 7: \"end_header0\" is no word of a PLY header"},
+      {"a.ply", ply + "end_header0 0 0\n", "line 7: \"end_header0\" is not a word of a PLY header"},
       {"a.ply", ply + "end_header\n0 0 0\n1 0 0\n0 1 zero\n", "ends within its elements: cut off?"},
       {"a.ply", ply + "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
        "a face names vertex 3 of 3"},
@@ -173,7 +173,7 @@ TEST_CASE("read_mesh: what is no mesh is refused in one line") {
   };
   for (const auto& row : table) {
     CAPTURE(row.bytes);
-    CHECK(fault_of_bytes(folder, row.name, row.bytes) == row.fault);
+    CHECK(error_of_bytes(folder, row.name, row.bytes) == row.error);
   }
 }
 
@@ -183,24 +183,24 @@ TEST_CASE("read_mesh: sizes that a header claims are held against the file befor
   std::string stl = stl_bytes(box_mesh({1, 1, 1}), 1.0);
   const std::uint32_t absurd = 85'000'000;  // 4.2 GB
   std::memcpy(stl.data() + 80, &absurd, 4);
-  CHECK(fault_of_bytes(folder, "claims.stl", stl) == "counts 85000000 triangles, which take 4250000084 bytes; it has 684");
+  CHECK(error_of_bytes(folder, "claims.stl", stl) == "counts 85000000 triangles, which take 4250000084 bytes; it has 684");
   const auto ply = [](const char* vertices, const char* faces, const char* format) {
     return std::string("ply\nformat ") + format + " 1.0\nelement vertex " + vertices +
            "\nproperty float x\nproperty float y\nproperty float z\nelement face " + faces +
            "\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   };
   for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
-    CHECK(fault_of_bytes(folder, "v.ply", ply("4000000000", "1", format)).rfind("counts 4000000000 of element vertex, more than its ", 0) ==
+    CHECK(error_of_bytes(folder, "v.ply", ply("4000000000", "1", format)).rfind("counts 4000000000 of element vertex, more than its ", 0) ==
           0);
-    CHECK(fault_of_bytes(folder, "f.ply", ply("3", "4000000000", format)).rfind("counts ", 0) == 0);
+    CHECK(error_of_bytes(folder, "f.ply", ply("3", "4000000000", format)).rfind("counts ", 0) == 0);
     // (In the binary ones the three vertices already take more than the text that follows.)
-    CHECK(fault_of_bytes(folder, "n.ply", ply("-3", "1", format)) == "line 3: an element without a count");
+    CHECK(error_of_bytes(folder, "n.ply", ply("-3", "1", format)) == "line 3: an element without a count");
   }
   // A list that claims four thousand million corners in a file of a few bytes.
   std::string list = ply("3", "1", "binary_little_endian");
   list.replace(list.find("uchar"), 5, "uint");
   list.replace(list.find("end_header\n") + 11, std::string::npos, std::string(36, '\0') + std::string(4, '\xff') + std::string(60, '\0'));
-  CHECK(fault_of_bytes(folder, "list.ply", list) == "a list of 4.29497e+09 numbers in 60 bytes");
+  CHECK(error_of_bytes(folder, "list.ply", list) == "a list of 4.29497e+09 numbers in 60 bytes");
   // 1 GiB is what small bad files may take; the sanitizer's own memory is not counted, as all is well before it.
   CHECK(peak_memory() - before < 1073741824.0);
 }
@@ -228,7 +228,7 @@ TEST_CASE("read_mesh: cut and damaged files end in a refusal or a mesh, never in
       write_file(folder.file(name), bad);
       const auto mesh = read_mesh(folder.file(name), 1e-3);
       ++(mesh ? read : refused);
-      if (mesh && cut && !mesh_fault(*mesh)) ++closed_cuts;
+      if (mesh && cut && !mesh_error(*mesh)) ++closed_cuts;
     }
   }
   MESSAGE(read << " of 160 damaged files gave a mesh, " << refused << " were refused");
@@ -256,7 +256,7 @@ TEST_CASE("read_mesh: real files have the triangles, holes and parts their maker
     CHECK(check.triangles == row.triangles);
     CHECK(check.parts == row.parts);
     CHECK(check.open_edges == 0);
-    MESSAGE(std::string(row.file) << ": " << check.volume * 1e6 << " cm3, fault: " << mesh_fault(*mesh).value_or("none"));
+    MESSAGE(std::string(row.file) << ": " << check.volume * 1e6 << " cm3, fault: " << mesh_error(*mesh).value_or("none"));
     Vec3 lo = mesh->positions[0], hi = lo;
     for (const Vec3& p : mesh->positions) {
       lo = glm::min(lo, p);

@@ -6,6 +6,7 @@
 #include "core/base/random.h"
 #include "core/base/units.h"
 #include "tests/support/mesh_samples.h"
+#include "tests/support/plain_trilinear.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/read/scan.h"
@@ -48,14 +49,7 @@ double occupancy(const Scan& scan, const Vec3& p) {
   const Vec3 v = scan.bone_from_index.inverse() * p;
   const Vec3i lo = floor_int(v);
   if (glm::any(glm::lessThan(lo, Vec3i(0))) || glm::any(glm::greaterThanEqual(lo + 1, scan.dims))) return 0.0;
-  const Vec3 f = v - Vec3(lo);
-  double sum = 0.0;
-  for (int n = 0; n < 8; ++n) {
-    const Vec3i d(n & 1, (n >> 1) & 1, n >> 2);
-    const Vec3 w = glm::mix(1.0 - f, f, Vec3(d));
-    sum += w.x * w.y * w.z * static_cast<double>(at(scan, lo + d));
-  }
-  return sum;
+  return test::plain_trilinear(v, [&](const Vec3i& corner) { return at(scan, corner); });
 }
 
 /// Where the 0.5 level lies along from + t * along, t in [t0, t1], occupancy falling; by bisection.

@@ -153,7 +153,7 @@ TEST_CASE("parse_nifti: what cannot be one volume of plain numbers is refused by
   analyze.replace(344, 4, std::string(4, '\0'));
   CHECK(holds(fault_of(analyze), "Analyze 7.5"));
   CHECK(holds(fault_of(nifti_header(volume, {}).substr(0, 200)), "200 of 348"));
-  CHECK(holds(fault_of(""), "no NIfTI"));
+  CHECK(holds(fault_of(""), "not a NIfTI"));
   std::string offset = nifti_header(volume, {});
   set(offset, 108, 12.0f, false);
   CHECK(holds(fault_of(offset), "vox_offset = 12"));

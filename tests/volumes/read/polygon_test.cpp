@@ -83,12 +83,12 @@ TEST_CASE("polygon: the largest comb of teeth is covered once") {
 
 TEST_CASE("polygon: the steps are as many as the header says, and a file of crossed polygons is refused by them") {
   constexpr std::uint64_t kSeed = 4;
-  const auto steps_of = [](const std::vector<Vec3>& corners, std::uint64_t before, std::string& fault) {
+  const auto steps_of = [](const std::vector<Vec3>& corners, std::uint64_t before, std::string& error) {
     SurfaceMesh mesh{corners, {}};
     std::vector<std::uint32_t> all(corners.size());
     std::iota(all.begin(), all.end(), 0u);
     std::uint64_t steps = before;
-    fault = append_polygon(all, mesh, steps);
+    error = append_polygon(all, mesh, steps);
     return steps - before;
   };
   std::vector<Vec3> round, crossed;
@@ -97,17 +97,17 @@ TEST_CASE("polygon: the steps are as many as the header says, and a file of cros
     round.emplace_back(std::cos(angle), std::sin(angle), 0.0);
     crossed.emplace_back(uniform01(kSeed, 2 * n), uniform01(kSeed, 2 * n + 1), 0.0);
   }
-  std::string fault;
-  CHECK(steps_of({{0, 0, 0}, {1, 0, 0}, {0.1, 0.1, 0}, {0, 1, 0}}, 0, fault) <= 20);  // each of 4 corners against 4, and itself
+  std::string error;
+  CHECK(steps_of({{0, 0, 0}, {1, 0, 0}, {0.1, 0.1, 0}, {0, 1, 0}}, 0, error) <= 20);  // each of 4 corners against 4, and itself
   // Every corner is an ear, so cutting one off m looks at m, and itself: the sum over m = 4 .. 256 of m + 1.
-  CHECK(steps_of(round, 0, fault) == 256 * 257 / 2 - 6 + 253);
+  CHECK(steps_of(round, 0, error) == 256 * 257 / 2 - 6 + 253);
   // At most each of m against m, and itself: the sum of m^2 + m is (n^3 + 3 n^2 + 2 n) / 3.
   const std::uint64_t n = kMaxPolygonCorners, most = (n * n * n + 3 * n * n + 2 * n) / 3;
-  const std::uint64_t taken = steps_of(crossed, 0, fault);
-  CHECK(fault == "");
+  const std::uint64_t taken = steps_of(crossed, 0, error);
+  CHECK(error == "");
   CHECK(taken > 256 * 257 / 2);  // harder than a round one
   CHECK(taken <= most);
   // Refused within one corner's worth once the file has used its steps up.
-  CHECK(steps_of(crossed, kMaxPolygonSteps - 1000, fault) <= 1000 + n * n + n);
-  CHECK(fault.find("take more than 1000000000 steps") != std::string::npos);
+  CHECK(steps_of(crossed, kMaxPolygonSteps - 1000, error) <= 1000 + n * n + n);
+  CHECK(error.find("take more than 1000000000 steps") != std::string::npos);
 }

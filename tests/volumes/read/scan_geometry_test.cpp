@@ -38,12 +38,12 @@ TEST_CASE("describe_grid: a turned box is oblique without shear; a flipped axis 
   CHECK(describe_grid(grid({1, 0, 0}, {0, -1, 0}, {0, 0, 1})).mirrored);
 }
 
-TEST_CASE("affine_fault: flat, endless and absurd grids are told apart from usable ones") {
-  CHECK_FALSE(affine_fault(grid({0.5, 0, 0}, {0, 0.5, 0}, {0, 0.3, 1})));
-  CHECK(affine_fault(grid({1, 0, 0}, {1, 0, 0}, {0, 0, 1})));
-  CHECK(affine_fault(grid({0, 0, 0}, {0, 1, 0}, {0, 0, 1})));
-  CHECK(affine_fault(grid({5000, 0, 0}, {0, 1, 0}, {0, 0, 1})));
-  CHECK(affine_fault(grid({std::numeric_limits<double>::quiet_NaN(), 0, 0}, {0, 1, 0}, {0, 0, 1})));
+TEST_CASE("affine_error: flat, endless and absurd grids are told apart from usable ones") {
+  CHECK_FALSE(affine_error(grid({0.5, 0, 0}, {0, 0.5, 0}, {0, 0.3, 1})));
+  CHECK(affine_error(grid({1, 0, 0}, {1, 0, 0}, {0, 0, 1})));
+  CHECK(affine_error(grid({0, 0, 0}, {0, 1, 0}, {0, 0, 1})));
+  CHECK(affine_error(grid({5000, 0, 0}, {0, 1, 0}, {0, 0, 1})));
+  CHECK(affine_error(grid({std::numeric_limits<double>::quiet_NaN(), 0, 0}, {0, 1, 0}, {0, 0, 1})));
 }
 
 TEST_CASE("lps_from_ras: a point to the right and in front is at negative x and y") {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/bounds.h"
 #include "core/base/random.h"
 #include "core/base/units.h"
 #include "volumes/read/slice_stack.h"
@@ -40,8 +41,7 @@ void shuffle(std::vector<SlicePlane>& slices, std::uint64_t seed) {
 /// Largest distance [m] between what the two maps make of the corners of a 512 x 400 x count box.
 double corner_error(const Affine& a, const Layout& l) {
   double worst = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 index((corner & 1) != 0 ? 511.0 : 0.0, (corner & 2) != 0 ? 399.0 : 0.0, (corner & 4) != 0 ? l.count - 1.0 : 0.0);
+  for (const Vec3& index : Bounds{Vec3(0.0), Vec3(511.0, 399.0, l.count - 1.0)}.corners()) {
     const Vec3 own = (l.origin + index.x * l.column_spacing * l.row + index.y * l.row_spacing * l.column + index.z * l.step) * 1e-3;
     worst = std::max(worst, glm::length(a * index - own));
   }
@@ -214,7 +214,7 @@ TEST_CASE("stack_slices: one slice is as thick as said, and refused when nothing
   REQUIRE(stack.ok());
   CHECK(glm::length(stack->bone_from_index.linear[2] - Vec3(0, 0, 5e-3)) < kExact);
   CHECK(corner_error(stack->bone_from_index, one) < kExact);
-  CHECK(fault(lay_out(one), 0.0) == "there is one slice, and nothing says how thick it is");
+  CHECK(fault(lay_out(one), 0.0) == "there is one slice, and its thickness is unknown");
   CHECK_FALSE(fault(lay_out(one), std::numeric_limits<double>::quiet_NaN()).empty());
 }
 

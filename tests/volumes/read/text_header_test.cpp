@@ -106,7 +106,7 @@ TEST_CASE("parse_nrrd: what is no volume of plain numbers, or packed another way
   CHECK(holds(fault_of(parse_nrrd(with(kNrrd, "sizes:", "sizes: 7 5"))), "sizes"));
   CHECK(holds(fault_of(parse_nrrd(with(kNrrd, "sizes:", "sizes: 7 5 -4"))), "-4"));
   CHECK(holds(fault_of(parse_nrrd(with(kNrrd, "space units:", "space units: \"ly\" \"mm\" \"mm\""))), "unit of axis x"));
-  CHECK(holds(fault_of(parse_nrrd(kNrrd + "sizes: 1 2 3\n")), "again"));
+  CHECK(holds(fault_of(parse_nrrd(kNrrd + "sizes: 1 2 3\n")), "repeats a field"));
   CHECK(holds(fault_of(parse_nrrd("NRRD0009\n")), "version"));
   CHECK(holds(fault_of(parse_nrrd("")), "NRRD"));
 }

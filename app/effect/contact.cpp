@@ -1,0 +1,187 @@
+// [contact]: force feedback. A contact model answers the hand's motion with the tool's pose and the force on the hand.
+
+#include <fmt/format.h>
+
+#include "app/effect/registry.h"
+#include "app/stage/stage.h"
+#include "core/contact/contact_form.h"
+#include "haptics/servo/multi_rate.h"
+
+namespace burrhole {
+namespace {
+
+/// The contact models, by their word in a scene. The first is the default.
+struct FormEntry {
+  const char* word;
+  std::unique_ptr<ContactForm> (*read)(TableReader& table);
+};
+constexpr FormEntry kForms[] = {{"surface", read_surface_form}, {"gradient-plane", read_gradient_plane_form}, {"voxmap", read_voxmap_form}};
+
+class ContactEffect final : public Effect {
+ public:
+  ContactEffect(std::unique_ptr<ContactModel> model, const ContactForm& form, const ContactOptions& options, Stage& stage)
+      : model_(std::move(model)), form_(form.clone()), options_(options), turns_(stage.config.tool.spin > 0.0) {}
+
+  Status bind(StepGraph& graph) override {
+    auto step = graph.step(
+        Clock::contact, "contact", "contact", [](void* self, const Tick& tick) noexcept { static_cast<ContactEffect*>(self)->run(tick); },
+        this);
+    touch_ = step.now(slots::kTouch);
+    state_ = step.own(slots::kContact);
+    tangential_ = step.now_if_written(slots::kTangential);
+    constraints_ = step.now_if_written(slots::kConstraints);
+    return {};
+  }
+  Status change_tool(Stage& stage) override {
+    auto model = form_->make(stage.tool->shell, options_);
+    if (!model) return model.error();
+    model_ = std::move(model).value();
+    return {};
+  }
+  void place(const Pose& world_from_tool) noexcept override { model_->place(world_from_tool); }
+  void report(Figures& out) const override { out.add("points", static_cast<std::uint64_t>(model_->points())); }
+
+ private:
+  void run(const Tick& tick) noexcept {
+    const HandState& hand = touch_->hand;
+    const ContactAdditions added{{constraints_->items.data(), constraints_->size}, tangential_->law};
+    const ToolSpin spin{turns_ && hand.spin > 0.0, tangential_->rate};
+    if (!model_->step({*touch_->bone, hand, tick.dt, spin, added}, *state_)) return;  // still answers an earlier motion
+    state_->tick = hand.tick;
+  }
+
+  std::unique_ptr<ContactModel> model_;
+  std::unique_ptr<ContactForm> form_;
+  ContactOptions options_;
+  bool turns_;  // the scene's tool spins when asked to; a bit that stalled stays engaged in what it was cutting
+  const Touch* touch_ = nullptr;
+  ContactState* state_ = nullptr;
+  const Tangential* tangential_ = nullptr;
+  const Constraints* constraints_ = nullptr;
+};
+
+/// Largest stiffness of the coupling that the damping of hand and coupling keeps stable at this delay: K < (b + B) / (T/2 + d T), the linear
+/// rule for sampled systems with delay [Gil et al. 2009]. It is a fifth too high at the figures in use, where most damping is virtual.
+double largest_stable_coupling(const StageConfig& config, const Needs& needs) {
+  // Forces made at the servo's rate answer the motion of their own tick, however old the planes are that they are made from.
+  const bool at_once = uses_planes(needs.servo.multi_rate.scheme);
+  const double period = 1.0 / (at_once ? config.servo_hz : needs.contact_hz);
+  const double delay = at_once ? 0.0 : needs.latency_ticks >= 0 ? static_cast<double>(needs.latency_ticks) / config.servo_hz : period;
+  return 0.8 * (config.hand.dynamics.damping + needs.coupling_damping) / (0.5 * period + delay);
+}
+
+class ContactPlan final : public EffectPlan {
+ public:
+  ContactPlan(TableReader& table, const StageConfig& stage) {
+    std::vector<std::string> words;
+    for (const FormEntry& entry : kForms) words.emplace_back(entry.word);
+    word_ = table.choice("model", words.front(), words,
+                         "how a touch becomes a force: the tool held back by the bone's surface, or a penalty by planes from the density's "
+                         "gradient or across the tool's own vectors; a strong push goes through a penalty",
+                         {"mesh"});
+    for (const FormEntry& entry : kForms)
+      if (word_ == entry.word || (form_ == nullptr && &entry == std::end(kForms) - 1)) form_ = entry.read(table);
+    rate_hz_ = read_rate(table, stage, rate_hz_, 20, "contact evaluations a second; divides servo_hz");
+    latency_ticks_ = static_cast<int>(
+        table.integer("latency_ticks", latency_ticks_, -1, 1000, "servo ticks from a motion to its force; -1 for one contact period"));
+  }
+  ContactPlan(const ContactPlan& other)
+      : EffectPlan(other),
+        word_(other.word_),
+        form_(other.form_->clone()),
+        rate_hz_(other.rate_hz_),
+        latency_ticks_(other.latency_ticks_) {}
+  ContactPlan& operator=(const ContactPlan&) = delete;
+
+  std::unique_ptr<EffectPlan> clone() const override { return std::make_unique<ContactPlan>(*this); }
+  void* config(std::type_index type) noexcept override { return form_->config(type); }
+
+  void add_needs(const StageConfig&, Needs& needs) const override {
+    const ContactFormNeeds own = form_->needs();
+    needs.fields = own.fields;
+    needs.paper_grids = own.paper_grids;
+    needs.contact_hz = rate_hz_;
+    needs.latency_ticks = latency_ticks_;
+    needs.feels = true;
+    needs.holds_back = own.holds_back;
+    needs.coupling_stiffness = own.coupling_stiffness;
+    needs.coupling_damping = own.coupling_damping;
+    needs.cutting_stiffness = own.cutting_stiffness;
+    needs.plane_reach_voxels = own.plane_reach;
+    if (own.paper_grids)
+      needs.not_live = "contact.storage = \"vdb\" cannot be read while another thread cuts: use storage = \"window\" for a live run";
+  }
+
+  PlanRow row(const PlanContext& context) const override {
+    // Three copies, and once more what is derived for them and the master window does not hold.
+    const ContactFields fields = context.needs.fields;
+    ContactFields derived = fields;
+    derived.density = derived.gradient = false;
+    const std::uint64_t copies = context.window_voxels * (3 * bytes_a_voxel(fields) + bytes_a_voxel(derived));
+    const std::uint64_t shell = context.tool.shell.size() * (2 * sizeof(Vec3) + 1 + sizeof(Contact));
+    return {.table = "contact",
+            .clock = Clock::contact,
+            .step = "point shell against the window copy",
+            .needs = "window copy, hand motion",
+            .gives = "contact state",
+            .detail = fmt::format("{} points, {}", context.tool.shell.size(), form_->text()),
+            .rate_hz = static_cast<double>(rate_hz_),
+            .bytes = copies + shell};
+  }
+
+  void warn(const PlanContext& context, std::vector<std::string>& out) const override {
+    const Needs& needs = context.needs;
+    if (!needs.holds_back) return;
+    if (needs.removes && context.config.tool.spin > 0.0) {
+      const double engaged = context.config.hand.push / needs.cutting_stiffness, edge = context.voxel_edge();
+      if (engaged < edge)
+        out.push_back(fmt::format(
+            "engaged depth push_N / cutting_N_per_m = {:.3f} mm is under a voxel ({:.3f} mm): little will be cut; push with {:.0f} N or "
+            "more, or take a finer spacing_mm",
+            1e3 * engaged, 1e3 * edge, std::ceil(edge * needs.cutting_stiffness)));
+    }
+    const double stable = largest_stable_coupling(context.config, needs);
+    if (context.config.hand.feels && !needs.through_device && needs.coupling_stiffness > stable)
+      out.push_back(
+          fmt::format("coupling_N_per_m = {:.0f} is over the stability limit of about {:.0f} at this damping and latency: the hand "
+                      "may oscillate",
+                      needs.coupling_stiffness, stable));
+  }
+
+  std::string setting() const override { return "contact " + word_; }
+
+  Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
+    const ContactOptions options{.voxel_edge = stage.voxel_edge(),
+                                 .planes = uses_planes(stage.config.servo.multi_rate.scheme),
+                                 .foresight = stage.contact_period + stage.period * static_cast<double>(stage.latency)};
+    auto model = form_->make(stage.tool->shell, options);
+    if (!model) return model.error();
+    return std::unique_ptr<Effect>(std::make_unique<ContactEffect>(std::move(model).value(), *form_, options, stage));
+  }
+
+ private:
+  std::string word_;
+  std::unique_ptr<ContactForm> form_;
+  int rate_hz_ = 1000;      // [Hz]
+  int latency_ticks_ = -1;  // [servo ticks] from a motion to its force; -1: one contact period
+};
+
+std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, Issues&) {
+  return std::make_unique<ContactPlan>(table, stage);
+}
+
+}  // namespace
+
+EffectEntry contact_effect() {
+  return {"contact",
+          "force feedback; without it bone is not felt",
+          read,
+          {"turning = \"locked\"", "[contact.label_stiffness]", "record_bits = \"8\"", "model = \"gradient-plane\"",
+           "model = \"gradient-plane\"\ncoupling = \"virtual\"", "model = \"voxmap\"", "model = \"voxmap\"\ncoupling = \"virtual\"",
+           "model = \"gradient-plane\"\nmode = \"paper\"", "model = \"gradient-plane\"\nstorage = \"vdb\"",
+           "model = \"voxmap\"\nstacking = \"sum\"", "model = \"voxmap\"\nstacking = \"sum-limited\"",
+           "model = \"voxmap\"\nstacking = \"average\"", "model = \"voxmap\"\nstacking = \"deepest\"",
+           "model = \"voxmap\"\nplane = \"surface\""}};
+}
+
+}  // namespace burrhole

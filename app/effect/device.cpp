@@ -1,0 +1,130 @@
+// [device]: a simulated force device between hand and drill.
+
+#include <fmt/format.h>
+
+#include "app/effect/registry.h"
+#include "app/stage/stage.h"
+#include "core/base/units.h"
+#include "core/config/rules.h"
+#include "haptics/device/device_config.h"
+#include "haptics/device/device_hand.h"
+#include "haptics/device/device_model.h"
+
+namespace burrhole {
+namespace {
+
+/// Of the config: force at the grip over force in the world.
+double force_scale_of(const DeviceConfig& device, const StageConfig& stage) {
+  if (device.force_scale) return *device.force_scale;
+  return fitting_force_scale({.name = device.config.name, .largest_force = device.config.largest_force}, stage.hand.push);
+}
+
+class DeviceEffect final : public Effect {
+ public:
+  DeviceEffect(std::unique_ptr<SimulatedDevice> device, ScriptedDeviceHand hand) : device_(std::move(device)), hand_(std::move(hand)) {}
+  HandSource& hand() noexcept { return hand_; }
+  Status bind(StepGraph&) override { return {}; }  // the servo reads and pushes the hand
+  /// The force that the device shows now: after a live run, what that left in the hand.
+  void report(Figures& out) const override { out.add("shown_force_N", glm::length(device_->force())); }
+
+ private:
+  std::unique_ptr<SimulatedDevice> device_;
+  ScriptedDeviceHand hand_;
+};
+
+/// Where the hand comes from outside: there is no device then.
+class NoDevice final : public Effect {
+ public:
+  Status bind(StepGraph&) override { return {}; }
+};
+
+class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
+ public:
+  DevicePlan(TableReader& table, const StageConfig&, Issues& issues) {
+    DeviceConfig& out = config_;
+    const std::string name = table.text("name", "generic", "simulated device, one that the command devices lists");
+    out.hand = table.text("hand", out.hand, "who holds it: none, light, nominal, firm or arm");
+    const auto model = find_device(name);
+    const auto holder = find_hand(out.hand);
+    if (!model) issues.push_back(bad_input(model.error().message, table.place_of("name")));
+    if (!holder) issues.push_back(bad_input(holder.error().message, table.place_of("hand")));
+    if (model && holder) out.config = make_simulated_config(**model, **holder);
+    SimulatedDeviceConfig& c = out.config;
+    out.position_scale =
+        table.number("position_scale", above_zero(out.position_scale, 1.0, 100.0), "millimetres of the drill for one of the grip");
+    out.force_scale = table.optional_number("force_scale", above_zero(1.0, 1.0, 1.0),
+                                            "newtons at the grip for one of the drill; left out: fitted to the push");
+    auto& body = c.plant.body;
+    body.mass = table.number("mass_kg", above_zero(body.mass, 1.0, 10.0), "mass of device and hand");
+    body.damping = table.number("damping_N_s_per_m", at_least_zero(body.damping, 1.0, 1e4), "their damping");
+    body.stiffness = table.number("stiffness_N_per_m", at_least_zero(body.stiffness, 1.0, 1e5), "the hand's stiffness");
+    c.plant.friction = table.number("friction_N", at_least_zero(c.plant.friction, 1.0, 10.0), "Coulomb friction on each axis");
+    c.quantum = table.number("step_mm", at_least_zero(c.quantum / kMillimetre, kMillimetre, 10.0), "step of the positions that it reports");
+    c.largest_force = table.number("force_N", above_zero(c.largest_force, 1.0, 1e3), "most force that it can show");
+    c.delay = static_cast<int>(table.integer("delay_ticks", c.delay, 0, kMaxReadingDelay, "servo ticks by which its positions are late"));
+  }
+
+  void add_needs(const StageConfig& stage, Needs& needs) const override {
+    needs.through_device = true;
+    needs.force_scale = force_scale_of(config_, stage);
+    // Beyond what the device shows, slew limit and energy account would go by a force that nobody feels.
+    needs.servo.largest_force = std::min(needs.servo.largest_force, config_.config.largest_force / needs.force_scale);
+  }
+
+  PlanRow row(const PlanContext& context) const override {
+    return {.table = "device",
+            .clock = Clock::servo,
+            .step = "simulated force device and the hand on it, integrated exactly over a tick",
+            .needs = "force",
+            .gives = "hand motion",
+            .detail = fmt::format("{} in a {} hand, at most {:.3g} N, {:.3g} kg, {:.0f} um steps, {} ticks late, forces times {:.3g}",
+                                  config_.config.name, config_.hand, config_.config.largest_force, config_.config.plant.body.mass,
+                                  config_.config.quantum * 1e6, config_.config.delay, context.needs.force_scale),
+            .rate_hz = static_cast<double>(context.config.servo_hz),
+            .bytes = sizeof(SimulatedDevice)};
+  }
+
+  void warn(const PlanContext& context, std::vector<std::string>& out) const override {
+    const Needs& needs = context.needs;
+    if (needs.force_scale < 1.0)
+      out.push_back(
+          fmt::format("[device] {} cannot show {:.0f} N: forces at the grip are {:.3g} times those of the drill; figures and "
+                      "records are of the drill",
+                      config_.config.name, context.config.hand.push, needs.force_scale));
+    if (!needs.holds_back) return;
+    const auto model = find_device(config_.config.name);
+    if (!model || (*model)->library_stiffness.provenance == Provenance::absent) return;
+    const double most = (*model)->library_stiffness.value;
+    const double shown = needs.coupling_stiffness * config_.position_scale * needs.force_scale;
+    if (shown > most)
+      out.push_back(fmt::format("coupling_N_per_m = {:.0f} is {:.0f} N/m at the grip of {}, whose library allows {:.0f}",
+                                needs.coupling_stiffness, shown, config_.config.name, most));
+  }
+
+  Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
+    if (stage.outside().hand != nullptr) return std::unique_ptr<Effect>(std::make_unique<NoDevice>());
+    auto created = SimulatedDevice::create(config_.config, stage.period);
+    if (!created) return created.error();
+    auto device = std::make_unique<SimulatedDevice>(std::move(created).value());
+    const DeviceMap map{
+        .world_from_device = stage.world_from_approach(), .position_scale = config_.position_scale, .force_scale = stage.needs.force_scale};
+    auto hand =
+        ScriptedDeviceHand::create(*device, map, stage.config.hand, stage.world_from_approach(), stage.period, stage.config.hand.feels);
+    if (!hand) return hand.error();
+    auto effect = std::make_unique<DeviceEffect>(std::move(device), std::move(hand).value());
+    stage.offer_hand(effect->hand());
+    return std::unique_ptr<Effect>(std::move(effect));
+  }
+};
+
+std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, Issues& issues) {
+  return std::make_unique<DevicePlan>(table, stage, issues);
+}
+
+}  // namespace
+
+EffectEntry device_effect() {
+  return {"device", "a simulated force device between hand and drill; without it the hand holds the drill itself", read};
+}
+
+}  // namespace burrhole

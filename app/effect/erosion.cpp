@@ -1,0 +1,176 @@
+// [erosion]: drilling. Erosion points, or the tool's field, remove bone along the tool's path.
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "app/effect/registry.h"
+#include "app/stage/stage.h"
+#include "core/config/rules.h"
+#include "core/drill/coverage.h"
+#include "core/drill/energy.h"
+#include "core/tool/cutting_field.h"
+
+namespace burrhole {
+namespace {
+
+constexpr std::array<std::pair<const char*, ErosionLaw>, 3> kLaws{
+    {{"rate", ErosionLaw::rate}, {"per-update", ErosionLaw::per_update}, {"energy", ErosionLaw::energy}}};
+
+const char* name_of(ErosionLaw law) {
+  for (const auto& [name, value] : kLaws)
+    if (value == law) return name;
+  return "";
+}
+
+class ErosionEffect final : public Effect {
+ public:
+  ErosionEffect(Erosion erosion, const ErosionConfig& config, Stage& stage)
+      : erosion_(std::move(erosion)), config_(config), voxmap_(stage.voxmap.get()), tool_radius_(rubbing_radius(stage.tool->erosion)) {}
+
+  Status bind(StepGraph& graph) override {
+    auto step = graph.step(
+        Clock::simulation, "erosion", "erosion", [](void* self, const Tick& tick) { static_cast<ErosionEffect*>(self)->run(tick); }, this);
+    cut_ = step.now(slots::kCut);
+    asked_ = step.now(slots::kSpinAsked);
+    spin_ = step.last(slots::kSpin);
+    removal_ = step.own(slots::kRemoval);
+    step.column("removed_mass", "m^3", &removed_mass_, true);
+    return {};
+  }
+  Status change_tool(Stage& stage) override {
+    auto erosion = Erosion::create(config_, stage.tool->erosion, stage.tool->cutting);
+    if (!erosion) return erosion.error();
+    erosion_ = std::move(erosion).value();
+    tool_radius_ = rubbing_radius(stage.tool->erosion);
+    return {};
+  }
+  void report(Figures& out) const override {
+    out.add("removed_mass_mm3", removed_mass_ * 1e9);
+    out.add("points_outside", outside_);
+    out.add("coverage_bytes", static_cast<std::uint64_t>(erosion_.coverage() != nullptr ? erosion_.coverage()->bytes() : 0));
+  }
+  std::vector<NamedTimer> timers() const override { return {{"gradient", &commit_timer_, true}}; }
+
+ private:
+  void run(const Tick& tick) {
+    *removal_ = {};
+    if (!(*asked_ > 0.0)) return;
+    const ErosionOutcome outcome = erosion_.step(*voxmap_, cut_->path, CuttingLoad{*spin_, cut_->thrust}, tick.dt);
+    if (!outcome.changed.empty()) commit_timer_([&] { voxmap_->commit(outcome.changed); });
+    removed_mass_ += outcome.removed_mass;
+    outside_ += outcome.outside;
+    const double radius = outcome.rubbing_radius > 0.0 ? outcome.rubbing_radius : tool_radius_;
+    const double torque = cutting_torque(config_.energy.cutting_ratio, cut_->thrust, radius);
+    *removal_ = {outcome.removed_mass, torque, true, !outcome.changed.empty()};
+  }
+
+  Erosion erosion_;
+  ErosionConfig config_;
+  Voxmap* voxmap_;
+  double tool_radius_;         // [m] of the whole tool, for laws that do not say where they rub
+  double removed_mass_ = 0.0;  // [m^3]
+  std::uint64_t outside_ = 0;
+  StepTimer commit_timer_;
+  const Cut* cut_ = nullptr;
+  const double *asked_ = nullptr, *spin_ = nullptr;  // [rev/s]
+  BoneRemoval* removal_ = nullptr;
+};
+
+class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
+ public:
+  ErosionPlan(TableReader& table, const StageConfig& stage) {
+    ErosionConfig& c = config_;
+    std::vector<std::string> words;
+    for (const auto& [word, law] : kLaws) words.emplace_back(word);
+    const std::string law = table.choice(
+        "law", name_of(c.law), words,
+        "how erosion adds up: at a rate, update by update as eq. 4 of the paper is printed, or by the cutting power of thrust and spin");
+    for (const auto& [word, value] : kLaws)
+      if (law == word) c.law = value;
+    if (c.law != ErosionLaw::per_update)
+      c.subvoxel =
+          table.boolean("subvoxel", true,
+                        "whether a voxel that the tool covers in part is removed in part: the wall of the hole is then where the tool was");
+    if (c.subvoxel)
+      c.clear_below = static_cast<float>(
+          table.number("clear_below", {.fallback = static_cast<double>(c.clear_below), .min = 0.0, .max = 0.5},
+                       "part of its covered share below which a voxel at the wall is cleared: 0.5 keeps the wall from holding the tool, 0 "
+                       "removes mass exactly by the law"));
+    if (c.law == ErosionLaw::energy) {
+      constexpr double kPerCubicMillimetre = 1e9;  // [J/m^3] of 1 J/mm^3
+      c.energy.specific_energy =
+          table.number("specific_energy_J_per_mm3", above_zero(c.energy.specific_energy / kPerCubicMillimetre, kPerCubicMillimetre, 1e3),
+                       "energy that a volume of bone of hardness 1 takes to remove; in proportion to the hardness");
+      c.energy.cutting_ratio =
+          table.number("cutting_ratio", above_zero(c.energy.cutting_ratio, 1.0, 10.0), "cutting force over normal force");
+    }
+    c.minimum_density = static_cast<float>(table.number("minimum_density", {.fallback = 0.05, .min = 0.0, .max = 0.5, .max_open = true},
+                                                        "density below which a voxel becomes empty"));
+    c.longest_substep = table.number("substep_voxels", {.fallback = c.longest_substep, .min = 0.0, .max = 1.0, .min_open = true},
+                                     "longest path of the tool between two applications of the law");
+    rate_hz_ = read_rate(table, stage, rate_hz_, 1, "erosion steps a second; divides servo_hz");
+    pitch_voxels_ = table.number("point_pitch_voxels", within(pitch_voxels_, 0.1, 1.0), "distance between the tool's erosion points");
+  }
+
+  void add_needs(const StageConfig&, Needs& needs) const override {
+    needs.simulation_hz = rate_hz_;
+    needs.erosion_pitch_voxels = pitch_voxels_;
+    needs.cutting_field = config_.subvoxel;
+    needs.removes = true;
+  }
+
+  PlanRow row(const PlanContext& context) const override {
+    const Tool& tool = context.tool;
+    const std::uint64_t points = tool.erosion.size() * (sizeof(Vec3) + sizeof(float));
+    // By points a float of exposure a voxel of the window; sub-voxel the tool's own field, and a mask and a time a voxel where the bit was.
+    const std::uint64_t field = config_.subvoxel && tool.cutting ? tool.cutting->bytes() : 0;
+    const std::uint64_t voxels = context.window_voxels * (config_.subvoxel ? sizeof(std::uint64_t) + sizeof(double) : sizeof(float));
+    return {.table = "erosion",
+            .clock = Clock::simulation,
+            .step = "erosion points along the tool's path",
+            .needs = "window, contact state",
+            .gives = "changed boxes",
+            .detail = fmt::format("{} points, law {}{}", tool.erosion.size(), name_of(config_.law), config_.subvoxel ? ", sub-voxel" : ""),
+            .rate_hz = static_cast<double>(rate_hz_),
+            .bytes = points + field + voxels};
+  }
+
+  void warn(const PlanContext& context, std::vector<std::string>& out) const override {
+    const bool by_update = config_.law == ErosionLaw::per_update;
+    if (context.needs.holds_back && context.config.tool.spin > 0.0 && !config_.subvoxel)
+      out.push_back(fmt::format("{} leaves walls as rough as a voxel, on which the model \"surface\" may hold the bit for good: {}",
+                                by_update ? "[erosion] law = \"per-update\"" : "[erosion] subvoxel = false",
+                                by_update ? "another law takes parts of voxels" : "leave it true"));
+    if (context.needs.feels) return;
+    if (config_.law == ErosionLaw::energy)
+      out.push_back("[erosion] law = \"energy\" without [contact]: there is no thrust, so nothing is removed");
+    out.push_back("no [contact]: the hand feels nothing and the tool goes where the script goes");
+  }
+
+  std::string setting() const override {
+    return std::string("erosion law ") + name_of(config_.law) + (config_.subvoxel ? ", sub-voxel" : ", whole voxels");
+  }
+
+  Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
+    auto erosion = Erosion::create(config_, stage.tool->erosion, stage.tool->cutting);
+    if (!erosion) return erosion.error();
+    return std::unique_ptr<Effect>(std::make_unique<ErosionEffect>(std::move(erosion).value(), config_, stage));
+  }
+
+ private:
+  int rate_hz_ = 100;          // [Hz]
+  double pitch_voxels_ = 0.5;  // [voxels] between erosion points
+};
+
+std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, Issues&) {
+  return std::make_unique<ErosionPlan>(table, stage);
+}
+
+}  // namespace
+
+EffectEntry erosion_effect() {
+  return {"erosion", "drilling; without it no bone is removed", read, {"law = \"per-update\"", "law = \"energy\""}};
+}
+
+}  // namespace burrhole

@@ -1,0 +1,250 @@
+#include "app/job/drill_job.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+
+#include "app/effect/record.h"
+#include "app/report/drill_report.h"
+#include "app/report/file.h"
+#include "core/base/physics_version.h"
+#include "core/base/units.h"
+#include "haptics/servo/realtime.h"
+
+namespace burrhole {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string now_iso8601() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+std::string layer_name(VoxelLabel label) {
+  switch (label) {
+    case VoxelLabel::bone:
+      return "bone";
+    case VoxelLabel::outer_table:
+      return "outer table";
+    case VoxelLabel::diploe:
+      return "diploe";
+    case VoxelLabel::inner_table:
+      return "inner table";
+    case VoxelLabel::none:
+    case VoxelLabel::dura:
+    case VoxelLabel::brain:
+    case VoxelLabel::forbidden:
+      return {};
+  }
+  return {};
+}
+
+std::string caption_of(const std::string& file) {
+  const std::string name = fs::path(file).stem().string();
+  if (name == "before") return "Before: the bit above the entry point";
+  if (name == "during") return "Half way through the bone";
+  if (name == "breakthrough") return "Breakthrough, cut open through the axis";
+  if (name == "after") return "After: the hole from above";
+  if (name == "cutaway") return "Cut open through the axis";
+  return name;
+}
+
+/// Speed of the tip over a tenth of a second: shorter spans show the servo, not the surgeon.
+std::vector<double> speeds(const std::vector<RunSample>& samples, std::size_t span) {
+  std::vector<double> out(samples.size(), 0.0);
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const std::size_t a = n < span / 2 ? 0 : n - span / 2;
+    const std::size_t b = std::min(samples.size() - 1, n + span / 2);
+    if (b > a) out[n] = (samples[b].depth - samples[a].depth) / (samples[b].time - samples[a].time) * 1e3;
+  }
+  return out;
+}
+
+std::string setting_of(const Scene& scene) {
+  std::string out = fmt::format("{:.0f} rpm, {:g} N of thrust", scene.tool.spin / kRevPerMinute, scene.hand.push);
+  for (const EffectPlans::Item& item : scene.effects.items())
+    if (const std::string setting = item.plan->setting(); !setting.empty()) out += ", " + setting;
+  return out + ".";
+}
+
+DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary,
+                        const std::vector<std::string>& pictures) {
+  DrillReport r;
+  r.title = loaded.scene.title;
+  r.scene = loaded.scene.file;
+  r.tool = loaded.tool.title;
+  for (const RunSample& sample : simulation.samples()) {
+    r.time_s.push_back(sample.time);
+    r.force_N.push_back(sample.force);
+    r.depth_mm.push_back(sample.depth * 1e3);
+  }
+  const auto rate = static_cast<int>(1.0 / simulation.stage().contact_period + 0.5);
+  r.speed_mm_s = speeds(simulation.samples(), static_cast<std::size_t>(std::max(2, rate / 10)));
+  for (const Approach::Layer& layer : simulation.approach().layers)
+    if (const std::string name = layer_name(layer.label); !name.empty()) r.layers.push_back({name, layer.from * 1e3, layer.to * 1e3});
+  for (const RunEvent& event : simulation.events())
+    r.events.push_back({event.time, event.kind == "hand" ? "hand: " + event.text : event.kind});
+  r.setting = setting_of(loaded.scene);
+  for (const std::string& file : pictures) r.pictures.push_back({file, caption_of(file)});
+  r.thickness_mm = summary.thickness_mm;
+  r.depth_mm_at_breakthrough = summary.depth_mm;
+  r.plunge_mm = summary.plunge_mm;
+  r.peak_force_N = summary.peak_force_N;
+  r.angle_deg = summary.angle_deg;
+  r.removed_mm3 = summary.removed_mm3;
+  r.removed_mass_mm3 = summary.removed_mass_mm3;
+  r.hole_diameter_mm = summary.hole_diameter_mm;
+  r.inner_diameter_mm = summary.inner_diameter_mm;
+  r.breakthrough_s = summary.breakthrough_s;
+  r.outcome = outcome_text(summary);
+  r.warnings = summary.warnings;
+  r.duration_s = summary.duration_s;
+  for (const auto& [name, t] : summary.timing)
+    if (t.count > 0) r.timing.push_back({name, t.count, t.p50_us, t.p99_us, t.p999_us, t.max_us});
+  r.hashes = {{"voxels", summary.voxel_hash}, {"forces", summary.force_hash}};
+  if (!summary.image_hash.empty()) r.hashes.push_back({"image", summary.image_hash});
+  return r;
+}
+
+/// The session of a run, opened before the first tick; nothing when the scene has no [record] or nothing is written.
+Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, const DrillJob& job, const Stage& stage) {
+  const auto* record = loaded.scene.find<RecordConfig>();
+  if (record == nullptr || job.folder.empty()) return std::optional<SessionWriter>();
+  SessionMeta meta;
+  meta.program = BH_VERSION;
+  meta.scene_path = loaded.scene.file;
+  meta.scene = loaded.scene.text;
+  meta.tool = loaded.tool_text;
+  meta.seed = loaded.scene.hand.seed;
+  meta.physics_version = kPhysicsVersion;
+  meta.created = job.created.empty() ? now_iso8601() : job.created;
+  const std::string path = (fs::path(job.folder) / record->path).string();
+  auto session = SessionWriter::create(path, meta, session_layout(stage));
+  if (!session) return session.error();
+  if (!job.restore_path.empty()) {
+    auto checkpoint = read_file(job.restore_path);
+    if (!checkpoint) return checkpoint.error();
+    if (Status noted = session->event({0.0, 0, "restore", job.restore_path, std::move(checkpoint).value()}); !noted) return noted.error();
+  }
+  return std::optional<SessionWriter>(std::move(session).value());
+}
+
+Status close_session(SessionWriter& session, const RunSummary& summary, std::uint64_t sent_hash) {
+  for (const auto& [kind, value] : {std::pair{"voxels", summary.voxel_hash}, std::pair{"forces", summary.force_hash},
+                                    std::pair{"sent", fmt::format("{:016x}", sent_hash)}, std::pair{"image", summary.image_hash}})
+    if (!value.empty())
+      if (Status noted = session.hash({kind, value}); !noted) return noted;
+  return session.close();
+}
+
+Status make_folder(const std::string& folder) {
+  if (folder.empty()) return {};
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder))
+    return bad_input("the output folder cannot be made: " + (error ? error.message() : "not a folder"), folder);
+  // Ask by doing: permissions of a folder say little for root, on a read-only medium or a full disk.
+  const std::string probe = (fs::path(folder) / ".burrhole-probe.tmp").string();
+  if (Status written = write_file(probe, ""); !written) return bad_input("the output folder cannot be written to", folder);
+  fs::remove(probe, error);
+  return {};
+}
+
+/// A picture of an earlier run must not pass for one of this run, which may not come as far.
+void remove_old_pictures(const std::string& folder) {
+  if (folder.empty()) return;
+  std::error_code ignored;
+  for (const char* name : {"before.png", "during.png", "breakthrough.png", "after.png", "cutaway.png"})
+    fs::remove(fs::path(folder) / name, ignored);
+}
+
+Status write_results(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary, const std::vector<std::string>& pictures,
+                     const std::string& folder) {
+  const auto in_folder = [&](const char* name) { return (fs::path(folder) / name).string(); };
+  if (Status saved = simulation.voxmap().save(in_folder("bone.vdb")); !saved) return saved;
+  if (Status written = write_file(in_folder("summary.json"), summary_json(summary)); !written) return written;
+  return write_drill_report(make_report(loaded, simulation, summary, pictures), in_folder("report.html"));
+}
+
+}  // namespace
+
+std::optional<std::vector<Input>> load_inputs(const std::string& path, const Scene& scene, const SceneContext& context, Issues& issues) {
+  const auto document = TomlDocument::load(path);
+  if (!document) {
+    issues.push_back(document.error());
+    return std::nullopt;
+  }
+  auto inputs = read_inputs(*document, scene.servo_hz, issues);
+  if (!inputs) return std::nullopt;
+  for (Input& input : *inputs) {
+    if (input.kind != InputKind::tool) continue;
+    auto text = read_tool_text(input.text, scene.file, context);
+    if (text)
+      input.data = std::move(text).value();
+    else
+      issues.push_back(bad_input(text.error().message, path));
+  }
+  if (!issues.empty()) return std::nullopt;
+  return inputs;
+}
+
+Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
+  SimulationOptions options;
+  options.restore_path = job.restore_path;
+  options.stop = job.stop;
+  options.live = job.live;
+  options.require_realtime = job.require_realtime;
+  options.warn = job.warn;
+  options.inputs = job.inputs;
+  options.history = !job.inputs.empty();
+  if (job.live && job.require_realtime)
+    if (std::string refused = realtime_refusal(); !refused.empty()) return Error{ErrorCode::unavailable, std::move(refused), {}};
+  std::unique_ptr<PictureSink> sink;
+  if (const auto* display = loaded.scene.find<DisplayConfig>(); display != nullptr && job.make_sink) {
+    auto made = job.make_sink(*display, job.folder);
+    if (!made) return made.error();
+    sink = std::move(made).value();
+    options.sink = sink.get();
+  }
+  double thickness = 1.0;  // [m] known once the approach is
+  std::unique_ptr<Simulation> simulation;
+  options.progress = [&](double time, const DrillProgress& p) {
+    if (job.watch && !job.live) job.watch(*simulation);
+    if (job.progress)
+      job.progress(std::max(p.deepest / thickness * 0.95, time / loaded.scene.duration),
+                   fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
+  };
+  Issues issues;
+  simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
+  if (!simulation) return issues.front();
+  thickness = simulation->approach().thickness;
+  if (sink && job.say) job.say("pictures by " + sink->driver());
+  if (simulation->approach().from_inside && job.warn) job.warn("the axis points out of the skull: brain or dura lies before the entry");
+  if (Status made = make_folder(job.folder); !made) return made.error();
+  remove_old_pictures(job.folder);
+  auto session = open_session(loaded, job, simulation->stage());
+  if (!session) return session.error();
+  if (*session) simulation->set_session(&**session);
+
+  const auto start = std::chrono::steady_clock::now();
+  if (Status ran = simulation->run(); !ran) return ran.error();
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  RunSummary summary = make_summary(loaded, *simulation, make_plan(loaded), wall);
+  if (sink) summary.display = sink->display();
+  if (*session)
+    if (Status closed = close_session(**session, summary, simulation->sent_hash()); !closed) return closed.error();
+  if (!job.folder.empty())
+    if (Status written = write_results(loaded, *simulation, summary, sink ? sink->files() : std::vector<std::string>(), job.folder);
+        !written)
+      return written.error();
+  return summary;
+}
+
+}  // namespace burrhole

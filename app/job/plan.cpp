@@ -1,0 +1,58 @@
+#include "app/job/plan.h"
+
+#include <fmt/format.h>
+
+#include "app/stage/bone_step.h"
+
+namespace burrhole {
+namespace {
+
+/// Voxels of the master window where the run starts.
+std::uint64_t window_voxels(const LoadedScene& loaded, const Needs& needs) {
+  const Affine& bone_from_index = loaded.bone->bone_from_index();
+  const Pose bone_from_tool{rotation_from_z(-loaded.scene.approach.axis), loaded.scene.approach.entry};
+  const int margin = window_margins(needs.fields, bone_from_index).placed;
+  return tool_box(loaded.tool, bone_from_index.inverse() * Affine::from_pose(bone_from_tool), margin).count();
+}
+
+PlanRow volume_row(const LoadedScene& loaded, std::uint64_t window) {
+  const Vec3i d = loaded.bone->dims();
+  return {.table = "volume",
+          .clock = Clock::simulation,
+          .step = "master window: slide, write back, publish",
+          .needs = "bone model",
+          .gives = "window, window copy, store of record",
+          .detail = fmt::format("{} x {} x {} voxels of {:.3g} mm", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge()),
+          .bytes = loaded.bone->bytes() + window * 4 * sizeof(float)};
+}
+
+PlanRow hand_row(const LoadedScene& loaded) {
+  const HandConfig& hand = loaded.scene.hand;
+  return {.table = "hand",
+          .clock = Clock::servo,
+          .step = "hand integrated exactly over a tick under the latest force",
+          .needs = "contact state",
+          .gives = "hand motion",
+          .detail = fmt::format("{:.0f} N, {:.2f} kg, {:.0f} N/m", hand.push, hand.dynamics.mass, hand.dynamics.stiffness),
+          .rate_hz = static_cast<double>(loaded.scene.servo_hz)};
+}
+
+}  // namespace
+
+Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry) {
+  const Needs needs = loaded.scene.effects.needs(loaded.scene);
+  const PlanContext context{loaded.scene, needs, loaded.tool, *loaded.bone, window_voxels(loaded, needs)};
+  Plan plan;
+  plan.rows = {volume_row(loaded, context.window_voxels), hand_row(loaded)};
+  for (const EffectPlans::Item& item : loaded.scene.effects.items()) {
+    plan.rows.push_back(item.plan->row(context));
+    item.plan->warn(context, plan.warnings);
+  }
+  for (const EffectEntry& effect : registry)
+    if (!loaded.scene.effects.has(effect.table)) plan.not_built.emplace_back(effect.table);
+  if (loaded.import)
+    for (const std::string& line : loaded.import->scan.assumed) plan.warnings.push_back("[volume] assumed: " + line);
+  return plan;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,242 @@
+#include "app/job/summary.h"
+
+#include <sys/resource.h>
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/base/units.h"
+
+namespace burrhole {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string hex(std::uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+std::uint64_t peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+Json optional_number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json display_json(const std::optional<RunSummary::Display>& display) {
+  if (!display) return nullptr;
+  const DrawingQuality& q = display->quality;
+  return {{"backend", display->backend},
+          {"version", display->version},
+          {"renderer", display->renderer},
+          {"quality",
+           {{"step_voxels", q.step_voxels},
+            {"bisections", q.bisections},
+            {"finish", q.finish},
+            {"supersample", q.supersample},
+            {"resolution", q.resolution}}},
+          {"budget_ms", optional_number(display->budget_ms)},
+          {"expected_ms", optional_number(display->expected_ms)}};
+}
+
+const char* end_name(RunEnd end) {
+  switch (end) {
+    case RunEnd::done:
+      return "done";
+    case RunEnd::duration:
+      return "duration";
+    case RunEnd::stopped:
+      return "stopped";
+  }
+  return "";
+}
+
+void add_drilling(RunSummary& out, Simulation& simulation) {
+  constexpr double kMm = 1e3, kMm3 = 1e9;
+  const DrillProgress& progress = simulation.progress();
+  const HoleMeasure hole = measure_hole(simulation.voxmap(), simulation.approach());
+  const auto in_mm = [&](const std::optional<double>& metres) { return metres ? std::optional(*metres * kMm) : std::nullopt; };
+  out.removed_mm3 = hole.removed * kMm3;
+  out.removed_mass_mm3 = simulation.stage().bone->removed_mass() * kMm3;
+  out.hole_diameter_mm = in_mm(hole.outer_diameter);
+  if (progress.breakthrough_depth) out.inner_diameter_mm = in_mm(hole.inner_diameter);  // before it there is no hole in the inner surface
+  out.thickness_mm = simulation.approach().thickness * kMm;
+  out.angle_deg = simulation.approach().angle / kDegree;
+  out.peak_force_N = progress.peak_force;
+  out.reached_mm = progress.deepest * kMm;
+  out.depth_mm = in_mm(progress.breakthrough_depth);
+  out.breakthrough_s = progress.breakthrough_time;
+  if (progress.breakthrough_depth) {
+    out.plunge_mm = (progress.deepest - *progress.breakthrough_depth) * kMm;
+  }
+  out.passed_s = progress.passed_time;
+  if (progress.passed_time) out.removed_at_passing = progress.removed_at_passing;
+  if (progress.largest_ahead > -1.0) out.largest_ahead_mm = progress.largest_ahead * kMm;
+}
+
+void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
+  const std::vector<TimedStep> timings = simulation.timings();
+  for (const TimedStep& step : timings) out.timing.emplace_back(step.name, step.timing);
+  if (simulation.live()) {
+    const LiveReport& live = *simulation.live();
+    out.timing.insert(out.timing.end(), {{"servo_late", live.servo_late.timing()}, {"contact_late", live.contact_late.timing()}});
+    out.missed = live.servo_skipped;
+    out.live = RunSummary::Live{live.contact_skipped, live.bone_skipped, live.unrecorded, live.faults,
+                                simulation.stage().figure("device", "shown_force_N")};
+  }
+  for (const PlanRow& row : plan.rows) {
+    RunSummary::EffectCost cost{row.table, row.step, 0.0, row.bytes, {}};
+    for (const TimedStep& step : timings)
+      if (step.table == row.table && !step.within_step) cost.time_us += step.timing.total_us;
+    for (const Stage::MadeEffect& made : simulation.stage().effects())
+      if (made.table == row.table) made.effect->report(cost.figures);
+    out.effects.push_back(std::move(cost));
+  }
+}
+
+Json figures_json(const Figures& figures) {
+  Json out = Json::object();
+  for (const auto& [name, value] : figures.rows()) std::visit([&](const auto& v) { out[name] = v; }, value);
+  return out;
+}
+
+}  // namespace
+
+RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const Plan& plan, double wall_s) {
+  RunSummary out;
+  out.scene = loaded.scene.file;
+  out.title = loaded.scene.title;
+  out.tool = loaded.tool.name;
+  out.spin_rpm = loaded.scene.tool.spin / kRevPerMinute;
+  out.push_N = loaded.scene.hand.push;
+  out.warnings = plan.warnings;
+  out.end = end_name(simulation.end());
+  out.dims = loaded.bone->dims();
+  out.spacing_mm = loaded.bone->bone_from_index().mean_edge() / kMillimetre;
+  out.bone_voxels = loaded.bone->bone_voxels();
+  out.volume_bytes = simulation.voxmap().bytes();
+  if (loaded.import) {
+    out.volume_format = loaded.import->scan.format;
+    out.assumed = loaded.import->scan.assumed;
+  } else {
+    out.volume_format = "phantom:" + std::string(phantom_name(loaded.scene.volume.phantom->kind));
+  }
+  out.haptic_points = static_cast<std::uint64_t>(simulation.stage().figure("contact", "points").value_or(0.0));
+  out.erosion_points = loaded.scene.effects.has("erosion") ? loaded.tool.erosion.size() : 0;
+  out.duration_s = simulation.time();
+  out.wall_s = wall_s;
+  add_drilling(out, simulation);
+  add_costs(out, simulation, plan);
+  out.uploaded_texels = static_cast<std::uint64_t>(simulation.stage().figure("display", "uploaded_texels").value_or(0.0));
+  out.points_outside = static_cast<std::uint64_t>(simulation.stage().figure("erosion", "points_outside").value_or(0.0));
+  out.contact_flags = simulation.contact_flags();
+  out.voxel_hash = hex(simulation.voxmap().hash());
+  out.force_hash = hex(simulation.force_hash());
+  if (const auto image = simulation.image_hash()) out.image_hash = hex(*image);
+  out.peak_bytes = peak_bytes();
+  return out;
+}
+
+std::string outcome_text(const RunSummary& s) {
+  const std::string how_far = fmt::format("{:.2f} mm deep in {:.2f} mm of bone", s.reached_mm, s.thickness_mm);
+  if (s.breakthrough_s) {
+    std::string out = fmt::format("The bone was drilled through after {:.2f} s", *s.breakthrough_s);
+    out += s.plunge_mm ? fmt::format("; the tip then went {:.2f} mm further.", *s.plunge_mm) : ".";
+    return out;
+  }
+  if (s.passed_s)
+    return fmt::format(
+        "The bit passed the bone after {:.2f} s without cutting all of it: {:.0f} % of the bone on the axis was gone by then. Where that "
+        "is "
+        "not a crown's core, the contact model gave way; this is no burrhole.",
+        *s.passed_s, 100.0 * s.removed_at_passing.value_or(0.0));
+  if (s.end == "stopped") return "The run was interrupted, " + how_far + ".";
+  if (s.end == "done") return "The hand let go " + how_far + ", as it felt a give.";
+  const char* why = s.spin_rpm == 0.0 ? " The bit does not spin." : "";
+  return fmt::format("The time of the scene ended, {}.{}", how_far, why);
+}
+
+std::string summary_json(const RunSummary& s) {
+  Json json;
+  json["schema"] = kSummarySchema;
+  json["scene"] = s.scene;
+  json["title"] = s.title;
+  json["end"] = s.end;
+  json["outcome"] = outcome_text(s);
+  json["warnings"] = s.warnings;
+  json["duration_s"] = s.duration_s;
+  json["wall_s"] = s.wall_s;
+  json["volume"] = {{"format", s.volume_format},  {"dims", {s.dims.x, s.dims.y, s.dims.z}},
+                    {"spacing_mm", s.spacing_mm}, {"bone_voxels", s.bone_voxels},
+                    {"bytes", s.volume_bytes},    {"assumed", s.assumed}};
+  json["tool"] = {{"name", s.tool},
+                  {"spin_rpm", s.spin_rpm},
+                  {"push_N", s.push_N},
+                  {"haptic_points", s.haptic_points},
+                  {"erosion_points", s.erosion_points}};
+  json["drilling"] = {{"removed_mm3", s.removed_mm3},
+                      {"removed_mass_mm3", s.removed_mass_mm3},
+                      {"hole_diameter_mm", optional_number(s.hole_diameter_mm)},
+                      {"inner_diameter_mm", optional_number(s.inner_diameter_mm)},
+                      {"depth_mm", optional_number(s.depth_mm)},
+                      {"reached_mm", s.reached_mm},
+                      {"thickness_mm", s.thickness_mm},
+                      {"breakthrough_s", optional_number(s.breakthrough_s)},
+                      {"plunge_mm", optional_number(s.plunge_mm)},
+                      {"peak_force_N", s.peak_force_N},
+                      {"angle_deg", s.angle_deg},
+                      {"passed_s", optional_number(s.passed_s)},
+                      {"axis_removed_at_passing", optional_number(s.removed_at_passing)},
+                      {"largest_ahead_of_engagement_mm", optional_number(s.largest_ahead_mm)}};
+  for (const auto& [name, t] : s.timing)
+    json["timing"][name] = {{"count", t.count}, {"p50_us", t.p50_us}, {"p99_us", t.p99_us}, {"p999_us", t.p999_us}, {"max_us", t.max_us}};
+  json["timing"]["missed"] = s.missed;
+  json["live"] = nullptr;
+  if (s.live)
+    json["live"] = {{"servo_ticks_missed", s.missed},           {"contact_ticks_missed", s.live->contact_missed},
+                    {"bone_steps_missed", s.live->bone_missed}, {"rows_not_recorded", s.live->unrecorded},
+                    {"servo_faults", s.live->faults},           {"force_left_N", s.live->force_left ? Json(*s.live->force_left) : Json()}};
+  json["display"] = display_json(s.display);
+  json["memory"] = {{"peak_bytes", s.peak_bytes}};
+  json["effects"] = Json::array();
+  for (const RunSummary::EffectCost& effect : s.effects)
+    json["effects"].push_back({{"name", effect.name},
+                               {"steps", {effect.step}},
+                               {"time_us", effect.time_us},
+                               {"bytes", effect.bytes},
+                               {"figures", figures_json(effect.figures)}});
+  json["counters"] = {
+      {"uploaded_texels", s.uploaded_texels}, {"erosion_points_outside", s.points_outside}, {"contact_flags", s.contact_flags}};
+  json["hash"] = {{"voxels", s.voxel_hash}, {"forces", s.force_hash}, {"image", text_or_null(s.image_hash)}};
+  return json.dump(2) + "\n";
+}
+
+std::string plan_json(const LoadedScene& loaded, const Plan& plan, const RunSummary* measured) {
+  Json json;
+  json["schema"] = kSummarySchema;
+  json["scene"] = loaded.scene.file;
+  json["effects"] = Json::array();
+  for (std::size_t n = 0; n < plan.rows.size(); ++n) {
+    const PlanRow& row = plan.rows[n];
+    json["effects"].push_back({{"name", row.table},
+                               {"steps", {row.step}},
+                               {"clock", name_of(row.clock)},
+                               {"rate_hz", row.rate_hz > 0.0 ? Json(row.rate_hz) : Json(nullptr)},
+                               {"needs", row.needs},
+                               {"gives", row.gives},
+                               {"detail", row.detail},
+                               {"time_us", measured != nullptr ? Json(measured->effects[n].time_us) : Json(nullptr)},
+                               {"bytes", row.bytes}});
+  }
+  json["not_built"] = plan.not_built;
+  json["warnings"] = plan.warnings;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace burrhole

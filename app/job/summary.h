@@ -1,0 +1,68 @@
+/// app/job/summary.h: what a run came to, as summary.json says it. Units in the names; what does not apply is null.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/job/plan.h"
+#include "app/run/simulation.h"
+#include "app/scene/load.h"
+
+namespace burrhole {
+
+inline constexpr int kSummarySchema = 1;
+
+/// Figures of one finished (or interrupted) run.
+struct RunSummary {
+  std::string scene, title, tool, end;
+  double spin_rpm = 0.0, push_N = 0.0;
+  std::vector<std::string> warnings;  ///< of the plan
+  Vec3i dims{0};
+  double spacing_mm = 0.0;
+  std::string volume_format;         ///< "phantom:NAME", or the format of the scan
+  std::vector<std::string> assumed;  ///< of the volume, one line each
+  std::uint64_t bone_voxels = 0, volume_bytes = 0, haptic_points = 0, erosion_points = 0;
+  double duration_s = 0.0, wall_s = 0.0;
+  double removed_mm3 = 0.0, removed_mass_mm3 = 0.0, thickness_mm = 0.0, angle_deg = 0.0, peak_force_N = 0.0;
+  double reached_mm = 0.0;  ///< furthest tip, along the axis from the entry
+  std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, plunge_mm, passed_s, removed_at_passing,
+      largest_ahead_mm;
+  std::vector<std::pair<std::string, StepTiming>> timing;  ///< in the order of the JSON
+  std::uint64_t missed = 0;                                ///< servo ticks; lockstep misses none
+  struct Live {
+    std::uint64_t contact_missed = 0, bone_missed = 0, unrecorded = 0;
+    std::uint32_t faults = 0;          ///< ServoFault, all seen
+    std::optional<double> force_left;  ///< [N] that the simulated device shows after the end
+  };
+  std::optional<Live> live;  ///< of a live run
+  std::uint64_t peak_bytes = 0;
+  std::uint64_t uploaded_texels = 0, points_outside = 0;
+  std::uint32_t contact_flags = 0;
+  struct EffectCost {
+    std::string name, step;
+    double time_us = 0.0;
+    std::uint64_t bytes = 0;
+    Figures figures;  ///< what the effect reports of the run
+  };
+  std::vector<EffectCost> effects;
+  std::string voxel_hash, force_hash, image_hash;
+  /// What drew, of a scene with [display]; the caller's to fill.
+  struct Display {
+    std::string backend, version, renderer;  ///< the last two as the driver states them
+    DrawingQuality quality;
+    std::optional<double> budget_ms, expected_ms;  ///< of a quality that was chosen
+  };
+  std::optional<Display> display;
+};
+
+/// How the run ended, in a sentence for people.
+[[nodiscard]] std::string outcome_text(const RunSummary& summary);
+/// Measures the hole too; `wall_s` is the caller's.
+[[nodiscard]] RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const Plan& plan, double wall_s);
+[[nodiscard]] std::string summary_json(const RunSummary& summary);
+/// {schema, scene, effects[{name, steps, clock, rate_hz, bytes, time_us}], not_built[], warnings[]}; time_us null when not measured.
+[[nodiscard]] std::string plan_json(const LoadedScene& loaded, const Plan& plan, const RunSummary* measured);
+
+}  // namespace burrhole

@@ -1,0 +1,88 @@
+/// app/render/renderer_impl.h: state of a Renderer, and the steps of one picture. Internal to app/render.
+///   renderer.cpp checks the request and fills the frame's block; renderer_passes.cpp finds the programs and issues the draw calls.
+///   Errors  those of Renderer; unavailable if OpenGL fails.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "app/render/frame_block.h"
+#include "app/render/frame_cache.h"
+#include "app/render/gl_context.h"
+#include "app/render/gl_target.h"
+#include "app/render/renderer.h"
+#include "app/render/shader_program.h"
+#include "app/render/tool_mesh.h"
+#include "app/render/transfer_texture.h"
+#include "app/render/volume_texture.h"
+
+namespace burrhole {
+
+struct Renderer::Impl {
+  RenderOptions options;
+  bool asked_occlusion;  ///< at creation; a quality without finish leaves it out
+  GlContext context;
+  const GladGLContext& gl;
+  ProgramCache programs;
+  RenderCounters counters;
+  GlObject no_vertices, frame_buffer;
+  GlTarget target;
+  DepthRange range;  ///< of the last picture
+  GlObject transfer, opaque_depth;
+  bool tinted = false;                    ///< the transfer function has a tint
+  std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
+  std::optional<VolumeTexture> volume;
+  std::optional<UploadRing> ring;
+  std::optional<ToolMesh> tool;
+  FrameCache cache;
+  bool may_grow = false;                  ///< forget() came since the last picture
+  std::optional<CameraView> last_camera;  ///< of draw_at_pace
+
+  Impl(const RenderOptions& chosen, GlContext made, ShaderFiles files)
+      : options(chosen),
+        asked_occlusion(chosen.looks.occlusion),
+        context(std::move(made)),
+        gl(context.functions()),
+        programs(gl, std::move(files)),
+        cache(chosen.supersample) {
+    no_vertices = make_vertex_array(gl);
+    frame_buffer = make_buffer(gl);
+    gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
+    if (options.upload_ring.value_or(!context.is_software())) ring.emplace(gl);
+    if (options.skip_empty && !options.slices) seen_from = kSolidOpacity;
+    if (!options.translucent) return;
+    const TransferTable table = make_transfer_table(*options.translucent);
+    transfer = make_transfer_texture(gl, table);
+    tinted = has_tint(table);
+    if (options.skip_empty) seen_from = burrhole::seen_from(table);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() { static_cast<void>(context.make_current()); }  // the members delete their names in it
+
+  [[nodiscard]] bool has_soft() const noexcept { return volume && volume->has_soft(); }
+  [[nodiscard]] bool has_tissue() const noexcept { return volume && volume->has_tissue(); }
+  [[nodiscard]] ShaderVariant volume_variant(bool cut, bool probe, bool soft) const;
+  [[nodiscard]] bool has_surface() const noexcept { return !options.slices && !options.translucent; }
+  [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft) const;
+  [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
+  void draw_screen(GLuint program) const;
+  void draw_tool(GLuint program) const;
+  void draw_slices(GLuint program, int count) const;
+  void draw_translucent(GLuint program, const PixelRect& part) const;
+  void draw_light(GLuint program) const;
+  Result<FrameBlock> make_block(const FrameView& view, int width, int height);
+  struct Programs {
+    GLuint background, volume, light, tool;  ///< light: on the surface that rays hit
+  };
+  Result<Programs> find_programs(bool cut, bool probe);
+  Status prepare_target(int width, int height, bool probe);
+  [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
+  void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;
+  Status render(const PixelRegion& region, const FrameView& view, const FrameBlock& block, const std::optional<DrawnTool>& drawn_tool,
+                bool probe);
+  Result<Image> draw(const FrameView& view, int width, int height);
+  Status draw_probe(const FrameView& view, int width, int height);
+};
+
+}  // namespace burrhole

@@ -1,0 +1,155 @@
+// The draw calls of one picture: programs, passes and their OpenGL state.
+#include "app/render/renderer_impl.h"
+
+namespace burrhole {
+
+/// One triangle over the whole picture: a ray, or the background, at each pixel.
+void Renderer::Impl::draw_screen(GLuint program) const {
+  gl.UseProgram(program);
+  gl.BindVertexArray(no_vertices.name());
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Renderer::Impl::draw_tool(GLuint program) const {
+  gl.UseProgram(program);
+  tool->draw();
+}
+
+/// Blends them over what is there; what is nearer, the tool, hides them.
+void Renderer::Impl::draw_slices(GLuint program, int count) const {
+  gl.UseProgram(program);
+  volume->bind();
+  gl.BindVertexArray(no_vertices.name());
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  gl.DepthMask(GL_FALSE);
+  gl.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
+  gl.DepthMask(GL_TRUE);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.Disable(GL_BLEND);
+}
+
+/// Blends over what is there the part of each ray that lies before it.
+void Renderer::Impl::draw_translucent(GLuint program, const PixelRect& part) const {
+  target.copy_depth(opaque_depth.name(), part);
+  volume->bind();
+  gl.BindTextureUnit(3, transfer.name());
+  gl.BindTextureUnit(4, opaque_depth.name());
+  gl.Disable(GL_DEPTH_TEST);  // depths were looked up instead
+  gl.Enablei(GL_BLEND, 0);    // the picture alone, not the probe
+  gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl.ColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  draw_screen(program);
+  gl.ColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.Disablei(GL_BLEND, 0);
+  gl.Enable(GL_DEPTH_TEST);
+}
+
+/// Light where rays hit bone, tissue or a cut: the depth test leaves the other pixels as they are, without running their shader.
+void Renderer::Impl::draw_light(GLuint program) const {
+  target.bind_for_light();
+  gl.BindTextureUnit(4, target.hits());
+  gl.DepthFunc(GL_GREATER);  // the far plane, over a hit
+  gl.DepthMask(GL_FALSE);
+  draw_screen(program);
+  gl.DepthMask(GL_TRUE);
+  gl.DepthFunc(GL_LEQUAL);
+  target.bind();
+}
+
+ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft) const {
+  SurfaceChoice choice{.cut = cut, .soft = false, .finish = options.finish, .looks = options.looks};
+  choice.looks.tissue = choice.looks.tissue && tissue;
+  choice.soft = choice.looks.tissue && soft;
+  return surface_variant(choice);
+}
+
+ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft) const {
+  const LookView& looks = options.looks;
+  if (options.slices)
+    return slices_variant({.cut = cut, .correct = options.slices->correct, .labels = looks.labels, .normals = looks.normals});
+  if (options.translucent)
+    return translucent_variant(
+        {.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = looks.labels, .tint = tinted});
+  return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe});
+}
+
+/// A user's faulty shader is found at once and not at the first picture that takes it: every program the options may call for, as if the
+/// volume had tissue and dura. What is built in, the build has compiled.
+Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
+  std::vector<ShaderVariant> asked{background_variant(), tool_variant(false)};
+  for (const bool cut : {false, true}) {
+    asked.push_back(volume_variant(cut, false, true));
+    if (has_surface()) asked.push_back(light_variant(cut, true, true));
+  }
+  for (const ShaderVariant& variant : asked) {
+    const auto linked = programs.find_or_link(variant);
+    if (linked) continue;
+    Error fault = linked.error();
+    if (!fault.place.empty()) fault.place = (folder / fault.place).string();
+    return fault;
+  }
+  return {};
+}
+
+Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
+  const TargetKind kind = probe ? TargetKind::probed : (options.slices ? TargetKind::floats : TargetKind::bytes);
+  if (target.fits(width, height, kind)) return {};
+  auto made = GlTarget::create(gl, width, height, kind);
+  if (!made) return made.error();
+  target = std::move(made).value();
+  if (options.translucent) opaque_depth = target.make_depth_texture();
+  return {};
+}
+
+Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool probe) {
+  const auto empty = programs.find_or_link(background_variant());
+  if (!empty) return empty.error();
+  const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe, has_soft())) : empty;
+  if (!bone) return bone.error();
+  const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut, has_tissue(), has_soft())) : empty;
+  if (!light) return light.error();
+  const auto steel = programs.find_or_link(tool_variant(probe));
+  if (!steel) return steel.error();
+  return Programs{empty.value(), bone.value(), light.value(), steel.value()};
+}
+
+std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const {
+  if (!tool || !view.world_from_tool) return std::nullopt;
+  std::vector<Vec3> corners;
+  for (const Vec3& corner : tool->corners()) corners.push_back(*view.world_from_tool * corner);
+  return DrawnTool{*view.world_from_tool, find_footprint(rays_of(block), corners, drawn)};
+}
+
+/// The same fragments as in a whole picture: OpenGL does not let the scissor's place change what is drawn inside (4.5 core, appendix A.3).
+void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const {
+  gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
+  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  const bool opaque = !volume || has_surface();
+  if (opaque && volume) volume->bind();
+  draw_screen(opaque ? used.volume : used.background);
+  if (opaque && volume) draw_light(used.light);
+  if (with_tool) draw_tool(used.tool);
+  if (!opaque && options.slices) draw_slices(used.volume, static_cast<int>(block.slices.y));
+  if (!opaque && options.translucent) draw_translucent(used.volume, part);
+}
+
+Status Renderer::Impl::render(const PixelRegion& region, const FrameView& view, const FrameBlock& block,
+                              const std::optional<DrawnTool>& drawn_tool, bool probe) {
+  const auto used = find_programs(view.cut.has_value(), probe);
+  if (!used) return used.error();
+  gl.NamedBufferSubData(frame_buffer.name(), 0, sizeof(FrameBlock), &block);
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer.name());
+  target.bind();
+  gl.ClearDepth(1.0);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LEQUAL);
+  gl.Enable(GL_SCISSOR_TEST);
+  for (const PixelRect& part : region.rects())
+    draw_part(part, block, used.value(), drawn_tool && !drawn_tool->footprint.intersect(part).empty());
+  if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
+  return {};
+}
+
+}  // namespace burrhole

@@ -1,0 +1,81 @@
+#include "app/run/inputs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace burrhole {
+namespace {
+
+constexpr std::array<std::pair<const char*, InputKind>, 8> kKinds{{{"spin", InputKind::spin},
+                                                                   {"switches", InputKind::switches},
+                                                                   {"tool", InputKind::tool},
+                                                                   {"undo", InputKind::undo},
+                                                                   {"reset", InputKind::reset},
+                                                                   {"checkpoint", InputKind::checkpoint},
+                                                                   {"restore", InputKind::restore},
+                                                                   {"mark", InputKind::mark}}};
+constexpr double kMostSwitches = 65535.0;
+
+bool has_name(InputKind kind) noexcept {
+  return kind == InputKind::tool || kind == InputKind::checkpoint || kind == InputKind::restore || kind == InputKind::mark;
+}
+
+}  // namespace
+
+const char* name_of(InputKind kind) noexcept {
+  for (const auto& [name, value] : kKinds)
+    if (value == kind) return name;
+  return "";
+}
+
+bool parks(InputKind kind) noexcept {
+  return kind == InputKind::tool || kind == InputKind::undo || kind == InputKind::reset || kind == InputKind::checkpoint ||
+         kind == InputKind::restore;
+}
+
+Result<Input> input_from(const SessionInput& recorded) {
+  for (const auto& [name, kind] : kKinds) {
+    if (recorded.kind != name) continue;
+    const double most = kind == InputKind::spin ? 1.0 : kMostSwitches;
+    if (!(recorded.value >= 0.0 && recorded.value <= most) || recorded.tick < 0)
+      return bad_input("the session holds an input \"" + recorded.kind + "\" out of its range");
+    return Input{static_cast<std::uint64_t>(recorded.tick), kind, recorded.value, recorded.text, recorded.data};
+  }
+  return bad_input("the session holds an unknown input \"" + recorded.kind + "\"");
+}
+
+SessionInput to_record(const Input& input) {
+  return {static_cast<std::int64_t>(input.tick), name_of(input.kind), input.value, input.text, input.data, {}};
+}
+
+std::optional<std::vector<Input>> read_inputs(const TomlDocument& document, int servo_hz, Issues& issues) {
+  const std::size_t before = issues.size();
+  std::vector<Input> out;
+  TableReader root = document.root(issues);
+  std::vector<std::string> words;
+  for (const auto& [name, kind] : kKinds) words.emplace_back(name);
+  for (TableReader& table : root.tables("input", "what a person changes while drilling, in the order of time")) {
+    Input input;
+    const double time = table.number("time_s", {.min = 0.0, .max = 1e5}, "simulated time at which it happens");
+    input.tick = static_cast<std::uint64_t>(std::llround(time * servo_hz));
+    const std::string word = table.choice("kind", std::nullopt, words, "what happens");
+    for (const auto& [name, kind] : kKinds)
+      if (word == name) input.kind = kind;
+    if (input.kind == InputKind::spin)
+      input.value = table.number("value", {.min = 0.0, .max = 1.0}, "command of the drive: 0 off, 1 the scene's spin");
+    if (input.kind == InputKind::switches)
+      input.value = static_cast<double>(
+          table.integer("value", std::nullopt, 0, static_cast<std::int64_t>(kMostSwitches), "bits of pedals and buttons"));
+    if (has_name(input.kind)) input.text = table.text("name", std::nullopt, "of the tool or checkpoint, or the remark");
+    table.finish();
+    if (!out.empty() && input.tick < out.back().tick) table.fault("time_s", "lies before that of the input above");
+    out.push_back(std::move(input));
+  }
+  root.finish();
+  if (issues.size() == before && out.empty()) issues.push_back(bad_input("holds no [[input]]", document.file_name()));
+  if (issues.size() != before) return std::nullopt;
+  return out;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,34 @@
+/// app/run/lockstep.h: runs the steps in a fixed order in one thread, with the mailboxes of a live run. Results are reproducible bit for
+///   bit. A tick  reads the hand; evaluates contact if due; delivers contact results to the servo after the scene's latency; sends the
+///           servo's force to the hand; runs the simulation step if due.
+#pragma once
+
+#include <vector>
+
+#include "app/stage/stage.h"
+#include "core/base/step_timer.h"
+
+namespace burrhole {
+
+class Lockstep {
+ public:
+  /// `parts` must outlive it.
+  explicit Lockstep(Stage& parts);
+  /// Runs one servo tick. @returns the servo's output.
+  const ServoOutput& tick();
+  [[nodiscard]] std::uint64_t ticks() const noexcept { return tick_; }
+  [[nodiscard]] bool looked() const noexcept { return looked_; }  ///< whether contact was due in the last tick
+  [[nodiscard]] bool cut() const noexcept { return cut_; }        ///< whether bone was due in the last tick
+  [[nodiscard]] const StepTimer& servo_timer() const noexcept { return servo_timer_; }
+
+ private:
+  Stage* parts_;
+  std::vector<ContactState> in_flight_;  // contact results on their way: ring of latency + 1
+  std::uint64_t tick_ = 0;
+  bool looked_ = false, cut_ = false;
+  std::uint64_t audio_every_ = 0, audio_ticks_ = 0;  // servo ticks; blocks so far
+  StepTimer servo_timer_;
+  ServoOutput servo_;
+};
+
+}  // namespace burrhole

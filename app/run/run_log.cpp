@@ -1,0 +1,114 @@
+#include "app/run/run_log.h"
+
+#include <cstdio>
+#include <cstring>
+
+namespace burrhole {
+namespace {
+
+const char* name_of(HandPhase phase) {
+  switch (phase) {
+    case HandPhase::approach:
+      return "approach";
+    case HandPhase::lean:
+      return "lean";
+    case HandPhase::give_felt:
+      return "give felt";
+    case HandPhase::release:
+      return "release";
+    case HandPhase::withdraw:
+      return "withdraw";
+    case HandPhase::done:
+      return "done";
+  }
+  return "";
+}
+
+/// What a still was drawn from, beside the bone.
+struct StillView {
+  std::optional<Pose> world_from_tool;
+  bool cut = false;
+};
+
+/// Flags (1: with the tool, 2: cut), then the pose of the tool: eight doubles in all as they lie in memory.
+std::string view_bytes(const StillView& view) {
+  const Pose pose = view.world_from_tool.value_or(Pose{});
+  const Quat& q = pose.rotation;
+  const Vec3& t = pose.translation;
+  const double values[] = {(view.world_from_tool ? 1.0 : 0.0) + (view.cut ? 2.0 : 0.0), q.w, q.x, q.y, q.z, t.x, t.y, t.z};
+  return {reinterpret_cast<const char*>(values), sizeof values};
+}
+
+std::optional<StillView> view_from(const std::string& bytes) {
+  double v[8];
+  if (bytes.size() != sizeof v) return std::nullopt;
+  std::memcpy(v, bytes.data(), sizeof v);
+  const auto flags = static_cast<int>(v[0]);
+  if (!(v[0] >= 0.0 && v[0] <= 3.0)) return std::nullopt;
+  StillView out;
+  if ((flags & 1) != 0) out.world_from_tool = Pose{Quat(v[1], v[2], v[3], v[4]), Vec3(v[5], v[6], v[7])};
+  out.cut = (flags & 2) != 0;
+  return out;
+}
+
+std::string hash_text(std::uint64_t hash) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+}  // namespace
+
+Status RunLog::hand(const HandState& hand) {
+  if (hand.phase == phase_) return {};
+  phase_ = hand.phase;
+  return note(static_cast<double>(hand.tick) * parts_->period, "hand", name_of(phase_));
+}
+
+Status RunLog::contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool) {
+  samples_.push_back(sample);
+  if (!drew_half_ && progress.depth > 0.5 * parts_->approach.thickness) {
+    drew_half_ = true;
+    if (Status drawn = draw("during", world_from_tool, false); !drawn) return drawn;
+  }
+  if (!noted_passing_ && progress.passed_time) {
+    noted_passing_ = true;
+    if (!progress.breakthrough_time)
+      if (Status noted = note(sample.time, "passed", "the tip is beyond the bone, which is not cut through on the axis"); !noted)
+        return noted;
+  }
+  if (!drew_breakthrough_ && progress.breakthrough_time) {
+    drew_breakthrough_ = true;
+    if (Status noted = note(sample.time, "breakthrough", "no bone ahead, and none behind but what the bit is engaged in"); !noted)
+      return noted;
+    return draw("breakthrough", world_from_tool, true);
+  }
+  return {};
+}
+
+Status RunLog::note(double time, const std::string& kind, const std::string& text) {
+  events_.push_back({time, kind, text});
+  if (session_ == nullptr) return {};
+  return session_->event({time, static_cast<std::int64_t>(time / parts_->period + 0.5), kind, text, {}});
+}
+
+Status RunLog::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut) {
+  if (parts_->frame() == nullptr) return {};
+  gather_();
+  if (Status drawn = parts_->draw(name, world_from_tool, cut); !drawn) return drawn;
+  if (session_ == nullptr) return {};
+  return session_->still({static_cast<std::int64_t>(parts_->frame_step()), name, hash_text(parts_->frame()->image_hash()),
+                          view_bytes({world_from_tool, cut})});
+}
+
+Status RunLog::redraw(const SessionStill& still) {
+  if (parts_->frame() == nullptr) return {};
+  const auto view = view_from(still.view);
+  if (!view) return bad_input("the view of the still \"" + still.name + "\" cannot be read");
+  parts_->gather(true);
+  if (Status drawn = parts_->draw(still.name, view->world_from_tool, view->cut); !drawn) return drawn;
+  redrawn_.push_back({still.bone_step, still.name, hash_text(parts_->frame()->image_hash()), still.view});
+  return {};
+}
+
+}  // namespace burrhole

@@ -1,0 +1,210 @@
+#include "app/run/simulation.h"
+
+#include "app/scene/load.h"
+#include "haptics/servo/realtime.h"
+
+namespace burrhole {
+
+Simulation::Simulation(std::unique_ptr<Stage> parts, const SimulationOptions& options) : parts_(std::move(parts)), options_(options) {
+  set_session(options.session);
+}
+Simulation::~Simulation() = default;
+
+std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_ptr<const BoneModel> bone, const Tool& tool,
+                                               const SimulationOptions& options, Issues& issues) {
+  if (options.live)
+    if (const Needs needs = scene.effects.needs(scene); !needs.not_live.empty()) {
+      issues.push_back(bad_input(needs.not_live, scene.file));
+      return nullptr;
+    }
+  auto parts =
+      Stage::make(scene, scene.effects, std::move(bone), tool, {options.sink, options.hand, options.restore_path, options.history});
+  if (!parts) {
+    Error error = parts.error();
+    if (error.place.empty()) error.place = scene.file;
+    issues.push_back(std::move(error));
+    return nullptr;
+  }
+  return std::unique_ptr<Simulation>(new Simulation(std::move(parts).value(), options));
+}
+
+void Simulation::set_session(SessionWriter* session) {
+  log_ = std::make_unique<RunLog>(*parts_, session, [this] {
+    // A still of a session shows all that was done until then.
+    if (!desk_.fetch(log_->session() != nullptr)) parts_->gather(log_->session() != nullptr);
+  });
+}
+
+Status Simulation::run() {
+  if (Status drawn = log_->draw("before", parts_->contact->state().world_from_tool, false); !drawn) return drawn;
+  {
+    const FlushToZero guard;
+    if (Status ran = options_.live ? run_on_threads() : run_lockstep(); !ran) return ran;
+  }
+  parts_->voxmap->write_back();
+  parts_->gather(true);  // the last pictures show all that was done
+  if (Status drawn = log_->draw("after", {}, false); !drawn) return drawn;
+  return log_->draw("cutaway", {}, true);
+}
+
+Status Simulation::run_lockstep() {
+  const StageConfig& config = parts_->config;
+  const ContactTick& contact = *parts_->contact;
+  const auto last = static_cast<std::uint64_t>(config.duration * config.servo_hz + 0.5);
+  const auto progress_every = static_cast<std::uint64_t>(kProgressEvery * config.servo_hz);
+  Lockstep steps(*parts_);
+  end_ = RunEnd::duration;
+  while (tick_ < last) {
+    // Contact comes before bone in a tick. Its own number of the copy says nothing where it reads the grids.
+    if (Status applied = apply_inputs(tick_); !applied) return applied;
+    const std::uint64_t window = parts_->bone->publisher().published();
+    servo_now_ = steps.tick();
+    tick_ = steps.ticks();
+    sent_.add(servo_now_.force);
+    if (log_->session() != nullptr)
+      if (Status recorded = record_timer_([&] { return record_rows(steps, window); }); !recorded) return recorded;
+    if (Status noted = log_->hand(servo_now_.hand); !noted) return noted;
+    if (steps.looked()) {
+      const RunSample sample{contact.time(), glm::length(contact.state().on_hand.force), contact.progress().depth};
+      if (Status seen = log_->contact(sample, contact.progress(), contact.state().world_from_tool); !seen) return seen;
+    }
+    if (options_.progress && progress_every > 0 && tick_ % progress_every == 0) options_.progress(time(), progress());
+    if (finished()) break;
+  }
+  servo_timer_ = steps.servo_timer();
+  return {};
+}
+
+Status Simulation::apply(const Input& input) {
+  const double time = static_cast<double>(input.tick) * parts_->period;
+  const auto refused = [&](const std::string& why) {
+    if (options_.warn) options_.warn(why);
+    return log_->note(time, "refused", why);
+  };
+  switch (input.kind) {
+    case InputKind::spin:
+      parts_->servo->set_spin(input.value);
+      return {};
+    case InputKind::switches:
+      parts_->servo->set_switches(static_cast<std::uint32_t>(input.value));
+      return {};
+    case InputKind::tool: {
+      Issues issues;
+      auto tool = load_tool(input.data, input.text, parts_->config, parts_->needs, parts_->voxel_edge(), issues);
+      if (!tool) return issues.front();
+      tools_.push_back(std::make_unique<Tool>(std::move(*tool)));
+      if (Status changed = parts_->change_tool(*tools_.back()); !changed) return changed;
+      return log_->note(time, "tool", input.text);
+    }
+    case InputKind::undo:
+      return parts_->undo() ? log_->note(time, "undo", "") : refused("there is nothing to undo");
+    case InputKind::reset:
+      if (Status done = parts_->reset(); !done) return refused(done.error().message);
+      return log_->note(time, "reset", "");
+    case InputKind::checkpoint:
+      if (Status done = parts_->checkpoint(input.text); !done) return refused(done.error().message);
+      return log_->note(time, "checkpoint", input.text);
+    case InputKind::restore:
+      if (Status done = parts_->restore(input.text); !done) return refused(done.error().message);
+      return log_->note(time, "restored", input.text);
+    case InputKind::mark:
+      return log_->note(time, "mark", input.text);
+  }
+  return {};
+}
+
+Status Simulation::apply_next(std::uint64_t tick) {
+  Input input = options_.inputs[next_input_++];
+  input.tick = tick;
+  if (SessionWriter* session = log_->session()) {
+    SessionInput row = to_record(input);
+    if (parks(input.kind)) row.rows_before = session->rows();
+    if (Status recorded = session->input(row); !recorded) return recorded;
+  }
+  return apply(input);
+}
+
+bool Simulation::input_is_due(std::uint64_t tick) const noexcept {
+  return next_input_ < options_.inputs.size() && options_.inputs[next_input_].tick <= tick;
+}
+
+Status Simulation::apply_inputs(std::uint64_t tick) {
+  while (input_is_due(tick))
+    if (Status applied = apply_next(tick); !applied) return applied;
+  return {};
+}
+
+LiveInput Simulation::live_input(std::uint64_t tick, bool parked, Status& status) {
+  while (input_is_due(tick)) {
+    if (!parked && parks(options_.inputs[next_input_].kind)) return LiveInput::park;
+    if (status = apply_next(tick); !status.ok()) return LiveInput::failed;
+  }
+  return LiveInput::none;
+}
+
+Status Simulation::run_recorded(const SessionReader& session, RecordedHand& hand) {
+  const auto progress_of = [&](double time) {
+    if (options_.progress) options_.progress(time, progress());
+  };
+  const ReplayHooks hooks{options_.stop, progress_of, [this](const Input& input) { return apply(input); },
+                          [this](const SessionStill& still) { return log_->redraw(still); }};
+  auto replayed = replay_live(*parts_, hand, session, hooks);
+  if (!replayed) return replayed.error();
+  tick_ = replayed->ticks;
+  sent_ = replayed->sent;
+  return {};
+}
+
+Status Simulation::run_on_threads() {
+  live_.emplace();
+  LiveOptions options{options_.require_realtime, options_.stop, options_.progress, options_.warn};
+  options.inputs = [this](std::uint64_t tick, bool parked, Status& status) { return live_input(tick, parked, status); };
+  const Status ran = run_live(*parts_, *log_, options, desk_, *live_);
+  tick_ = live_->ticks;
+  servo_now_ = live_->last;
+  end_ = live_->stopped ? RunEnd::stopped : live_->done ? RunEnd::done : RunEnd::duration;
+  return ran;
+}
+
+bool Simulation::finished() {
+  if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed))
+    end_ = RunEnd::stopped;
+  else if (servo_now_.hand.phase == HandPhase::done)
+    end_ = RunEnd::done;
+  return end_ != RunEnd::duration;
+}
+
+Status Simulation::record_rows(const Lockstep& steps, std::uint64_t window) {
+  SessionWriter& session = *log_->session();
+  const auto append = [&](std::size_t stream, const auto& row) {
+    put(row, *parts_, row_);
+    return session.append(stream, row_);
+  };
+  if (steps.looked())
+    if (Status written = append(kContactRows, contact_row(*parts_, window)); !written) return written;
+  if (steps.cut())
+    if (Status written = append(kBoneRows, bone_row(*parts_, parts_->contact->state().number)); !written) return written;
+  return append(kServoRows, servo_row(*parts_, servo_now_));  // last: it is the row that commits
+}
+
+std::vector<TimedStep> Simulation::timings() {
+  std::vector<TimedStep> out{{"hand", "servo", live_ ? live_->servo.timing() : servo_timer_.timing()}};
+  for (const StepGraph::StepInfo& step : parts_->graph.steps()) out.push_back({step.effect, step.name, step.timer->timing()});
+  for (const Stage::MadeEffect& made : parts_->effects())
+    for (const NamedTimer& timer : made.effect->timers()) out.push_back({made.table, timer.name, timer.timer->timing(), timer.within_step});
+  out.push_back({"volume", "publish", parts_->bone->publish_timer().timing()});
+  if (record_timer_.timing().count > 0) out.push_back({"record", "record", record_timer_.timing()});
+  return out;
+}
+
+StepTiming Simulation::timing(std::string_view name) {
+  for (const TimedStep& step : timings())
+    if (step.name == name) return step.timing;
+  return {};
+}
+
+std::optional<std::uint64_t> Simulation::image_hash() const {
+  return parts_->frame() != nullptr ? std::optional(parts_->frame()->image_hash()) : std::nullopt;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,127 @@
+#include "app/scene/load.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "app/scene/volume_scene.h"
+#include "core/tool/cutting_field.h"
+#include "core/tool/make_tool.h"
+#include "core/tool/mesh_spec.h"
+#include "volumes/phantom/phantom.h"
+#include "volumes/read/mesh_file.h"
+
+namespace burrhole {
+namespace {
+
+/// Bone of a phantom or an import. A fault found here is about `source`.
+Status load_bone(const LoadOptions& options, LoadedScene& out) {
+  const VolumeScene& volume = out.scene.volume;
+  if (volume.phantom) {
+    auto phantom = make_phantom(*volume.phantom);
+    if (!phantom) return phantom.error();
+    auto bone = BoneModel::create(phantom->bone);
+    if (!bone) return bone.error();
+    out.bone = *bone;
+    return {};
+  }
+  ImportRequest request = volume.scan->request;
+  request.read.progress = options.progress;
+  if (volume.scan->region)
+    request.bone.region = BoneRegion{out.scene.approach.entry + out.scene.approach.axis * kRegionDepth, *volume.scan->region};
+  auto imported = import_bone(request, options.say);
+  // The scan is what the key `source` says: the fault is told there, with the scan's path in it.
+  if (!imported) return Error{imported.error().code, imported.error().text(), volume.place};
+  out.bone = std::move(imported->bone);
+  out.import = std::move(imported->report);
+  return {};
+}
+
+/// The tool's text for a session, whose replay knows no folder: a mesh's path is made absolute. Other tools' texts stay as they are.
+std::string text_for_session(const std::string& text, const TomlDocument& tool) {
+  Issues ignored;
+  const auto spec = has_tool_mesh(tool) ? read_mesh_tool_spec(tool, ignored) : std::nullopt;
+  if (!spec) return text;
+  std::string quoted;
+  for (const char c : std::filesystem::absolute(spec->path).lexically_normal().string()) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  auto copy = TomlDocument::parse(text, tool.file_name());  // a document of its own: `tool` keeps its places
+  return copy && copy->set("mesh.file=\"" + quoted + "\"") ? copy->to_text() : text;
+}
+
+/// Both forms of the cutting part: points, and the table that sub-voxel removal reads.
+void scale_factors(Tool& tool, float scale) {
+  for (float& factor : tool.erosion.factors) factor *= scale;
+  if (!tool.cutting || scale == 1.0f) return;
+  auto field = std::make_shared<CuttingField>(*tool.cutting);
+  for (float& factor : field->factor) factor *= scale;
+  tool.cutting = std::move(field);
+}
+
+std::string text_of_file(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+std::optional<Tool> load_tool(const std::string& text, const std::string& name, const StageConfig& config, const Needs& needs,
+                              double voxel_edge, Issues& issues) {
+  auto document = TomlDocument::parse(text, name);
+  if (!document) {
+    issues.push_back(document.error());
+    return std::nullopt;
+  }
+  auto tool = make_tool(*document,
+                        {.erosion_pitch = needs.erosion_pitch_voxels * voxel_edge,
+                         .cutting_voxel = needs.cutting_field ? voxel_edge : 0.0,
+                         .read_mesh = read_mesh},
+                        issues);
+  if (tool) scale_factors(*tool, static_cast<float>(config.tool.erosion_scale));
+  return tool;
+}
+
+Result<std::string> read_tool_text(const std::string& name, const std::string& scene_file, const SceneContext& context) {
+  const auto path = find_tool(name, scene_file, context);
+  if (!path) return bad_input("\"" + name + "\" is no tool (burrhole tools lists them)");
+  std::string text = text_of_file(*path);
+  const auto document = TomlDocument::parse(text, *path);
+  if (!document) return document.error();
+  return text_for_session(text, *document);
+}
+
+std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
+                                      const LoadOptions& options) {
+  const std::optional<std::string>& tool_text = options.tool_text;
+  SceneContext own_context = context;
+  own_context.tool_given = tool_text.has_value();
+  auto scene = read_scene(document, own_context, issues);
+  if (!scene) return std::nullopt;
+  LoadedScene out;
+  out.scene = std::move(*scene);
+
+  if (tool_text) {
+    out.tool_text = *tool_text;
+  } else {
+    out.tool_text = text_of_file(out.scene.tool.path);
+  }
+  if (const Status loaded = load_bone(options, out); !loaded) {
+    issues.push_back(loaded.error());
+    if (issues.back().place.empty()) issues.back().place = out.scene.volume.place;
+    return std::nullopt;
+  }
+  const std::string name = tool_text ? "the session's tool" : out.scene.tool.path;
+  auto tool =
+      load_tool(out.tool_text, name, out.scene, out.scene.effects.needs(out.scene), out.bone->bone_from_index().mean_edge(), issues);
+  if (!tool) return std::nullopt;
+  if (!tool_text)
+    if (const auto parsed = TomlDocument::parse(out.tool_text, name)) out.tool_text = text_for_session(out.tool_text, *parsed);
+  out.tool = std::move(*tool);
+  return out;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,76 @@
+/// app/stage/bone_step.h: one simulation step: moves the window with the tool, runs the effects' steps, publishes the changed bone.
+///   Frame  world unless stated; boxes in index coordinates.   Units  SI.   Errors  out_of_range.
+///   Thread simulation, the only writer of bone.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "app/stage/effect.h"
+#include "app/stage/slots.h"
+#include "core/base/step_timer.h"
+#include "core/tool/tool.h"
+#include "core/voxel/contact_window.h"
+
+namespace burrhole {
+
+/// @returns the bounding box of a tool at a pose, grown by `margin` [voxels] on each side.
+[[nodiscard]] VoxelBox tool_box(const Tool& tool, const Affine& index_from_tool, int margin);
+
+/// Distance from the tool's bounding box to the window's boundary: after the window is placed, and the minimum below which it slides.
+struct WindowMargins {
+  int placed, least;  ///< [voxels]
+};
+/// @returns margins that cover the reach of the contact model's queries and the motion of the tool in one step.
+[[nodiscard]] WindowMargins window_margins(const ContactFields& fields, const Affine& bone_from_index);
+
+class BoneStep {
+ public:
+  /// Places the window at the tool and publishes it. out_of_range: the tool does not fit in a window; the message states the sizes.
+  [[nodiscard]] static Result<BoneStep> create(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap,
+                                               const Pose& world_from_tool, StepGraph& graph);
+  /// Provides the slots of the stage. Call after the effects are bound.
+  void bind();
+
+  /// Replaces the tool at its present pose; places the window round the new tool and publishes it. out_of_range as create().
+  [[nodiscard]] Status change_tool(const Tool& tool);
+  /// Publishes changes that were made outside of a step (undo, reset).
+  void publish();
+  [[nodiscard]] std::uint64_t steps() const noexcept { return steps_; }  ///< number of steps completed
+
+  /// Runs one step. The tool moves from its previous pose to that of `found` in `dt` [s]; `thrust` [N] is the mean cutting force.
+  void operator()(const ContactState& found, double thrust, double dt);
+  [[nodiscard]] double spin() const noexcept { return *spin_now_; }  ///< [rev/s] at present
+  [[nodiscard]] double turned() const noexcept { return turned_; }   ///< [rev] angle of the spindle, 0..1
+  [[nodiscard]] ContactWindowPublisher& publisher() noexcept { return *publisher_; }
+  [[nodiscard]] const VdbContactGrids* grids() const noexcept { return grids_.get(); }
+  [[nodiscard]] double removed_mass() const noexcept { return removed_mass_; }  ///< [m^3] of solid bone, since the start
+  [[nodiscard]] StepTimer& publish_timer() noexcept { return publish_timer_; }
+
+ private:
+  BoneStep(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap, StepGraph& graph);
+  [[nodiscard]] Affine index_from_tool(const Pose& world_from_tool) const;
+  [[nodiscard]] Status keep_window(const ErosionPath& path);
+
+  const Tool* tool_;
+  Voxmap* voxmap_;
+  StepGraph* graph_;
+  Affine index_from_world_;
+  WindowMargins margins_;
+  double spin_ = 0.0;    // [rev/s] of the scene, at full command
+  double turned_ = 0.0;  // [rev]
+  Cut* cut_ = nullptr;
+  double* spin_asked_ = nullptr;
+  double* own_spin_ = nullptr;  // null: an effect owns it
+  const double* spin_now_ = nullptr;
+  const BoneRemoval* removal_ = nullptr;  // null: no effect removes bone
+  std::unique_ptr<ContactWindowPublisher> publisher_;
+  std::unique_ptr<VdbContactGrids> grids_;
+  Pose last_;
+  double removed_mass_ = 0.0;  // [m^3]
+  double unsaved_for_ = 0.0;   // [s] since the last Voxmap::write_back()
+  std::uint64_t steps_ = 0;
+  StepTimer publish_timer_;
+};
+
+}  // namespace burrhole

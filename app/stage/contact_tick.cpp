@@ -1,0 +1,53 @@
+#include "app/stage/contact_tick.h"
+
+#include <chrono>
+
+namespace burrhole {
+
+std::uint64_t ContactBone::number() const noexcept { return grids != nullptr ? 0 : window->front().number; }
+
+BoneView ContactBone::view() const {
+  if (grids != nullptr) return {ContactView(*grids, bone_from_index, world_from_bone), {}, world_from_bone};
+  const ContactWindow& copy = window->latest();
+  return {ContactView(copy, bone_from_index, world_from_bone), surface_view(copy, bone_from_index, world_from_bone), world_from_bone};
+}
+
+ContactTick::ContactTick(StepGraph& graph, const Approach& approach, const ContactTickConfig& config)
+    : graph_(&graph), config_(config), monitor_(approach) {}
+
+void ContactTick::bind() {
+  touch_ = graph_->provide(Clock::contact, slots::kTouch);
+  owned_ = graph_->is_written(slots::kContact.name);
+  state_ = owned_ ? graph_->written(slots::kContact) : graph_->provide(Clock::contact, slots::kContact);
+}
+
+const ContactState& ContactTick::operator()(const HandState& hand) noexcept {
+  using Timer = std::chrono::steady_clock;
+  ContactState& state = *state_;
+  if (stalled_.load(std::memory_order_relaxed)) return state;
+  graph_->receive(Clock::contact);
+  const BoneView view = config_.bone.view();
+  window_ = config_.bone.number();
+  const Timer::time_point start = Timer::now();
+  *touch_ = {&view, hand};
+  graph_->run_steps(Clock::contact, {ticks_++, config_.contact_period});
+  graph_->send(Clock::contact);
+  if (!owned_) {
+    state.world_from_tool = state.world_from_hand = hand.world_from_hand;
+    state.tick = hand.tick;
+  }
+  step_us_ = std::chrono::duration<float, std::micro>(Timer::now() - start).count();
+  state.spin = hand.spin;
+  ++state.number;
+  state.cutting_sum += state.cutting_force;
+  flags_seen_ |= state.flags;
+  hash_.add(state.on_hand.force);
+  hash_.add(state.on_hand.torque);
+  hand_tick_ = hand.tick;
+  time_ = static_cast<double>(hand.tick) * config_.servo_period;
+  const Vec3 tip = config_.bone.world_from_bone.inverse() * state.world_from_tool.translation;
+  monitor_.look(view.voxels, tip, state.on_hand.force, state.engagement, time_);
+  return state;
+}
+
+}  // namespace burrhole

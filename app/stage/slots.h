@@ -1,0 +1,82 @@
+/// app/stage/slots.h: the slots of the stage: those that it writes before a clock's steps, and those that effects write.
+///   Frame  world unless stated.   Units  SI.   Errors  none: Status is a slot's type only.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "app/stage/step_graph.h"
+#include "core/contact/bone_view.h"
+#include "core/contact/contact_model.h"
+#include "core/drill/erosion.h"
+#include "haptics/hand/hand_source.h"
+
+namespace burrhole {
+
+/// Input of a contact model.
+struct Touch {
+  const BoneView* bone = nullptr;  ///< valid in this tick
+  HandState hand;
+};
+
+/// Input of a simulation step: motion of the tool and cutting force.
+struct Cut {
+  ErosionPath path;     ///< index from tool, at the start and the end of the step
+  double thrust = 0.0;  ///< [N] mean cutting force since the previous step
+};
+
+/// Result of erosion in a simulation step.
+struct BoneRemoval {
+  double mass = 0.0;     ///< [m^3] of solid bone, in this step
+  double torque = 0.0;   ///< [N m] load of cutting on the spindle
+  bool cutting = false;  ///< the spindle turned, so erosion ran
+  bool changed = false;  ///< bone was removed and committed to the voxmap
+};
+
+/// A tangential contact law, and the tool's rotation rate, which gives the rim speed.
+struct Tangential {
+  TangentialLaw* law = nullptr;  ///< not owned
+  double rate = 0.0;             ///< [rad/s] about +z of the tool
+};
+
+/// Constraints that effects add to contact. Constraints beyond kMax are dropped and counted.
+struct Constraints {
+  static constexpr std::size_t kMax = kMaxConstraints;
+  std::array<ContactConstraint, kMax> items{};
+  std::uint32_t size = 0, dropped = 0;
+  void add(const ContactConstraint& one) noexcept {
+    if (size < kMax)
+      items[size++] = one;
+    else
+      ++dropped;
+  }
+};
+
+/// A requested picture.
+struct Picture {
+  const std::string* name = nullptr;
+  std::optional<Pose> world_from_tool;  ///< absent: the tool is not drawn
+  bool cut = false;                     ///< bone is clipped at a plane through the approach axis
+};
+
+namespace slots {
+// servo clock
+inline const SlotKey<HandState> kHand{"hand"};            ///< the stage's: the motion of this tick
+inline const SlotKey<Wrench> kAddedForce{"added_force"};  ///< add: [N], [N m] on the hand, in addition to contact, before all limits
+// contact clock
+inline const SlotKey<Touch> kTouch{"touch"};                    ///< the stage's
+inline const SlotKey<ContactState> kContact{"contact"};         ///< owned by [contact]; without it, the tool's pose is the hand's
+inline const SlotKey<Tangential> kTangential{"tangential"};     ///< owned by one effect; contact's friction
+inline const SlotKey<Constraints> kConstraints{"constraints"};  ///< add
+// simulation clock
+inline const SlotKey<Cut> kCut{"cut"};                  ///< the stage's
+inline const SlotKey<double> kSpin{"spin"};             ///< [rev/s] owned by [spindle]; otherwise the stage's, equal to spin_asked
+inline const SlotKey<double> kSpinAsked{"spin_asked"};  ///< [rev/s] the stage's: command times the scene's spin
+inline const SlotKey<BoneRemoval> kRemoval{"removal"};      ///< owned by [erosion]
+// frame clock
+inline const SlotKey<Picture> kPicture{"picture"};             ///< the stage's
+inline const SlotKey<Status*> kPictureError{"picture_error"};  ///< the stage's: receives the error of a picture
+}  // namespace slots
+
+}  // namespace burrhole

@@ -1,0 +1,204 @@
+#include "app/stage/stage.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "haptics/servo/contact_age.h"
+
+namespace burrhole {
+ServoConfig servo_config(const StageConfig& config, const Needs& needs, double voxel_edge) {
+  const int contact_hz = needs.contact_hz > 0 ? needs.contact_hz : config.servo_hz;
+  ServoConfig out = needs.servo;
+  out.period = 1.0 / config.servo_hz;
+  out.multi_rate.contact_ticks = std::max(1, config.servo_hz / contact_hz);
+  out.multi_rate.max_distance = std::min(out.multi_rate.max_distance, needs.plane_reach_voxels * voxel_edge);
+  if (!needs.feels) return out;
+  out.max_contact_age = contact_age_limit(out.multi_rate.contact_ticks, out.period);
+  // A latency set by the scene makes results old by design; this is not an error.
+  if (needs.latency_ticks > 0) out.max_contact_age += static_cast<std::uint64_t>(needs.latency_ticks);
+  return out;
+}
+
+Stage::Stage(const StageConfig& from, const Needs& asked, const Tool& with, const Outside& outside)
+    : config(from), tool(&with), needs(asked), period(1.0 / from.servo_hz), outside_(outside) {
+  const auto ticks = [&](int rate_hz) { return static_cast<std::uint64_t>(config.servo_hz / rate_hz); };
+  if (needs.contact_hz > 0) contact_every = ticks(needs.contact_hz);
+  if (needs.simulation_hz > 0) bone_every = ticks(needs.simulation_hz);
+  contact_period = period * static_cast<double>(contact_every);
+  bone_period = period * static_cast<double>(bone_every);
+  latency = needs.latency_ticks >= 0 ? static_cast<std::uint64_t>(needs.latency_ticks) : contact_every;
+}
+
+Stage::~Stage() = default;
+
+Result<std::unique_ptr<Stage>> Stage::make(const StageConfig& config, const EffectPlans& plans, std::shared_ptr<const BoneModel> bone,
+                                           const Tool& tool, const Outside& outside) {
+  std::unique_ptr<Stage> out(new Stage(config, plans.needs(config), tool, outside));
+  if (Status built = out->build(plans, std::move(bone)); !built) return built.error();
+  return out;
+}
+
+Status Stage::build_hand() {
+  if (outside_.hand != nullptr) {
+    hand = outside_.hand;
+  } else if (offered_hand_ != nullptr) {
+    hand = offered_hand_;
+  } else {
+    auto created = SimulatedHand::create(config.hand, world_from_approach(), period);
+    if (!created) return created.error();
+    own_hand_.emplace(std::move(created).value());
+    hand = &*own_hand_;
+  }
+  return {};
+}
+
+Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> model) {
+  auto found = make_approach(*model, config.approach);
+  if (!found) return Error{found.error().code, found.error().message, config.approach.place};
+  approach = std::move(found).value();
+
+  auto made = Voxmap::create(model, {static_cast<float>(config.volume.gradient_dead_zone)});
+  if (!made) return made.error();
+  voxmap = std::make_unique<Voxmap>(std::move(made).value());
+  if (!outside_.restore_path.empty())
+    if (Status restored = voxmap->restore(outside_.restore_path); !restored) return restored;
+
+  if (outside_.history) {
+    auto kept = BoneHistory::create(*voxmap, {.preallocate = true});
+    if (!kept) return kept.error();
+    history_ = std::move(kept).value();
+  }
+  for (const EffectPlans::Item& item : plans.items()) {
+    auto effect = item.plan->make(*this);
+    if (!effect) return effect.error();
+    effects_.push_back({item.table, std::move(effect).value()});
+  }
+  if (Status held = build_hand(); !held) return held;
+  const ServoConfig limits = servo_config(config, needs, voxel_edge());
+  if (Status valid = check(limits); !valid) return valid;
+  servo.emplace(limits, *hand, force_mailbox, hand_mailbox);
+
+  const Pose start{world_from_approach().rotation, world_from_approach() * Vec3(0.0, 0.0, config.hand.standoff)};
+  auto step = BoneStep::create(config, needs, *tool, *voxmap, start, graph);
+  if (!step) return Error{step.error().code, step.error().message, config.tool.place};
+  bone.emplace(std::move(step).value());
+  contact.emplace(
+      graph, approach,
+      ContactTickConfig{
+          {&bone->publisher().exchange(), bone->grids(), model->bone_from_index(), config.volume.world_from_bone}, period, contact_period});
+  if (Status bound = bind(); !bound) return Error{bound.error().code, bound.error().message, config.file};
+  contact->place(start);
+  for (const MadeEffect& one : effects_) one.effect->place(start);
+  return {};
+}
+
+Status Stage::bind() {
+  for (const MadeEffect& made : effects_)
+    if (Status bound = made.effect->bind(graph); !bound) return bound;
+  hand_slot_ = graph.provide(Clock::servo, slots::kHand);
+  picture_slot_ = graph.provide(Clock::frame, slots::kPicture);
+  picture_error_ = graph.provide(Clock::frame, slots::kPictureError);
+  added_force_ = graph.is_written(slots::kAddedForce.name) ? graph.find(slots::kAddedForce) : nullptr;
+  contact->bind();
+  bone->bind();
+  return graph.resolve();
+}
+
+void Stage::watch_spin(double command) {
+  const bool spins = command > 0.0 && config.tool.spin > 0.0;
+  if (spins && !spun_) history_->begin_step();
+  if (!spins && spun_) history_->end_step();
+  spun_ = spins;
+}
+
+void Stage::cut(const ContactState& found) {
+  if (history_) watch_spin(found.spin);
+  (*bone)(found, thrust_(found), bone_period);
+}
+
+void Stage::bone_was_changed() {
+  spun_ = false;
+  bone->publish();
+  servo->restart();
+}
+
+Status Stage::change_tool(const Tool& other) {
+  const ContactState before = contact->state();
+  tool = &other;
+  for (const MadeEffect& made : effects_)
+    if (Status changed = made.effect->change_tool(*this); !changed) return changed;
+  StepGraph old = std::move(graph);
+  graph = StepGraph();
+  if (Status changed = bone->change_tool(other); !changed) return changed;
+  if (Status bound = bind(); !bound) return bound;
+  graph.keep_timings(old);
+  contact->resume(before);
+  for (const MadeEffect& made : effects_) made.effect->place(before.world_from_tool);
+  servo->restart();
+  return frame_ != nullptr ? frame_->change_tool(other) : Status();
+}
+
+bool Stage::undo() {
+  if (!history_ || !history_->undo()) return false;
+  bone_was_changed();
+  return true;
+}
+
+Status Stage::reset() {
+  if (!history_) return bad_input("reset: this run keeps no history");
+  history_->reset();
+  bone_was_changed();
+  return {};
+}
+
+Status Stage::checkpoint(const std::string& name) {
+  if (!history_) return bad_input("checkpoint: this run keeps no history");
+  return history_->checkpoint(name);
+}
+
+Status Stage::restore(const std::string& name) {
+  if (!history_) return bad_input("restore: this run keeps no history");
+  if (Status restored = history_->restore(name); !restored) return restored;
+  bone_was_changed();
+  return {};
+}
+
+const ServoOutput& Stage::act() noexcept {
+  if (graph.empty(Clock::servo)) return servo->act();
+  *hand_slot_ = servo->hand();
+  graph.run(Clock::servo, {servo_tick_++, period});
+  return added_force_ != nullptr ? servo->act(added_force_->force) : servo->act();
+}
+
+void Stage::gather(bool all) {
+  if (frame_ == nullptr) return;
+  gathered_ = bone->steps();
+  if (all)
+    frame_->gather_rest(bone->turned());
+  else
+    frame_->gather(bone->turned());
+}
+
+Status Stage::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool opened) {
+  *picture_slot_ = {&name, world_from_tool, opened};
+  Status drawn;
+  *picture_error_ = &drawn;
+  graph.run(Clock::frame, {pictures_++, 0.0});
+  return drawn;
+}
+
+std::optional<double> Stage::figure(std::string_view table, std::string_view name) const {
+  for (const MadeEffect& made : effects_) {
+    if (made.table != table) continue;
+    Figures figures;
+    made.effect->report(figures);
+    for (const auto& [key, value] : figures.rows()) {
+      if (key != name) continue;
+      if (const auto* number = std::get_if<double>(&value)) return *number;
+      if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,139 @@
+/// app/stage/stage.h: bone, tool, hand, servo, master window, clocks and mailboxes, and the steps bound by the scene's effects.
+///   A schedule (app/run) runs the steps: in lockstep, on threads, or in the order of a recorded session.
+///   Frame  world unless stated.   Units  SI.   Errors  bad_input, out_of_range: see the functions.
+///   Threads  created and rebound while no clock runs; each function states the thread that calls it during a run.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/stage/bone_step.h"
+#include "app/stage/contact_tick.h"
+#include "app/stage/effect.h"
+#include "app/stage/slots.h"
+#include "app/view/frame_step.h"
+#include "core/measure/approach.h"
+#include "core/voxel/bone_history.h"
+
+namespace burrhole {
+
+/// Mean cutting force since the last call. The mean avoids aliasing of an oscillating force.
+class MeanThrust {
+ public:
+  /// @returns the mean [N]; the previous mean if contact has no new evaluation.
+  [[nodiscard]] double operator()(const ContactState& now) noexcept {
+    if (now.number > number_) mean_ = (now.cutting_sum - sum_) / static_cast<double>(now.number - number_);
+    number_ = now.number;
+    sum_ = now.cutting_sum;
+    return mean_;
+  }
+
+ private:
+  double mean_ = 0.0, sum_ = 0.0;
+  std::uint64_t number_ = 0;
+};
+
+/// @returns the servo's configuration with the limits required by the effects, at the rates of the scene. @param voxel_edge [m].
+[[nodiscard]] ServoConfig servo_config(const StageConfig& config, const Needs& needs, double voxel_edge);
+
+class Stage {
+ public:
+  /// External objects of a run; they must outlive the stage.
+  struct Outside {
+    FrameSink* sink = nullptr;
+    HandSource* hand = nullptr;  ///< null: the scene's own hand
+    std::string restore_path{};  ///< checkpoint to start from; empty: bone as loaded
+    bool history = false;        ///< enables undo and checkpoints
+  };
+  /// `tool` and the objects in `outside` must outlive the stage. Errors include the scene's place if there is one.
+  [[nodiscard]] static Result<std::unique_ptr<Stage>> make(const StageConfig& config, const EffectPlans& plans,
+                                                           std::shared_ptr<const BoneModel> bone, const Tool& tool, const Outside& outside);
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+  ~Stage();
+
+  /// Simulation thread: runs one simulation step up to the pose of the contact result.
+  void cut(const ContactState& found);
+  /// Servo thread, after the hand was read: runs the effects' steps, then computes and limits the force.
+  const ServoOutput& act() noexcept BH_REALTIME;
+  /// Simulation thread, between two steps: collects changed boxes for the display. @param all ignores the scene's budget.
+  void gather(bool all = false);
+  /// Frame thread: draws one picture. @param world_from_tool absent: the tool is not drawn. @param opened clips bone at a plane through the
+  /// approach axis.
+  [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool opened);
+
+  // Inputs of a user between two ticks, while no clock runs. Changes are published at once, and the force is ramped up again.
+  /// Replaces the tool, which must outlive the stage. out_of_range: too large for the bone's voxels. After an error the run must end.
+  [[nodiscard]] Status change_tool(const Tool& other);
+  /// Restores the bone before the last start of the spindle. @returns false if there is nothing to undo, or no history.
+  [[nodiscard]] bool undo();
+  /// Restores the bone as loaded.
+  [[nodiscard]] Status reset();
+  /// Stores or restores a checkpoint. Errors as BoneHistory; bad_input without a history.
+  [[nodiscard]] Status checkpoint(const std::string& name);
+  [[nodiscard]] Status restore(const std::string& name);
+  [[nodiscard]] const BoneHistory* history() const noexcept { return history_.get(); }
+
+  /// For effects, in make(): sets the hand source in place of the scene's script. Ignored if Outside::hand is set.
+  void offer_hand(HandSource& offered) noexcept { offered_hand_ = &offered; }
+  /// For effects, in make(): sets the frame step that draws.
+  void offer_frame(FrameStep& offered) noexcept { frame_ = &offered; }
+  [[nodiscard]] const Outside& outside() const noexcept { return outside_; }
+  [[nodiscard]] FrameStep* frame() noexcept { return frame_; }
+  /// @returns the number of simulation steps before the last gather(): the state that the next picture shows.
+  [[nodiscard]] std::uint64_t frame_step() const noexcept { return gathered_; }
+  [[nodiscard]] Pose world_from_approach() const noexcept { return config.volume.world_from_bone * approach.bone_from_approach; }
+  [[nodiscard]] double voxel_edge() const noexcept { return voxmap->bone().bone_from_index().mean_edge(); }  ///< [m]
+
+  struct MadeEffect {
+    std::string table;
+    std::unique_ptr<Effect> effect;
+  };
+  [[nodiscard]] const std::vector<MadeEffect>& effects() const noexcept { return effects_; }
+  /// @returns a number that an effect reports, by table and name; absent if there is none.
+  [[nodiscard]] std::optional<double> figure(std::string_view table, std::string_view name) const;
+
+  StageConfig config;
+  const Tool* tool;
+  Needs needs;
+  double period, contact_period, bone_period;       ///< [s]
+  std::uint64_t contact_every = 1, bone_every = 4;  ///< [servo ticks]
+  std::uint64_t latency = 1;                        ///< [servo ticks] from a motion to its force, in lockstep
+  Approach approach;
+  std::unique_ptr<Voxmap> voxmap;
+  HandSource* hand = nullptr;
+  TripleBuffer<HandState> hand_mailbox;      ///< servo -> contact
+  TripleBuffer<ContactState> force_mailbox;  ///< contact -> servo
+  TripleBuffer<ContactState> tool_mailbox;   ///< contact -> simulation
+  std::optional<ServoStep> servo;
+  std::optional<ContactTick> contact;
+  std::optional<BoneStep> bone;
+  StepGraph graph;
+
+ private:
+  Stage(const StageConfig& config, const Needs& needs, const Tool& tool, const Outside& outside);
+  [[nodiscard]] Status build(const EffectPlans& plans, std::shared_ptr<const BoneModel> model);
+  [[nodiscard]] Status build_hand();
+  [[nodiscard]] Status bind();
+  void watch_spin(double command);
+  void bone_was_changed();
+
+  Outside outside_;
+  std::vector<MadeEffect> effects_;
+  HandSource* offered_hand_ = nullptr;
+  FrameStep* frame_ = nullptr;
+  std::optional<SimulatedHand> own_hand_;
+  std::unique_ptr<BoneHistory> history_;  // of voxmap
+  bool spun_ = false;                     // in the last step of bone
+  MeanThrust thrust_;
+  HandState* hand_slot_ = nullptr;
+  const Wrench* added_force_ = nullptr;
+  Picture* picture_slot_ = nullptr;
+  Status** picture_error_ = nullptr;
+  std::uint64_t servo_tick_ = 0, pictures_ = 0, gathered_ = 0;
+};
+
+}  // namespace burrhole

@@ -1,0 +1,43 @@
+/// app/view/display_config.h: display options of a scene: the contents of [display]. No OpenGL.
+///   Frame  bone frame unless stated.   Units  SI.   Errors  none.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "app/view/view.h"
+#include "core/base/units.h"
+
+namespace burrhole {
+
+/// Cutting plane of pictures: none, a given plane, or a plane through the tip perpendicular to the view.
+enum class CutKind { none, plane, tip };
+struct CutConfig {
+  CutKind kind = CutKind::none;
+  Vec3 point{0.0};   ///< [m] bone frame; for CutKind::plane
+  Vec3 normal{0.0};  ///< [-] bone frame, towards the side that is not drawn; for CutKind::plane
+};
+
+/// [display]
+struct DisplayConfig {
+  std::string method = "raycast";  ///< "raycast" or "slices"
+  double slices_per_voxel = 1.0;   ///< [1/voxel]
+  bool opacity_correction = true;
+  TransferFunction transfer;                 ///< empty: bone is drawn as a surface; key shading = "translucent"
+  DrawingQuality quality{.supersample = 2};  ///< four rays per pixel: anti-aliased edges
+  std::optional<double> budget;  ///< [s] time of one picture, used to select `quality` (quality = "auto"); absent: `quality` is used
+  LookView looks{.tissue = true, .occlusion = true};
+  BackgroundView background;
+  int width = 1200, height = 900;                     ///< [pixels]
+  std::size_t upload_budget = std::size_t{64} << 20;  ///< [byte] most texel data sent for one picture; key upload_budget_kb
+  double upload_time = 0.0;                           ///< [s] limit for making these texels; 0: no limit; key upload_budget_ms
+  double azimuth = 35.0 * kDegree;                    ///< [rad] of the camera about the approach axis, from the patient's -y
+  double elevation = 42.0 * kDegree;                  ///< [rad] of the camera above the tangent plane at the entry
+  double distance = 0.074;                            ///< [m] of the camera from the entry
+  bool scale_bar = true;
+  CutConfig cut;
+  StereoView stereo;
+};
+
+}  // namespace burrhole

@@ -1,0 +1,94 @@
+/// app/view/frame_step.h: sends changed texels to the display and requests the pictures of a run. No OpenGL.
+///   Frame  world unless stated; boxes in index coordinates.   Units  SI.   Errors  those of the FrameSink.
+///   Thread  one at a time: gather() by the owner of the bone, draw() by the frame thread.
+#pragma once
+
+#include <string>
+
+#include "app/view/display_config.h"
+#include "app/view/texel_queue.h"
+#include "app/view/texels.h"
+#include "app/view/view.h"
+#include "core/base/step_timer.h"
+#include "core/measure/approach.h"
+#include "core/voxel/voxmap.h"
+
+namespace burrhole {
+
+/// Interface of a display. An error of any function stops the run.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  [[nodiscard]] virtual Status start(const VolumeView& volume, const TriangleMesh& tool) = 0;
+  virtual void update(const TexelBox& texels) = 0;
+  /// Replaces the tool from the next picture on.
+  [[nodiscard]] virtual Status change_tool(const TriangleMesh&) { return {}; }
+  /// Discards everything cached from earlier pictures. Called when bone may have been restored.
+  virtual void forget() {}
+  /// Draws and stores one picture, and adds its pixels to `hash`.
+  [[nodiscard]] virtual Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) = 0;
+};
+
+struct FrameStepTimers {
+  StepTimer texels, upload, frame;
+};
+
+class FrameStep {
+ public:
+  /// Sends the whole volume once.
+  [[nodiscard]] static Result<FrameStep> create(const DisplayConfig& display, const Pose& world_from_bone, const Approach& approach,
+                                                const Tool& tool, Voxmap& voxmap, FrameSink& sink);
+  /// Copies changed density into the batch, up to the scene's budget; the rest stays queued for the next call. Called by the owner of the
+  /// bone while no picture is drawn. @param turned [rev] rotation of the spindle, at which the next picture shows the bit.
+  void gather(double turned = 0.0);
+  /// The same without a budget: the queue is empty afterwards.
+  void gather_rest(double turned = 0.0);
+  /// Sends the batch, then draws. @param world_from_tool absent: the tool is not drawn. @param cut clips the bone at a plane through the
+  /// approach axis instead of the scene's own cut. A cut at the tip uses the latest tip position, or the entry if there is none yet.
+  [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);
+  [[nodiscard]] Status change_tool(const Tool& tool) {
+    turns_ = tool.turns;
+    return sink_->change_tool(tool.look);
+  }
+  [[nodiscard]] const FrameStepTimers& timers() const noexcept { return timers_; }
+  [[nodiscard]] std::uint64_t image_hash() const noexcept { return hash_.value(); }
+  [[nodiscard]] std::uint64_t texels_sent() const noexcept { return texels_sent_; }
+  [[nodiscard]] std::size_t texels_waiting() const noexcept { return queue_.texels(); }  ///< queued for a later batch
+
+ private:
+  FrameStep(const DisplayConfig& display, const Pose& world_from_bone, const Approach& approach, Voxmap& voxmap, FrameSink& sink);
+  DisplayConfig display_;
+  Pose world_from_bone_, world_from_approach_;
+  double thickness_;
+  Vec3 tip_;             // [m] world, of the latest picture
+  bool turns_ = true;    // whether the bit rotates about its axis
+  double turned_ = 0.0;  // [rev]
+  Voxmap* voxmap_;
+  FrameSink* sink_;
+  std::size_t listener_;
+  void fill_parcel(std::size_t most, double seconds);
+  void send_parcel();
+  [[nodiscard]] std::size_t texels_in_parcel() const noexcept;
+  TexelQueue queue_;
+  std::vector<TexelSource> parcel_;  // the batch is the first `filled_`; the others are reused memory
+  std::size_t filled_ = 0;
+  double make_time_ = 0.0;  // [s] limit for making texels of the batch; 0: no limit
+  std::uint64_t growth_epoch_ = 0;
+  bool has_grown_ = false;  // bone in the batch or the queue may have been restored
+  Hash64 hash_;
+  std::uint64_t texels_sent_ = 0;
+  FrameStepTimers timers_;
+};
+
+/// @returns the tool pose rotated about the tool's axis by `turned` [rev], clockwise seen from above (the cutting direction).
+[[nodiscard]] Pose turned_tool(const Pose& world_from_tool, double turned);
+
+/// @returns the scene's own cut, absent if it has none: its plane, or the plane through `tip` (world) perpendicular to the view direction.
+[[nodiscard]] std::optional<FrameView::Cut> make_scene_cut(const CutConfig& cut, const CameraView& camera, const Pose& world_from_bone,
+                                                           const Vec3& tip);
+
+/// @returns the scene's camera, which orbits the entry about the approach axis. @param cut lower, and from the open side.
+[[nodiscard]] FrameView make_frame_view(const DisplayConfig& display, const Pose& world_from_bone, const Pose& world_from_approach,
+                                        double thickness, bool cut);
+
+}  // namespace burrhole

@@ -1,0 +1,85 @@
+#include "app/view/stereo.h"
+
+#include <cmath>
+
+#include "app/view/camera.h"
+#include "core/base/assert.h"
+
+namespace burrhole {
+namespace {
+
+Error out_of_range(const char* why) { return {ErrorCode::out_of_range, why, {}}; }
+
+std::size_t at(const Image& image, int x, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x);
+}
+
+void place(const Image& part, int x0, int y0, Image& whole) {
+  for (int y = 0; y < part.height; ++y)
+    for (int x = 0; x < part.width; ++x) whole.pixels[at(whole, x0 + x, y0 + y)] = part.pixels[at(part, x, y)];
+}
+
+}  // namespace
+
+Result<std::array<CameraView, 2>> make_stereo_cameras(const CameraView& camera, const StereoView& stereo, double aspect) {
+  if (!(stereo.separation >= 0.0 && std::isfinite(stereo.separation))) return out_of_range("the eyes' separation must be 0 or more");
+  if (!(stereo.screen > 0.0 && std::isfinite(stereo.screen)))
+    return out_of_range("the screen of a stereo picture must lie in front of the eyes");
+  const auto rays = make_camera_rays(camera, aspect);
+  if (!rays) return rays.error();
+  const double half_width = glm::length(rays->right);  // at depth 1
+  std::array<CameraView, 2> eyes{camera, camera};
+  for (const int side : {-1, +1}) {
+    CameraView& eye = eyes[side < 0 ? 0 : 1];
+    const double moved = 0.5 * side * stereo.separation;
+    const Vec3 offset = moved / half_width * rays->right;
+    eye.eye += offset;
+    eye.target += offset;
+    eye.shift.x -= moved / (half_width * stereo.screen);
+  }
+  return eyes;
+}
+
+Result<CameraView> make_screen_camera(const Vec3& eye, const ScreenView& screen) {
+  if (!(screen.width > 0.0 && screen.height > 0.0 && std::isfinite(screen.width) && std::isfinite(screen.height)))
+    return out_of_range("a screen needs a width and a height");
+  const Vec3 seen_from = screen.world_from_screen.inverse() * eye;
+  if (!is_finite(seen_from) || !(seen_from.z > 0.0)) return out_of_range("the eye is not in front of the screen");
+  CameraView camera;
+  camera.eye = eye;
+  camera.target = screen.world_from_screen * Vec3(seen_from.x, seen_from.y, 0.0);  // the foot of the eye on the screen's plane
+  camera.up = screen.world_from_screen.rotate(Vec3(0.0, 1.0, 0.0));
+  camera.vertical_fov = 2.0 * std::atan(0.5 * screen.height / seen_from.z);
+  camera.shift = {-seen_from.x / (0.5 * screen.width), -seen_from.y / (0.5 * screen.height)};
+  return camera;
+}
+
+Result<std::array<CameraView, 2>> make_workbench_cameras(const Pose& world_from_head, double separation, const ScreenView& screen) {
+  std::array<CameraView, 2> eyes;
+  for (const int side : {-1, +1}) {
+    auto camera = make_screen_camera(world_from_head * Vec3(0.5 * side * separation, 0.0, 0.0), screen);
+    if (!camera) return camera.error();
+    eyes[side < 0 ? 0 : 1] = camera.value();
+  }
+  return eyes;
+}
+
+Image join_eyes(StereoMode mode, const Image& left, const Image& right) {
+  BH_ASSERT(left.width == right.width && left.height == right.height);
+  if (mode == StereoMode::anaglyph) {
+    Image out = right;
+    for (std::size_t n = 0; n < out.pixels.size(); ++n) {
+      const Rgba8& p = left.pixels[n];
+      out.pixels[n].r = static_cast<std::uint8_t>((299 * p.r + 587 * p.g + 114 * p.b + 500) / 1000);
+    }
+    return out;
+  }
+  const bool stacked = mode == StereoMode::top_bottom;
+  Image out{stacked ? left.width : 2 * left.width, stacked ? 2 * left.height : left.height, {}};
+  out.pixels.resize(2 * left.pixels.size());
+  place(left, 0, 0, out);
+  place(right, stacked ? 0 : left.width, stacked ? left.height : 0, out);
+  return out;
+}
+
+}  // namespace burrhole

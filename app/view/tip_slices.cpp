@@ -1,0 +1,113 @@
+#include "app/view/tip_slices.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "core/base/assert.h"
+#include "core/base/bounds.h"
+#include "core/base/trilinear.h"
+
+namespace burrhole {
+namespace {
+
+/// Orientation of a slice in the patient: directions of the picture's axes, and names of its sides.
+struct Section {
+  const char* name;
+  std::size_t across;
+  Vec3 right, down;
+  char left_name, right_name, top_name, bottom_name;
+};
+/// Radiological convention: viewed from the feet, from anterior, from the left.
+const std::array<Section, 3>& sections() {
+  static const std::array<Section, 3> all{Section{"axial", 2, {1, 0, 0}, {0, 1, 0}, 'R', 'L', 'A', 'P'},
+                                          Section{"coronal", 1, {1, 0, 0}, {0, 0, -1}, 'R', 'L', 'S', 'I'},
+                                          Section{"sagittal", 0, {0, 1, 0}, {0, 0, -1}, 'A', 'P', 'S', 'I'}};
+  return all;
+}
+
+/// Remaining mineral density in a box of voxels.
+class DensityBox {
+ public:
+  DensityBox(Voxmap& voxmap, const VoxelBox& box) : box_(box), values_(box.count()) {
+    if (box.empty()) return;
+    std::vector<float> hardness(box.count());
+    voxmap.read_density(box, values_);
+    voxmap.bone().read_hardness(box, hardness);
+    std::transform(values_.begin(), values_.end(), hardness.begin(), values_.begin(), std::multiplies<>());
+  }
+
+  /// Trilinear; 0 outside the voxels' centres.
+  [[nodiscard]] double at(const Vec3& index) const {
+    if (box_.empty() || glm::any(glm::lessThan(index, Vec3(box_.lo))) || glm::any(glm::greaterThan(index, Vec3(box_.hi - 1)))) return 0.0;
+    const Vec3i low = glm::min(Vec3i(glm::floor(index)), glm::max(box_.hi - 2, box_.lo));
+    return trilinear(index - Vec3(low),
+                     [&](unsigned n) { return static_cast<double>(values_[box_.offset_of(glm::min(low + cell_corner(n), box_.hi - 1))]); });
+  }
+
+ private:
+  VoxelBox box_;
+  std::vector<float> values_;
+};
+
+/// Segments where triangles cross the plane `height` = 0. A vertex on the plane counts as above it.
+template <class Height, class ToPicture>
+std::vector<std::array<glm::dvec2, 2>> cross(const TriangleMesh& mesh, const Pose& bone_from_tool, Height&& height,
+                                             ToPicture&& to_picture) {
+  std::vector<std::array<glm::dvec2, 2>> strokes;
+  for (std::size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
+    std::array<glm::dvec2, 2> stroke;
+    std::size_t ends = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 a = bone_from_tool * Vec3(mesh.positions[mesh.indices[t + i]]);
+      const Vec3 b = bone_from_tool * Vec3(mesh.positions[mesh.indices[t + (i + 1) % 3]]);
+      const double from = height(a), to = height(b);
+      if ((from < 0.0) == (to < 0.0) || ends == 2) continue;
+      stroke[ends++] = to_picture(a + from / (from - to) * (b - a));
+    }
+    if (ends == 2) strokes.push_back(stroke);
+  }
+  return strokes;
+}
+
+}  // namespace
+
+TipSlices make_tip_slices(Voxmap& voxmap, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width, int size) {
+  BH_ASSERT(half_width > 0.0 && size >= 2);
+  const Affine index_from_bone = voxmap.bone().bone_from_index().inverse();
+  const Vec3 tip = bone_from_tool.translation;
+  VoxelBox box;
+  for (const Vec3& corner : Bounds{tip - half_width, tip + half_width}.corners()) {
+    box.include(Vec3i(glm::floor(index_from_bone * corner)));
+    box.include(Vec3i(glm::floor(index_from_bone * corner)) + 1);
+  }
+  const DensityBox density(voxmap, box.intersect(voxmap.bone().bounds()));
+  TipSlices out{.size = size, .pixel = 2.0 * half_width / size, .planes = {}};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const Section& section = sections()[n];
+    TipSlice& plane = out.planes[n];
+    plane = {section.name,
+             "xyz"[section.across],
+             tip[section.across],
+             section.left_name,
+             section.right_name,
+             section.top_name,
+             section.bottom_name,
+             {},
+             {}};
+    plane.grey.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        const Vec3 p = tip + out.pixel * ((x + 0.5 - 0.5 * size) * section.right + (y + 0.5 - 0.5 * size) * section.down);
+        plane.grey.push_back(static_cast<std::uint8_t>(std::floor(255.0 * std::clamp(density.at(index_from_bone * p), 0.0, 1.0) + 0.5)));
+      }
+    plane.tool = cross(
+        tool, bone_from_tool, [&](const Vec3& p) { return p[section.across] - tip[section.across] - 1e-9; },
+        [&](const Vec3& p) {
+          return glm::dvec2(glm::dot(p - tip, section.right), glm::dot(p - tip, section.down)) / out.pixel + 0.5 * size;
+        });
+  }
+  return out;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,34 @@
+/// app/view/tip_slices.h: three slices through the tip of a tool, perpendicular to the patient axes, as grey values; no display needed.
+///   Frame  bone frame, which is the patient frame of a scan (LPS: x left, y posterior, z superior).   Units  SI.   Errors  none.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/tool/tool.h"
+#include "core/voxel/voxmap.h"
+
+namespace burrhole {
+
+struct TipSlice {
+  std::string name;                ///< "axial", "coronal" or "sagittal"
+  char axis = 'z';                 ///< axis perpendicular to the plane
+  double at = 0.0;                 ///< [m] position on the axis
+  char left, right, top, bottom;   ///< patient directions of the sides of the picture: L R A P S I
+  std::vector<std::uint8_t> grey;  ///< size x size, row 0 at the top: remaining mineral density, 0 none .. 255; 0 outside the volume
+  /// Section of the tool's surface with the plane: [pixels] from the upper left corner, y down; each pair is a line segment.
+  std::vector<std::array<glm::dvec2, 2>> tool;
+};
+
+struct TipSlices {
+  int size = 0;                    ///< [pixels] edge of the picture
+  double pixel = 0.0;              ///< [m] edge of a pixel
+  std::array<TipSlice, 3> planes;  ///< axial, coronal, sagittal
+};
+
+/// @param tool mesh of the bit as it erodes. @param half_width [m] > 0 from the tip, which is the centre, to the edges. @param size >= 2.
+/// The grey value of a pixel is occupancy x remaining x hardness at its centre, trilinear between voxels.
+[[nodiscard]] TipSlices make_tip_slices(Voxmap& voxmap, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width, int size);
+
+}  // namespace burrhole

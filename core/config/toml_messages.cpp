@@ -1,0 +1,137 @@
+#include "core/config/toml_messages.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace burrhole {
+namespace {
+
+// Unit suffixes of keys in tool and scene files. A longer suffix precedes any suffix that it ends with, so the first match is the whole
+// unit. clang-format off
+constexpr std::array kUnitSuffixes = {
+    "_nm_s_per_rad", "_nm_per_rad", "_kg_m2", "_ml_per_min", "_mm_per_min", "_j_per_mm3", "_n_per_mm", "_mm_per_s", "_ns_per_m",
+    "_n_s_per_m", "_deg_per_s", "_n_per_m", "_n_per_s", "_m_per_s", "_um_per_rev", "_per_rev", "_per_mm", "_percent", "_n_mm", "_rad_s",
+    "_mm_s", "_mm3", "_nmm", "_rpm", "_deg", "_rad", "_mm", "_um", "_cm", "_khz", "_hz", "_ms", "_us", "_min", "_kg", "_hu", "_px",
+    "_mpa", "_db", "_nm", "_w", "_mj", "_j", "_n", "_s", "_c", "_m", "_g", "_voxels", "_ticks"};
+// clang-format on
+
+char lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+bool is_unit(std::string_view suffix) {
+  return std::any_of(kUnitSuffixes.begin(), kUnitSuffixes.end(), [&](std::string_view unit) {
+    return std::equal(unit.begin(), unit.end(), suffix.begin(), suffix.end(), [](char a, char b) { return a == lower(b); });
+  });
+}
+
+/// Edit distance (insert, delete, replace, swap of neighbours) between a and b, ignoring case; restricted Damerau-Levenshtein.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), above(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) above[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (same ? 0u : 1u)});
+      const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+      if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, above);
+    std::swap(above, row);
+  }
+  return above[b.size()];
+}
+
+/// Bytes of the UTF-8 character at text[i], or 0 if it is invalid.
+std::size_t utf8_length(std::string_view text, std::size_t i) noexcept {
+  const auto byte = static_cast<unsigned char>(text[i]);
+  const std::size_t length = byte < 0x80 ? 1 : (byte >> 5) == 0x6 ? 2 : (byte >> 4) == 0xe ? 3 : (byte >> 3) == 0x1e ? 4 : 0;
+  if (length == 0 || i + length > text.size()) return 0;
+  for (std::size_t k = 1; k < length; ++k)
+    if ((static_cast<unsigned char>(text[i + k]) >> 6) != 0x2) return 0;
+  return length;
+}
+
+}  // namespace
+
+std::string one_line(std::string_view text, std::size_t max_bytes) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    if (out.size() >= max_bytes) return out + "...";
+    const std::size_t length = utf8_length(text, i);
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if (length == 0 || byte < 0x20 || byte == 0x7f)
+      out += '?';
+    else
+      out += text.substr(i, length);
+    i += std::max<std::size_t>(length, 1);
+  }
+  return out;
+}
+
+std::string number_text(double value) { return fmt::format("{}", value); }
+
+std::string range_text(const NumberRule& rule) {
+  const bool low = std::isfinite(rule.min);
+  const bool high = std::isfinite(rule.max);
+  if (low && high) return fmt::format("must be in {}{}, {}{}", rule.min_open ? '(' : '[', rule.min, rule.max, rule.max_open ? ')' : ']');
+  if (low) return fmt::format("must be {} {}", rule.min_open ? ">" : "at least", rule.min);
+  if (high) return fmt::format("must be {} {}", rule.max_open ? "<" : "at most", rule.max);
+  return "must be finite";
+}
+
+bool within(double written, const NumberRule& rule) noexcept {
+  const bool above = rule.min_open ? written > rule.min : written >= rule.min;
+  const bool below = rule.max_open ? written < rule.max : written <= rule.max;
+  return std::isfinite(written) && above && below;
+}
+
+double value_inside(const NumberRule& rule) noexcept {
+  if (rule.fallback && within(*rule.fallback, rule)) return *rule.fallback;
+  const bool low = std::isfinite(rule.min);
+  const bool high = std::isfinite(rule.max);
+  if (low && high) return rule.min + 0.5 * (rule.max - rule.min);
+  if (low) return rule.min_open ? rule.min + 1.0 : rule.min;
+  if (high) return rule.max_open ? rule.max - 1.0 : rule.max;
+  return 0.0;
+}
+
+std::optional<std::string> with_unit(std::string_view word, const std::vector<std::string>& known) {
+  for (const std::string& name : known)
+    if (name.size() > word.size() && std::string_view(name).substr(0, word.size()) == word &&
+        is_unit(std::string_view(name).substr(word.size())))
+      return name;
+  return std::nullopt;
+}
+
+std::string_view unit_suffix(std::string_view key) {
+  for (std::size_t cut = key.find('_', 1); cut != std::string_view::npos; cut = key.find('_', cut + 1))
+    if (is_unit(key.substr(cut))) return key.substr(cut);
+  return {};
+}
+
+std::optional<std::string_view> without_unit(std::string_view key) {
+  const std::string_view suffix = unit_suffix(key);
+  return suffix.empty() ? std::nullopt : std::optional(key.substr(0, key.size() - suffix.size()));
+}
+
+std::optional<std::string> nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
+  // A typing error changes at most a third of the letters, and three at most.
+  const std::size_t limit = std::min<std::size_t>(3, (word.size() + 1) / 3);
+  std::size_t best = limit + 1;
+  const std::string* found = nullptr;
+  for (const std::string& candidate : candidates) {
+    const std::size_t longer = std::max(candidate.size(), word.size());
+    if (longer - std::min(candidate.size(), word.size()) > limit) continue;
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance < best) {
+      best = distance;
+      found = &candidate;
+    }
+  }
+  return found != nullptr ? std::optional<std::string>(*found) : std::nullopt;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,37 @@
+/// core/config/toml_messages.h: texts of located TOML errors. Uses strings and numbers only, not toml++.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/config/toml.h"
+
+namespace burrhole {
+
+/// @returns text that is safe to print on one line: control bytes and bytes that are not UTF-8 become '?', long text is cut with "...".
+[[nodiscard]] std::string one_line(std::string_view text, std::size_t max_bytes = 80);
+
+/// @returns the shortest text that reads back as the same number: -5, 0.25, nan.
+[[nodiscard]] std::string number_text(double value);
+
+/// @returns the condition of a rule on a number as written: "must be in (0, 20]", "must be > 0", "must be at least 1".
+[[nodiscard]] std::string range_text(const NumberRule& rule);
+
+/// @returns whether a finite number as written obeys the rule.
+[[nodiscard]] bool within(double written, const NumberRule& rule) noexcept;
+
+/// @returns a number as written that obeys the rule: the fallback, else the middle of the range, else a value near its finite end.
+[[nodiscard]] double value_inside(const NumberRule& rule) noexcept;
+
+/// @returns the name in `known` that is `word` plus a unit suffix ("radius" -> "radius_mm"), if there is one.
+[[nodiscard]] std::optional<std::string> with_unit(std::string_view word, const std::vector<std::string>& known);
+
+/// @returns the unit suffix of a key with its underscore ("radius_mm" -> "_mm"); empty if it has none.
+[[nodiscard]] std::string_view unit_suffix(std::string_view key);
+
+/// @returns `key` without its unit suffix ("radius_mm" -> "radius"), or nothing if it has none.
+[[nodiscard]] std::optional<std::string_view> without_unit(std::string_view key);
+
+}  // namespace burrhole

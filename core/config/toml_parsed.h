@@ -1,0 +1,45 @@
+/// core/config/toml_parsed.h: wrapper of toml++ behind toml.h: files, parsing, assignments, places. Only toml*.cpp may include it.
+///   Errors  bad_input with the place as "file:line:column", file or "--set path".
+#pragma once
+
+#include <toml++/toml.h>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/config/renamed_keys.h"
+
+namespace burrhole::toml_wrapper {
+
+/// One parsed text and the assignments applied to it. Immutable once shared with readers.
+struct ParsedFile {
+  std::string file;
+  std::string text;
+  std::vector<std::string> assignments;                      ///< as given, in order
+  std::vector<std::string> overridden;                       ///< dotted paths that the assignments wrote
+  std::vector<std::pair<std::size_t, RenamedKeys>> renames;  ///< tables applied, each after that many assignments
+  toml::table root;
+};
+
+/// @returns "path.key", safe to print.
+[[nodiscard]] std::string join(const std::string& path, std::string_view key);
+
+/// @returns "file:line:column", or "--set path" for a value that an assignment changed or created.
+[[nodiscard]] std::string place_at(const ParsedFile& parsed, const std::string& path, const toml::source_region& where);
+
+/// @returns the whole file as bytes. The error contains the reason of the operating system.
+[[nodiscard]] Result<std::string> read_text(const std::string& path);
+
+/// Parses text; toml++ exceptions are converted to errors. `file` is the name in places.
+[[nodiscard]] Result<toml::table> parse_table(std::string_view text, const std::string& file);
+
+/// Applies "table.key[2].key=value" to parsed.root and creates missing tables. After an error `parsed` may contain empty new tables and
+/// must be discarded.
+[[nodiscard]] Status assign(ParsedFile& parsed, std::string_view assignment);
+
+/// Brings the keys of a table to those of `table`. @returns what was renamed.
+[[nodiscard]] std::vector<Renaming> rename(toml::table& root, RenamedKeys table);
+
+}  // namespace burrhole::toml_wrapper

@@ -1,0 +1,42 @@
+#include "core/contact/coupled_contact.h"
+
+namespace burrhole {
+namespace {
+
+class CoupledContact final : public ContactModel {
+ public:
+  CoupledContact(VirtualCoupling tool, const ContactOptions& options) : tool_(std::move(tool)), options_(options) {}
+
+  void place(const Pose& world_from_tool) noexcept override { tool_.place(world_from_tool); }
+  [[nodiscard]] std::size_t points() const noexcept override { return tool_.model().shell().size(); }
+
+  [[nodiscard]] bool step(const ContactInput& in, ContactState& out) noexcept override {
+    const VirtualCouplingState& coupled = tool_.step(in.bone.voxels, in.hand, in.dt, in.spin, in.added, in.bone.world_from_bone);
+    out.world_from_hand = in.hand.world_from_hand;
+    out.world_from_tool = coupled.world_from_tool;
+    out.on_hand = coupled.on_hand;
+    out.engagement = coupled.deepest;
+    out.cutting_force = glm::length(coupled.on_tool.force);
+    out.flags = coupled.flags;
+    if (!options_.planes) return true;
+    tool_.describe(out.local);
+    out.force_gradient = force_gradient(out.local);
+    return true;
+  }
+
+ private:
+  VirtualCoupling tool_;
+  ContactOptions options_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ContactModel>> make_coupled_contact(const VirtualCouplingConfig& config, Result<std::unique_ptr<PenaltyModel>> model,
+                                                           const ContactOptions& options) {
+  if (!model) return model.error();
+  auto tool = VirtualCoupling::create(config, std::move(model).value());
+  if (!tool) return tool.error();
+  return std::unique_ptr<ContactModel>(std::make_unique<CoupledContact>(std::move(tool).value(), options));
+}
+
+}  // namespace burrhole

@@ -1,0 +1,83 @@
+// The model `surface`: its keys, and the constrained tool made from them.
+
+#include <limits>
+
+#include "core/config/rules.h"
+#include "core/contact/contact_form.h"
+#include "core/contact/surface_contact.h"
+
+namespace burrhole {
+namespace {
+
+LabelFactors read_label_stiffness(TableReader table) {
+  LabelFactors out = kAllAlike;
+  const auto read = [&](VoxelLabel label, std::string_view key, std::string_view about) {
+    auto& factor = out[static_cast<std::size_t>(label)];
+    factor = static_cast<float>(table.number(key, {.fallback = static_cast<double>(factor), .min = 0.01, .max = 1.0}, about));
+  };
+  read(VoxelLabel::bone, "bone", "bone whose layers are not distinguished: scans and simple phantoms");
+  read(VoxelLabel::outer_table, "outer_table", "outer table of the skull");
+  read(VoxelLabel::diploe, "diploe", "diploe between the tables");
+  read(VoxelLabel::inner_table, "inner_table", "inner table of the skull");
+  read(VoxelLabel::forbidden, "forbidden", "bone marked as not to be cut");
+  table.finish();
+  return out;
+}
+
+class SurfaceForm final : public ContactForm {
+ public:
+  explicit SurfaceForm(TableReader& table) {
+    tool_.coupling_stiffness =
+        table.number("coupling_N_per_m", above_zero(tool_.coupling_stiffness, 1.0, 1e6), "stiffness of the spring from hand to tool");
+    tool_.coupling_damping =
+        table.number("coupling_N_s_per_m", at_least_zero(tool_.coupling_damping, 1.0, 1e4), "damper from hand to tool");
+    const bool locked = table.choice("turning", "free", {"free", "locked"},
+                                     "whether bone may turn the tool in the hand against a spring, or the hand alone turns it") == "locked";
+    if (locked)
+      tool_.turn_stiffness = std::numeric_limits<double>::infinity();
+    else
+      tool_.turn_stiffness = table.number("coupling_Nm_per_rad", above_zero(tool_.turn_stiffness, 1.0, 1e6),
+                                          "stiffness of that spring; damped with the time constant of the other one");
+    tool_.cutting_stiffness = table.number("cutting_N_per_m", above_zero(tool_.cutting_stiffness, 1.0, 1e9),
+                                           "thrust over the depth to which a spinning tool is engaged");
+    tool_.bone_stiffness = table.number("bone_N_per_m", above_zero(tool_.bone_stiffness, 1.0, 1e12),
+                                        "stiffness of bone of hardness 1 under a point that does not cut; in proportion to the hardness");
+    if (auto labels = table.table("label_stiffness", "factors on that stiffness by tissue, for layers softer than their hardness says"))
+      label_stiffness_ = read_label_stiffness(*labels);
+    if (table.choice("record_bits", "16", {"8", "16"}, "bits of each number stored of the surface: memory against accuracy") == "8")
+      record_bits_ = RecordPrecision::bits8;
+  }
+
+  std::unique_ptr<ContactForm> clone() const override { return std::make_unique<SurfaceForm>(*this); }
+  void* config(std::type_index type) noexcept override {
+    if (type == typeid(ConstrainedToolConfig)) return &tool_;
+    return type == typeid(RecordPrecision) ? &record_bits_ : nullptr;
+  }
+  ContactFormNeeds needs() const override {
+    ContactFormNeeds out;
+    out.fields.records = record_bits_;
+    out.fields.label_stiffness = label_stiffness_;
+    out.holds_back = true;
+    out.coupling_stiffness = tool_.coupling_stiffness;
+    out.coupling_damping = tool_.coupling_damping;
+    out.cutting_stiffness = tool_.cutting_stiffness;
+    return out;
+  }
+  std::string text() const override {
+    return std::string("surface, ") + (record_bits_ == RecordPrecision::bits8 ? "8" : "16") + "-bit records, tool held back by bone";
+  }
+  Result<std::unique_ptr<ContactModel>> make(const PointShell& shell, const ContactOptions& options) const override {
+    return make_surface_contact(tool_, shell, options);
+  }
+
+ private:
+  ConstrainedToolConfig tool_;
+  RecordPrecision record_bits_ = RecordPrecision::bits16;
+  LabelFactors label_stiffness_ = kAllAlike;
+};
+
+}  // namespace
+
+std::unique_ptr<ContactForm> read_surface_form(TableReader& table) { return std::make_unique<SurfaceForm>(table); }
+
+}  // namespace burrhole

@@ -1,0 +1,45 @@
+/// core/measure/drill_monitor.h: progress of the tip along the planned axis: cutting front, breakthrough, plunge, tunnelling, peak force.
+///   Frame  bone frame; depth along the axis from the entry, into bone.   Units  SI.   Errors  none.
+///   Thread  contact (reads the window copy).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/contact/contact_view.h"
+#include "core/measure/approach.h"
+
+namespace burrhole {
+
+struct DrillProgress {
+  double depth = 0.0;           ///< [m] of the tip now
+  double front = 0.0;           ///< [m] cutting front: depth of the first bone on the axis now; the thickness if no bone is left
+  double deepest = -1e9;        ///< [m] greatest depth of the tip so far
+  double peak_force = 0.0;      ///< [N] largest force magnitude so far
+  double largest_ahead = -1e9;  ///< [m] greatest (tip - cutting front - engagement) before breakthrough; more than a voxel is tunnelling
+  /// [s] first tick with no bone left on the axis except the bone that the bit is engaged in
+  std::optional<double> breakthrough_time;
+  std::optional<double> breakthrough_depth;  ///< [m] of the tip at breakthrough_time
+  std::optional<double> passed_time;         ///< [s] first tick with the tip beyond the last bone on the axis, by cutting or not
+  double removed_at_passing = 0.0;           ///< [-] share of the axis samples as loaded that were cut at passed_time
+};
+
+class DrillMonitor {
+ public:
+  explicit DrillMonitor(const Approach& approach) : approach_(&approach), cut_(approach.axis_index.size(), 0) {}
+  /// Processes one contact tick. @param tip_bone [m] bone frame. @param force [N]. @param engagement [m]. @param time [s].
+  void look(const ContactView& bone, const Vec3& tip_bone, const Vec3& force, double engagement, double time) noexcept;
+  [[nodiscard]] const DrillProgress& progress() const noexcept { return progress_; }
+
+ private:
+  /// Whether bone is present at a sample of the axis. Outside the window the last known state is returned.
+  [[nodiscard]] bool solid(const ContactView& bone, std::size_t place) noexcept;
+
+  const Approach* approach_;
+  double last_time_ = 0.0;         // [s]
+  std::vector<std::uint8_t> cut_;  // 1: the axis sample was seen without bone
+  DrillProgress progress_;
+};
+
+}  // namespace burrhole

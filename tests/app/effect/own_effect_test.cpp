@@ -1,0 +1,310 @@
+// A reader's own effect: one that uses every access and every clock, written in this file alone and known by one more registry line. What
+// the program says and records of it comes from here; a scene without its table has none of it.
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+
+#include "app/job/plan.h"
+#include "app/job/summary.h"
+#include "app/scene/scene.h"
+#include "tests/support/drill_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace burrhole::test {
+namespace {
+
+struct ProbeConfig {
+  double weight = 0.2;  // [N] that hangs on the drill
+};
+
+// Slots of its own, one per clock that writes.
+const SlotKey<std::uint64_t> kServoTicks{"probe_servo_ticks"};
+const SlotKey<double> kPressed{"probe_pressed"};  // [N] of the last contact
+const SlotKey<double> kSum{"probe_sum"};          // added to twice
+const SlotKey<std::uint64_t> kBoneSteps{"probe_bone_steps"};
+
+struct Counts {
+  std::uint64_t servo = 0, contact = 0, simulation = 0, frame = 0, audio = 0;
+  double last_seen = -1.0;  // the sum of the tick before, read before it is made again
+  double now_seen = -1.0;   // the sum of this tick
+  std::uint64_t servo_seen_by_bone = 0, bone_seen_by_contact = 0;
+  bool in_order = true;  // what `now` and `last` promise
+};
+
+class Probe final : public Effect {
+ public:
+  Probe(const ProbeConfig& config, Counts& counts) : config_(config), counts_(&counts) {}
+
+  Status bind(StepGraph& graph) override {
+    auto servo = graph.step(
+        Clock::servo, "probe", "probe servo", [](void* self, const Tick&) { static_cast<Probe*>(self)->servo(); }, this);
+    hand_ = servo.now(slots::kHand);
+    force_ = servo.add(slots::kAddedForce);
+    servo_ticks_ = servo.own(kServoTicks);
+    auto contact = graph.step(
+        Clock::contact, "probe", "probe contact", [](void* self, const Tick&) { static_cast<Probe*>(self)->contact(); }, this);
+    state_ = contact.now(slots::kContact);
+    bone_steps_there_ = contact.latest(kBoneSteps);
+    pressed_ = contact.own(kPressed);
+    contact.column("probe_pressed", "N", pressed_);
+    // Bound in the wrong order on purpose: the reader of `now` first, then the two that add.
+    auto reader = graph.step(
+        Clock::simulation, "probe", "probe now", [](void* self, const Tick&) { static_cast<Probe*>(self)->read_now(); }, this);
+    sum_now_ = reader.now(kSum);
+    total_ = reader.own(kTotal);
+    auto first = graph.step(
+        Clock::simulation, "probe", "probe one", [](void* self, const Tick&) { *static_cast<Probe*>(self)->sum_a_ += 1.0; }, this);
+    sum_a_ = first.add(kSum);
+    auto second = graph.step(
+        Clock::simulation, "probe", "probe two", [](void* self, const Tick&) { *static_cast<Probe*>(self)->sum_b_ += 2.0; }, this);
+    sum_b_ = second.add(kSum);
+    auto before = graph.step(
+        Clock::simulation, "probe", "probe last", [](void* self, const Tick&) { static_cast<Probe*>(self)->read_last(); }, this);
+    total_last_ = before.last(kTotal);
+    servo_there_ = before.latest(kServoTicks);
+    bone_steps_ = before.own(kBoneSteps);
+    auto frame = graph.step(
+        Clock::frame, "probe", "probe frame", [](void* self, const Tick&) { ++static_cast<Probe*>(self)->counts_->frame; }, this);
+    (void)frame.now(slots::kPicture);
+    (void)graph.step(
+        Clock::audio, "probe", "probe audio",
+        [](void* self, const Tick& tick) {
+          auto& probe = *static_cast<Probe*>(self);
+          probe.counts_->in_order = probe.counts_->in_order && tick.number == probe.counts_->audio && tick.dt == kAudioPeriod;
+          ++probe.counts_->audio;
+        },
+        this);
+    return {};
+  }
+  void report(Figures& out) const override { out.add("ticks", counts_->servo); }
+
+ private:
+  static inline const SlotKey<double> kTotal{"probe_total"};
+
+  void servo() {
+    force_->force += Vec3(0.0, 0.0, -config_.weight);
+    *servo_ticks_ = ++counts_->servo;
+    counts_->in_order = counts_->in_order && hand_->tick + 1 == counts_->servo;
+  }
+  void contact() {
+    ++counts_->contact;
+    *pressed_ = glm::length(state_->on_hand.force);
+    counts_->bone_seen_by_contact = *bone_steps_there_;
+    counts_->in_order = counts_->in_order && *bone_steps_there_ == counts_->simulation;  // lockstep: bone is cut after contact
+  }
+  void read_now() {
+    counts_->now_seen = *sum_now_;
+    *total_ += *sum_now_;
+  }
+  void read_last() {
+    counts_->last_seen = *total_last_;
+    // The total of the ticks before: this tick's is not in it yet.
+    counts_->in_order = counts_->in_order && *total_last_ == 3.0 * static_cast<double>(counts_->simulation);
+    counts_->servo_seen_by_bone = *servo_there_;
+    *bone_steps_ = ++counts_->simulation;
+  }
+
+  ProbeConfig config_;
+  Counts* counts_;
+  const HandState* hand_ = nullptr;
+  Wrench* force_ = nullptr;
+  std::uint64_t* servo_ticks_ = nullptr;
+  const ContactState* state_ = nullptr;
+  const std::uint64_t* bone_steps_there_ = nullptr;
+  double* pressed_ = nullptr;
+  const double* sum_now_ = nullptr;
+  double *total_ = nullptr, *sum_a_ = nullptr, *sum_b_ = nullptr;
+  const double* total_last_ = nullptr;
+  const std::uint64_t* servo_there_ = nullptr;
+  std::uint64_t* bone_steps_ = nullptr;
+};
+
+Counts counts;
+
+class ProbePlan final : public ConfigPlan<ProbePlan, ProbeConfig> {
+ public:
+  explicit ProbePlan(TableReader& table) {
+    config_.weight = table.number("weight_N", {.fallback = config_.weight, .min = 0.0, .max = 10.0}, "hangs on the drill");
+  }
+  PlanRow row(const PlanContext& context) const override {
+    return {.table = "probe",
+            .clock = Clock::servo,
+            .step = "a weight",
+            .detail = "of a test",
+            .rate_hz = static_cast<double>(context.config.servo_hz),
+            .bytes = sizeof(Probe)};
+  }
+  void warn(const PlanContext&, std::vector<std::string>& out) const override {
+    if (config_.weight > 5.0) out.emplace_back("[probe] heavy");
+  }
+  Result<std::unique_ptr<Effect>> make(Stage&) const override { return std::unique_ptr<Effect>(std::make_unique<Probe>(config_, counts)); }
+};
+
+EffectRegistry with_probe() {
+  EffectRegistry registry = shipped_effects();
+  registry.push_back({"probe", "a weight, for a test", [](TableReader& table, const StageConfig&, Issues&) -> std::unique_ptr<EffectPlan> {
+                        return std::make_unique<ProbePlan>(table);
+                      }});
+  return registry;
+}
+
+std::optional<LoadedScene> load_with(const EffectRegistry& registry, const std::string& tables, Issues& issues) {
+  const auto document = TomlDocument::parse(scene_text({.record = true, .display = true}) + tables, "probe.toml");
+  REQUIRE(document);
+  SceneContext context = test_context();
+  context.registry = &registry;
+  return load_scene(*document, context, issues);
+}
+
+/// Counts pictures; draws none.
+class CountingSink final : public FrameSink {
+ public:
+  Status start(const VolumeView&, const TriangleMesh&) override { return {}; }
+  void update(const TexelBox&) override {}
+  Status draw(const std::string&, const FrameView&, int, int, Hash64&) override { return {}; }
+};
+
+TEST_CASE("own effect: its file and one registry line are all that the program needs") {
+  const EffectRegistry registry = with_probe();
+  Issues issues;
+  auto loaded = load_with(registry, "[probe]\nweight_N = 0.5\n", issues);
+  REQUIRE(loaded);
+  loaded->scene.duration = 0.8;
+
+  const Plan plan = make_plan(*loaded, registry);
+  CHECK(plan.rows.back().table == "probe");
+  CHECK(plan.rows.back().detail == "of a test");
+
+  counts = {};
+  CountingSink sink;
+  const TemporaryFolder folder;
+  SimulationOptions options;
+  options.sink = &sink;
+  DrillRun run(std::move(*loaded), options);
+  run_recorded(run, folder.file("run.sqlite"));
+  CHECK(counts.servo == 800);
+  CHECK(counts.contact == 800);
+  CHECK(counts.simulation == 80);
+  CHECK(counts.audio == 80);
+  CHECK(counts.frame == 3);  // before, after, cutaway: the run ends above half way
+  CHECK(counts.now_seen == 3.0);
+  CHECK(counts.last_seen == 3.0 * 79.0);
+  CHECK(counts.servo_seen_by_bone == 800);
+  CHECK(counts.bone_seen_by_contact == 79);
+  CHECK(counts.in_order);
+  CHECK(figure(run.simulation(), "probe", "ticks") == 800.0);
+  CHECK(run.simulation().timing("probe servo").count == 800);
+  // The weight is in the force on the hand: no contact in the first tick, so it is all there is.
+  CHECK(run.simulation().servo_output().wanted.z < run.simulation().contact_state().on_hand.force.z);
+
+  const auto session = SessionReader::open(folder.file("run.sqlite"));
+  REQUIRE(session);
+  CHECK(session->column("contact", "probe_pressed").ok());
+  CHECK(session->column("contact", "from_simulation").ok());
+  CHECK(session->column("bone", "from_servo").ok());
+}
+
+TEST_CASE("own effect: a scene without its table has none of it, to the bit") {
+  const EffectRegistry registry = with_probe();
+  Issues issues;
+  auto loaded = load_with(registry, "", issues);
+  REQUIRE(loaded);
+  loaded->scene.duration = 0.5;
+  counts = {};
+  DrillRun with(std::move(*loaded));
+  auto plain = load_with(shipped_effects(), "", issues);
+  REQUIRE(plain);
+  plain->scene.duration = 0.5;
+  DrillRun without(std::move(*plain));
+  CHECK(with.run().voxel_hash() == without.run().voxel_hash());
+  CHECK(with.simulation().force_hash() == without.simulation().force_hash());
+  CHECK(with.simulation().sent_hash() == without.simulation().sent_hash());
+  CHECK(counts.servo == 0);
+  CHECK(with.simulation().stage().graph.steps().size() == without.simulation().stage().graph.steps().size());
+  CHECK(with.simulation().stage().graph.bytes() == without.simulation().stage().graph.bytes());
+}
+
+TEST_CASE("own effect: its keys, its range and its warnings are the program's") {
+  const EffectRegistry registry = with_probe();
+  Issues issues;
+  CHECK_FALSE(load_with(registry, "[probe]\nweight_N = 20\n", issues));
+  REQUIRE(issues.size() == 1);
+  CHECK(issues[0].text().find("probe.weight_N = 20 must be") != std::string::npos);
+  issues.clear();
+  CHECK_FALSE(load_with(registry, "[probe]\nwieght_N = 1\n", issues));
+  REQUIRE(issues.size() == 1);
+  CHECK(issues[0].text().find("weight_N") != std::string::npos);
+  issues.clear();
+  const auto heavy = load_with(registry, "[probe]\nweight_N = 6\n", issues);
+  REQUIRE(heavy);
+  CHECK(make_plan(*heavy, registry).warnings.back() == "[probe] heavy");
+  issues.clear();
+  CHECK_FALSE(load_with(shipped_effects(), "[probe]\n", issues));  // without the line there is no such table
+}
+
+// Effects whose uses cannot be satisfied.
+struct Uses {
+  std::string table;
+  void (*bind)(StepGraph::Binder& step);
+};
+
+class UsingEffect final : public Effect {
+ public:
+  explicit UsingEffect(const Uses& uses) : uses_(uses) {}
+  Status bind(StepGraph& graph) override {
+    auto step = graph.step(
+        Clock::simulation, uses_.table, uses_.table, [](void*, const Tick&) {}, this);
+    uses_.bind(step);
+    return {};
+  }
+
+ private:
+  Uses uses_;
+};
+
+std::string refusal_of(const std::vector<Uses>& all) {
+  StepGraph graph;
+  std::vector<std::unique_ptr<UsingEffect>> effects;
+  for (const Uses& uses : all) {
+    effects.push_back(std::make_unique<UsingEffect>(uses));
+    REQUIRE(effects.back()->bind(graph));
+  }
+  (void)graph.provide(Clock::servo, slots::kHand);
+  const Status resolved = graph.resolve();
+  return resolved ? std::string() : resolved.error().message;
+}
+
+const SlotKey<double> kA{"a"}, kB{"b"};
+const SlotKey<float> kOtherA{"a"};
+
+TEST_CASE("step graph: what cannot be satisfied is one line that names slot and effects") {
+  const Uses writes_a{"one", [](StepGraph::Binder& s) { (void)s.own(kA); }};
+  CHECK(refusal_of({writes_a}).empty());
+  CHECK(refusal_of({{"one", [](StepGraph::Binder& s) { (void)s.now(kA); }}}) == "[one] needs \"a\", which nothing in this scene provides");
+  CHECK(refusal_of({{"one", [](StepGraph::Binder& s) { (void)s.now_if_written(kA); }}}).empty());
+  CHECK(refusal_of({writes_a, {"two", [](StepGraph::Binder& s) { (void)s.own(kA); }}}) == "\"a\" has two owners: [two] and [one]");
+  CHECK(refusal_of({writes_a, {"two", [](StepGraph::Binder& s) { (void)s.add(kA); }}}) == "[two] adds to \"a\", which has an owner");
+  CHECK(refusal_of({writes_a, {"two", [](StepGraph::Binder& s) { (void)s.now(kOtherA); }}}) == "the slot \"a\" is used with two types");
+  CHECK(refusal_of({{"one", [](StepGraph::Binder& s) { (void)s.now(slots::kHand); }}}) ==
+        "[one] reads \"hand\" of the servo clock on the simulation clock by the wrong access");
+  // Two effects that need each other: by `now` a cycle, by `last` on one side an order.
+  const Uses a_from_b{"one", [](StepGraph::Binder& s) {
+                        (void)s.own(kA);
+                        (void)s.now(kB);
+                      }};
+  const Uses b_from_a{"two", [](StepGraph::Binder& s) {
+                        (void)s.own(kB);
+                        (void)s.now(kA);
+                      }};
+  const Uses b_from_last_a{"two", [](StepGraph::Binder& s) {
+                             (void)s.own(kB);
+                             (void)s.last(kA);
+                           }};
+  CHECK(refusal_of({a_from_b, b_from_a}) == "on the simulation clock each of these needs another's result of the same tick: [one], [two]");
+  CHECK(refusal_of({a_from_b, b_from_last_a}).empty());
+}
+
+}  // namespace
+}  // namespace burrhole::test

@@ -1,0 +1,220 @@
+// What a person changes while drilling is recorded and replayed: the same voxels, forces and pictures, in lockstep and live.
+
+#include "app/run/inputs.h"
+
+#include <doctest/doctest.h>
+
+#include "app/session/recorded_hand.h"
+#include "tests/support/drill_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace burrhole::test {
+namespace {
+
+Input spin(std::uint64_t tick, double command) { return {tick, InputKind::spin, command, {}, {}}; }
+Input plain(std::uint64_t tick, InputKind kind, const std::string& text = {}) { return {tick, kind, 0.0, text, {}}; }
+Input tool(std::uint64_t tick, const std::string& name) {
+  auto text = read_tool_text(name, "small.toml", test_context());
+  REQUIRE(text);
+  return {tick, InputKind::tool, 0.0, name, *text};
+}
+
+/// Pictures as their view's numbers: the hash follows pose, cut and texels, without a renderer.
+class HashingSink final : public FrameSink {
+ public:
+  Status start(const VolumeView& volume, const TriangleMesh& look) override {
+    texels_ = Hash64();
+    for (const Rgba8& texel : volume.normal_opacity) texels_.add(std::uint64_t{texel.a});
+    return change_tool(look);
+  }
+  void update(const TexelBox& box) override {
+    for (const Rgba8& texel : box.normal_opacity) texels_.add(std::uint64_t{texel.a});
+  }
+  Status change_tool(const TriangleMesh& look) override {
+    triangles_ = look.positions.size();
+    return {};
+  }
+  Status draw(const std::string&, const FrameView& view, int, int, Hash64& hash) override {
+    hash.add(texels_.value());
+    hash.add(std::uint64_t{triangles_});
+    hash.add(view.world_from_tool ? view.world_from_tool->translation : Vec3(0.0));
+    return {};
+  }
+
+ private:
+  Hash64 texels_;
+  std::size_t triangles_ = 0;
+};
+
+struct Outcome {
+  std::uint64_t voxels = 0, forces = 0, sent = 0;
+  std::vector<std::string> stills;
+  friend bool operator==(const Outcome&, const Outcome&) = default;
+};
+
+Outcome outcome_of(DrillRun& run) { return {run.voxel_hash(), run.simulation().force_hash(), run.simulation().sent_hash(), {}}; }
+
+/// A scene that drills for `seconds` with inputs.
+struct Session {
+  std::string duration = "2.6";
+  std::vector<Input> inputs;
+  bool live = false;
+};
+
+Outcome record(const Session& session, const std::string& path) {
+  HashingSink sink;
+  SimulationOptions options;
+  options.sink = &sink;
+  options.inputs = session.inputs;
+  options.history = true;
+  options.live = session.live;
+  DrillRun run(SmallScene{.spindle = true,
+                          .record = true,
+                          .display = true,
+                          .sets = {"duration_s=" + session.duration, "hand.feels=false"}},
+               options);
+  run_recorded(run, path);
+  return outcome_of(run);
+}
+
+Outcome replay(const std::string& path) {
+  const auto session = SessionReader::open(path);
+  REQUIRE(session);
+  auto hand = RecordedHand::create(*session);
+  REQUIRE(hand);
+  HashingSink sink;
+  SimulationOptions options;
+  options.sink = &sink;
+  options.hand = &*hand;
+  options.history = true;
+  DrillRun run(load_text(session->meta().scene, {}), options);
+  const Status replayed = run.simulation().run_recorded(*session, *hand);
+  REQUIRE_MESSAGE(replayed.ok(), (replayed.ok() ? "" : replayed.error().text()));
+  Outcome out = outcome_of(run);
+  for (const SessionStill& still : run.simulation().redrawn()) out.stills.push_back(still.name + " " + still.hash);
+  return out;
+}
+
+std::vector<std::string> stills_of(const std::string& path) {
+  const auto session = SessionReader::open(path);
+  REQUIRE(session);
+  std::vector<std::string> out;
+  for (const SessionStill& still : session->stills()) out.push_back(still.name + " " + still.hash);
+  return out;
+}
+
+/// Spin changes, a tool change, two undos and a checkpoint.
+std::vector<Input> a_session() {
+  return {spin(900, 0.0),
+          spin(1000, 0.5),
+          spin(1300, 0.0),
+          plain(1350, InputKind::undo),
+          plain(1400, InputKind::checkpoint, "a"),
+          spin(1500, 1.0),
+          spin(1750, 0.0),
+          plain(1800, InputKind::undo),
+          tool(1850, "pin"),
+          spin(1900, 1.0),
+          plain(2200, InputKind::mark, "here"),
+          spin(2400, 0.0),
+          plain(2450, InputKind::restore, "a")};
+}
+
+TEST_CASE("inputs: undo gives the bone before the last spin-on, to the bit; so do a checkpoint and a reset") {
+  const TemporaryFolder folder;
+  const auto voxels = [&](std::vector<Input> inputs, const std::string& duration) {
+    return record({.duration = duration, .inputs = std::move(inputs)}, folder.file("run.sqlite")).voxels;
+  };
+  const std::uint64_t first = voxels({spin(900, 0.0)}, "0.95");
+  const std::uint64_t untouched = voxels({spin(0, 0.0)}, "0.95");
+  REQUIRE(first != untouched);
+  const std::vector<Input> twice{spin(900, 0.0), spin(1000, 1.0), spin(1300, 0.0)};
+  const auto with = [&](const std::vector<Input>& more) {
+    std::vector<Input> all = twice;
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  const std::uint64_t second = voxels(twice, "1.5");
+  REQUIRE(second != first);
+  CHECK(voxels(with({plain(1350, InputKind::undo)}), "1.5") == first);
+  CHECK(voxels(with({plain(1350, InputKind::undo), plain(1360, InputKind::undo)}), "1.5") == untouched);
+  CHECK(voxels(with({plain(1350, InputKind::reset)}), "1.5") == untouched);
+  CHECK(voxels({spin(900, 0.0), plain(950, InputKind::checkpoint, "a"), spin(1000, 1.0), spin(1300, 0.0),
+                plain(1350, InputKind::restore, "a")},
+               "1.5") == first);
+}
+
+TEST_CASE("inputs: a lockstep session with all of them replays to the same voxels, forces and pictures") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("run.sqlite");
+  Outcome recorded = record({.inputs = a_session()}, path);
+  recorded.stills = stills_of(path);
+  CHECK(recorded.stills.size() >= 3);
+  CHECK(replay(path) == recorded);
+  const auto session = SessionReader::open(path);
+  REQUIRE(session);
+  CHECK(session->inputs().size() == a_session().size());
+}
+
+TEST_CASE("inputs: a live session with all of them replays in lockstep to the same voxels, forces and pictures") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("run.sqlite");
+  Outcome recorded = record({.inputs = a_session(), .live = true}, path);
+  recorded.stills = stills_of(path);
+  CHECK(replay(path) == recorded);
+}
+
+TEST_CASE("inputs: what cannot be done is a warning and an event, and the run goes on") {
+  const TemporaryFolder folder;
+  std::vector<std::string> warnings;
+  SimulationOptions options;
+  options.inputs = {plain(10, InputKind::undo), plain(20, InputKind::restore, "nowhere")};
+  options.history = true;
+  options.warn = [&](const std::string& text) { warnings.push_back(text); };
+  DrillRun run(SmallScene{.sets = {"duration_s=0.1"}}, options);
+  run.run();
+  CHECK(run.simulation().ticks() == 100);
+  REQUIRE(warnings.size() == 2);
+  CHECK(warnings[0] == "there is nothing to undo");
+  CHECK(warnings[1].find("nowhere") != std::string::npos);
+}
+
+std::vector<std::string> faults_of(const std::string& text) {
+  const auto document = TomlDocument::parse(text, "inputs.toml");
+  REQUIRE(document);
+  Issues issues;
+  CHECK_FALSE(read_inputs(*document, 1000, issues).has_value());
+  std::vector<std::string> out;
+  for (const Error& issue : issues) out.push_back(issue.text());
+  return out;
+}
+
+TEST_CASE("inputs: a file of timed inputs is read in order; each fault has its place") {
+  const auto document = TomlDocument::parse(
+      "[[input]]\ntime_s = 0.5\nkind = \"spin\"\nvalue = 0.25\n[[input]]\ntime_s = 0.5\nkind = \"undo\"\n[[input]]\ntime_s = 2\n"
+      "kind = \"checkpoint\"\nname = \"before the dura\"\n",
+      "inputs.toml");
+  REQUIRE(document);
+  Issues issues;
+  const auto inputs = read_inputs(*document, 2000, issues);
+  REQUIRE(inputs);
+  REQUIRE(inputs->size() == 3);
+  CHECK((*inputs)[0].tick == 1000);
+  CHECK((*inputs)[0].value == 0.25);
+  CHECK((*inputs)[1].kind == InputKind::undo);
+  CHECK((*inputs)[2].text == "before the dura");
+
+  const auto first = [](const std::string& text) {
+    const std::vector<std::string> faults = faults_of(text);
+    REQUIRE_FALSE(faults.empty());
+    return faults.front();
+  };
+  CHECK(first("") == "inputs.toml: holds no [[input]]");
+  CHECK(first("[[input]]\ntime_s = 1\nkind = \"spin\"\nvalue = 2\n").starts_with("inputs.toml:4:1: input[0].value = 2 must be in [0, 1]"));
+  CHECK(first("[[input]]\ntime_s = 1\nkind = \"undoo\"\n").find("undo") != std::string::npos);
+  CHECK(first("[[input]]\ntime_s = 2\nkind = \"undo\"\n[[input]]\ntime_s = 1\nkind = \"undo\"\n").find("lies before") != std::string::npos);
+  CHECK(first("[[input]]\ntime_s = 1\nkind = \"tool\"\n").find("name") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace burrhole::test

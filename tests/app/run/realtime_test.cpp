@@ -1,0 +1,193 @@
+// Every function marked BH_REALTIME takes no memory and no lock. Each case lists the functions that it runs on the trap, as
+// "header: function"; scripts/check_realtime.py fails when a marked function is in no list, or a listed one is not marked.
+#include <doctest/doctest.h>
+
+#include "app/session/recorded_hand.h"
+#include "app/stage/stage.h"
+#include "core/base/spsc_queue.h"
+#include "haptics/device/device_config.h"
+#include "haptics/device/device_hand.h"
+#include "haptics/servo/realtime.h"
+#include "tests/support/drill_scene.h"
+#include "tests/support/memory_trap.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace burrhole;
+using namespace burrhole::test;
+
+namespace {
+
+template <class... T>
+void covers(const T*...) {}  // the names are for the script
+
+constexpr std::uint64_t kTicks = 2500;
+
+SmallScene pressed(const std::string& contact_keys, std::vector<std::string> sets = {}) {
+  SmallScene out{.contact_keys = contact_keys, .sets = {"duration_s=60", "hand.standoff_mm=0.3", "tool.erosion_scale=0.1"}};
+  out.sets.insert(out.sets.end(), sets.begin(), sets.end());
+  return out;
+}
+
+struct Outcome {
+  TrapCounts taken;
+  double largest_force = 0.0;  // [N]
+  double removed = 0.0;        // [m^3]
+};
+
+/// The steps of a run as lockstep calls them: servo and contact on the trap, bone not.
+Outcome drive(const LoadedScene& loaded, HandSource* hand = nullptr) {
+  auto made =
+      Stage::make(loaded.scene, loaded.scene.effects, loaded.bone, loaded.tool, {.sink = nullptr, .hand = hand, .restore_path = {}});
+  REQUIRE_MESSAGE(made.ok(), (made ? "" : made.error().text()));
+  Stage& parts = **made;
+  Outcome out;
+  clear_trap();
+  for (std::uint64_t tick = 1; tick <= kTicks; ++tick) {
+    on_trap([&] { parts.servo->sense(); });
+    if (tick % parts.contact_every == 0)
+      on_trap([&] {
+        const ContactState& state = (*parts.contact)(parts.hand_mailbox.latest());
+        parts.force_mailbox.publish(state);
+        parts.tool_mailbox.publish(state);
+      });
+    on_trap([&] { out.largest_force = std::max(out.largest_force, glm::length(parts.act().force)); });
+    if (tick % parts.bone_every == 0) parts.cut(parts.tool_mailbox.latest());
+  }
+  on_trap([&] {
+    (*parts.servo)();
+    static_cast<void>(parts.servo->reset());
+  });
+  out.taken = trapped();
+  out.removed = parts.bone->removed_mass();
+  return out;
+}
+
+void check_clean(const Outcome& outcome) {
+  CHECK(outcome.taken.allocations == 0);
+  CHECK(outcome.taken.locks == 0);
+  CHECK(outcome.largest_force > 0.1);
+  CHECK(outcome.removed > 0.0);
+}
+
+}  // namespace
+
+TEST_CASE("real time: the constrained tool, its planes at the servo's rate, by every scheme") {
+  covers("core/contact/constrained_tool.h: step", "core/contact/constrained_tool.h: describe",
+         "core/contact/local_contact.h: force_gradient", "app/stage/stage.h: act", "app/stage/step_graph.h: run",
+         "app/stage/step_graph.h: receive", "app/stage/step_graph.h: run_steps", "app/stage/step_graph.h: send",
+         "app/stage/contact_tick.h: operator()", "core/base/triple_buffer.h: publish", "core/base/triple_buffer.h: latest",
+         "core/base/snapshot_buffer.h: publish", "core/base/snapshot_buffer.h: latest", "haptics/servo/servo_step.h: sense",
+         "haptics/servo/servo_step.h: act", "haptics/servo/servo_step.h: operator()", "haptics/servo/servo_step.h: reset",
+         "haptics/servo/multi_rate.h: operator()", "haptics/servo/multi_rate.h: clear", "haptics/servo/local_tool.h: clear",
+         "haptics/servo/local_tool.h: renew", "haptics/servo/local_tool.h: step", "haptics/servo/plane_loads.h: set_coupled",
+         "haptics/servo/plane_loads.h: gradient", "haptics/hand/hand_source.h: read", "haptics/hand/hand_source.h: apply",
+         "haptics/hand/hand_script.h: advance", "haptics/hand/simulated_hand.h: read", "haptics/hand/simulated_hand.h: apply",
+         "haptics/hand/mass_spring_damper.h: step");
+  for (const char* scheme : {"planes", "gradient", "hold", "linear"}) {
+    CAPTURE(scheme);
+    check_clean(drive(load_small(pressed(kHeldKeys, {std::string("servo.multirate=\"") + scheme + "\"", "contact.rate_hz=200"}))));
+  }
+  check_clean(drive(load_small(pressed(kHeldKeys))));
+}
+
+TEST_CASE("real time: the penalty models, in their own form and coupled, with their planes at the servo's rate") {
+  covers("core/contact/contact_model.h: step", "core/contact/penalty_model.h: evaluate", "core/contact/gradient_plane.h: evaluate",
+         "core/contact/packed_plane.h: evaluate", "core/contact/voxmap_contact.h: evaluate", "core/contact/virtual_coupling.h: step",
+         "core/contact/virtual_coupling.h: describe", "core/contact/local_contact.h: list_penalty",
+         "haptics/servo/plane_loads.h: set_penalty", "haptics/servo/plane_loads.h: extrapolate");
+  for (const char* model : {"gradient-plane", "voxmap"})
+    for (const char* coupling : {"none", "virtual"})
+      for (const char* scheme : {"planes", "gradient"}) {
+        CAPTURE(model);
+        CAPTURE(coupling);
+        CAPTURE(scheme);
+        const std::string keys = std::string("model = \"") + model + "\"\nstiffness_N_per_m = 20e3\ncoupling = \"" + coupling + "\"\n";
+        check_clean(drive(load_small(pressed(keys, {std::string("servo.multirate=\"") + scheme + "\"", "contact.rate_hz=500"}))));
+      }
+}
+
+TEST_CASE("real time: every limit of the servo") {
+  covers("haptics/servo/energy_observer.h: operator()", "haptics/servo/energy_observer.h: repay", "haptics/servo/force_limits.h: shortened",
+         "haptics/servo/force_limits.h: operator()");
+  check_clean(drive(load_small(pressed(kHeldKeys, {"servo.slew_N_per_s=1000", "servo.soft_start_s=0.2", "servo.energy_mJ=1000",
+                                                   "servo.passivity_N_s_per_m=5", "servo.relied_on_N_s_per_m=5"}))));
+}
+
+TEST_CASE("real time: a simulated device, moved by the script and as a person's") {
+  covers("haptics/device/plant.h: step", "haptics/device/haptic_device.h: read", "haptics/device/haptic_device.h: write",
+         "haptics/device/simulated_device.h: read", "haptics/device/simulated_device.h: write",
+         "haptics/device/simulated_device.h: set_goal", "haptics/device/simulated_device.h: shown", "haptics/device/device_hand.h: read",
+         "haptics/device/device_hand.h: apply");
+  check_clean(drive(load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}))));
+
+  const LoadedScene loaded = load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}));
+  auto device = SimulatedDevice::create(loaded.scene.find<DeviceConfig>()->config, 1e-3);
+  REQUIRE(device);
+  auto hand = DeviceHand::create(*device, {});
+  REQUIRE(hand);
+  clear_trap();
+  on_trap([&] {
+    for (int n = 0; n < 100; ++n) {
+      device->set_goal({.rest = Vec3(0.0, 0.0, -1e-5 * n), .thrust = Vec3(0.0, 0.0, -1.0)});
+      static_cast<void>(hand->read());
+      static_cast<void>(device->shown(Vec3(0.0, 0.0, 100.0)));
+      hand->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
+    }
+  });
+  CHECK(trapped().allocations == 0);
+  CHECK(trapped().locks == 0);
+}
+
+TEST_CASE("real time: a recorded hand") {
+  covers("app/session/recorded_hand.h: read", "app/session/recorded_hand.h: apply");
+  const TemporaryFolder folder;
+  const std::string path = folder.file("run.sqlite");
+  SmallScene scene = pressed(kHeldKeys);
+  scene.sets[0] = "duration_s=2.5";
+  DrillRun run(scene);
+  run_recorded(run, path);
+  const auto session = SessionReader::open(path);
+  REQUIRE(session);
+  auto hand = RecordedHand::create(*session);
+  REQUIRE(hand);
+  check_clean(drive(load_small(scene), &*hand));
+}
+
+TEST_CASE("real time: queues and the clock of ticks") {
+  covers("core/base/spsc_queue.h: push", "core/base/spsc_queue.h: pop", "haptics/servo/realtime.h: next", "haptics/servo/realtime.h: wait");
+  SpscQueue<int, 8> queue;
+  TickPlan plan(1000, 1000);
+  TickClock clock(now_monotonic(), 1e-4, 0.0);
+  clear_trap();
+  int taken = 0;
+  std::uint64_t ticks = 0;
+  on_trap([&] {
+    for (int n = 0; n < 20; ++n) {
+      static_cast<void>(queue.push(n));
+      if (n % 2 == 1) static_cast<void>(queue.pop(taken));
+      ticks += plan.next(1500 * n).ticks;
+      ticks += clock.wait().ticks;
+    }
+  });
+  CHECK(trapped().allocations == 0);
+  CHECK(trapped().locks == 0);
+  CHECK(ticks >= 40);
+}
+
+TEST_CASE("real time: sabotage: a hand that takes memory and a lock once is seen") {
+  struct Careless final : HandSource {
+    explicit Careless(const LoadedScene& loaded) : hand(loaded, [] {}) {}
+    const HandState& read() noexcept override { return hand.read(); }
+    void apply(const Wrench& on_hand) noexcept override {
+      if (++ticks == 100) break_the_rules();
+      hand.apply(on_hand);
+    }
+    WatchedHand hand;
+    int ticks = 0;
+  };
+  const LoadedScene loaded = load_small(pressed(kHeldKeys));
+  Careless careless(loaded);
+  const Outcome outcome = drive(loaded, &careless);
+  CHECK(outcome.taken.allocations == 2);
+  CHECK(outcome.taken.locks == 1);
+}

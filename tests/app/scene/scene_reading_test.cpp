@@ -1,0 +1,217 @@
+// What is wrong with a scene, and where, as the user is told: exact lines.
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "core/contact/constrained_tool.h"
+#include "core/contact/gradient_plane.h"
+#include "core/contact/virtual_coupling.h"
+#include "core/contact/voxmap_contact.h"
+#include "core/drill/erosion.h"
+#include "core/drill/spindle.h"
+#include "tests/support/drill_scene.h"
+
+namespace burrhole::test {
+namespace {
+
+/// Every fault of a text, found by reading it and by putting the run together; one line each.
+std::vector<std::string> faults(const std::string& text, Issues& issues) {
+  const auto document = TomlDocument::parse(text, "bad.toml");
+  if (!document) return {document.error().text()};
+  const auto loaded = load_scene(*document, test_context(), issues);
+  if (loaded) (void)Simulation::create(loaded->scene, loaded->bone, loaded->tool, {}, issues);
+  std::vector<std::string> lines;
+  for (const Error& issue : issues) lines.push_back(issue.text());
+  return lines;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  REQUIRE_MESSAGE(at != std::string::npos, from);
+  return text.replace(at, from.size(), to);
+}
+
+/// One edit of a sound scene and the lines it must bring; a line that starts with "~" need only be contained.
+struct BadScene {
+  std::string from, to;
+  std::vector<std::string> lines;
+};
+
+const BadScene kBadScenes[] = {
+    {"spin_rpm = 1000.0", "spin_rpm = ", {"~bad.toml:14:12: "}},
+    {"spin_rpm",
+     "spin_rmp",
+     {"bad.toml:12:2: tool.spin_rpm is missing (speed of the spindle)",
+      "bad.toml:14:1: unknown key \"spin_rmp\" in [tool]; did you mean \"spin_rpm\"?"}},
+    {"push_N", "pusch_N", {"bad.toml:20:1: unknown key \"pusch_N\" in [hand]; did you mean \"push_N\"?"}},
+    {"[record]", "[recrod]", {"bad.toml:30:2: unknown table [recrod]; did you mean [record]?"}},
+    {"spin_rpm = 1000.0", "spin = 1000.0", {"bad.toml:14:1: tool.spin lacks its unit: write \"spin_rpm\""}},
+    {"push_N = 20.0", "push_N = -3", {"bad.toml:20:1: hand.push_N = -3 must be in [0, 500]"}},
+    {"push_N = 20.0", "push_N = nan", {"bad.toml:20:1: hand.push_N = nan must be a finite number"}},
+    {"push_N = 20.0", "push_N = \"hard\"", {"bad.toml:20:1: hand.push_N = \"hard\" must be a number"}},
+    {"spacing_mm = 0.25", "spacing_mm = [1, 2]", {"bad.toml:6:1: volume.spacing_mm = [array] must be a number"}},
+    {"[hand]", "[hande]", {"~hand is missing: every scene needs this table", "bad.toml:19:2: unknown table [hande]; did you mean [hand]?"}},
+    {"spin_rpm = 1000.0\n", "", {"bad.toml:12:2: tool.spin_rpm is missing (speed of the spindle)"}},
+    {"\"ball\"", "\"perforator_14\"", {"bad.toml:13:1: tool.name = \"perforator_14\" is no tool; did you mean \"perforator_14_11\"?"}},
+    {"\"ball\"", "\"no/such.toml\"", {"bad.toml:13:1: tool.name = \"no/such.toml\" is no tool (burrhole tools lists them)"}},
+    {"cutting_N_per_m = 40e3", "rate_hz = 300", {"bad.toml:26:1: contact.rate_hz = 300 must divide servo_hz = 1000"}},
+    {"[erosion]", "[erosion]\nrate_hz = 333", {"bad.toml:29:1: erosion.rate_hz = 333 must divide servo_hz = 1000"}},
+    {"[0.0, 0.0, 0.0]", "[40.0, 0.0, 0.0]", {"bad.toml:17:1: the approach axis meets no bone within 20 mm of entry_mm"}},
+    {"[0.0, 0.0, 0.0]", "[0.0, 0.0, 0.0]\naxis = [0, 0, 0]", {"bad.toml:18:1: approach.axis has no length"}},
+    {"[6.0, 6.0, 6.0]",
+     "[300, 300, 300]",
+     {"bad.toml:6:1: volume.spacing_mm = 0.25 with volume.extent_mm makes 1200 x 1200 x 1200 = 1.73e+09 voxels, more than the 3e+08 that "
+      "are "
+      "built: use a larger spacing or a smaller extent"}},
+    {"spacing_mm = 0.25",
+     "spacing_mm = 1.5",
+     {"bad.toml:6:1: volume.spacing_mm = 1.5 is too coarse for the 3 mm of bone or hole that volume.thickness_mm leaves: at most 0.75"}},
+    {"phantom:plate",
+     "phantom:plat",
+     {"bad.toml:5:1: volume.source = \"phantom:plat\" names no phantom: did you mean \"phantom:plate\"?; known: skull_patch, block, plate, "
+      "sphere, wedge, pit"}},
+    {"[hand]",
+     "[hand]\nkind = \"device\"",
+     {"bad.toml:20:1: hand.kind = \"device\" needs a force device; this version knows none, only \"script\""}},
+    {"[hand]", "[hand]\nkind = \"mouse\"", {"bad.toml:20:1: hand.kind = \"mouse\" is not in this version; it knows \"script\""}},
+    {"[contact]",
+     "[contact]\nmodel = \"mesh\"",
+     {"bad.toml:26:1: contact.model = \"mesh\" is not in this version; it knows \"surface\", \"gradient-plane\", \"voxmap\""}},
+    // A key of another branch is as unknown as one that was never there.
+    {"[contact]", "[contact]\nmodel = \"gradient-plane\"", {"~unknown key \"cutting_N_per_m\" in [contact]"}},
+    {"[contact]", "[contact]\ntool = \"device\"", {"~unknown key \"tool\" in [contact]"}},
+    {"[contact]",
+     "[contact]\nmodel = \"voxmap\"\ncoupling = \"virtual\"\ncoupling_N_per_m = 0.5",
+     {"~contact.coupling_N_per_m = 0.5 must be in [1, ", "~unknown key \"cutting_N_per_m\""}},
+    {"[contact]", "[contact]\nmass_kg = 0.05", {"~unknown key \"mass_kg\" in [contact]"}},
+    {"[contact]", "[contact]\nturning = \"locked\"\ncoupling_Nm_per_rad = 20", {"~unknown key \"coupling_Nm_per_rad\" in [contact]"}},
+    {"[contact]", "[contact]\nrecord_bits = \"12\"", {"~contact.record_bits = \"12\""}},
+    {"[contact]", "[contact]\nrecord_bits = 12", {"~contact.record_bits = 12 must be one of \"8\", \"16\""}},
+    {"[erosion]", "[erosion]\nlaw = \"power\"", {"~erosion.law = \"power\""}},
+    {"[erosion]", "[erosion]\nlaw = \"per-update\"\nsubvoxel = true", {"~unknown key \"subvoxel\" in [erosion]"}},
+    {"[erosion]", "[erosion]\ncutting_ratio = 0.5", {"~unknown key \"cutting_ratio\" in [erosion]"}},
+    {"[erosion]", "[erosion]\nsubvoxel = 1", {"~erosion.subvoxel = 1 must be"}},
+    {"[record]", "[spindle]\nstall_torque_Nm = 0", {"bad.toml:31:1: spindle.stall_torque_Nm = 0 must be in (0, 1000]"}},
+    {"[record]", "[spindle]\ninertia = 1", {"bad.toml:31:1: spindle.inertia lacks its unit: write \"inertia_kg_m2\""}},
+    {"[record]",
+     "[display]\nmethod = \"mesh\"",
+     {"bad.toml:31:1: display.method = \"mesh\" is not in this version; it knows \"raycast\", \"slices\""}},
+    {"[record]",
+     "[display]\nquality = \"auto\"\nbudget_ms = 0\nsupersample = 2",
+     {"~bad.toml:32:1: display.budget_ms = 0 must be ",
+      "bad.toml:33:1: display.supersample = 2 is what quality = \"auto\" chooses: leave out one of the two"}},
+    {"[record]",
+     "[display]\nmethod = \"slices\"\nquality = \"auto\"",
+     {"bad.toml:32:1: display.quality = \"auto\" is for method = \"raycast\""}},
+    {"[record]",
+     "[display]\nbudget_ms = 30\nresolution = 0.1",
+     {"~bad.toml:32:1: display.resolution = 0.1 must be in [0.25, 1]", "~bad.toml:31:1: unknown key \"budget_ms\" in [display]"}},
+    {"[record]", "[display]\nstereo = \"quad-buffered\"", {"~display.stereo = \"quad-buffered\" is not in this version; it knows \"off\""}},
+    {"[record]", "[display]\neye_separation_mm = 3", {"~unknown key \"eye_separation_mm\" in [display]"}},
+    {"[record]", "[display]\ncut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, 0, 0]", {"~display.cut_normal must not be zero"}},
+    {"[record]", "[display]\ncut = \"tip\"\ncut_normal = [0, 0, 1]", {"~unknown key \"cut_normal\" in [display]"}},
+    {"[record]", "[display]\nmethod = \"slices\"\nshadow = true", {"~unknown key \"shadow\" in [display]"}},
+    {"[record]", "[display]\nbackground_top = [0, 2, 0]", {"~display.background_top[1] = 2 must be in [0, 1]"}},
+    {"[record]", "[heat]", {"bad.toml:30:2: heat is an effect that is not in this version"}},
+    {"phantom:plate", "skull.nii", {"bad.toml:5:1: volume.source = \"skull.nii\" is not there: skull.nii"}},
+};
+
+TEST_CASE("scene: each fault is told by file, line, column, value and remedy") {
+  for (const BadScene& bad : kBadScenes) {
+    CAPTURE(bad.to);
+    Issues issues;
+    const std::vector<std::string> lines = faults(replaced(scene_text({.record = true}), bad.from, bad.to), issues);
+    // Keys of a phantom are unknown beside a file, and that is told too: only the first lines are compared.
+    REQUIRE(lines.size() >= bad.lines.size());
+    if (bad.to != "skull.nii") CHECK(lines.size() == bad.lines.size());
+    for (std::size_t n = 0; n < bad.lines.size(); ++n) {
+      if (bad.lines[n].starts_with('~'))
+        CHECK_MESSAGE(lines[n].find(bad.lines[n].substr(1)) != std::string::npos, lines[n]);
+      else
+        CHECK(lines[n] == bad.lines[n]);
+    }
+  }
+}
+
+TEST_CASE("scene: without any fault the same text is sound") {
+  Issues issues;
+  CHECK(faults(scene_text({.record = true}), issues).empty());
+}
+
+TEST_CASE("scene: all faults of a file come at once, in the order of the file") {
+  std::string text = replaced(scene_text({}), "push_N = 20.0", "push_N = -3");
+  text = replaced(replaced(text, "spin_rpm = 1000.0", "spin_rpm = 1e9"), "thickness_mm = 3.0", "thickness_mm = 0");
+  Issues issues;
+  CHECK(faults(text, issues) == std::vector<std::string>{"bad.toml:9:1: volume.thickness_mm = 0 must be in (0, 100]",
+                                                         "bad.toml:14:1: tool.spin_rpm = 1000000000 must be in [0, 200000]",
+                                                         "bad.toml:20:1: hand.push_N = -3 must be in [0, 500]"});
+}
+
+TEST_CASE("scene: an empty table means the defaults of the core, in every branch") {
+  const auto read = [](const SmallScene& scene) { return load_small(scene).scene; };
+  const ConstrainedToolConfig held = *read({.contact_keys = ""}).find<ConstrainedToolConfig>(), held_default;
+  CHECK(held.coupling_stiffness == held_default.coupling_stiffness);
+  CHECK(held.coupling_damping == held_default.coupling_damping);
+  CHECK(held.turn_stiffness == held_default.turn_stiffness);
+  CHECK(held.cutting_stiffness == held_default.cutting_stiffness);
+  CHECK(held.bone_stiffness == held_default.bone_stiffness);
+  Scene planes = read({.contact_keys = "model = \"gradient-plane\"\ncoupling = \"virtual\"\n"});
+  const auto* coupling = planes.find<VirtualCouplingConfig>();
+  const VirtualCouplingConfig coupling_default;
+  CHECK(planes.find<GradientPlaneConfig>()->stiffness == GradientPlaneConfig{}.stiffness);
+  REQUIRE(coupling != nullptr);
+  CHECK(coupling->mass == coupling_default.mass);
+  CHECK(coupling->inertia == coupling_default.inertia);
+  CHECK(coupling->stiffness == coupling_default.stiffness);
+  CHECK(coupling->damping == coupling_default.damping);
+  CHECK(coupling->angular_stiffness == coupling_default.angular_stiffness);
+  CHECK(coupling->angular_damping == coupling_default.angular_damping);
+  CHECK(read({.contact_keys = "model = \"voxmap\"\n"}).find<VoxmapContactConfig>()->stiffness == VoxmapContactConfig{}.stiffness);
+  const ErosionConfig energy = *read({.sets = {"erosion.law=energy"}}).find<ErosionConfig>();
+  // The key is in J/mm^3, the value in J/m^3: a rounding of the conversion may stay.
+  CHECK(std::abs(energy.energy.specific_energy / EnergyConfig{}.specific_energy - 1.0) < 1e-15);
+  CHECK(energy.energy.cutting_ratio == EnergyConfig{}.cutting_ratio);
+  CHECK(energy.subvoxel);
+  const SpindleConfig spindle_default;
+  const SpindleConfig spindle = *read({.spindle = true}).find<SpindleConfig>();
+  CHECK(spindle.stall_torque == spindle_default.stall_torque);
+  CHECK(spindle.inertia == spindle_default.inertia);
+}
+
+TEST_CASE("scene: a device that is not there is unavailable, not bad input") {
+  Issues issues;
+  (void)faults(replaced(scene_text({}), "[hand]", "[hand]\nkind = \"device\""), issues);
+  REQUIRE(issues.size() == 1);
+  CHECK(issues.front().code == ErrorCode::unavailable);
+}
+
+TEST_CASE("scene: a volume file that is not there is named") {
+  Issues issues;
+  const std::vector<std::string> lines = faults(replaced(scene_text({}), "phantom:plate", "no_skull.vdb"), issues);
+  REQUIRE_FALSE(lines.empty());
+  CHECK_MESSAGE(lines.front().find("no_skull.vdb") != std::string::npos, lines.front());
+  CHECK_MESSAGE(lines.front().find("is not there") != std::string::npos, lines.front());
+}
+
+TEST_CASE("scene: a tool too large for the window is refused with the numbers") {
+  std::string text = replaced(scene_text({}), "\"ball\"", "\"perforator_14_11\"");
+  Issues issues;
+  CHECK(faults(replaced(text, "spacing_mm = 0.25", "spacing_mm = 0.16"), issues) ==
+        std::vector<std::string>{
+            "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 122 x 122 x 284 "
+            "voxels; each edge must be in [5, 256]"});
+}
+
+TEST_CASE("scene: a fault of an override names the override") {
+  auto document = TomlDocument::parse(scene_text({}), "bad.toml");
+  REQUIRE(document);
+  REQUIRE(document->set("hand.push_N=-3"));
+  Issues issues;
+  CHECK_FALSE(load_scene(*document, test_context(), issues).has_value());
+  REQUIRE(issues.size() == 1);
+  CHECK(issues.front().text() == "--set hand.push_N: hand.push_N = -3 must be in [0, 500]");
+}
+
+}  // namespace
+}  // namespace burrhole::test

@@ -1,0 +1,111 @@
+// Two eyes: parallax by its closed form, a screen in space by its corners, pictures joined.
+#include "app/view/stereo.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "app/view/camera.h"
+
+using namespace burrhole;
+
+namespace {
+
+const CameraView kCamera{.eye = {0.05, -0.09, 0.07}, .target = {0.01, 0.0, 0.0}, .up = {0.1, 0.2, 1.0}, .vertical_fov = 0.7};
+constexpr double kAspect = 1.4;
+
+/// Normalised device coordinates of a world point.
+glm::dvec2 seen(const CameraView& camera, double aspect, const Vec3& p) {
+  const auto rays = make_camera_rays(camera, aspect);
+  REQUIRE(rays.ok());
+  const glm::dvec4 c = clip_from_world(*rays, {0.01, 10.0}) * glm::dvec4(p, 1.0);
+  return glm::dvec2(c) / c.w;
+}
+
+}  // namespace
+
+TEST_CASE("stereo: an off-axis projection and its rays agree") {
+  CameraView camera = kCamera;
+  camera.shift = {0.3, -0.2};
+  const auto rays = make_camera_rays(camera, kAspect);
+  REQUIRE(rays.ok());
+  const DepthRange range{0.02, 0.3};
+  const glm::dmat4 clip = clip_from_world(*rays, range);
+  for (const double x : {-0.9, 0.0, 0.4})
+    for (const double y : {-0.3, 0.8})
+      for (const double t : {0.02, 0.11, 0.3}) {
+        const glm::dvec4 c = clip * glm::dvec4(rays->eye + t * rays->direction(x, y), 1.0);
+        CHECK(c.x / c.w == doctest::Approx(x).epsilon(1e-9));
+        CHECK(c.y / c.w == doctest::Approx(y).epsilon(1e-9));
+        CHECK(0.5 * c.z / c.w + 0.5 == doctest::Approx(range.depth_of(t)).epsilon(1e-9));
+      }
+}
+
+TEST_CASE("stereo: no parallax on the screen's plane, the closed form elsewhere, none up and down") {
+  const StereoView stereo{.mode = StereoMode::side_by_side, .separation = 4e-3, .screen = 0.12};
+  const auto eyes = make_stereo_cameras(kCamera, stereo, kAspect);
+  const auto rays = make_camera_rays(kCamera, kAspect);
+  REQUIRE((eyes.ok() && rays.ok()));
+  for (const double x : {-0.5, 0.0, 0.7})
+    for (const double y : {-0.6, 0.3})
+      for (const double z : {0.05, 0.12, 0.4}) {
+        const Vec3 p = rays->eye + z * rays->direction(x, y);
+        const glm::dvec2 left = seen((*eyes)[0], kAspect, p), right = seen((*eyes)[1], kAspect, p);
+        const double parallax = stereo.separation * (1.0 / stereo.screen - 1.0 / z) / (std::tan(0.35) * kAspect);
+        CHECK(std::abs(right.x - left.x - parallax) < 1e-9);
+        CHECK(std::abs(right.y - left.y) < 1e-9);
+        if (z == stereo.screen) CHECK(std::abs(right.x - left.x) < 1e-9);
+        CHECK(std::abs(0.5 * (left.x + right.x) - x) < 1e-9);
+      }
+}
+
+TEST_CASE("stereo: eyes that are toed in would show parallax up and down, and the check would see it") {
+  const Vec3 side = glm::normalize(make_camera_rays(kCamera, kAspect)->right);
+  CameraView left = kCamera, right = kCamera;
+  left.eye -= 2e-3 * side;
+  right.eye += 2e-3 * side;
+  const auto rays = make_camera_rays(kCamera, kAspect);
+  const Vec3 p = rays->eye + 0.05 * rays->direction(0.7, 0.6);
+  CHECK(std::abs(seen(left, kAspect, p).y - seen(right, kAspect, p).y) > 1e-3);
+}
+
+TEST_CASE("stereo: eyes and screens that cannot be are refused") {
+  CHECK_FALSE(make_stereo_cameras(kCamera, {.separation = -1e-3, .screen = 0.1}, kAspect).ok());
+  CHECK_FALSE(make_stereo_cameras(kCamera, {.separation = 1e-3, .screen = 0.0}, kAspect).ok());
+  CHECK_FALSE(make_stereo_cameras(kCamera, {.separation = std::nan(""), .screen = 0.1}, kAspect).ok());
+  CHECK_FALSE(make_screen_camera({0.0, 0.0, -0.1}, {.world_from_screen = {}, .width = 0.4, .height = 0.3}).ok());
+  CHECK_FALSE(make_screen_camera({0.0, 0.0, 0.1}, {.world_from_screen = {}, .width = 0.4, .height = 0.0}).ok());
+  CHECK_FALSE(make_screen_camera({std::nan(""), 0.0, 0.1}, {.world_from_screen = {}, .width = 0.4, .height = 0.3}).ok());
+}
+
+TEST_CASE("workbench: the screen's corners are the picture's, wherever head and screen are") {
+  const ScreenView screen{
+      .world_from_screen = {glm::angleAxis(0.8, glm::normalize(Vec3(1.0, 0.3, -0.2))), {0.1, -0.2, 0.05}}, .width = 0.4, .height = 0.25};
+  for (const Vec3& head : {Vec3(0.0, 0.0, 0.5), Vec3(0.15, -0.3, 0.4), Vec3(-0.5, 0.2, 0.2)}) {
+    const Pose world_from_head = screen.world_from_screen * Pose{glm::angleAxis(0.3, glm::normalize(Vec3(0.2, 1.0, 0.5))), head};
+    const auto eyes = make_workbench_cameras(world_from_head, 0.063, screen);
+    REQUIRE(eyes.ok());
+    CHECK(glm::length((*eyes)[1].eye - (*eyes)[0].eye) == doctest::Approx(0.063));
+    for (const CameraView& eye : *eyes)
+      for (const double x : {-1.0, 1.0})
+        for (const double y : {-1.0, 1.0}) {
+          const Vec3 corner = screen.world_from_screen * Vec3(0.5 * x * screen.width, 0.5 * y * screen.height, 0.0);
+          const glm::dvec2 at = seen(eye, screen.width / screen.height, corner);
+          CHECK(std::abs(at.x - x) < 1e-9);
+          CHECK(std::abs(at.y - y) < 1e-9);
+        }
+  }
+}
+
+TEST_CASE("stereo: pictures are joined side by side, one over the other, or by colour") {
+  Image left{2, 1, {{200, 100, 50, 255}, {1, 2, 3, 255}}}, right{2, 1, {{10, 20, 30, 255}, {4, 5, 6, 255}}};
+  const Image beside = join_eyes(StereoMode::side_by_side, left, right);
+  CHECK((beside.width == 4 && beside.height == 1));
+  CHECK(beside.pixels == std::vector<Rgba8>{left.pixels[0], left.pixels[1], right.pixels[0], right.pixels[1]});
+  const Image stacked = join_eyes(StereoMode::top_bottom, left, right);
+  CHECK((stacked.width == 2 && stacked.height == 2));
+  CHECK(stacked.pixels == beside.pixels);
+  const Image anaglyph = join_eyes(StereoMode::anaglyph, left, right);
+  CHECK(anaglyph.pixels[0] == Rgba8{124, 20, 30, 255});  // 0.299 200 + 0.587 100 + 0.114 50 = 124.2
+  CHECK(anaglyph.pixels[1] == Rgba8{2, 5, 6, 255});
+}

@@ -1,0 +1,96 @@
+#include <doctest/doctest.h>
+
+#include "core/config/toml.h"
+
+using namespace burrhole;
+
+namespace {
+
+TomlDocument parsed(std::string_view text) {
+  auto document = TomlDocument::parse(text, "skull.toml");
+  REQUIRE(document.ok());
+  return std::move(document).value();
+}
+
+}  // namespace
+
+TEST_CASE("set: values in TOML syntax, bare words and paths as text, tables made as needed") {
+  TomlDocument document = parsed("[tool]\nspin_rpm = 800\n[[region]]\ne = 1\n[[region]]\ne = 2\n");
+  for (const char* assignment :
+       {"tool.spin_rpm=1000", "tool.name = perforator_14_11", "volume.source=phantom:skull_patch", "display.size=[800, 600]",
+        "record.path=/tmp/a b/c-1.session", "record.note=\"1, 2\"", "tool.on=false", "region[1].e=0.5", "contact={rate_hz=500}"})
+    REQUIRE_MESSAGE(document.set(assignment).ok(), assignment);
+  Issues issues;
+  TableReader root = document.root(issues);
+  auto tool = root.table("tool", "t");
+  REQUIRE(tool);
+  CHECK(tool->number("spin_rpm", {}, "s") == 1000.0);
+  CHECK(tool->text("name", std::nullopt, "n") == "perforator_14_11");
+  CHECK_FALSE(tool->boolean("on", true, "o"));
+  CHECK(root.table("volume", "v")->text("source", std::nullopt, "s") == "phantom:skull_patch");
+  CHECK(root.table("display", "d")->numbers("size", std::nullopt, 2, {}, "s") == std::vector<double>{800.0, 600.0});
+  CHECK(root.table("record", "r")->text("path", std::nullopt, "p") == "/tmp/a b/c-1.session");
+  CHECK(root.table("record", "r")->text("note", std::nullopt, "p") == "1, 2");
+  CHECK(root.tables("region", "r").at(0).number("e", {}, "e") == 1.0);
+  CHECK(root.tables("region", "r").at(1).number("e", {}, "e") == 0.5);
+  CHECK(root.table("contact", "c")->number("rate_hz", {}, "r") == 500.0);
+  CHECK(issues.empty());
+}
+
+TEST_CASE("set: later places name the assignment, others keep their line") {
+  TomlDocument document = parsed("[tool]\nspin_rpm = 800\nradius_mm = 2\n");
+  REQUIRE(document.set("tool.spin_rpm=-1").ok());
+  REQUIRE(document.set("heat.step_ms=0").ok());
+  Issues issues;
+  TableReader root = document.root(issues);
+  auto tool = root.table("tool", "t");
+  tool->number("spin_rpm", {.min = 0.0}, "s");
+  tool->number("radius_mm", {.min = 5.0}, "r");
+  auto heat = root.table("heat", "h");
+  REQUIRE(heat);
+  heat->number("step_ms", {.min = 0.0, .min_open = true}, "s");
+  heat->number("depth_mm", {}, "d");
+  REQUIRE(issues.size() == 4);
+  CHECK(issues[0].text() == "--set tool.spin_rpm: tool.spin_rpm = -1 must be at least 0");
+  CHECK(issues[1].text() == "skull.toml:3:1: tool.radius_mm = 2 must be at least 5");
+  CHECK(issues[2].text() == "--set heat.step_ms: heat.step_ms = 0 must be > 0");
+  CHECK(issues[3].text() == "--set heat.step_ms: heat.depth_mm is missing (d)");
+}
+
+TEST_CASE("set: bad assignments are refused and leave the document as it was") {
+  TomlDocument document = parsed("x = 1\nregion = [{e = 1}]\n");
+  const std::string before = document.to_text();
+  const std::pair<const char*, const char*> table[] = {
+      {"x", "--set x: must read table.key=value"},
+      {"=5", "--set =5: the part before '=' must read table.key"},
+      {"a..b=5", "--set a..b=5: the part before '=' must read table.key"},
+      {"a b=5", "--set a b=5: the part before '=' must read table.key"},
+      {"region[0]=5", "--set region[0]=5: the part before '=' must read table.key"},
+      {"region[9].e=5", "--set region[9].e=5: \"region[9]\" is not a table"},
+      {"none[0].e=5", "--set none[0].e=5: \"none\" is not a table"},
+      {"x.y=5", "--set x.y=5: \"x\" is not a table"},
+      {"a.b=", "--set a.b=: the part after '=' is not a TOML value; put text in quotes"},
+      {"a.b=5mm", "--set a.b=5mm: the part after '=' is not a TOML value; put text in quotes"},
+      {"a.b=[1,", "--set a.b=[1,: the part after '=' is not a TOML value; put text in quotes"},
+      {"a.b=one, two", "--set a.b=one, two: the part after '=' is not a TOML value; put text in quotes"},
+      {"a.b=1\nc=2", "--set a.b=1?c=2: the part after '=' is not a TOML value; put text in quotes"},
+  };
+  for (const auto& [assignment, line] : table) {
+    const Status status = document.set(assignment);
+    CAPTURE(assignment);
+    REQUIRE_FALSE(status.ok());
+    CHECK(status.error().text() == line);
+  }
+  CHECK(document.to_text() == before);
+}
+
+TEST_CASE("set: a copy of the document and readers made before are not touched") {
+  TomlDocument document = parsed("x = 1\n");
+  const TomlDocument copy = document;
+  Issues issues;
+  TableReader early = document.root(issues);
+  REQUIRE(document.set("x=2").ok());
+  CHECK(early.number("x", {}, "x") == 1.0);
+  CHECK(copy.root(issues).number("x", {}, "x") == 1.0);
+  CHECK(document.root(issues).number("x", {}, "x") == 2.0);
+}

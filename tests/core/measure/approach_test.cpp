@@ -1,0 +1,106 @@
+// The planned way into bone, against the phantom's closed form.
+
+#include "core/measure/approach.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "core/base/units.h"
+#include "volumes/phantom/phantom.h"
+
+namespace burrhole {
+namespace {
+
+struct Planned {
+  Phantom phantom;
+  std::shared_ptr<const BoneModel> bone;
+  Result<Approach> approach;
+};
+
+Planned plan(const PhantomSpec& spec, const Vec3& entry, const Vec3& axis) {
+  auto phantom = make_phantom(spec);
+  REQUIRE(phantom);
+  auto bone = BoneModel::create(phantom->bone);
+  REQUIRE(bone);
+  ApproachScene scene;
+  scene.entry = entry;
+  scene.axis = glm::normalize(axis);
+  auto approach = make_approach(**bone, scene);
+  return {std::move(*phantom), *bone, std::move(approach)};
+}
+
+PhantomSpec patch() {
+  PhantomSpec spec;
+  spec.extent = Vec3(24e-3, 24e-3, 13e-3);
+  return spec;
+}
+
+TEST_CASE("approach: entry, thickness and angle of a curved skull agree with the closed form along tilted axes") {
+  for (const Vec3& axis : {Vec3(0, 0, -1), Vec3(0.3, 0, -1), Vec3(-0.2, 0.35, -1)}) {
+    CAPTURE(axis.x);
+    const Vec3 entry(1e-3, -2e-3, 0.4e-3);
+    const Planned p = plan(patch(), entry, axis);
+    REQUIRE_MESSAGE(p.approach.ok(), (p.approach ? "" : p.approach.error().text()));
+    const Vec3 along = glm::normalize(axis), origin = entry - along * 10e-3;
+    const auto distance = p.phantom.truth.entry_distance(origin, along);
+    REQUIRE(distance.has_value());
+    const Vec3 surface = origin + along * *distance;
+    // 0.02 mm: the 0.5 level of a curved surface is off by pitch^2 / (4 radius) = 0.2 um, that of the ramp by a chord of a tenth of a
+    // voxel.
+    CHECK(glm::length(p.approach->bone_from_approach.translation - surface) < 0.02e-3);
+    CHECK(std::abs(p.approach->thickness - p.phantom.truth.thickness_along(origin, along)) < 0.02e-3);
+    CHECK(glm::length(p.approach->bone_from_approach.rotate(Vec3(0, 0, 1)) + along) < 1e-12);
+    const double angle = std::acos(glm::dot(-along, p.phantom.truth.normal(surface)));
+    MESSAGE("thickness " << p.approach->thickness * 1e3 << " mm, angle " << p.approach->angle / kDegree << " degrees, truth "
+                         << angle / kDegree);
+    // 1 degree: the differences span three voxels and the ramp about two, so that they saturate along the normal and not across it.
+    CHECK(std::abs(p.approach->angle - angle) < 1.0 * kDegree);
+  }
+}
+
+TEST_CASE("approach: layers come outer table, diploe, inner table, each where it was built") {
+  const PhantomSpec spec = patch();
+  const Planned p = plan(spec, Vec3(0.0), Vec3(0, 0, -1));
+  REQUIRE(p.approach);
+  // The last quarter voxel of bone may lie in a voxel whose middle is dura already.
+  std::vector<Approach::Layer> layers = p.approach->layers;
+  if (layers.back().label == VoxelLabel::dura) layers.pop_back();
+  REQUIRE(layers.size() == 3);
+  CHECK(layers[0].label == VoxelLabel::outer_table);
+  CHECK(layers[1].label == VoxelLabel::diploe);
+  CHECK(layers[2].label == VoxelLabel::inner_table);
+  // Labels are of whole voxels and looked at every quarter: 0.625 voxel at either end.
+  const double tolerance = 0.625 * spec.pitch + 1e-9;
+  CHECK(std::abs(layers[0].from) < tolerance);
+  CHECK(std::abs(layers[0].to - spec.outer_table) < tolerance);
+  CHECK(std::abs(layers[1].to - (spec.thickness - spec.inner_table)) < tolerance);
+  CHECK(std::abs(layers[2].to - spec.thickness) < tolerance);
+  CHECK(p.approach->axis_index.size() == p.approach->axis_depth.size());
+  CHECK(std::abs(p.approach->axis_depth.back() - spec.thickness) < 0.25 * spec.pitch);
+}
+
+TEST_CASE("approach: what cannot be planned is refused with its reason") {
+  PhantomSpec plate;
+  plate.kind = PhantomKind::plate;
+  plate.thickness = 3e-3;
+  plate.extent = Vec3(6e-3);
+  const Planned missed = plan(plate, Vec3(20e-3, 0, 0), Vec3(0, 0, -1));
+  REQUIRE_FALSE(missed.approach.ok());
+  CHECK(missed.approach.error().text() == "the approach axis meets no bone within 20 mm of entry_mm");
+
+  PhantomSpec thick = plate;
+  thick.pitch = 1e-3;
+  thick.thickness = 90e-3;
+  thick.extent = Vec3(8e-3, 8e-3, 95e-3);
+  const Planned endless = plan(thick, Vec3(0.0), Vec3(0, 0, -1));
+  REQUIRE_FALSE(endless.approach.ok());
+  CHECK(endless.approach.error().text() == "bone does not end within 60 mm along the approach axis");
+
+  const Planned inside = plan(thick, Vec3(0, 0, -30e-3), Vec3(0, 0, -1));
+  REQUIRE_FALSE(inside.approach.ok());
+  CHECK(inside.approach.error().text() == "the approach starts inside bone: no free space within 20 mm above entry_mm");
+}
+
+}  // namespace
+}  // namespace burrhole

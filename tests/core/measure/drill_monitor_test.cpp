@@ -1,0 +1,101 @@
+// The monitor tells front, breakthrough and tunnelling apart on bone that was cleared by hand.
+
+#include "core/measure/drill_monitor.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "core/voxel/contact_window.h"
+#include "tests/app/run/cleared_plate.h"
+
+namespace burrhole::test {
+namespace {
+
+constexpr double kQuarter = 0.25 * ClearedPlate::kPitch;  // [m] between the places the monitor looks at
+
+/// Shows the monitor the plate as it is, the tip at a depth on the axis.
+void look(DrillMonitor& monitor, ClearedPlate& plate, double depth, double engagement, double time) {
+  ContactWindowPublisher publisher(*plate.voxmap);
+  publisher.publish(*plate.voxmap);
+  const ContactView view(publisher.exchange().latest(), plate.bone->bone_from_index(), {});
+  monitor.look(view, Vec3(0, 0, -depth), Vec3(0, 0, 10.0 * time), engagement, time);
+}
+
+TEST_CASE("monitor: front and depth follow the hole, the force's peak stays") {
+  ClearedPlate plate;
+  DrillMonitor monitor(plate.approach);
+  look(monitor, plate, -0.5e-3, 0.0, 0.2);
+  CHECK(std::abs(monitor.progress().depth + 0.5e-3) < 1e-6);
+  CHECK(monitor.progress().front <= kQuarter);
+  plate.clear(2e-3, 1.25e-3);
+  look(monitor, plate, 1.2e-3, 0.0, 0.1);
+  CHECK(std::abs(monitor.progress().front - 1.25e-3) <= kQuarter);
+  CHECK(monitor.progress().peak_force == doctest::Approx(2.0).epsilon(1e-12));
+  CHECK_FALSE(monitor.progress().breakthrough_time.has_value());
+}
+
+TEST_CASE("monitor: bone left on the axis ahead of the tip is no breakthrough, none left is one, noted once") {
+  ClearedPlate plate;
+  DrillMonitor monitor(plate.approach);
+  plate.clear(2e-3, 2.5e-3);
+  look(monitor, plate, 2.5e-3, 0.0, 1.0);
+  CHECK_FALSE(monitor.progress().breakthrough_time.has_value());
+  plate.clear(2e-3, 10e-3);
+  look(monitor, plate, 2.9e-3, 0.0, 2.0);
+  REQUIRE(monitor.progress().breakthrough_time.has_value());
+  CHECK(*monitor.progress().breakthrough_time == 2.0);
+  CHECK(std::abs(*monitor.progress().breakthrough_depth - 2.9e-3) < 1e-6);
+  CHECK(monitor.progress().passed_time == 2.0);
+  CHECK(monitor.progress().removed_at_passing == 1.0);
+  CHECK(std::abs(monitor.progress().front - ClearedPlate::kThickness) < 1e-6);
+  look(monitor, plate, 4.0e-3, 0.0, 3.0);
+  CHECK(*monitor.progress().breakthrough_time == 2.0);
+  CHECK(std::abs(monitor.progress().deepest - 4.0e-3) < 1e-6);
+}
+
+TEST_CASE("monitor: a tip ahead of the front by more than it may engage is told as tunnelling") {
+  ClearedPlate plate;
+  plate.clear(2e-3, 1.0e-3);
+  DrillMonitor honest(plate.approach), tunnelled(plate.approach);
+  look(honest, plate, 1.3e-3, 0.3e-3, 1.0);
+  CHECK(std::abs(honest.progress().largest_ahead) <= kQuarter);
+  look(tunnelled, plate, 2.5e-3, 0.0, 1.0);
+  CHECK(tunnelled.progress().largest_ahead > 1.5e-3 - kQuarter);
+  CHECK(tunnelled.progress().largest_ahead > ClearedPlate::kPitch);
+}
+
+TEST_CASE("monitor: a tip that passed the far side through bone is told as such, and is no breakthrough") {
+  ClearedPlate plate;
+  plate.clear(2e-3, 1.0e-3);
+  DrillMonitor monitor(plate.approach);
+  look(monitor, plate, 3.5e-3, 0.0, 1.0);
+  CHECK(monitor.progress().passed_time == 1.0);
+  CHECK_FALSE(monitor.progress().breakthrough_time.has_value());
+  // A third of the axis is cleared; one place of 48 either way.
+  CHECK(std::abs(monitor.progress().removed_at_passing - 1.0 / 3.0) < 0.04);
+  // Nor is it one for a tool pushed so hard that its engaged depth is most of the bone.
+  look(monitor, plate, 3.5e-3, 3.4e-3, 1.5);
+  CHECK_FALSE(monitor.progress().breakthrough_time.has_value());
+  // Once the rest is cut it is one.
+  plate.clear(2e-3, 10e-3);
+  look(monitor, plate, 3.5e-3, 0.0, 2.0);
+  CHECK(monitor.progress().breakthrough_time == 2.0);
+  CHECK(monitor.progress().passed_time == 1.0);
+}
+
+TEST_CASE("monitor: a bit that comes out while it is engaged in the last of the bone has broken through") {
+  ClearedPlate plate;
+  plate.clear(2e-3, 2.5e-3);
+  DrillMonitor engaged(plate.approach), loose(plate.approach);
+  const double tip = ClearedPlate::kThickness + 0.1e-3, uncut = tip - 2.5e-3;
+  look(engaged, plate, tip, uncut, 1.0);
+  CHECK(engaged.progress().breakthrough_time == 1.0);
+  CHECK(engaged.progress().removed_at_passing < 0.9);
+  look(loose, plate, tip, uncut - 1.5 * ClearedPlate::kPitch, 1.0);
+  CHECK_FALSE(loose.progress().breakthrough_time.has_value());
+  CHECK(loose.progress().passed_time == 1.0);
+}
+
+}  // namespace
+}  // namespace burrhole::test

@@ -1,0 +1,216 @@
+#include "volumes/import_bone.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/base/units.h"
+
+namespace burrhole {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kImportSchema = 1;
+constexpr double kMegabyte = 1e6;
+
+Error at(Error error, const std::string& path) {
+  if (error.place.empty()) error.place = path;
+  return error;
+}
+
+/// Bytes of the three fields, if every voxel were bone, and of the nodes of the sparse grids.
+double most_bytes(const Vec3i& dims) {
+  constexpr double kFields = 3.0, kNodes = 1.1, kRoots = 0.2e6;
+  return kFields * (kNodes * sizeof(float) * dims.x * dims.y * dims.z + kRoots);
+}
+
+void describe_bone(const BoneModel& bone, ImportReport& report) {
+  report.bone_dims = bone.dims();
+  report.bone_spacing = bone.bone_from_index().mean_edge();
+  report.bone_voxels = bone.bone_voxels();
+  report.bone_share = static_cast<double>(bone.bone_voxels()) / static_cast<double>(bone.bounds().count());
+  report.bytes = bone.bytes();
+  if (bone.bone_voxels() == 0) return;
+  const auto [lo, hi] = bounds_of(bone.bone_box(), bone.bone_from_index());
+  report.bone_lo = lo;
+  report.bone_hi = hi;
+}
+
+bool is_vdb(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".vdb";
+}
+
+bool shapes_bone(const BoneOptions& bone) { return bone.band || bone.hu_offset || bone.spacing || bone.region || !bone.hardness.empty(); }
+
+/// The bone model at the path, or nothing if the file is not a bone model of this program.
+Result<std::optional<ImportedBone>> load_own(const ImportRequest& request) {
+  auto bone = BoneModel::load(request.path);
+  if (!bone) {
+    if (request.read.unit) return std::optional<ImportedBone>();
+    Error error = at(bone.error(), request.path);
+    if (error.message.starts_with("is not a bone model"))
+      error.message += "; a .vdb of another program needs a unit (--unit; unit in a scene)";
+    return error;
+  }
+  if (request.read.unit || !request.read.series.empty() || shapes_bone(request.bone))
+    return bad_input("is a bone model already and is used unchanged: leave out unit, series, band, offset, hardness, spacing and region",
+                     request.path);
+  ImportedBone out;
+  out.bone = *bone;
+  out.report.source = request.path;
+  out.report.scan.format = "bone model (OpenVDB)";
+  std::istringstream notes((*bone)->notes());
+  for (std::string line; std::getline(notes, line);) out.report.scan.assumed.push_back(line);
+  out.report.dims = (*bone)->dims();
+  out.report.grid = describe_grid((*bone)->bone_from_index());
+  describe_bone(**bone, out.report);
+  return std::optional<ImportedBone>(std::move(out));
+}
+
+/// An option that the format does not use is likely a misunderstanding, so it is an error.
+Status check_use(const ImportRequest& request, const ReadScan& read) {
+  const bool dicom = read.report.format.starts_with("DICOM"), given = read.scan.quantity == Quantity::occupancy;
+  const bool grids = read.report.format.starts_with("OpenVDB");
+  const auto refuse = [&](const char* what, const char* why) { return bad_input(fmt::format("{} {}", what, why), request.path); };
+  if (request.read.unit && !given)
+    return refuse("a unit (--unit; unit in a scene)", "is for meshes and other programs' .vdb: this file has its own");
+  if (!request.read.series.empty() && !dicom && !grids) return refuse("a series", "is for DICOM folders and .vdb files");
+  if (!request.read.keep.empty() && !dicom) return refuse("fields to keep", "are for DICOM");
+  if (given && (request.bone.band || request.bone.hu_offset || !request.bone.hardness.empty()))
+    return refuse("a band, an offset or a hardness table", "is for scans: this file has occupancy and no density");
+  return {};
+}
+
+std::vector<double> in_mm(const Vec3& v) { return {v.x / kMillimetre, v.y / kMillimetre, v.z / kMillimetre}; }
+std::string size_text(const Vec3i& dims) { return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z); }
+std::string mm_text(const Vec3& v) {
+  return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", v.x / kMillimetre, v.y / kMillimetre, v.z / kMillimetre);
+}
+
+/// Meshes, fog volumes and bone models have occupancy values only.
+bool knows_values(const ImportReport& report) { return report.facts.has_values; }
+
+Json series_json(const ScanReport& scan) {
+  Json rows = Json::array();
+  for (const SeriesLine& s : scan.series)
+    rows.push_back({{"name", s.name},
+                    {"modality", s.modality},
+                    {"dims", {s.dims.x, s.dims.y, s.dims.z}},
+                    {"spacing_mm", in_mm(s.spacing)},
+                    {"direction", s.direction},
+                    {"taken", s.taken},
+                    {"fault", s.error.empty() ? Json(nullptr) : Json(s.error)}});
+  return rows;
+}
+
+std::string series_text(const SeriesLine& s) {
+  return fmt::format("  series {:<5} {} {:<9} {:>15} {:>24}{}{}\n", s.name, s.modality, s.direction, size_text(s.dims), mm_text(s.spacing),
+                     s.taken ? "  <- taken" : "", s.error.empty() ? "" : "  not usable: " + s.error);
+}
+
+}  // namespace
+
+Result<ImportedBone> import_bone(const ImportRequest& request, const std::function<void(const std::string&)>& say) {
+  if (const Status checked = check_options(request.bone); !checked) return at(checked.error(), request.path);
+  if (is_vdb(request.path) && std::filesystem::exists(request.path)) {
+    auto own = load_own(request);
+    if (!own) return own.error();
+    if (*own) return std::move(**own);
+  }
+  auto read = read_scan(request.path, request.read);
+  if (!read) return at(read.error(), request.path);
+  if (const Status fits = check_use(request, *read); !fits) return fits.error();
+  const Scan& scan = read->scan;
+  ImportedBone out;
+  out.report.source = request.path;
+  out.report.scan = std::move(read->report);
+  const auto before = [&](const BoneGrid& grid) {
+    out.report.resampled = grid.resampled;
+    if (say)
+      say(fmt::format("{} voxels read, {:.1f} MB; bone of {} voxels takes up to about {:.1f} MB", size_text(scan.dims),
+                      static_cast<double>(scan.values.size() * sizeof(float)) / kMegabyte, size_text(grid.dims),
+                      most_bytes(grid.dims) / kMegabyte));
+  };
+  BoneOptions bone = request.bone;
+  // A mesh was sampled at the requested spacing already.
+  if (scan.quantity == Quantity::occupancy && request.read.pitch && !bone.region && !out.report.scan.format.starts_with("OpenVDB"))
+    bone.spacing.reset();
+  auto made = make_bone(scan, bone, out.report.scan.assumed, before);
+  if (!made) return at(made.error(), request.path);
+  out.report.dims = scan.dims;
+  out.report.grid = describe_grid(scan.bone_from_index);
+  out.bone = std::move(made->bone);
+  out.report.facts = std::move(*made);
+  describe_bone(*out.bone, out.report);
+  return out;
+}
+
+std::string import_json(const ImportReport& r) {
+  Json direction = Json::array();
+  for (std::size_t c = 0; c < 3; ++c) direction.push_back({r.grid.direction[c].x, r.grid.direction[c].y, r.grid.direction[c].z});
+  Json skipped = Json::array(), kept = Json::object();
+  for (const Skipped& s : r.scan.skipped) skipped.push_back({{"reason", s.reason}, {"count", s.count}});
+  for (const KeptField& field : r.scan.kept) kept[field.name] = field.value;
+  Json values = nullptr;
+  if (knows_values(r))
+    values = {{"min", r.facts.value_min},
+              {"max", r.facts.value_max},
+              {"unit", r.facts.hounsfield ? Json("HU") : Json(nullptr)},
+              {"offset", r.facts.hu_offset}};
+  return Json{{"schema", kImportSchema},
+              {"source", r.source},
+              {"format", r.scan.format},
+              {"series", series_json(r.scan)},
+              {"dims", {r.dims.x, r.dims.y, r.dims.z}},
+              {"spacing_mm", in_mm(r.grid.spacing)},
+              {"direction", direction},
+              {"shear_deg", r.grid.shear / kDegree},
+              {"oblique_deg", r.grid.oblique / kDegree},
+              {"values", values},
+              {"bone",
+               {{"dims", {r.bone_dims.x, r.bone_dims.y, r.bone_dims.z}},
+                {"spacing_mm", r.bone_spacing / kMillimetre},
+                {"voxels", r.bone_voxels},
+                {"share", r.bone_share},
+                {"from_mm", in_mm(r.bone_lo)},
+                {"to_mm", in_mm(r.bone_hi)},
+                {"bytes", r.bytes}}},
+              {"assumed", r.scan.assumed},
+              {"skipped", skipped},
+              {"kept", kept}}
+             .dump(2, ' ', false, Json::error_handler_t::replace) +
+         "\n";
+}
+
+std::string import_text(const ImportReport& r) {
+  std::string text = fmt::format("{}: {}\n", r.source, r.scan.format);
+  for (const SeriesLine& s : r.scan.series) text += series_text(s);
+  text += fmt::format("  voxels     {}, {}\n", size_text(r.dims), mm_text(r.grid.spacing));
+  for (std::size_t c = 0; c < 3; ++c)
+    text += fmt::format("  {}          runs along ({:.4f}, {:.4f}, {:.4f})\n", "ijk"[c], r.grid.direction[c].x, r.grid.direction[c].y,
+                        r.grid.direction[c].z);
+  text += fmt::format("  shear      {:.2f} deg{}\n", r.grid.shear / kDegree, r.grid.shear > 1e-4 ? ", kept (gantry tilt)" : "");
+  if (r.grid.oblique > 1e-4) text += fmt::format("  oblique    {:.2f} deg off the patient's axes\n", r.grid.oblique / kDegree);
+  if (knows_values(r))
+    text += fmt::format("  values     {:g} to {:g}{}\n", r.facts.value_min, r.facts.value_max, r.facts.hounsfield ? " HU" : " (not HU)");
+  text += fmt::format("  bone       {} voxels{}, {} of them bone ({:.2f} %), {:.1f} MB\n", size_text(r.bone_dims),
+                      r.resampled ? fmt::format(" of {:.3g} mm", r.bone_spacing / kMillimetre) : " as they are", r.bone_voxels,
+                      100.0 * r.bone_share, static_cast<double>(r.bytes) / kMegabyte);
+  if (glm::any(glm::greaterThan(r.bone_hi, r.bone_lo)))
+    text += fmt::format("  bone spans x {:.1f} to {:.1f}, y {:.1f} to {:.1f}, z {:.1f} to {:.1f} mm (patient: left, posterior, superior)\n",
+                        r.bone_lo.x / kMillimetre, r.bone_hi.x / kMillimetre, r.bone_lo.y / kMillimetre, r.bone_hi.y / kMillimetre,
+                        r.bone_lo.z / kMillimetre, r.bone_hi.z / kMillimetre);
+  for (const std::string& line : r.scan.assumed) text += "  assumed    " + line + "\n";
+  for (const Skipped& s : r.scan.skipped) text += fmt::format("  skipped    {} x {}\n", s.count, s.reason);
+  for (const KeptField& field : r.scan.kept) text += fmt::format("  kept       {} = {}\n", field.name, field.value);
+  return text;
+}
+
+}  // namespace burrhole

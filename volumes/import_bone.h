@@ -1,0 +1,54 @@
+/// volumes/import_bone.h: makes a bone model from a file or folder of any supported format, with a report of what was found and assumed.
+///   `burrhole import`, all commands that read a scene, tests and benchmarks use this one path.
+///   Frame  bone frame (LPS).   Units  SI in structs, named units in texts.   Errors  bad_input with the path as place; unavailable.
+///   Thread any.   Privacy  see volumes/read/scan.h; the report contains the path as the user gave it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/voxel/bone_model.h"
+#include "volumes/read/bone_from_scan.h"
+#include "volumes/read/scan.h"
+#include "volumes/read/scan_geometry.h"
+
+namespace burrhole {
+
+struct ImportRequest {
+  std::string path;
+  ReadOptions read;
+  BoneOptions bone;
+};
+
+struct ImportReport {
+  std::string source;
+  ScanReport scan;     ///< format, series, assumptions, skipped files
+  Vec3i dims{0};       ///< [voxels] of the scan
+  GridShape grid;      ///< of the scan
+  BoneFromScan facts;  ///< range of values, offset, share and box of bone; without the model
+  Vec3i bone_dims{0};  ///< [voxels] of the bone model
+  bool resampled = false;
+  double bone_share = 0.0;          ///< [-] share of the voxels with occupancy >= 0.5
+  Vec3 bone_lo{0.0}, bone_hi{0.0};  ///< [m] box around the centres of bone voxels, bone frame
+  double bone_spacing = 0.0;        ///< [m] edge of the cube with the volume of a voxel
+  std::uint64_t bone_voxels = 0, bytes = 0;
+};
+
+struct ImportedBone {
+  std::shared_ptr<const BoneModel> bone;
+  ImportReport report;
+};
+
+/// Reads and classifies. A bone model of this program is used unchanged; a .vdb of another program needs a unit. Options that the format
+/// does not use are errors. @param say is called with one line on the memory that the bone needs, before it is allocated; may be empty.
+/// @returns bad_input with the path as place.
+[[nodiscard]] Result<ImportedBone> import_bone(const ImportRequest& request, const std::function<void(const std::string&)>& say);
+
+/// {schema, source, format, series[], dims, spacing_mm, direction, shear_deg, oblique_deg, values{..}, bone{..}, assumed[], skipped[],
+/// kept{}}
+[[nodiscard]] std::string import_json(const ImportReport& report);
+/// The same as text for a terminal, one fact per line.
+[[nodiscard]] std::string import_text(const ImportReport& report);
+
+}  // namespace burrhole
