@@ -71,7 +71,7 @@ Outcome record(const Session& session, const std::string& path) {
   DrillRun run(SmallScene{.spindle = true,
                           .record = true,
                           .display = true,
-                          .sets = {"duration_s=" + session.duration, "hand.feels=false"}},
+                          .sets = {"duration_s=" + session.duration, "hand.feels=false", "friction.static_coefficient=0.4"}},
                options);
   run_recorded(run, path);
   return outcome_of(run);

@@ -106,6 +106,18 @@ TEST_CASE("real time: the penalty models, in their own form and coupled, with th
       }
 }
 
+TEST_CASE("real time: friction in every form of contact, at contact's rate and at the servo's") {
+  covers("core/contact/tangential_law.h: loads", "core/contact/tangential_law.h: end_step", "core/contact/friction.h: loads",
+         "core/contact/friction.h: end_step", "core/contact/tangential_hold.h: solve", "core/contact/tangential_spring.h: list_pressed",
+         "core/contact/tangential_spring.h: step", "haptics/servo/plane_loads.h: pressed");
+  const std::vector<std::string> rubs{"friction.static_coefficient=0.4", "contact.rate_hz=200"};
+  check_clean(drive(load_small(pressed(kHeldKeys, rubs))));
+  for (const char* coupling : {"none", "virtual"}) {
+    CAPTURE(coupling);
+    check_clean(drive(load_small(pressed(std::string(kPenaltyKeys) + "coupling = \"" + coupling + "\"\n", rubs))));
+  }
+}
+
 TEST_CASE("real time: every limit of the servo") {
   covers("haptics/servo/energy_observer.h: operator()", "haptics/servo/energy_observer.h: repay", "haptics/servo/force_limits.h: shortened",
          "haptics/servo/force_limits.h: operator()");
