@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""A scene that does not name an effect executes not one instruction for it: its steady ticks cost the same, instruction for instruction, as
+those of the same objects linked with a registry that lacks the effect. All code counts but the C library's: how memcmp reads depends on the
+addresses that it is given. Skipped (77) without valgrind or AVX2.
+
+    absent_effect_test.py STEADY_TICKS STEADY_TICKS_WITHOUT SCENE TOOL_FOLDER
+
+The sabotage: with [friction] in the scene the count must rise, and the program without the effect must refuse the scene.
+"""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SKIPPED = 77
+FRICTION = "friction.static_coefficient=0.4"
+
+
+def run(program, scene, tools, profile, *sets):
+    """@returns the finished process of `program` under callgrind, which writes `profile`."""
+    command = ["valgrind", "--tool=callgrind", "--instr-atstart=no", f"--callgrind-out-file={profile}", program, scene, tools, *sets]
+    return subprocess.run(command, capture_output=True, text=True, timeout=550)
+
+
+def instructions(profile):
+    """@returns the instructions of a callgrind profile, without those of the C library; @throws ValueError where its total disagrees."""
+    names, of_object, total = {}, {}, None
+    current, called = "", False
+    for line in pathlib.Path(profile).read_text(encoding="utf-8").splitlines():
+        named = re.match(r"ob=(\(\d+\))(?: (.*))?", line)
+        if named:
+            if named.group(2):
+                names[named.group(1)] = named.group(2)
+            current = names[named.group(1)]
+        elif line.startswith("cob="):  # the object of a function that is called: it may be named here first
+            number, name = re.match(r"cob=(\(\d+\))(?: (.*))?", line).groups()
+            names.setdefault(number, name)
+        elif line.startswith("calls="):
+            called = True  # the next line is the cost of the call, which stands with the function called
+        elif line.startswith("totals:"):
+            total = int(line.split()[1])
+        elif re.match(r"[0-9+*-]", line):
+            if not called:
+                of_object[current] = of_object.get(current, 0) + int(line.split()[1])
+            called = False
+    if total != sum(of_object.values()):
+        raise ValueError(f"{profile}: sums to {sum(of_object.values())}, not to {total}")
+    return sum(cost for name, cost in of_object.items() if "/libc.so" not in name)
+
+
+def count(program, scene, tools, *sets):
+    """@returns (instructions, what the program printed) of a run that must succeed."""
+    with tempfile.NamedTemporaryFile() as profile:
+        done = run(program, scene, tools, profile.name, *sets)
+        if done.returncode == 4:
+            sys.exit(SKIPPED)
+        if done.returncode != 0:
+            sys.exit(f"{program} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+        return instructions(profile.name), done.stdout
+
+
+def main():
+    program, without, scene, tools = sys.argv[1:]
+    if not shutil.which("valgrind"):
+        print("skipped: no valgrind")
+        return SKIPPED
+    all_effects, drilled = count(program, scene, tools)
+    lacking, drilled_lacking = count(without, scene, tools)
+    rubbing, _ = count(program, scene, tools, FRICTION)
+    refused = subprocess.run([without, scene, tools, FRICTION], capture_output=True, text=True, timeout=60)
+    print(f"instructions: {all_effects} with the effect's line in the registry, {lacking} without, {rubbing} with [friction] in the scene")
+    if drilled != drilled_lacking:
+        sys.exit(f"not the same run:\n{drilled}{drilled_lacking}")
+    if all_effects != lacking:
+        sys.exit("an effect that the scene does not name costs instructions")
+    if all_effects < 1_000_000 or rubbing <= all_effects:
+        sys.exit("the count sees no steady ticks, or not the effect that the scene names")
+    if refused.returncode != 2 or "friction" not in refused.stdout:
+        sys.exit(f"a registry without the effect took a scene with it: {refused.returncode}\n{refused.stdout}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
