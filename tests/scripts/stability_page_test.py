@@ -1,4 +1,4 @@
-"""stability_page: tables go between their marks and nowhere else, and a page or a figure that lacks is told, never passed over."""
+"""stability_page: tables are inserted between their marks only; a missing mark or figure is an error."""
 import importlib.machinery
 import importlib.util
 import sys
