@@ -1,4 +1,4 @@
-"""stability_page: tables go between their marks and nowhere else, and a page or a figure that lacks is told, never passed over."""
+"""stability_page: tables are inserted between their marks only; a missing mark or figure is an error."""
 import importlib.machinery
 import importlib.util
 import sys
@@ -32,7 +32,7 @@ class Splice(unittest.TestCase):
 
     def test_a_page_without_its_marks_or_with_two_of_them_is_refused(self):
         for page in (TEXT.replace("<!-- cases: end -->", ""), TEXT + TEXT, TEXT.replace("cases", "rates")):
-            with self.assertRaises(PAGE.Fault):
+            with self.assertRaises(PAGE.Failure):
                 PAGE.splice(page, "cases", "new")
 
     def test_the_shipped_page_has_a_place_for_every_table(self):
@@ -51,7 +51,7 @@ class Tables(unittest.TestCase):
     def test_a_figure_that_was_not_measured_is_a_fault(self):
         with self.assertRaises(KeyError):
             PAGE.contact_rates(rates(300)[:-3])
-        with self.assertRaises(PAGE.Fault):
+        with self.assertRaises(PAGE.Failure):
             PAGE.one([{"part": "known"}], part="rate")
 
 
