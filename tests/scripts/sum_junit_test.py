@@ -32,6 +32,21 @@ class Sum(unittest.TestCase):
         run = self.run_on(self.file("good.xml", GOOD), self.file("bad.xml", BAD))
         self.assertEqual((run.returncode, run.stdout), (1, "3 passed, 1 failed, 1 skipped\n"))
 
+    def test_a_whole_program_counts_its_cases(self):
+        entry = ('<testsuite><testcase name="p" status="{}">{}<system-out>[doctest] doctest version is "2.4.9"\n'
+                 "[doctest] test cases:  48 |  {} passed | {} failed | 3 skipped\n</system-out></testcase></testsuite>")
+        run = self.run_on(self.file("good.xml", entry.format("run", "", 48, 0)))
+        self.assertEqual((run.returncode, run.stdout), (0, "48 passed, 0 failed\n"))
+        run = self.run_on(self.file("bad.xml", entry.format("fail", '<failure message=""/>', 46, 2)))
+        self.assertEqual((run.returncode, run.stdout), (1, "46 passed, 2 failed\n"))
+
+    def test_a_program_that_died_is_a_failure_whatever_it_printed(self):
+        died = '<testsuite><testcase name="p" status="fail"><failure message=""/><system-out>{}</system-out></testcase></testsuite>'
+        for text, expected in (("Segmentation fault", "0 passed, 1 failed\n"),
+                               ("[doctest] test cases: 2 | 2 passed | 0 failed |", "2 passed, 1 failed\n")):
+            run = self.run_on(self.file("died.xml", died.format(text)))
+            self.assertEqual((run.returncode, run.stdout), (1, expected))
+
     def test_a_missing_or_broken_report_fails(self):
         self.assertEqual(self.run_on(Path(self.folder.name) / "none.xml").returncode, 1)
         self.assertEqual(self.run_on(self.file("cut.xml", GOOD[:40])).returncode, 1)

@@ -1,5 +1,6 @@
 // What drawing costs, as the lab measures it: the bars on accuracy, and that each knob acts on what it is for. No time is judged.
 #include "app/lab/render_cost.h"
+#include "tests/support/skip.h"
 #include "tests/support/source_folder.h"
 
 #include <doctest/doctest.h>
@@ -23,10 +24,7 @@ const RenderCost& measured() {
                                      .drilled = true,
                                      .gl = GlBackend::osmesa,
                                      .progress = {}});
-    if (!made && made.error().code == ErrorCode::unavailable) {
-      std::cerr << "skipped: " << made.error().text() << '\n';
-      std::exit(77);
-    }
+    if (!made && made.error().code == ErrorCode::unavailable) test::skip(made.error().text());
     REQUIRE_MESSAGE(made.ok(), (made ? "" : made.error().text()));
     return std::move(made).value();
   }();

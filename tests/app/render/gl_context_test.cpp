@@ -9,6 +9,7 @@
 #include "app/render/gl_platform.h"
 #include "tests/app/render/render_scenes.h"
 #include "tests/support/image_compare.h"
+#include "tests/support/skip.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -83,7 +84,7 @@ TEST_CASE("context: a driver that is too old is refused in words") {
     CHECK(is_one_line_with(context.error(), std::string(gl_backend_name(backend)) + ": "));
     if (is_one_line_with(context.error(), "4.5")) ++old;
   }
-  if (old == 0) std::exit(77);  // no Mesa here at all
+  if (old == 0) test::skip("no driver here is Mesa's");
 }
 
 TEST_CASE("context: without a display a window is refused in words, and nothing else is") {
@@ -122,7 +123,7 @@ TEST_CASE("context: every back end that exists here draws the same bytes, one af
     REQUIRE(renderer.value().set_tool(square(3e-3, 12e-3)).ok());
     drawn.push_back({renderer.value().driver(), std::move(renderer).value(), {}});
   }
-  if (drawn.empty()) std::exit(77);
+  if (drawn.empty()) test::skip("no back end of OpenGL can be made here");
   FrameView view = oblique_view();
   view.world_from_tool = Pose{};
   for (int turn = 0; turn < 2; ++turn)

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "tests/support/skip.h"
+
 namespace burrhole::test {
 namespace {
 
@@ -80,10 +82,7 @@ GlBackend tested_backend() {
 Renderer require_renderer(RenderOptions options) {
   options.gl = tested_backend();
   auto renderer = Renderer::create(options);
-  if (!renderer && renderer.error().code == ErrorCode::unavailable) {
-    std::cerr << "skipped: " << renderer.error().text() << '\n';
-    std::exit(77);
-  }
+  if (!renderer && renderer.error().code == ErrorCode::unavailable) skip(renderer.error().text());
   if (!renderer) {
     std::cerr << renderer.error().text() << '\n';
     std::abort();

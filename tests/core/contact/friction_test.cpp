@@ -7,6 +7,7 @@
 
 #include "core/base/units.h"
 #include "friction_support.h"
+#include "tests/support/sanitized.h"
 
 using namespace burrhole;
 using namespace burrhole::contact_test;
@@ -159,7 +160,7 @@ double work_of_stroke(const Form& form, TangentialLaw* law, std::uint64_t seed, 
 TEST_CASE("friction: over random closed strokes it always takes work from the hand") {
   for (const Form& form : every_form()) {
     double least = 1e300, least_wrong = 1e300;
-    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    for (std::uint64_t seed = 1; seed <= (test::kSanitized ? 3 : 20); ++seed) {
       const double none = work_of_stroke(form, nullptr, seed, 0.0);
       for (const double coefficient : {0.1, 0.3, 0.9}) {
         Friction law = friction_of(1.2 * coefficient, coefficient);
