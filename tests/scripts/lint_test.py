@@ -33,6 +33,11 @@ class Choice(unittest.TestCase):
         units = ["core/a.cpp", "core/b.cpp", "tests/core/a_test.cpp"]
         self.assertEqual(LINT.sources_of(["core/a.h", "core/alone.h", "tests/core/a_test.cpp"], units), ["core/a.cpp", "tests/core/a_test.cpp"])
 
+    def test_the_lines_of_a_difference_are_the_new_ones(self):
+        difference = ["--- a/x.h", "+++ b/x.h", "@@ -1,0 +2,3 @@ context", "+a", "@@ -9 +12 @@", "-b", "+c", "@@ -20,2 +23,0 @@",
+                      "--- /dev/null", "+++ b/new.cpp", "@@ -0,0 +1,2 @@"]
+        self.assertEqual(LINT.lines_of(difference), {"x.h": [[2, 4], [12, 12]], "new.cpp": [[1, 2]]})
+
     def test_a_limit_takes_the_program_before_its_tests_and_counts_the_rest(self):
         files = ["tests/a.cpp", "core/b.cpp", "app/c.cpp"]
         self.assertEqual(LINT.limited(files, 2), (["app/c.cpp", "core/b.cpp"], 1))
@@ -46,7 +51,7 @@ class Findings(unittest.TestCase):
             Path(folder, "plain.cpp").write_text("\n")
             first = "plain.cpp:1:2: error: bad [check]\n  code\nplain.cpp:1:2: note: why\n"
             named = ": error: invalid case style for function 'DoIt' [readability-identifier-naming]\n  code\n"
-            output = first + "kernel.cpp:3:1" + named + "plain.cpp:3:1" + named
+            output = first + "/usr/include/x.h:1:2: error: theirs [check]\n" + "kernel.cpp:3:1" + named + "plain.cpp:3:1" + named
             self.assertEqual(LINT.findings(output, Path(folder)), [first, "plain.cpp:3:1" + named])
 
 
