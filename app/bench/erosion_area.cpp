@@ -69,8 +69,9 @@ struct LawCase {
 
 /// One step of a law on the window and by accessors, from the same bone.
 Status compare_laws(Bench& bench, BuriedBurr& bone, const LawCase& c) {
-  const auto [law, spin, random_order, bars] = c;
-  const ErosionPoints points = random_order ? shuffled(bone.burr.erosion) : bone.burr.erosion;
+  const ErosionLaw law = c.law;
+  const double spin = c.spin;
+  const ErosionPoints points = c.random_order ? shuffled(bone.burr.erosion) : bone.burr.erosion;
   auto erosion = Erosion::create({.law = law}, points);
   if (!erosion) return erosion.error();
   bone.put_back();
@@ -94,10 +95,10 @@ Status compare_laws(Bench& bench, BuriedBurr& bone, const LawCase& c) {
   accessors.run();
   const Vec3i size = outcome.changed.bounds().size();
   const std::string name = fmt::format("{}, {} points in {} order, {} x {} x {} voxels", law == ErosionLaw::rate ? "rate law" : "eq. 4",
-                                       points.size(), random_order ? "random" : "lattice", size.x, size.y, size.z);
+                                       points.size(), c.random_order ? "random" : "lattice", size.x, size.y, size.z);
   const bool cut = bench.require(name, outcome.changed.count() > 4000 && outcome.outside == 0, "the head of the burr is not inside bone");
   if (cut && bench.agree(name, bytes_of(by_accessors.remaining()), bytes_of(bone.voxmap->window().remaining)))
-    bench.add_speed_up(name, "ns/point", 1e9 / static_cast<double>(points.size()), bench.time(accessors, window), bars);
+    bench.add_speed_up(name, "ns/point", 1e9 / static_cast<double>(points.size()), bench.time(accessors, window), c.bars);
   bone.put_back();
   return {};
 }

@@ -148,6 +148,7 @@ int run(const Request& request) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an exception that leaves main is a bug of the benchmarks and ends them.
 int main(int count, char** arguments) {
   CLI::App app{kAbout, "burrhole_bench"};
   Request request;

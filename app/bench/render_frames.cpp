@@ -66,7 +66,7 @@ Result<FrameTimes> time_frames(Renderer& renderer, const FramesAsked& asked, boo
     spent += times.back();
   }
   std::ranges::sort(times);
-  const auto at = [&](double share) { return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1) + 0.5)]; };
+  const auto at = [&](double share) { return times[static_cast<std::size_t>(std::lround(share * static_cast<double>(times.size() - 1)))]; };
   return FrameTimes{at(0.5), at(0.99)};
 }
 

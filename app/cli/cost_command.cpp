@@ -32,7 +32,7 @@ Status measure_contact(const std::string& folder, std::size_t& row_count) {
   const std::vector<CostRow> more = sliding_cost_rows(*sliding, slides.tool);
   rows->insert(rows->end(), more.begin(), more.end());
   row_count = rows->size();
-  if (const Status written = write_contact_accuracy(*rows, *curves, folder); !written) return written;
+  if (Status written = write_contact_accuracy(*rows, *curves, folder); !written) return written;
   return write_sliding(*sliding, folder);
 }
 

@@ -62,6 +62,7 @@ bool refuse_unknown_command(const CLI::App& program, int argc, char** argv) {
 }  // namespace
 }  // namespace burrhole::cli
 
+// NOLINTNEXTLINE(bugprone-exception-escape): outside of the try block only exhausted memory throws.
 int main(int argc, char** argv) {
   using namespace burrhole::cli;
   CLI::App app{kAbout, "burrhole"};

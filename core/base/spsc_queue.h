@@ -10,18 +10,18 @@
 
 namespace burrhole {
 
-/// Holds up to `Capacity` values. push() returns false if the queue is full; the writer decides how to react.
-template <class T, std::size_t Capacity>
+/// Holds up to `kCapacity` values. push() returns false if the queue is full; the writer decides how to react.
+template <class T, std::size_t kCapacity>
 class SpscQueue {
-  static_assert(std::is_trivially_copyable_v<T> && Capacity > 0 && (Capacity & (Capacity - 1)) == 0, "plain values, a power of two");
+  static_assert(std::is_trivially_copyable_v<T> && kCapacity > 0 && (kCapacity & (kCapacity - 1)) == 0, "plain values, a power of two");
 
  public:
-  SpscQueue() : ring_(std::make_unique<T[]>(Capacity)) {}
-  /// Writer. @returns false, and drops the value, if the queue holds Capacity values.
+  SpscQueue() : ring_(std::make_unique<T[]>(kCapacity)) {}
+  /// Writer. @returns false, and drops the value, if the queue holds kCapacity values.
   bool push(const T& value) noexcept BH_REALTIME {
     const std::size_t head = head_.load(std::memory_order_relaxed);
-    if (head - tail_.load(std::memory_order_acquire) == Capacity) return false;
-    ring_[head & (Capacity - 1)] = value;
+    if (head - tail_.load(std::memory_order_acquire) == kCapacity) return false;
+    ring_[head & (kCapacity - 1)] = value;
     head_.store(head + 1, std::memory_order_release);
     return true;
   }
@@ -29,7 +29,7 @@ class SpscQueue {
   bool pop(T& value) noexcept BH_REALTIME {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_.load(std::memory_order_acquire)) return false;
-    value = ring_[tail & (Capacity - 1)];
+    value = ring_[tail & (kCapacity - 1)];
     tail_.store(tail + 1, std::memory_order_release);
     return true;
   }

@@ -10,7 +10,8 @@ namespace burrhole {
 namespace {
 
 // Unit suffixes of keys in tool and scene files. A longer suffix precedes any suffix that it ends with, so the first match is the whole
-// unit. clang-format off
+// unit.
+// clang-format off
 constexpr std::array kUnitSuffixes = {
     "_nm_s_per_rad", "_nm_per_rad", "_kg_m2", "_ml_per_min", "_mm_per_min", "_j_per_mm3", "_n_per_mm", "_mm_per_s", "_ns_per_m",
     "_n_s_per_m", "_deg_per_s", "_n_per_m", "_n_per_s", "_m_per_s", "_um_per_rev", "_per_rev", "_per_mm", "_percent", "_n_mm", "_rad_s",

@@ -28,8 +28,8 @@ struct CosSin {
 CosSin cos_sin(double degrees) {
   const double quarters = degrees / 90.0;
   if (quarters == std::floor(quarters)) {
-    constexpr CosSin exact[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
-    return exact[static_cast<std::size_t>(quarters - 4.0 * std::floor(quarters / 4.0))];
+    constexpr CosSin kExact[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    return kExact[static_cast<std::size_t>(quarters - 4.0 * std::floor(quarters / 4.0))];
   }
   return {portable_cos(degrees * kDegree), portable_sin(degrees * kDegree)};
 }

@@ -56,6 +56,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto header = read_dicom_header(file_of(data, size), keep);
   if (!header) std::abort();  // the file can be opened
   if (starts_like_dicom(std::as_bytes(std::span(data, size))) == (header->skip == "not DICOM")) std::abort();
-  if (header->skip.empty() && header->fault.empty()) read_frames(*header);
+  if (header->skip.empty() && header->error.empty()) read_frames(*header);
   return 0;
 }

@@ -9,7 +9,7 @@
 
 namespace {
 
-/// Reads numbers off the input; half of the planes follow the one before, so that stacks come about at all.
+/// Reads numbers from the input.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}
@@ -32,36 +32,44 @@ class Source {
   std::size_t left_;
 };
 
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace burrhole;
-  if (size < 2) return 0;
-  const std::uint8_t follow = data[0], rows = data[1];
-  Source source(data + 2, size - 2);
-  std::vector<SlicePlane> slices;
-  Vec3 step(0.0, 0.0, 1.0);
-  while (source.more() && slices.size() < 300) {
-    SlicePlane plane;
+/// Planes of slices. Plane n is one step behind the plane before it if bit n % 8 of `follow` is set; otherwise it has a position and a step of
+/// its own, and directions of its own if bit n % 8 of `turns` is set, the first plane's if not: stacks come about at all.
+std::vector<burrhole::SlicePlane> planes(unsigned follow, int rows, unsigned turns, Source source) {
+  std::vector<burrhole::SlicePlane> out;
+  burrhole::Vec3 step(0.0, 0.0, 1.0);
+  while (source.more() && out.size() < 300) {
+    const std::size_t bit = out.size() % 8;
+    burrhole::SlicePlane plane = out.empty() ? burrhole::SlicePlane{} : out.front();
     plane.columns = 4;
     plane.rows = rows;
-    if (!slices.empty() && (follow >> (slices.size() % 8) & 1) != 0) {
-      plane = slices.back();
+    if (!out.empty() && (follow >> bit & 1) != 0) {
+      plane = out.back();
       plane.position += step;
       (void)source.number();
     } else {
       plane.position = source.vector();
       step = source.vector();
-      if (slices.size() % 3 == 2) {
+      if ((turns >> bit & 1) != 0) {
         plane.row = source.vector();
         plane.column = source.vector();
         plane.row_spacing = source.number();
         plane.column_spacing = source.number();
       }
     }
-    slices.push_back(plane);
+    out.push_back(plane);
   }
-  const auto stack = stack_slices(slices, source.number());
+  return out;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace burrhole;
+  if (size < 3) return 0;
+  Source source(data + 3, size - 3);
+  const double single_slice_mm = source.number();
+  const std::vector<SlicePlane> slices = planes(data[0], data[1], data[2], source);
+  const auto stack = stack_slices(slices, single_slice_mm);
   if (!stack) return 0;
   if (affine_error(stack->bone_from_index)) std::abort();
   std::vector<std::size_t> order = stack->order, each(slices.size());

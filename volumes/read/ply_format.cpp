@@ -18,17 +18,17 @@ enum class Form { text, little_endian, big_endian };
 enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
 
 std::size_t size_of(Type type) {
-  constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return sizes[static_cast<std::size_t>(type)];
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
 }
 
 std::optional<Type> type_of(std::string_view word) {
-  constexpr std::pair<std::string_view, Type> names[] = {
+  constexpr std::pair<std::string_view, Type> kNames[] = {
       {"char", Type::i8},   {"int8", Type::i8},     {"uchar", Type::u8},   {"uint8", Type::u8},
       {"short", Type::i16}, {"int16", Type::i16},   {"ushort", Type::u16}, {"uint16", Type::u16},
       {"int", Type::i32},   {"int32", Type::i32},   {"uint", Type::u32},   {"uint32", Type::u32},
       {"float", Type::f32}, {"float32", Type::f32}, {"double", Type::f64}, {"float64", Type::f64}};
-  for (const auto& [name, type] : names)
+  for (const auto& [name, type] : kNames)
     if (name == word) return type;
   return std::nullopt;
 }
@@ -175,8 +175,9 @@ std::vector<double> read_list(Body& body, const Property& property, std::string&
     error = count ? fmt::format("a list of {:g} numbers in {} bytes", *count, body.left()) : kCut;
     return {};
   }
+  const auto length = static_cast<std::size_t>(*count);
   std::vector<double> list;
-  for (double n = 0.0; n < *count; n += 1.0) {
+  for (std::size_t n = 0; n < length; ++n) {
     const auto value = body.next(property.type);
     if (!value) {
       error = kCut;
