@@ -49,19 +49,24 @@ void Bench::add_absolute(const std::string& name, const std::string& unit, doubl
   rows_.push_back({area_, name, unit, value, 1.0, value, bars, lower_is_better});
 }
 
-std::string bench_json(std::span<const BenchRow> rows) {
-  auto out = nlohmann::ordered_json::array();
+std::string bench_json(const BenchMachine& machine, bool quick, std::span<const BenchRow> rows) {
+  nlohmann::ordered_json out;
+  out["machine"] = {{"cpu", machine.cpu},           {"cores", machine.cores},           {"simd", machine.simd},
+                    {"compiler", machine.compiler}, {"build_type", machine.build_type}, {"revision", machine.revision},
+                    {"date", machine.date}};
+  out["quick"] = quick;
+  auto& list = out["rows"] = nlohmann::ordered_json::array();
   for (const BenchRow& row : rows)
-    out.push_back({{"area", row.area},
-                   {"name", row.name},
-                   {"value", row.value},
-                   {"unit", row.unit},
-                   {"baseline", row.baseline},
-                   {"ratio", row.ratio},
-                   {"ship", json_of(row.bars.ship)},
-                   {"aim", json_of(row.bars.aim)},
-                   {"lower_is_better", row.lower_is_better}});
-  return out.dump(2) + "\n";
+    list.push_back({{"area", row.area},
+                    {"name", row.name},
+                    {"value", row.value},
+                    {"unit", row.unit},
+                    {"baseline", row.baseline},
+                    {"ratio", row.ratio},
+                    {"ship", json_of(row.bars.ship)},
+                    {"aim", json_of(row.bars.aim)},
+                    {"lower_is_better", row.lower_is_better}});
+  return out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // bytes of a caller's text that are not UTF-8
 }
 
 std::string bench_table(std::span<const BenchRow> rows) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/bench/machine.h"
 #include "app/bench/stopwatch.h"
 #include "core/base/result.h"
 
@@ -64,8 +65,9 @@ class Bench {
   std::vector<std::string> disagreements_;
 };
 
-/// The rows as an array of objects: area, name, value, unit, baseline, ratio, ship, aim (null where no bar is set), lower_is_better.
-[[nodiscard]] std::string bench_json(std::span<const BenchRow> rows);
+/// bench.json, an object: `machine` (the members of BenchMachine), `quick`, and `rows`, an array of objects: area, name, value, unit, baseline,
+/// ratio, ship, aim (null where no bar is set), lower_is_better.
+[[nodiscard]] std::string bench_json(const BenchMachine& machine, bool quick, std::span<const BenchRow> rows);
 [[nodiscard]] std::string bench_table(std::span<const BenchRow> rows);
 
 }  // namespace burrhole

@@ -118,7 +118,7 @@ Status compare_forms(Bench& bench, BuriedBurr& bone, double spin) {
     each.prepare();
     each.run();
   }
-  const std::string name = fmt::format("gather form / scatter form, {} points", bone.burr.erosion.size());
+  const std::string name = fmt::format("gather form over scatter form, {} points", bone.burr.erosion.size());
   // The rim is blurred by less than half a voxel, in and out, on a radius of ten; and the same bits come each time.
   const bool alike = bench.require(name, exact > 0.0 && std::abs(looked_up / exact - 1.0) < 0.03, "the forms remove different masses");
   const std::vector<float> once = bone.voxmap->window().remaining;
@@ -140,7 +140,7 @@ void compare_exposures(Bench& bench, const BuriedBurr& bone) {
   const MasterWindow& window = bone.voxmap->window();
   const Side look_up{{}, [&] { strength.look_up(window, bone.index_from_tool, found); }};
   const Side count{[&] { std::ranges::fill(counted.sums, 0); }, [&] { (void)scatter.add(window, bone.index_from_tool, counted); }};
-  const std::string name = "exposure alone: looking up / counting points";
+  const std::string name = "exposure alone: table look-up over counting points";
   count.run();
   (void)other.add(window, bone.index_from_tool, counted_otherwise);
   if (bench.agree(name, bytes_of(counted.sums), bytes_of(counted_otherwise.sums)))

@@ -40,6 +40,7 @@ struct Request {
   std::vector<std::string> names;  ///< of areas; empty: all
   std::vector<Area> areas;
   std::string out = "out/bench";
+  std::string revision;  ///< of the sources, for bench.json
   bool quick = false, sabotage = false;
 #ifdef BH_WITH_RENDER
   FramesAsked frames;  ///< gl empty: not asked for
@@ -70,6 +71,7 @@ void add_frames_options(CLI::App& app, FramesAsked& frames) {
 void add_options(CLI::App& app, Request& request) {
   app.add_option("AREA", request.names, "contact, erosion, import, render or servo; none means all");
   app.add_option("--out", request.out, "folder of bench.json")->type_name("DIR")->capture_default_str();
+  app.add_option("--revision", request.revision, "of the sources, written into bench.json")->type_name("TEXT");
   app.add_option_function<std::string>(
          "--simd",
          [](const std::string& level) {
@@ -141,7 +143,8 @@ int run(const Request& request) {
     if (const Status done = area.run(bench); !done) code = report(done.error());  // the others are measured all the same
   }
   fmt::print("{}", bench_table(bench.rows()));
-  if (const Status written = write_file(request.out + "/bench.json", bench_json(bench.rows())); !written) return report(written.error());
+  const std::string json = bench_json(this_machine(request.revision), request.quick, bench.rows());
+  if (const Status written = write_file(request.out + "/bench.json", json); !written) return report(written.error());
   for (const std::string& line : bench.disagreements()) fmt::print(stderr, "bench: {}\n", line);
   return bench.disagreements().empty() ? code : 3;
 }

@@ -162,10 +162,10 @@ Status measure(Bench& bench, const std::string& what, const LoadedScene& loaded,
   us("contact compute, p99.9", &Window::contact, p999, {kMostCompute, {}});
   us("servo compute, longest", &Window::servo, &StepTiming::max_us, {});
   us("contact compute, longest", &Window::contact, &StepTiming::max_us, {});
-  us("servo wakes late, p99.9", &Window::late, p999, {});
-  us("servo wakes late, longest", &Window::late, &StepTiming::max_us, {});
-  us("an empty loop wakes late, p99.9", &Window::empty, p999, {});
-  us("work of the same length that never changes, p99.9", &Window::constant, p999, {});
+  us("servo wake-up lateness, p99.9", &Window::late, p999, {});
+  us("servo wake-up lateness, longest", &Window::late, &StepTiming::max_us, {});
+  us("wake-up lateness of an empty loop, p99.9", &Window::empty, p999, {});
+  us("constant work of the same length, p99.9", &Window::constant, p999, {});
   std::vector<double> over_empty, over_median, constant_over_median, kept;
   for (const Window& w : windows) {
     over_empty.push_back(w.late.p999_us / w.empty.p999_us);
@@ -174,10 +174,10 @@ Status measure(Bench& bench, const std::string& what, const LoadedScene& loaded,
     const double due = static_cast<double>(w.servo.count + w.contact.count);
     kept.push_back(due / (due + static_cast<double>(w.missed)));
   }
-  bench.add_absolute(name("servo wakes late over an empty loop, p99.9"), "1", median(over_empty), true, {1.5, 1.1});
+  bench.add_absolute(name("servo wake-up lateness over an empty loop, p99.9"), "1", median(over_empty), true, {1.5, 1.1});
   bench.add_absolute(name("contact compute, p99.9 over p50"), "1", median(over_median), true, spread ? Bars{2.0, 1.4} : Bars{});
-  bench.add_absolute(name("work that never changes, p99.9 over p50"), "1", median(constant_over_median), true);
-  bench.add_absolute(name("share of ticks, steps and rows that were kept"), "1", median(kept), false);
+  bench.add_absolute(name("constant work, p99.9 over p50"), "1", median(constant_over_median), true);
+  bench.add_absolute(name("share of ticks, steps and recorded rows that were not skipped"), "1", median(kept), false);
   return {};
 }
 

@@ -1,4 +1,4 @@
-"""burrhole_bench, run short: bench.json has the rows and keys that are promised, results agree, and a result that differs is found.
+"""burrhole_bench, run short: bench.json has the promised machine, rows and keys, results agree, and a result that differs is found.
 
   bench_test.py PROGRAM        exit 77 where there is no OpenGL
 """
@@ -12,14 +12,21 @@ import unittest
 from pathlib import Path
 
 KEYS = ["area", "name", "value", "unit", "baseline", "ratio", "ship", "aim", "lower_is_better"]
+MACHINE = ["cpu", "cores", "simd", "compiler", "build_type", "revision", "date"]
 PROGRAM = sys.argv.pop(1)
+
+
+def content(out):
+    """@returns the whole of a folder's bench.json, or None."""
+    file = Path(out) / "bench.json"
+    return json.loads(file.read_text()) if file.exists() else None
 
 
 def run(*arguments, out):
     """@returns (exit status, lines of stderr, rows or None) of one short run."""
     done = subprocess.run([PROGRAM, *arguments, "--out", out], capture_output=True, text=True)
-    file = Path(out) / "bench.json"
-    return done.returncode, done.stderr.splitlines(), json.loads(file.read_text()) if file.exists() else None
+    written = content(out)
+    return done.returncode, done.stderr.splitlines(), written and written["rows"]
 
 
 class Bench(unittest.TestCase):
@@ -57,6 +64,22 @@ class Bench(unittest.TestCase):
     def test_an_area_may_be_asked_for_alone(self):
         status, _, rows = run("--quick", "erosion", out=self.out)
         self.assertEqual((status, {row["area"] for row in rows}), (0, {"erosion"}))
+
+    def test_the_file_names_the_machine_and_the_build(self):
+        # An area that is left out without data, or imports four slices: the shortest run.
+        status, errors, _ = run("--quick", "import", "--revision", "v1-2-gabc", "--simd", "sse4", out=self.out)
+        self.assertEqual(status, 0, errors)
+        written = content(self.out)
+        self.assertEqual(list(written), ["machine", "quick", "rows"])
+        self.assertIs(written["quick"], True)
+        machine = written["machine"]
+        self.assertEqual(list(machine), MACHINE)
+        self.assertEqual((machine["revision"], machine["simd"], machine["cores"]), ("v1-2-gabc", "sse4", len(os.sched_getaffinity(0))))
+        named = [line.split(": ", 1)[1].rstrip("\n") for line in open("/proc/cpuinfo") if line.startswith("model name")]
+        self.assertEqual(machine["cpu"], named[0] if named else "unknown")
+        self.assertRegex(machine["compiler"], r"^(g\+\+|clang) \d+\.")
+        self.assertRegex(machine["date"], r"^20\d\d-[01]\d-[0-3]\d$")
+        self.assertTrue(machine["build_type"])
 
     def test_frames_of_a_back_end_have_a_table_of_their_own(self):
         if "render" not in AREAS:
