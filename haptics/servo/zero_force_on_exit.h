@@ -1,17 +1,19 @@
-/// haptics/servo/force_guard.h: commands zero force when the scope that drives a hand ends, in whichever way it ends.
+/// haptics/servo/zero_force_on_exit.h: commands zero force to a hand (the device) when a scope ends by return or by an exception. After an
+///   abort or a killed process nothing is commanded.
+///   Thread  the one that calls apply().
 #pragma once
 
 #include "haptics/hand/hand_source.h"
 
 namespace burrhole {
 
-class ForceGuard {
+class ZeroForceOnExit {
  public:
   /// `hand` must outlive it.
-  explicit ForceGuard(HandSource& hand) noexcept : hand_(&hand) {}
-  ~ForceGuard() { hand_->apply({}); }
-  ForceGuard(const ForceGuard&) = delete;
-  ForceGuard& operator=(const ForceGuard&) = delete;
+  explicit ZeroForceOnExit(HandSource& hand) noexcept : hand_(&hand) {}
+  ~ZeroForceOnExit() { hand_->apply({}); }
+  ZeroForceOnExit(const ZeroForceOnExit&) = delete;
+  ZeroForceOnExit& operator=(const ZeroForceOnExit&) = delete;
 
  private:
   HandSource* hand_;
