@@ -30,7 +30,7 @@ struct RunEvent {
 class RunLog {
  public:
   /// `parts` must outlive it. @param session null: nothing is written to a session. @param gather called before each picture: collects the
-  /// changed texels (Stage::gather) on the thread that owns the bone, and returns when they are complete.
+  /// changed texels (Stage::gather) on the thread that owns the bone, and returns when the batch is ready.
   RunLog(Stage& parts, SessionWriter* session, std::function<void()> gather)
       : parts_(&parts), session_(session), gather_(std::move(gather)) {}
 
