@@ -20,7 +20,7 @@ struct MeshToolSpec {
   std::string file_place;       ///< file:line:column of the key `file`, for errors found later
   double unit = 0.0;            ///< [m] length of one unit of the file, key unit_mm
   double erosion_factor = 0.0;  ///< [1/rev] key erosion_factor
-  double pitch = 0.0;           ///< [m] spacing of shell points, key pitch_mm
+  double pitch = 0.0;           ///< [m] spacing of shell points, key pitch_mm; a surface point is within pitch / sqrt(2) of one
   double cut_from = 0.0;        ///< [m] lower end of the part that cuts, as height z above the tip, key cutting_range_mm
   double cut_to = 0.0;          ///< [m] upper end
   Mat3 turn{1.0};               ///< [-] rotation about the fixed axes x, then y, then z, key turn_deg
