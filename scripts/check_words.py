@@ -70,7 +70,7 @@ SHADER_SUFFIXES = {".glsl", ".frag", ".vert"}
 
 # What a unit in brackets is made of.
 UNIT_WORDS = set("""m mm um km cm N mN J mJ W s ms us ns h min kg g rad deg Hz kHz rev rpm K C Pa MPa GPa V A HU dB bit bits byte bytes B MB
-voxel voxels node nodes pixel pixels px texel texels tick ticks sample samples cell cells step steps slices ratio index point
+voxel voxels edge edges quantum quanta node nodes pixel pixels px texel texels tick ticks sample samples cell cells step steps slices ratio index point
 points digits turn turns level levels share""".split())
 TAG = re.compile(r"\[([^\[\]]+)\]")
 UNIT_IN_NAME = re.compile(r"_(mm3?|um|m|N|hz|khz|us|ms|ns|s|rpm|deg|rad|db|percent|share|voxels?|mb|bytes|px|pixels|ticks|hu|j|kg)_?$",

@@ -9,8 +9,8 @@
 #include "app/bench/bench_scene.h"
 #include "app/bench/render_canvas.h"
 #include "app/bench/render_peer.h"
-#include "core/base/units.h"
 #include "app/view/display_config.h"
+#include "core/base/units.h"
 
 namespace burrhole {
 namespace {
@@ -176,7 +176,7 @@ Status time_moving_camera(Bench& bench, const VolumeView& volume, FrameView view
     canvas->renderer.forget();
     whole.push_back(seconds_of([&] { canvas->draw(); }));
   }
-  Pace pace(0.5 * median_of(whole));
+  DynamicResolution pace(0.5 * median_of(whole));
   const Vec3 from_target = view.camera.eye - view.camera.target;
   const int pictures = bench.quick() ? 4 : 60;
   for (int n = 0; n < pictures; ++n) {
@@ -205,8 +205,8 @@ Status compare_rays_on_fine_patch(Bench& bench) {
   if (!voxmap) return voxmap.error();
   const auto approach = make_approach(*fine.bone, fine.scene.approach);
   if (!approach) return approach.error();
-  const FrameView view =
-      make_frame_view(*fine.scene.find<DisplayConfig>(), fine.scene.volume.world_from_bone, approach->bone_from_approach, approach->thickness, false);
+  const FrameView view = make_frame_view(*fine.scene.find<DisplayConfig>(), fine.scene.volume.world_from_bone, approach->bone_from_approach,
+                                         approach->thickness, false);
   const Vec3i dims = fine.bone->dims();
   return compare_rays(bench, make_volume_view(*voxmap), view, fmt::format("patch of {} x {} x {}", dims.x, dims.y, dims.z), {2.0, 1.0},
                       {2.3, 1.0});

@@ -73,7 +73,7 @@ struct RenderCostAsked {
 };
 
 Status measure_render(const RenderCostAsked& asked, std::size_t& row_count) {
-  RenderCostOptions options{.share_folder = share_folder(), .frames = asked.frames, .front = !asked.knobs_only};
+  RenderCostOptions options{.share_folder = share_folder(), .frames = asked.frames, .pareto = !asked.knobs_only};
   const auto size = split_numbers(asked.size, 'x', 2);
   if (!size || !((*size)[0] >= 16 && (*size)[0] <= 4096 && (*size)[1] >= 16 && (*size)[1] <= 4096))
     return bad_input("--size " + asked.size + " must be WIDTHxHEIGHT, each in [16, 4096]");

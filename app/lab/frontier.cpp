@@ -129,14 +129,14 @@ Status measure(Point& point) {
     return {};
   }
   const SampledWall wall = wall_of(point.loop);
-  row.exact = exact_limit(wall);
-  row.linear = linear_limit(wall);
+  row.exact = exact_stability_limit(wall);
+  row.linear = delayed_linear_limit(wall);
   if (point.device != nullptr && row.part == "damping") {
     const double damping = point.device->damping.value;
     SampledWall now = wall;
     if (point.loop.scheme == MultiRateScheme::planes) now.latency_ticks = 0;  // its force uses the hand pose read in this tick
     row.passive = passive_limit(now, damping);
-    row.linear = linear_limit(now);
+    row.linear = delayed_linear_limit(now);
     const auto quantised =
         quantised_passive_limit(damping, point.device->friction.value, point.device->quantum.value, 1.0 / point.loop.servo_hz);
     if (quantised) row.quantised = *quantised;

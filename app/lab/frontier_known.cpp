@@ -84,7 +84,7 @@ SampledWall wall_of(const FrontierLoopConfig& config) {
   const MassSpringDamperConfig& body = config.device.plant.body;
   return {.mass = body.mass,
           .damping = body.damping,
-          .spring = body.stiffness,
+          .hand_stiffness = body.stiffness,
           .period = 1.0 / config.servo_hz,
           .delay = config.device.delay,
           .contact_ticks = config.contact_ticks,

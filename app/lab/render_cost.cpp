@@ -12,9 +12,9 @@
 
 #include "app/lab/image_metrics.h"
 #include "app/lab/pareto.h"
-#include "app/view/display_config.h"
 #include "app/run/simulation.h"
 #include "app/scene/load.h"
+#include "app/view/display_config.h"
 #include "app/view/quality.h"
 #include "app/view/texels.h"
 
@@ -71,8 +71,8 @@ struct Subject {
 Subject make_subject(const std::string& name, const LoadedScene& loaded, Voxmap& voxmap, const Approach& approach) {
   const Pose& world_from_bone = loaded.scene.volume.world_from_bone;
   Subject out{name, make_volume_view(voxmap, true), make_precise_texels(voxmap), {}, {}};
-  out.view =
-      make_frame_view(*loaded.scene.find<DisplayConfig>(), world_from_bone, world_from_bone * approach.bone_from_approach, approach.thickness, false);
+  out.view = make_frame_view(*loaded.scene.find<DisplayConfig>(), world_from_bone, world_from_bone * approach.bone_from_approach,
+                             approach.thickness, false);
   // As a scene with shading = "translucent" and the default transfer function.
   out.transfer = {{.density = 0.3, .extinction = 0.0}, {.density = 1.0, .extinction = 250.0}};
   return out;
@@ -228,7 +228,7 @@ class SubjectRun {
     for (const auto part :
          {&SubjectRun::references, &SubjectRun::sampling, &SubjectRun::texels, &SubjectRun::slices, &SubjectRun::translucent})
       if (Status done = (this->*part)(); !done) return done;
-    if (options_.front)
+    if (options_.pareto)
       if (Status done = combinations(); !done) return done;
     out_.rows.insert(out_.rows.end(), table_.rows().begin(), table_.rows().end());
     return {};
@@ -367,7 +367,7 @@ class SubjectRun {
       table_.add({"translucent", "step [voxel]", step}, *drawn, with->bytes(), {{kSameRays, &*plain}});
       if (step == 0.5) keep_picture("translucent", "translucent, half a voxel a step", drawn->image);
     }
-    if (!options_.front) return {};
+    if (!options_.pareto) return {};
     step_("combinations, translucent");
     const auto best = floats->draw(fine({.finish = false, .supersample = 4}));
     if (!best) return best.error();
@@ -444,7 +444,7 @@ Result<RenderCost> measure_render_cost(const RenderCostOptions& options) {
   RenderCost out;
   std::vector<bool> kinds{false};
   if (options.drilled) kinds.push_back(true);
-  const double steps = static_cast<double>(kinds.size()) * (options.front ? 15.0 : 7.0);
+  const double steps = static_cast<double>(kinds.size()) * (options.pareto ? 15.0 : 7.0);
   double done = 0.0;
   const auto step = [&](const std::string& what) {
     if (options.progress) options.progress(std::min(1.0, done++ / steps), what);
@@ -459,7 +459,7 @@ Result<RenderCost> measure_render_cost(const RenderCostOptions& options) {
   return out;
 }
 
-std::vector<ParetoRow> front_of(const std::vector<DrawnPoint>& points, const std::string& method) {
+std::vector<ParetoRow> pareto_rows(const std::vector<DrawnPoint>& points, const std::string& method) {
   struct Sum {
     ParetoRow row;
     int count = 0;

@@ -1,11 +1,11 @@
-/// app/lab/render_cost.h: accuracy and CPU time of drawing: pictures of the shipped renderer, one drawing option after another, against the
-///   best quality.
-///   Scene   the shipped parietal bone from the scene's camera, as loaded and after drilling through it; without the tool.
-///   References  drawn by the same renderer from float texels at 1/8 voxel with 12 bisections:
-///           "same rays"  one ray per pixel, without finish: errors of sampling and texels;
-///           "best"       4 x 4 rays per pixel, with finish: all errors that a viewer sees.
-///   Times   CPU time of all threads of the process [us] per picture, read-back included; interleaved with pictures of the shipped options.
-///   Units   in the names.   Errors  unavailable.   Thread  one; threads of OpenGL are counted.
+/// app/lab/render_cost.h: measures the error of pictures and the CPU time of the renderer for each drawing option.
+///   Scene   the shipped parietal bone, as loaded and after drilling, from the scene's camera, without the tool.
+///   References  two pictures by the same renderer, with 32-bit float texels, a ray step of 1/8 voxel and 12 bisections of the hit:
+///           "same rays"  one ray per pixel, without finish: shows errors of sampling and texels;
+///           "best"       4 x 4 rays per pixel, with finish: shows all visible errors.
+///   Times   CPU time of all threads of the process [us] per picture, read-back included. Time on a GPU is not included, so times are
+///           meaningful for software OpenGL only. Runs are interleaved with pictures at the default options, to cancel drift of the clock rate.
+///   Errors  unavailable (no OpenGL, no gnuplot).   Thread  one.
 #pragma once
 
 #include <functional>
@@ -21,19 +21,21 @@ struct RenderCostOptions {
   std::string share_folder;       ///< contains scenes/ and tools/
   int width = 400, height = 300;  ///< [pixels]
   int frames = 9;                 ///< timed per setting
-  bool front = true;              ///< all combinations of options, for the Pareto front; otherwise each option alone
+  bool pareto = true;             ///< true: all combinations of options, for the Pareto front; false: one option varied at a time
   bool drilled = true;            ///< also after drilling
   GlBackend gl = GlBackend::automatic;
   std::function<void(double, const std::string&)> progress{};  ///< share done 0..1; may be empty
 };
 
-/// A measured picture.
+/// Cost and error of one setting on one subject.
 struct DrawnPoint {
-  std::string subject;
-  std::string method;  ///< "rays", "slices" or "translucent"
+  std::string subject;  ///< state of the scene: "skull patch" (as loaded) or "drilled hole"
+  std::string method;   ///< "rays", "slices" or "translucent"
   DrawingQuality quality;
-  double slices_per_voxel = 0.0;                                                   ///< [slices/voxel] of method "slices"
-  double median_us = 0.0, over_shipped = 0.0, psnr = 0.0, ssim = 0.0, flip = 0.0;  ///< [us], [-], [dB], [-], [-]
+  double slices_per_voxel = 0.0;              ///< [slices/voxel] of method "slices"
+  double median_us = 0.0;                     ///< [us]
+  double over_shipped = 0.0;                  ///< [-] median time over the median time of the default options
+  double psnr = 0.0, ssim = 0.0, flip = 0.0;  ///< [dB], [-], [-] against "best"; FLIP 0: equal
 };
 
 struct NamedImage {
@@ -51,15 +53,17 @@ struct RenderCost {
 /// @returns ErrorCode::unavailable without OpenGL.
 [[nodiscard]] Result<RenderCost> measure_render_cost(const RenderCostOptions& options);
 
-/// Points of one method, combined over the subjects: mean cost relative to the cheapest, smallest PSNR.
+/// A setting on the Pareto front.
 struct ParetoRow {
   DrawingQuality quality;
-  double cost = 0.0, psnr = 0.0;  ///< [-], [dB]
+  double cost = 0.0;  ///< [-] relative to the cheapest setting, mean over the subjects
+  double psnr = 0.0;  ///< [dB] smallest over the subjects
 };
-[[nodiscard]] std::vector<ParetoRow> front_of(const std::vector<DrawnPoint>& points, const std::string& method);
+/// @returns the Pareto front of cost and PSNR over the settings of one method, cheapest first.
+[[nodiscard]] std::vector<ParetoRow> pareto_rows(const std::vector<DrawnPoint>& points, const std::string& method);
 
 /// Writes cost.csv, render.svg, render.html, the pictures and, if Pareto fronts were measured, quality_front.inc (compiled into the
-/// program) into a folder. `unavailable` without gnuplot: the CSV is written.
+/// program, once copied to app/view) into a folder. Without gnuplot it writes the CSV only and returns `unavailable`.
 [[nodiscard]] Status write_render_cost(const RenderCost& cost, const std::string& folder);
 
 }  // namespace burrhole

@@ -108,7 +108,7 @@ std::string pareto_text(const RenderCost& cost) {
       "[dB].\n";
   for (const auto& [method, name] : {std::pair{"rays", "kSurfaceFront"}, std::pair{"translucent", "kTranslucentFront"}}) {
     out += fmt::format("constexpr std::array {}{{\n", name);
-    for (const ParetoRow& row : front_of(cost.points, method))
+    for (const ParetoRow& row : pareto_rows(cost.points, method))
       out += fmt::format("    QualityPoint{{{{{:g}, {}, {}, {}, {:g}}}, {:.4g}, {:.3f}}},\n", row.quality.step_voxels,
                          row.quality.bisections, row.quality.finish, row.quality.supersample, row.quality.resolution, row.cost, row.psnr);
     out += "};\n";

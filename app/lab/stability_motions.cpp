@@ -41,7 +41,7 @@ void add_slides(std::vector<StabilityCase>& out) {
   StabilityCase flat = sliding("slide_flat", "A ball slides over a level plate, there and back.", level, 0.0);
   flat.checks.push_back({StabilityMeasure::ripple, kRipple, kThere});
   flat.checks.push_back({StabilityMeasure::ripple, kRipple, kBack});
-  flat.sabotage = {.what = "the force comes 15 ms late", .must_fail = StabilityMeasure::ripple, .late = 15};
+  flat.sabotage = {.what = "every force comes 15 ticks late", .must_fail = StabilityMeasure::ripple, .late = 15};
   out.push_back(flat);
   // tan 25 degrees
   StabilityCase tilted = sliding(
@@ -61,7 +61,7 @@ void add_strokes(std::vector<StabilityCase>& out) {
   for (const double times : {0.5, 1.0, 2.0, 10.0}) {
     StabilityCase stroke;
     stroke.name = fmt::format("stroke_{:g}x", times);
-    stroke.shows = fmt::format("The hand throws the tool onto the plate at {:g} times the speed of half a voxel a tick.", times);
+    stroke.shows = fmt::format("The tool hits the plate at {:g} mm/s, {:g} voxel per tick.", times * kLimit / kMillimetre, 0.5 * times);
     stroke.scene = scene({.volume = plate()});
     stroke.tool = ball();
     stroke.start = {0.0, 0.0, 2e-3};
@@ -110,7 +110,7 @@ void add_motions(std::vector<StabilityCase>& out) {
   chip.checks = with(always(), {{StabilityMeasure::penetration, kPenetration, {}, ForModels::constrained},
                                 {StabilityMeasure::attractive_force, kAttractiveForce},
                                 {StabilityMeasure::rest_speed, kRestSpeed, kLeft}});
-  chip.sabotage = {.what = "where the force should be zero, the largest force so far acts",
+  chip.sabotage = {.what = "zero forces are replaced by the largest force so far",
                    .must_fail = StabilityMeasure::force_without_bone,
                    .does_not_stop = true};
   out.push_back(chip);

@@ -132,13 +132,15 @@ Status write_stability_page(std::span<const StabilityOutcome> outcomes, const st
 }
 
 std::string stability_markdown(std::span<const StabilityOutcome> outcomes) {
-  std::string out = "## The cases\n\n| case | what it shows | broken on purpose | which must then fail |\n|---|---|---|---|\n";
+  std::string out = "## The cases\n\n| case | what it shows | injected error | measure that must fail |\n|---|---|---|---|\n";
   for (const StabilityCase& one : stability_cases()) {
     const bool broken = !one.sabotage.what.empty();
     out += fmt::format("| `{}` | {} | {} | {} |\n", one.name, one.shows, broken ? one.sabotage.what : "-",
                        broken ? fmt::format("`{}`", name_of(one.sabotage.must_fail)) : "-");
   }
-  out += "\n## What fails for which model\n";
+  out +=
+      "\n## What fails for which model\n\nCase, value and (bound), rounded to three digits. A case that appears twice has two spans of "
+      "time, such as there and back.\n";
   for (const StabilityModel& model : stability_models()) {
     if (std::ranges::none_of(outcomes, [&](const StabilityOutcome& o) { return o.model == model.name; })) continue;
     const std::vector<std::string> lines = failures_by_measure(outcomes, model.name);

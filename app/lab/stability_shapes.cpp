@@ -14,7 +14,7 @@ StabilityCase pressing(std::string name, std::string shows, std::string volume, 
   out.duration = kPressTime;
   out.path = press(depth_mm);
   out.checks = pressed();
-  out.sabotage = {.what = "the force comes 15 ms late", .must_fail = StabilityMeasure::cycle, .late = 15};
+  out.sabotage = {.what = "every force comes 15 ticks late", .must_fail = StabilityMeasure::cycle, .late = 15};
   return out;
 }
 
@@ -81,7 +81,7 @@ void add_deep(std::vector<StabilityCase>& out) {
   // The force limit of the grip bounds the spring there: only properties at the limit are tested.
   deep.checks = with(with(always(), held_back()), {{StabilityMeasure::rest_speed, kRestSpeed, {2.8, 3.0}}});
   deep.duration = 3.0;
-  deep.sabotage = {.what = "no limit of the force, also not that of the device",
+  deep.sabotage = {.what = "the force limits of servo and device are off",
                    .must_fail = StabilityMeasure::force,
                    .sets = {"servo.force_N=1000", "device.force_N=1000"}};
   out.push_back(deep);
@@ -93,7 +93,7 @@ void add_deep(std::vector<StabilityCase>& out) {
                      {StabilityMeasure::force, kForceBound},
                      {StabilityMeasure::force_without_bone, 0.0},
                      {StabilityMeasure::rest_speed, kRestSpeed, kLeft}};
-  embedded.sabotage = {.what = "where the force should be zero, the largest force so far acts",
+  embedded.sabotage = {.what = "zero forces are replaced by the largest force so far",
                        .must_fail = StabilityMeasure::force_without_bone,
                        .does_not_stop = true};
   out.push_back(embedded);

@@ -22,10 +22,9 @@ StabilityCase resting(std::string name, std::string shows) {
 
 void add_clocks(std::vector<StabilityCase>& out) {
   for (const int rate : {1000, 200, 100, 50, 20}) {
-    StabilityCase slow =
-        resting(fmt::format("contact_{}_hz", rate), fmt::format("Contact is evaluated {} times a second, the servo runs at 1 kHz.", rate));
+    StabilityCase slow = resting(fmt::format("contact_{}_hz", rate), fmt::format("Contact at {} Hz, servo at 1 kHz.", rate));
     slow.rate_hz = rate;
-    slow.sabotage = {.what = "every force comes 15 ms late", .must_fail = StabilityMeasure::cycle, .late = 15};
+    slow.sabotage = {.what = "every force comes 15 ticks late", .must_fail = StabilityMeasure::cycle, .late = 15};
     if (rate <= 50)
       slow.sabotage = {.what = "forces are constant between two contact evaluations",
                        .must_fail = StabilityMeasure::cycle,
@@ -91,9 +90,8 @@ void add_devices(std::vector<StabilityCase>& out) {
                    {StabilityMeasure::force_in_fault, 0.0, {}, ForModels::all, kServoLatched},
                    {StabilityMeasure::ticks_missed, 0.0, {0.6, 0.61}, ForModels::all, kServoHandNotFinite},
                    {StabilityMeasure::ticks_missed, 0.0, {0.6, 0.799}, ForModels::all, kServoLatched}};
-  number.sabotage = {.what = "where the force should be zero, the largest force so far acts",
-                     .must_fail = StabilityMeasure::force_in_fault,
-                     .does_not_stop = true};
+  number.sabotage = {
+      .what = "zero forces are replaced by the largest force so far", .must_fail = StabilityMeasure::force_in_fault, .does_not_stop = true};
   out.push_back(number);
   StabilityCase infinite = number;
   infinite.name = "device_infinite";

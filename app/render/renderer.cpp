@@ -225,7 +225,7 @@ Result<Image> Renderer::draw(const FrameView& view, int width, int height) {
   return enlarge(*drawn, width, height);
 }
 
-Result<Image> Renderer::draw_at_pace(const FrameView& view, int width, int height, Pace& pace) {
+Result<Image> Renderer::draw_at_pace(const FrameView& view, int width, int height, DynamicResolution& pace) {
   const bool moves = !impl_->last_camera || !(*impl_->last_camera == view.camera);
   impl_->last_camera = view.camera;
   if (!moves) return draw(view, width, height);

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "app/render/dynamic_resolution.h"
 #include "app/render/gl_context.h"
-#include "app/render/pace.h"
 #include "app/view/view.h"
 #include "core/base/result.h"
 #include "core/tool/tool.h"
@@ -100,7 +100,7 @@ class Renderer {
   [[nodiscard]] Result<Image> draw(const FrameView& view, int width, int height);
   /// The same for a camera moved by hand. While the camera differs from that of the last call, the picture is drawn at the resolution of
   /// `pace` and enlarged; when it is at rest, as draw(). Pictures of a moving camera depend on measured times.
-  [[nodiscard]] Result<Image> draw_at_pace(const FrameView& view, int width, int height, Pace& pace);
+  [[nodiscard]] Result<Image> draw_at_pace(const FrameView& view, int width, int height, DynamicResolution& pace);
   /// Draws the same picture with hit positions and sample counts; slower.
   [[nodiscard]] Result<FrameProbe> probe(const FrameView& view, int width, int height);
 

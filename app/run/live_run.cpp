@@ -7,8 +7,8 @@
 #include "app/run/live_rows.h"
 #include "core/base/hash.h"
 #include "core/base/spsc_queue.h"
-#include "haptics/servo/force_guard.h"
 #include "haptics/servo/realtime.h"
+#include "haptics/servo/zero_force_on_exit.h"
 
 namespace burrhole {
 namespace {
@@ -109,7 +109,7 @@ void Loops::prepare(int priority) noexcept {
 
 void Loops::servo_loop() noexcept {
   prepare(kServoAbove);
-  const ForceGuard zero_at_the_end(*parts_->hand);
+  const ZeroForceOnExit zero_at_the_end(*parts_->hand);
   TickClock clock(start_, parts_->period, 0.0);
   const auto last = static_cast<std::uint64_t>(parts_->config.duration * parts_->config.servo_hz + 0.5);
   Vec3 held(0.0);
@@ -251,7 +251,7 @@ Status Loops::tell_faults(const ServoRow& row) {
   for (std::uint32_t fresh = row.faults & kServoLatched & ~told_faults_; fresh != 0; fresh &= fresh - 1) {
     const std::string name = name_of(static_cast<ServoFault>(fresh & ~(fresh - 1)));
     if (options_.warn) options_.warn("servo: " + name + ": the hand is without force from here on");
-    if (Status noted = log_->note(static_cast<double>(row.hand.tick) * parts_->period, "fault", name); !noted) return noted;
+    if (Status noted = log_->record_event(static_cast<double>(row.hand.tick) * parts_->period, "fault", name); !noted) return noted;
   }
   told_faults_ |= row.faults & kServoLatched;
   return {};
@@ -265,7 +265,7 @@ Status Loops::drain_servo() {
     report_->servo_skipped += row.skipped;
     report_->faults |= row.faults;
     if (Status told = tell_faults(row); !told) return told;
-    if (Status noted = log_->hand(row.hand); !noted) return noted;
+    if (Status noted = log_->record_hand(row.hand); !noted) return noted;
     if (log_->session() == nullptr) continue;
     put(row, *parts_, row_);
     if (Status written = log_->session()->append(kServoRows, row_); !written) return written;
@@ -285,7 +285,8 @@ Status Loops::drain_contact() {
       put(row, *parts_, row_);
       if (Status written = log_->session()->append(kContactRows, row_); !written) return written;
     }
-    if (Status seen = log_->contact({row.time, glm::length(row.on_hand.force), row.progress.depth}, row.progress, row.world_from_tool);
+    if (Status seen =
+            log_->record_contact({row.time, glm::length(row.on_hand.force), row.progress.depth}, row.progress, row.world_from_tool);
         !seen)
       return seen;
     if (options_.progress && row.time - told_ >= kProgressEvery) {

@@ -59,13 +59,13 @@ std::string hash_text(std::uint64_t hash) {
 
 }  // namespace
 
-Status RunLog::hand(const HandState& hand) {
+Status RunLog::record_hand(const HandState& hand) {
   if (hand.phase == phase_) return {};
   phase_ = hand.phase;
-  return note(static_cast<double>(hand.tick) * parts_->period, "hand", name_of(phase_));
+  return record_event(static_cast<double>(hand.tick) * parts_->period, "hand", name_of(phase_));
 }
 
-Status RunLog::contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool) {
+Status RunLog::record_contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool) {
   samples_.push_back(sample);
   if (!drew_half_ && progress.depth > 0.5 * parts_->approach.thickness) {
     drew_half_ = true;
@@ -74,19 +74,19 @@ Status RunLog::contact(const RunSample& sample, const DrillProgress& progress, c
   if (!noted_passing_ && progress.passed_time) {
     noted_passing_ = true;
     if (!progress.breakthrough_time)
-      if (Status noted = note(sample.time, "passed", "the tip is beyond the bone, which is not cut through on the axis"); !noted)
+      if (Status noted = record_event(sample.time, "passed", "the tip is beyond the bone, which is not cut through on the axis"); !noted)
         return noted;
   }
   if (!drew_breakthrough_ && progress.breakthrough_time) {
     drew_breakthrough_ = true;
-    if (Status noted = note(sample.time, "breakthrough", "no bone ahead, and none behind but what the bit is engaged in"); !noted)
+    if (Status noted = record_event(sample.time, "breakthrough", "no bone ahead, and none behind but what the bit is engaged in"); !noted)
       return noted;
     return draw("breakthrough", world_from_tool, true);
   }
   return {};
 }
 
-Status RunLog::note(double time, const std::string& kind, const std::string& text) {
+Status RunLog::record_event(double time, const std::string& kind, const std::string& text) {
   events_.push_back({time, kind, text});
   if (session_ == nullptr) return {};
   return session_->event({time, static_cast<std::int64_t>(time / parts_->period + 0.5), kind, text, {}});

@@ -1,6 +1,6 @@
-/// app/run/run_log.h: output during a run: rows and events of the session, samples for plots, pictures at events.
-///   Frame  world.   Units  SI.   Errors  those of session and display; bad_input of redraw().
-///   Thread  one that may wait and allocate: that of lockstep, or the main thread of a live run. Never servo or contact.
+/// app/run/run_log.h: records what a run produces: events of the session, samples for plots, and pictures at events.
+///   Frame  world.   Units  SI.   Errors  those of SessionWriter and of the display; redraw() also bad_input.
+///   Thread  the lockstep thread or the main thread of a live run. It blocks and allocates: never call it from the servo or contact thread.
 #pragma once
 
 #include <functional>
@@ -12,16 +12,16 @@
 
 namespace burrhole {
 
-inline constexpr double kProgressEvery = 0.1;  ///< [s] between two reports of progress
+inline constexpr double kProgressEvery = 0.1;  ///< [s] of simulated time between two reports of progress
 
-/// One moment for plots, at contact rate.
+/// A sample for the plots, one per contact evaluation.
 struct RunSample {
   double time = 0.0;   ///< [s]
-  double force = 0.0;  ///< [N] on the hand
-  double depth = 0.0;  ///< [m] of the tip
+  double force = 0.0;  ///< [N] magnitude of the force on the hand, before the force scale
+  double depth = 0.0;  ///< [m] of the tip below the entry, along the approach axis
 };
 
-/// What happened when, for people.
+/// An event with its text for the report; also written to the session.
 struct RunEvent {
   double time = 0.0;  ///< [s]
   std::string kind, text;
@@ -29,21 +29,25 @@ struct RunEvent {
 
 class RunLog {
  public:
-  /// `parts` must outlive it. `gather` fills the display's batch (FrameStep::gather) on the thread that owns the bone.
+  /// `parts` must outlive it. @param session null: nothing is written to a session. @param gather called before each picture: collects the
+  /// changed texels (Stage::gather) on the thread that owns the bone, and returns when the batch is ready.
   RunLog(Stage& parts, SessionWriter* session, std::function<void()> gather)
       : parts_(&parts), session_(session), gather_(std::move(gather)) {}
 
   [[nodiscard]] SessionWriter* session() noexcept { return session_; }
-  /// Receives the hand in each tick; records an event when the hand enters the next phase of its script.
-  [[nodiscard]] Status hand(const HandState& hand);
-  /// Receives each contact result, in order: the sample, and the progress of the tip.
-  [[nodiscard]] Status contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool);
-  [[nodiscard]] Status note(double time, const std::string& kind, const std::string& text);
-  /// For a replay: draws a recorded picture; the bone must be at the picture's step. bad_input: its view cannot be read.
+  /// Call at each servo tick. Records an event when the hand enters the next phase of its script.
+  [[nodiscard]] Status record_hand(const HandState& hand);
+  /// Call with each contact result, in order. Stores the sample; draws a picture at half the thickness of bone and at breakthrough; records
+  /// breakthrough, or that the tip passed uncut bone.
+  [[nodiscard]] Status record_contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool);
+  [[nodiscard]] Status record_event(double time, const std::string& kind, const std::string& text);
+  /// For a replay: draws the picture of a recorded still. The bone must be in the state of that still (SessionStill::bone_step). bad_input if
+  /// the pose of the tool in the still cannot be parsed.
   [[nodiscard]] Status redraw(const SessionStill& still);
   /// Names and hashes of the pictures redrawn, in order.
   [[nodiscard]] const std::vector<SessionStill>& redrawn() const noexcept { return redrawn_; }
-  /// Draws one picture; records it as a still if there is a session. @param world_from_tool absent: the tool is not drawn.
+  /// Draws one picture; records it as a still if there is a session. @param world_from_tool absent: the tool is not drawn. @param cut whether
+  /// the picture is clipped by the scene's cutting plane.
   [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);
 
   [[nodiscard]] const std::vector<RunSample>& samples() const noexcept { return samples_; }

@@ -63,10 +63,10 @@ Status Simulation::run_lockstep() {
     sent_.add(servo_now_.force);
     if (log_->session() != nullptr)
       if (Status recorded = record_timer_([&] { return record_rows(steps, window); }); !recorded) return recorded;
-    if (Status noted = log_->hand(servo_now_.hand); !noted) return noted;
+    if (Status noted = log_->record_hand(servo_now_.hand); !noted) return noted;
     if (steps.looked()) {
       const RunSample sample{contact.time(), glm::length(contact.state().on_hand.force), contact.progress().depth};
-      if (Status seen = log_->contact(sample, contact.progress(), contact.state().world_from_tool); !seen) return seen;
+      if (Status seen = log_->record_contact(sample, contact.progress(), contact.state().world_from_tool); !seen) return seen;
     }
     if (options_.progress && progress_every > 0 && tick_ % progress_every == 0) options_.progress(time(), progress());
     if (finished()) break;
@@ -79,7 +79,7 @@ Status Simulation::apply(const Input& input) {
   const double time = static_cast<double>(input.tick) * parts_->period;
   const auto refused = [&](const std::string& why) {
     if (options_.warn) options_.warn(why);
-    return log_->note(time, "refused", why);
+    return log_->record_event(time, "refused", why);
   };
   switch (input.kind) {
     case InputKind::spin:
@@ -94,21 +94,21 @@ Status Simulation::apply(const Input& input) {
       if (!tool) return issues.front();
       tools_.push_back(std::make_unique<Tool>(std::move(*tool)));
       if (Status changed = parts_->change_tool(*tools_.back()); !changed) return changed;
-      return log_->note(time, "tool", input.text);
+      return log_->record_event(time, "tool", input.text);
     }
     case InputKind::undo:
-      return parts_->undo() ? log_->note(time, "undo", "") : refused("there is nothing to undo");
+      return parts_->undo() ? log_->record_event(time, "undo", "") : refused("there is nothing to undo");
     case InputKind::reset:
       if (Status done = parts_->reset(); !done) return refused(done.error().message);
-      return log_->note(time, "reset", "");
+      return log_->record_event(time, "reset", "");
     case InputKind::checkpoint:
       if (Status done = parts_->checkpoint(input.text); !done) return refused(done.error().message);
-      return log_->note(time, "checkpoint", input.text);
+      return log_->record_event(time, "checkpoint", input.text);
     case InputKind::restore:
       if (Status done = parts_->restore(input.text); !done) return refused(done.error().message);
-      return log_->note(time, "restored", input.text);
+      return log_->record_event(time, "restored", input.text);
     case InputKind::mark:
-      return log_->note(time, "mark", input.text);
+      return log_->record_event(time, "mark", input.text);
   }
   return {};
 }

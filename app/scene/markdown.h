@@ -1,4 +1,4 @@
-/// app/scene/markdown.h: text as GitHub's Markdown shows it and does not interpret it; both forms may stand in a cell of a table.
+/// app/scene/markdown.h: escapes text for GitHub's Markdown, also inside the cells of a table.
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace burrhole {
 
-/// Plain text: what Markdown would take as its own is escaped, a line break becomes a space.
+/// @returns `text` with Markdown's special characters escaped and line breaks replaced by spaces.
 [[nodiscard]] std::string markdown_text(std::string_view text);
 
-/// Code, whatever backticks and bars it holds; never empty text.
+/// @returns `text` as a code span; it may contain backticks and |. @param text not empty.
 [[nodiscard]] std::string markdown_code(std::string_view text);
 
 }  // namespace burrhole

@@ -1,4 +1,4 @@
-/// core/base/matrix6.h: systems of six unknowns, translation first and then rotation.
+/// core/base/matrix6.h: 6 x 6 linear systems. Callers order components as translation, then rotation.
 #pragma once
 
 #include <array>
@@ -6,11 +6,12 @@
 
 namespace burrhole {
 
-using Six = std::array<double, 6>;
-using Matrix6 = std::array<Six, 6>;
+using Vector6 = std::array<double, 6>;
+using Matrix6 = std::array<Vector6, 6>;
 
-/// Solves A x = b by L D L^T. @param a symmetric positive definite; its lower half is read.
-[[nodiscard]] inline Six solved(Matrix6 a, Six b) noexcept {
+/// @returns x with A x = b, by L D L^T. @param a a[row][column], symmetric positive definite; only the lower triangle is read. Not checked:
+/// other matrices give wrong, infinite or NaN results.
+[[nodiscard]] inline Vector6 solve_spd(Matrix6 a, Vector6 b) noexcept {
   for (std::size_t j = 0; j < 6; ++j) {
     for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k] * a[k][k];
     for (std::size_t i = j + 1; i < 6; ++i) {

@@ -1,5 +1,5 @@
-/// core/base/triple_buffer.h: mailbox of plain values from one writer thread to one reader thread. The latest value wins; wait-free on both
-/// sides.
+/// core/base/triple_buffer.h: passes the latest value from one writer thread to one reader thread, wait-free on both sides. T is trivially
+///   copyable. BH_REALTIME: the function neither blocks nor allocates; tests check it.
 #pragma once
 
 #include <type_traits>
@@ -10,7 +10,7 @@ namespace burrhole {
 
 template <class T>
 class TripleBuffer {
-  static_assert(std::is_trivially_copyable_v<T>, "a mailbox carries plain values only");
+  static_assert(std::is_trivially_copyable_v<T>, "a TripleBuffer carries trivially copyable values only");
 
  public:
   explicit TripleBuffer(const T& initial = {}) { buffer_.slots().fill(initial); }
@@ -19,7 +19,7 @@ class TripleBuffer {
     buffer_.back() = value;
     buffer_.publish();
   }
-  /// Reader: the newest value. The reference stays valid until the next call.
+  /// Reader: the newest value, `initial` before the first publish(). The reference stays valid until the reader's next call.
   [[nodiscard]] const T& latest() noexcept BH_REALTIME { return buffer_.latest(); }
 
  private:

@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kLookAhead = 0.6;                   // [voxel edges] a move knows all planes nearer than this
 constexpr double kFarthestLook = kRecordBand - 1.0;  // [voxel edges] all eight records around a point hold their distance up to here
-constexpr double kLongestMove = 0.4;  // [voxel edges] of any point near bone: less than the search distance, with margin for curvature
-constexpr double kSettled = 0.05;     // [voxel edges] a last move below this needs no new probe: its error is of second order
-constexpr double kTolerance = 0.002;  // [voxel edges] tolerance of the planes
+constexpr double kLongestMove = 0.4;     // [voxel edges] of any point near bone: less than the search distance, with margin for curvature
+constexpr double kSettled = 0.05;        // [voxel edges] a last move below this needs no new probe: its error is of second order
+constexpr double kTolerance = 0.002;     // [voxel edges] tolerance of the planes
 constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are partly bone, and the compliance must stay bounded
 // Fraction of a cutting plane's compliance that is its own; the rest is the shared engagement. Opposed walls act on each other through this
 // fraction alone, so it sets the clamping force on a tool slightly too wide for its hole.
@@ -195,7 +195,7 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
       facing_(shell, gripping_),
       drawn_(shell, points_.cutting, middle_),
       edge_(voxel_edge),
-      spots_(shell),
+      regions_(shell),
       places_(points_) {
   hits_.reserve(shell_.size());
 }
@@ -451,8 +451,8 @@ void ConstrainedTool::describe(const SurfaceView& bone, double reach, LocalConta
     look(bone, spinning_, std::min(reach / edge_, kFarthestLook));
     since_look_ = {};
   }
-  std::array<std::uint32_t, kMaxSpots> near;
-  spots_.pick(hits_, near);
+  std::array<std::uint32_t, kMaxRegions> near;
+  regions_.pick(hits_, near);
   const Candidates candidates(*this, bone, spinning_);
   for (const std::uint32_t hit : near)
     if (hit != kNoHit && std::ranges::find(solver_.planes(), hits_.point[hit], &HoldPlane::point) == solver_.planes().end())

@@ -26,7 +26,7 @@
 #include "core/contact/hit_places.h"
 #include "core/contact/hold_solver.h"
 #include "core/contact/local_contact.h"
-#include "core/contact/near_spots.h"
+#include "core/contact/shell_regions.h"
 #include "core/contact/side_grip.h"
 #include "core/contact/surface_view.h"
 #include "core/contact/tangential_hold.h"
@@ -122,7 +122,7 @@ class ConstrainedTool {
   FacingPoints facing_;        // selects from those
   DrawnShell drawn_;           // applies the clearance to the cutting points of points_
   double edge_ = 0.0;          // [m]
-  NearSpots spots_;
+  ShellRegions regions_;
   HitPlaces places_;
   ProbeHits hits_;
   std::size_t cutting_hits_ = 0;  // hits of cutting points come first; this is their number

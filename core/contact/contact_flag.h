@@ -5,14 +5,13 @@
 
 namespace burrhole {
 
-/// Bits of ContactState::flags, ContactResult::flags and the states of the models. The run continues; the caller prints a warning at its
-/// end.
+/// Bits of ContactState::flags, ContactResult::flags and the state of each contact model. The run continues; a warning is printed when it ends.
 enum ContactFlag : std::uint32_t {
-  kContactOutsideWindow = 1u << 0,  ///< a shell point was outside the known part of the window
-  kContactNoSurface = 1u << 1,      ///< a march reached its bound without finding a surface; the point has no force
-  kContactZeroGradient = 1u << 2,   ///< a surface voxel has no gradient; the tool vector replaced it
-  kContactNotFinite = 1u << 3,      ///< the pose was not finite; the result is zero
-  kContactUnsettled = 1u << 4,      ///< the constrained tool reached its bound on moves or planes before it converged
+  kContactOutsideWindow = 1u << 0,  ///< a shell point was outside the filled part of the contact window; it has no force (penalty models)
+  kContactNoSurface = 1u << 1,      ///< the search from a shell point reached its largest distance without a surface; no force
+  kContactZeroGradient = 1u << 2,   ///< the density gradient is zero at the surface found; the point's inward normal was used instead
+  kContactNotFinite = 1u << 3,      ///< the pose was not finite; the force is zero
+  kContactUnsettled = 1u << 4,      ///< the solver of the constrained tool reached its limit of moves or planes before it converged
 };
 
 }  // namespace burrhole

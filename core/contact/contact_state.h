@@ -11,16 +11,16 @@
 namespace burrhole {
 
 struct ContactState {
-  Pose world_from_tool;        ///< pose of the constrained tool
-  Pose world_from_hand;        ///< hand motion that this result belongs to
-  Wrench on_hand;              ///< [N], [N m] about the tool origin, world frame
-  Mat3 force_gradient{0.0};    ///< [N/m] d on_hand.force / d position of the hand (for [AcostaLiu07] eq. 3)
-  LocalContact local;          ///< the same contact as planes, from which the servo extrapolates until the next state
-  double engagement = 0.0;     ///< [m] engaged depth
-  double cutting_force = 0.0;  ///< [N] force of the tool on the bone that it cuts
-  double cutting_sum = 0.0;    ///< [N] sum of cutting_force over all evaluations; the difference of two states gives the mean between them
-  double spin = 1.0;           ///< [-] spin command of that motion, 0..1 of the scene's spin
-  std::uint64_t tick = 0;      ///< servo tick of that hand motion
+  Pose world_from_tool;        ///< pose of the tool; that of the hand in a penalty model without coupling
+  Pose world_from_hand;        ///< hand pose from which this result was computed
+  Wrench on_hand;              ///< [N], [N m] on the hand, world frame, before the force scale; moment about the origin of world_from_tool
+  Mat3 force_gradient{0.0};    ///< [N/m] d on_hand.force / d position of the hand, rotation not included; [AcostaLiu07] eq. 3
+  LocalContact local;          ///< tangent planes of the same contact, from which the servo computes forces until the next state
+  double engagement = 0.0;     ///< [m] distance by which the cutting points are pressed into bone; penalty models: largest penetration
+  double cutting_force = 0.0;  ///< [N] magnitude of the force between cutting points and bone; penalty models: of all points
+  double cutting_sum = 0.0;    ///< [N] running sum of cutting_force; its difference over that of `number` is the mean between two states
+  double spin = 1.0;           ///< [-] spin command at `tick`, as a fraction of the scene's spin, 0..1
+  std::uint64_t tick = 0;      ///< servo tick of world_from_hand
   std::uint64_t number = 0;    ///< number of the evaluation, from 1; 0: none yet
   std::uint32_t flags = 0;     ///< ContactFlag
 };

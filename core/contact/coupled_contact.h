@@ -1,4 +1,5 @@
-/// core/contact/coupled_contact.h: makes a ContactModel of a penalty model and a virtual coupling: the tool is a body with mass.
+/// core/contact/coupled_contact.h: combines a penalty model and a virtual coupling into a ContactModel: the tool is a rigid body
+///   with mass that a spring and a damper couple to the hand.
 ///   Frame  world.   Units  SI.   Thread  contact.
 #pragma once
 
@@ -10,9 +11,8 @@
 
 namespace burrhole {
 
-/// @param model result of GradientPlane::create() or VoxmapContact::create(); its error is returned. Errors: else as
-/// VirtualCoupling::create().
-/// VirtualCoupling::create().
+/// @param model from GradientPlane::create() or VoxmapContact::create(); a Result, so that callers can pass it on unchecked.
+/// Errors: that of `model`, else those of VirtualCoupling::create().
 [[nodiscard]] Result<std::unique_ptr<ContactModel>> make_coupled_contact(const VirtualCouplingConfig& config,
                                                                          Result<std::unique_ptr<PenaltyModel>> model,
                                                                          const ContactOptions& options);

@@ -118,13 +118,13 @@ SmallMove Friction::newton_direction(const TangentialProblem& problem, double st
     for (const auto& [direction, weight] : rows) {
       if (weight == 0.0) continue;
       const Vec3 lever = glm::cross(point.arm, direction);
-      const Six j{direction.x, direction.y, direction.z, lever.x, lever.y, lever.z};
+      const Vector6 j{direction.x, direction.y, direction.z, lever.x, lever.y, lever.z};
       for (std::size_t r = 0; r < 6; ++r)
         for (std::size_t c = 0; c <= r; ++c) matrix[r][c] += weight * j[r] * j[c];
     }
   }
   const Wrench left = residual(problem, move_);
-  const Six d = solved(matrix, {left.force.x, left.force.y, left.force.z, left.torque.x, left.torque.y, left.torque.z});
+  const Vector6 d = solve_spd(matrix, {left.force.x, left.force.y, left.force.z, left.torque.x, left.torque.y, left.torque.z});
   return {{d[0], d[1], d[2]}, {d[3], d[4], d[5]}};
 }
 

@@ -60,7 +60,7 @@ HWY_INLINE void append(const ProbeJob& job, hn::Mask<Floats> real, const CellSam
                        ProbeHits& hits) {
   const Floats df;
   const Ints di;
-  const Vf distance = hn::Mul(found.distance, hn::Set(df, 1.0f / (job.steps_a_edge * kChannelScale<Channel>)));
+  const Vf distance = hn::Mul(found.distance, hn::Set(df, 1.0f / (job.steps_per_edge * kChannelScale<Channel>)));
   const Vf to_one = hn::Set(df, job.normal_scale / kChannelScale<Channel>);
   const Vf values[6] = {px, py, pz, hn::Mul(found.nx, to_one), hn::Mul(found.ny, to_one), hn::Mul(found.nz, to_one)};
   float* const arrays[6] = {hits.x.data(), hits.y.data(), hits.z.data(), hits.nx.data(), hits.ny.data(), hits.nz.data()};

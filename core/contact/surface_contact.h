@@ -1,4 +1,4 @@
-/// core/contact/surface_contact.h: contact model `surface`: makes a ContactModel of the constrained tool.
+/// core/contact/surface_contact.h: contact model `surface`: the constraint-based tool (constrained_tool.h) as a ContactModel.
 ///   Frame  world.   Units  SI.   Thread  contact.
 #pragma once
 
@@ -10,7 +10,8 @@
 
 namespace burrhole {
 
-/// BoneView::surface must be present in every step. Errors as ConstrainedTool::create().
+/// Precondition of every step: BoneView::surface is present (asserted). `shell` is copied. Errors: those of
+/// ConstrainedTool::create().
 [[nodiscard]] Result<std::unique_ptr<ContactModel>> make_surface_contact(const ConstrainedToolConfig& config, const PointShell& shell,
                                                                          const ContactOptions& options);
 

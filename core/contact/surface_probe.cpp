@@ -76,16 +76,16 @@ void probe_surface(const RecordView& bone, const ContactShellPart& points, const
     job.hi[a] = static_cast<float>(known.hi[a] - 1);
   }
   copy_matrix(index_from_tool.linear, index_from_tool.offset - Vec3(bone.box.lo), job.linear, job.offset);
-  job.steps_a_edge = static_cast<float>(1.0 / (small ? kRecord8Distance : kRecord16Distance));
+  job.steps_per_edge = static_cast<float>(1.0 / (small ? kRecord8Distance : kRecord16Distance));
   job.normal_scale = static_cast<float>(small ? kRecord8Normal : kRecord16Normal);
   // -1/2 f (1 - f) times the change of the normal along an axis, on the way of that axis.
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t c = 0; c < 3; ++c)
       job.metric[4 * axis + 1 + c] = static_cast<float>(
           -0.5 * (small ? kRecord8Normal / kRecord8Distance : kRecord16Normal / kRecord16Distance) * cell[axis][c] / edge);
-  job.straight = true;
+  job.diagonal = true;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::size_t c = 0; c < 3; ++c) job.straight = job.straight && (c == axis || job.metric[4 * axis + 1 + c] == 0.0f);
+    for (std::size_t c = 0; c < 3; ++c) job.diagonal = job.diagonal && (c == axis || job.metric[4 * axis + 1 + c] == 0.0f);
   job.look_ahead = static_cast<float>(look_ahead);
   // The change of distance is at most the path length: half a cell's diagonal, plus a hundredth for rounding of stored values.
   job.slack = static_cast<float>(0.5 * diagonal / edge + 0.02);

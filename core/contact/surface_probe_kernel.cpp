@@ -116,7 +116,7 @@ HWY_INLINE std::size_t keep_near(const ProbeJob& job, const ContactShellPart& pa
                                  Vf& nearest, bool& outside) {
   const Floats df;
   const Ints di;
-  const Vf limit = hn::Set(df, (job.look_ahead + job.slack) * job.steps_a_edge);
+  const Vf limit = hn::Set(df, (job.look_ahead + job.slack) * job.steps_per_edge);
   std::size_t kept = 0;
   for (std::size_t n = first; n < last; n += hn::Lanes(df)) {
     const Placed at = place(job, part, n, last, outside);
@@ -204,7 +204,7 @@ HWY_INLINE bool begins_near(const ProbeJob& job, const ContactShellPart& part) {
   const std::size_t last = HWY_MIN(part.size(), hn::Lanes(df));
   const Placed at = place(job, part, 0, last, outside);
   const Vf distance = read_distance<Channel>(job, record_of(job, nearest_voxel(at.x), nearest_voxel(at.y), nearest_voxel(at.z)));
-  const Vf limit = hn::Set(df, (job.look_ahead + job.slack) * job.steps_a_edge);
+  const Vf limit = hn::Set(df, (job.look_ahead + job.slack) * job.steps_per_edge);
   return 4 * hn::CountTrue(df, hn::And(at.usable, hn::Lt(distance, limit))) >= 3 * last;
 }
 
@@ -230,7 +230,7 @@ HWY_INLINE std::size_t append_all(const ProbeJob& job, const ContactShellPart& p
                                   const ProbeBlock& block, BlockRange& range, Vf& nearest, ProbeHits& hits) {
   const Floats df;
   const RowStarts<Channel> starts = rows_of<Channel>(job);
-  const Vf limit = hn::Set(df, (job.look_ahead + job.slack) * job.steps_a_edge);
+  const Vf limit = hn::Set(df, (job.look_ahead + job.slack) * job.steps_per_edge);
   std::size_t kept = 0;
   for (std::size_t n = first; n < last; n += hn::Lanes(df)) {
     const InCells<Channel> cells(starts, block, n - first);
@@ -248,7 +248,7 @@ HWY_INLINE std::size_t append_all(const ProbeJob& job, const ContactShellPart& p
 template <bool kStraight, class Channel>
 HWY_INLINE void probe(const ProbeJob& job, const ContactShellPart& part, ProbeHits& hits) {
   const Floats df;
-  Vf nearest = hn::Set(df, hits.nearest * job.steps_a_edge);
+  Vf nearest = hn::Set(df, hits.nearest * job.steps_per_edge);
   ProbeBlock block;
   bool most_near = begins_near<Channel>(job, part);  // later, of the block before, which lies beside this one
   for (std::size_t first = 0; first < part.size(); first += kProbeBlock) {
@@ -266,14 +266,14 @@ HWY_INLINE void probe(const ProbeJob& job, const ContactShellPart& part, ProbeHi
     if (hits.blocks.wanted && hits.count > before) range.append(hits.count, hits.blocks);
     most_near = 4 * kept >= 3 * (last - first);
   }
-  hits.nearest = hn::GetLane(hn::MinOfLanes(df, nearest)) / job.steps_a_edge;
+  hits.nearest = hn::GetLane(hn::MinOfLanes(df, nearest)) / job.steps_per_edge;
 }
 
 void Probe(const ProbeJob& job, const ContactShellPart& part, ProbeHits& hits) {
   if (job.records8 != nullptr)
-    job.straight ? probe<true, std::int8_t>(job, part, hits) : probe<false, std::int8_t>(job, part, hits);
+    job.diagonal ? probe<true, std::int8_t>(job, part, hits) : probe<false, std::int8_t>(job, part, hits);
   else
-    job.straight ? probe<true, std::int16_t>(job, part, hits) : probe<false, std::int16_t>(job, part, hits);
+    job.diagonal ? probe<true, std::int16_t>(job, part, hits) : probe<false, std::int16_t>(job, part, hits);
 }
 
 }  // namespace

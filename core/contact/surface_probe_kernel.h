@@ -1,7 +1,7 @@
-/// core/contact/surface_probe_kernel.h: the vector kernel of surface_probe: all points of one part of a shell against the records of a
-///   window.
-///   Frame  coordinates relative to the window's corner, for the accuracy of single precision.   Units  voxel edges; stored steps where
-///          stated.
+/// core/contact/surface_probe_kernel.h: SIMD kernel of surface_probe: looks up distance and normal of the bone's surface at all points of one
+///   part of a shell.
+///   Frame  index coordinates relative to the window's corner, for the accuracy of single precision.
+///   Units  voxel edges, or quanta: the smallest stored difference of a distance or a normal.   Errors  none.   Thread  contact.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,26 @@
 
 namespace burrhole {
 
-/// Input of the kernel of every target.
+/// Input of the kernel, the same for every instruction set.
 struct ProbeJob {
-  const std::int8_t* records8;  // channels of records: distance, nx, ny, nz, and so on; exactly one of the two is set
+  const std::int8_t* records8;  // four values per record: distance (positive outside bone), nx, ny, nz; exactly one of the two is set
   const std::int16_t* records16;
-  std::int32_t row, slab;  // offsets [records] between rows and between slabs
-  float lo[3], hi[3];      // [voxels] points p with lo <= p < hi have eight known records
-  float linear[9];         // [voxels/m] of window coordinates from tool frame, column by column
-  float offset[3];         // [voxels] of window coordinates
-  float metric[12];    // [-] four per axis: 0, and the weights of the normal's changes in the correction for curvature, in stored steps
-  bool straight;       // per axis only the weight of its own component is not 0
-  float steps_a_edge;  // [1/voxel] stored distance steps per voxel edge
-  float normal_scale;  // [-] length of one stored step of a normal
-  float look_ahead;  // [voxels] largest distance of a hit, in voxel edges
-  float slack;       // [voxels] largest distance of a point from the centre of its voxel, in voxel edges
+  std::int32_t row, slab;  // [records] stride of rows (j) and of slabs (k)
+  float lo[3], hi[3];      // [voxels] all eight voxels around a point p with lo <= p < hi have valid records
+  float linear[9];         // [voxels/m] linear part of the map from tool frame to window coordinates, column-major
+  float offset[3];         // [voxels] its offset
+  // For each index axis a: {0, wx, wy, wz}. A point at fraction f of its cell along a gets f (1 - f) w.dn added to its distance, dn the change
+  // of the stored normal along a: the correction for curvature of surface_probe.h.
+  float metric[12];      // [-] distance quanta per normal quantum
+  bool diagonal;         // only component a of w is not 0: grid axes parallel to those of the bone frame
+  float steps_per_edge;  // [quanta] of distance per voxel edge
+  float normal_scale;    // [-] length of one quantum of a normal
+  float look_ahead;      // [voxel edges] points farther from the surface are no hits
+  float slack;           // [voxel edges] largest difference of distance between a point and the centre of its voxel, rounding included
 };
 
-/// Appends the hits, in the order of the part's points, and their blocks. `hits.nearest` becomes the least stored distance read, if that is
-/// less.
+/// Appends the hits, in the order of the part's points, and the bounds of each block of hits (HitBlocks). Sets hits.nearest to the smallest
+/// stored distance read, if that is smaller.
 void probe_points(const ProbeJob& job, const ContactShellPart& part, ProbeHits& hits) noexcept;
 
 }  // namespace burrhole

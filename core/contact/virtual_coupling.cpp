@@ -32,7 +32,7 @@ void add_contact_stiffness(const ContactResult& contacts, const Vec3& tool_origi
     if (!(contact.depth > 0.0)) continue;
     const Vec3& n = contact.normal;
     const Vec3 turn = glm::cross(contact.position - tool_origin, n);
-    const Six j{n.x, n.y, n.z, turn.x, turn.y, turn.z};
+    const Vector6 j{n.x, n.y, n.z, turn.x, turn.y, turn.z};
     for (std::size_t r = 0; r < 6; ++r)
       for (std::size_t c = 0; c <= r; ++c) matrix[r][c] += weight * j[r] * j[c];
   }
@@ -160,7 +160,7 @@ const VirtualCouplingState& VirtualCoupling::step(const ContactView& bone, const
   const Vec3 turn = turn_to(hand.world_from_hand.rotation, before.rotation);
   const Vec3 push = c.mass * state_.velocity + dt * (c.stiffness * stretch + c.damping * hand.velocity + on_tool.force);
   const Vec3 twist = c.inertia * state_.angular_velocity + dt * (c.angular_stiffness * turn + c.angular_damping * turning + on_tool.torque);
-  const Six u = solved(matrix, {push.x, push.y, push.z, twist.x, twist.y, twist.z});
+  const Vector6 u = solve_spd(matrix, {push.x, push.y, push.z, twist.x, twist.y, twist.z});
 
   next.velocity = {u[0], u[1], u[2]};
   next.angular_velocity = {u[3], u[4], u[5]};

@@ -85,7 +85,7 @@ struct Offers {
     hn::Store(hn::IfThenElseZero(steep, hn::Div(set(1.0f), c_across)), d, per_c_across);
     hn::Store(hn::IfThenZeroElse(steep, set(kBand)), d, least_height);
     // Rows further than this from the surfel along an axis hold no voxel that is both within the band and near its normal's line.
-    const F width = hn::Add(set(plan.map.fan), hn::Mul(part(7), set(kBand)));
+    const F width = hn::Add(set(plan.map.patch_radius), hn::Mul(part(7), set(kBand)));
     const I cell = hn::GatherIndex(di, &start->cell, at), ten = hn::Set(di, 1023);
     const auto bound = [&](std::size_t axis, const F& centre, const I& from, std::int32_t* first, std::int32_t* last) {
       const F reach =
@@ -100,8 +100,8 @@ struct Offers {
     bound(2, part(2), hn::ShiftRight<20>(cell), first_k, last_k);
   }
 
-  HWY_ALIGN float step_up[kMostLanes], per_c_across[kMostLanes], least_height[kMostLanes];
-  HWY_ALIGN std::int32_t first_j[kMostLanes], last_j[kMostLanes], first_k[kMostLanes], last_k[kMostLanes];
+  HWY_ALIGN float step_up[kMaxLanes], per_c_across[kMaxLanes], least_height[kMaxLanes];
+  HWY_ALIGN std::int32_t first_j[kMaxLanes], last_j[kMaxLanes], first_k[kMaxLanes], last_k[kMaxLanes];
 };
 
 /// One surfel of them; `kStraight` where the metric's matrix has nothing beside its diagonal, which spares the products with zero. Squared
@@ -149,7 +149,7 @@ struct Offer {
     const F back = hn::Mul(b_across, set(per_c_across));  // to where the row is nearest to the normal's line
     const F beside2 = hn::Sub(a_across, hn::Mul(b_across, back));
     const F height = hn::Max(hn::Abs(hn::Sub(up, hn::Mul(set(step_up), back))), set(least_height));
-    const F width = hn::Add(set(plan.map.fan), hn::Mul(set(s.bend), hn::Min(height, set(kBand))));
+    const F width = hn::Add(set(plan.map.patch_radius), hn::Mul(set(s.bend), hn::Min(height, set(kBand))));
     const auto in_band = hn::Lt(hn::Sub(hn::Mul(a, set(plan.c)), hn::Mul(b, b)), set(kBand2 * plan.c));
     return hn::And(in_band, hn::Le(beside2, hn::Mul(width, width)));
   }

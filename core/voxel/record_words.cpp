@@ -33,7 +33,7 @@ void list_near(const SurfaceMap& map, SurfaceTile& tile) {
             hn::CompressStore(hn::Add(lane, hn::Set(di, pack_position(i, j, k))), hn::RebindMask(di, in), di, tile.voxels.data() + near);
       }
   tile.near = near;
-  if (near > 0) std::fill_n(tile.voxels.data() + near, kMostLanes, tile.voxels[near - 1]);
+  if (near > 0) std::fill_n(tile.voxels.data() + near, kMaxLanes, tile.voxels[near - 1]);
 }
 
 struct I3 {
@@ -169,7 +169,7 @@ HWY_INLINE void find_surfels(const SurfaceMap& map, const SurfaceTile& tile, std
 /// Feet of those voxels.
 HWY_INLINE void find_feet(const SurfaceMap& map, const SurfaceTile& tile, std::size_t count, Feet& feet) {
   const D d;
-  const F one = hn::Set(d, 1.0f), fan = hn::Set(d, map.fan);
+  const F one = hn::Set(d, 1.0f), patch = hn::Set(d, map.patch_radius);
   for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
     const SurfelPart surfel = read_surfels(tile.surfels.data(), feet.surfel + n);
     const F3 &s = surfel.place, &ns = surfel.normal;
@@ -177,7 +177,7 @@ HWY_INLINE void find_feet(const SurfaceMap& map, const SurfaceTile& tile, std::s
     const F height = dot(ns, r);
     const F3 t = sub(r, scale(height, ns));
     const F along = hn::Sqrt(dot(t, t));
-    const F kept = hn::IfThenElse(hn::Gt(along, fan), hn::Div(fan, along), one);
+    const F kept = hn::IfThenElse(hn::Gt(along, patch), hn::Div(patch, along), one);
     const F3 foot = scale(kept, t);
     store(ns, feet.normal, n), store(foot, feet.foot, n), store(sub(t, foot), feet.rest, n);
     hn::Store(height, d, feet.height + n), hn::Store(along, d, feet.along + n);
@@ -190,8 +190,8 @@ struct Found {
   F steps;  // not yet rounded
   F3 normal;
 };
-// Cosine of 20 degrees, by which a surface turns within a fan where its radius is three voxels. More is an edge, across which smoothing
-// mixes two faces: there the distance is that to the surfel's plane. Beyond the fan, nc is the direction round the edge.
+// Cosine of 20 degrees, by which a surface turns within a patch where its radius is three voxels. More is an edge, across which smoothing
+// mixes two faces: there the distance is that to the surfel's plane. Beyond the patch, nc is the direction round the edge.
 constexpr float kSameBend = 0.94f;
 
 HWY_INLINE Found measure(const SurfaceMap& map, const Feet& feet, std::size_t n, hn::Mask<D> bone, F per_edge) {
@@ -205,7 +205,7 @@ HWY_INLINE Found measure(const SurfaceMap& map, const Feet& feet, std::size_t n,
   const F3 smooth = unit(outward(map, g));
   const F turn = dot(smooth, ns);
   const F3 nc = choose(hn::Gt(turn, zero), smooth, ns);
-  const auto beyond = hn::Gt(hn::Load(d, feet.along + n), hn::Set(d, map.fan));
+  const auto beyond = hn::Gt(hn::Load(d, feet.along + n), hn::Set(d, map.patch_radius));
   const F3 near = choose(hn::Or(beyond, hn::Gt(turn, hn::Set(d, kSameBend))), nc, ns);
   const F side = hn::IfThenElse(bone, hn::Set(d, -1.0f), hn::Set(d, 1.0f));
   const F3 q = add(foot, scale(height, ns));
@@ -287,11 +287,11 @@ void make_records(const SurfaceMap& map, RecordPrecision precision, SurfaceTile&
   HWY_DYNAMIC_DISPATCH(MakeRecords)(map, precision, tile);
 }
 void fill_far(const float* density, std::size_t length, Record8* out) noexcept {
-  if (length >= kMostLanes) return HWY_DYNAMIC_DISPATCH(FillFar8)(density, length, out);
+  if (length >= kMaxLanes) return HWY_DYNAMIC_DISPATCH(FillFar8)(density, length, out);
   for (std::size_t i = 0; i < length; ++i) out[i] = {static_cast<std::int8_t>(density[i] >= 0.5f ? -112 : 112), 0, 0, 0};
 }
 void fill_far(const float* density, std::size_t length, Record16* out) noexcept {
-  if (length >= kMostLanes) return HWY_DYNAMIC_DISPATCH(FillFar16)(density, length, out);
+  if (length >= kMaxLanes) return HWY_DYNAMIC_DISPATCH(FillFar16)(density, length, out);
   for (std::size_t i = 0; i < length; ++i) out[i] = {static_cast<std::int16_t>(density[i] >= 0.5f ? -14336 : 14336), 0, 0, 0};
 }
 

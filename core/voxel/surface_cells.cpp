@@ -58,7 +58,7 @@ void find_cells(SurfaceTile& tile) noexcept {
         std::uint64_t passed = cells_passed(tile, j, k, w) & range_bits(cells.lo.x, cells.hi.x, w);
         if (passed == 0) continue;
         want_about(tile, j, k, w, passed);
-        const std::size_t most = found + 64 + kMostLanes;
+        const std::size_t most = found + 64 + kMaxLanes;
         if (tile.surfels.size() < most) tile.surfels.resize(2 * most);
         for (; passed != 0; passed &= passed - 1) {
           const int i = 64 * w + std::countr_zero(passed), offset = i + j * tile.row + k * tile.slab;
@@ -69,7 +69,7 @@ void find_cells(SurfaceTile& tile) noexcept {
         }
       }
   tile.found = found;
-  if (found > 0) std::fill_n(tile.cell_offsets.data() + found, kMostLanes, tile.cell_offsets[found - 1]);
+  if (found > 0) std::fill_n(tile.cell_offsets.data() + found, kMaxLanes, tile.cell_offsets[found - 1]);
 }
 
 }  // namespace burrhole

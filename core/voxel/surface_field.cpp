@@ -21,7 +21,7 @@ namespace {
 constexpr float kSmooth[3] = {0.41f, 0.26f, 0.035f};       // at 0, +-1, +-2
 constexpr float kSlope[3] = {0.0f, 0.265957f, 0.117021f};  // sign of the offset
 
-using D = hn::CappedTag<float, kMostLanes>;
+using D = hn::CappedTag<float, kMaxLanes>;
 using F = hn::Vec<D>;
 
 HWY_INLINE F scaled(F v, float by) { return hn::Mul(v, hn::Set(D(), by)); }

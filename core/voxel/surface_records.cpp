@@ -16,11 +16,11 @@
 //   3. A voxel v takes its nearest surfel. The surfel's plane puts the foot of v at c = s + t, t the part of r = v - s across n_s. With
 //      n_c from G at the foot, distance = (n_s + n_c) / 2 . r: on a sphere of radius R and centre o, s = o + R n_s and v = o + (R + h) n_v,
 //      so (n_s + n_v) . (v - s) / 2 = ((R + h) - R) (1 + n_s . n_v) / 2, which is h to second order of the angle between the two, where a
-//      plane alone is off by half its square times R. n_c = n_v to the same order. Over 20 degrees apart n_c is of
-//      another face, and within `fan` the plane alone counts; the record's normal stays n_c, a steady mean of the two faces: with the
-//      faces' own a flat bit was tipped from one to the other and skated twice as far.
-//   4. Further than `fan` across, the surface ends (the outside of an edge, a tip): there the foot is held at `fan` and what is left
-//      counts as length: distance^2 = across^2 + rest^2, the normal the way from that foot.
+//      plane alone is off by half its square times R. n_c = n_v to the same order. Over 20 degrees apart n_c is of another face, and within
+//      the patch radius the plane alone counts; the record's normal stays n_c, a steady mean of the two faces: with the faces' own a flat
+//      bit was tipped from one to the other and skated twice as far.
+//   4. Further than the patch radius across, the surface ends (the outside of an edge, a tip): there the foot is held at the patch radius
+//      and what is left counts as length: distance^2 = across^2 + rest^2, the normal the way from that foot.
 // The side is the density's: at voxel centres the trilinear field is the density itself. Where that contradicts the plane the distance is
 // 0.
 
@@ -86,7 +86,7 @@ SurfaceMap::SurfaceMap(const Affine& bone_from_index) {
     spread[r] = std::min(15, floor_int(kRecordBand * std::sqrt(row2)));
     longest = std::max(longest, glm::length(metric[r]));
   }
-  fan = static_cast<float>(longest);
+  patch_radius = static_cast<float>(longest);
   const int most = std::max({spread.x, spread.y, spread.z});
   code_bits = std::bit_width(static_cast<unsigned>(2 * most + 1));
 }
@@ -99,7 +99,7 @@ void SurfaceTile::lay_out(const VoxelBox& to_make, const VoxelBox& window, const
   const Vec3i size = padded.size();
   row = size.x;
   slab = size.x * size.y;
-  const std::size_t count = padded.count() + 4 * kMostLanes;
+  const std::size_t count = padded.count() + 4 * kMaxLanes;
   const auto make_room = [](auto& field, std::size_t least) {
     if (field.size() < least) field.resize(least);
   };
@@ -107,10 +107,10 @@ void SurfaceTile::lay_out(const VoxelBox& to_make, const VoxelBox& window, const
   make_room(samples, count);
   make_room(nearest, count);
   make_room(surfel_at, count);
-  make_room(plane, 5 * (static_cast<std::size_t>(slab) + 4 * kMostLanes));
-  make_room(cell_offsets, cells.count() + 2 * kMostLanes);
-  make_room(voxels, records.count() + 2 * kMostLanes);
-  for (auto* list : {&low, &high}) make_room(*list, records.count() + 2 * kMostLanes);
+  make_room(plane, 5 * (static_cast<std::size_t>(slab) + 4 * kMaxLanes));
+  make_room(cell_offsets, cells.count() + 2 * kMaxLanes);
+  make_room(voxels, records.count() + 2 * kMaxLanes);
+  for (auto* list : {&low, &high}) make_room(*list, records.count() + 2 * kMaxLanes);
   words = (row + 63) / 64;
   const std::size_t slab_words = static_cast<std::size_t>(size.y * words);
   for (auto* bits : {&solid, &wanted}) make_room(*bits, slab_words * static_cast<std::size_t>(size.z));

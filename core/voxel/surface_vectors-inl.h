@@ -20,7 +20,7 @@ namespace burrhole {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D = hn::CappedTag<float, kMostLanes>;
+using D = hn::CappedTag<float, kMaxLanes>;
 using DI = hn::RebindToSigned<D>;
 using F = hn::Vec<D>;
 using I = hn::Vec<DI>;

@@ -75,7 +75,7 @@ HWY_INLINE F bend_of(const SurfaceMap& map, const Cell& cell, const F3& normal) 
 void MakeSurfels(const SurfaceMap& map, SurfaceTile& tile) {
   const D d;
   const std::size_t lanes = hn::Lanes(d);
-  HWY_ALIGN float x[kMostLanes], y[kMostLanes], z[kMostLanes], nx[kMostLanes], ny[kMostLanes], nz[kMostLanes], bend[kMostLanes];
+  HWY_ALIGN float x[kMaxLanes], y[kMaxLanes], z[kMaxLanes], nx[kMaxLanes], ny[kMaxLanes], nz[kMaxLanes], bend[kMaxLanes];
   for (std::size_t n = 0; n < tile.found; n += lanes) {
     const Cell cell = read_cells(tile.samples.data(), tile.cell_offsets.data() + n, tile.row, tile.slab);
     F3 p = mean_crossing(cell.density);

@@ -12,7 +12,7 @@ constexpr RaySpan kNothing{0.0, 0.0};
 RaySpan clip_between_roots(RaySpan span, double a, double b, double discriminant) noexcept {
   if (!(discriminant > 0.0)) return kNothing;
   const double root = std::sqrt(discriminant);
-  return {std::max(span.in, (-b - root) / a), std::min(span.out, (-b + root) / a)};
+  return {std::max(span.enter, (-b - root) / a), std::min(span.exit, (-b + root) / a)};
 }
 
 }  // namespace
@@ -21,9 +21,9 @@ RaySpan clip_half_space(RaySpan span, const Ray& ray, const Vec3& normal, double
   const double along = glm::dot(normal, ray.direction);
   const double room = offset - glm::dot(normal, ray.origin);
   if (along > 0.0) {
-    span.out = std::min(span.out, room / along);
+    span.exit = std::min(span.exit, room / along);
   } else if (along < 0.0) {
-    span.in = std::max(span.in, room / along);
+    span.enter = std::max(span.enter, room / along);
   } else if (room < 0.0) {
     return kNothing;
   }
@@ -59,8 +59,8 @@ RaySpan clip_cylinder(RaySpan span, const Ray& ray, double radius) noexcept {
 RaySpans subtract(const RaySpan& from, const RaySpan& hole) noexcept {
   if (from.empty()) return {};
   if (hole.empty()) return {from, kNothing};
-  const RaySpan before{from.in, std::min(from.out, hole.in)};
-  const RaySpan after{std::max(from.in, hole.out), from.out};
+  const RaySpan before{from.enter, std::min(from.exit, hole.enter)};
+  const RaySpan after{std::max(from.enter, hole.exit), from.exit};
   if (before.empty()) return {after.empty() ? kNothing : after, kNothing};
   return {before, after.empty() ? kNothing : after};
 }

@@ -46,13 +46,13 @@ RaySpans Truth::stretches(const Vec3& origin, const Vec3& direction) const noexc
 
 double Truth::thickness_along(const Vec3& origin, const Vec3& direction) const noexcept {
   const RaySpans s = stretches(origin, direction);
-  return (s.first.empty() ? 0.0 : s.first.out - s.first.in) + (s.second.empty() ? 0.0 : s.second.out - s.second.in);
+  return (s.first.empty() ? 0.0 : s.first.exit - s.first.enter) + (s.second.empty() ? 0.0 : s.second.exit - s.second.enter);
 }
 
 std::optional<double> Truth::entry_distance(const Vec3& origin, const Vec3& direction) const noexcept {
   const RaySpans s = stretches(origin, direction);
   if (s.first.empty()) return std::nullopt;
-  return s.first.in;
+  return s.first.enter;
 }
 
 VoxelLabel Truth::label(const Vec3& p_bone) const noexcept {

@@ -153,8 +153,8 @@ void stack_series(const DicomFolder& folder, DicomSeries& series) {
   std::vector<SliceSource> sorted;
   for (const std::size_t n : series.stack.order) sorted.push_back(series.slices[n]);
   series.slices = std::move(sorted);
-  if (series.voxels() > kMaxScanVoxels)
-    series.line.error = fmt::format("{:.4g} voxels are more than the {:.4g} that are read", series.voxels(), kMaxScanVoxels);
+  if (series.voxel_count() > kMaxScanVoxels)
+    series.line.error = fmt::format("{:.4g} voxels are more than the {:.4g} that are read", series.voxel_count(), kMaxScanVoxels);
 }
 
 /// "3", then "3b", "3c", ... for further series of that number.
@@ -166,7 +166,7 @@ std::string series_name(const std::string& number, std::size_t nth) {
 /// Order: without errors first, then CT, then axial, then larger.
 bool better(const DicomSeries& a, const DicomSeries& b) {
   const auto rank = [](const DicomSeries& s) {
-    return std::make_tuple(s.line.error.empty(), s.line.modality == "CT", s.line.direction == "axial", s.voxels());
+    return std::make_tuple(s.line.error.empty(), s.line.modality == "CT", s.line.direction == "axial", s.voxel_count());
   };
   return rank(a) > rank(b);
 }

@@ -1,5 +1,6 @@
 /// volumes/read/dicom_series.h: finds the slices in a folder, groups them into series and selects one.
-///   Frame  LPS.   Errors  bad_input.   Order  files by path, so that the same folder gives the same report on every file system.
+///   Frame  LPS (x left, y posterior, z superior).   Errors  bad_input.
+///   Order  files by path, so that the same folder gives the same report on every file system.
 #pragma once
 
 #include <string>
@@ -13,7 +14,7 @@ namespace burrhole {
 
 struct DicomFolder {
   std::vector<DicomHeader> headers;  ///< of files that may be slices
-  std::vector<Skipped> skipped;      ///< the other files, by reason, most frequent first
+  std::vector<Skipped> skipped;      ///< number of other files per reason, most frequent first
 };
 
 /// One frame of one file: a slice.
@@ -22,28 +23,29 @@ struct SliceSource {
 };
 
 struct DicomSeries {
-  SeriesLine line;
+  SeriesLine line;                  ///< name, size and error, as listed to the user
   std::vector<std::size_t> files;   ///< into DicomFolder::headers
-  std::vector<SliceSource> slices;  ///< sorted along the stack if there is no error
+  std::vector<SliceSource> slices;  ///< ordered by position along the stack; unordered if the series has an error
   SliceStack stack;
-  std::string error_place;         ///< the invalid file, empty if the error concerns the series
-  bool thickness_assumed = false;  ///< a single slice, with its SliceThickness
+  std::string error_place;         ///< path of the invalid file; empty if the error concerns the whole series
+  bool thickness_assumed = false;  ///< one slice: the spacing along the stack is its SliceThickness
 
-  [[nodiscard]] double voxels() const noexcept {
+  [[nodiscard]] double voxel_count() const noexcept {
     return static_cast<double>(line.dims.x) * static_cast<double>(line.dims.y) * static_cast<double>(line.dims.z);
   }
 };
 
-/// Reads all headers below a folder, or one file. @returns bad_input if the path does not exist, cannot be read or is empty, if a single
-/// file is not a slice, or if a folder has no slice (with the counts).
+/// Reads all headers below a folder, or one file. @param keep header fields to copy. @returns bad_input if the path does not exist, cannot be
+/// read or is empty, if a single file is not a slice, or if a folder has no slice (the message gives the number of files per reason).
 [[nodiscard]] Result<DicomFolder> scan_dicom_folder(const std::string& folder_or_file, const std::vector<DicomKeepTag>& keep);
 
-/// Groups slices into series and stacks each; an error of a series is in its line.
+/// Groups slices into series and stacks each. An invalid series is returned with its error in DicomSeries::line.
 [[nodiscard]] std::vector<DicomSeries> group_series(const DicomFolder& folder);
 
-/// Selects the named series. Without a name: of the series without error the largest axial CT, else CT, else axial, else the largest.
-/// @returns its index; bad_input if the name is unknown (the message lists the names), or the error of the named series, or of the largest
-/// series if all have errors.
+/// Selects the named series. Without a name, among valid series: axial CT, then any CT, then any axial, then any series; the largest of the
+/// first group that is not empty. @param place of the name, for messages.
+/// @returns its index. Errors: bad_input if the name is unknown (the message lists the names); the error of the selected series; without a
+/// name, if all series have errors, that of the first in the same order.
 [[nodiscard]] Result<std::size_t> choose_series(const std::vector<DicomSeries>& series, const std::string& name, const std::string& place);
 
 }  // namespace burrhole

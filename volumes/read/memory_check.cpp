@@ -27,10 +27,10 @@ std::optional<double> available_memory() {
   return available_memory(text);
 }
 
-std::optional<std::string> memory_error(double bytes, std::optional<double> most) {
-  if (!most) most = available_memory();
-  if (!most || bytes <= *most) return std::nullopt;
-  return fmt::format("needs {:.3g} GB of memory, {:.3g} GB are available", bytes * 1e-9, *most * 1e-9);
+std::optional<std::string> memory_error(double bytes, std::optional<double> limit) {
+  if (!limit) limit = available_memory();
+  if (!limit || bytes <= *limit) return std::nullopt;
+  return fmt::format("needs {:.3g} GB of memory, {:.3g} GB are available", bytes * 1e-9, *limit * 1e-9);
 }
 
 }  // namespace burrhole

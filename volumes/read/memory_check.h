@@ -1,6 +1,6 @@
 /// volumes/read/memory_check.h: checks the available memory before a large array is allocated. On systems that overcommit memory, an
-///   allocation succeeds and the process is killed on a write, which cannot be caught.
-///   Units  bytes.   Errors  one line of text.
+///   allocation succeeds and the process is killed later, on a write, which cannot be caught.
+///   Units  bytes.
 ///   Source  proc(5): MemAvailable of /proc/meminfo, the memory usable without swapping. Limits of a container are not considered.
 #pragma once
 
@@ -13,11 +13,11 @@ namespace burrhole {
 /// @param meminfo the text of /proc/meminfo. @returns the usable memory [bytes], or nothing if the text does not contain it.
 [[nodiscard]] std::optional<double> available_memory(std::string_view meminfo);
 
-/// @returns the same for this machine, now; nothing if there is no /proc/meminfo.
+/// @returns the usable memory [bytes] of this machine at the time of the call, from /proc/meminfo; nothing if there is none.
 [[nodiscard]] std::optional<double> available_memory();
 
-/// @param most [bytes] absent: the available memory of this machine; if that is unknown, no limit.
-/// @returns both numbers if an array of `bytes` exceeds the limit; nothing otherwise.
-[[nodiscard]] std::optional<std::string> memory_error(double bytes, std::optional<double> most = {});
+/// @param limit [bytes] default: available_memory(), or no limit if that is unknown.
+/// @returns a message with the required and the available size if `bytes` exceeds the limit; nothing otherwise.
+[[nodiscard]] std::optional<std::string> memory_error(double bytes, std::optional<double> limit = {});
 
 }  // namespace burrhole

@@ -38,9 +38,9 @@ Quantity quantity_of(const DicomFolder& folder, const DicomSeries& series) {
 /// Larger series that were not selected because of errors or direction.
 void report_larger_series(const std::vector<DicomSeries>& series, std::size_t taken, std::vector<std::string>& assumed) {
   for (const DicomSeries& s : series) {
-    if (s.voxels() <= series[taken].voxels()) continue;
+    if (s.voxel_count() <= series[taken].voxel_count()) continue;
     const std::string times = fmt::format("series {} is {:.1f} times as large as series {}, which was taken,", s.line.name,
-                                          s.voxels() / series[taken].voxels(), series[taken].line.name);
+                                          s.voxel_count() / series[taken].voxel_count(), series[taken].line.name);
     if (!s.line.error.empty())
       assumed.push_back(fmt::format("{} but cannot be read: {}", times, s.line.error));
     else
@@ -78,7 +78,8 @@ void report_counts(const PixelCounts& counts, std::vector<std::string>& assumed)
 /// Slice by slice in stack order. A multi-frame file stays open while its frames are consecutive.
 Status read_pixels(const DicomFolder& folder, const DicomSeries& series, const ReadOptions& options, Scan& scan, PixelCounts& counts) {
   const std::size_t each = static_cast<std::size_t>(scan.dims.x) * static_cast<std::size_t>(scan.dims.y);
-  if (const auto error = memory_error(series.voxels() * sizeof(float), options.memory)) return Error{ErrorCode::unavailable, *error, {}};
+  if (const auto error = memory_error(series.voxel_count() * sizeof(float), options.memory))
+    return Error{ErrorCode::unavailable, *error, {}};
   scan.values.resize(each * series.slices.size());
   std::optional<FrameReader> reader;
   std::size_t open_file = 0;

@@ -29,7 +29,7 @@ Flow product(const Flow& l, const Flow& r) {
 Flow flow_of(const SampledWall& wall) {
   constexpr int kHalvings = 10, kTerms = 14;  // |A T| < 1 after 2^-10 for all bodies used: the rest of the series is below 1e-20
   const double t = wall.period / (1 << kHalvings);
-  const Flow rate{{{{0.0, t, 0.0}, {-wall.spring / wall.mass * t, -wall.damping / wall.mass * t, t / wall.mass}, {0.0, 0.0, 0.0}}}};
+  const Flow rate{{{{0.0, t, 0.0}, {-wall.hand_stiffness / wall.mass * t, -wall.damping / wall.mass * t, t / wall.mass}, {0.0, 0.0, 0.0}}}};
   Flow sum{{{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}}}, term = sum;
   for (int n = 1; n <= kTerms; ++n) {
     term = product(term, rate);
@@ -122,9 +122,9 @@ class Ticks {
 /// Scales to a largest entry of 1. @returns the logarithm of the divisor.
 double normalise(SquareMatrix& matrix) {
   double largest = 0.0;
-  for (const double value : matrix.at) largest = std::max(largest, std::abs(value));
+  for (const double value : matrix.entries) largest = std::max(largest, std::abs(value));
   if (largest == 0.0) return -std::numeric_limits<double>::infinity();
-  for (double& value : matrix.at) value /= largest;
+  for (double& value : matrix.entries) value /= largest;
   return std::log(largest);
 }
 
@@ -136,17 +136,17 @@ double log_spectral_radius(SquareMatrix matrix) {
   const std::size_t size = matrix.size;
   SquareMatrix next = matrix;
   for (int n = 1; n <= kSquarings && std::isfinite(sum); ++n) {
-    std::fill(next.at.begin(), next.at.end(), 0.0);
+    std::fill(next.entries.begin(), next.entries.end(), 0.0);
     for (std::size_t i = 0; i < size; ++i)
       for (std::size_t k = 0; k < size; ++k)
-        for (std::size_t j = 0; j < size; ++j) next.at[i * size + j] += matrix.at[i * size + k] * matrix.at[k * size + j];
+        for (std::size_t j = 0; j < size; ++j) next.entries[i * size + j] += matrix.entries[i * size + k] * matrix.entries[k * size + j];
     std::swap(matrix, next);
     sum += normalise(matrix) / std::exp2(n);
   }
   return sum;
 }
 
-SquareMatrix contact_period_map(const SampledWall& wall, double stiffness) {
+SquareMatrix contact_period_matrix(const SampledWall& wall, double stiffness) {
   BH_ASSERT(wall.delay >= 0 && wall.contact_ticks >= 1 && wall.latency_ticks >= 0);
   const Ticks ticks(wall, stiffness);
   SquareMatrix out{ticks.size(), std::vector<double>(ticks.size() * ticks.size())};
@@ -154,13 +154,13 @@ SquareMatrix contact_period_map(const SampledWall& wall, double stiffness) {
     std::vector<double> state(out.size, 0.0);
     state[j] = 1.0;
     ticks.contact_period(state);
-    for (std::size_t i = 0; i < out.size; ++i) out.at[i * out.size + j] = state[i];
+    for (std::size_t i = 0; i < out.size; ++i) out.entries[i * out.size + j] = state[i];
   }
   return out;
 }
 
-double exact_limit(const SampledWall& wall) {
-  const auto stable = [&](double stiffness) { return log_spectral_radius(contact_period_map(wall, stiffness)) < 0.0; };
+double exact_stability_limit(const SampledWall& wall) {
+  const auto stable = [&](double stiffness) { return log_spectral_radius(contact_period_matrix(wall, stiffness)) < 0.0; };
   double low = 1.0;
   if (!stable(low)) return 0.0;
   double high = low;
@@ -202,7 +202,7 @@ std::optional<double> quantised_passive_limit(double device_damping, double fric
   return std::min(2.0 * device_damping / period, 2.0 * friction / quantum);
 }
 
-double linear_limit(const SampledWall& wall) {
+double delayed_linear_limit(const SampledWall& wall) {
   return (wall.damping + wall.wall_damping) / (0.5 * wall.period + wall.period * (wall.delay + wall.latency_ticks));
 }
 

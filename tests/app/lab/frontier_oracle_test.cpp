@@ -19,13 +19,13 @@ TEST_CASE("frontier oracle: the exact systems have the limits that closed forms 
   REQUIRE(known_limits().size() == 52);
   for (const KnownLimit& known : known_limits()) {
     CAPTURE(std::string(known.name));
-    // Half of the last whole number, and the width of exact_limit()'s bisection.
-    CHECK(std::abs(exact_limit(wall_of(loop_of(known))) - known.stiffness) < 0.5 + 1e-6 * known.stiffness);
+    // Half of the last whole number, and the width of exact_stability_limit()'s bisection.
+    CHECK(std::abs(exact_stability_limit(wall_of(loop_of(known))) - known.stiffness) < 0.5 + 1e-6 * known.stiffness);
   }
   // Sabotage: a tick of delay more is another figure.
   SampledWall late = wall_of(loop_of(known_limits()[2]));
   ++late.delay;
-  CHECK(std::abs(exact_limit(late) - known_limits()[2].stiffness) > 1000.0);
+  CHECK(std::abs(exact_stability_limit(late) - known_limits()[2].stiffness) > 1000.0);
 }
 
 TEST_CASE("frontier oracle: the passive line is the printed one with and without delay, and with a plain difference") {

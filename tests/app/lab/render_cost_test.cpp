@@ -20,7 +20,7 @@ const RenderCost& measured() {
                                      .width = 400,
                                      .height = 300,
                                      .frames = 1,
-                                     .front = false,
+                                     .pareto = false,
                                      .drilled = true,
                                      .gl = GlBackend::osmesa,
                                      .progress = {}});
@@ -128,14 +128,14 @@ TEST_CASE("render cost: a front over two subjects takes the mean cost and the le
   const auto point = [](const std::string& subject, const DrawingQuality& quality, double cost, double psnr) {
     return DrawnPoint{.subject = subject, .method = "rays", .quality = quality, .over_shipped = cost, .psnr = psnr};
   };
-  const std::vector<ParetoRow> front = front_of({point("a", low, 0.1, 20.0), point("a", high, 0.5, 35.0), point("a", worse, 0.6, 34.0),
-                                                point("b", low, 0.3, 22.0), point("b", high, 0.7, 31.0), point("b", worse, 0.8, 40.0)},
-                                               "rays");
+  const std::vector<ParetoRow> front = pareto_rows({point("a", low, 0.1, 20.0), point("a", high, 0.5, 35.0), point("a", worse, 0.6, 34.0),
+                                                    point("b", low, 0.3, 22.0), point("b", high, 0.7, 31.0), point("b", worse, 0.8, 40.0)},
+                                                   "rays");
   // Mean costs 0.2, 0.6 and 0.7; least PSNR 20, 31 and 34.
   REQUIRE(front.size() == 3);
   CHECK(front[0].cost == doctest::Approx(1.0));
   CHECK(front[1].cost == doctest::Approx(3.0));
   CHECK(front[2].cost == doctest::Approx(3.5));
   CHECK(front[1].psnr == 31.0);
-  CHECK(front_of({}, "rays").empty());
+  CHECK(pareto_rows({}, "rays").empty());
 }

@@ -1,5 +1,5 @@
 // Resolution while the camera moves, against pictures of known cost.
-#include "app/render/pace.h"
+#include "app/render/dynamic_resolution.h"
 
 #include <doctest/doctest.h>
 
@@ -24,22 +24,22 @@ struct Machine {
 TEST_CASE("pace: the rate is held from the second picture on, with the finest step that fits") {
   for (const double full : {0.004, 0.02, 0.05, 0.1, 0.4}) {
     const Machine machine{0.0, full};
-    Pace pace(1.0 / 30.0);
-    CHECK(pace.resolution() == Pace::kCoarsest);
+    DynamicResolution pace(1.0 / 30.0);
+    CHECK(pace.resolution() == DynamicResolution::kCoarsest);
     for (int picture = 0; picture < 20; ++picture) {
       const double resolution = pace.resolution();
       pace.record(resolution, machine.time(resolution));
       const double next = pace.resolution();
       const bool fits = machine.time(next) <= pace.budget() * (1.0 + 1e-9);
-      CHECK((fits || next == Pace::kCoarsest));
-      if (next < 1.0) CHECK(machine.time(next + Pace::kStep) > pace.budget());
+      CHECK((fits || next == DynamicResolution::kCoarsest));
+      if (next < 1.0) CHECK(machine.time(next + DynamicResolution::kStep) > pace.budget());
     }
   }
 }
 
 TEST_CASE("pace: a part of the time that does not shrink with the pixels makes it coarser, never too slow") {
   const Machine machine{0.01, 0.05};
-  Pace pace(1.0 / 30.0);
+  DynamicResolution pace(1.0 / 30.0);
   for (int picture = 0; picture < 40; ++picture) {
     const double resolution = pace.resolution();
     if (picture > 0) CHECK(machine.time(resolution) <= pace.budget());
@@ -49,7 +49,7 @@ TEST_CASE("pace: a part of the time that does not shrink with the pixels makes i
 }
 
 TEST_CASE("pace: a picture that suddenly takes three times as long is followed at once, one that is quicker again within a few") {
-  Pace pace(0.02);
+  DynamicResolution pace(0.02);
   const Machine light{0.0, 0.02}, heavy{0.0, 0.06};
   for (int n = 0; n < 10; ++n) pace.record(pace.resolution(), light.time(pace.resolution()));
   CHECK(pace.resolution() == 1.0);
@@ -67,9 +67,9 @@ TEST_CASE("pace: a moving camera draws fewer pixels than asked, a resting one ev
   constexpr int kWidth = 160, kHeight = 120;
   Renderer paced = require_renderer(), plain = require_renderer();
   for (Renderer* renderer : {&paced, &plain}) REQUIRE(renderer->set_volume(ball_on_plate()).ok());
-  Pace hopeless(1e-9), generous(1e3);  // whatever the machine: never met, always met
+  DynamicResolution hopeless(1e-9), generous(1e3);  // whatever the machine: never met, always met
   FrameView view = oblique_view();
-  const auto pixels = [&](Pace& pace) {
+  const auto pixels = [&](DynamicResolution& pace) {
     const std::uint64_t before = paced.counters().drawn_pixels;
     const auto image = paced.draw_at_pace(view, kWidth, kHeight, pace);
     REQUIRE(image.ok());

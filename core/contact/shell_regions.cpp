@@ -1,4 +1,4 @@
-#include "core/contact/near_spots.h"
+#include "core/contact/shell_regions.h"
 
 #include <algorithm>
 
@@ -23,26 +23,26 @@ double reach_of(const PointShell& shell) noexcept {
 
 }  // namespace
 
-NearSpots::NearSpots(const PointShell& shell) : spot_of_(shell.size(), 0) {
+ShellRegions::ShellRegions(const PointShell& shell) : region_of_(shell.size(), 0) {
   const double reach = reach_of(shell);
   std::vector<double> nearest(shell.size());
   for (std::size_t n = 0; n < shell.size(); ++n) nearest[n] = unlike(shell, n, 0, reach);
-  for (std::size_t spot = 1; spot < kMaxSpots; ++spot) {
+  for (std::size_t region = 1; region < kMaxRegions; ++region) {
     const auto farthest = std::max_element(nearest.begin(), nearest.end());
     if (*farthest <= 0.0) break;
     const auto seed = static_cast<std::size_t>(farthest - nearest.begin());
     for (std::size_t n = 0; n < shell.size(); ++n)
       if (const double here = unlike(shell, n, seed, reach); here < nearest[n]) {
         nearest[n] = here;
-        spot_of_[n] = static_cast<std::uint8_t>(spot);
+        region_of_[n] = static_cast<std::uint8_t>(region);
       }
   }
 }
 
-void NearSpots::pick(const ProbeHits& hits, std::array<std::uint32_t, kMaxSpots>& out) const noexcept {
+void ShellRegions::pick(const ProbeHits& hits, std::array<std::uint32_t, kMaxRegions>& out) const noexcept {
   out.fill(kNoHit);
   for (std::size_t n = 0; n < hits.count; ++n) {
-    std::uint32_t& best = out[spot_of_[hits.point[n]]];
+    std::uint32_t& best = out[region_of_[hits.point[n]]];
     if (best == kNoHit || hits.distance[n] < hits.distance[best]) best = static_cast<std::uint32_t>(n);
   }
 }
