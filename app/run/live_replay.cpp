@@ -106,6 +106,7 @@ class Replay {
     const std::uint64_t before = parts_->bone->publisher().published();
     if (hooks_->apply)
       if (Status applied = hooks_->apply(input); !applied) return applied;
+    ++parks_;
     published_ += parts_->bone->publisher().published() - before;
     parts_->graph.keep_messages();  // a tool change makes the graph anew
     return {};
@@ -144,10 +145,13 @@ class Replay {
     }
     return {};
   }
+  [[nodiscard]] bool is_due(const SessionStill& still) const noexcept {
+    return still.parks <= parks_ && static_cast<std::size_t>(still.bone_step) <= bones_;
+  }
   /// Pictures of the bone as it is now.
   Status draw_stills() {
     if (!hooks_->redraw) return {};
-    for (; next_still_ < stills_->size() && static_cast<std::size_t>((*stills_)[next_still_].bone_step) <= bones_; ++next_still_)
+    for (; next_still_ < stills_->size() && is_due((*stills_)[next_still_]); ++next_still_)
       if (Status drawn = hooks_->redraw((*stills_)[next_still_]); !drawn) return drawn;
     return {};
   }
@@ -186,6 +190,7 @@ class Replay {
   const ReplayHooks* hooks_;
   const std::vector<SessionStill>* stills_;
   std::size_t next_still_ = 0;
+  std::int64_t parks_ = 0;  // inputs for which the clocks rested so far
   Journal journal_;
   std::deque<ContactState> results_;            // not used by the servo yet
   std::set<std::uint64_t> wanted_;              // results that bone is cut by

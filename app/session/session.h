@@ -9,7 +9,7 @@
 ///   inputs(id, tick, kind, value, text, data)   what a person changed while drilling, in order; id counts from 1
 ///   parks(input, stream, rows)                  of an input for which all clocks were parked: rows of each stream before it
 ///   events(id, time_s, tick, kind, text, data)  what happened, in order of id
-///   stills(id, bone_step, name, hash, view)     pictures at a recorded bone step, with all texels up to it
+///   stills(id, bone_step, name, hash, view, parks)   pictures at a recorded bone step and after so many parks, with all texels
 ///   hashes(kind, value)                         of the run's results
 ///   ends(name, rows)                            written by close(): rows of each stream, and of "inputs"
 /// Schema 1 is read as well: one stream named "servo" (of a live run also "contact" and "bone"), rows of plain doubles, no inputs or
@@ -99,6 +99,8 @@ struct SessionStill {
   std::string name;
   std::string hash;
   std::string view{};  ///< bytes, written by the display: sufficient to draw the picture again
+  /// Inputs before it for which all clocks were parked; counted by the writer. An undo changes bone between two bone steps.
+  std::int64_t parks = 0;
   friend bool operator==(const SessionStill&, const SessionStill&) = default;
 };
 
@@ -126,6 +128,7 @@ class SessionWriter {
   /// bad_input when the value is not finite, the tick is below that of the input before, or `rows_before` names another number of streams.
   [[nodiscard]] Status input(const SessionInput& input);
   [[nodiscard]] Status event(const SessionEvent& event);
+  /// `parks` of `still` is not read.
   [[nodiscard]] Status still(const SessionStill& still);
   /// A later value of the same kind replaces the earlier one.
   [[nodiscard]] Status hash(const SessionHash& hash);

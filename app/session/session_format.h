@@ -24,7 +24,8 @@ inline constexpr const char* kSchemaSql =
     "CREATE TABLE parks(input INTEGER NOT NULL, stream INTEGER NOT NULL, rows INTEGER NOT NULL, PRIMARY KEY(input, stream));"
     "CREATE TABLE events(id INTEGER PRIMARY KEY, time_s REAL NOT NULL, tick INTEGER NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL,"
     " data BLOB NOT NULL);"
-    "CREATE TABLE stills(id INTEGER PRIMARY KEY, bone_step INTEGER NOT NULL, name TEXT NOT NULL, hash TEXT NOT NULL, view BLOB NOT NULL);"
+    "CREATE TABLE stills(id INTEGER PRIMARY KEY, bone_step INTEGER NOT NULL, name TEXT NOT NULL, hash TEXT NOT NULL, view BLOB NOT NULL,"
+    " parks INTEGER NOT NULL);"
     "CREATE TABLE hashes(kind TEXT PRIMARY KEY, value TEXT NOT NULL);"
     "CREATE TABLE ends(name TEXT PRIMARY KEY, rows INTEGER NOT NULL);";
 

@@ -236,9 +236,9 @@ Status SessionReader::State::read_results() {
     return {};
   });
   if (!read || schema == 1) return read;
-  Statement still(database.get(), "SELECT bone_step, name, hash, view FROM stills ORDER BY id");
+  Statement still(database.get(), "SELECT bone_step, name, hash, view, parks FROM stills ORDER BY id");
   return each(still, [&]() -> Status {
-    stills.push_back({still.integer(0), still.bytes(1), still.bytes(2), still.bytes(3)});
+    stills.push_back({still.integer(0), still.bytes(1), still.bytes(2), still.bytes(3), still.integer(4)});
     return {};
   });
 }

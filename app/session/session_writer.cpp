@@ -87,6 +87,7 @@ struct SessionWriter::State {
   SessionLayout layout;
   std::vector<Pending> pending;  // of each stream
   std::int64_t inputs = 0, last_input_tick = 0;
+  std::int64_t parks = 0;  // of the inputs, those that parked the clocks
 
   Error fault(const char* doing) const {
     return bad_input(std::string("cannot ") + doing + " the session: " + (database ? sqlite3_errmsg(database.get()) : "no memory"), path);
@@ -205,6 +206,7 @@ Status SessionWriter::input(const SessionInput& input) {
     if (!park.run()) return state_->fault("write");
   }
   state_->inputs = id;
+  if (!input.rows_before.empty()) ++state_->parks;
   state_->last_input_tick = input.tick;
   return {};
 }
@@ -223,11 +225,12 @@ Status SessionWriter::event(const SessionEvent& event) {
 
 Status SessionWriter::still(const SessionStill& still) {
   BH_ASSERT(state_ && state_->database);
-  Statement insert(state_->database.get(), "INSERT INTO stills(bone_step, name, hash, view) VALUES(?, ?, ?, ?)");
+  Statement insert(state_->database.get(), "INSERT INTO stills(bone_step, name, hash, view, parks) VALUES(?, ?, ?, ?, ?)");
   insert.bind(1, still.bone_step);
   insert.bind(2, still.name);
   insert.bind(3, still.hash);
   insert.bind_blob(4, still.view);
+  insert.bind(5, state_->parks);
   if (!insert.run()) return state_->fault("write");
   return {};
 }

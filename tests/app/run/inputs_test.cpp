@@ -4,7 +4,10 @@
 
 #include <doctest/doctest.h>
 
+#include <ostream>
+
 #include "app/session/recorded_hand.h"
+#include "core/voxel/box_parts.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
 
@@ -19,30 +22,32 @@ Input tool(std::uint64_t tick, const std::string& name) {
   return {tick, InputKind::tool, 0.0, name, *text};
 }
 
-/// Pictures as their view's numbers: the hash follows pose, cut and texels, without a renderer.
+/// A renderer's texture without a renderer: the hash of a picture follows the texels that a display would have, the tool and its pose, and
+/// not the batches in which the texels came.
 class HashingSink final : public FrameSink {
  public:
   Status start(const VolumeView& volume, const TriangleMesh& look) override {
-    texels_ = Hash64();
-    for (const Rgba8& texel : volume.normal_opacity) texels_.add(std::uint64_t{texel.a});
+    box_ = VoxelBox{Vec3i(0), volume.dims};
+    texels_ = volume.normal_opacity;
     return change_tool(look);
   }
-  void update(const TexelBox& box) override {
-    for (const Rgba8& texel : box.normal_opacity) texels_.add(std::uint64_t{texel.a});
+  void update(const TexelBox& texels) override {
+    copy_part(texels.box, texels.box, texels.normal_opacity.data(), box_, texels_.data());
   }
   Status change_tool(const TriangleMesh& look) override {
     triangles_ = look.positions.size();
     return {};
   }
   Status draw(const std::string&, const FrameView& view, int, int, Hash64& hash) override {
-    hash.add(texels_.value());
+    for (const Rgba8& texel : texels_) hash.add(std::uint64_t{texel.r} | std::uint64_t{texel.g} << 8 | std::uint64_t{texel.b} << 16 | std::uint64_t{texel.a} << 24);
     hash.add(std::uint64_t{triangles_});
     hash.add(view.world_from_tool ? view.world_from_tool->translation : Vec3(0.0));
     return {};
   }
 
  private:
-  Hash64 texels_;
+  VoxelBox box_;
+  std::vector<Rgba8> texels_;
   std::size_t triangles_ = 0;
 };
 
@@ -50,6 +55,11 @@ struct Outcome {
   std::uint64_t voxels = 0, forces = 0, sent = 0;
   std::vector<std::string> stills;
   friend bool operator==(const Outcome&, const Outcome&) = default;
+  friend std::ostream& operator<<(std::ostream& out, const Outcome& o) {
+    out << std::hex << "voxels " << o.voxels << " forces " << o.forces << " sent " << o.sent;
+    for (const std::string& still : o.stills) out << ", " << still;
+    return out;
+  }
 };
 
 Outcome outcome_of(DrillRun& run) { return {run.voxel_hash(), run.simulation().force_hash(), run.simulation().sent_hash(), {}}; }
@@ -154,6 +164,18 @@ TEST_CASE("inputs: a lockstep session with all of them replays to the same voxel
   const auto session = SessionReader::open(path);
   REQUIRE(session);
   CHECK(session->inputs().size() == a_session().size());
+}
+
+// Bone is stepped every ten ticks, so no step lies between this undo and the last pictures, nor between the undo and those before it.
+TEST_CASE("inputs: a picture after the last bone step and an undo replays with the undo") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("run.sqlite"), other = folder.file("without.sqlite");
+  Outcome recorded = record({.duration = "0.999", .inputs = {plain(998, InputKind::undo)}}, path);
+  recorded.stills = stills_of(path);
+  CHECK(replay(path) == recorded);
+  Outcome without = record({.duration = "0.999"}, other);
+  without.stills = stills_of(other);
+  CHECK(recorded.stills.back() != without.stills.back());
 }
 
 TEST_CASE("inputs: a live session with all of them replays in lockstep to the same voxels, forces and pictures") {
