@@ -14,14 +14,14 @@ namespace burrhole {
 
 inline constexpr double kProgressEvery = 0.1;  ///< [s] between two reports of progress
 
-/// One moment for plots, at contact rate.
+/// A sample for plots, at contact rate.
 struct RunSample {
   double time = 0.0;   ///< [s]
   double force = 0.0;  ///< [N] on the hand
-  double depth = 0.0;  ///< [m] of the tip
+  double depth = 0.0;  ///< [m] of the tip below the entry, along the axis
 };
 
-/// What happened when, for people.
+/// An event of the run, for the report.
 struct RunEvent {
   double time = 0.0;  ///< [s]
   std::string kind, text;
@@ -39,7 +39,7 @@ class RunLog {
   /// Receives each contact result, in order: the sample, and the progress of the tip.
   [[nodiscard]] Status contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool);
   [[nodiscard]] Status note(double time, const std::string& kind, const std::string& text);
-  /// For a replay: draws a recorded picture; the bone must be at the picture's step. bad_input: its view cannot be read.
+  /// For a replay: draws a recorded picture; the bone must be at the picture's step. bad_input: the recorded view is damaged.
   [[nodiscard]] Status redraw(const SessionStill& still);
   /// Names and hashes of the pictures redrawn, in order.
   [[nodiscard]] const std::vector<SessionStill>& redrawn() const noexcept { return redrawn_; }

@@ -1,4 +1,4 @@
-/// app/scene/markdown.h: text as GitHub's Markdown shows it and does not interpret it; both forms may stand in a cell of a table.
+/// app/scene/markdown.h: escapes text for GitHub's Markdown. The results are valid inside a cell of a table.   Thread  any.
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace burrhole {
 
-/// Plain text: what Markdown would take as its own is escaped, a line break becomes a space.
+/// @returns plain text with Markdown's special characters escaped; a line break becomes a space.
 [[nodiscard]] std::string markdown_text(std::string_view text);
 
-/// Code, whatever backticks and bars it holds; never empty text.
+/// @returns a code span; the text may contain backticks and bars. @param text not empty.
 [[nodiscard]] std::string markdown_code(std::string_view text);
 
 }  // namespace burrhole
