@@ -1,4 +1,5 @@
-/// app/bench/areas.h: the areas there are. Each adds its rows to the bench; an Error means that it could not run.
+/// app/bench/areas.h: the areas of the benchmark. Each adds its rows to the bench.
+///   Thread  main.   Errors  those of loading its scene or data; unavailable without OpenGL. A disagreement of results is no Error.
 #pragma once
 
 #include "app/bench/bench.h"
@@ -7,9 +8,9 @@ namespace burrhole {
 
 [[nodiscard]] Status bench_contact(Bench& bench);
 [[nodiscard]] Status bench_erosion(Bench& bench);
-/// The live loops: minutes by the clock, whatever the machine.
+/// The live loops, in real time: takes minutes on every machine.
 [[nodiscard]] Status bench_servo(Bench& bench);
-/// Needs the real slices of $BURRHOLE_DATA; without them it says so and adds nothing.
+/// Needs the real slices of $BURRHOLE_DATA; without them it prints a line and adds no row.
 [[nodiscard]] Status bench_import(Bench& bench);
 [[nodiscard]] Status bench_render(Bench& bench);  ///< only in a build with the renderer
 

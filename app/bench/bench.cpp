@@ -33,7 +33,7 @@ bool Bench::require(const std::string& name, bool holds, const std::string& othe
 }
 
 Medians Bench::time(const Side& baseline, const Side& value) const {
-  return time_by_turns(quick_ ? StopwatchPlan{.pairs_least = 2, .budget = 0.0, .least_sample = 0.0} : StopwatchPlan{}, baseline, value);
+  return time_paired(quick_ ? StopwatchPlan{.pairs_least = 2, .budget = 0.0, .least_sample = 0.0} : StopwatchPlan{}, baseline, value);
 }
 
 void Bench::add_speed_up(const std::string& name, const std::string& unit, double per_unit, const Medians& medians, const Bars& bars) {
@@ -87,7 +87,7 @@ std::string bench_table(std::span<const BenchRow> rows) {
     }
     out += text.substr(0, text.find_last_not_of(' ') + 1) + "\n";
   }
-  return out + "v: less is better; ship and aim are in the unit of ratio\n";
+  return out + "v: lower is better; ship and aim are in the unit of ratio\n";
 }
 
 }  // namespace burrhole

@@ -1,5 +1,6 @@
-/// app/bench/bench.h: what the areas share: rows with a baseline of the same run, and results compared before a time counts.
-///   Units  seconds inside; each row says its own.   Thread one.
+/// app/bench/bench.h: collects the rows of all areas. A row compares a value with a baseline timed in the same run; both must compute equal
+/// results before their times are recorded.
+///   Units  seconds inside; each row has its own unit.   Thread one.
 #pragma once
 
 #include <optional>
@@ -14,20 +15,22 @@
 
 namespace burrhole {
 
-/// What is asked of a ratio now and in the end; nothing where no bar is set.
+/// Targets of a row's ratio; nothing where none is set.
 struct Bars {
-  std::optional<double> ship, aim;
+  std::optional<double> ship;  ///< [-] required now
+  std::optional<double> aim;   ///< [-] intended in the long run
 };
 
-/// One row of bench.json. `ratio` is baseline/value for a speed-up, value/baseline where less is better.
+/// One row of bench.json.
 struct BenchRow {
   std::string area, name, unit;
-  double value = 0.0, baseline = 1.0, ratio = 0.0;
+  double value = 0.0, baseline = 1.0;  ///< [unit of the row]
+  double ratio = 0.0;                  ///< [-] baseline/value for a speed-up, value/baseline where lower is better
   Bars bars;
   bool lower_is_better = false;
 };
 
-/// Bytes of a run of plain values without padding.
+/// @returns the bytes of a contiguous range of values without padding.
 template <class Range>
 [[nodiscard]] std::span<const std::byte> bytes_of(const Range& values) {
   return std::as_bytes(std::span(values));
@@ -35,27 +38,28 @@ template <class Range>
 
 class Bench {
  public:
-  /// `quick`: few iterations, for the test of the program. `sabotage`: flips one bit of every result before it is compared.
+  /// @param quick few iterations, for the test of the program. @param sabotage flips one bit of every result before it is compared.
   Bench(bool quick, bool sabotage) : quick_(quick), sabotage_(sabotage) {}
 
   void start_area(std::string area) { area_ = std::move(area); }
   [[nodiscard]] bool quick() const noexcept { return quick_; }
 
-  /// @returns whether both hold the same bytes, and something at all; otherwise the row `name` is noted as disagreeing.
+  /// @returns whether both are equal and not empty; otherwise records a disagreement of row `name`.
   bool agree(const std::string& name, std::span<const std::byte> baseline, std::span<const std::byte> value);
-  /// Notes a disagreement when `holds` is false: what a comparison of results rests on, such as that bone was touched at all.
+  /// Records a disagreement of row `name` if `holds` is false. For preconditions of a comparison, such as that the tool touches bone.
+  /// @returns `holds`. @param otherwise the reason.
   bool require(const std::string& name, bool holds, const std::string& otherwise);
 
-  /// Medians of runs by turns [s of CPU time].
+  /// @returns medians of paired runs [s of CPU time].
   [[nodiscard]] Medians time(const Side& baseline, const Side& value) const;
 
-  /// `per_unit` turns seconds of a run into the row's unit.
+  /// Adds a row. @param per_unit converts the seconds of a run into the row's unit.
   void add_speed_up(const std::string& name, const std::string& unit, double per_unit, const Medians& medians, const Bars& bars = {});
   void add_cost(const std::string& name, const std::string& unit, double per_unit, const Medians& medians, const Bars& bars = {});
   void add_absolute(const std::string& name, const std::string& unit, double value, bool lower_is_better, const Bars& bars = {});
 
   [[nodiscard]] const std::vector<BenchRow>& rows() const noexcept { return rows_; }
-  /// One line each, "area: row: why".
+  /// @returns one line each, "area: row: reason".
   [[nodiscard]] const std::vector<std::string>& disagreements() const noexcept { return disagreements_; }
 
  private:

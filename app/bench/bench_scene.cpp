@@ -42,7 +42,7 @@ Result<DrilledScene> drill_parietal_half_way(bool quick) {
   if (!approach) return approach.error();
   auto hand = SimulatedHand::create(scene.hand, scene.volume.world_from_bone * approach->bone_from_approach, 1.0 / scene.servo_hz);
   if (!hand) return hand.error();
-  out.hand = std::make_unique<KeepingHand>(std::move(hand).value());
+  out.hand = std::make_unique<RecordingHand>(std::move(hand).value());
 
   out.stop = std::make_unique<std::atomic<bool>>(false);
   const double half = 0.5 * approach->thickness;

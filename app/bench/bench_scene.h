@@ -1,4 +1,5 @@
-/// app/bench/bench_scene.h: the shipped parietal scene, as loaded and drilled half way by the shipped steps.
+/// app/bench/bench_scene.h: the shipped parietal scene, as loaded and drilled to half the thickness of the bone.
+///   Frame  world.   Units  SI.   Thread  main.   Errors  those of load_scene(); internal if the run did not end half way.
 #pragma once
 
 #include <atomic>
@@ -10,15 +11,15 @@
 
 namespace burrhole {
 
-/// app/scenes/parietal.toml with overrides ("table.key=value").
+/// Loads app/scenes/parietal.toml with overrides ("table.key=value").
 [[nodiscard]] Result<std::unique_ptr<LoadedScene>> load_parietal_scene(const std::vector<std::string>& overrides);
-/// A tool file of app/tools. @param erosion_pitch [m].
+/// Loads a tool file of app/tools. @param erosion_pitch [m].
 [[nodiscard]] Result<Tool> load_shipped_tool(const std::string& name, double erosion_pitch);
 
-/// Stands for the scene's own hand and keeps what it did.
-class KeepingHand final : public HandSource {
+/// A simulated hand that records its states.
+class RecordingHand final : public HandSource {
  public:
-  explicit KeepingHand(SimulatedHand hand) : hand_(std::move(hand)) {}
+  explicit RecordingHand(SimulatedHand hand) : hand_(std::move(hand)) {}
   [[nodiscard]] const HandState& read() noexcept override {
     states_.push_back(hand_.read());
     return states_.back();
@@ -33,12 +34,12 @@ class KeepingHand final : public HandSource {
 
 struct DrilledScene {
   std::unique_ptr<LoadedScene> loaded;
-  std::unique_ptr<KeepingHand> hand;
+  std::unique_ptr<RecordingHand> hand;
   std::unique_ptr<std::atomic<bool>> stop;
-  std::unique_ptr<Simulation> simulation;  ///< stopped once the tip was past half the thickness of the bone
+  std::unique_ptr<Simulation> simulation;  ///< stopped when the tip was at half the thickness of the bone
 };
 
-/// `quick`: a sharper tool, so that the run is short.
+/// @param quick uses a tool that cuts ten times as fast, for a short run.
 [[nodiscard]] Result<DrilledScene> drill_parietal_half_way(bool quick);
 
 }  // namespace burrhole

@@ -127,8 +127,8 @@ std::vector<Pose> poses_in_ball() {
   return out;
 }
 
-Felt feel(const PenaltyModel& model, const ContactView& bone, const std::vector<Pose>& poses) {
-  Felt out;
+ContactSamples evaluate_poses(const PenaltyModel& model, const ContactView& bone, const std::vector<Pose>& poses) {
+  ContactSamples out;
   ContactResult result;
   for (const Pose& pose : poses) {
     model.evaluate(bone, pose, result);
@@ -145,7 +145,7 @@ Felt feel(const PenaltyModel& model, const ContactView& bone, const std::vector<
   return out;
 }
 
-double force_difference(const Felt& a, const Felt& b) {
+double force_difference(const ContactSamples& a, const ContactSamples& b) {
   double most = 0.0, difference = 0.0;
   for (std::size_t n = 0; n < a.forces.size(); ++n) {
     most = std::max(most, glm::length(a.forces[n]));
@@ -155,7 +155,7 @@ double force_difference(const Felt& a, const Felt& b) {
 }
 
 Side evaluate_all(const PenaltyModel& model, const ContactView& bone, const std::vector<Pose>& poses, ContactResult& scratch) {
-  scratch.list_contacts = false;  // as a tick of this model asks
+  scratch.list_contacts = false;  // as in a tick of this model
   return {.prepare = {}, .run = [&] {
             for (const Pose& pose : poses) model.evaluate(bone, pose, scratch);
           }};

@@ -1,4 +1,6 @@
-/// app/bench/contact_bones.h: what the contact rows share: bone in every form that contact reads, tools in it, and what is felt.
+/// app/bench/contact_bones.h: common parts of the contact rows: bone in every storage that contact reads, tools in it, contact results.
+///   Frame  bone and world coincide by default.   Units  SI.   Thread  main.   Errors  those of phantom, voxmap and tool; internal for a
+///   ball whose number of points is not reached.
 #pragma once
 
 #include <memory>
@@ -11,9 +13,9 @@
 
 namespace burrhole {
 
-inline constexpr double kBenchEdge = 0.25e-3;  ///< [m] voxels of the shipped scene
+inline constexpr double kBenchEdge = 0.25e-3;  ///< [m] voxel edge of the shipped scene
 
-/// One bone, as it is published with floats, with packed words and with surface records, and in the paper's storage.
+/// One bone, published as floats, as packed words and as surface records, and stored in sparse grids as in [AcostaLiu07].
 struct BoneForms {
   std::unique_ptr<Voxmap> voxmap;
   std::unique_ptr<ContactWindowPublisher> floats, words, records8, records16;
@@ -26,52 +28,53 @@ struct BoneForms {
   [[nodiscard]] SurfaceView surface_view(RecordPrecision precision, const Pose& world_from_bone = {}) const;
 };
 
-/// A ball of bone 4.5 mm wide: the tool inside it marches as far as in the published figures (about 14 voxels).
+/// A ball of bone of 4.5 mm diameter. Points of the tool inside it march as far as in the published figures, about 14 voxels.
 [[nodiscard]] Result<BoneForms> make_ball_of_bone();
-/// A tilted plate thick enough for a tool 16 voxels deep.
+/// A tilted plate, thick enough for a tool 16 voxels deep.
 [[nodiscard]] Result<BoneForms> make_thick_plate();
 
-/// A round hole in bone, a tenth of a voxel wider all round than the balls of make_ball(): all their points are near its surface.
+/// A spherical hole in bone with a radius a tenth of a voxel larger than the balls of make_ball(): all their points are near its surface.
 [[nodiscard]] Result<BoneForms> make_socket();
 
-/// A ball's facets, and how many points of it are kept.
+/// Tessellation of a ball and the number of its points that are used.
 struct BallSize {
   int stacks, slices;
   std::size_t points;
 };
 
-/// A cutting ball of 3 mm with exactly `points` points, its centre the origin, in Morton order. Rings have even counts: up to two points at
-/// the top are left out to meet a number.
+/// A cutting ball of 3 mm diameter with exactly `points` points in Morton order, its centre at the origin. A ring has an even number of
+/// points, so up to two points at the top are left out to reach the number.
 [[nodiscard]] Result<PointShell> make_ball(int stacks, int slices, std::size_t points);
 
-/// Turned every way, the centre within 1.2 voxels of that of the ball of bone, so that every point stays inside.
+/// @returns poses with random rotations and centres within 1.2 voxels of the centre of the ball of bone; every point stays inside it.
 [[nodiscard]] std::vector<Pose> poses_in_ball();
 
-/// Forces and torques of every pose; planes, too, if asked for. `contacts` counts the points that touch.
-struct Felt {
-  std::vector<double> numbers;
-  std::vector<Vec3> forces;
-  std::size_t contacts = 0;
+/// Contact results of a list of poses.
+struct ContactSamples {
+  std::vector<double> numbers;  ///< [N], [N m], [m], [-] per pose: force, torque, and the planes if the model lists them
+  std::vector<Vec3> forces;     ///< [N] per pose
+  std::size_t contacts = 0;     ///< number of touching points, all poses
 };
-[[nodiscard]] Felt feel(const PenaltyModel& model, const ContactView& bone, const std::vector<Pose>& poses);
-/// Largest difference of a force over the largest force.
-[[nodiscard]] double force_difference(const Felt& a, const Felt& b);
+[[nodiscard]] ContactSamples evaluate_poses(const PenaltyModel& model, const ContactView& bone, const std::vector<Pose>& poses);
+/// @returns the largest difference of a force over the largest force [-].
+[[nodiscard]] double force_difference(const ContactSamples& a, const ContactSamples& b);
 
+/// @returns a side that evaluates all poses without listing planes, as a contact tick does. The arguments must outlive it.
 [[nodiscard]] Side evaluate_all(const PenaltyModel& model, const ContactView& bone, const std::vector<Pose>& poses, ContactResult& scratch);
 
-/// Whether what was felt by the vectors in use is, bit for bit, what f() feels by the weakest that the machine has. What was in use is in
-/// use again afterwards.
+/// @returns whether `result` equals, bit for bit, the result of f() at the lowest SIMD level of the machine. The level in use is restored.
 template <class Numbers, class F>
-[[nodiscard]] bool levels_agree(Bench& bench, const std::string& name, const Numbers& felt, F&& f) {
+[[nodiscard]] bool levels_agree(Bench& bench, const std::string& name, const Numbers& result, F&& f) {
   const SimdLevelGuard guard;
   const auto levels = simd_levels();
   if (!levels.empty()) (void)choose_simd(name_of(levels.front()));
-  const Numbers weakest = f();
-  return bench.agree(name, bytes_of(weakest.numbers), bytes_of(felt.numbers));
+  const Numbers lowest = f();
+  return bench.agree(name, bytes_of(lowest.numbers), bytes_of(result.numbers));
 }
 
-/// The rows of other files of this area.
-[[nodiscard]] Status bench_held_tool(Bench& bench);
-[[nodiscard]] Status bench_contact_upkeep(Bench& bench);
+/// Rows of the constrained tool.
+[[nodiscard]] Status bench_constrained_tool(Bench& bench);
+/// Rows of updating and sliding the published window.
+[[nodiscard]] Status bench_contact_updates(Bench& bench);
 
 }  // namespace burrhole

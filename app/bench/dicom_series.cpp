@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Group, element and VR of an element, as an explicit little-endian file has them.
+/// Group, element and VR of an element, as bytes of an explicit little-endian file.
 using Mark = std::array<char, 6>;
 constexpr Mark kFileUid{0x02, 0x00, 0x03, 0x00, 'U', 'I'}, kUid{0x08, 0x00, 0x18, 0x00, 'U', 'I'},
     kPosition{0x20, 0x00, 0x32, 0x00, 'D', 'S'}, kIntercept{0x28, 0x00, 0x52, 0x10, 'D', 'S'}, kSlope{0x28, 0x00, 0x53, 0x10, 'D', 'S'};
@@ -35,7 +35,7 @@ std::optional<Span> find_value(const std::string& bytes, const Mark& mark) {
   return Span{at + 8, low + 256u * high};
 }
 
-/// Overwrites a value in place, padded with blanks; text longer than the value is cut at its front (UIDs) by the caller.
+/// Overwrites a value in place, padded with blanks. @returns false if the field is missing or shorter than the text.
 bool put(std::string& bytes, const Mark& mark, std::string text) {
   const auto value = find_value(bytes, mark);
   if (!value || text.size() > value->length) return false;

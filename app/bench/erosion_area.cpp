@@ -12,7 +12,7 @@ namespace {
 constexpr double kErosionPitch = 0.0668e-3;  // [m] gives the head of the 5 mm burr about 220,000 points
 constexpr double kDt = 0.01;                 // [s] the shipped scene's step
 
-/// The shipped bone and a 5 mm burr whose head lies wholly inside it, a little tilted.
+/// The shipped bone and a slightly tilted 5 mm burr whose head lies completely inside it.
 struct BuriedBurr {
   std::unique_ptr<LoadedScene> loaded;
   Tool burr;
@@ -48,7 +48,7 @@ Result<BuriedBurr> bury_burr() {
   return out;
 }
 
-/// The same points in no order at all.
+/// @returns the same points in random order.
 ErosionPoints shuffled(const ErosionPoints& points) {
   ErosionPoints out = points;
   for (std::size_t n = points.size() - 1; n > 0; --n) {
@@ -59,15 +59,15 @@ ErosionPoints shuffled(const ErosionPoints& points) {
   return out;
 }
 
-/// What is compared with accessors. `spin` [rev/s], or s of eq. 4.
+/// A case that is compared with value accessors.
 struct LawCase {
   ErosionLaw law = ErosionLaw::rate;
-  double spin = 0.0;
+  double spin = 0.0;  // [rev/s] for the rate law; s of eq. 4 for the other
   bool random_order = false;
   Bars bars;
 };
 
-/// One step of a law on the window and by accessors, from the same bone.
+/// Times one step of a law on the window; the baseline uses value accessors. Both start from the same bone.
 Status compare_laws(Bench& bench, BuriedBurr& bone, const LawCase& c) {
   const ErosionLaw law = c.law;
   const double spin = c.spin;
@@ -103,24 +103,24 @@ Status compare_laws(Bench& bench, BuriedBurr& bone, const LawCase& c) {
   return {};
 }
 
-/// A step of the gather form over one of the scatter form. An approximation, so the bone removed is compared, not the bits.
+/// Times a step of the gather form; the baseline is the scatter form. Gather is an approximation, so the removed masses are compared.
 Status compare_forms(Bench& bench, BuriedBurr& bone, double spin) {
   auto scatter = Erosion::create({}, bone.burr.erosion), gather = Erosion::create({.form = ErosionForm::gather}, bone.burr.erosion);
   if (!scatter) return scatter.error();
   if (!gather) return gather.error();
   const ErosionPath rest{bone.index_from_tool, bone.index_from_tool};
-  double exact = 0.0, looked_up = 0.0;
+  double exact = 0.0, approximate = 0.0;
   const auto side = [&](Erosion& erosion, double& mass) {
     return Side{[&] { bone.put_back(); }, [&] { mass = erosion.step(*bone.voxmap, rest, spin, kDt).removed_mass; }};
   };
-  const Side by_scatter = side(*scatter, exact), by_gather = side(*gather, looked_up);
+  const Side by_scatter = side(*scatter, exact), by_gather = side(*gather, approximate);
   for (const Side& each : {by_scatter, by_gather}) {
     each.prepare();
     each.run();
   }
   const std::string name = fmt::format("gather form over scatter form, {} points", bone.burr.erosion.size());
-  // The rim is blurred by less than half a voxel, in and out, on a radius of ten; and the same bits come each time.
-  const bool alike = bench.require(name, exact > 0.0 && std::abs(looked_up / exact - 1.0) < 0.03, "the forms remove different masses");
+  // The table blurs the rim by less than half a voxel, inwards and outwards, at a radius of ten. Repeated steps are bit-identical.
+  const bool alike = bench.require(name, exact > 0.0 && std::abs(approximate / exact - 1.0) < 0.03, "the forms remove different masses");
   const std::vector<float> once = bone.voxmap->window().remaining;
   by_gather.prepare();
   by_gather.run();
@@ -130,7 +130,7 @@ Status compare_forms(Bench& bench, BuriedBurr& bone, double spin) {
   return {};
 }
 
-/// The search for exposure without the law: the tool's table over the count of points, which is the same in any order.
+/// Times the exposure without the law: look-up in the tool's table; the baseline counts points, with a result that is independent of order.
 void compare_exposures(Bench& bench, const BuriedBurr& bone) {
   const ErosionPoints& points = bone.burr.erosion;
   const std::vector<double> weights(points.factors.begin(), points.factors.end());
@@ -147,7 +147,7 @@ void compare_exposures(Bench& bench, const BuriedBurr& bone) {
     bench.add_speed_up(name, "us", 1e6, bench.time(count, look_up));
 }
 
-/// What a whole step does after erosion and gradients: what the contact model of that name reads is published; density for the monitor.
+/// A complete simulation step: erosion, gradients, and publishing of the fields that a contact model reads, with density for the monitor.
 struct StepCase {
   ErosionConfig erosion;
   std::optional<ContactFields> publishing;
@@ -172,8 +172,8 @@ std::vector<StepCase> step_cases() {
           {subvoxel, records(RecordPrecision::bits16), "sub-voxel erosion, gradient, records of 16 bits published"}};
 }
 
-/// Erosion, gradients and publishing as the simulation does them, one after the other. The first step of a tool in untouched bone; by
-/// sub-voxels, the second: what it covers afresh is a twentieth of a voxel further on, as while drilling.
+/// Times a complete simulation step. Erosion by points or table: the first step of a tool in undrilled bone. Sub-voxel erosion: the second
+/// step, after a feed of a twentieth of a voxel, as in drilling.
 Status measure_whole_step(Bench& bench, BuriedBurr& bone, double spin, const StepCase& c) {
   std::optional<Erosion> erosion;
   const auto make = [&]() -> Status {
@@ -192,10 +192,10 @@ Status measure_whole_step(Bench& bench, BuriedBurr& bone, double spin, const Ste
     bone.put_back();
     bone.voxmap->commit(box);
     if (c.erosion.subvoxel) {
-      (void)make();  // it was made before
+      (void)make();  // cannot fail: it succeeded before
       bone.voxmap->commit(erosion->step(*bone.voxmap, rest, spin, kDt).changed);
     }
-    for (int n = 0; n < 3; ++n) {  // all three copies catch up, as with a reader that keeps up
+    for (int n = 0; n < 3; ++n) {  // brings all three copies up to date, as a reader at full rate does
       publisher.publish(*bone.voxmap);
       (void)publisher.exchange().latest();
     }
@@ -215,7 +215,7 @@ Status measure_whole_step(Bench& bench, BuriedBurr& bone, double spin, const Ste
   return {};
 }
 
-/// `remaining` drawn at random in the box: every gradient is another, none is spared by uniform bone.
+/// Sets `remaining` in the box to random values, so that no gradient can be skipped as one of uniform bone.
 void roughen(Voxmap& voxmap, const VoxelBox& box, std::uint64_t seed) {
   const MasterWindow& window = voxmap.window();
   const std::span<float> remaining = voxmap.remaining();
@@ -225,8 +225,8 @@ void roughen(Voxmap& voxmap, const VoxelBox& box, std::uint64_t seed) {
   });
 }
 
-/// Words against the floats that they were rounded from: density by half a step of 1/255 (a whole one where there is little bone, which is
-/// never rounded to none), each part of a gradient by half a step of 1/254; a float's rounding besides.
+/// @returns whether words are within the rounding error of the floats: density half a step of 1/255 (a whole step for the smallest value,
+/// which is never rounded to 0), gradient components half a step of 1/254, plus the rounding of a float.
 bool within_steps(std::span<const float> density, std::span<const Vec3f> gradient, std::span<const ContactWord> words, const VoxelBox& box,
                   const VoxelBox& compared) {
   bool all = true;
@@ -234,17 +234,17 @@ bool within_steps(std::span<const float> density, std::span<const Vec3f> gradien
     const std::size_t at = box.offset_of(v);
     const auto byte = [&](int n) { return static_cast<std::int8_t>((words[at] >> (8 * n)) & 0xFFu); };
     const int filled = static_cast<int>(words[at] & 0xFFu);
-    const bool still = byte(3) == -128;
+    const bool zero = byte(3) == -128;
     all = all && std::abs(filled / 255.0 - static_cast<double>(density[at])) <= (filled == 1 ? 1.0 : 0.5) / 255.0 + 1e-6;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double part = still ? 0.0 : byte(static_cast<int>(axis) + 1) / 254.0;
+      const double part = zero ? 0.0 : byte(static_cast<int>(axis) + 1) / 254.0;
       all = all && std::abs(part - static_cast<double>(gradient[at][axis])) <= 0.5 / 254.0 + 1e-6;
     }
   });
   return all;
 }
 
-/// Both in the form that contact reads: the paper's grids, and words straight from the density. As floats besides, for who asks for them.
+/// Times density and gradient in the form that contact reads: packed words, and floats. The baseline writes the paper's grids.
 void compare_commit(Bench& bench, Voxmap& voxmap, const Vec3i& centre, int edge, const Bars& bars) {
   const VoxelBox box{centre - edge / 2, centre + edge / 2}, halo = box.grown(1);
   const std::string name = fmt::format("density and gradient of a box of {}^3", edge);
@@ -269,7 +269,7 @@ void compare_commit(Bench& bench, Voxmap& voxmap, const Vec3i& centre, int edge,
   packed.run();
   plain.run();
   accessors.run();
-  // Both halve the difference of the same floats, so that not even rounding may differ.
+  // Both halve the difference of the same floats, so the results must be bit-identical.
   const bool changed = bench.require(name, density_before != master.density, "no density changed");
   if (!changed || !bench.agree(name, bytes_of(by_accessors.density()), bytes_of(master.density)) ||
       !bench.agree(name, bytes_of(by_accessors.gradient()), bytes_of(floats)) ||
@@ -291,7 +291,7 @@ Status compare_commits(Bench& bench, const BuriedBurr& bone) {
   return {};
 }
 
-/// The shipped scene's window, as placed round its perforator at the entry.
+/// Times publishing of a changed box of the shipped scene's window at the entry; the baseline copies the window.
 Status compare_publish(Bench& bench, const LoadedScene& loaded) {
   auto voxmap = Voxmap::create(loaded.bone, {});
   if (!voxmap) return voxmap.error();
@@ -322,11 +322,11 @@ Status compare_publish(Bench& bench, const LoadedScene& loaded) {
                      derive_gradient(master, master.box, copy.gradient);
                    }};
   const Side boxes{[&] {
-                     (void)publisher.exchange().latest();  // a reader that keeps up: all three copies go round
+                     (void)publisher.exchange().latest();  // a reader at full rate: all three copies are used in turn
                      change();
                    },
                    [&] { publisher.publish(*voxmap); }};
-  for (int n = 0; n < 6; ++n) {  // every copy is taken whole once and caught up once
+  for (int n = 0; n < 6; ++n) {  // each copy is written completely once and updated once
     boxes.prepare();
     boxes.run();
   }
@@ -350,12 +350,12 @@ Status bench_erosion(Bench& bench) {
   auto bone = bury_burr();
   if (!bone) return bone.error();
   const double spin = bone->loaded->scene.tool.spin;
-  // The bars of the lattice order were set against an accessor that walks the points in Morton order; the lattice's rows are as good to its
-  // cached leaf. The window's points lie in the tool's lattice whatever order they came in.
+  // The targets of the lattice order were set with an accessor that visits the points in Morton order; rows of the lattice use its cached
+  // leaf as well. The window sorts the points into the tool's lattice in both cases.
   const Bars random{15.0, 28.0}, ordered{9.0, 16.0};
   for (const bool random_order : {true, false}) {
     const Bars& bars = random_order ? random : ordered;
-    // e s of eq. 4 small enough that no voxel is gone before its last point has met it.
+    // e s of eq. 4 is small enough that every voxel still has bone when its last point is applied.
     for (const LawCase& c :
          {LawCase{ErosionLaw::rate, spin, random_order, bars}, LawCase{ErosionLaw::per_update, 0.05, random_order, bars}})
       if (Status done = compare_laws(bench, *bone, c); !done) return done;

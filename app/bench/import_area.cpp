@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr int kSlices = 300, kQuickSlices = 4;
 constexpr double kMegabyte = 1e6;
 
-/// A folder that goes with its owner.
+/// A temporary folder, removed by the destructor.
 class Folder {
  public:
   Folder()
@@ -34,7 +34,7 @@ class Folder {
   fs::path path_;
 };
 
-/// The process's largest memory since the last call of forget_peak.
+/// @returns the peak memory of the process since the last call of forget_peak() [MB].
 double peak_megabytes() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;)
@@ -52,7 +52,7 @@ void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 Status bench_import(Bench& bench) {
   const char* data = std::getenv("BURRHOLE_DATA");
   if (data == nullptr) {
-    fmt::print(stderr, "bench: import needs real slices: BURRHOLE_DATA is not set; left out\n");
+    fmt::print(stderr, "bench: import needs real slices: BURRHOLE_DATA is not set; skipped\n");
     return {};
   }
   const Folder folder;
@@ -73,7 +73,7 @@ Status bench_import(Bench& bench) {
   scan.reset();
   plain.reset();
 
-  // The whole command, as a user waits for it: wall time and the memory on top of what the bench itself holds.
+  // The complete import: wall time, and peak memory beyond that of the benchmark itself.
   forget_peak();
   const double before = peak_megabytes();
   const auto start = std::chrono::steady_clock::now();

@@ -1,4 +1,4 @@
-/// burrhole_bench: the speed comparisons, each beside a baseline of the same run. See docs/performance.md.
+/// app/bench/main.cpp: burrhole_bench compares computation times with baselines that are timed in the same run. See docs/performance.md.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -30,11 +30,11 @@ constexpr std::array kAreas{
 #ifdef BH_WITH_RENDER
     Area{"render", bench_render},
 #endif
-    Area{"servo", bench_servo},  // last: it keeps the process's memory in place, and others measure theirs
+    Area{"servo", bench_servo},  // last: it locks the process's memory, which would change the memory that other areas measure
 };
 
-constexpr const char* kAbout = "Speed comparisons, each beside a baseline of the same run.";
-constexpr const char* kFooter = "exit: 0 done, 2 wrong usage, 3 results disagree, 4 no OpenGL";
+constexpr const char* kAbout = "Compares computation times with baselines that are timed in the same run.";
+constexpr const char* kFooter = "exit: 0 done, 2 usage error, 3 results disagree, 4 no OpenGL";
 
 struct Request {
   std::vector<std::string> names;  ///< of areas; empty: all
@@ -43,33 +43,33 @@ struct Request {
   std::string revision;  ///< of the sources, for bench.json
   bool quick = false, sabotage = false;
 #ifdef BH_WITH_RENDER
-  FramesAsked frames;  ///< gl empty: not asked for
+  FramesRequest frames;  ///< gl empty: not requested
 #endif
 };
 
 #ifdef BH_WITH_RENDER
 /// "WIDTHxHEIGHT" in pixels.
-void read_size(const std::string& text, FramesAsked& out) {
+void read_size(const std::string& text, FramesRequest& out) {
   int read = 0;
   if (std::sscanf(text.c_str(), "%dx%d%n", &out.width, &out.height, &read) != 2 || static_cast<std::size_t>(read) != text.size() ||
       std::min(out.width, out.height) < 16 || std::max(out.width, out.height) > 8192)
     throw CLI::ValidationError("--size", text + " must be WIDTHxHEIGHT, each in [16, 8192]");
 }
 
-void add_frames_options(CLI::App& app, FramesAsked& frames) {
+void add_frames_options(CLI::App& app, FramesRequest& frames) {
   app.add_option("--gl", frames.gl,
-                 "of the area render alone: in place of its rows the pictures a second that osmesa, egl or window draws of 128^3, 256^3 "
-                 "and 512^3 voxels, into DIR/render_frames.csv")
+                 "only with the area render: measures instead the pictures per second of osmesa, egl or window for 128^3, 256^3 and 512^3 "
+                 "voxels, into DIR/render_frames.csv")
       ->type_name("BACKEND")
       ->check(CLI::IsMember({"osmesa", "egl", "window"}));
   app.add_option_function<std::string>(
-         "--size", [&frames](const std::string& text) { read_size(text, frames); }, "of those pictures (1920x1080)")
+         "--size", [&frames](const std::string& text) { read_size(text, frames); }, "size of those pictures (default 1920x1080)")
       ->type_name("WIDTHxHEIGHT");
 }
 #endif
 
 void add_options(CLI::App& app, Request& request) {
-  app.add_option("AREA", request.names, "contact, erosion, import, render or servo; none means all");
+  app.add_option("AREA", request.names, "contact, erosion, import, render or servo; default: all");
   app.add_option("--out", request.out, "folder of bench.json")->type_name("DIR")->capture_default_str();
   app.add_option("--revision", request.revision, "of the sources, written into bench.json")->type_name("TEXT");
   app.add_option_function<std::string>(
@@ -77,10 +77,10 @@ void add_options(CLI::App& app, Request& request) {
          [](const std::string& level) {
            if (const Status chosen = choose_simd(level); !chosen) throw CLI::ValidationError("--simd", chosen.error().message);
          },
-         "auto (the best there is), sse4, avx2 or avx512")
+         "auto (the best), sse4, avx2 or avx512")
       ->type_name("LEVEL");
-  app.add_flag("--quick", request.quick, "few iterations: checks that results agree, times mean little");
-  app.add_flag("--sabotage", request.sabotage, "flips one bit of every result before it is compared: each comparison must then be named");
+  app.add_flag("--quick", request.quick, "few iterations: checks that results agree; the times are not meaningful");
+  app.add_flag("--sabotage", request.sabotage, "flips one bit of every result before it is compared: every comparison must then fail");
 #ifdef BH_WITH_RENDER
   add_frames_options(app, request.frames);
 #endif
@@ -99,7 +99,7 @@ Status find_areas(Request& request) {
   }
 #ifdef BH_WITH_RENDER
   if (!request.frames.gl.empty() && !(request.areas.size() == 1 && request.areas[0].name == "render"))
-    return bad_input("--gl is for the area render alone");
+    return bad_input("--gl is valid only with the area render");
 #endif
   if (request.areas.empty()) request.areas.assign(kAreas.begin(), kAreas.end());
   return {};
@@ -134,13 +134,13 @@ int run(const Request& request) {
     bench.start_area(std::string(area.name));
 #ifdef BH_WITH_RENDER
     if (!request.frames.gl.empty()) {
-      FramesAsked frames = request.frames;
+      FramesRequest frames = request.frames;
       frames.csv = request.out + "/render_frames.csv";
       if (const Status done = bench_frames(bench, frames); !done) return report(done.error());
       continue;
     }
 #endif
-    if (const Status done = area.run(bench); !done) code = report(done.error());  // the others are measured all the same
+    if (const Status done = area.run(bench); !done) code = report(done.error());  // the other areas still run
   }
   fmt::print("{}", bench_table(bench.rows()));
   const std::string json = bench_json(this_machine(request.revision), request.quick, bench.rows());

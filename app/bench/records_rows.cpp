@@ -7,7 +7,7 @@
 namespace burrhole {
 namespace {
 
-/// A plate of bone with a blind hole of 11 mm, at 0.25 mm.
+/// @returns a plate of bone with a blind hole of 11 mm diameter, voxel edge 0.25 mm.
 MasterWindow make_drilled_window() {
   MasterWindow window;
   window.box = {Vec3i(0), Vec3i(96)};
@@ -27,19 +27,19 @@ std::span<const std::byte> bytes_in(const SurfaceRecords& records) {
 
 void bench_records(Bench& bench) {
   const MasterWindow drilled = make_drilled_window();
-  const VoxelBox bite{{60, 38, 36}, {80, 58, 56}};
-  // Before the bite there is bone where now is the hole's wall.
+  const VoxelBox cut{{60, 38, 36}, {80, 58, 56}};
+  // Before the cut, the box at the wall of the hole is filled with bone.
   MasterWindow before = drilled;
-  for_each_voxel(bite, [&](const Vec3i& v) { before.density[before.box.offset_of(v)] = 1.0f; });
+  for_each_voxel(cut, [&](const Vec3i& v) { before.density[before.box.offset_of(v)] = 1.0f; });
   for (const RecordPrecision precision : {RecordPrecision::bits8, RecordPrecision::bits16}) {
     const std::string name = fmt::format("surface records of {} bits: update after 20^3 voxels of a wall over rebuild of 96^3",
                                          precision == RecordPrecision::bits8 ? 8 : 16);
     SurfaceRecords fresh(Affine::scaling(0.25e-3, Vec3(0.0)), precision), kept(Affine::scaling(0.25e-3, Vec3(0.0)), precision);
     fresh.rebuild(drilled);
     kept.rebuild(before);
-    (void)kept.update(drilled, bite);
+    (void)kept.update(drilled, cut);
     if (!bench.agree(name, bytes_in(fresh), bytes_in(kept))) continue;
-    const Side rebuild{{}, [&] { fresh.rebuild(drilled); }}, update{{}, [&] { (void)kept.update(drilled, bite); }};
+    const Side rebuild{{}, [&] { fresh.rebuild(drilled); }}, update{{}, [&] { (void)kept.update(drilled, cut); }};
     const Medians medians = bench.time(rebuild, update);
     bench.add_speed_up(name, "us", 1e6, medians);
     bench.add_absolute(fmt::format("surface records of {} bits: update after 20^3 voxels", precision == RecordPrecision::bits8 ? 8 : 16),

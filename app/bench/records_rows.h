@@ -1,11 +1,11 @@
-/// app/bench/records_rows.h: rows of the area contact about surface records.
+/// app/bench/records_rows.h: rows of surface records in the area contact.
 #pragma once
 
 #include "app/bench/bench.h"
 
 namespace burrhole {
 
-/// An update after a bite against a rebuild of the window, and what each costs.
+/// Times an update of the records after a cut; the baseline rebuilds the records of the window.
 void bench_records(Bench& bench);
 
 }  // namespace burrhole

@@ -15,20 +15,20 @@
 namespace burrhole {
 namespace {
 
-/// A box of 20^3 in the rim of the half drilled hole, in two states: as drilled, and gone.
+/// A box of 20^3 voxels at the rim of the half drilled hole, in two states: as drilled, and removed.
 class ChangingBox {
  public:
   ChangingBox(Voxmap& voxmap, const VoxelBox& box)
       : voxmap_(voxmap), box_(box), as_drilled_(box.count()), listener_(voxmap.add_listener()) {
     voxmap_.read_remaining(box_, as_drilled_);
   }
-  void set(bool gone) {
+  void set(bool removed) {
     const std::span<float> remaining = voxmap_.remaining();
     for_each_voxel(box_,
-                   [&](const Vec3i& v) { remaining[voxmap_.window().box.offset_of(v)] = gone ? 0.0f : as_drilled_[box_.offset_of(v)]; });
+                   [&](const Vec3i& v) { remaining[voxmap_.window().box.offset_of(v)] = removed ? 0.0f : as_drilled_[box_.offset_of(v)]; });
     voxmap_.commit(box_);
   }
-  /// What a frame sends: texels of the boxes changed since the last call.
+  /// Passes the texels of the boxes that changed since the last call to f, as a frame does.
   template <class F>
   void send(F&& f) {
     for (const VoxelBox& dirty : voxmap_.take_dirty(listener_)) f(make_texels(voxmap_, dirty));
@@ -41,7 +41,8 @@ class ChangingBox {
   std::size_t listener_;
 };
 
-/// The change as a frame of drilling sends and draws it, against the same with all pixels drawn anew, and against sending all of the bone.
+/// Times a frame after a change: changed texels are uploaded, and pixels in their footprint are drawn. Baselines: all pixels are drawn; all
+/// texels are uploaded.
 Status compare_dirty_frame(Bench& bench, const FrameView& view, const RenderOptions& options, const std::string& how, Voxmap& voxmap,
                            const VoxelBox& box) {
   RenderOptions whole_options = options;
@@ -66,10 +67,10 @@ Status compare_dirty_frame(Bench& bench, const FrameView& view, const RenderOpti
   };
   const Side part = by_boxes(*kept), all = by_boxes(*whole);
   const Side resent{prepare(*whole), [&] {
-                      whole->set_volume(make_volume_view(voxmap, options.looks.tissue));
+                      whole->set_volume(make_volume_view(voxmap, options.appearance.tissue));
                       whole->draw();
                     }};
-  for (Canvas* canvas : {&*kept, &*whole}) canvas->set_volume(make_volume_view(voxmap, options.looks.tissue));
+  for (Canvas* canvas : {&*kept, &*whole}) canvas->set_volume(make_volume_view(voxmap, options.appearance.tissue));
   whole->draw();
   const Image unchanged = whole->image;
   for (const Side* side : {&part, &all}) {
@@ -94,12 +95,12 @@ Status compare_dirty_frame(Bench& bench, const FrameView& view, const RenderOpti
   const std::string sent = fmt::format("{}: the same over sending all {} x {} x {} texels", how, dims.x, dims.y, dims.z);
   if (seen && bench.agree(sent, whole->bytes(), kept->bytes())) bench.add_speed_up(sent, "CPU-ms", 1e3, bench.time(resent, part));
   change.set(false);
-  return kept->fault ? whole->fault : kept->fault;
+  return kept->error ? whole->error : kept->error;
 }
 
-/// A box to the card, over copying its rows to their places in an array as large as the volume: what an upload cannot do without.
+/// Times the upload of a box; the baseline copies its rows into an array of the size of the volume, the least work of an upload.
 Status compare_uploads(Bench& bench, const FrameView& view, Voxmap& voxmap) {
-  auto canvas = Canvas::create({.finish = false, .growth_is_told = true}, view);
+  auto canvas = Canvas::create({.finish = false, .growth_is_reported = true}, view);
   if (!canvas) return canvas.error();
   VolumeView volume = make_volume_view(voxmap);
   canvas->set_volume(volume);
@@ -123,14 +124,14 @@ Status compare_uploads(Bench& bench, const FrameView& view, Voxmap& voxmap) {
     uploaded.run();
     copied.run();
     const std::string name = fmt::format("upload of a box of {}^3 over copying its rows", edge);
-    // The counter says that nothing but the box was sent; the texels are those that were there.
+    // The counter must show that only the box was sent. Its texels are unchanged.
     const std::vector<std::uint64_t> expected{box.count() * kTexelBytes}, sent{canvas->renderer.counters().update_bytes - before};
     if (bench.agree(name, bytes_of(expected), bytes_of(sent))) bench.add_cost(name, "us", 1e6, bench.time(copied, uploaded), {1.5, {}});
   }
-  return canvas->fault;
+  return canvas->error;
 }
 
-/// From nothing to the first picture of the shipped scene, by the clock: reading, generating bone, shaders, upload, drawing.
+/// Times the first picture of the shipped scene, wall time: reading, generating bone, compiling shaders, upload, drawing.
 Status time_first_frame(Bench& bench) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
@@ -143,16 +144,16 @@ Status time_first_frame(Bench& bench) {
   if (!approach) return approach.error();
   const FrameView view = make_frame_view(*scene.find<DisplayConfig>(), scene.volume.world_from_bone,
                                          scene.volume.world_from_bone * approach->bone_from_approach, approach->thickness, false);
-  const RenderOptions options = make_render_options(scene.find<DisplayConfig>()->quality, scene.find<DisplayConfig>()->looks);
+  const RenderOptions options = make_render_options(scene.find<DisplayConfig>()->quality, scene.find<DisplayConfig>()->appearance);
   auto canvas = Canvas::create(options, view);
   if (!canvas) return canvas.error();
-  canvas->set_volume(make_volume_view(*voxmap, options.looks.tissue));
+  canvas->set_volume(make_volume_view(*voxmap, options.appearance.tissue));
   const auto picture = canvas->renderer.draw(view, scene.find<DisplayConfig>()->width, scene.find<DisplayConfig>()->height);
   if (!picture) return picture.error();
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   bench.add_absolute(fmt::format("first frame of the shipped scene, {} x {}, by the clock", picture->width, picture->height), "s", seconds,
                      true, {2.0, {}});
-  return canvas->fault;
+  return canvas->error;
 }
 
 double median_of(std::vector<double> values) {
@@ -160,7 +161,7 @@ double median_of(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// A camera that turns by a degree a picture, with half the time of a whole picture as its budget: by the clock, as a viewer waits.
+/// Times pictures of a camera that turns by a degree per picture, with half the time of a whole picture as the budget; wall time.
 Status time_moving_camera(Bench& bench, const VolumeView& volume, FrameView view) {
   using Clock = std::chrono::steady_clock;
   auto canvas = Canvas::create({.finish = true}, view);
@@ -182,21 +183,21 @@ Status time_moving_camera(Bench& bench, const VolumeView& volume, FrameView view
   for (int n = 0; n < pictures; ++n) {
     canvas->view.camera.eye = view.camera.target + glm::angleAxis(n * kDegree, view.camera.up) * from_target;
     moving.push_back(seconds_of([&] {
-      if (auto image = canvas->renderer.draw_at_pace(canvas->view, kCanvasSide, kCanvasSide, pace); !image && canvas->fault)
-        canvas->fault = image.error();
+      if (auto image = canvas->renderer.draw_at_pace(canvas->view, kCanvasSide, kCanvasSide, pace); !image && canvas->error)
+        canvas->error = image.error();
     }));
   }
-  // At rest it is the picture that a renderer without any pace draws.
+  // When the camera rests, the picture must equal that of a renderer without a budget.
   const auto rested = canvas->renderer.draw_at_pace(canvas->view, kCanvasSide, kCanvasSide, pace);
   if (!rested) return rested.error();
   canvas->renderer.forget();
   canvas->draw();
   const std::string name = "camera turning, picture over its budget of half a whole one, by the clock";
   if (bench.agree(name, canvas->bytes(), bytes_of(rested->pixels))) bench.add_cost(name, "ms", 1e3, {pace.budget(), median_of(moving)});
-  return canvas->fault;
+  return canvas->error;
 }
 
-/// The patch of the published figures: four times as many voxels as the shipped scene has.
+/// Compares rays on the patch of the published figures, which has about ten times the voxels of the shipped scene.
 Status compare_rays_on_fine_patch(Bench& bench) {
   const auto loaded = load_parietal_scene({"volume.spacing_mm=0.1171875"});
   if (!loaded) return loaded.error();
@@ -224,12 +225,12 @@ void Canvas::draw() {
   auto drawn = renderer.draw(view, kCanvasSide, kCanvasSide);
   if (drawn)
     image = std::move(drawn).value();
-  else if (fault)
-    fault = drawn.error();
+  else if (error)
+    error = drawn.error();
 }
 
 void Canvas::set_volume(const VolumeView& volume) {
-  if (Status set = renderer.set_volume(volume); !set && fault) fault = set;
+  if (Status set = renderer.set_volume(volume); !set && error) error = set;
 }
 
 Status bench_render(Bench& bench) {
@@ -241,15 +242,16 @@ Status bench_render(Bench& bench) {
   const Approach& approach = drilled->simulation->approach();
   const FrameView view = make_frame_view(*scene.find<DisplayConfig>(), scene.volume.world_from_bone,
                                          scene.volume.world_from_bone * approach.bone_from_approach, approach.thickness, false);
-  // The rim of a hole of 14 mm, on the far side, where the camera sees its wall; low enough for the box to lie inside the volume.
+  // The far rim of the hole of 14 mm, whose wall is visible; deep enough for the box to lie inside the volume.
   const Vec3 rim = voxmap.bone().bone_from_index().inverse() * (approach.bone_from_approach * Vec3(0.0, 7e-3, -0.75e-3));
   const VoxelBox box{voxel_of(rim) - 10, voxel_of(rim) + 10};
   if (Status placed = voxmap.place_window(box.grown(4)); !placed) return placed;
-  RenderOptions shipped = make_render_options(scene.find<DisplayConfig>()->quality, scene.find<DisplayConfig>()->looks);
+  RenderOptions shipped = make_render_options(scene.find<DisplayConfig>()->quality, scene.find<DisplayConfig>()->appearance);
   shipped.supersample = 1;
-  shipped.growth_is_told = true;
+  shipped.growth_is_reported = true;
   if (Status done = compare_dirty_frame(bench, view, shipped, "as shipped, a ray a pixel", voxmap, box); !done) return done;
-  if (Status done = compare_dirty_frame(bench, view, {.finish = false, .growth_is_told = true}, "plain", voxmap, box); !done) return done;
+  if (Status done = compare_dirty_frame(bench, view, {.finish = false, .growth_is_reported = true}, "plain", voxmap, box); !done)
+    return done;
   if (Status done = compare_uploads(bench, view, voxmap); !done) return done;
   if (Status done = time_moving_camera(bench, make_volume_view(voxmap), view); !done) return done;
   if (Status done = compare_with_vtk(bench); !done) return done;

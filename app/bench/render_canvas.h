@@ -1,4 +1,6 @@
 /// app/bench/render_canvas.h: a renderer with one view, for rows of the area render.
+///   Frame  world.   Units  SI.   Thread  main; owns a GL context.   Errors  unavailable without OpenGL; those of drawing, in
+///   Canvas::error.
 #pragma once
 
 #include "app/bench/bench.h"
@@ -9,12 +11,12 @@ namespace burrhole {
 
 inline constexpr int kCanvasSide = 512;  ///< [pixels]
 
-/// Draws and keeps the first fault, which ends the area.
+/// Draws pictures and keeps the first error.
 struct Canvas {
   Renderer renderer;
   FrameView view;
   Image image;  ///< the last picture
-  Status fault;
+  Status error;  ///< the first error of draw() and set_volume()
 
   [[nodiscard]] static Result<Canvas> create(const RenderOptions& options, const FrameView& view);
   void draw();
@@ -22,11 +24,12 @@ struct Canvas {
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_of(image.pixels); }
 };
 
-/// A transfer function by which the opacity of a voxel's length equals the density: extinction -ln(1 - density) / edge, edge in m.
+/// @returns a transfer function for which the opacity over a voxel edge equals the density: extinction -ln(1 - density) / edge [1/m].
+/// @param edge [m].
 [[nodiscard]] TransferFunction density_as_opacity(double edge);
 
-/// What rays cost, with and without skipping, shading and keeping; against slices. @param what names the scene in the rows.
-/// @param bars of samples a frame: of a surface, of bone whose density is its opacity.
+/// Times ray casting with and without empty-space skipping and shading, and against slices. @param what name of the scene in the rows.
+/// @param surface_samples, translucent_samples targets for the million samples of a frame: first hit, and density as opacity.
 [[nodiscard]] Status compare_rays(Bench& bench, const VolumeView& volume, const FrameView& view, const std::string& what,
                                   const Bars& surface_samples, const Bars& translucent_samples);
 

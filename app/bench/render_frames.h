@@ -1,4 +1,5 @@
-/// app/bench/render_frames.h: how many pictures a second a back end of OpenGL draws, for machines with a GPU; docs/gpu.md.
+/// app/bench/render_frames.h: measures pictures per second of an OpenGL back end, for machines with a GPU; see docs/gpu.md.
+///   Thread  main.   Errors  unavailable, bad_input for a file that cannot be written.
 #pragma once
 
 #include <string>
@@ -7,15 +8,15 @@
 
 namespace burrhole {
 
-/// What `render --gl BACKEND` asks for.
-struct FramesAsked {
-  std::string gl;                   ///< word of --gl
+/// Arguments of `render --gl BACKEND`.
+struct FramesRequest {
+  std::string gl;                   ///< value of --gl
   int width = 1920, height = 1080;  ///< [pixels]
   std::string csv;                  ///< file to write
 };
 
-/// Volumes of 128^3, 256^3 and 512^3 voxels (quick: 64^3), by first hit and as translucent bone, whole pictures read back, by the clock.
-/// Writes the CSV and adds rows. @returns ErrorCode::unavailable where that back end is not.
-[[nodiscard]] Status bench_frames(Bench& bench, const FramesAsked& asked);
+/// Draws volumes of 128^3, 256^3 and 512^3 voxels (quick: 64^3), by first hit and as translucent bone; each picture is complete and read
+/// back. Wall time. Writes the CSV and adds rows. @returns unavailable if the build or machine lacks that back end.
+[[nodiscard]] Status bench_frames(Bench& bench, const FramesRequest& request);
 
 }  // namespace burrhole

@@ -25,16 +25,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBoxEdge = 20;  // [voxel] of what drilling changes in a frame
+constexpr int kBoxEdge = 20;  // [voxels] edge of the box that changes in a frame of drilling
 const std::string kScript = BH_APP_DIR "/../scripts/peers/vtk_peer.py";
 
-/// The bone of the published figures, as both draw it.
+/// The bone of the published figures, for both renderers.
 struct PeerScene {
   std::unique_ptr<LoadedScene> loaded;
   std::unique_ptr<Voxmap> voxmap;
   VolumeView volume;
   FrameView view;
-  VoxelBox box;  ///< that changes: in the outer table, in the middle of the picture
+  VoxelBox box;  ///< changes from frame to frame: in the outer table, at the centre of the picture
 };
 
 Result<PeerScene> make_peer_scene() {
@@ -56,7 +56,7 @@ Result<PeerScene> make_peer_scene() {
   return out;
 }
 
-/// Bone, dura and brain as one density: what our picture shows too.
+/// @returns one density for bone, dura and brain, as our picture shows them.
 std::string density_bytes(const VolumeView& volume) {
   std::string out;
   out.reserve(volume.color.size());
@@ -65,7 +65,7 @@ std::string density_bytes(const VolumeView& volume) {
   return out;
 }
 
-/// One word for the shell.
+/// @returns the text as one word for the shell.
 std::string quoted(const std::string& word) {
   std::string out = "'";
   for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -91,29 +91,29 @@ std::string command_of(const PeerScene& scene, const fs::path& folder) {
 struct PeerRow {
   std::string name;
   double frame = 0.0, after_change = 0.0;  ///< [s] of CPU time, all threads
-  std::vector<std::uint8_t> covered;       ///< 1 where its picture shows bone
+  std::vector<std::uint8_t> covered;       ///< 1 for each pixel that shows bone
 };
 
-/// Nothing, with the reason on stderr, where the peer cannot run.
+/// Runs the peer. @returns nothing if it cannot run; the reason goes to stderr.
 Result<std::optional<PeerRow>> run_peer(const PeerScene& scene) {
   const ScratchFolder scratch;
   if (scratch.path().empty()) return bad_input("no temporary folder can be made", fs::temp_directory_path().string());
   if (Status written = write_file((scratch.path() / "density.raw").string(), density_bytes(scene.volume)); !written) return written.error();
   std::FILE* pipe = popen(command_of(scene, scratch.path()).c_str(), "r");
   if (pipe == nullptr) return Error{ErrorCode::internal, "the VTK peer cannot be started", {}};
-  std::string told;
-  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) told.push_back(static_cast<char>(c));
+  std::string output;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) output.push_back(static_cast<char>(c));
   const int status = pclose(pipe);
-  const auto said = read_file((scratch.path() / "stderr.txt").string());
+  const auto messages = read_file((scratch.path() / "stderr.txt").string());
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    std::istringstream lines(said ? *said : std::string());
+    std::istringstream lines(messages ? *messages : std::string());
     std::string line, last = "no reason was given";
     while (std::getline(lines, line))
       if (!line.empty()) last = line;
-    fmt::print(stderr, "bench: render: no rows beside VTK: {}\n", last);
+    fmt::print(stderr, "bench: render: no comparison with VTK: {}\n", last);
     return std::optional<PeerRow>();
   }
-  const auto json = nlohmann::json::parse(told, nullptr, false);
+  const auto json = nlohmann::json::parse(output, nullptr, false);
   if (json.is_discarded()) return Error{ErrorCode::internal, "the VTK peer does not print JSON", kScript};
   PeerRow out{json.at("peer").get<std::string>(),
               1e-3 * json.at("frame").at("cpu_ms").get<double>(),
@@ -123,7 +123,7 @@ Result<std::optional<PeerRow>> run_peer(const PeerScene& scene) {
   constexpr std::size_t kBytes = std::size_t{3} * kCanvasSide * kCanvasSide;
   if (!picture || picture->size() < kBytes) return Error{ErrorCode::internal, "the VTK peer drew no picture", kScript};
   const std::string_view pixels = std::string_view(*picture).substr(picture->size() - kBytes);
-  // Its background is pure blue. Where its volume ends there is no gradient and no light: bone is black there.
+  // The background is pure blue. At the faces of the volume there is no gradient and no light, so bone is black there.
   for (std::size_t n = 0; n < kBytes; n += 3) out.covered.push_back(static_cast<std::uint8_t>(pixels[n + 2]) < 230 ? 1 : 0);
   return std::optional(std::move(out));
 }
@@ -132,11 +132,11 @@ Result<Canvas> make_canvas(const RenderOptions& options, const PeerScene& scene)
   auto canvas = Canvas::create(options, scene.view);
   if (!canvas) return canvas.error();
   canvas->set_volume(scene.volume);
-  if (!canvas->fault) return canvas->fault.error();
+  if (!canvas->error) return canvas->error.error();
   return canvas;
 }
 
-/// Share of pixels that show bone in both or in neither.
+/// @returns the share of pixels that show bone in both pictures or in neither.
 Result<double> silhouettes_agree(Canvas& canvas, const PeerRow& peer) {
   const auto probe = canvas.renderer.probe(canvas.view, kCanvasSide, kCanvasSide);
   if (!probe) return probe.error();
@@ -145,15 +145,16 @@ Result<double> silhouettes_agree(Canvas& canvas, const PeerRow& peer) {
   return static_cast<double>(same) / static_cast<double>(peer.covered.size());
 }
 
-/// A box of bone that goes and comes back; what is timed is what a frame of drilling does.
-Side drill_frame(Canvas& canvas, PeerScene& scene, std::size_t listener, std::vector<float>& kept, bool& gone) {
+/// @returns a side that removes a box of bone or restores it, untimed, and then updates and draws, as a frame of drilling does.
+Side drill_frame(Canvas& canvas, PeerScene& scene, std::size_t listener, std::vector<float>& kept, bool& removed) {
   Voxmap& voxmap = *scene.voxmap;
   const VoxelBox box = scene.box;
   voxmap.read_remaining(box, kept);
-  return {[&voxmap, &kept, &gone, box] {
-            gone = !gone;
-            for_each_voxel(
-                box, [&](const Vec3i& v) { voxmap.remaining()[voxmap.window().box.offset_of(v)] = gone ? 0.0f : kept[box.offset_of(v)]; });
+  return {[&voxmap, &kept, &removed, box] {
+            removed = !removed;
+            for_each_voxel(box, [&](const Vec3i& v) {
+              voxmap.remaining()[voxmap.window().box.offset_of(v)] = removed ? 0.0f : kept[box.offset_of(v)];
+            });
             voxmap.commit(box);
           },
           [&voxmap, &canvas, listener] {
@@ -173,7 +174,7 @@ Status compare_with_vtk(Bench& bench) {
   if (!*found) return {};
   const PeerRow& peer = **found;
 
-  RenderOptions options{.step_voxels = 1.0, .bisections = 4, .finish = false, .growth_is_told = true};
+  RenderOptions options{.step_voxels = 1.0, .bisections = 4, .finish = false, .growth_is_reported = true};
   auto drilled = make_canvas(options, *scene);
   if (!drilled) return drilled.error();
   options.keep_picture = false;
@@ -186,7 +187,7 @@ Status compare_with_vtk(Bench& bench) {
   if (!agreement) return agreement.error();
   const Vec3i& dims = scene->volume.dims;
   const std::string over = fmt::format(" over {}'s fixed-point ray caster, {} x {} x {}", peer.name, dims.x, dims.y, dims.z);
-  // Theirs is hazy at the rim, where density is below a half: a voxel, about a pixel here, all round.
+  // VTK also draws density below 0.5, so its silhouette is larger by a voxel, here about a pixel.
   if (!bench.require("first hit" + over, *agreement > 0.97,
                      fmt::format("silhouettes agree at {:.1f} % of the pixels only", 100.0 * *agreement)))
     return {};
@@ -197,14 +198,14 @@ Status compare_with_vtk(Bench& bench) {
 
   const std::size_t listener = scene->voxmap->add_listener();
   std::vector<float> kept(scene->box.count());
-  bool gone = false;
-  const Side frame = drill_frame(*drilled, *scene, listener, kept, gone);
+  bool removed = false;
+  const Side frame = drill_frame(*drilled, *scene, listener, kept, removed);
   drilled->draw();
   const Medians frames = bench.time({{}, [&] { compositing->draw(); }}, frame);
   bench.add_cost("first hit, frame after a change of 20^3" + over, "CPU-ms", 1e3, {peer.after_change, frames.value},
                  {1.0 / 150.0, 1.0 / 400.0});
   for (const Canvas* canvas : {&*drilled, &*first_hit, &*compositing})
-    if (!canvas->fault) return canvas->fault;
+    if (!canvas->error) return canvas->error;
   return {};
 }
 

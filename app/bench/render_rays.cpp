@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kMega = 1e-6;
 
-/// The scene that all rows of one call compare on.
+/// The scene of all rows of one call.
 struct Subject {
   const VolumeView& volume;
   const FrameView& view;
   const std::string& what;
 };
 
-/// A surface and translucent bone as the published figures have them: steps of a voxel, the light alone.
+/// Surface and translucent bone as in the published figures: steps of one voxel, no finish.
 const RenderOptions kSurface{.step_voxels = 1.0, .bisections = 4, .finish = false, .keep_picture = false};
 RenderOptions translucent(TransferFunction transfer) {
   RenderOptions options = kSurface;
@@ -34,7 +34,7 @@ Result<Canvas> make_drawn(const Subject& subject, const RenderOptions& options) 
   if (!canvas) return canvas.error();
   canvas->set_volume(subject.volume);
   canvas->draw();
-  if (!canvas->fault) return canvas->fault.error();
+  if (!canvas->error) return canvas->error.error();
   return canvas;
 }
 
@@ -67,7 +67,7 @@ Status compare_skipping(Bench& bench, const Subject& subject, const std::string&
   return {};
 }
 
-/// The shaders with a light that is the tissue's own colour.
+/// Writes the shaders with a shading function that returns the tissue's colour.
 void write_unshaded(const std::filesystem::path& folder) {
   constexpr std::string_view kUnshaded =
       "vec3 shade(vec3 p, vec3 world, vec3 normal, vec3 to_eye, bool is_face) {\n"
@@ -78,14 +78,14 @@ void write_unshaded(const std::filesystem::path& folder) {
 
 Status compare_shading(Bench& bench, const Subject& subject, const std::string& way, RenderOptions options, const Bars& bars) {
   const ScratchFolder folder;
-  if (folder.path().empty()) return Error{ErrorCode::internal, "no folder can be made for shaders", {}};
+  if (folder.path().empty()) return Error{ErrorCode::internal, "no folder can be created for shaders", {}};
   write_unshaded(folder.path());
   auto shaded = make_drawn(subject, options);
   if (!shaded) return shaded.error();
   options.shader_folder = folder.path();
   auto unshaded = make_drawn(subject, options);
   if (!unshaded) return unshaded.error();
-  // The same rays: they end after as many samples.
+  // The rays must be the same: equal numbers of samples.
   const auto lit = shaded->renderer.probe(subject.view, kCanvasSide, kCanvasSide);
   const auto dark = unshaded->renderer.probe(subject.view, kCanvasSide, kCanvasSide);
   if (!lit || !dark) return (lit ? dark : lit).error();
@@ -96,14 +96,14 @@ Status compare_shading(Bench& bench, const Subject& subject, const std::string& 
   return {};
 }
 
-/// Mean difference of brightness [levels].
+/// @returns the mean difference of brightness [levels].
 double mean_difference(const Image& a, const Image& b) {
   double sum = 0.0;
   for (std::size_t n = 0; n < a.pixels.size(); ++n) sum += std::abs(int{a.pixels[n].g} - int{b.pixels[n].g});
   return sum / static_cast<double>(a.pixels.size());
 }
 
-/// Equal scenes: slices a voxel apart, samples a voxel apart. The edge of slices is soft, so their bytes are not those of rays.
+/// Times rays; the baseline is slices, both with a distance of one voxel. Slices have soft edges, so the pictures are similar, not equal.
 Status compare_slices(Bench& bench, const Subject& subject) {
   RenderOptions by_slices = kSurface;
   by_slices.slices = SliceOptions{};
@@ -115,7 +115,7 @@ Status compare_slices(Bench& bench, const Subject& subject) {
   if (!nothing) return nothing.error();
   nothing->draw();
   const std::string name = subject.what + ": rays over slices";
-  // One scene, however drawn: they differ by an eighth of what either differs from the background.
+  // The two pictures must differ by less than an eighth of the difference between the picture and the background.
   const double apart = mean_difference(rays->image, slices->image), seen = mean_difference(rays->image, nothing->image);
   const std::vector<std::uint8_t> one{1}, is_one_scene{static_cast<std::uint8_t>(8.0 * apart < seen ? 1 : 0)};
   if (bench.agree(name, bytes_of(one), bytes_of(is_one_scene)))
@@ -140,7 +140,7 @@ Status compare_rays(Bench& bench, const VolumeView& volume, const FrameView& vie
   if (Status done = compare_skipping(bench, subject, "surface", kSurface, surface_samples); !done) return done;
   const RenderOptions opaque = translucent(density_as_opacity(volume.bone_from_index.mean_edge()));
   if (Status done = compare_skipping(bench, subject, "compositing", opaque, translucent_samples); !done) return done;
-  // Bone that rays run all the way through, as `shading = "translucent"` draws it: there is little to skip.
+  // The translucent bone of `shading = "translucent"`: rays pass through all of it, so there is little to skip.
   const RenderOptions haze = translucent({{.density = 0.3, .extinction = 0.0}, {.density = 1.0, .extinction = 250.0}});
   if (Status done = compare_skipping(bench, subject, "thin haze", haze, {}); !done) return done;
   if (Status done = compare_shading(bench, subject, "surface", kSurface, {1.08, 1.015}); !done) return done;

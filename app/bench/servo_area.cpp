@@ -1,5 +1,5 @@
-// The live loops: the shipped scene on threads, at rest on bone, while a picture is drawn over and over on the other core; in turns with an
-// empty loop of the same priority, which shows what this machine gives anyone.
+// The live loops: the shipped scene on threads, at rest on bone, while another thread draws pictures. Runs are interleaved with an empty
+// loop of the same priority, which measures the scheduling of this machine.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -20,18 +20,18 @@ namespace burrhole {
 namespace {
 
 constexpr int kWindows = 5;
-constexpr double kSettle = 2.5;         // [s] from the start until the tool rests on bone; not counted
-constexpr double kWindow = 10.0;        // [s]
+constexpr double kSettle = 2.5;         // [s] from the start until the tool rests on bone; excluded
+constexpr double kWindow = 10.0;        // [s] of one measurement
 constexpr double kQuickWindow = 0.5;    // [s]
-constexpr double kMostCompute = 100.0;  // [us] p99.9
+constexpr double kMostCompute = 100.0;  // [us] target of the p99.9
 
-/// Draws until it goes out of scope: what a live run shares the machine with.
-class DrawingOn {
+/// Draws pictures on a thread until it goes out of scope, as the load beside a live run.
+class DrawingThread {
  public:
-  explicit DrawingOn(const LoadedScene& loaded) {
+  explicit DrawingThread(const LoadedScene& loaded) {
 #ifdef BH_WITH_RENDER
     thread_ = std::thread([this, &loaded] {
-      auto renderer = Renderer::create({.keep_picture = false});  // kept, the same picture would cost nothing
+      auto renderer = Renderer::create({.keep_picture = false});  // a kept picture would not be drawn again
       auto voxmap = Voxmap::create(loaded.bone, {});
       auto approach = make_approach(*loaded.bone, loaded.scene.approach);
       if (!renderer || !voxmap || !approach || !renderer->set_volume(make_volume_view(*voxmap))) return;
@@ -44,12 +44,12 @@ class DrawingOn {
     static_cast<void>(loaded);
 #endif
   }
-  ~DrawingOn() {
+  ~DrawingThread() {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
   }
-  DrawingOn(const DrawingOn&) = delete;
-  DrawingOn& operator=(const DrawingOn&) = delete;
+  DrawingThread(const DrawingThread&) = delete;
+  DrawingThread& operator=(const DrawingThread&) = delete;
   [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
 
  private:
@@ -58,7 +58,7 @@ class DrawingOn {
   std::thread thread_;
 };
 
-/// How late an empty loop wakes, at the servo's period and priority.
+/// Measures the lateness of the wake-up of an empty loop with the servo's period and priority.
 StepTiming empty_loop(double seconds, double period) {
   SampleTimer late;
   std::thread loop([&] {
@@ -70,8 +70,8 @@ StepTiming empty_loop(double seconds, double period) {
   return late.timing();
 }
 
-/// How long work that never changes takes, at the contact loop's period and priority: the spread that is the machine's. It reads all over 4 MB, as
-/// contact does in its records: what other threads put into the caches meanwhile is part of the machine. @param work_us of one tick.
+/// Measures the time of constant work with the contact loop's period and priority: its spread is due to the machine. The work reads random
+/// places of 4 MB, as contact reads records, so it depends on the cache use of other threads too. @param work_us [us] of one tick.
 StepTiming constant_loop(double seconds, double period, double work_us) {
   constexpr std::uint32_t kBits = 20;
   const std::vector<float> table(std::size_t{1} << kBits, 0.5f);
@@ -121,7 +121,7 @@ double median_of(const std::vector<Window>& windows, StepTiming Window::*step, d
   return median(std::move(values));
 }
 
-/// One window of the shipped path: bit at rest, thrust on it.
+/// Runs the shipped live loops with the bit at rest on bone under thrust. @returns the timings without the first `settle` [s].
 Result<Window> live_window(const LoadedScene& loaded, double settle, std::string& refused) {
   SimulationOptions options;
   options.live = true;
@@ -152,7 +152,7 @@ Status measure(Bench& bench, const std::string& what, const LoadedScene& loaded,
     window->constant = constant_loop(seconds, 1.0 / loaded.scene.effects.needs(loaded.scene).contact_hz, window->contact.p50_us);
     windows.push_back(*window);
   }
-  if (!refused.empty()) fmt::print(stderr, "bench: servo: {}; what follows was measured without it\n", refused);
+  if (!refused.empty()) fmt::print(stderr, "bench: servo: {}; the figures below were measured without it\n", refused);
   const auto name = [&](const char* figure) { return what + ": " + figure; };
   const auto p999 = &StepTiming::p999_us;
   const auto us = [&](const char* figure, StepTiming Window::*step, double StepTiming::*of, const Bars& bars) {
@@ -181,7 +181,7 @@ Status measure(Bench& bench, const std::string& what, const LoadedScene& loaded,
   return {};
 }
 
-/// A live run and its record fed again: the forces sent must be the same bits, or the times above are of something else.
+/// Replays a live run and compares the forces bit for bit; a difference means that the timed loops do not compute what is recorded.
 Status compare_replay(Bench& bench, const std::string& what, const LoadedScene& loaded) {
   const std::string path = (std::filesystem::temp_directory_path() / fmt::format("burrhole-bench-{}.sqlite", ::getpid())).string();
   struct Remove {
@@ -230,7 +230,7 @@ Status bench_servo(Bench& bench) {
     scene.tool.shell = std::move(shell).value();
     const std::string what = fmt::format("{} points at rest on bone", size.points);
     if (Status compared = compare_replay(bench, what, scene); !compared) return compared;
-    const DrawingOn drawing(scene);
+    const DrawingThread drawing(scene);
     if (Status done = measure(bench, what, scene, seconds, size.points > 1000); !done) return done;
     bench.add_absolute(what + ": pictures of 512 x 512 drawn meanwhile", "1", static_cast<double>(drawing.frames()), false);
   }

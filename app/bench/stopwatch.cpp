@@ -14,7 +14,7 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Seconds of one run, the mean of `repeats` in a row.
+/// @returns the time of one run [s], the mean of `repeats` successive runs.
 double sample(const Side& side, int repeats) {
   if (side.prepare) side.prepare();
   const double start = cpu_seconds();
@@ -36,7 +36,7 @@ double median(std::vector<double> samples) {
 
 }  // namespace
 
-Medians time_by_turns(const StopwatchPlan& plan, const Side& baseline, const Side& value) {
+Medians time_paired(const StopwatchPlan& plan, const Side& baseline, const Side& value) {
   const int baseline_repeats = repeats_for(plan, baseline), value_repeats = repeats_for(plan, value);
   std::vector<double> baseline_samples, value_samples;
   const double start = cpu_seconds();

@@ -1,29 +1,28 @@
-/// app/bench/stopwatch.h: two ways of doing one thing, timed by turns in one process, so that a busy machine slows both alike.
-///   Times are CPU time of all threads: what a neighbour on the machine takes does not count, what a driver's threads take does.
+/// app/bench/stopwatch.h: times two implementations in paired runs of one process, so that the load of the machine affects both equally.
+///   Times are CPU times of all threads of the process, those of drivers included; other processes do not count.   Units  s.   Thread  one.
 #pragma once
 
 #include <functional>
 
 namespace burrhole {
 
-/// `prepare`, where there is one, runs before each timed run and is not timed.
+/// One of two implementations.
 struct Side {
-  std::function<void()> prepare;
+  std::function<void()> prepare;  ///< runs before each timed run and is not timed; may be empty
   std::function<void()> run;
 };
 
 struct StopwatchPlan {
-  int pairs_least = 15, pairs_most = 61;  ///< timed runs of each side: as many as the budget allows
+  int pairs_least = 15, pairs_most = 61;  ///< [-] number of timed pairs: as many as the budget allows
   double budget = 3.0;                    ///< [s] for all pairs
-  double least_sample = 0.5e-3;           ///< [s] a side without `prepare` is repeated within a sample until it lasts that long
+  double least_sample = 0.5e-3;           ///< [s] a side without `prepare` is repeated within a sample until it takes that long
 };
 
-/// Seconds of one run.
 struct Medians {
-  double baseline = 0.0, value = 0.0;
+  double baseline = 0.0, value = 0.0;  ///< [s] of one run
 };
 
-/// Each side runs once unmeasured, then baseline and value by turns.
-[[nodiscard]] Medians time_by_turns(const StopwatchPlan& plan, const Side& baseline, const Side& value);
+/// Runs each side once without timing, then baseline and value in alternation. @returns the medians.
+[[nodiscard]] Medians time_paired(const StopwatchPlan& plan, const Side& baseline, const Side& value);
 
 }  // namespace burrhole

@@ -11,7 +11,7 @@ constexpr float kLeastHardness = 0.1f;  // of the rate law, see core/drill/erosi
 
 openvdb::Coord coord(const Vec3i& v) { return {v.x, v.y, v.z}; }
 
-/// A grid with a leaf for every voxel of the box.
+/// @returns a grid with a leaf for every voxel of the box.
 template <class Grid = openvdb::FloatGrid>
 typename Grid::Ptr make_grid(const VoxelBox& box, std::span<const typename Grid::ValueType> values) {
   auto grid = Grid::create();
@@ -35,7 +35,7 @@ struct VdbErosion::Impl {
   VoxelBox box;
   std::vector<float> as_made;
   openvdb::FloatGrid::Ptr occupancy, hardness, density, remaining;
-  openvdb::DoubleGrid::Ptr exposure;  // double: sums of float factors are then exact, as the window's are; rests at 0
+  openvdb::DoubleGrid::Ptr exposure;  // double: exact sums of float factors, as in the window; 0 between steps
   std::vector<openvdb::Coord> touched;
 };
 
@@ -70,7 +70,7 @@ void VdbErosion::step_rate(const VdbErosionStep& step) {
       sum += static_cast<double>(d.points.factors[n]);
     });
   }
-  // A point stands for a cube of edge pitch; the grids' voxels have edge 1.
+  // A point represents a cube of edge pitch; in index space voxels have edge 1.
   const double relative_pitch = d.points.pitch * std::cbrt(std::abs(glm::determinant(step.index_from_tool.linear)));
   const double rate = step.spin * relative_pitch * relative_pitch * relative_pitch;
   auto occupancy = d.occupancy->getConstAccessor();
@@ -89,7 +89,7 @@ void VdbErosion::step_rate(const VdbErosionStep& step) {
 void VdbErosion::step_per_update(const VdbErosionStep& step) {
   Impl& d = *impl_;
   auto occupancy = d.occupancy->getConstAccessor();
-  auto keeps = d.exposure->getAccessor();  // product of the points' keeps, less one: so that it rests at 0 as the sums do
+  auto keeps = d.exposure->getAccessor();  // product of the points' factors minus 1: 0 between steps, as the sums are
   d.touched.clear();
   for (std::size_t n = 0; n < d.points.size(); ++n) {
     const openvdb::Coord v = coord(voxel_of(step.index_from_tool * d.points.positions[n]));

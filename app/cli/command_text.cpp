@@ -24,7 +24,7 @@ CLI::App* add_command(CLI::App& parent, const std::string& name, const std::stri
   if (!text.examples.empty()) footer += text.examples.size() == 1 ? "Example:\n" : "Examples:\n";
   for (const std::string& example : text.examples) footer += "  " + example + "\n";
   if (!text.exits.empty()) footer += "\n" + wrapped(text.exits) + "\n";
-  if (!footer.empty()) footer.pop_back();  // the formatter ends it
+  if (!footer.empty()) footer.pop_back();  // the formatter adds the last line break
   command->footer(footer);
   return command;
 }

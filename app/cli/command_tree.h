@@ -1,4 +1,4 @@
-/// app/cli/command_tree.h: the command line as plain values: one walk over CLI11's App, used by the manual and by completion.
+/// app/cli/command_tree.h: the command line as plain values, read from CLI11's App; used by the manual and by shell completion.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,7 +10,7 @@ namespace burrhole::cli {
 struct OptionNode {
   std::vector<std::string> names;  ///< "-h", "--help": as typed
   std::string value;               ///< "FILE"; empty: a flag
-  std::string fallback;            ///< of the value, empty: none
+  std::string fallback;            ///< default value; empty: none
   std::string about;
 };
 
@@ -21,10 +21,10 @@ struct ArgumentNode {
 
 struct CommandNode {
   std::string name;
-  std::string path;  ///< of commands below the program: "cost contact"; empty for the program itself
+  std::string path;  ///< commands from the program down to this one: "cost contact"; empty for the program itself
   std::string group;
   std::string summary;  ///< first line of the description
-  std::string about;    ///< the rest of it
+  std::string about;    ///< the rest of the description
   std::string footer;   ///< examples and exit codes, lines as printed
   std::vector<OptionNode> options;
   std::vector<ArgumentNode> arguments;
@@ -33,7 +33,7 @@ struct CommandNode {
 
 [[nodiscard]] CommandNode walk_commands(const CLI::App& program);
 
-/// The node and all below it, parents first.
+/// @returns the node and all its descendants, parents first.
 [[nodiscard]] std::vector<const CommandNode*> every_command(const CommandNode& root);
 
 }  // namespace burrhole::cli

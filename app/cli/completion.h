@@ -1,6 +1,6 @@
-/// app/cli/completion.h: completion scripts for shells, made from the walk of the command line.
-///   Offered: commands, options, and by kind of value shipped scenes and tools, files and folders. Names are those of this installation
-///   at the time of printing; names that a shell would have to quote are left out.
+/// app/cli/completion.h: completion scripts for bash, zsh and fish, generated from the command tree.
+///   They complete commands, options, and, by kind of value, shipped scenes and tools, files and folders. The names are those of this
+///   installation at the time of printing; names that need quoting in a shell are left out.
 #pragma once
 
 #include <string>
@@ -18,10 +18,12 @@ struct ShippedNames {
 [[nodiscard]] std::string zsh_completion(const CommandNode& program, const ShippedNames& shipped);
 [[nodiscard]] std::string fish_completion(const CommandNode& program, const ShippedNames& shipped);
 
-/// 'text' as one word of any of the three shells. zsh and bash need '\'' for a quote, fish \'.
+/// @returns 'text' as one quoted word for bash and zsh, which write a quote as '\''.
 [[nodiscard]] std::string shell_quoted(const std::string& text);
+/// @returns 'text' as one quoted word for fish, which writes a quote as \'.
 [[nodiscard]] std::string fish_quoted(const std::string& text);
 
+/// @returns the words with spaces between them.
 [[nodiscard]] std::string joined(const std::vector<std::string>& words);
 
 }  // namespace burrhole::cli

@@ -4,7 +4,7 @@
 namespace burrhole::cli {
 namespace {
 
-/// Lines of a `case`: what stands behind each command.
+/// @returns lines of a `case`: commands, options and arguments of each command.
 std::string table_cases(const CommandNode& program) {
   std::string out;
   for (const CommandNode* node : every_command(program)) {
@@ -18,7 +18,7 @@ std::string table_cases(const CommandNode& program) {
   return out;
 }
 
-/// Lines of a `case`: which options of which command take a value, and of what kind.
+/// @returns lines of a `case`: the kind of value of each option that takes one.
 std::string value_cases(const CommandNode& program) {
   std::string out;
   for (const CommandNode* node : every_command(program))

@@ -1,15 +1,15 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/cli/commands.h"
 #include "app/cli/completion.h"
-#include "app/cli/front.h"
 
 namespace burrhole::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A name that is one word in every shell as it stands.
+/// @returns whether a name is one word in every shell without quotes.
 bool is_plain(const std::string& name) {
   return !name.empty() && name[0] != '-' && std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
@@ -50,18 +50,17 @@ std::string joined(const std::vector<std::string>& words) {
 
 void add_completion(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
-      app, "completion", kFrontGroup,
+      app, "completion", kReferenceGroup,
       {.summary = "Prints a completion script for bash, zsh or fish",
-       .about =
-           "The script completes commands, options, and the names of shipped scenes and tools. An installed program has it in place; for "
-           "one in a build folder, load it into the running shell.",
+       .about = "The script completes commands, options, and the names of shipped scenes and tools. The installation includes it; for a "
+                "program in a build folder, load it into the running shell.",
        .examples = {"source <(burrhole completion bash)", "burrhole completion fish > ~/.config/fish/completions/burrhole.fish"},
        .exits = {}});
   command->require_subcommand(1);
   const auto add = [&](const char* shell, std::string (*make)(const CommandNode&, const ShippedNames&), const std::string& example) {
     add_command(*command, shell, "Shells",
                 {.summary = std::string("Prints the script for ") + shell,
-                 .about = "On stdout, and nothing else there.",
+                 .about = "Prints only the script on stdout.",
                  .examples = {example},
                  .exits = {}})
         ->callback([&app, &exit_code, make] {

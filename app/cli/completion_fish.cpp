@@ -6,7 +6,7 @@
 namespace burrhole::cli {
 namespace {
 
-/// Switches of `complete` that offer values of a kind; fish is told to offer no files unless these ask for them.
+/// @returns switches of `complete` that offer values of a kind. The script disables files (`complete -f`) unless -F enables them.
 std::string values(const std::string& value, const ShippedNames& shipped) {
   if (value == kSceneValue) return " -F -a " + fish_quoted(joined(shipped.scenes));
   if (value == kToolValue) return " -F -a " + fish_quoted(joined(shipped.tools));

@@ -20,7 +20,7 @@ std::string function_name(const CommandNode& node) {
   return name;
 }
 
-/// What zsh does for a value of this kind.
+/// @returns the completion action of zsh for a value of this kind.
 std::string action(const std::string& value) {
   if (value == kSceneValue) return "__burrhole_scenes";
   if (value == kToolValue) return "__burrhole_tools";
@@ -67,7 +67,7 @@ std::string zsh_completion(const CommandNode& program, const ShippedNames& shipp
   std::string out = "#compdef burrhole\n# zsh completion of burrhole; printed by `burrhole completion zsh`.\n\n";
   out += names_function("__burrhole_scenes", shipped.scenes) + names_function("__burrhole_tools", shipped.tools);
   for (const CommandNode* node : every_command(program)) out += node->commands.empty() ? leaf_function(*node) : branch_function(*node);
-  // Autoloaded from a folder of fpath the file is the function's body; sourced, it registers itself.
+  // Autoloaded from a folder of fpath, the file is the body of the function; sourced, it registers the function.
   return out + "if [ \"$funcstack[1]\" = _burrhole ]; then\n  _burrhole \"$@\"\nelse\n  compdef _burrhole burrhole\nfi\n";
 }
 

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "app/cli/front.h"
+#include "app/cli/commands.h"
 #include "app/cli/progress.h"
 #include "app/lab/contact_accuracy.h"
 #include "app/lab/multirate.h"
@@ -15,7 +15,7 @@
 namespace burrhole::cli {
 namespace {
 
-/// All rows of `cost contact` and its three plots.
+/// Measures all rows of `cost contact` and writes them with three plots.
 Status measure_contact(const std::string& folder, std::size_t& row_count) {
   ContactAccuracyOptions options;
   options.tool_folder = (std::filesystem::path(share_folder()) / "tools").string();
@@ -39,7 +39,7 @@ Status measure_contact(const std::string& folder, std::size_t& row_count) {
 Status measure_multirate_cost(const std::string& folder, std::size_t& row_count) {
   Progress progress(false);
   MultirateOptions options;
-  options.progress = [&](double share) { progress.show(share, "schemes by contact rate"); };
+  options.progress = [&](double share) { progress.show(share, "multi-rate schemes"); };
   const auto rows = measure_multirate(options);
   if (!rows) return rows.error();
   row_count = rows->size();
@@ -49,9 +49,10 @@ Status measure_multirate_cost(const std::string& folder, std::size_t& row_count)
 void add_multirate(CLI::App& cost, int& exit_code) {
   CLI::App* command = add_command(
       cost, "multirate", "Subjects",
-      {.summary = "What contact slower than the servo costs, by the scheme that makes up for it",
-       .about = "Slides and drills with contact at 1 kHz down to 20 Hz: how far the force is off that of contact at 1 kHz, how much of the "
-                "largest stable stiffness is kept, and what a servo step takes.",
+      {.summary = "Accuracy of the multi-rate schemes by the rate of contact",
+       .about =
+           "Slides and drills with contact at 1 kHz down to 20 Hz. For each scheme: the error of the force against contact at 1 kHz, the "
+           "share of the maximum stable stiffness that remains, and the time of a servo step.",
        .examples = {"burrhole cost multirate --out out/cost_multirate"},
        .exits = {}});
   auto folder = std::make_shared<std::string>("out/cost_multirate");
@@ -66,57 +67,57 @@ void add_multirate(CLI::App& cost, int& exit_code) {
 }
 
 #ifdef BH_WITH_RENDER
-struct RenderCostAsked {
+struct RenderCostArguments {
   std::string folder = "out/cost_render", size = "400x300", gl = "auto";
   int frames = 9;
   bool knobs_only = false;
 };
 
-Status measure_render(const RenderCostAsked& asked, std::size_t& row_count) {
-  RenderCostOptions options{.share_folder = share_folder(), .frames = asked.frames, .pareto = !asked.knobs_only};
-  const auto size = split_numbers(asked.size, 'x', 2);
+Status measure_render(const RenderCostArguments& arguments, std::size_t& row_count) {
+  RenderCostOptions options{.share_folder = share_folder(), .frames = arguments.frames, .pareto = !arguments.knobs_only};
+  const auto size = split_numbers(arguments.size, 'x', 2);
   if (!size || !((*size)[0] >= 16 && (*size)[0] <= 4096 && (*size)[1] >= 16 && (*size)[1] <= 4096))
-    return bad_input("--size " + asked.size + " must be WIDTHxHEIGHT, each in [16, 4096]");
+    return bad_input("--size " + arguments.size + " must be WIDTHxHEIGHT, each in [16, 4096]");
   options.width = static_cast<int>((*size)[0]);
   options.height = static_cast<int>((*size)[1]);
   for (const GlBackend backend : gl_backends())
-    if (asked.gl == gl_backend_name(backend)) options.gl = backend;
+    if (arguments.gl == gl_backend_name(backend)) options.gl = backend;
   Progress progress(false);
   options.progress = [&](double share, const std::string& what) { progress.show(share, what); };
   const auto cost = measure_render_cost(options);
   if (!cost) return cost.error();
   row_count = cost->rows.size();
-  return write_render_cost(*cost, asked.folder);
+  return write_render_cost(*cost, arguments.folder);
 }
 
 void add_render_cost(CLI::App& cost, int& exit_code) {
   CLI::App* command = add_command(
       cost, "render", "Subjects",
-      {.summary = "What a picture's accuracy costs, and which knobs are worth it",
+      {.summary = "Accuracy of pictures against CPU time, by the quality settings",
        .about =
-           "Draws the shipped skull patch, as loaded and drilled through, by rays, slices and as translucent bone, with steps, "
-           "bisections, finish, rays a pixel, resolution and texels of several precisions; tables PSNR, SSIM and FLIP against the best "
-           "that can be drawn beside the CPU time, and draws the Pareto front. quality_front.inc is what [display] quality = "
-           "\"auto\" chooses from.",
+           "Draws the shipped skull patch, as loaded and drilled through, by ray casting, by slices and as translucent bone. Varies step "
+           "length, bisections, finish, rays per pixel, resolution and texel precision. Tables PSNR, SSIM and FLIP against a reference "
+           "picture of the highest quality, and the CPU time. Writes the Pareto front as quality_front.inc, from which [display] quality = "
+           "\"auto\" chooses.",
        .examples = {"burrhole cost render --out out/cost_render", "burrhole cost render --knobs-only --frames 3 --size 200x150"},
-       .exits = "Exit 4 where no OpenGL can be had."});
-  auto asked = std::make_shared<RenderCostAsked>();
-  command->add_option("--out", asked->folder, "folder for cost.csv, the plot, the page and the pictures")
+       .exits = "Exit 4 if there is no OpenGL."});
+  auto arguments = std::make_shared<RenderCostArguments>();
+  command->add_option("--out", arguments->folder, "folder for cost.csv, the plot, the page and the pictures")
       ->type_name(kFolderValue)
       ->capture_default_str();
-  command->add_option("--size", asked->size, "of the pictures in pixels")->type_name("WIDTHxHEIGHT")->capture_default_str();
-  command->add_option("--frames", asked->frames, "timed pictures for each setting")
+  command->add_option("--size", arguments->size, "size of the pictures in pixels")->type_name("WIDTHxHEIGHT")->capture_default_str();
+  command->add_option("--frames", arguments->frames, "timed pictures per setting")
       ->check(CLI::Range(1, 1000))
       ->type_name("COUNT")
       ->capture_default_str();
-  command->add_flag("--knobs-only", asked->knobs_only, "each knob alone: no combinations, so no front");
-  add_gl_option(*command, asked->gl);
+  command->add_flag("--knobs-only", arguments->knobs_only, "varies one setting at a time: no combinations, so no Pareto front");
+  add_gl_option(*command, arguments->gl);
   add_simd_option(*command);
-  command->callback([asked, &exit_code] {
+  command->callback([arguments, &exit_code] {
     std::size_t rows = 0;
-    const Status written = measure_render(*asked, rows);
+    const Status written = measure_render(*arguments, rows);
     exit_code = written ? kDone : report(written.error());
-    if (written) print(fmt::format("{} rows in {}/cost.csv, render.html and pictures beside it\n", rows, asked->folder));
+    if (written) print(fmt::format("{} rows in {}/cost.csv, render.html and pictures beside it\n", rows, arguments->folder));
   });
 }
 #endif
@@ -124,21 +125,21 @@ void add_render_cost(CLI::App& cost, int& exit_code) {
 }  // namespace
 
 void add_cost(CLI::App& app, int& exit_code) {
-  CLI::App* command =
-      add_command(app, "cost", kMeasureGroup,
-                  {.summary = "Accuracy against time of one subject",
-                   .about = "Measures a part of the simulator against closed forms and tables its errors beside what it costs: "
-                            "as CSV, and as plots where gnuplot is installed.",
-                   .examples = {"burrhole cost contact --out out/cost"},
-                   .exits = {}});
+  CLI::App* command = add_command(
+      app, "cost", kMeasureGroup,
+      {.summary = "Measures accuracy and computation time of one subject",
+       .about = "Compares a part of the simulator with closed forms and tables its errors and computation times, as CSV, and as "
+                "plots if gnuplot is installed.",
+       .examples = {"burrhole cost contact --out out/cost"},
+       .exits = {}});
   command->require_subcommand(1);
-  CLI::App* contact =
-      add_command(*command, "contact", "Subjects",
-                  {.summary = "Error of the contact force on plate, sphere and wedge",
-                   .about = "Presses bits into generated bone, clean and noisy, and compares the force with its closed form; then slides a "
-                            "round burr over tilted plates, where the true force is constant, and tables how far it jumps.",
-                   .examples = {"burrhole cost contact --out out/cost"},
-                   .exits = {}});
+  CLI::App* contact = add_command(
+      *command, "contact", "Subjects",
+      {.summary = "Error of the contact force on plate, sphere and wedge",
+       .about = "Presses bits into generated bone, without and with noise, and compares the force with its closed form. Then slides "
+                "a round burr over tilted plates, where the exact force is constant, and tables the variation of the force.",
+       .examples = {"burrhole cost contact --out out/cost"},
+       .exits = {}});
   auto folder = std::make_shared<std::string>("out/cost");
   contact->add_option("--out", *folder, "folder for cost.csv and the plots")->type_name(kFolderValue)->capture_default_str();
   add_simd_option(*contact);
@@ -151,9 +152,9 @@ void add_cost(CLI::App& app, int& exit_code) {
   });
   CLI::App* surface = add_command(
       *command, "surface", "Subjects",
-      {.summary = "Error of the felt surface, by the bits and the pitch of its records",
-       .about = "Looks distance and normal of the surface up where the closed form of generated bone is known, for records of 8 and "
-                "16 bits and voxels from 0.18 to 0.5 mm, and times the look-up.",
+      {.summary = "Error of the surface records by their bits and voxel size",
+       .about = "Compares distance and normal of surface records with the closed form of generated bone, for records of 8 and 16 bits and "
+                "voxels from 0.18 to 0.5 mm, and times the look-up.",
        .examples = {"burrhole cost surface --out out/cost_surface"},
        .exits = {}});
   auto surface_folder = std::make_shared<std::string>("out/cost_surface");

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/cli/front.h"
+#include "app/cli/commands.h"
 #include "haptics/device/device_model.h"
 
 namespace burrhole::cli {
@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// "8 read"; "-" where there is no such figure.
+/// @returns "8 r": the scaled value and the initial of its provenance; "-" if there is no such figure.
 std::string text_of(const Figure& figure, double scale) {
   if (figure.provenance == Provenance::absent) return "-";
   return fmt::format("{:.4g} {}", figure.value * scale, name_of(figure.provenance).substr(0, 1));
@@ -44,12 +44,12 @@ void print_devices() {
     print(fmt::format("{:<12} {:>10} {:>12} {:>10} {:>10} {:>10} {:>10}  {}\n", d.name, text_of(d.largest_force, 1.0),
                       text_of(d.friction, 1.0), text_of(d.mass, 1.0), text_of(d.damping, 1.0), text_of(d.quantum, 1e6),
                       text_of(d.workspace_radius, 1e3), d.title));
-  print("\nHands: [device] hand = \"NAME\" says who holds it.\n");
+  print("\nHands: [device] hand = \"NAME\" selects the hand on it.\n");
   print(fmt::format("{:<12} {:>10} {:>10} {:>10}  {}\n", "name", "mass kg", "N s/m", "N/m", "hand"));
   for (const HandModel& h : hand_models())
     print(fmt::format("{:<12} {:>10} {:>10} {:>10}  {}\n", h.name, text_of(h.mass, 1.0), text_of(h.damping, 1.0), text_of(h.stiffness, 1.0),
                       h.title));
-  print("\nr read in its source, d derived from it, u recalled and unverified, a assumed. Connected devices: this version drives none.\n");
+  print("\nr read in its source, d derived from it, u recalled and unverified, a assumed. This version supports no connected device.\n");
 }
 
 }  // namespace
@@ -57,13 +57,13 @@ void print_devices() {
 void add_devices(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
       app, "devices", kSceneGroup,
-      {.summary = "Force devices that can be simulated, and the hands that hold them",
-       .about = "Lists the devices and hands that a scene's [device] table may name, each figure with where it comes from: read in "
-                "a source, derived from it, recalled and unverified, or assumed. This version drives no connected device.",
+      {.summary = "Lists the force devices and hands that can be simulated",
+       .about = "Lists the devices and hands for a scene's [device] table. Each figure has its provenance: read in a source, derived from "
+                "it, recalled and unverified, or assumed. This version supports no connected device.",
        .examples = {"burrhole devices", "burrhole drill parietal --set device.name=falcon --out out/falcon"},
        .exits = {}});
   auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "the list as JSON on stdout, with the source of each figure, SI units");
+  command->add_flag("--json", *json, "print the list as JSON on stdout, with the source of each figure, SI units");
   command->callback([json, &exit_code] {
     exit_code = kDone;
     if (!*json) return print_devices();

@@ -1,21 +1,21 @@
-#include "app/cli/front.h"
+#include "app/cli/commands.h"
 #include "app/scene/schema_doc.h"
 
 namespace burrhole::cli {
 
 void add_docs(CLI::App& app, int& exit_code) {
   CLI::App* command =
-      add_command(app, "docs", kFrontGroup,
+      add_command(app, "docs", kReferenceGroup,
                   {.summary = "Prints the reference of a file format as Markdown",
-                   .about = "The reference is made from the rules that read such files, so it lists exactly what this program "
-                            "takes: each key with its range, default and meaning.",
+                   .about = "The reference is generated from the rules that read such files, so it matches this program: each key with its "
+                            "range, default and meaning.",
                    .examples = {"burrhole docs scene | less", "burrhole docs tool > tool.md"},
                    .exits = {}});
   command->require_subcommand(1);
   const auto add = [&](const char* name, const char* summary, SchemaFile file) {
     add_command(*command, name, "Formats",
                 {.summary = summary,
-                 .about = "Markdown on stdout, and nothing else there.",
+                 .about = "Prints only Markdown on stdout.",
                  .examples = {std::string("burrhole docs ") + name + " | less"},
                  .exits = {}})
         ->callback([file, &exit_code] {

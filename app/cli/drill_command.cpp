@@ -2,8 +2,8 @@
 
 #include <csignal>
 
+#include "app/cli/commands.h"
 #include "app/cli/drilling.h"
-#include "app/cli/front.h"
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
 
@@ -17,11 +17,12 @@ extern "C" void on_signal(int) { stop_flag.store(true, std::memory_order_relaxed
 
 void print_figures(const RunSummary& s) {
   const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f} mm", *value) : std::string("-"); };
-  fmt::print(stderr,
-             "thickness {:.2f} mm, breakthrough at {} deep, plunge {}, hole {} outside, {} inside, peak force {:.1f} N, {:.1f} s drilled "
-             "in {:.1f} s\n{}\n",
-             s.thickness_mm, mm(s.depth_mm), mm(s.plunge_mm), mm(s.hole_diameter_mm), mm(s.inner_diameter_mm), s.peak_force_N, s.duration_s,
-             s.wall_s, outcome_text(s));
+  fmt::print(
+      stderr,
+      "thickness {:.2f} mm, breakthrough at a depth of {}, plunge {}, hole {} outside, {} inside, peak force {:.1f} N, {:.1f} s simulated "
+      "in {:.1f} s\n{}\n",
+      s.thickness_mm, mm(s.depth_mm), mm(s.plunge_mm), mm(s.hole_diameter_mm), mm(s.inner_diameter_mm), s.peak_force_N, s.duration_s,
+      s.wall_s, outcome_text(s));
 }
 
 }  // namespace
@@ -32,25 +33,25 @@ void catch_signals() {
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESTART | SA_RESETHAND;  // a second Ctrl-C ends at once
+  action.sa_flags = SA_RESTART | SA_RESETHAND;  // a second Ctrl-C ends the program
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
 
-Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet, const LiveAsked& asked) {
+Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet, const LiveMode& mode) {
   Progress progress(quiet);
   DrillJob job;
   job.folder = files.folder;
   job.restore_path = files.restore_path;
-  job.live = asked.live;
-  job.require_realtime = asked.require_realtime;
+  job.live = mode.live;
+  job.require_realtime = mode.require_realtime;
   job.stop = &stop_flag;
   job.warn = [&](const std::string& text) { fmt::print(stderr, "{}: warning: {}\n", loaded.scene.file, text); };
   if (!quiet) job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
   job.progress = [&](double share, const std::string& text) { progress.show(share, text); };
   job.make_sink = [&](const DisplayConfig& display, const std::string& folder) {
     return make_picture_sink(
-        display, {.folder = folder, .gl = files.gl, .shader_folder = files.shader_folder, .tell = [quiet](const std::string& line) {
+        display, {.folder = folder, .gl = files.gl, .shader_folder = files.shader_folder, .report = [quiet](const std::string& line) {
                     if (!quiet) fmt::print(stderr, "quality: {}\n", line);
                   }});
   };
@@ -67,20 +68,20 @@ void add_drill(CLI::App& app, int& exit_code) {
   struct Options {
     SceneOption scene;
     DrillingFiles files{.folder = "out", .restore_path = {}};
-    LiveAsked asked;
+    LiveMode mode;
     bool json = false, quiet = false, offscreen = false;
   };
   CLI::App* command = add_command(
       app, "drill", kDrillGroup,
       {.summary = "Drills a scene and writes pictures, figures and a report",
-       .about = "The main job. Runs the scene offscreen, in lockstep, and leaves in a folder: pictures, the bone as it was left, a "
-                "session that can be replayed, summary.json with every figure, and report.html. The same scene gives the same bits. "
-                "With --live servo, contact and bone run on threads against the clock, as with a device in the hand; the session then "
-                "holds what each step took, and replays to the same bits. Ctrl-C ends the run cleanly with what was done so far.",
+       .about = "Runs the scene offscreen, in lockstep, and writes into a folder: pictures, the drilled bone, a session that can be "
+                "replayed, summary.json with all figures, and report.html. Equal scenes give bit-identical results. With --live the servo, "
+                "contact and simulation loops run on threads in real time, as with a device. The session then records the inputs of each "
+                "step, and a replay is bit-identical too. Ctrl-C ends the run cleanly and writes the results so far.",
        .examples = {"burrhole drill parietal --out out/parietal",
                     "burrhole drill parietal --set tool.spin_rpm=800 --set hand.push_N=35 --out out/harder",
                     "burrhole drill parietal --live --out out/live", "burrhole drill parietal --json --quiet | jq .drilling"},
-       .exits = "Exit 130 after Ctrl-C, 4 where a scene asks for pictures and no OpenGL can be had, or --require-realtime is refused."});
+       .exits = "Exit 130 after Ctrl-C; 4 if a scene needs pictures and there is no OpenGL, or if --require-realtime is refused."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   command->add_option("--out", option->files.folder, "folder for the results")->type_name(kFolderValue)->capture_default_str();
@@ -94,14 +95,14 @@ void add_drill(CLI::App& app, int& exit_code) {
   add_simd_option(*command);
   add_gl_option(*command, option->files.gl);
   add_shader_option(*command, option->files.shader_folder);
-  command->add_flag("--live", option->asked.live, "on threads against the clock instead of in lockstep");
-  command->add_flag("--require-realtime", option->asked.require_realtime, "end where the system refuses real-time priority (with --live)");
+  command->add_flag("--live", option->mode.live, "on threads in real time instead of in lockstep");
+  command->add_flag("--require-realtime", option->mode.require_realtime, "exit if the system refuses real-time priority (with --live)");
   command->add_flag("--offscreen", option->offscreen, "no window (this version never opens one)");
-  command->add_flag("--json", option->json, "print summary.json on stdout, and nothing else there");
+  command->add_flag("--json", option->json, "print only summary.json on stdout");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
-    if (option->asked.require_realtime && !option->asked.live) {
-      exit_code = report(bad_input("--require-realtime asks for what only --live needs"));
+    if (option->mode.require_realtime && !option->mode.live) {
+      exit_code = report(bad_input("--require-realtime is valid only with --live"));
       return;
     }
     const auto loaded = load_or_report(option->scene, exit_code, option->quiet);
@@ -109,7 +110,7 @@ void add_drill(CLI::App& app, int& exit_code) {
     if (!option->quiet)
       for (const std::string& warning : make_plan(*loaded).warnings) fmt::print(stderr, "{}: warning: {}\n", loaded->scene.file, warning);
     catch_signals();
-    const auto summary = drill_scene(*loaded, option->files, option->quiet, option->asked);
+    const auto summary = drill_scene(*loaded, option->files, option->quiet, option->mode);
     if (!summary) {
       exit_code = report(summary.error());
       return;

@@ -1,4 +1,5 @@
-/// app/cli/drilling.h: one run from a loaded scene to its files; shared by drill, explain --measure and replay.
+/// app/cli/drilling.h: runs a loaded scene and writes its files; shared by drill, explain --measure and replay.
+///   Thread  main.   Errors  those of drill() in app/job.
 #pragma once
 
 #include <atomic>
@@ -10,26 +11,25 @@
 
 namespace burrhole::cli {
 
-/// Set by SIGINT and SIGTERM once catch_signals() was called: runs end cleanly after the tick.
+/// True after SIGINT or SIGTERM, if catch_signals() was called before: runs then end cleanly after the tick.
 [[nodiscard]] const std::atomic<bool>& stop_requested();
+/// Handles the first SIGINT and SIGTERM by setting stop_requested(); a second signal ends the program.
 void catch_signals();
 
 struct DrillingFiles {
   std::string folder;           ///< empty: nothing is written
   std::string restore_path;     ///< checkpoint to start from; empty: bone as loaded
-  std::string gl = "auto";      ///< word of --gl
-  std::string shader_folder{};  ///< of --shader-dir; empty: the shaders as built in
-  std::string inputs{};         ///< of --inputs: a file of timed inputs; empty: none
+  std::string gl = "auto";      ///< value of --gl
+  std::string shader_folder{};  ///< value of --shader-dir; empty: the built-in shaders
+  std::string inputs{};         ///< value of --inputs, a file of timed inputs; empty: none
 };
 
-/// Against the clock, on threads, instead of in lockstep.
-struct LiveAsked {
-  bool live = false;
-  bool require_realtime = false;
+struct LiveMode {
+  bool live = false;              ///< on threads in real time instead of in lockstep
+  bool require_realtime = false;  ///< a refused priority is an error
 };
 
-/// Runs and writes pictures, session, bone.vdb, summary.json and report.html. @returns the summary; faults are printed by the caller.
-[[nodiscard]] Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet,
-                                             const LiveAsked& asked = {});
+/// Runs the scene and writes pictures, session, bone.vdb, summary.json and report.html. @returns the summary; the caller prints errors.
+[[nodiscard]] Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet, const LiveMode& mode = {});
 
 }  // namespace burrhole::cli

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 #include <algorithm>
 
+#include "app/cli/commands.h"
 #include "app/cli/drilling.h"
-#include "app/cli/front.h"
 
 namespace burrhole::cli {
 namespace {
@@ -31,7 +31,7 @@ std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSum
   std::vector<std::string> absent, later;
   for (const std::string& name : plan.not_built)
     (in_this_version(name) ? absent : later).push_back(name);
-  if (!absent.empty()) out += fmt::format("\nnot built, as this scene does not name it: {}", fmt::join(absent, ", "));
+  if (!absent.empty()) out += fmt::format("\nnot built, as this scene has no table for it: {}", fmt::join(absent, ", "));
   out += fmt::format("\nnot in this version: {}\n", fmt::join(later, ", "));
   for (const std::string& warning : plan.warnings) out += "warning: " + warning + "\n";
   return out;
@@ -47,17 +47,17 @@ void add_explain(CLI::App& app, int& exit_code) {
   };
   CLI::App* command = add_command(
       app, "explain", kSceneGroup,
-      {.summary = "What a scene will run, at which rate, with how many bytes",
-       .about = "Lists the effects that the scene's tables switch on, in the order they run, and the ones that are not built. With "
-                "--measure it also runs the scene, writing nothing, and adds what each effect cost.",
+      {.summary = "Lists the steps of a scene with their rates and memory",
+       .about = "Lists the effects that the scene's tables enable, in the order they run, and the effects that are not built. With "
+                "--measure it also runs the scene, without writing files, and adds the computation time of each effect.",
        .examples = {"burrhole explain parietal", "burrhole explain my_scene.toml --measure --json"},
-       .exits = "Exit 130 if a measured run was ended by Ctrl-C."});
+       .exits = "Exit 130 if Ctrl-C ended a measured run."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
-  command->add_flag("--measure", option->measure, "run the scene, writing nothing, and add the time of each row");
+  command->add_flag("--measure", option->measure, "run the scene without writing files, and add the time of each row");
   add_simd_option(*command);
   add_gl_option(*command, option->files.gl);
-  command->add_flag("--json", option->json, "print JSON on stdout, and nothing else there");
+  command->add_flag("--json", option->json, "print only JSON on stdout");
   command->callback([option, &exit_code] {
     const auto loaded = load_or_report(option->scene, exit_code);
     if (!loaded) return;

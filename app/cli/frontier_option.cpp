@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "app/cli/front.h"
+#include "app/cli/commands.h"
 #include "app/cli/progress.h"
 #include "app/lab/frontier.h"
 

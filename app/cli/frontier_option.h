@@ -5,8 +5,8 @@
 
 namespace burrhole::cli {
 
-/// Measures the frontier on `workers` threads, 0 for all cores, with a bar, and writes frontier.csv, its plots and its page into the
-/// folder. @returns the exit code.
+/// Measures the stability frontier on `workers` threads (0: all cores) with a progress bar, and writes frontier.csv, plots and a page into
+/// the folder. @returns the exit code.
 int run_frontier(const std::string& folder, unsigned workers, bool quiet);
 
 }  // namespace burrhole::cli

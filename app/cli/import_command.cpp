@@ -3,12 +3,12 @@
 #include <filesystem>
 
 #include "app/cli/command_text.h"
-#include "app/cli/front.h"
-#include "app/scene/volume_scene.h"
+#include "app/cli/commands.h"
 #include "app/cli/progress.h"
-#include "volumes/import_bone.h"
+#include "app/scene/volume_scene.h"
 #include "core/base/units.h"
 #include "core/voxel/vdb_grids.h"
+#include "volumes/import_bone.h"
 
 namespace burrhole::cli {
 namespace {
@@ -21,13 +21,13 @@ struct Options {
   bool json = false, quiet = false, volume_given = false;
 };
 
-/// Numbers of an option as written, within bounds; a fault names the option.
+/// @returns the numbers of an option, each in [min, max]; bad_input with the option's name otherwise.
 Result<std::vector<double>> numbers_of(const std::string& option, const std::string& text, std::size_t count, double min, double max) {
   const auto numbers = split_numbers(text, ',', count);
   const auto fits = [&](double x) { return x >= min && x <= max; };
   if (!numbers || !std::all_of(numbers->begin(), numbers->end(), fits))
     return bad_input(fmt::format("{} {} must be {}, each in [{:g}, {:g}]", option, text,
-                                 count == 1 ? "a number" : fmt::format("{} numbers with commas between", count), min, max));
+                                 count == 1 ? "a number" : fmt::format("{} numbers separated by commas", count), min, max));
   return *numbers;
 }
 
@@ -51,7 +51,7 @@ Status read_bone_options(const Options& option, BoneOptions& bone) {
     bone.spacing = (*spacing)[0] * kMillimetre;
   }
   if (option.region.empty() != option.centre.empty())
-    return bad_input("--region-mm and --centre-mm belong together: size and middle of a box");
+    return bad_input("--region-mm and --centre-mm must be given together: size and centre of a box");
   if (option.region.empty()) return {};
   const auto size = numbers_of("--region-mm", option.region, 3, 1.0, 1000.0);
   if (!size) return size.error();
@@ -61,7 +61,7 @@ Status read_bone_options(const Options& option, BoneOptions& bone) {
   return {};
 }
 
-/// Asked before the long read: an output that cannot be written is a fault of the command line.
+/// Checks the output path before the long read. @returns bad_input if the file cannot be written there.
 Status check_output(const std::string& volume, bool given) {
   if (volume.empty()) return given ? Status(bad_input("--volume is empty: it names the file to write")) : Status();
   if (fs::path(volume).extension() != ".vdb") return bad_input("--volume " + volume + " must end in .vdb");
@@ -81,7 +81,7 @@ int import_input(const Options& option) {
   request.read.pitch = request.bone.spacing;
   if (const Status fits = check_output(option.volume, option.volume_given); !fits) return report(fits.error());
 
-  Progress progress(option.quiet, kPatience);
+  Progress progress(option.quiet, kReadingDelay);
   request.read.progress = [&](double share) { progress.show(share, "reading"); };
   auto imported = import_bone(request, [&](const std::string& line) { progress.say(line); });
   if (!imported) return report(imported.error());
@@ -98,10 +98,11 @@ int import_input(const Options& option) {
 void add_import(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
       app, "import", kSceneGroup,
-      {.summary = "Any scan to a bone model, with a report of what it is and what was assumed",
-       .about = "Reads DICOM (a folder or a file), NIfTI, NRRD, MetaImage, a raw volume by the TOML beside it, a closed mesh, or a .vdb. "
-                "Positions of slices, sizes and lengths are checked, shear and gantry tilt are kept, and nothing that names a patient is "
-                "copied. Without --volume it only looks. A scene may also name the scan itself as [volume] source.",
+      {.summary = "Converts a scan or mesh into a bone model and reports its properties and assumptions",
+       .about =
+           "Reads DICOM (a folder or a file), NIfTI, NRRD, MetaImage, a raw volume described by a TOML file, a closed mesh, or a .vdb. "
+           "Checks positions of slices, sizes and lengths; keeps shear and gantry tilt; does not copy data that identify a patient. "
+           "Without --volume it prints the report only. A scene may also name the scan itself as [volume] source.",
        .examples = {"burrhole import scan/", "burrhole import scan/ --series 3 --volume head.vdb",
                     "burrhole import scan/ --spacing-mm 0.3 --region-mm 48,48,48 --centre-mm 54,100,797 --volume site.vdb",
                     "burrhole import skull.stl --unit mm --spacing-mm 0.5 --volume skull.vdb"},
@@ -110,22 +111,23 @@ void add_import(CLI::App& app, int& exit_code) {
   command->add_option("input", option->input, "DICOM folder or file, NIfTI, NRRD, MetaImage, a raw volume's .toml, STL, OBJ, PLY, .vdb")
       ->required();
   command->add_option("--volume", option->volume, "bone model to write; a scene names it as [volume] source")->type_name("OUT.vdb");
-  command->add_option("--series", option->series, "series of a DICOM folder, by the name in the report; the largest axial one if absent");
-  command->add_option("--unit", option->unit, "unit of length of a mesh or another program's .vdb: they carry none")
+  command->add_option("--series", option->series, "series of a DICOM folder, by its name in the report; default: the largest axial one");
+  command->add_option("--unit", option->unit, "unit of length of a mesh or another program's .vdb, which carry none")
       ->check(CLI::IsMember(length_unit_names()));
-  command->add_option("--bone-hu", option->band, "band in which voxels become bone, in HU or the file's own values (250,400 HU)")
+  command->add_option("--bone-hu", option->band, "values of occupancy 0 and 1, in HU or the file's own unit (default 250,400 HU)")
       ->type_name("LO,HI");
-  command->add_option("--hu-offset", option->offset, "added to every value to make it HU, e.g. -1024 (found out if absent)")
+  command
+      ->add_option("--hu-offset", option->offset,
+                   "added to every value to convert it to HU, e.g. -1024 (default: determined from the scan)")
       ->type_name("HU");
-  command->add_option("--spacing-mm", option->spacing, "resample to cubes of this edge (voxels stay as they are if absent)")
-      ->type_name("MM");
-  command->add_option("--region-mm", option->region, "keep only a box of this size; with --centre-mm and --spacing-mm")->type_name("X,Y,Z");
-  command->add_option("--centre-mm", option->centre, "middle of that box, patient coordinates (left, posterior, superior)")
+  command->add_option("--spacing-mm", option->spacing, "resample to cubes of this edge (default: no resampling)")->type_name("MM");
+  command->add_option("--region-mm", option->region, "crop to a box of this size; with --centre-mm and --spacing-mm")->type_name("X,Y,Z");
+  command->add_option("--centre-mm", option->centre, "centre of that box, patient coordinates (left, posterior, superior)")
       ->type_name("X,Y,Z");
   command->add_option("--keep", option->keep, "copy this DICOM field into the report, e.g. PatientID (repeatable)")
       ->type_name("KEYWORD")
       ->allow_extra_args(false);
-  command->add_flag("--json", option->json, "the report as JSON on stdout, and nothing else there");
+  command->add_flag("--json", option->json, "print only the report on stdout, as JSON");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, command, &exit_code] {
     option->volume_given = command->count("--volume") > 0;

@@ -1,25 +1,26 @@
-// app/cli/main.cpp: burrhole COMMAND. Parses, calls, reports.
+// app/cli/main.cpp: the program burrhole: parses the command line, runs one command, reports errors.
 
 #include <cstdio>
 #include <exception>
 
-#include "app/cli/front.h"
+#include "app/cli/commands.h"
 
 namespace burrhole::cli {
 namespace {
 
 constexpr const char* kAbout =
-    R"(burrhole drills craniotomy burrholes through a voxel skull that is felt, eroded and drawn.
+    R"(burrhole simulates the drilling of craniotomy burrholes in a voxel skull, with haptic contact, erosion and
+rendering.
 
-  burrhole drill parietal --out out    drill the shipped scene; then look at out/report.html
-  burrhole check my_scene.toml         every fault of a scene, with its line
-  burrhole tools                       the bits there are to drill with
+  burrhole drill parietal --out out    drill the shipped scene; then open out/report.html
+  burrhole check my_scene.toml         print every error of a scene with its line
+  burrhole tools                       list the shipped bits
 )";
 
 constexpr const char* kFooter =
-    R"(burrhole COMMAND --help tells more about a command; burrhole docs scene lists what a scene may say.
-Exit: 0 done, 1 a bug of ours, 2 input or usage, 3 a check failed, 4 no usable device, display or GL,
-130 interrupted.)";
+    R"(burrhole COMMAND --help describes a command; burrhole docs scene lists the keys of a scene.
+Exit: 0 done, 1 internal error, 2 input or usage error, 3 a check failed, 4 no usable device, display or
+OpenGL, 130 interrupted.)";
 
 void add_commands(CLI::App& app, int& exit_code) {
   add_drill(app, exit_code);
@@ -37,7 +38,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_man(app, exit_code);
 }
 
-/// Whether a word stands where a command must and is none: told with the nearest, which CLI11 does not do.
+/// @returns whether a word in place of a command is unknown; prints it with the nearest known command, which CLI11 does not do.
 bool refuse_unknown_command(const CLI::App& program, int argc, char** argv) {
   const CLI::App* app = &program;
   for (int n = 1; n < argc && argv[n][0] != '-'; ++n) {
@@ -80,10 +81,10 @@ int main(int argc, char** argv) {
     return exit_code;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    std::fprintf(stderr, "burrhole: %s (--help tells more)\n", error.what());
+    std::fprintf(stderr, "burrhole: %s (see --help)\n", error.what());
     return kBadInput;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "burrhole: our bug: %s\n", error.what());
-    return kOurBug;
+    std::fprintf(stderr, "burrhole: internal error: %s\n", error.what());
+    return kInternalError;
   }
 }

@@ -1,14 +1,14 @@
-#include "app/cli/front.h"
+#include "app/cli/commands.h"
 #include "app/cli/man_page.h"
 
 namespace burrhole::cli {
 
 void add_man(CLI::App& app, int& exit_code) {
   add_command(
-      app, "man", kFrontGroup,
+      app, "man", kReferenceGroup,
       {.summary = "Prints the manual page as troff",
-       .about = "The page has every command with its options, exit codes, files and the environment. An installed program has it in "
-                "place: man burrhole.",
+       .about = "The page has every command with its options, exit codes, files and environment variables. The installation includes it: "
+                "man burrhole.",
        .examples = {"burrhole man | man -l -"},
        .exits = {}})
       ->callback([&app, &exit_code] {

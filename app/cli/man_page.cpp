@@ -49,7 +49,7 @@ std::string usage(const CommandNode& node) {
   return node.commands.empty() ? out : out + " " + italic("COMMAND");
 }
 
-/// Lines that keep their breaks, as they would be typed.
+/// @returns lines that keep their breaks, in a fixed-width font.
 std::string verbatim(const std::string& lines) { return ".PP\n.EX\n" + troff_code(lines) + "\n.EE\n"; }
 
 std::string option_item(const OptionNode& option) {
@@ -77,10 +77,10 @@ constexpr const char* kTail = R"(.SH EXIT STATUS
 Done.
 .TP
 .B 1
-A bug of ours.
+Internal error of the program.
 .TP
 .B 2
-A fault of the input or of the command line; one line each on standard error, with file, line and column where there is a file.
+Error in the input or on the command line; one line per error on standard error, with file, line and column for files.
 .TP
 .B 3
 A check or a bound failed: a replay that differs.
@@ -89,37 +89,37 @@ A check or a bound failed: a replay that differs.
 No usable device, display or OpenGL.
 .TP
 .B 130
-Interrupted; what was done so far is written.
+Interrupted; the results so far are written.
 .SH FILES
 .TP
 .I PREFIX/share/burrhole/scenes
 Shipped scenes. A scene is named by its path or, when shipped, by its name alone.
 .TP
 .I PREFIX/share/burrhole/tools
-Shipped tools. A scene's own folder is looked at first.
+Shipped tools. The scene's own folder is searched first.
 .TP
 .I out
 Folder for results unless \fB\-\-out\fR names another: pictures, session.sqlite, bone.vdb, summary.json and report.html.
 .SH ENVIRONMENT
 .TP
 .B BURRHOLE_DATA
-Folder of real scans that the test programs read; without it those tests are skipped. The program itself does not look at it.
+Folder of real scans that the test programs read; without it those tests are skipped. The program itself does not read it.
 .TP
 .B GALLIUM_DRIVER
-Driver behind OSMesa, which draws the pictures: llvmpipe, or not set.
+Driver of OSMesa, which draws the pictures: llvmpipe, or not set.
 .SH EXAMPLES
 )";
 
-constexpr const char* kExamples = R"(# drill the shipped scene, then look at out/parietal/report.html
+constexpr const char* kExamples = R"(# drill the shipped scene, then open out/parietal/report.html
 burrhole drill parietal --out out/parietal
 
-# the same with another speed and a harder push
+# the same with another spin rate and more thrust
 burrhole drill parietal --set tool.spin_rpm=800 --set hand.push_N=35 --out out/harder
 
-# a picture of the bone it left, cut open
+# a picture of the drilled bone, section through the axis
 burrhole render parietal --restore out/parietal/bone.vdb --cut --image hole.png
 
-# does a recorded run still give the same bits?
+# run a recorded session again and compare the results bit for bit
 burrhole replay out/parietal/session.sqlite)";
 
 }  // namespace
@@ -129,15 +129,17 @@ std::string troff_code(std::string_view text) { return escaped(text, true); }
 
 std::string man_page(const CommandNode& program, std::string_view version) {
   std::string out = ".\\\" Printed by `burrhole man`.\n.TH BURRHOLE 1 \"\" \"burrhole " + troff_code(version) + "\" \"User Commands\"\n";
-  out += ".SH NAME\nburrhole \\- drill craniotomy burrholes through a voxel skull that is felt, eroded and drawn\n.SH SYNOPSIS\n";
+  out +=
+      ".SH NAME\nburrhole \\- simulate the drilling of craniotomy burrholes in a voxel skull, with haptic contact, erosion and "
+      "rendering\n.SH SYNOPSIS\n";
   for (const CommandNode* node : every_command(program))
     if (node->commands.empty()) out += usage(*node) + "\n.br\n";
   out += bold("burrhole") + " [" + bold("--help") + " | " + bold("--version") + "]\n.SH DESCRIPTION\n";
   out +=
-      "Bone is a density voxmap; a point shell feels it, erosion points drill it, and it is drawn by casting rays. A scene is one TOML "
-      "file:\n"
-      "an effect exists if, and only if, its table is there. The same scene gives the same bits on every machine.\n"
-      "Results go to files and to standard output, everything else to standard error.\n.SH COMMANDS\n";
+      "Bone is a voxel map of density. Contact is computed with a point shell of the tool, bone is removed at its erosion points, and\n"
+      "pictures are drawn by ray casting. A scene is one TOML file: an effect exists if, and only if, the file has its table. A scene\n"
+      "gives bit-identical results on every machine.\n"
+      "Results go to files and to standard output, messages to standard error.\n.SH COMMANDS\n";
   for (const CommandNode* node : every_command(program)) {
     if (node == &program) continue;
     out += command_section(*node);

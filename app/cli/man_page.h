@@ -1,4 +1,4 @@
-/// app/cli/man_page.h: the manual page burrhole(1) as troff, made from the walk of the command line.
+/// app/cli/man_page.h: the manual page burrhole(1) as troff, generated from the command tree.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace burrhole::cli {
 
-/// The same text for the same program: no date in it.
+/// @returns the page; it depends on the program and version only, and has no date.
 [[nodiscard]] std::string man_page(const CommandNode& program, std::string_view version);
 
-/// Running text for troff: no line of it is taken as a request, no backslash as an escape.
+/// @returns running text with leading dots and quotes and all backslashes escaped for troff.
 [[nodiscard]] std::string troff_text(std::string_view text);
-/// Text to be typed as it stands: dashes, quotes and carets too.
+/// @returns text to be typed literally: dashes, quotes and carets are escaped too.
 [[nodiscard]] std::string troff_code(std::string_view text);
 
 }  // namespace burrhole::cli

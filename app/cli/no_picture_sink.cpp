@@ -2,12 +2,12 @@
 
 namespace burrhole::cli {
 
-Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig&, const PictureAsked&) {
-  return Error{ErrorCode::unavailable, "this program was built without the renderer: take [display] out of the scene", {}};
+Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig&, const PictureOptions&) {
+  return Error{ErrorCode::unavailable, "this program was built without the renderer: remove [display] from the scene", {}};
 }
 
 Status write_tip_slices(const std::string&, const TipSlices&) {
-  return Error{ErrorCode::unavailable, "this program was built without the renderer, which writes pictures", {}};
+  return Error{ErrorCode::unavailable, "this program was built without the renderer, so it cannot write pictures", {}};
 }
 
 }  // namespace burrhole::cli

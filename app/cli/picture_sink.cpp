@@ -18,9 +18,9 @@ namespace {
 
 class OffscreenSink final : public PictureSink {
  public:
-  OffscreenSink(Renderer renderer, const DisplayConfig& display, const PictureAsked& asked)
+  OffscreenSink(Renderer renderer, const DisplayConfig& display, const PictureOptions& options)
       : renderer_(std::move(renderer)),
-        asked_(asked),
+        options_(options),
         translucent_(!display.transfer.empty()),
         quality_(display.quality),
         budget_(display.budget),
@@ -41,8 +41,8 @@ class OffscreenSink final : public PictureSink {
     if (!image) return image.error();
     for (const Rgba8& p : image->pixels)
       hash.add(static_cast<std::uint64_t>(p.r) << 24 | static_cast<std::uint64_t>(p.g) << 16 | static_cast<std::uint64_t>(p.b) << 8 | p.a);
-    if (asked_.folder.empty()) return {};
-    const std::string file = (std::filesystem::path(asked_.folder) / (name + ".png")).string();
+    if (options_.folder.empty()) return {};
+    const std::string file = (std::filesystem::path(options_.folder) / (name + ".png")).string();
     if (Status written = write_png(file, *image); !written) return written;
     files_.push_back(file);
     return {};
@@ -58,7 +58,7 @@ class OffscreenSink final : public PictureSink {
   }
 
  private:
-  /// One picture by the cheapest knobs tells how fast this machine is; the one before it compiles shaders and fills caches.
+  /// Chooses the quality from the time of one picture at the lowest quality. The first picture is not timed: it compiles shaders.
   Status choose(const FrameView& view, int width, int height) {
     const auto front = shipped_front(translucent_);
     std::chrono::duration<double> took{};
@@ -71,9 +71,9 @@ class OffscreenSink final : public PictureSink {
     const QualityChoice choice = choose_quality(front, took.count(), *budget_);
     quality_ = choice.quality;
     expected_ = choice.expected;
-    if (asked_.tell)
-      asked_.tell(fmt::format("{}: about {:.3g} ms a picture, {} {:g} ms", quality_text(quality_, translucent_), *expected_ * 1e3,
-                              choice.met ? "within the budget of" : "the least there is, over the budget of", *budget_ * 1e3));
+    if (options_.report)
+      options_.report(fmt::format("{}: about {:.3g} ms a picture, {} {:g} ms", quality_text(quality_, translucent_), *expected_ * 1e3,
+                                  choice.met ? "within the budget of" : "the lowest quality, over the budget of", *budget_ * 1e3));
     return renderer_.set_quality(quality_);
   }
 
@@ -83,9 +83,9 @@ class OffscreenSink final : public PictureSink {
     if (!cameras) return cameras.error();
     std::array<Image, 2> eyes;
     for (std::size_t side = 0; side < 2; ++side) {
-      FrameView seen = view;
-      seen.camera = (*cameras)[side];
-      auto image = draw_one(seen, width, height);
+      FrameView of_eye = view;
+      of_eye.camera = (*cameras)[side];
+      auto image = draw_one(of_eye, width, height);
       if (!image) return image.error();
       eyes[side] = std::move(image).value();
     }
@@ -99,7 +99,7 @@ class OffscreenSink final : public PictureSink {
   }
 
   Renderer renderer_;
-  PictureAsked asked_;
+  PictureOptions options_;
   bool translucent_;
   DrawingQuality quality_;
   std::optional<double> budget_, expected_;  // [s]
@@ -110,18 +110,18 @@ class OffscreenSink final : public PictureSink {
 
 }  // namespace
 
-Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureAsked& asked) {
-  RenderOptions options = make_render_options(display.quality, display.looks);
-  options.shader_folder = asked.shader_folder;
+Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options) {
+  RenderOptions render = make_render_options(display.quality, display.appearance);
+  render.shader_folder = options.shader_folder;
   for (const GlBackend backend : gl_backends())
-    if (asked.gl == gl_backend_name(backend)) options.gl = backend;
+    if (options.gl == gl_backend_name(backend)) render.gl = backend;
   if (display.method == "slices")
-    options.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
-  if (!display.transfer.empty()) options.translucent = display.transfer;
-  options.growth_is_told = true;
-  auto renderer = Renderer::create(options);
+    render.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
+  if (!display.transfer.empty()) render.translucent = display.transfer;
+  render.growth_is_reported = true;
+  auto renderer = Renderer::create(render);
   if (!renderer) return renderer.error();
-  return std::unique_ptr<PictureSink>(std::make_unique<OffscreenSink>(std::move(renderer).value(), display, asked));
+  return std::unique_ptr<PictureSink>(std::make_unique<OffscreenSink>(std::move(renderer).value(), display, options));
 }
 
 }  // namespace burrhole::cli

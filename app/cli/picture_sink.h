@@ -1,4 +1,4 @@
-/// app/cli/picture_sink.h: the engine's display made of the offscreen renderer: pictures as PNG files of one folder.
+/// app/cli/picture_sink.h: a picture sink on the offscreen renderer; writes PNG files into one folder.   Thread  main; owns the GL context.
 #pragma once
 
 #include <functional>
@@ -11,17 +11,19 @@
 
 namespace burrhole::cli {
 
-struct PictureAsked {
-  std::string folder;                              ///< of the pictures; empty: none is written
-  std::string gl = "auto";                         ///< a word of --gl
-  std::string shader_folder{};                     ///< of --shader-dir; empty: the shaders as built in
-  std::function<void(const std::string&)> tell{};  ///< one line when a budget has chosen the quality; may be empty
+struct PictureOptions {
+  std::string folder;                                ///< of the pictures; empty: none is written
+  std::string gl = "auto";                           ///< value of --gl
+  std::string shader_folder{};                       ///< value of --shader-dir; empty: the built-in shaders
+  std::function<void(const std::string&)> report{};  ///< receives one line when a budget has chosen the quality; may be empty
 };
 
-/// @param display how bone is drawn. @returns ErrorCode::unavailable where no such OpenGL or no renderer is, bad_input for a faulty shader.
-[[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureAsked& asked);
+/// @param display how bone is drawn. @returns unavailable without such an OpenGL context or in a build without renderer; bad_input for an
+/// invalid shader.
+[[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options);
 
-/// Slices as one PNG file, side by side with labels, the tool's outline and a scale bar; needs no OpenGL.
+/// Writes slices side by side into one PNG file, with labels, the tool's outline and a scale bar; needs no OpenGL. bad_input: the file
+/// cannot be written.
 [[nodiscard]] Status write_tip_slices(const std::string& file, const TipSlices& slices);
 
 }  // namespace burrhole::cli

@@ -7,8 +7,8 @@
 
 namespace burrhole::cli {
 
-Progress::Progress(bool quiet, std::chrono::milliseconds patience)
-    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), from_(std::chrono::steady_clock::now() + patience) {}
+Progress::Progress(bool quiet, std::chrono::milliseconds delay)
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), from_(std::chrono::steady_clock::now() + delay) {}
 
 Progress::~Progress() {
   if (drawn_) std::fputc('\n', stderr);

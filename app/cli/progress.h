@@ -1,4 +1,4 @@
-/// app/cli/progress.h: a bar on a terminal, plain lines otherwise; always on stderr.
+/// app/cli/progress.h: progress output on stderr: a bar on a terminal, plain lines otherwise.   Thread  one.
 #pragma once
 
 #include <chrono>
@@ -6,17 +6,17 @@
 
 namespace burrhole::cli {
 
-/// For reading files: most are read before anyone wonders.
-inline constexpr std::chrono::milliseconds kPatience{1000};
+/// [ms] delay before the bar for reading files appears; most files are read in less.
+inline constexpr std::chrono::milliseconds kReadingDelay{1000};
 
 class Progress {
  public:
-  /// Nothing is shown in the first `patience`: what is done by then needs no bar.
-  explicit Progress(bool quiet, std::chrono::milliseconds patience = std::chrono::milliseconds(0));
+  /// @param quiet prints nothing. @param delay time after construction in which show() prints nothing.
+  explicit Progress(bool quiet, std::chrono::milliseconds delay = std::chrono::milliseconds(0));
   ~Progress();
-  /// `share` 0..1 of the work, `text` beside it. Redraws a bar in place; as plain lines says something every tenth.
+  /// Redraws the bar in place; without a terminal, prints one line per tenth of the work. @param share of the work that is done, 0..1.
   void show(double share, const std::string& text);
-  /// A line of its own, below a bar that was drawn.
+  /// Prints one line, below a bar that was drawn.
   void say(const std::string& line);
 
  private:

@@ -2,11 +2,11 @@
 
 #include <filesystem>
 
-#include "app/cli/front.h"
+#include "app/cli/commands.h"
 #include "app/cli/picture_sink.h"
 #include "app/run/simulation.h"
-#include "core/base/units.h"
 #include "app/view/display_config.h"
+#include "core/base/units.h"
 
 namespace burrhole::cli {
 namespace {
@@ -27,7 +27,7 @@ Status apply_view(const Options& option, DisplayConfig& display) {
   if (display.method != "raycast") {
     display.transfer.clear();
     display.budget.reset();
-    display.looks.tissue = false;  // slices show none
+    display.appearance.tissue = false;  // slices do not support it
   }
   if (!option.size.empty()) {
     const auto size = split_numbers(option.size, 'x', 2);
@@ -47,14 +47,14 @@ Status apply_view(const Options& option, DisplayConfig& display) {
   return {};
 }
 
-/// Where the tool is: as the scene begins, or with its tip so deep below the entry.
+/// @returns world_from_tool at the start of the scene, or with the tip at --depth-mm below the entry.
 Pose tool_pose(const Options& option, Simulation& simulation, const Scene& scene) {
   if (!option.depth_mm) return simulation.contact_state().world_from_tool;
   const Pose world_from_approach = scene.volume.world_from_bone * simulation.approach().bone_from_approach;
   return world_from_approach * Pose{Quat(1, 0, 0, 0), Vec3(0.0, 0.0, -*option.depth_mm * kMillimetre)};
 }
 
-/// Slices need no display, so none is made: the scene is put together without one.
+/// Draws slices through the tip. They need no renderer, so the simulation is built without [display].
 Status draw_slices(const Options& option, LoadedScene& loaded, const fs::path& image) {
   const int size = loaded.scene.find<DisplayConfig>()->width / 3;
   (void)loaded.scene.effects.remove("display");
@@ -74,11 +74,10 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   const fs::path image(option.image);
   if (image.extension() != ".png") return bad_input("--image " + option.image + " must end in .png");
   if (option.slices_through_tip) return draw_slices(option, loaded, image);
-  auto sink =
-      make_picture_sink(display, {.folder = image.has_parent_path() ? image.parent_path().string() : ".",
-                                                .gl = option.gl,
-                                                .shader_folder = option.shader_folder,
-                                                .tell = [](const std::string& line) { fmt::print(stderr, "quality: {}\n", line); }});
+  auto sink = make_picture_sink(display, {.folder = image.has_parent_path() ? image.parent_path().string() : ".",
+                                          .gl = option.gl,
+                                          .shader_folder = option.shader_folder,
+                                          .report = [](const std::string& line) { fmt::print(stderr, "quality: {}\n", line); }});
   if (!sink) return sink.error();
   SimulationOptions options;
   options.sink = sink->get();
@@ -86,7 +85,7 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   Issues issues;
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
-  fmt::print(stderr, "picture by {}\n", (*sink)->driver());
+  fmt::print(stderr, "renderer: {}\n", (*sink)->driver());
   const std::optional<Pose> tool = option.no_tool ? std::nullopt : std::optional(tool_pose(option, *simulation, loaded.scene));
   return simulation->stage().draw(image.stem().string(), tool, option.cut);
 }
@@ -96,32 +95,33 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
 void add_render(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
       app, "render", kDrillGroup,
-      {.summary = "One picture of a scene, fresh or as a run left it",
-       .about = "Draws the scene offscreen into one PNG file: the bone as generated, or with --restore as an earlier run left it, from the "
-                "scene's camera or one given here.",
+      {.summary = "Draws one picture of a scene, undrilled or from a checkpoint",
+       .about =
+           "Draws the scene offscreen into one PNG file: the bone as loaded, or with --restore the drilled bone of an earlier run, from "
+           "the scene's camera or from --camera.",
        .examples = {"burrhole render parietal --image before.png",
                     "burrhole render parietal --restore out/bone.vdb --cut --camera 35,20,60 --image hole.png",
                     "burrhole render parietal --restore out/bone.vdb --slices-through-tip --depth-mm 4 --image slices.png"},
-       .exits = "Exit 4 where no OpenGL can be had."});
+       .exits = "Exit 4 if there is no OpenGL."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   command->add_option("--image", option->image, "PNG file to write")->type_name(kFileValue)->capture_default_str();
-  command->add_option("--size", option->size, "in pixels; the scene's without it")->type_name("WIDTHxHEIGHT");
-  command->add_option("--camera", option->camera, "degrees round and above the entry, mm away; the scene's without it")
+  command->add_option("--size", option->size, "size in pixels; default: the scene's")->type_name("WIDTHxHEIGHT");
+  command->add_option("--camera", option->camera, "angles in degrees, distance to the entry in mm; default: the scene's")
       ->type_name("AZIMUTH,ELEVATION,DISTANCE");
-  command->add_option("--method", option->method, "how bone is drawn; the scene's without it")
+  command->add_option("--method", option->method, "how bone is drawn; default: the scene's")
       ->type_name("METHOD")
       ->check(CLI::IsMember({"raycast", "slices"}));
-  command->add_option("--restore", option->restore, "checkpoint: the bone.vdb of a drill")->type_name(kFileValue);
+  command->add_option("--restore", option->restore, "checkpoint: the bone.vdb of an earlier run")->type_name(kFileValue);
   add_gl_option(*command, option->gl);
   add_shader_option(*command, option->shader_folder);
-  command->add_flag("--cut", option->cut, "cut open through the axis");
+  command->add_flag("--cut", option->cut, "section through the axis");
   command->add_flag("--no-tool", option->no_tool, "without the bit");
-  command->add_option("--depth-mm", option->depth_mm, "the bit with its tip so deep below the entry; where the scene begins without it")
+  command->add_option("--depth-mm", option->depth_mm, "depth of the bit's tip below the entry; default: the start pose of the scene")
       ->type_name("MM")
       ->check(CLI::Range(-100.0, 100.0));
   command->add_flag("--slices-through-tip", option->slices_through_tip,
-                    "three slices of 40 mm through the tip, grey by density, in place of a view");
+                    "three slices of 40 mm through the tip, grey by density, instead of a perspective view");
   command->callback([option, &exit_code] {
     auto loaded = load_or_report(option->scene, exit_code);
     if (!loaded) return;

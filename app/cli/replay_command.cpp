@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
+#include "app/cli/commands.h"
 #include "app/cli/drilling.h"
-#include "app/cli/front.h"
 #include "app/cli/picture_sink.h"
 #include "app/cli/progress.h"
 #include "app/report/file.h"
@@ -21,7 +21,7 @@ std::string recorded_hash(const SessionReader& session, const std::string& kind)
   return {};
 }
 
-/// A checkpoint travels in the session; OpenVDB reads files only.
+/// A temporary file for the checkpoint stored in a session, as OpenVDB reads files only.
 class CheckpointFile {
  public:
   [[nodiscard]] Status write(const std::string& bytes) {
@@ -113,13 +113,14 @@ void add_replay(CLI::App& app, int& exit_code) {
     std::string gl = "auto";
     bool quiet = false, stills = false;
   };
-  CLI::App* command = add_command(app, "replay", kDrillGroup,
-                                  {.summary = "Runs a recorded session again and compares every bit",
-                                   .about = "Feeds the recorded hand to the same steps and compares voxels, contact forces and forces sent "
-                                            "to the hand with those of the run that was recorded. "
-                                            "The session holds scene, tool and checkpoint: no other file is needed.",
-                                   .examples = {"burrhole replay out/session.sqlite"},
-                                   .exits = "Exit 3 if voxels or forces differ, 130 after Ctrl-C."});
+  CLI::App* command =
+      add_command(app, "replay", kDrillGroup,
+                  {.summary = "Runs a recorded session again and compares the results bit for bit",
+                   .about = "Runs the same steps with the recorded hand motion and compares voxels, contact forces and forces "
+                            "sent to the hand with those of the recorded run. The session contains scene, tool and "
+                            "checkpoint; only the scan of an imported bone is read from its file.",
+                   .examples = {"burrhole replay out/session.sqlite"},
+                   .exits = "Exit 3 if voxels or forces differ, 130 after Ctrl-C."});
   auto option = std::make_shared<Options>();
   command->add_option("session", option->session, "session file of an earlier drill")->type_name(kFileValue)->required();
   add_simd_option(*command);

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/cli/front.h"
+#include "app/cli/commands.h"
 #include "app/cli/frontier_option.h"
 #include "app/cli/progress.h"
 #include "app/lab/stability_report.h"
@@ -31,7 +31,7 @@ std::string json_of(const std::vector<StabilityOutcome>& outcomes, bool failed) 
   return out.dump(2) + "\n";
 }
 
-/// Whether each case that was broken on purpose was caught by the measure that it names.
+/// @returns one line for each sabotaged case that its measure did not detect.
 std::vector<std::string> uncaught(const std::vector<StabilityOutcome>& outcomes) {
   std::vector<std::string> out;
   for (const StabilityCase& one : stability_cases())
@@ -39,7 +39,8 @@ std::vector<std::string> uncaught(const std::vector<StabilityOutcome>& outcomes)
       if (outcome.subject != one.name) continue;
       bool caught = false;
       for (const StabilityRow& row : outcome.rows) caught |= !row.pass && row.measure == name_of(one.sabotage.must_fail);
-      if (!caught) out.push_back(fmt::format("{}: \"{}\" is not seen by {}", one.name, one.sabotage.what, name_of(one.sabotage.must_fail)));
+      if (!caught)
+        out.push_back(fmt::format("{}: \"{}\" is not detected by {}", one.name, one.sabotage.what, name_of(one.sabotage.must_fail)));
     }
   return out;
 }
@@ -53,7 +54,7 @@ void print_failures(const std::vector<StabilityOutcome>& outcomes) {
 }
 
 Status write_files(const std::vector<StabilityOutcome>& outcomes, const StabilityCommand& command) {
-  // What was broken on purpose never lies where the figures of the program do.
+  // Sabotaged results go to another file than real ones.
   if (command.options.sabotage) return write_stability_csv(outcomes, command.folder + "/sabotage.csv");
   if (Status csv = write_stability_csv(outcomes, command.folder + "/stability.csv"); !csv) return csv;
   if (Status table = write_file(command.folder + "/stability.md", stability_markdown(outcomes)); !table) return table;
@@ -68,7 +69,7 @@ int run(const StabilityCommand& command) {
   if (command.options.sabotage) {
     const std::vector<std::string> missed = uncaught(*outcomes);
     for (const std::string& line : missed) print(line + "\n");
-    print(fmt::format("{} cases broken on purpose, {} of them not seen\n", outcomes->size(), missed.size()));
+    print(fmt::format("{} sabotaged cases, {} of them not detected\n", outcomes->size(), missed.size()));
     return missed.empty() ? kDone : kCheckFailed;
   }
   const bool failed = default_model_failed(*outcomes);
@@ -77,7 +78,7 @@ int run(const StabilityCommand& command) {
   } else {
     print_failures(*outcomes);
     print(fmt::format("{} runs in {}/stability.csv and stability.html; the default model {}\n", outcomes->size(), command.folder,
-                      failed ? "fails" : "holds"));
+                      failed ? "fails" : "passes"));
   }
   return failed ? kCheckFailed : kDone;
 }
@@ -87,30 +88,28 @@ int run(const StabilityCommand& command) {
 void add_stability(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
       app, "stability", kMeasureGroup,
-      {.summary = "Hard cases of contact, for each contact model; the measured frontier",
+      {.summary = "Runs the stability cases of contact for each contact model; or measures the frontier",
        .about =
-           "Runs cases that shake a force loop - edges, pits, thin shells, jumps, stalls, numbers that are none - through the "
-           "shipped servo, contact and erosion, and holds each against its bounds: as CSV, as a table and as a page. --map instead finds "
-           "the largest stable stiffness by device, hand, damping, contact rate and scheme, beside the lines of theory.",
+           "Runs cases that are difficult for a force loop (edges, pits, thin shells, jumps, stalls, values that are not finite) through "
+           "the shipped servo, contact and erosion, and compares each with its bounds; writes CSV, a table and a page. --map instead "
+           "measures the maximum stable stiffness by device, hand, damping, contact rate and scheme, with the theoretical limits.",
        .examples = {"burrhole stability --out out/stability", "burrhole stability --case rest --model surface",
                     "burrhole stability --map --out out/stability"},
-       .exits = "3 when a case of the default model fails."});
+       .exits = "Exit 3 if a case of the default model fails."});
   auto option = std::make_shared<StabilityCommand>();
   command->add_option("--out", option->folder, "folder for stability.csv, stability.md and stability.html")
       ->type_name(kFolderValue)
       ->capture_default_str();
   CLI::Option* map = command->add_flag("--map", option->map, "measure the frontier instead: frontier.csv, its plots and frontier.html");
-  command->add_option("--case", option->options.only_case, "this case alone")->excludes(map);
-  command->add_option("--model", option->options.only_model, "this model alone")->excludes(map);
-  command
-      ->add_option("--threads", option->options.threads, "cases, or points of the map, that run at once; 0 for as many as there are cores")
+  command->add_option("--case", option->options.only_case, "run only this case")->excludes(map);
+  command->add_option("--model", option->options.only_model, "run only this model")->excludes(map);
+  command->add_option("--threads", option->options.threads, "number of cases, or points of the map, that run in parallel; 0: one per core")
       ->capture_default_str();
-  command->add_flag("--long", option->options.long_runs, "the longest case runs for ten million ticks")->excludes(map);
-  CLI::Option* sabotage = command
-                              ->add_flag("--sabotage", option->options.sabotage,
-                                         "breaks each case on purpose, into sabotage.csv; exit 3 when one is not caught")
-                              ->excludes(map);
-  command->add_flag("--json", option->json, "print the rows as JSON on stdout, and nothing else there")->excludes(map)->excludes(sabotage);
+  command->add_flag("--long", option->options.long_runs, "run the longest case for ten million ticks")->excludes(map);
+  CLI::Option* sabotage =
+      command->add_flag("--sabotage", option->options.sabotage, "sabotage each case and write sabotage.csv; exit 3 if one is not detected")
+          ->excludes(map);
+  command->add_flag("--json", option->json, "print only the rows on stdout, as JSON")->excludes(map)->excludes(sabotage);
   add_simd_option(*command);
   command->callback(
       [option, &exit_code] { exit_code = option->map ? run_frontier(option->folder, option->options.threads, false) : run(*option); });

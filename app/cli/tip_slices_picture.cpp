@@ -1,4 +1,4 @@
-// Three slices through the tip as one picture, side by side.
+// Draws three slices through the tip side by side into one picture.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr Rgba8 kGround{24, 28, 34, 255}, kHair{96, 150, 190, 255}, kTool{255, 150, 40, 255};
 
-/// One slice: grey values, a cross whose middle is left open at the tip, the tool's outline, where it lies and which side is which.
+/// Draws one slice: grey values, a cross hair with a gap at the tip, the tool's outline, labels of the plane and of the four sides.
 Image draw_slice(const TipSlice& slice, const TipSlices& all) {
   Image image{all.size, all.size, {}};
   for (const std::uint8_t grey : slice.grey) image.pixels.push_back({grey, grey, grey, 255});
@@ -49,7 +49,7 @@ Status write_tip_slices(const std::string& file, const TipSlices& slices) {
   for (std::size_t n = 0; n < 3; ++n) {
     Image slice = draw_slice(slices.planes[n], slices);
     if (n == 0) {
-      // A slice is a parallel projection: any camera does that shows a pixel as long as it is.
+      // A slice is a parallel projection; this camera at a distance of 1 m gives the scale bar the same length per pixel.
       const double height = slices.size * slices.pixel;
       const CameraView camera{
           .eye = {0.0, 0.0, 1.0}, .target = Vec3(0.0), .up = {0.0, 1.0, 0.0}, .vertical_fov = 2.0 * std::atan(0.5 * height)};

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "app/cli/front.h"
+#include "app/cli/commands.h"
 #include "app/report/tool_sheet.h"
 #include "core/base/units.h"
 #include "core/drill/removal_rate.h"
@@ -18,8 +18,8 @@ namespace burrhole::cli {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double kListPitch = 0.25e-3;   // [m] erosion pitch the counts are given for
-constexpr double kFeedPitch = 0.125e-3;  // [m] that the foretold feed is for: half a voxel of 0.25 mm, as in a scene
+constexpr double kListPitch = 0.25e-3;   // [m] erosion pitch of the listed counts
+constexpr double kFeedPitch = 0.125e-3;  // [m] erosion pitch of the predicted feed: half a voxel of 0.25 mm, as in a scene
 
 std::vector<std::string> shipped_tools() {
   std::vector<std::string> files;
@@ -45,7 +45,7 @@ std::size_t cutting_points(const Tool& tool) {
   return static_cast<std::size_t>(std::count(tool.shell.cutting.begin(), tool.shell.cutting.end(), std::uint8_t{1}));
 }
 
-/// The factors of the faces that a region has, those only that are not the interior's.
+/// @returns the factors of a region's faces that differ from that of the interior.
 std::string face_text(const RegionSpec& region) {
   const ErosionRule& e = region.erosion;
   std::vector<std::pair<const char*, double>> faces{{"bottom", e.bottom}, {"top", e.top}};
@@ -64,7 +64,7 @@ std::string face_text(const RegionSpec& region) {
 std::string region_text(const RegionSpec& region) {
   const ErosionRule& e = region.erosion;
   std::string text = fmt::format("  {:<14} ", region.name);
-  text += e.base > 0.0 ? fmt::format("cuts, {:.3g} a revolution", e.base) : std::string("does not cut");
+  text += e.base > 0.0 ? fmt::format("cuts, {:.3g} per revolution", e.base) : std::string("does not cut");
   if (e.base > 0.0 && (e.axis != 1.0 || e.rim != 1.0)) text += fmt::format(", x{:.2g} on the axis to x{:.2g} at the rim", e.axis, e.rim);
   if (e.base > 0.0) text += face_text(region);
   return text + "\n";
@@ -73,17 +73,17 @@ std::string region_text(const RegionSpec& region) {
 std::string mesh_text(const MeshToolSpec& spec) {
   std::string text = fmt::format("  {:<14} one unit is {:g} mm; ", spec.file, spec.unit / kMillimetre);
   if (spec.erosion_factor <= 0.0) return text + "does not cut\n";
-  return text + fmt::format("cuts, {:.3g} a revolution, from {:g} to {:g} mm above the tip\n", spec.erosion_factor,
+  return text + fmt::format("cuts, {:.3g} per revolution, from {:g} to {:g} mm above the tip\n", spec.erosion_factor,
                             spec.cut_from / kMillimetre, spec.cut_to / kMillimetre);
 }
 
-/// The parts a bit is made of: its regions, or its mesh.
+/// The parts of a bit: its regions, or its mesh.
 struct ToolParts {
   std::string text;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
 };
 
-/// Nothing with faults in issues.
+/// @returns nothing when any issue was pushed.
 std::optional<ToolParts> read_parts(const TomlDocument& document, Issues& issues) {
   ToolParts out;
   if (has_tool_mesh(document)) {
@@ -102,7 +102,7 @@ std::optional<ToolParts> read_parts(const TomlDocument& document, Issues& issues
   return out;
 }
 
-/// Which way a foretold feed goes, as text and JSON call it.
+/// A predicted feed with the names of its direction in text and JSON.
 struct NamedFeed {
   const char *label, *key;
   FeedPrediction feed;
@@ -117,7 +117,7 @@ std::string feed_text(const NamedFeed& named) {
   const FeedPrediction& feed = named.feed;
   const double mm3 = kMillimetre * kMillimetre * kMillimetre;
   std::string text = fmt::format("  {:<14} ", named.label);
-  if (feed.speed <= 0.0) return text + "0 mm3/s: a face that does not cut is ahead\n";
+  if (feed.speed <= 0.0) return text + "0 mm3/s: the leading face does not cut\n";
   return text + fmt::format("{:.3g} mm3/s, {:.3g} mm/s over {:.3g} mm2\n", feed.rate / mm3, feed.speed / kMillimetre,
                             feed.area / (kMillimetre * kMillimetre));
 }
@@ -140,7 +140,7 @@ std::string details_text(const Tool& tool, const std::string& parts, const std::
   text += fmt::format("  erosion points {} at a pitch of {:.3g} mm, {:.1f} mm3\n", tool.erosion.size(), tool.erosion.pitch / kMillimetre,
                       volume_mm3(tool));
   text += parts;
-  text += fmt::format("  foretold at    {}, fully engaged\n", conditions_text());
+  text += fmt::format("  predicted at   {}, fully engaged\n", conditions_text());
   for (const NamedFeed& feed : feeds) text += feed_text(feed);
   return text;
 }
@@ -164,18 +164,19 @@ nlohmann::ordered_json details_json(const Tool& tool, const ToolParts& parts, co
   out["erosion_pitch_mm"] = tool.erosion.pitch / kMillimetre;
   out["erosion_volume_mm3"] = volume_mm3(tool);
   out["regions"] = parts.json;
-  nlohmann::ordered_json& foretold = out["foretold"];
-  foretold = {{"thrust_N", c.thrust},
-              {"spin_rpm", c.spin / kRevPerMinute},
-              {"hardness", c.hardness},
-              {"cutting_stiffness_N_per_m", c.cutting_stiffness}};
+  nlohmann::ordered_json& predicted = out["foretold"];  // the key of the first version
+  predicted = {{"thrust_N", c.thrust},
+               {"spin_rpm", c.spin / kRevPerMinute},
+               {"hardness", c.hardness},
+               {"cutting_stiffness_N_per_m", c.cutting_stiffness}};
   for (const NamedFeed& named : feeds)
-    foretold[named.key] = {
+    predicted[named.key] = {
         {"rate_mm3_per_s", named.feed.rate / mm3}, {"feed_mm_per_s", named.feed.speed / kMillimetre}, {"area_mm2", named.feed.area / mm2}};
   return out;
 }
 
-/// A pitch fine enough for a picture of what cuts: a 250th of it, but no more points than a picture needs.
+/// @returns an erosion pitch for the picture: a 250th of the cutting part's largest extent, or coarser, so that there are at most 2e6
+/// points.
 double picture_pitch(const Tool& tool) {
   if (tool.erosion.size() == 0) return kListPitch;
   Vec3 lo = tool.erosion.positions.front(), hi = lo;
@@ -245,9 +246,9 @@ int list_tools(bool json) {
 }
 
 int run_tools(const Options& options) {
-  if (!options.image.empty() && options.name.empty()) return report(bad_input("--image draws one bit: name it"));
+  if (!options.image.empty() && options.name.empty()) return report(bad_input("--image draws one bit and needs its name"));
   if (!options.image.empty() && fs::path(options.image).extension() != ".png")
-    return report(bad_input("--image writes PNG: the name must end in .png", options.image));
+    return report(bad_input("--image writes PNG: the file name must end in .png", options.image));
   return options.name.empty() ? list_tools(options.json) : show_tool(options);
 }
 
@@ -256,18 +257,18 @@ int run_tools(const Options& options) {
 void add_tools(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
       app, "tools", kSceneGroup,
-      {.summary = "The shipped bits, or what one of them is; draws it",
+      {.summary = "Lists the shipped bits, or describes and draws one of them",
        .about =
-           "Without a name, lists the shipped bits with the number of points that feel and that cut. With a name or a tool file, tells "
-           "the bit's size, its points, what each of its regions cuts, and how fast it should go through bone; --image draws the bit, "
+           "Without a name, lists the shipped bits with their numbers of contact points and erosion points. With a name or a tool file, "
+           "prints the bit's size, its points, the erosion factors of its regions, and the predicted feed in bone; --image draws the bit, "
            "its point shell and its erosion factors.",
        .examples = {"burrhole tools", "burrhole tools perforator_14_11 --image perforator.png", "burrhole tools my_bit.toml"},
        .exits = {}});
   auto option = std::make_shared<Options>();
-  command->add_option("name", option->name, "shipped tool, or a tool file")->type_name(kToolValue);
+  command->add_option("name", option->name, "name of a shipped tool, or a tool file")->type_name(kToolValue);
   command->add_option("--image", option->image, "draw the bit, its point shell and its erosion factors into this PNG")
       ->type_name(kFileValue);
-  command->add_flag("--json", option->json, "the list, or the bit, as JSON on stdout");
+  command->add_flag("--json", option->json, "print the list, or the bit, as JSON on stdout");
   command->callback([option, &exit_code] { exit_code = run_tools(*option); });
 }
 

@@ -1,4 +1,4 @@
-// [contact]: force feedback. A contact model answers the hand's motion with the tool's pose and the force on the hand.
+// [contact]: force feedback. A contact model computes the tool's pose and the force on the hand from the hand's motion.
 
 #include <fmt/format.h>
 
@@ -46,24 +46,26 @@ class ContactEffect final : public Effect {
     const HandState& hand = touch_->hand;
     const ContactAdditions added{{constraints_->items.data(), constraints_->size}, tangential_->law};
     const ToolSpin spin{turns_ && hand.spin > 0.0, tangential_->rate};
-    if (!model_->step({*touch_->bone, hand, tick.dt, spin, added}, *state_)) return;  // still answers an earlier motion
+    if (!model_->step({*touch_->bone, hand, tick.dt, spin, added}, *state_))
+      return;  // the window lacks the bone: the result stays that of an earlier motion
     state_->tick = hand.tick;
   }
 
   std::unique_ptr<ContactModel> model_;
   std::unique_ptr<ContactForm> form_;
   ContactOptions options_;
-  bool turns_;  // the scene's tool spins when asked to; a bit that stalled stays engaged in what it was cutting
+  bool turns_;  // the scene has a spin rate above 0; a stalled bit then still counts as spinning and stays engaged
   const Touch* touch_ = nullptr;
   ContactState* state_ = nullptr;
   const Tangential* tangential_ = nullptr;
   const Constraints* constraints_ = nullptr;
 };
 
-/// Largest stiffness of the coupling that the damping of hand and coupling keeps stable at this delay: K < (b + B) / (T/2 + d T), the linear
-/// rule for sampled systems with delay [Gil et al. 2009]. It is a fifth too high at the figures in use, where most damping is virtual.
+/// Largest stiffness of the coupling that the damping of hand and coupling keeps stable at this delay: K < (b + B) / (T/2 + d T), the
+/// linear rule for sampled systems with delay [Gil et al. 2009]. With the usual values most damping is virtual, and the rule is too high by
+/// a fifth; hence the factor 0.8.
 double largest_stable_coupling(const StageConfig& config, const Needs& needs) {
-  // Forces made at the servo's rate answer the motion of their own tick, however old the planes are that they are made from.
+  // A force computed at the servo's rate has no delay, even if the planes that it uses are older.
   const bool at_once = uses_planes(needs.servo.multi_rate.scheme);
   const double period = 1.0 / (at_once ? config.servo_hz : needs.contact_hz);
   const double delay = at_once ? 0.0 : needs.latency_ticks >= 0 ? static_cast<double>(needs.latency_ticks) / config.servo_hz : period;
@@ -75,15 +77,16 @@ class ContactPlan final : public EffectPlan {
   ContactPlan(TableReader& table, const StageConfig& stage) {
     std::vector<std::string> words;
     for (const FormEntry& entry : kForms) words.emplace_back(entry.word);
-    word_ = table.choice("model", words.front(), words,
-                         "how a touch becomes a force: the tool held back by the bone's surface, or a penalty by planes from the density's "
-                         "gradient or across the tool's own vectors; a strong push goes through a penalty",
-                         {"mesh"});
+    word_ =
+        table.choice("model", words.front(), words,
+                     "contact model: a tool constrained by the bone's surface, or a penalty force by planes from the density gradient or "
+                     "perpendicular to the tool's normals; a penalty force can be overcome by a large thrust",
+                     {"mesh"});
     for (const FormEntry& entry : kForms)
       if (word_ == entry.word || (form_ == nullptr && &entry == std::end(kForms) - 1)) form_ = entry.read(table);
-    rate_hz_ = read_rate(table, stage, rate_hz_, 20, "contact evaluations a second; divides servo_hz");
+    rate_hz_ = read_rate(table, stage, rate_hz_, 20, "rate of contact evaluations; divides servo_hz");
     latency_ticks_ = static_cast<int>(
-        table.integer("latency_ticks", latency_ticks_, -1, 1000, "servo ticks from a motion to its force; -1 for one contact period"));
+        table.integer("latency_ticks", latency_ticks_, -1, 1000, "latency from a motion to its force; -1 for one contact period"));
   }
   ContactPlan(const ContactPlan& other)
       : EffectPlan(other),
@@ -135,10 +138,10 @@ class ContactPlan final : public EffectPlan {
     if (needs.removes && context.config.tool.spin > 0.0) {
       const double engaged = context.config.hand.push / needs.cutting_stiffness, edge = context.voxel_edge();
       if (engaged < edge)
-        out.push_back(fmt::format(
-            "engaged depth push_N / cutting_N_per_m = {:.3f} mm is under a voxel ({:.3f} mm): little will be cut; push with {:.0f} N or "
-            "more, or take a finer spacing_mm",
-            1e3 * engaged, 1e3 * edge, std::ceil(edge * needs.cutting_stiffness)));
+        out.push_back(
+            fmt::format("engaged depth push_N / cutting_N_per_m = {:.3f} mm is less than a voxel ({:.3f} mm): little will be cut; set "
+                        "push_N to {:.0f} or more, or use a smaller spacing_mm",
+                        1e3 * engaged, 1e3 * edge, std::ceil(edge * needs.cutting_stiffness)));
     }
     const double stable = largest_stable_coupling(context.config, needs);
     if (context.config.hand.feels && !needs.through_device && needs.coupling_stiffness > stable)
@@ -174,7 +177,7 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 
 EffectEntry contact_effect() {
   return {"contact",
-          "force feedback; without it bone is not felt",
+          "force feedback; without it bone exerts no force",
           read,
           {"turning = \"locked\"", "[contact.label_stiffness]", "record_bits = \"8\"", "model = \"gradient-plane\"",
            "model = \"gradient-plane\"\ncoupling = \"virtual\"", "model = \"voxmap\"", "model = \"voxmap\"\ncoupling = \"virtual\"",

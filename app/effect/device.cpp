@@ -13,7 +13,7 @@
 namespace burrhole {
 namespace {
 
-/// Of the config: force at the grip over force in the world.
+/// @returns the force at the grip over the force in the world [-].
 double force_scale_of(const DeviceConfig& device, const StageConfig& stage) {
   if (device.force_scale) return *device.force_scale;
   return fitting_force_scale({.name = device.config.name, .largest_force = device.config.largest_force}, stage.hand.push);
@@ -23,8 +23,8 @@ class DeviceEffect final : public Effect {
  public:
   DeviceEffect(std::unique_ptr<SimulatedDevice> device, ScriptedDeviceHand hand) : device_(std::move(device)), hand_(std::move(hand)) {}
   HandSource& hand() noexcept { return hand_; }
-  Status bind(StepGraph&) override { return {}; }  // the servo reads and pushes the hand
-  /// The force that the device shows now: after a live run, what that left in the hand.
+  Status bind(StepGraph&) override { return {}; }  // no steps: the servo reads and drives the hand
+  /// Reports the force that the device renders at the time of the call, after a live run the remaining force.
   void report(Figures& out) const override { out.add("shown_force_N", glm::length(device_->force())); }
 
  private:
@@ -32,7 +32,7 @@ class DeviceEffect final : public Effect {
   ScriptedDeviceHand hand_;
 };
 
-/// Where the hand comes from outside: there is no device then.
+/// The effect of a run with a hand source from outside, such as a replay: no device is created.
 class NoDevice final : public Effect {
  public:
   Status bind(StepGraph&) override { return {}; }
@@ -42,8 +42,8 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
  public:
   DevicePlan(TableReader& table, const StageConfig&, Issues& issues) {
     DeviceConfig& out = config_;
-    const std::string name = table.text("name", "generic", "simulated device, one that the command devices lists");
-    out.hand = table.text("hand", out.hand, "who holds it: none, light, nominal, firm or arm");
+    const std::string name = table.text("name", "generic", "simulated device; `burrhole devices` lists them");
+    out.hand = table.text("hand", out.hand, "hand on the device: none, light, nominal, firm or arm");
     const auto model = find_device(name);
     const auto holder = find_hand(out.hand);
     if (!model) issues.push_back(bad_input(model.error().message, table.place_of("name")));
@@ -51,23 +51,24 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
     if (model && holder) out.config = make_simulated_config(**model, **holder);
     SimulatedDeviceConfig& c = out.config;
     out.position_scale =
-        table.number("position_scale", above_zero(out.position_scale, 1.0, 100.0), "millimetres of the drill for one of the grip");
+        table.number("position_scale", above_zero(out.position_scale, 1.0, 100.0), "displacement of the drill over that of the grip");
     out.force_scale = table.optional_number("force_scale", above_zero(1.0, 1.0, 1.0),
-                                            "newtons at the grip for one of the drill; left out: fitted to the push");
+                                            "force at the grip over force on the drill; absent: push_N is rendered as the largest force");
     auto& body = c.plant.body;
     body.mass = table.number("mass_kg", above_zero(body.mass, 1.0, 10.0), "mass of device and hand");
-    body.damping = table.number("damping_N_s_per_m", at_least_zero(body.damping, 1.0, 1e4), "their damping");
-    body.stiffness = table.number("stiffness_N_per_m", at_least_zero(body.stiffness, 1.0, 1e5), "the hand's stiffness");
+    body.damping = table.number("damping_N_s_per_m", at_least_zero(body.damping, 1.0, 1e4), "damping of device and hand");
+    body.stiffness = table.number("stiffness_N_per_m", at_least_zero(body.stiffness, 1.0, 1e5), "stiffness of the hand");
     c.plant.friction = table.number("friction_N", at_least_zero(c.plant.friction, 1.0, 10.0), "Coulomb friction on each axis");
-    c.quantum = table.number("step_mm", at_least_zero(c.quantum / kMillimetre, kMillimetre, 10.0), "step of the positions that it reports");
-    c.largest_force = table.number("force_N", above_zero(c.largest_force, 1.0, 1e3), "most force that it can show");
-    c.delay = static_cast<int>(table.integer("delay_ticks", c.delay, 0, kMaxReadingDelay, "servo ticks by which its positions are late"));
+    c.quantum =
+        table.number("step_mm", at_least_zero(c.quantum / kMillimetre, kMillimetre, 10.0), "quantisation step of the measured position");
+    c.largest_force = table.number("force_N", above_zero(c.largest_force, 1.0, 1e3), "largest force that the device renders");
+    c.delay = static_cast<int>(table.integer("delay_ticks", c.delay, 0, kMaxReadingDelay, "delay of the measured position"));
   }
 
   void add_needs(const StageConfig& stage, Needs& needs) const override {
     needs.through_device = true;
     needs.force_scale = force_scale_of(config_, stage);
-    // Beyond what the device shows, slew limit and energy account would go by a force that nobody feels.
+    // Cap at what the device renders: slew limit and energy balance would otherwise use a force that does not act.
     needs.servo.largest_force = std::min(needs.servo.largest_force, config_.config.largest_force / needs.force_scale);
   }
 
@@ -88,8 +89,8 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
     const Needs& needs = context.needs;
     if (needs.force_scale < 1.0)
       out.push_back(
-          fmt::format("[device] {} cannot show {:.0f} N: forces at the grip are {:.3g} times those of the drill; figures and "
-                      "records are of the drill",
+          fmt::format("[device] {} cannot render {:.0f} N: forces at the grip are {:.3g} times those on the drill; figures and "
+                      "records refer to the drill",
                       config_.config.name, context.config.hand.push, needs.force_scale));
     if (!needs.holds_back) return;
     const auto model = find_device(config_.config.name);
@@ -124,7 +125,7 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 }  // namespace
 
 EffectEntry device_effect() {
-  return {"device", "a simulated force device between hand and drill; without it the hand holds the drill itself", read};
+  return {"device", "simulated force device between hand and drill; without it the hand holds the drill directly", read};
 }
 
 }  // namespace burrhole

@@ -1,4 +1,4 @@
-// [display]: pictures of the bone and the tool. Boxes of voxels that changed go to the textures, then a picture is drawn.
+// [display]: pictures of the bone and the tool. Texels of changed boxes are sent to the display, then a picture is drawn.
 
 #include <fmt/format.h>
 
@@ -11,17 +11,17 @@
 namespace burrhole {
 namespace {
 
-/// Corners of [[display.transfer]]; without any, a bone that glows through where it is thin.
+/// Reads the points of [[display.transfer]]; the default shows translucent bone, brighter where it is thin.
 TransferFunction read_transfer(TableReader& table) {
   TransferFunction out;
-  for (TableReader& row :
-       table.tables("transfer", "corners of the line from density to what it does to light; by their default bone is hazy")) {
+  for (TableReader& row : table.tables(
+           "transfer", "points of the piecewise linear transfer function from density to opacity and tint; default: translucent bone")) {
     TransferPoint point;
-    point.density = row.number("density", {.fallback = std::nullopt, .min = 0.0, .max = 1.0}, "of bone, as left: 0 none, 1 whole");
+    point.density = row.number("density", {.fallback = std::nullopt, .min = 0.0, .max = 1.0}, "remaining density of bone: 0 none, 1 solid");
     point.extinction = row.number("opacity_per_mm", {.fallback = std::nullopt, .min = 0.0, .max = 1000.0, .to_si = 1.0 / kMillimetre},
-                                  "light falls by exp(-this) a millimetre");
+                                  "extinction: light is attenuated by exp(-value) per millimetre");
     const auto tint = row.numbers("tint", std::vector<double>{1.0, 1.0, 1.0}, 3, {.min = 0.0, .max = 1.0},
-                                  "red, green and blue, times the tissue's own colour");
+                                  "red, green and blue, multiplied by the tissue's colour");
     point.tint = Vec3(tint[0], tint[1], tint[2]);
     if (!out.empty() && point.density <= out.back().density) row.fault("density", "must be larger than the one before");
     row.finish();
@@ -31,15 +31,15 @@ TransferFunction read_transfer(TableReader& table) {
   return out;
 }
 
-/// What a picture may cost, key by key or by a budget; `rays`: bone is drawn by rays, `finish`: by its surface.
+/// Reads the quality: key by key, or by a budget. @param rays bone is drawn by ray casting. @param finish it is drawn as a surface.
 void read_quality(TableReader& table, bool rays, bool finish, DisplayConfig& out) {
   const std::string choice = table.choice("quality", "fixed", {"fixed", "auto"},
-                                          "by the keys of this table, or the best that this machine draws within budget_ms");
+                                          "fixed by the keys of this table, or the best quality within budget_ms on this machine");
   if (choice == "auto") {
-    if (!rays) table.fault("quality", "is for method = \"raycast\"");
-    out.budget = table.number("budget_ms", above_zero(100.0, 1e-3, 1e5), "time of a picture that the quality is chosen for");
+    if (!rays) table.fault("quality", "needs method = \"raycast\"");
+    out.budget = table.number("budget_ms", above_zero(100.0, 1e-3, 1e5), "time of a picture for which the quality is chosen");
     for (const char* key : {"step_voxels", "bisections", "finish", "supersample", "resolution"})
-      if (table.has(key)) table.fault(key, "is what quality = \"auto\" chooses: leave out one of the two");
+      if (table.has(key)) table.fault(key, "is chosen by quality = \"auto\": remove one of the two");
     return;
   }
   DrawingQuality& quality = out.quality;
@@ -48,28 +48,29 @@ void read_quality(TableReader& table, bool rays, bool finish, DisplayConfig& out
         table.number("step_voxels", {.fallback = 0.5, .min = 0.0, .max = 1.0, .min_open = true}, "distance of samples along a ray");
   if (finish) {
     quality.bisections =
-        static_cast<int>(table.integer("bisections", quality.bisections, 0, 16, "halvings of the step in which a ray met bone"));
-    quality.finish = table.boolean("finish", true, "smooth normals, and ambient occlusion if it is on; false: the light alone");
+        static_cast<int>(table.integer("bisections", quality.bisections, 0, 16, "bisections of the step in which a ray hits bone"));
+    quality.finish = table.boolean("finish", true, "smooth normals, and ambient occlusion if enabled; false: plain lighting");
   }
   quality.supersample =
-      static_cast<int>(table.integer("supersample", quality.supersample, 1, 4, "rays along each side of a pixel, which smooth edges"));
+      static_cast<int>(table.integer("supersample", quality.supersample, 1, 4, "rays along each edge of a pixel, for anti-aliasing"));
   quality.resolution =
-      table.number("resolution", {.fallback = 1.0, .min = 0.25, .max = 1.0}, "share of width and height that is drawn, then enlarged");
+      table.number("resolution", {.fallback = 1.0, .min = 0.25, .max = 1.0}, "share of width and height that is drawn and then scaled up");
 }
 
-/// Keys of light and tissue. What only an opaque surface drawn by rays can show is asked for there alone.
-LookView read_looks(TableReader& table, bool surface, bool translucent) {
-  LookView out;
-  out.labels = table.boolean("label_colours", true, "colours by tissue and mineral density; false: all of one ivory");
+/// Reads the keys of light and tissue. Those that only ray-cast surfaces support are read for these alone.
+Appearance read_appearance(TableReader& table, bool surface, bool translucent) {
+  Appearance out;
+  out.labels = table.boolean("label_colours", true, "colours by tissue and mineral density; false: one ivory colour");
   if (!translucent && table.choice("normals", "texture", {"texture", "recomputed"},
-                                   "from the normals sent, or from differences of the density") == "recomputed")
+                                   "normals from the texture, or from density differences in the shader") == "recomputed")
     out.normals = NormalSource::recomputed;
   if (!surface) return out;
-  out.tissue = table.choice("tissue", "procedural", {"procedural", "plain"},
-                            "old surface unlike cut bone, pores in diploe, vessels on dura; or plain colours") == "procedural";
-  out.occlusion = table.boolean("ambient_occlusion", true, "less light in hollows");
-  out.shadow = table.boolean("shadow", false, "bone throws a shadow on bone");
-  out.specular = table.boolean("specular", false, "the glint of a wet surface");
+  out.tissue =
+      table.choice("tissue", "procedural", {"procedural", "plain"},
+                   "procedural details: original surface, cut bone, pores of diploe, vessels on dura; or plain colours") == "procedural";
+  out.occlusion = table.boolean("ambient_occlusion", true, "ambient occlusion");
+  out.shadow = table.boolean("shadow", false, "shadows of bone on bone");
+  out.specular = table.boolean("specular", false, "specular highlights of a wet surface");
   return out;
 }
 
@@ -81,14 +82,14 @@ Vec3 read_color(TableReader& table, const char* key, const Vec3& fallback, const
 CutConfig read_cut(TableReader& table) {
   CutConfig out;
   const std::string kind = table.choice("cut", "none", {"none", "plane", "tip"},
-                                        "cuts pictures open: at a plane, or at the depth of the tool's tip, square to the view");
+                                        "clips the bone: at a plane, or at the depth of the tool's tip, perpendicular to the view");
   if (kind == "none") return out;
   out.kind = kind == "tip" ? CutKind::tip : CutKind::plane;
   if (out.kind == CutKind::tip) return out;
   const NumberRule millimetres{.fallback = std::nullopt, .min = -5000.0, .max = 5000.0, .to_si = kMillimetre};
-  const auto point = table.numbers("cut_point_mm", std::nullopt, 3, millimetres, "a point of the plane, in the bone's frame");
+  const auto point = table.numbers("cut_point_mm", std::nullopt, 3, millimetres, "point of the plane, bone frame");
   const auto normal = table.numbers("cut_normal", std::nullopt, 3, {.fallback = std::nullopt, .min = -1e6, .max = 1e6},
-                                    "towards the side that is cut away, in the bone's frame; of any length but 0");
+                                    "normal towards the side that is clipped, bone frame; any length above 0");
   out.point = {point[0], point[1], point[2]};
   out.normal = {normal[0], normal[1], normal[2]};
   if (glm::length(out.normal) == 0.0) table.fault("cut_normal", "must not be zero");
@@ -99,86 +100,86 @@ StereoView read_stereo(TableReader& table, double distance) {
   StereoView out;
   const std::string mode =
       table.choice("stereo", "off", {"off", "side-by-side", "top-bottom", "anaglyph"},
-                   "two eyes in one picture, each of `size`; an anaglyph is for red and cyan glasses", {"quad-buffered"});
+                   "pictures of two eyes in one, each of `size`; anaglyph: for red and cyan glasses", {"quad-buffered"});
   if (mode == "off") return out;
   out.mode = mode == "anaglyph" ? StereoMode::anaglyph : mode == "top-bottom" ? StereoMode::top_bottom : StereoMode::side_by_side;
-  out.separation = table
-                       .optional_number("eye_separation_mm", above_zero(0.0, kMillimetre, 200.0),
-                                        "between the eyes; a thirtieth of distance_mm unless said")
-                       .value_or(distance / 30.0);
+  out.separation =
+      table.optional_number("eye_separation_mm", above_zero(0.0, kMillimetre, 200.0), "distance between the eyes; default distance_mm / 30")
+          .value_or(distance / 30.0);
   out.screen = table
                    .optional_number("screen_mm", above_zero(0.0, kMillimetre, 5000.0),
-                                    "from the eyes to the plane that seems to lie in the screen; distance_mm unless said")
+                                    "distance from the eyes to the plane without parallax; default distance_mm")
                    .value_or(distance);
   return out;
 }
 
 DisplayConfig read_display(TableReader& table) {
   DisplayConfig out;
-  out.method = table.choice("method", "raycast", {"raycast", "slices"},
-                            "how bone is drawn: by rays to its surface, or by slices blended back to front", {"mesh"});
+  out.method =
+      table.choice("method", "raycast", {"raycast", "slices"}, "how bone is drawn: ray casting, or slices blended back to front", {"mesh"});
   if (out.method == "raycast") {
     const std::string shading = table.choice("shading", "surface", {"surface", "translucent"},
-                                             "bone as an opaque surface, or as a body that light passes, by a transfer function");
+                                             "bone as an opaque surface, or as a translucent volume with a transfer function");
     if (shading == "translucent") out.transfer = read_transfer(table);
   }
   if (out.method == "slices") {
     out.slices_per_voxel = table.number("slices_per_voxel", {.fallback = out.slices_per_voxel, .min = 0.0, .max = 8.0, .min_open = true},
-                                        "slices for each voxel along the view's axis");
+                                        "slices per voxel along the view axis");
     out.opacity_correction =
         table.boolean("opacity_correction", out.opacity_correction,
-                      "opacity is per voxel edge, whatever the distance between slices; false: per slice, as in the paper");
+                      "opacity per voxel edge, independent of the distance between slices; false: per slice, as in the paper");
   }
   read_quality(table, out.method == "raycast", out.method == "raycast" && out.transfer.empty(), out);
-  out.looks = read_looks(table, out.method == "raycast" && out.transfer.empty(), !out.transfer.empty());
-  out.background.top = read_color(table, "background_top", out.background.top, "red, green and blue behind the upper edge");
-  out.background.bottom = read_color(table, "background_bottom", out.background.bottom, "and behind the lower edge");
+  out.appearance = read_appearance(table, out.method == "raycast" && out.transfer.empty(), !out.transfer.empty());
+  out.background.top = read_color(table, "background_top", out.background.top, "red, green and blue of the background at the upper edge");
+  out.background.bottom =
+      read_color(table, "background_bottom", out.background.bottom, "red, green and blue of the background at the lower edge");
   const auto size = table.numbers("size", std::vector<double>{static_cast<double>(out.width), static_cast<double>(out.height)}, 2,
                                   {.min = 16, .max = 8192}, "width and height of a picture in pixels");
   out.width = static_cast<int>(size[0]);
   out.height = static_cast<int>(size[1]);
   out.upload_budget =
       static_cast<std::size_t>(table.integer("upload_budget_kb", static_cast<std::int64_t>(out.upload_budget / 1024), 1, 4'000'000,
-                                             "changed texels sent for one picture; the rest follows with the next ones")) *
+                                             "largest amount of changed texels sent for one picture; the rest is sent for the next ones")) *
       1024;
   out.upload_time = table.number("upload_budget_ms", {.fallback = out.upload_time * 1e3, .min = 0.0, .max = 1000.0, .to_si = 1e-3},
-                                 "time for making them, by the clock, so pictures may differ from run to run; 0: as long as it takes");
+                                 "wall time for computing these texels; pictures then differ from run to run; 0: no limit");
   out.azimuth = table.number("azimuth_deg", {.fallback = out.azimuth / kDegree, .min = -360, .max = 360, .to_si = kDegree},
-                             "angle of the camera round the axis, from the patient's -y");
+                             "angle of the camera about the approach axis, from the patient's -y");
   out.elevation = table.number("elevation_deg", {.fallback = out.elevation / kDegree, .min = -89, .max = 89, .to_si = kDegree},
                                "angle of the camera above the entry's tangent plane");
   out.distance =
       table.number("distance_mm", above_zero(out.distance / kMillimetre, kMillimetre, 5000.0), "distance of the camera from the entry");
-  out.scale_bar =
-      table.boolean("scale_bar", out.scale_bar, "a bar of a length that fits, to scale at the distance of the camera's target");
+  out.scale_bar = table.boolean("scale_bar", out.scale_bar, "draws a scale bar, to scale at the distance of the camera's target");
   out.cut = read_cut(table);
   out.stereo = read_stereo(table, out.distance);
   return out;
 }
 
-/// What is in the shader beyond the light of the paper.
-std::string looks_text(const LookView& looks) {
+/// @returns the names of the options of light and tissue that are enabled.
+std::string appearance_text(const Appearance& appearance) {
   std::string out;
   const auto add = [&out](bool on, const char* name) {
     if (on) out += std::string(", ") + name;
   };
-  add(looks.tissue, "tissue");
-  add(looks.occlusion, "ambient occlusion");
-  add(looks.shadow, "shadow");
-  add(looks.specular, "specular");
-  add(!looks.labels, "one colour");
-  add(looks.normals == NormalSource::recomputed, "normals recomputed");
+  add(appearance.tissue, "tissue");
+  add(appearance.occlusion, "ambient occlusion");
+  add(appearance.shadow, "shadow");
+  add(appearance.specular, "specular");
+  add(!appearance.labels, "one colour");
+  add(appearance.normals == NormalSource::recomputed, "normals recomputed");
   return out;
 }
 
 std::string method_text(const DisplayConfig& display) {
-  const std::string looks = looks_text(display.looks);
-  if (!display.transfer.empty()) return fmt::format("{}, translucent{}", display.method, looks);
-  if (display.method != "slices") return display.method + looks;
-  return fmt::format("slices, {:g} a voxel{}{}", display.slices_per_voxel, display.opacity_correction ? "" : ", opacity a slice", looks);
+  const std::string appearance = appearance_text(display.appearance);
+  if (!display.transfer.empty()) return fmt::format("{}, translucent{}", display.method, appearance);
+  if (display.method != "slices") return display.method + appearance;
+  return fmt::format("slices, {:g} a voxel{}{}", display.slices_per_voxel, display.opacity_correction ? "" : ", opacity a slice",
+                     appearance);
 }
 
-/// What a picture shows beside the bone, and how often it is drawn.
+/// @returns the options of cut, stereo and scale bar.
 std::string picture_text(const DisplayConfig& display) {
   std::string out;
   if (display.cut.kind != CutKind::none) out += display.cut.kind == CutKind::tip ? ", cut at the tip" : ", cut at a plane";
@@ -219,7 +220,7 @@ class DisplayEffect final : public Effect {
   Status* const* error_ = nullptr;
 };
 
-/// Where nothing draws: `check`, or a run that writes nothing.
+/// The effect without a sink: `check`, or a run without output.
 class NoDisplay final : public Effect {
  public:
   Status bind(StepGraph&) override { return {}; }
@@ -230,7 +231,7 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
   explicit DisplayPlan(TableReader& table) { config_ = read_display(table); }
 
   PlanRow row(const PlanContext& context) const override {
-    const std::uint64_t a_voxel = kTexelBytes + sizeof(Rgba8) + (config_.looks.tissue ? sizeof(TissueTexel) : 0);
+    const std::uint64_t a_voxel = kTexelBytes + sizeof(Rgba8) + (config_.appearance.tissue ? sizeof(TissueTexel) : 0);
     const std::string budget = config_.budget ? fmt::format(", quality for {:g} ms a picture", *config_.budget * 1e3) : std::string();
     return {.table = "display",
             .clock = Clock::frame,

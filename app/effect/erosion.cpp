@@ -68,7 +68,7 @@ class ErosionEffect final : public Effect {
   Erosion erosion_;
   ErosionConfig config_;
   Voxmap* voxmap_;
-  double tool_radius_;         // [m] of the whole tool, for laws that do not say where they rub
+  double tool_radius_;         // [m] of the whole tool, for laws that do not determine the radius at which it cuts
   double removed_mass_ = 0.0;  // [m^3]
   std::uint64_t outside_ = 0;
   StepTimer commit_timer_;
@@ -83,25 +83,24 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
     ErosionConfig& c = config_;
     std::vector<std::string> words;
     for (const auto& [word, law] : kLaws) words.emplace_back(word);
-    const std::string law = table.choice(
-        "law", name_of(c.law), words,
-        "how erosion adds up: at a rate, update by update as eq. 4 of the paper is printed, or by the cutting power of thrust and spin");
+    const std::string law =
+        table.choice("law", name_of(c.law), words,
+                     "erosion law: a rate, a factor per update (eq. 4 of the paper), or the cutting power of thrust and spin");
     for (const auto& [word, value] : kLaws)
       if (law == word) c.law = value;
     if (c.law != ErosionLaw::per_update)
       c.subvoxel =
-          table.boolean("subvoxel", true,
-                        "whether a voxel that the tool covers in part is removed in part: the wall of the hole is then where the tool was");
+          table.boolean("subvoxel", true, "removes partly covered voxels in part, so that the wall of the hole follows the tool's surface");
     if (c.subvoxel)
       c.clear_below = static_cast<float>(
           table.number("clear_below", {.fallback = static_cast<double>(c.clear_below), .min = 0.0, .max = 0.5},
-                       "part of its covered share below which a voxel at the wall is cleared: 0.5 keeps the wall from holding the tool, 0 "
-                       "removes mass exactly by the law"));
+                       "density of the covered part of a wall voxel below which that part is cleared: 0.5 keeps the wall from blocking the "
+                       "tool, 0 removes mass exactly by the law"));
     if (c.law == ErosionLaw::energy) {
       constexpr double kPerCubicMillimetre = 1e9;  // [J/m^3] of 1 J/mm^3
       c.energy.specific_energy =
           table.number("specific_energy_J_per_mm3", above_zero(c.energy.specific_energy / kPerCubicMillimetre, kPerCubicMillimetre, 1e3),
-                       "energy that a volume of bone of hardness 1 takes to remove; in proportion to the hardness");
+                       "energy to remove a volume of bone of hardness 1; proportional to the hardness");
       c.energy.cutting_ratio =
           table.number("cutting_ratio", above_zero(c.energy.cutting_ratio, 1.0, 10.0), "cutting force over normal force");
     }
@@ -109,7 +108,7 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
                                                         "density below which a voxel becomes empty"));
     c.longest_substep = table.number("substep_voxels", {.fallback = c.longest_substep, .min = 0.0, .max = 1.0, .min_open = true},
                                      "longest path of the tool between two applications of the law");
-    rate_hz_ = read_rate(table, stage, rate_hz_, 1, "erosion steps a second; divides servo_hz");
+    rate_hz_ = read_rate(table, stage, rate_hz_, 1, "rate of erosion steps; divides servo_hz");
     pitch_voxels_ = table.number("point_pitch_voxels", within(pitch_voxels_, 0.1, 1.0), "distance between the tool's erosion points");
   }
 
@@ -139,13 +138,13 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
     const bool by_update = config_.law == ErosionLaw::per_update;
     if (context.needs.holds_back && context.config.tool.spin > 0.0 && !config_.subvoxel)
-      out.push_back(fmt::format("{} leaves walls as rough as a voxel, on which the model \"surface\" may hold the bit for good: {}",
+      out.push_back(fmt::format("{} leaves walls with a roughness of a voxel, on which the model \"surface\" may block the bit: {}",
                                 by_update ? "[erosion] law = \"per-update\"" : "[erosion] subvoxel = false",
-                                by_update ? "another law takes parts of voxels" : "leave it true"));
+                                by_update ? "use another law" : "set it to true"));
     if (context.needs.feels) return;
     if (config_.law == ErosionLaw::energy)
       out.push_back("[erosion] law = \"energy\" without [contact]: there is no thrust, so nothing is removed");
-    out.push_back("no [contact]: the hand feels nothing and the tool goes where the script goes");
+    out.push_back("no [contact]: no force acts on the hand, and the tool follows the script through bone");
   }
 
   std::string setting() const override {

@@ -1,5 +1,5 @@
-// [friction]: Coulomb friction with stiction between tool and bone, in contact's step and in the forces that the servo makes between two
-// of its results.
+// [friction]: Coulomb friction with stiction between tool and bone, in the contact step and in the forces that the servo computes between
+// two contact results.
 
 #include "core/contact/friction.h"
 
@@ -50,9 +50,9 @@ class FrictionPlan final : public ConfigPlan<FrictionPlan, FrictionConfig> {
  public:
   FrictionPlan(TableReader& table, const StageConfig&) {
     config_.static_coefficient = table.number("static_coefficient", within(config_.static_coefficient, 0.0, 2.0),
-                                              "largest tangential over normal force of a point that sticks");
+                                              "largest ratio of tangential to normal force of a sticking point");
     config_.kinetic_coefficient = table.number("kinetic_coefficient", within(config_.kinetic_coefficient, 0.0, 2.0),
-                                               "tangential over normal force of a point that slides; at most the static one");
+                                               "ratio of tangential to normal force of a sliding point; at most the static coefficient");
     if (config_.kinetic_coefficient > config_.static_coefficient) table.fault("kinetic_coefficient", "must be at most static_coefficient");
   }
 
@@ -67,7 +67,7 @@ class FrictionPlan final : public ConfigPlan<FrictionPlan, FrictionConfig> {
             .bytes = sizeof(FrictionEffect)};
   }
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    if (!context.needs.feels) out.push_back("[friction] without [contact]: nothing presses on bone, so nothing rubs");
+    if (!context.needs.feels) out.push_back("[friction] without [contact]: there is no normal force, so there is no friction");
   }
   std::string setting() const override {
     return fmt::format("friction {:g}/{:g}", config_.static_coefficient, config_.kinetic_coefficient);

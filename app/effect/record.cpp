@@ -1,4 +1,4 @@
-// [record]: the session file, from which a run is replayed. The schedules write its rows, beside their steps; see app/run/run_log.h.
+// [record]: the session file, from which a run is replayed. The schedules write its rows between their steps; see app/run/run_log.h.
 
 #include "app/effect/record.h"
 
@@ -16,7 +16,7 @@ class RecordEffect final : public Effect {
 class RecordPlan final : public ConfigPlan<RecordPlan, RecordConfig> {
  public:
   RecordPlan(TableReader& table, const StageConfig&) {
-    config_.path = table.text("path", config_.path, "session file, from the output folder");
+    config_.path = table.text("path", config_.path, "session file, relative to the output folder");
   }
   PlanRow row(const PlanContext& context) const override {
     // A second of exact columns (hand: pose, velocity, thrust, spin; counters) before compression; coarse ones are a few percent of them.
@@ -39,6 +39,6 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 
 }  // namespace
 
-EffectEntry record_effect() { return {"record", "the session file, from which a run is replayed; without it none is written", read}; }
+EffectEntry record_effect() { return {"record", "session file, from which a run is replayed; without it none is written", read}; }
 
 }  // namespace burrhole

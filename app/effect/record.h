@@ -1,4 +1,4 @@
-/// app/effect/record.h: what [record] holds.
+/// app/effect/record.h: configuration of [record].
 #pragma once
 
 #include <string>

@@ -1,11 +1,11 @@
-/// app/effect/registry.h: the effects that this program knows.
+/// app/effect/registry.h: the list of all effects.   Thread  any.
 #pragma once
 
 #include "app/stage/effect.h"
 
 namespace burrhole {
 
-/// Of registry.inc, in its order.
+/// @returns the effects of registry.inc, in its order.
 [[nodiscard]] const EffectRegistry& shipped_effects();
 
 // One function per line of registry.inc: NAME_effect(), defined in app/effect/NAME.cpp.

@@ -53,8 +53,9 @@ class SpindlePlan final : public ConfigPlan<SpindlePlan, SpindleConfig> {
  public:
   SpindlePlan(TableReader& table, const StageConfig&) {
     config_.stall_torque =
-        table.number("stall_torque_Nm", above_zero(config_.stall_torque, 1.0, 1e3), "cutting torque under which the spindle stands still");
-    config_.inertia = table.number("inertia_kg_m2", at_least_zero(config_.inertia, 1.0, 1.0), "of all that turns, seen at the bit");
+        table.number("stall_torque_Nm", above_zero(config_.stall_torque, 1.0, 1e3), "cutting torque at which the spindle stalls");
+    config_.inertia = table.number("inertia_kg_m2", at_least_zero(config_.inertia, 1.0, 1.0),
+                                   "moment of inertia of all rotating parts, referred to the bit");
   }
 
   PlanRow row(const PlanContext& context) const override {
@@ -69,7 +70,7 @@ class SpindlePlan final : public ConfigPlan<SpindlePlan, SpindleConfig> {
   }
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
     if (!context.needs.removes || !context.needs.feels || context.config.tool.spin <= 0.0)
-      out.push_back("[spindle] without [contact], [erosion] and a spin: nothing loads it, so it does not slow");
+      out.push_back("[spindle] without [contact], [erosion] and a spin: there is no cutting torque, so it does not slow");
   }
 
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
@@ -91,6 +92,6 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 
 }  // namespace
 
-EffectEntry spindle_effect() { return {"spindle", "the spindle slows under load; without it the spin is what is asked for", read}; }
+EffectEntry spindle_effect() { return {"spindle", "the spindle slows under load; without it the spin rate equals the command", read}; }
 
 }  // namespace burrhole

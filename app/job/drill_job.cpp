@@ -49,14 +49,14 @@ std::string layer_name(VoxelLabel label) {
 std::string caption_of(const std::string& file) {
   const std::string name = fs::path(file).stem().string();
   if (name == "before") return "Before: the bit above the entry point";
-  if (name == "during") return "Half way through the bone";
-  if (name == "breakthrough") return "Breakthrough, cut open through the axis";
+  if (name == "during") return "At half the thickness of the bone";
+  if (name == "breakthrough") return "Breakthrough, section through the axis";
   if (name == "after") return "After: the hole from above";
-  if (name == "cutaway") return "Cut open through the axis";
+  if (name == "cutaway") return "After: section through the axis";
   return name;
 }
 
-/// Speed of the tip over a tenth of a second: shorter spans show the servo, not the surgeon.
+/// @returns the speed of the tip [mm/s], averaged over `span` samples: over shorter spans the motion of single ticks dominates.
 std::vector<double> speeds(const std::vector<RunSample>& samples, std::size_t span) {
   std::vector<double> out(samples.size(), 0.0);
   for (std::size_t n = 0; n < samples.size(); ++n) {
@@ -113,7 +113,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   return r;
 }
 
-/// The session of a run, opened before the first tick; nothing when the scene has no [record] or nothing is written.
+/// Creates the session of a run, before the first tick. @returns nothing if the scene has no [record] or there is no output folder.
 Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, const DrillJob& job, const Stage& stage) {
   const auto* record = loaded.scene.find<RecordConfig>();
   if (record == nullptr || job.folder.empty()) return std::optional<SessionWriter>();
@@ -149,15 +149,15 @@ Status make_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder))
-    return bad_input("the output folder cannot be made: " + (error ? error.message() : "not a folder"), folder);
-  // Ask by doing: permissions of a folder say little for root, on a read-only medium or a full disk.
+    return bad_input("the output folder cannot be created: " + (error ? error.message() : "not a folder"), folder);
+  // Writes a file as the check: permissions do not show a read-only medium or a full disk, and do not apply to root.
   const std::string probe = (fs::path(folder) / ".burrhole-probe.tmp").string();
   if (Status written = write_file(probe, ""); !written) return bad_input("the output folder cannot be written to", folder);
   fs::remove(probe, error);
   return {};
 }
 
-/// A picture of an earlier run must not pass for one of this run, which may not come as far.
+/// Removes pictures of an earlier run: this run may end before it draws all of them.
 void remove_old_pictures(const std::string& folder) {
   if (folder.empty()) return;
   std::error_code ignored;
@@ -213,7 +213,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
     sink = std::move(made).value();
     options.sink = sink.get();
   }
-  double thickness = 1.0;  // [m] known once the approach is
+  double thickness = 1.0;  // [m] set when the simulation exists
   std::unique_ptr<Simulation> simulation;
   options.progress = [&](double time, const DrillProgress& p) {
     if (job.watch && !job.live) job.watch(*simulation);
@@ -225,8 +225,8 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
   thickness = simulation->approach().thickness;
-  if (sink && job.say) job.say("pictures by " + sink->driver());
-  if (simulation->approach().from_inside && job.warn) job.warn("the axis points out of the skull: brain or dura lies before the entry");
+  if (sink && job.say) job.say("renderer: " + sink->driver());
+  if (simulation->approach().from_inside && job.warn) job.warn("the axis points out of the skull: it meets brain or dura before the entry");
   if (Status made = make_folder(job.folder); !made) return made.error();
   remove_old_pictures(job.folder);
   auto session = open_session(loaded, job, simulation->stage());

@@ -1,6 +1,6 @@
-/// app/job/drill_job.h: one run of a loaded scene with all its outputs: pictures, session, bone, summary and report.
-///   What the program, the window, tests and clients of the library call. No signal handler, no terminal, no OpenGL.
-///   Thread: the caller's; a live run starts its own beside it.
+/// app/job/drill_job.h: runs a loaded scene and writes all outputs: pictures, session, bone, summary and report.
+///   The entry point for the program, tests and clients of the library. Uses no signal handler, no terminal and no OpenGL.
+///   Units  SI.   Thread  the caller's; a live run starts its own beside it.
 #pragma once
 
 #include <atomic>
@@ -17,26 +17,27 @@ namespace burrhole {
 struct DrillJob {
   std::string folder;                       ///< of the outputs; empty: nothing is written
   std::string restore_path;                 ///< checkpoint to start from; empty: bone as loaded
-  bool live = false;                        ///< on threads against the clock instead of in lockstep
+  bool live = false;                        ///< on threads in real time instead of in lockstep
   bool require_realtime = false;            ///< live: a refused priority is an error
   MakePictureSink make_sink;                ///< for scenes with [display]; empty: no picture is drawn
-  const std::atomic<bool>* stop = nullptr;  ///< set to end cleanly after the tick, from any thread or a signal handler
-  /// Ten times a simulated second: share of the run done 0..1, and a text. May be empty.
+  const std::atomic<bool>* stop = nullptr;  ///< may be set by any thread or signal handler: the run ends cleanly after the tick
+  /// Called ten times a simulated second with the share of the run that is done, 0..1, and a text. May be empty.
   std::function<void(double share, const std::string& text)> progress;
-  /// As often, in lockstep only: the simulation between two ticks, to read bone and forces. May be empty.
+  /// Called as often, in lockstep only, between two ticks; may read bone and forces. May be empty.
   std::function<void(Simulation&)> watch;
-  std::function<void(const std::string&)> say;   ///< what draws, which quality; may be empty
-  std::function<void(const std::string&)> warn;  ///< one line each; may be empty
-  std::vector<Input> inputs;                     ///< timed, with the texts of their tools; see read_inputs()
+  std::function<void(const std::string&)> say;   ///< receives the renderer's name, one line; may be empty
+  std::function<void(const std::string&)> warn;  ///< receives one line per warning; may be empty
+  std::vector<Input> inputs;                     ///< timed, with the texts of their tools; see load_inputs()
   std::string created;                           ///< ISO 8601, for the session; empty: now
 };
 
-/// Timed inputs of a file (app/run/inputs.h), the texts of their tools read. @returns nothing when any issue was pushed.
+/// Reads timed inputs (app/run/inputs.h) and the texts of the tools that they name. @returns nothing when any issue was pushed.
 [[nodiscard]] std::optional<std::vector<Input>> load_inputs(const std::string& path, const Scene& scene, const SceneContext& context,
                                                             Issues& issues);
 
-/// Runs the scene and writes pictures, the session, bone.vdb, summary.json and report.html. Everything that can refuse does so before the
-/// first file is written. Errors: as the scene's parts, bad_input for a folder that cannot be written, unavailable for a refused priority.
+/// Runs the scene and writes pictures, the session, bone.vdb, summary.json and report.html. All checks come before the first file is
+/// written.
+/// Errors: those of the scene's effects, bad_input for a folder that cannot be written, unavailable for a refused priority.
 [[nodiscard]] Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job);
 
 }  // namespace burrhole

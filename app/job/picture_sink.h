@@ -1,4 +1,5 @@
-/// app/job/picture_sink.h: a display that keeps pictures as files. Implemented by whoever draws: the program, a window, a client.
+/// app/job/picture_sink.h: interface of a display that writes pictures to files. The program implements it; a window or a client may too.
+///   Thread  the one that runs the simulation's frame step.   Errors  unavailable.
 #pragma once
 
 #include <functional>
@@ -16,13 +17,12 @@ class PictureSink : public FrameSink {
  public:
   /// Paths of the pictures written so far.
   [[nodiscard]] virtual const std::vector<std::string>& files() const = 0;
-  [[nodiscard]] virtual std::string driver() const = 0;  ///< what draws, in one line
-  /// The same for summary.json, with the quality that pictures have; where a budget chooses it, the first picture does.
+  [[nodiscard]] virtual std::string driver() const = 0;  ///< name of the renderer, one line
+  /// Renderer and drawing quality for summary.json. A quality chosen by a budget is known after the first picture.
   [[nodiscard]] virtual RunSummary::Display display() const = 0;
 };
 
-/// Makes a sink for pictures of a folder. @param folder empty: pictures are drawn and hashed, not written. Errors: unavailable where nothing
-/// can draw.
+/// Creates a sink that writes into a folder. @param folder empty: pictures are drawn and hashed, not written. unavailable: no renderer.
 using MakePictureSink = std::function<Result<std::unique_ptr<PictureSink>>(const DisplayConfig& display, const std::string& folder)>;
 
 }  // namespace burrhole

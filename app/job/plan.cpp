@@ -7,7 +7,7 @@
 namespace burrhole {
 namespace {
 
-/// Voxels of the master window where the run starts.
+/// @returns the number of voxels of the master window at the start of the run.
 std::uint64_t window_voxels(const LoadedScene& loaded, const Needs& needs) {
   const Affine& bone_from_index = loaded.bone->bone_from_index();
   const Pose bone_from_tool{rotation_from_z(-loaded.scene.approach.axis), loaded.scene.approach.entry};
@@ -21,7 +21,7 @@ PlanRow volume_row(const LoadedScene& loaded, std::uint64_t window) {
           .clock = Clock::simulation,
           .step = "master window: slide, write back, publish",
           .needs = "bone model",
-          .gives = "window, window copy, store of record",
+          .gives = "window, window copy, bone grids",
           .detail = fmt::format("{} x {} x {} voxels of {:.3g} mm", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge()),
           .bytes = loaded.bone->bytes() + window * 4 * sizeof(float)};
 }
@@ -30,7 +30,7 @@ PlanRow hand_row(const LoadedScene& loaded) {
   const HandConfig& hand = loaded.scene.hand;
   return {.table = "hand",
           .clock = Clock::servo,
-          .step = "hand integrated exactly over a tick under the latest force",
+          .step = "hand motion, integrated exactly over a tick under the latest force",
           .needs = "contact state",
           .gives = "hand motion",
           .detail = fmt::format("{:.0f} N, {:.2f} kg, {:.0f} N/m", hand.push, hand.dynamics.mass, hand.dynamics.stiffness),

@@ -1,4 +1,4 @@
-/// app/job/plan.h: what a scene will run, in which order, at which rate, with how many bytes; and what it leaves out.
+/// app/job/plan.h: lists the steps that a scene will run with their order, rate and memory, and the effects that it does not have.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@ namespace burrhole {
 
 struct Plan {
   std::vector<PlanRow> rows;           ///< volume and hand, then the effects in the order of the registry
-  std::vector<std::string> not_built;  ///< effects whose table is absent, and those of later versions
+  std::vector<std::string> not_built;  ///< effects without a table in the scene, and those of later versions
   std::vector<std::string> warnings;
 };
 
-/// Needs no display and no device. @param registry the effects that are known.
+/// Needs no display and no device. @param registry the known effects.
 [[nodiscard]] Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry = shipped_effects());
 
 }  // namespace burrhole

@@ -65,7 +65,7 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   out.removed_mm3 = hole.removed * kMm3;
   out.removed_mass_mm3 = simulation.stage().bone->removed_mass() * kMm3;
   out.hole_diameter_mm = in_mm(hole.outer_diameter);
-  if (progress.breakthrough_depth) out.inner_diameter_mm = in_mm(hole.inner_diameter);  // before it there is no hole in the inner surface
+  if (progress.breakthrough_depth) out.inner_diameter_mm = in_mm(hole.inner_diameter);  // no hole in the inner surface before
   out.thickness_mm = simulation.approach().thickness * kMm;
   out.angle_deg = simulation.approach().angle / kDegree;
   out.peak_force_N = progress.peak_force;
@@ -152,12 +152,11 @@ std::string outcome_text(const RunSummary& s) {
   }
   if (s.passed_s)
     return fmt::format(
-        "The bit passed the bone after {:.2f} s without cutting all of it: {:.0f} % of the bone on the axis was gone by then. Where that "
-        "is "
-        "not a crown's core, the contact model gave way; this is no burrhole.",
+        "The bit passed the bone after {:.2f} s without cutting all of it: {:.0f} % of the bone on the axis was removed by then. Unless a "
+        "crown left its core there, the contact model failed to hold the bit; this is not a burrhole.",
         *s.passed_s, 100.0 * s.removed_at_passing.value_or(0.0));
   if (s.end == "stopped") return "The run was interrupted, " + how_far + ".";
-  if (s.end == "done") return "The hand let go " + how_far + ", as it felt a give.";
+  if (s.end == "done") return "The hand detected a breakthrough and withdrew, " + how_far + "; the bone was not drilled through.";
   const char* why = s.spin_rpm == 0.0 ? " The bit does not spin." : "";
   return fmt::format("The time of the scene ended, {}.{}", how_far, why);
 }

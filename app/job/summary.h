@@ -1,4 +1,5 @@
-/// app/job/summary.h: what a run came to, as summary.json says it. Units in the names; what does not apply is null.
+/// app/job/summary.h: results of a run and their JSON form, summary.json.
+///   Frame  none: lengths are along the axis of drilling, from the entry.   Units  in the names.   A figure that does not apply is null.
 #pragma once
 
 #include <optional>
@@ -14,9 +15,10 @@ namespace burrhole {
 
 inline constexpr int kSummarySchema = 1;
 
-/// Figures of one finished (or interrupted) run.
+/// Figures of one finished or interrupted run.
 struct RunSummary {
-  std::string scene, title, tool, end;
+  std::string scene, title, tool;
+  std::string end;  ///< "done", "duration" or "stopped"
   double spin_rpm = 0.0, push_N = 0.0;
   std::vector<std::string> warnings;  ///< of the plan
   Vec3i dims{0};
@@ -26,15 +28,15 @@ struct RunSummary {
   std::uint64_t bone_voxels = 0, volume_bytes = 0, haptic_points = 0, erosion_points = 0;
   double duration_s = 0.0, wall_s = 0.0;
   double removed_mm3 = 0.0, removed_mass_mm3 = 0.0, thickness_mm = 0.0, angle_deg = 0.0, peak_force_N = 0.0;
-  double reached_mm = 0.0;  ///< furthest tip, along the axis from the entry
+  double reached_mm = 0.0;  ///< deepest position of the tip, along the axis from the entry
   std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, plunge_mm, passed_s, removed_at_passing,
       largest_ahead_mm;
   std::vector<std::pair<std::string, StepTiming>> timing;  ///< in the order of the JSON
-  std::uint64_t missed = 0;                                ///< servo ticks; lockstep misses none
+  std::uint64_t missed = 0;                                ///< servo ticks; 0 in lockstep
   struct Live {
     std::uint64_t contact_missed = 0, bone_missed = 0, unrecorded = 0;
-    std::uint32_t faults = 0;          ///< ServoFault, all seen
-    std::optional<double> force_left;  ///< [N] that the simulated device shows after the end
+    std::uint32_t faults = 0;          ///< bits of ServoFault that occurred
+    std::optional<double> force_left;  ///< [N] that the simulated device renders after the end of the run
   };
   std::optional<Live> live;  ///< of a live run
   std::uint64_t peak_bytes = 0;
@@ -44,22 +46,22 @@ struct RunSummary {
     std::string name, step;
     double time_us = 0.0;
     std::uint64_t bytes = 0;
-    Figures figures;  ///< what the effect reports of the run
+    Figures figures;  ///< reported by the effect
   };
   std::vector<EffectCost> effects;
   std::string voxel_hash, force_hash, image_hash;
-  /// What drew, of a scene with [display]; the caller's to fill.
+  /// Renderer of a scene with [display]; filled by drill().
   struct Display {
-    std::string backend, version, renderer;  ///< the last two as the driver states them
+    std::string backend, version, renderer;  ///< the last two as reported by the driver
     DrawingQuality quality;
-    std::optional<double> budget_ms, expected_ms;  ///< of a quality that was chosen
+    std::optional<double> budget_ms, expected_ms;  ///< of a quality chosen by a budget
   };
   std::optional<Display> display;
 };
 
-/// How the run ended, in a sentence for people.
+/// @returns one sentence on how the run ended.
 [[nodiscard]] std::string outcome_text(const RunSummary& summary);
-/// Measures the hole too; `wall_s` is the caller's.
+/// Collects the figures of a run and measures the hole. @param wall_s [s] duration of the run, measured by the caller.
 [[nodiscard]] RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const Plan& plan, double wall_s);
 [[nodiscard]] std::string summary_json(const RunSummary& summary);
 /// {schema, scene, effects[{name, steps, clock, rate_hz, bytes, time_us}], not_built[], warnings[]}; time_us null when not measured.

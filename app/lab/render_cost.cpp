@@ -114,7 +114,7 @@ class Stand {
   static Result<Stand> create(const RenderCostOptions& options, RenderOptions how, const VolumeView& volume, const FrameView& view) {
     how.gl = options.gl;
     how.keep_picture = false;  // each picture is timed completely
-    how.looks.tissue = how.looks.occlusion = !how.slices && !how.translucent;
+    how.appearance.tissue = how.appearance.occlusion = !how.slices && !how.translucent;
     auto renderer = Renderer::create(how);
     if (!renderer) return renderer.error();
     if (Status set = renderer->set_volume(volume); !set) return set.error();
@@ -318,7 +318,7 @@ class SubjectRun {
     }
     if (Status done = against_plain(*shipped_, {"rays, 1/8 voxel, as shipped", "density [bits]", 16.0}, fine(kPlain), true); !done)
       return done;
-    auto differences = stand({.looks = {.normals = NormalSource::recomputed}}, subject_.volume);
+    auto differences = stand({.appearance = {.normals = NormalSource::recomputed}}, subject_.volume);
     if (!differences) return differences.error();
     if (Status done = against_plain(*shipped_, {"rays, no finish, stored normals", "step [voxel]", kPlain.step_voxels}, kPlain, true);
         !done)

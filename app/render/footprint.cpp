@@ -60,12 +60,12 @@ Reach reach_of(const RenderOptions& options, double longest_edge) noexcept {
   Reach out{kFilter + kSlackVoxels, 0.0};
   if (options.translucent) return out;  // normals as stored
   const auto sees = [&out](double voxels) { out.voxels = std::max(out.voxels, kFilter + kSlackVoxels + voxels); };
-  if (options.looks.normals == NormalSource::recomputed) sees(kCorners);
+  if (options.appearance.normals == NormalSource::recomputed) sees(kCorners);
   if (options.slices) return out;
   if (options.finish) sees(kWiderMean);
-  if (options.looks.tissue) sees(kBefore);
-  if (options.looks.occlusion) out.metres = kSkyMetres + kSkyLift * longest_edge;
-  if (options.looks.shadow) out.metres = std::max(out.metres, shadow_metres(longest_edge));
+  if (options.appearance.tissue) sees(kBefore);
+  if (options.appearance.occlusion) out.metres = kSkyMetres + kSkyLift * longest_edge;
+  if (options.appearance.shadow) out.metres = std::max(out.metres, shadow_metres(longest_edge));
   return out;
 }
 

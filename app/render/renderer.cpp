@@ -128,14 +128,14 @@ Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) 
   return {};
 }
 
-RenderOptions make_render_options(const DrawingQuality& quality, const LookView& looks) {
+RenderOptions make_render_options(const DrawingQuality& quality, const Appearance& appearance) {
   RenderOptions options{.step_voxels = quality.step_voxels,
                         .bisections = quality.bisections,
                         .finish = quality.finish,
-                        .looks = looks,
+                        .appearance = appearance,
                         .supersample = quality.supersample,
                         .resolution = quality.resolution};
-  options.looks.occlusion = looks.occlusion && quality.finish;
+  options.appearance.occlusion = appearance.occlusion && quality.finish;
   return options;
 }
 
@@ -179,7 +179,7 @@ void Renderer::update(const TexelBox& texels) {
   BH_ASSERT(current.ok());
   static_cast<void>(current);
   const UploadedBytes sent =
-      impl_->volume->update(texels, !impl_->options.growth_is_told || impl_->may_grow, impl_->ring ? &*impl_->ring : nullptr);
+      impl_->volume->update(texels, !impl_->options.growth_is_reported || impl_->may_grow, impl_->ring ? &*impl_->ring : nullptr);
   impl_->cache.texels_changed(texels.box);
   impl_->counters.update_bytes += sent.texels;
   impl_->counters.skip_map_bytes += sent.skip_map;
@@ -206,7 +206,7 @@ Status Renderer::set_quality(const DrawingQuality& quality) {
   options.step_voxels = quality.step_voxels;
   options.bisections = quality.bisections;
   options.finish = quality.finish;
-  options.looks.occlusion = quality.finish && impl_->asked_occlusion;
+  options.appearance.occlusion = quality.finish && impl_->asked_occlusion;
   options.supersample = quality.supersample;
   options.resolution = quality.resolution;
   if (Status valid = check_options(options); !valid) return valid;

@@ -32,13 +32,13 @@ struct RenderOptions {
   int bisections = 5;        ///< 0..16, each halves the error of the hit
   bool skip_empty = true;    ///< same picture with fewer samples
   bool finish = true;        ///< smoothed normals and soft highlights; off: the light of the paper (and the headlight) only
-  LookView looks{};          ///< additional light options; tissue, occlusion, shadow and highlights only for surfaces drawn by rays
+  Appearance appearance{};   ///< additional light options; tissue, occlusion, shadow and highlights only for surfaces drawn by rays
   int supersample = 1;       ///< 1..4, rays along each side of a pixel (antialiasing)
   double resolution = 1.0;   ///< [-] in [0.25, 1], share of the picture's width and height that is drawn, then enlarged
   bool keep_picture = true;  ///< same picture; pixels that did not change are not drawn again
   /// update() assumes that bone only disappears, unless forget() was called since the last picture. Off: it searches for bone that grew,
   /// which takes several times as long as sending the texels.
-  bool growth_is_told = false;
+  bool growth_is_reported = false;
   std::optional<SliceOptions> slices{};           ///< instead of rays
   std::optional<TransferFunction> translucent{};  ///< bone as a translucent body, front to back, instead of its surface; no finish
   /// Changed texels are sent through a ring of mapped buffers. Default: on a GPU, where a copy would wait for drawing; a software renderer
@@ -49,7 +49,7 @@ struct RenderOptions {
 };
 
 /// @returns the options of a quality and appearance options for surfaces drawn by rays; a quality without finish has no occlusion.
-[[nodiscard]] RenderOptions make_render_options(const DrawingQuality& quality, const LookView& looks);
+[[nodiscard]] RenderOptions make_render_options(const DrawingQuality& quality, const Appearance& appearance);
 
 /// Counters, not times.
 struct RenderCounters {

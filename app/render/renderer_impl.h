@@ -40,7 +40,7 @@ struct Renderer::Impl {
 
   Impl(const RenderOptions& chosen, GlContext made, ShaderFiles files)
       : options(chosen),
-        asked_occlusion(chosen.looks.occlusion),
+        asked_occlusion(chosen.appearance.occlusion),
         context(std::move(made)),
         gl(context.functions()),
         programs(gl, std::move(files)),

@@ -59,19 +59,19 @@ void Renderer::Impl::draw_light(GLuint program) const {
 }
 
 ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft) const {
-  SurfaceChoice choice{.cut = cut, .soft = false, .finish = options.finish, .looks = options.looks};
-  choice.looks.tissue = choice.looks.tissue && tissue;
-  choice.soft = choice.looks.tissue && soft;
+  SurfaceChoice choice{.cut = cut, .soft = false, .finish = options.finish, .appearance = options.appearance};
+  choice.appearance.tissue = choice.appearance.tissue && tissue;
+  choice.soft = choice.appearance.tissue && soft;
   return surface_variant(choice);
 }
 
 ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft) const {
-  const LookView& looks = options.looks;
+  const Appearance& appearance = options.appearance;
   if (options.slices)
-    return slices_variant({.cut = cut, .correct = options.slices->correct, .labels = looks.labels, .normals = looks.normals});
+    return slices_variant({.cut = cut, .correct = options.slices->correct, .labels = appearance.labels, .normals = appearance.normals});
   if (options.translucent)
     return translucent_variant(
-        {.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = looks.labels, .tint = tinted});
+        {.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = appearance.labels, .tint = tinted});
   return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe});
 }
 

@@ -93,13 +93,13 @@ ShaderVariant surface_variant(const SurfaceChoice& choice) {
   add_define(variant, choice.cut, "CUT", "_cut");
   add_define(variant, choice.soft, "SOFT", "_soft");
   add_define(variant, choice.finish, "FINISH", "_finish");
-  const LookView& looks = choice.looks;
-  add_define(variant, looks.tissue, "TISSUE", "_tissue");
-  add_define(variant, looks.occlusion, "OCCLUSION", "_occlusion");
-  add_define(variant, looks.shadow, "SHADOW", "_shadow");
-  add_define(variant, looks.specular, "SPECULAR", "_specular");
-  add_define(variant, looks.labels, "LABELS", "_labels");
-  add_define(variant, looks.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
+  const Appearance& appearance = choice.appearance;
+  add_define(variant, appearance.tissue, "TISSUE", "_tissue");
+  add_define(variant, appearance.occlusion, "OCCLUSION", "_occlusion");
+  add_define(variant, appearance.shadow, "SHADOW", "_shadow");
+  add_define(variant, appearance.specular, "SPECULAR", "_specular");
+  add_define(variant, appearance.labels, "LABELS", "_labels");
+  add_define(variant, appearance.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
   return variant;
 }
 
@@ -134,18 +134,18 @@ std::vector<ShaderVariant> all_shader_variants() {
   std::vector<ShaderVariant> variants{background_variant(), tool_variant(false), tool_variant(true)};
   const auto bit = [](unsigned bits, unsigned n) { return (bits >> n & 1u) != 0; };
   const auto options = [bit](unsigned bits) {
-    return LookView{.tissue = bit(bits, 0),
-                    .occlusion = bit(bits, 1),
-                    .shadow = bit(bits, 2),
-                    .specular = bit(bits, 3),
-                    .labels = bit(bits, 4),
-                    .normals = bit(bits, 5) ? NormalSource::recomputed : NormalSource::texture};
+    return Appearance{.tissue = bit(bits, 0),
+                      .occlusion = bit(bits, 1),
+                      .shadow = bit(bits, 2),
+                      .specular = bit(bits, 3),
+                      .labels = bit(bits, 4),
+                      .normals = bit(bits, 5) ? NormalSource::recomputed : NormalSource::texture};
   };
   for (unsigned bits = 0; bits < 8; ++bits)
     variants.push_back(raycast_variant({.cut = bit(bits, 0), .skip = bit(bits, 1), .probe = bit(bits, 2)}));
   constexpr unsigned kDrawn = 8, kOptions = 6, kAllOptions = (1u << kOptions) - 1u;
   const auto add = [&](unsigned bits, unsigned chosen) {
-    variants.push_back(surface_variant({.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .looks = options(chosen)}));
+    variants.push_back(surface_variant({.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .appearance = options(chosen)}));
   };
   constexpr unsigned kDefault = 0b010011u;  // tissue, occlusion, labels
   for (unsigned bits = 0; bits < kDrawn; ++bits)

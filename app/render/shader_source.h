@@ -36,7 +36,7 @@ struct SurfaceChoice {
   bool cut = false;
   bool soft = false;    ///< the volume contains dura or brain
   bool finish = false;  ///< smoothed normals and soft highlights
-  LookView looks{.labels = false};
+  Appearance appearance{.labels = false};
 };
 
 /// Options of slices.

@@ -55,21 +55,21 @@ std::optional<std::vector<Input>> read_inputs(const TomlDocument& document, int 
   TableReader root = document.root(issues);
   std::vector<std::string> words;
   for (const auto& [name, kind] : kKinds) words.emplace_back(name);
-  for (TableReader& table : root.tables("input", "what a person changes while drilling, in the order of time")) {
+  for (TableReader& table : root.tables("input", "inputs of a user during the run, in the order of time")) {
     Input input;
-    const double time = table.number("time_s", {.min = 0.0, .max = 1e5}, "simulated time at which it happens");
+    const double time = table.number("time_s", {.min = 0.0, .max = 1e5}, "simulated time at which the input is applied");
     input.tick = static_cast<std::uint64_t>(std::llround(time * servo_hz));
-    const std::string word = table.choice("kind", std::nullopt, words, "what happens");
+    const std::string word = table.choice("kind", std::nullopt, words, "what changes");
     for (const auto& [name, kind] : kKinds)
       if (word == name) input.kind = kind;
     if (input.kind == InputKind::spin)
-      input.value = table.number("value", {.min = 0.0, .max = 1.0}, "command of the drive: 0 off, 1 the scene's spin");
+      input.value = table.number("value", {.min = 0.0, .max = 1.0}, "command of the drive: 0 off, 1 the scene's spin rate");
     if (input.kind == InputKind::switches)
       input.value = static_cast<double>(
           table.integer("value", std::nullopt, 0, static_cast<std::int64_t>(kMostSwitches), "bits of pedals and buttons"));
-    if (has_name(input.kind)) input.text = table.text("name", std::nullopt, "of the tool or checkpoint, or the remark");
+    if (has_name(input.kind)) input.text = table.text("name", std::nullopt, "name of the tool or checkpoint, or text of the remark");
     table.finish();
-    if (!out.empty() && input.tick < out.back().tick) table.fault("time_s", "lies before that of the input above");
+    if (!out.empty() && input.tick < out.back().tick) table.fault("time_s", "is earlier than that of the previous input");
     out.push_back(std::move(input));
   }
   root.finish();

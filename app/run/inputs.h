@@ -1,5 +1,5 @@
 /// app/run/inputs.h: inputs of a user during a run. An input is applied between two servo ticks and recorded, so that a replay repeats it.
-///   Units  SI.   Errors  bad_input.   Thread  read and checked while no clock runs.
+///   Units  SI.   Errors  bad_input.   Thread  files are read and checked before the run starts.
 #pragma once
 
 #include <cstdint>

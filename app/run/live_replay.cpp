@@ -11,33 +11,34 @@
 namespace burrhole {
 namespace {
 
-/// One column of a stream, by name.
+/// @returns one column of a stream as counts. bad_input: no such column, or a value that is no count.
 Result<std::vector<std::uint64_t>> counts(const SessionReader& session, const char* stream, const char* name) {
   const auto values = session.column(stream, name);
   if (!values) return Error{values.error().code, values.error().message, {}};
   std::vector<std::uint64_t> out;
   out.reserve(values->size());
   for (const double value : *values) {
-    if (!(value >= 0.0 && value < 9e15)) return bad_input(std::string("the session holds no count in its column ") + name);
+    if (!(value >= 0.0 && value < 9e15)) return bad_input(std::string("the session has a value that is not a count in its column ") + name);
     out.push_back(static_cast<std::uint64_t>(value));
   }
   return out;
 }
 
-/// What each step took, as far as its order depends on it.
-struct Journal {
-  std::vector<std::uint64_t> servo_contact, servo_faults;   // a servo tick: the result that it used, and what was wrong
-  std::vector<std::uint64_t> contact_hand, contact_window;  // an evaluation: the motion and the copy of bone
-  std::vector<std::uint64_t> bone_contact, bone_published;  // a step of bone: the result that it cut by, copies handed over after it
-  // Of each clock: the messages that each of its ticks took from the other clocks, one list per source.
+/// The recorded inputs of each step that determine the order of steps.
+struct RecordedOrder {
+  std::vector<std::uint64_t> servo_contact, servo_faults;   // per servo tick: number of the contact result used, servo faults
+  std::vector<std::uint64_t> contact_hand, contact_window;  // per evaluation: tick of the hand state used, number of the copy of bone used
+  std::vector<std::uint64_t> bone_contact,
+      bone_published;  // per simulation step: number of the contact result used, copies published since
+  // Per clock: the number of the message that each of its ticks read from each other clock, one list per source.
   std::array<std::vector<std::vector<std::uint64_t>>, kClocks> messages;
 };
 
 constexpr std::pair<Clock, const char*> kStreamOf[] = {
     {Clock::servo, kServoStream}, {Clock::contact, kContactStream}, {Clock::simulation, kBoneStream}};
 
-Result<Journal> read_journal(const SessionReader& session, const StepGraph& graph) {
-  Journal out;
+Result<RecordedOrder> read_order(const SessionReader& session, const StepGraph& graph) {
+  RecordedOrder out;
   struct Column {
     const char *stream, *name;
     std::vector<std::uint64_t>* values;
@@ -61,44 +62,44 @@ Result<Journal> read_journal(const SessionReader& session, const StepGraph& grap
 
 class Replay {
  public:
-  Replay(Stage& parts, RecordedHand& hand, const SessionReader& session, const ReplayHooks& hooks, Journal journal)
+  Replay(Stage& parts, RecordedHand& hand, const SessionReader& session, const ReplayHooks& hooks, RecordedOrder order)
       : parts_(&parts),
         hand_(&hand),
         hooks_(&hooks),
         stills_(&session.stills()),
-        journal_(std::move(journal)),
-        wanted_(journal_.bone_contact.begin(), journal_.bone_contact.end()),
+        order_(std::move(order)),
+        needed_(order_.bone_contact.begin(), order_.bone_contact.end()),
         published_(parts.bone->publisher().published()) {
     parts.graph.keep_messages();
   }
 
   Status servo(std::size_t tick) {
-    while (contacts_ < journal_.servo_contact[tick])
-      if (Status looked = contact(); !looked) return looked;
-    if (Status there = fetch(Clock::servo, tick); !there) return there;
-    // The result that the servo used then: later ones may be there already, where the clocks rested meanwhile.
-    for (; !results_.empty() && results_.front().number <= journal_.servo_contact[tick]; results_.pop_front())
+    while (contacts_ < order_.servo_contact[tick])
+      if (Status ran = contact(); !ran) return ran;
+    if (Status fetched = fetch(Clock::servo, tick); !fetched) return fetched;
+    // Only results up to the one that the servo used: later ones may exist already if the clocks were stopped for an input.
+    for (; !results_.empty() && results_.front().number <= order_.servo_contact[tick]; results_.pop_front())
       parts_->force_mailbox.publish(results_.front());
     parts_->servo->sense();
-    // A stop came from outside: the tick in which it was answered tells it.
-    if ((journal_.servo_faults[tick] & kServoStopped) != 0) parts_->servo->request_stop();
+    // A stop request is an external event; the recorded servo faults show in which tick it took effect.
+    if ((order_.servo_faults[tick] & kServoStopped) != 0) parts_->servo->request_stop();
     sent_.add(parts_->act().force);
     return {};
   }
-  /// What came after the last servo tick.
+  /// Runs the steps recorded after the last servo tick.
   Status finish() {
-    if (Status done = until(journal_.contact_hand.size(), journal_.bone_contact.size()); !done) return done;
+    if (Status done = until(order_.contact_hand.size(), order_.bone_contact.size()); !done) return done;
     return draw_stills();
   }
-  /// Steps of contact and bone up to so many.
+  /// Runs steps until `contacts` evaluations and `bones` simulation steps have run in all.
   Status until(std::size_t contacts, std::size_t bones) {
     while (contacts_ < contacts)
-      if (Status looked = contact(); !looked) return looked;
+      if (Status ran = contact(); !ran) return ran;
     while (bones_ < bones)
       if (Status cut = bone(); !cut) return cut;
     return {};
   }
-  /// An input for which all clocks rested, `rows` of each stream being before it.
+  /// Applies an input for which all clocks were stopped. @param rows of each stream recorded before it.
   Status park(const Input& input, const std::vector<std::int64_t>& rows) {
     if (rows.size() != 3) return disorder();
     if (Status done = until(static_cast<std::size_t>(rows[1]), static_cast<std::size_t>(rows[2])); !done) return done;
@@ -108,25 +109,23 @@ class Replay {
       if (Status applied = hooks_->apply(input); !applied) return applied;
     ++parks_;
     published_ += parts_->bone->publisher().published() - before;
-    parts_->graph.keep_messages();  // a tool change makes the graph anew
+    parts_->graph.keep_messages();  // a tool change creates a new graph
     return {};
   }
   [[nodiscard]] const Hash64& sent() const noexcept { return sent_; }
-  /// A step was asked for of which no row is there: what a killed run leaves at its end.
+  /// @returns whether a step without a recorded row was needed. The last rows of a killed run refer to such steps.
   [[nodiscard]] bool ran_out() const noexcept { return ran_out_; }
 
  private:
-  static Error disorder() {
-    return bad_input("the session's steps do not follow from one another: rows of it are missing or were changed");
-  }
+  static Error disorder() { return bad_input("the order of the session's steps is inconsistent: rows are missing or were changed"); }
   Error out_of_rows() {
     ran_out_ = true;
     return disorder();
   }
 
-  /// The messages of other clocks that a tick took: the ticks that wrote them run first.
+  /// Provides the messages of other clocks that a tick read; runs the steps that wrote them first.
   Status fetch(Clock reader, std::size_t tick) {
-    const auto& lists = journal_.messages[static_cast<std::size_t>(reader)];
+    const auto& lists = order_.messages[static_cast<std::size_t>(reader)];
     if (lists.empty()) return {};
     const std::vector<Clock> sources = parts_->graph.sources(reader);
     std::vector<double> numbers;
@@ -138,7 +137,7 @@ class Replay {
       if (std::ranges::find(sources, Clock::simulation) != sources.end() && reader != Clock::simulation) {
         if (Status cut = bone(); !cut) return cut;
       } else if (std::ranges::find(sources, Clock::contact) != sources.end() && reader != Clock::contact) {
-        if (Status looked = contact(); !looked) return looked;
+        if (Status ran = contact(); !ran) return ran;
       } else {
         return disorder();
       }
@@ -148,7 +147,7 @@ class Replay {
   [[nodiscard]] bool is_due(const SessionStill& still) const noexcept {
     return still.parks <= parks_ && static_cast<std::size_t>(still.bone_step) <= bones_;
   }
-  /// Pictures of the bone as it is now.
+  /// Draws the recorded pictures of the present state of the bone.
   Status draw_stills() {
     if (!hooks_->redraw) return {};
     for (; next_still_ < stills_->size() && is_due((*stills_)[next_still_]); ++next_still_)
@@ -157,31 +156,31 @@ class Replay {
   }
 
   Status contact() {
-    if (contacts_ == journal_.contact_hand.size()) return out_of_rows();
-    // It read this copy of bone, so the steps that made it came before; later ones may wait for what they cut by. The record alone gives
-    // the order: a replay that comes to other bone runs to its end, and its hashes differ.
-    while (published_ < journal_.contact_window[contacts_])
+    if (contacts_ == order_.contact_hand.size()) return out_of_rows();
+    // The evaluation read this copy of bone, so the steps that published it ran before. The order comes from the record alone: a replay
+    // whose bone deviates still runs to its end, and its hashes differ.
+    while (published_ < order_.contact_window[contacts_])
       if (Status cut = bone(); !cut) return cut;
-    if (published_ != journal_.contact_window[contacts_]) return disorder();
-    const HandState* hand = hand_->at(journal_.contact_hand[contacts_]);
+    if (published_ != order_.contact_window[contacts_]) return disorder();
+    const HandState* hand = hand_->at(order_.contact_hand[contacts_]);
     if (hand == nullptr) return out_of_rows();
-    if (Status there = fetch(Clock::contact, contacts_); !there) return there;
+    if (Status fetched = fetch(Clock::contact, contacts_); !fetched) return fetched;
     const ContactState& state = (*parts_->contact)(*hand);
     ++contacts_;
     results_.push_back(state);
-    if (wanted_.contains(contacts_)) kept_[contacts_] = state;
+    if (needed_.contains(contacts_)) kept_[contacts_] = state;
     return {};
   }
   Status bone() {
-    if (bones_ == journal_.bone_contact.size()) return out_of_rows();
+    if (bones_ == order_.bone_contact.size()) return out_of_rows();
     if (Status drawn = draw_stills(); !drawn) return drawn;
-    const auto by = kept_.find(journal_.bone_contact[bones_]);
+    const auto by = kept_.find(order_.bone_contact[bones_]);
     if (by == kept_.end()) return disorder();
-    kept_.erase(kept_.begin(), by);  // steps cut by ever newer results
-    if (Status there = fetch(Clock::simulation, bones_); !there) return there;
+    kept_.erase(kept_.begin(), by);  // later steps never use an older result
+    if (Status fetched = fetch(Clock::simulation, bones_); !fetched) return fetched;
     parts_->cut(by->second);
-    if (journal_.bone_published[bones_] < published_) return disorder();
-    published_ = journal_.bone_published[bones_++];
+    if (order_.bone_published[bones_] < published_) return disorder();
+    published_ = order_.bone_published[bones_++];
     return {};
   }
 
@@ -190,14 +189,14 @@ class Replay {
   const ReplayHooks* hooks_;
   const std::vector<SessionStill>* stills_;
   std::size_t next_still_ = 0;
-  std::int64_t parks_ = 0;  // inputs for which the clocks rested so far
-  Journal journal_;
-  std::deque<ContactState> results_;            // not used by the servo yet
-  std::set<std::uint64_t> wanted_;              // results that bone is cut by
-  std::map<std::uint64_t, ContactState> kept_;  // of those, the ones found and still needed
+  std::int64_t parks_ = 0;  // inputs so far for which all clocks were parked
+  RecordedOrder order_;
+  std::deque<ContactState> results_;            // contact results that the servo has not received yet
+  std::set<std::uint64_t> needed_;              // numbers of the contact results that simulation steps use
+  std::map<std::uint64_t, ContactState> kept_;  // those that were computed and are still needed
   std::uint64_t contacts_ = 0;
   std::size_t bones_ = 0;
-  std::uint64_t published_;  // copies of bone handed over so far, as recorded
+  std::uint64_t published_;  // copies of bone published so far, as recorded
   bool ran_out_ = false;
   Hash64 sent_;
 };
@@ -209,15 +208,15 @@ bool has_order(const SessionReader& session) noexcept {
 }
 
 Result<LiveReplayed> replay_live(Stage& parts, RecordedHand& hand, const SessionReader& session, const ReplayHooks& hooks) {
-  auto journal = read_journal(session, parts.graph);
-  if (!journal) return journal.error();
-  const std::size_t ticks = journal->servo_contact.size();
-  const bool unfinished = session.hashes().empty();  // the run did not come to its end
+  auto order = read_order(session, parts.graph);
+  if (!order) return order.error();
+  const std::size_t ticks = order->servo_contact.size();
+  const bool unfinished = session.hashes().empty();  // the recorded process was killed
   const FlushToZero guard;
-  Replay replay(parts, hand, session, hooks, std::move(journal).value());
+  Replay replay(parts, hand, session, hooks, std::move(order).value());
   LiveReplayed out;
   auto input = session.inputs().begin();
-  // Inputs for which the clocks rested come between two ticks; what the others did is in the hand's rows.
+  // Inputs for which the clocks were stopped are applied between two ticks; the effect of the others is in the hand's rows.
   const auto apply_parked = [&](std::size_t tick) -> Status {
     for (; input != session.inputs().end(); ++input) {
       if (input->rows_before.empty()) continue;

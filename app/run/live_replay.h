@@ -1,6 +1,6 @@
-/// app/run/live_replay.h: replays a recorded run, live or lockstep, in one thread: the steps run in the recorded order and give the same
+/// app/run/live_replay.h: replays a recorded run, live or lockstep, in one thread: the steps run in the recorded order and compute the same
 /// voxels and forces.
-///   Errors  bad_input.   Thread  one.
+///   Frame  world.   Units  SI.   Errors  bad_input.   Thread  one.
 #pragma once
 
 #include <atomic>

@@ -13,22 +13,22 @@
 namespace burrhole {
 namespace {
 
-constexpr float kRest = 0.25f;          // of what a step of bone took it then rests: at FIFO it never has more than four fifths of one core
-constexpr double kContactOffset = 0.3;  // [servo periods] contact starts once the servo has told the hand's motion
-constexpr std::uint64_t kMostCatchUp = 4;       // steps of bone made up for at once; what is more stays lost, and is told
-constexpr std::uint64_t kMostHandCatchUp = 50;  // ticks for which a simulated hand is moved on at once, likewise
-constexpr double kStopGrace = 0.1;              // [s] beyond the soft stop after which a servo that does not end is told to
-constexpr std::size_t kPrefetchAtOnce = 64;     // blocks between two looks at whether the run goes on
+constexpr float kPause = 0.25f;         // pause after a simulation step over the step's time: the step uses at most four fifths of one core
+constexpr double kContactOffset = 0.3;  // [servo periods] contact starts after the servo has published the hand state
+constexpr std::uint64_t kMostCatchUp = 4;       // most missed simulation steps that are made up at once; the others are counted as skipped
+constexpr std::uint64_t kMostHandCatchUp = 50;  // most missed ticks by which a simulated hand is advanced at once
+constexpr double kStopGrace = 0.1;              // [s] beyond the soft stop, after which a servo that is still running is stopped
+constexpr std::size_t kPrefetchAtOnce = 64;     // blocks between two checks for the end of the run
 constexpr auto kPrefetchEvery = std::chrono::milliseconds(1);
-constexpr std::size_t kBlocksRoom = 2048;  // of 8^3 voxels, 2 KiB each, that differ from as-loaded: 28 cm^3 at 0.3 mm
-constexpr auto kLookEvery = std::chrono::milliseconds(5);
+constexpr std::size_t kReservedBlocks = 2048;  // of 8^3 voxels, 2 KiB each, that differ from the bone as loaded: 28 cm^3 at 0.3 mm
+constexpr auto kPollEvery = std::chrono::milliseconds(5);
 
 }  // namespace
 
-bool ParcelDesk::fetch(bool all) {
+bool BatchHandOff::fetch(bool all) {
   if (closed()) return false;
   all_ = all;
-  state_.store(kAsked, std::memory_order_release);
+  state_.store(kRequested, std::memory_order_release);
   while (state_.load(std::memory_order_acquire) != kFilled) {
     if (closed()) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -39,14 +39,14 @@ bool ParcelDesk::fetch(bool all) {
 
 namespace {
 
-/// The threads of one live run. Constructed at rest; the destructor stops and joins whatever runs.
+/// The threads of one live run. The constructor starts none; the destructor stops and joins those that run.
 class Loops {
  public:
-  Loops(Stage& parts, RunLog& log, const LiveOptions& options, ParcelDesk& desk, LiveReport& report)
+  Loops(Stage& parts, RunLog& log, const LiveOptions& options, BatchHandOff& hand_off, LiveReport& report)
       : parts_(&parts),
         log_(&log),
         options_(options),
-        desk_(&desk),
+        hand_off_(&hand_off),
         report_(&report),
         prefetch_(parts.voxmap->bone(), needs_labels(parts.bone->publisher().fields())) {}
   ~Loops() { halt(); }
@@ -59,17 +59,17 @@ class Loops {
   void servo_loop() noexcept;
   void contact_loop() noexcept;
   void bone_loop() noexcept;
-  void cut_on();
+  void run_bone_steps();
   void prefetch_loop();
-  bool granted() const noexcept { return waiting_.load(std::memory_order_acquire) == 0; }
+  bool priorities_requested() const noexcept { return waiting_.load(std::memory_order_acquire) == 0; }
   void prepare(int priority) noexcept;
-  Status tell_refusals(const std::string& memory);
+  Status report_refusals(const std::string& memory);
   Status drain();
-  /// Rests all clocks, has the inputs applied that need it, and goes on.
+  /// Stops all clocks, applies the inputs that need this, and starts the clocks again.
   Status park();
-  /// Blocks of sound that are due; on the caller's thread.
-  void play_audio();
-  Status tell_faults(const ServoRow& row);
+  /// Computes the audio blocks that are due; on the caller's thread.
+  void run_audio();
+  Status report_faults(const ServoRow& row);
   Status drain_servo();
   Status drain_contact();
   Status drain_bone();
@@ -77,39 +77,39 @@ class Loops {
   Stage* parts_;
   RunLog* log_;
   LiveOptions options_;
-  ParcelDesk* desk_;
+  BatchHandOff* hand_off_;
   LiveReport* report_;
 
   timespec start_{};
-  std::atomic<bool> stop_{false}, hand_told_{false}, servo_ended_{false};
-  std::atomic<std::uint64_t> servo_ticks_{0};  // skipped ones included
-  std::atomic<int> waiting_{2};                // real-time threads that have not asked yet
-  std::atomic<int> refused_{0};                // errno of a priority that was not granted
+  std::atomic<bool> stop_{false}, hand_published_{false}, servo_ended_{false};
+  std::atomic<std::uint64_t> servo_ticks_{0};  // including skipped ones
+  std::atomic<int> waiting_{2};                // real-time threads that have not requested their priority yet
+  std::atomic<int> refused_{0};                // errno of a refused priority
   std::atomic<std::uint64_t> unrecorded_{0};
-  std::atomic<bool> broken_{false};  // the simulation thread met an exception, `why_` tells which
+  std::atomic<bool> broken_{false};  // the simulation thread met an exception; its text is in why_
   std::string why_;
-  std::uint32_t told_faults_ = 0;  // latched ones that were warned of
+  std::uint32_t reported_faults_ = 0;  // latched faults already reported
   SpscQueue<ServoRow, 1 << 14> servo_rows_;
   SpscQueue<ContactRow, 1 << 14> contact_rows_;
   SpscQueue<BoneRow, 1 << 12> bone_rows_;
   Hash64 sent_;  // servo thread
   std::vector<double> row_;
   DrillProgress progress_;
-  double told_ = 0.0;  // [s] of the last progress
+  double progress_time_ = 0.0;  // [s] simulated time of the last progress report
   std::uint64_t audio_ticks_ = 0;
-  bool ended_ = false;  // the servo came to the end of script, time or stop; read once it ended
+  bool ended_ = false;  // the servo ended by script, duration or stop, not by park(); read after its thread has ended
   BonePrefetch prefetch_;
   std::thread servo_, contact_, bone_, prefetch_thread_;
 };
 
 void Loops::prepare(int priority) noexcept {
-  if (const int fault = ask_for_fifo(priority); fault != 0) refused_.store(fault, std::memory_order_relaxed);
+  if (const int error = ask_for_fifo(priority); error != 0) refused_.store(error, std::memory_order_relaxed);
   waiting_.fetch_sub(1, std::memory_order_acq_rel);
 }
 
 void Loops::servo_loop() noexcept {
   prepare(kServoAbove);
-  const ZeroForceOnExit zero_at_the_end(*parts_->hand);
+  const ZeroForceOnExit zero_at_end(*parts_->hand);
   TickClock clock(start_, parts_->period, 0.0);
   const auto last = static_cast<std::uint64_t>(parts_->config.duration * parts_->config.servo_hz + 0.5);
   Vec3 held(0.0);
@@ -117,12 +117,12 @@ void Loops::servo_loop() noexcept {
   while (!stop_.load(std::memory_order_relaxed) && ticks < last) {
     const TickClock::Wake wake = clock.wait();
     const timespec begin = now_monotonic();
-    // In ticks that were slept through the hand moved on under the force that it had.
+    // During missed ticks the hand moved under the last force.
     for (std::uint64_t n = 1; n < std::min(wake.ticks, kMostHandCatchUp); ++n) parts_->hand->apply({held, Vec3(0.0)});
-    // Here and not by the thread that draws: a picture may take seconds.
+    // The servo checks the stop flag itself: the drawing thread may take seconds for one picture.
     if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) parts_->servo->request_stop();
     parts_->servo->sense();
-    hand_told_.store(true, std::memory_order_release);
+    hand_published_.store(true, std::memory_order_release);
     const ServoOutput& out = parts_->act();
     held = out.force;
     ticks += wake.ticks;
@@ -148,7 +148,7 @@ void Loops::contact_loop() noexcept {
   ContactTick& contact = *parts_->contact;
   while (!stop_.load(std::memory_order_relaxed)) {
     const TickClock::Wake wake = clock.wait();
-    if (!hand_told_.load(std::memory_order_acquire)) continue;  // no pose yet: a default one would send the tool to the origin
+    if (!hand_published_.load(std::memory_order_acquire)) continue;  // no pose yet; the default one would move the tool to the origin
     const timespec begin = now_monotonic();
     const ContactState& state = contact(parts_->hand_mailbox.latest());
     parts_->force_mailbox.publish(state);
@@ -162,31 +162,32 @@ void Loops::contact_loop() noexcept {
 }
 
 void Loops::bone_loop() noexcept {
-  struct CloseDesk {
-    ParcelDesk* desk;
-    ~CloseDesk() { desk->close(); }
-  } const closes{desk_};
+  struct CloseAtEnd {
+    BatchHandOff* hand_off;
+    ~CloseAtEnd() { hand_off->close(); }
+  } const closes{hand_off_};
   try {
-    cut_on();
-  } catch (const std::exception& fault) {
-    why_ = fault.what();
+    run_bone_steps();
+  } catch (const std::exception& error) {
+    why_ = error.what();
     broken_.store(true, std::memory_order_release);
   } catch (...) {
-    why_ = "of no known kind";
+    why_ = "of unknown type";
     broken_.store(true, std::memory_order_release);
   }
 }
 
-void Loops::cut_on() {
-  // At leisure it slept through most of its steps on a busy machine. A refusal is told by servo and contact, who ask for more.
-  const bool before_others = ask_for_fifo(kBoneAbove) == 0;
+void Loops::run_bone_steps() {
+  // At normal priority it missed most of its steps on a busy machine. A refusal is not reported here: servo and contact request a higher
+  // priority and report theirs.
+  const bool has_fifo = ask_for_fifo(kBoneAbove) == 0;
   TickClock clock(start_, parts_->bone_period, 0.5 * parts_->period);
   while (!stop_.load(std::memory_order_relaxed)) {
     const TickClock::Wake wake = clock.wait();
     const timespec woke = now_monotonic();
     for (std::uint64_t n = 0; n < std::min(wake.ticks, kMostCatchUp); ++n) {
       const ContactState& found = parts_->tool_mailbox.latest();
-      if (found.number == 0) break;  // contact has not looked yet
+      if (found.number == 0) break;  // no contact result yet
       const timespec begin = now_monotonic();
       parts_->cut(found);
       BoneRow row = bone_row(*parts_, found.number);
@@ -194,31 +195,31 @@ void Loops::cut_on() {
       row.compute_us = microseconds(begin, now_monotonic());
       if (!bone_rows_.push(row)) unrecorded_.fetch_add(1, std::memory_order_relaxed);
     }
-    desk_->serve([&](bool all) { parts_->gather(all); });
-    if (before_others) std::this_thread::sleep_for(std::chrono::duration<float, std::micro>(kRest * microseconds(woke, now_monotonic())));
+    hand_off_->serve([&](bool all) { parts_->gather(all); });
+    if (has_fifo) std::this_thread::sleep_for(std::chrono::duration<float, std::micro>(kPause * microseconds(woke, now_monotonic())));
   }
 }
 
-/// Of normal priority: reads bone round the window from OpenVDB, so that the simulation's thread need not.
+/// At normal priority: reads bone round the window from OpenVDB in advance, for the simulation thread.
 void Loops::prefetch_loop() {
   try {
     while (!stop_.load(std::memory_order_relaxed))
       if (prefetch_.fill(kPrefetchAtOnce) == 0) std::this_thread::sleep_for(kPrefetchEvery);
   } catch (const std::bad_alloc&) {
-    return;  // without memory for more, slides read what is missing themselves, and count it
+    return;  // out of memory: slides then read missing blocks themselves and count them
   }
 }
 
 void Loops::start() {
   Voxmap& voxmap = *parts_->voxmap;
-  // Up to these, slides and write-backs do not make arrays grow.
+  // Within these reserves slides and write-backs do not allocate.
   const std::size_t window_voxels = voxmap.window().box.count() * 3 / 2;
-  voxmap.reserve(window_voxels, kBlocksRoom);
+  voxmap.reserve(window_voxels, kReservedBlocks);
   parts_->bone->publisher().reserve(window_voxels);
   voxmap.set_prefetch(&prefetch_);
   while (prefetch_.fill(kPrefetchAtOnce) > 0) continue;
   start_ = now_monotonic();
-  desk_->open();
+  hand_off_->open();
   servo_ = std::thread([this] { servo_loop(); });
   contact_ = std::thread([this] { contact_loop(); });
   bone_ = std::thread([this] { bone_loop(); });
@@ -227,11 +228,11 @@ void Loops::start() {
 
 void Loops::halt() noexcept {
   if (servo_.joinable() && !servo_ended_.load(std::memory_order_acquire)) {
-    // The servo ends by itself once the force has faded; contact and bone go on until then.
+    // The servo ends by itself once the force has fallen to zero; contact and bone run until then.
     parts_->servo->request_stop();
     const auto latest = std::chrono::steady_clock::now() + std::chrono::duration<double>(parts_->config.servo.soft_stop + kStopGrace);
     while (!servo_ended_.load(std::memory_order_acquire) && std::chrono::steady_clock::now() < latest)
-      std::this_thread::sleep_for(kLookEvery);
+      std::this_thread::sleep_for(kPollEvery);
   }
   stop_.store(true, std::memory_order_relaxed);
   for (std::thread* thread : {&servo_, &contact_, &bone_, &prefetch_thread_})
@@ -239,7 +240,7 @@ void Loops::halt() noexcept {
   parts_->voxmap->set_prefetch(nullptr);
 }
 
-Status Loops::tell_refusals(const std::string& memory) {
+Status Loops::report_refusals(const std::string& memory) {
   const std::string text = refusal_text(refused_.load(std::memory_order_relaxed), memory);
   if (text.empty()) return {};
   if (options_.require_realtime) return Error{ErrorCode::unavailable, text, {}};
@@ -247,13 +248,13 @@ Status Loops::tell_refusals(const std::string& memory) {
   return {};
 }
 
-Status Loops::tell_faults(const ServoRow& row) {
-  for (std::uint32_t fresh = row.faults & kServoLatched & ~told_faults_; fresh != 0; fresh &= fresh - 1) {
+Status Loops::report_faults(const ServoRow& row) {
+  for (std::uint32_t fresh = row.faults & kServoLatched & ~reported_faults_; fresh != 0; fresh &= fresh - 1) {
     const std::string name = name_of(static_cast<ServoFault>(fresh & ~(fresh - 1)));
-    if (options_.warn) options_.warn("servo: " + name + ": the hand is without force from here on");
+    if (options_.warn) options_.warn("servo: " + name + ": the force on the hand is zero from now on");
     if (Status noted = log_->record_event(static_cast<double>(row.hand.tick) * parts_->period, "fault", name); !noted) return noted;
   }
-  told_faults_ |= row.faults & kServoLatched;
+  reported_faults_ |= row.faults & kServoLatched;
   return {};
 }
 
@@ -264,7 +265,7 @@ Status Loops::drain_servo() {
     report_->servo_late.add(row.late_us);
     report_->servo_skipped += row.skipped;
     report_->faults |= row.faults;
-    if (Status told = tell_faults(row); !told) return told;
+    if (Status reported = report_faults(row); !reported) return reported;
     if (Status noted = log_->record_hand(row.hand); !noted) return noted;
     if (log_->session() == nullptr) continue;
     put(row, *parts_, row_);
@@ -289,8 +290,8 @@ Status Loops::drain_contact() {
             log_->record_contact({row.time, glm::length(row.on_hand.force), row.progress.depth}, row.progress, row.world_from_tool);
         !seen)
       return seen;
-    if (options_.progress && row.time - told_ >= kProgressEvery) {
-      told_ = row.time;
+    if (options_.progress && row.time - progress_time_ >= kProgressEvery) {
+      progress_time_ = row.time;
       options_.progress(row.time, row.progress);
     }
   }
@@ -330,7 +331,7 @@ Status Loops::park() {
   return {};
 }
 
-void Loops::play_audio() {
+void Loops::run_audio() {
   if (parts_->graph.empty(Clock::audio)) return;
   const double now = microseconds(start_, now_monotonic()) * 1e-6;
   for (; static_cast<double>(audio_ticks_ + 1) * kAudioPeriod <= now; ++audio_ticks_)
@@ -340,13 +341,13 @@ void Loops::play_audio() {
 Status Loops::run() {
   const LockedMemory locked;
   start();
-  while (!granted()) std::this_thread::sleep_for(kLookEvery);
-  if (Status granted = tell_refusals(locked.refusal()); !granted) return granted;
+  while (!priorities_requested()) std::this_thread::sleep_for(kPollEvery);
+  if (Status reported = report_refusals(locked.refusal()); !reported) return reported;
   while (!servo_ended_.load(std::memory_order_acquire)) {
     if (broken_.load(std::memory_order_acquire)) break;
     if (Status drained = drain(); !drained) return drained;
-    std::this_thread::sleep_for(kLookEvery);
-    play_audio();
+    std::this_thread::sleep_for(kPollEvery);
+    run_audio();
     if (!options_.inputs) continue;
     Status applied;
     const LiveInput input = options_.inputs(servo_ticks_.load(std::memory_order_relaxed), false, applied);
@@ -361,16 +362,17 @@ Status Loops::run() {
   report_->done = report_->last.hand.phase == HandPhase::done;
   report_->stopped = !report_->done && options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
   if (Status drained = drain(); !drained) return drained;
-  if (broken_.load(std::memory_order_acquire)) return Error{ErrorCode::internal, "the simulation ended on an exception: " + why_, {}};
+  if (broken_.load(std::memory_order_acquire))
+    return Error{ErrorCode::internal, "the simulation thread ended with an exception: " + why_, {}};
   if (report_->unrecorded > 0 && options_.warn)
-    options_.warn(std::to_string(report_->unrecorded) + " rows found the record too far behind: this session cannot be replayed");
+    options_.warn(std::to_string(report_->unrecorded) + " rows were not recorded, as the log was full: this session cannot be replayed");
   return {};
 }
 
 }  // namespace
 
-Status run_live(Stage& parts, RunLog& log, const LiveOptions& options, ParcelDesk& desk, LiveReport& report) {
-  return Loops(parts, log, options, desk, report).run();
+Status run_live(Stage& parts, RunLog& log, const LiveOptions& options, BatchHandOff& hand_off, LiveReport& report) {
+  return Loops(parts, log, options, hand_off, report).run();
 }
 
 }  // namespace burrhole

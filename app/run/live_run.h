@@ -1,11 +1,13 @@
 /// app/run/live_run.h: runs the steps of a scene on separate threads, each at its own rate; they communicate through the stage's mailboxes.
-///   servo        SCHED_FIFO, highest: reads the hand, makes its force from the latest contact, sends it
-///   contact      SCHED_FIFO, next: the latest motion against the newest copy of bone
-///   simulation   SCHED_FIFO, lowest: cuts, publishes; rests a quarter of the time that it took, so that it cannot hold a core for itself
-///   the caller   pictures and record, at leisure
-///   Whatever ends the run (script, time, a signal, an exception in a picture or the record), the last thing that the hand gets is a force
-///   of zero. A signal or an exception lets it fade over the servo's soft stop first; where script or time are over it is zero at once.
-///   A latched fault of the servo ends nothing: the hand is without force, and the run says so.
+///   servo        SCHED_FIFO, highest priority: reads the hand, computes the force from the latest contact result, sends it to the hand
+///   contact      SCHED_FIFO, second: evaluates contact of the latest hand state with the newest copy of bone
+///   simulation   SCHED_FIFO, lowest: cuts and publishes bone; after each step it pauses for a quarter of the step's time, so that other
+///                threads get the core
+///   the caller   pictures and record, at normal priority
+///   The last command to the hand is a force of zero, however the run ends: script, duration, a signal, an exception in a picture or in the
+///   record. After a signal or an exception the force first falls to zero over the servo's soft stop; at the end of script or duration it
+///   is set to zero immediately. A latched servo fault does not end the run: the force stays zero, and a warning is reported.
+///   Frame  world.   Units  SI.   Errors  see run_live().
 #pragma once
 
 #include <atomic>
@@ -16,36 +18,41 @@
 
 namespace burrhole {
 
-/// What the inputs that are due ask of a live run.
-enum class LiveInput { none, park, failed };
+/// Result of applying the inputs that are due.
+enum class LiveInput {
+  none,   ///< done
+  park,   ///< the next one needs all clocks stopped
+  failed  ///< with an error in `status`
+};
 
 struct LiveOptions {
-  bool require_realtime = false;            ///< a refusal of priority or of locked memory is an error
-  const std::atomic<bool>* stop = nullptr;  ///< set from a signal handler: end cleanly
-  std::function<void(double time, const DrillProgress&)> progress;
-  std::function<void(const std::string&)> warn;
-  /// Inputs that are due before a servo tick: applies those that need no rest. With `parked` all clocks rest, and the others are applied
-  /// too.
+  bool require_realtime = false;                                    ///< refused priority or locked memory is an error
+  const std::atomic<bool>* stop = nullptr;                          ///< set from a signal handler: ends the run cleanly
+  std::function<void(double time, const DrillProgress&)> progress;  ///< receives the simulated time [s]; may be empty
+  std::function<void(const std::string&)> warn;                     ///< receives one line per warning; may be empty
+  /// Applies the inputs that are due before a servo tick, in order, up to the first that needs all clocks stopped. With `parked` all clocks
+  /// are stopped, and every due input is applied. May be empty.
   std::function<LiveInput(std::uint64_t tick, bool parked, Status& status)> inputs{};
 };
 
-/// Figures of a live run beside those of the steps.
+/// Timing and counters of a live run.
 struct LiveReport {
-  SampleTimer servo, contact_step, contact, bone;                          ///< computing
+  SampleTimer servo, contact_step, contact, bone;                          ///< time of computation
   SampleTimer servo_late, contact_late;                                    ///< lateness of the thread's wake-up
   std::uint64_t servo_skipped = 0, contact_skipped = 0, bone_skipped = 0;  ///< missed ticks
   std::uint64_t unrecorded = 0;                                            ///< rows dropped because the log was full
   std::uint64_t ticks = 0;                                                 ///< of the servo, including missed ticks
-  std::uint64_t prefetched_blocks = 0;                                     ///< of 8^3 voxels, taken by slides of the window
-  std::uint64_t prefetch_misses = 0;                                       ///< blocks that the simulation's thread read itself
-  std::uint32_t faults = 0;                                                ///< of the servo, all seen
+  std::uint64_t prefetched_blocks = 0;                                     ///< blocks of 8^3 voxels that slides of the window used
+  std::uint64_t prefetch_misses = 0;                                       ///< blocks that the simulation thread read itself
+  std::uint32_t faults = 0;                                                ///< bits of ServoFault that occurred
   ServoOutput last;
-  std::uint64_t force_hash = 0;  ///< of all forces sent
-  bool stopped = false, done = false;
+  std::uint64_t force_hash = 0;  ///< of all forces sent to the hand
+  bool stopped = false;          ///< by LiveOptions::stop
+  bool done = false;             ///< the script ended
 };
 
-/// Hand-off of the display's batch: on request, the simulation thread fills it between two steps.
-class ParcelDesk {
+/// Hand-off of the display's batch of changed texels: on request, the simulation thread fills it between two steps.
+class BatchHandOff {
  public:
   /// Frame side: requests the batch and waits until it is filled. @returns false if no simulation runs; the caller then fills it.
   /// @param all ignores the display's budget.
@@ -53,7 +60,7 @@ class ParcelDesk {
   /// Simulation side, between two steps.
   template <class Gather>
   void serve(Gather&& gather) {
-    if (state_.load(std::memory_order_acquire) != kAsked) return;
+    if (state_.load(std::memory_order_acquire) != kRequested) return;
     gather(all_);
     state_.store(kFilled, std::memory_order_release);
   }
@@ -63,14 +70,15 @@ class ParcelDesk {
   [[nodiscard]] bool closed() const noexcept { return closed_.load(std::memory_order_acquire); }
 
  private:
-  enum : int { kIdle, kAsked, kFilled };
-  bool all_ = false;  // written before kAsked is
+  enum : int { kIdle, kRequested, kFilled };
+  bool all_ = false;  // written before state_ becomes kRequested
   std::atomic<int> state_{kIdle};
   std::atomic<bool> closed_{true};
 };
 
-/// Runs to the end of the script or of the scene's duration, or until stopped. `desk` is the hand-off that `log` uses. Errors: unavailable
-/// if real-time priority is refused under require_realtime; those of session and pictures, after an orderly end of the run.
-[[nodiscard]] Status run_live(Stage& parts, RunLog& log, const LiveOptions& options, ParcelDesk& desk, LiveReport& report);
+/// Runs to the end of the script or of the scene's duration, or until stopped. `hand_off` is the one that `log` uses. Errors: unavailable
+/// if real-time priority is refused under require_realtime; those of session and pictures, after the threads have ended; internal if the
+/// simulation thread met an exception.
+[[nodiscard]] Status run_live(Stage& parts, RunLog& log, const LiveOptions& options, BatchHandOff& hand_off, LiveReport& report);
 
 }  // namespace burrhole

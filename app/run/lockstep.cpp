@@ -15,15 +15,15 @@ const ServoOutput& Lockstep::tick() {
   const FlushToZero guard;
   Stage& parts = *parts_;
   parts.servo->sense();
-  looked_ = tick_ % parts.contact_every == 0;
-  if (looked_) (*parts.contact)(parts.hand_mailbox.latest());
+  ran_contact_ = tick_ % parts.contact_every == 0;
+  if (ran_contact_) (*parts.contact)(parts.hand_mailbox.latest());
   in_flight_[tick_ % in_flight_.size()] = parts.contact->state();
   // A result computed from the motion read in tick t reaches the servo in tick t + latency.
   if (tick_ >= parts.latency) parts.force_mailbox.publish(in_flight_[(tick_ - parts.latency) % in_flight_.size()]);
   servo_ = servo_timer_([&] { return parts.act(); });
   ++tick_;
-  cut_ = tick_ % parts.bone_every == 0;
-  if (cut_) parts.cut(parts.contact->state());
+  ran_bone_ = tick_ % parts.bone_every == 0;
+  if (ran_bone_) parts.cut(parts.contact->state());
   if (tick_ % audio_every_ == 0 && !parts.graph.empty(Clock::audio)) parts.graph.run(Clock::audio, {audio_ticks_++, kAudioPeriod});
   return servo_;
 }

@@ -24,13 +24,13 @@ const char* name_of(HandPhase phase) {
   return "";
 }
 
-/// What a still was drawn from, beside the bone.
+/// The view of a still: the inputs of the picture apart from the bone.
 struct StillView {
   std::optional<Pose> world_from_tool;
   bool cut = false;
 };
 
-/// Flags (1: with the tool, 2: cut), then the pose of the tool: eight doubles in all as they lie in memory.
+/// @returns eight doubles as raw memory: flags (1: with the tool, 2: cut), rotation w, x, y, z and translation [m] of the tool's pose.
 std::string view_bytes(const StillView& view) {
   const Pose pose = view.world_from_tool.value_or(Pose{});
   const Quat& q = pose.rotation;
@@ -74,12 +74,13 @@ Status RunLog::record_contact(const RunSample& sample, const DrillProgress& prog
   if (!noted_passing_ && progress.passed_time) {
     noted_passing_ = true;
     if (!progress.breakthrough_time)
-      if (Status noted = record_event(sample.time, "passed", "the tip is beyond the bone, which is not cut through on the axis"); !noted)
+      if (Status noted = record_event(sample.time, "passed", "the tip is beyond the bone, but the axis is not clear of bone"); !noted)
         return noted;
   }
   if (!drew_breakthrough_ && progress.breakthrough_time) {
     drew_breakthrough_ = true;
-    if (Status noted = record_event(sample.time, "breakthrough", "no bone ahead, and none behind but what the bit is engaged in"); !noted)
+    if (Status noted = record_event(sample.time, "breakthrough", "no bone ahead of the tip; behind it only the bone in which the bit is engaged");
+        !noted)
       return noted;
     return draw("breakthrough", world_from_tool, true);
   }

@@ -30,8 +30,8 @@ std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_p
 
 void Simulation::set_session(SessionWriter* session) {
   log_ = std::make_unique<RunLog>(*parts_, session, [this] {
-    // A still of a session shows all that was done until then.
-    if (!desk_.fetch(log_->session() != nullptr)) parts_->gather(log_->session() != nullptr);
+    // A recorded still shows every change up to its step, so it ignores the display's budget.
+    if (!hand_off_.fetch(log_->session() != nullptr)) parts_->gather(log_->session() != nullptr);
   });
 }
 
@@ -42,7 +42,7 @@ Status Simulation::run() {
     if (Status ran = options_.live ? run_on_threads() : run_lockstep(); !ran) return ran;
   }
   parts_->voxmap->write_back();
-  parts_->gather(true);  // the last pictures show all that was done
+  parts_->gather(true);  // the last pictures show every change
   if (Status drawn = log_->draw("after", {}, false); !drawn) return drawn;
   return log_->draw("cutaway", {}, true);
 }
@@ -55,8 +55,8 @@ Status Simulation::run_lockstep() {
   Lockstep steps(*parts_);
   end_ = RunEnd::duration;
   while (tick_ < last) {
-    // Contact comes before bone in a tick. Its own number of the copy says nothing where it reads the grids.
     if (Status applied = apply_inputs(tick_); !applied) return applied;
+    // In a tick contact runs before bone, so it reads the newest copy. ContactTick::window() is not valid with storage "vdb".
     const std::uint64_t window = parts_->bone->publisher().published();
     servo_now_ = steps.tick();
     tick_ = steps.ticks();
@@ -64,7 +64,7 @@ Status Simulation::run_lockstep() {
     if (log_->session() != nullptr)
       if (Status recorded = record_timer_([&] { return record_rows(steps, window); }); !recorded) return recorded;
     if (Status noted = log_->record_hand(servo_now_.hand); !noted) return noted;
-    if (steps.looked()) {
+    if (steps.ran_contact()) {
       const RunSample sample{contact.time(), glm::length(contact.state().on_hand.force), contact.progress().depth};
       if (Status seen = log_->record_contact(sample, contact.progress(), contact.state().world_from_tool); !seen) return seen;
     }
@@ -159,7 +159,7 @@ Status Simulation::run_on_threads() {
   live_.emplace();
   LiveOptions options{options_.require_realtime, options_.stop, options_.progress, options_.warn};
   options.inputs = [this](std::uint64_t tick, bool parked, Status& status) { return live_input(tick, parked, status); };
-  const Status ran = run_live(*parts_, *log_, options, desk_, *live_);
+  const Status ran = run_live(*parts_, *log_, options, hand_off_, *live_);
   tick_ = live_->ticks;
   servo_now_ = live_->last;
   end_ = live_->stopped ? RunEnd::stopped : live_->done ? RunEnd::done : RunEnd::duration;
@@ -180,11 +180,11 @@ Status Simulation::record_rows(const Lockstep& steps, std::uint64_t window) {
     put(row, *parts_, row_);
     return session.append(stream, row_);
   };
-  if (steps.looked())
+  if (steps.ran_contact())
     if (Status written = append(kContactRows, contact_row(*parts_, window)); !written) return written;
-  if (steps.cut())
+  if (steps.ran_bone())
     if (Status written = append(kBoneRows, bone_row(*parts_, parts_->contact->state().number)); !written) return written;
-  return append(kServoRows, servo_row(*parts_, servo_now_));  // last: it is the row that commits
+  return append(kServoRows, servo_row(*parts_, servo_now_));  // last: this row commits
 }
 
 std::vector<TimedStep> Simulation::timings() {

@@ -14,7 +14,7 @@
 namespace burrhole {
 namespace {
 
-/// Bone of a phantom or an import. A fault found here is about `source`.
+/// Generates or imports the bone. Errors are attributed to the key `source`.
 Status load_bone(const LoadOptions& options, LoadedScene& out) {
   const VolumeScene& volume = out.scene.volume;
   if (volume.phantom) {
@@ -30,14 +30,15 @@ Status load_bone(const LoadOptions& options, LoadedScene& out) {
   if (volume.scan->region)
     request.bone.region = BoneRegion{out.scene.approach.entry + out.scene.approach.axis * kRegionDepth, *volume.scan->region};
   auto imported = import_bone(request, options.say);
-  // The scan is what the key `source` says: the fault is told there, with the scan's path in it.
+  // The place of the error is the key `source`; the scan's own place goes into the text.
   if (!imported) return Error{imported.error().code, imported.error().text(), volume.place};
   out.bone = std::move(imported->bone);
   out.import = std::move(imported->report);
   return {};
 }
 
-/// The tool's text for a session, whose replay knows no folder: a mesh's path is made absolute. Other tools' texts stay as they are.
+/// @returns the tool's text for a session. A replay does not know the tool's folder, so the path of a mesh is made absolute; other texts
+/// are not changed.
 std::string text_for_session(const std::string& text, const TomlDocument& tool) {
   Issues ignored;
   const auto spec = has_tool_mesh(tool) ? read_mesh_tool_spec(tool, ignored) : std::nullopt;
@@ -47,11 +48,11 @@ std::string text_for_session(const std::string& text, const TomlDocument& tool) 
     if (c == '"' || c == '\\') quoted += '\\';
     quoted += c;
   }
-  auto copy = TomlDocument::parse(text, tool.file_name());  // a document of its own: `tool` keeps its places
+  auto copy = TomlDocument::parse(text, tool.file_name());  // a second document: set() would change the places of `tool`
   return copy && copy->set("mesh.file=\"" + quoted + "\"") ? copy->to_text() : text;
 }
 
-/// Both forms of the cutting part: points, and the table that sub-voxel removal reads.
+/// Scales the erosion factors of the points and of the cutting field, which sub-voxel removal reads.
 void scale_factors(Tool& tool, float scale) {
   for (float& factor : tool.erosion.factors) factor *= scale;
   if (!tool.cutting || scale == 1.0f) return;

@@ -1,4 +1,5 @@
-/// app/scene/load.h: from a scene file to everything a run needs; one path for all commands, tests and labs.
+/// app/scene/load.h: loads a scene file with its tool and bone. All commands, tests and labs use it.
+///   Units  SI.   Thread  any; allocates and reads files.   Errors  bad_input of a file, unavailable for what this build lacks.
 #pragma once
 
 #include <functional>
@@ -20,21 +21,22 @@ struct LoadedScene {
   std::optional<ImportReport> import;  ///< when the bone came from a scan or a mesh
 };
 
-/// Beside the scene itself.
+/// Options of load_scene() that are not part of the scene file.
 struct LoadOptions {
   std::optional<std::string> tool_text;         ///< use this instead of the tool's file (replay)
-  std::function<void(double)> progress;         ///< share of a long read done, 0..1; may be empty
-  std::function<void(const std::string&)> say;  ///< one line on memory before an import takes it; may be empty
+  std::function<void(double)> progress;         ///< receives the share of a long read that is done, 0..1; may be empty
+  std::function<void(const std::string&)> say;  ///< receives one line on the memory that an import will allocate; may be empty
 };
 
-/// A tool as a run needs it, from the text of its file. @param name for messages. @param voxel_edge [m]. @returns nothing when any issue was
-/// pushed.
+/// Makes the tool of a run from the text of its file. @param name for messages. @param needs of the scene's effects: pitch of the erosion
+/// points, cutting field. @param voxel_edge [m]. @returns nothing when any issue was pushed.
 [[nodiscard]] std::optional<Tool> load_tool(const std::string& text, const std::string& name, const StageConfig& config, const Needs& needs,
                                             double voxel_edge, Issues& issues);
-/// The text of a tool's file, as a session keeps it. @param name of a tool, or a path, as in [tool]. bad_input: no such tool.
+/// @returns the text of a tool's file as a session stores it, with absolute paths. @param name of a tool, or a path, as in [tool].
+/// bad_input: no such tool, or not TOML.
 [[nodiscard]] Result<std::string> read_tool_text(const std::string& name, const std::string& scene_file, const SceneContext& context);
 
-/// Reads scene, bone and tool. @returns nothing when any issue was pushed.
+/// Reads scene, bone and tool; imports the bone where the scene names a scan. @returns nothing when any issue was pushed.
 [[nodiscard]] std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
                                                     const LoadOptions& options = {});
 

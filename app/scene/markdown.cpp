@@ -6,7 +6,7 @@
 namespace burrhole {
 namespace {
 
-/// Longest run of backticks.
+/// @returns the length of the longest run of backticks.
 std::size_t longest_fence(std::string_view text) {
   std::size_t longest = 0, run = 0;
   for (const char c : text) {
@@ -19,7 +19,7 @@ std::size_t longest_fence(std::string_view text) {
 }  // namespace
 
 std::string markdown_text(std::string_view text) {
-  // Letters that mean something inside a line; '&' starts an entity, '|' ends a cell. '[' alone is harmless: a link needs "](".
+  // Special characters inside a line; '&' starts an entity, '|' ends a cell. '[' alone is not special: a link needs "](".
   constexpr std::string_view kSpecial = "\\`*<|&~";
   const auto is_word = [&](std::size_t at) { return at < text.size() && std::isalnum(static_cast<unsigned char>(text[at])) != 0; };
   std::string out;
@@ -36,11 +36,11 @@ std::string markdown_text(std::string_view text) {
 
 std::string markdown_code(std::string_view text) {
   const std::string fence(longest_fence(text) + 1, '`');
-  // A backtick at an end would join the fence; Markdown takes one space off either side again.
+  // A backtick at an end would join the fence, so a space separates them; Markdown removes one space on each side.
   const bool padded = text.starts_with('`') || text.ends_with('`');
   std::string out = fence + (padded ? " " : "");
   for (const char c : text) {
-    if (c == '|') out += '\\';  // a table splits its cells before it looks at code
+    if (c == '|') out += '\\';  // a table splits its cells before it parses code
     out += c == '\n' || c == '\r' ? ' ' : c;
   }
   return out + (padded ? " " : "") + fence;

@@ -1,4 +1,4 @@
-/// app/scene/markdown.h: escapes text for GitHub's Markdown, also inside the cells of a table.
+/// app/scene/markdown.h: escapes text for GitHub's Markdown, also inside the cells of a table.   Thread  any.
 #pragma once
 
 #include <string>

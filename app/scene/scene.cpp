@@ -30,7 +30,7 @@ ToolScene read_tool(TableReader table, const std::string& file, const SceneConte
   ToolScene out;
   out.place = table.place_of("name");
   const std::string name =
-      table.text("name", std::nullopt, "name of a tool beside the scene or among the shipped ones, or path of a tool file");
+      table.text("name", std::nullopt, "name of a tool in the scene's folder or of a shipped one, or path of a tool file");
   if (!name.empty() && !context.tool_given) {
     if (const auto path = find_tool(name, file, context)) {
       out.path = *path;
@@ -49,12 +49,12 @@ ApproachScene read_approach(TableReader table) {
   ApproachScene out;
   out.place = table.place_of("entry_mm");
   const NumberRule length{.fallback = std::nullopt, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
-  out.entry =
-      table.vector("entry_mm", std::nullopt, length, "point near the outer surface, bone frame; it is moved onto the bone along the axis");
+  out.entry = table.vector("entry_mm", std::nullopt, length,
+                           "point near the outer surface, bone frame; it is projected onto the bone along the axis");
   const Vec3 axis = table.vector("axis", Vec3(0, 0, -1), {.fallback = 0.0, .min = -1e6, .max = 1e6},
-                                 "direction of the drill into bone, bone frame, of any length but 0");
+                                 "direction of drilling, bone frame; any length above 0");
   if (glm::length(axis) < 1e-9)
-    table.fault("axis", "has no length");
+    table.fault("axis", "has length 0");
   else
     out.axis = glm::normalize(axis);
   table.finish();
@@ -64,45 +64,47 @@ ApproachScene read_approach(TableReader table) {
 HandConfig read_hand(TableReader table, Issues& issues) {
   HandConfig out;
   const std::size_t before = issues.size();
-  const std::string kind = table.text("kind", "script", "who holds the drill");
+  const std::string kind = table.text("kind", "script", "what moves the hand");
   if (kind == "device") {
-    issues.push_back({ErrorCode::unavailable, "hand.kind = \"device\" needs a force device; this version knows none, only \"script\"",
+    issues.push_back({ErrorCode::unavailable, "hand.kind = \"device\" needs a force device; this version supports none, only \"script\"",
                       table.place_of("kind")});
   } else if (issues.size() == before) {
-    (void)table.choice("kind", "script", {"script"}, "who holds the drill", {"device", "mouse", "replay"});
+    (void)table.choice("kind", "script", {"script"}, "what moves the hand", {"device", "mouse", "replay"});
   }
   out.dynamics.mass = table.number("mass_kg", above_zero(out.dynamics.mass, 1.0, 10.0), "mass of hands and drill");
   out.dynamics.damping = table.number("damping_N_s_per_m", at_least_zero(out.dynamics.damping, 1.0, 1e4), "damping of the arm");
   out.dynamics.stiffness = table.number("stiffness_N_per_m", at_least_zero(out.dynamics.stiffness, 1.0, 1e5), "stiffness of the arm");
-  out.feed =
-      table.number("feed_mm_per_s", above_zero(out.feed / kMillimetre, kMillimetre, 1e3), "speed of approach; withdrawal is twice as fast");
-  out.push = table.number("push_N", at_least_zero(out.push, 1.0, 500.0), "thrust while leaning on the drill");
+  out.feed = table.number("feed_mm_per_s", above_zero(out.feed / kMillimetre, kMillimetre, 1e3),
+                          "speed of approach; the withdrawal is twice as fast");
+  out.push = table.number("push_N", at_least_zero(out.push, 1.0, 500.0), "thrust while drilling");
   out.ramp = table.number("ramp_s", at_least_zero(out.ramp, 1.0, 60.0), "time from first contact to full thrust");
-  out.reaction = table.number("reaction_ms", at_least_zero(out.reaction * 1e3, 1e-3, 1e4), "time from feeling the give to letting go");
-  out.release = table.number("release_s", at_least_zero(out.release, 1.0, 60.0), "time over which the thrust then falls to nothing");
-  out.contact_force = table.number("contact_N", above_zero(out.contact_force, 1.0, 100.0), "felt force that counts as contact");
+  out.reaction = table.number("reaction_ms", at_least_zero(out.reaction * 1e3, 1e-3, 1e4),
+                              "time from breakthrough detection to the start of the release");
+  out.release = table.number("release_s", at_least_zero(out.release, 1.0, 60.0), "time over which the thrust then falls to 0");
+  out.contact_force =
+      table.number("contact_N", above_zero(out.contact_force, 1.0, 100.0), "force on the hand above which it is in contact");
   out.give_speed = table.number("give_mm_per_s", above_zero(out.give_speed / kMillimetre, kMillimetre, 1e3),
-                                "speed of advance that feels like breaking through");
+                                "speed of advance at which the hand detects breakthrough");
   out.follow_time = table.number("follow_s", above_zero(out.follow_time, 1.0, 60.0),
-                                 "time constant with which the arm's rest position follows the drill");
+                                 "time constant with which the arm's rest position follows the drill while drilling");
   out.standoff =
       table.number("standoff_mm", above_zero(out.standoff / kMillimetre, kMillimetre, 100.0), "height above the entry at start and end");
-  out.tremor_amplitude =
-      table.number("tremor_mm", at_least_zero(out.tremor_amplitude / kMillimetre, kMillimetre, 5.0), "peak of the lateral tremor");
+  out.tremor_amplitude = table.number("tremor_mm", at_least_zero(out.tremor_amplitude / kMillimetre, kMillimetre, 5.0),
+                                      "peak amplitude of the lateral tremor");
   out.tremor_frequency = table.number("tremor_hz", at_least_zero(out.tremor_frequency, 1.0, 50.0), "frequency of the tremor");
   out.seed =
       static_cast<std::uint64_t>(table.integer("seed", static_cast<std::int64_t>(out.seed), 0, INT64_MAX, "seed of the tremor's phases"));
-  out.feels = table.boolean("feels", out.feels, "whether the force reaches the hand; false is for comparison");
+  out.feels = table.boolean("feels", out.feels, "whether the force acts on the hand; false for comparison only");
   table.finish();
   return out;
 }
 
-// Bone that is felt again under a hand that sank into it lifts that hand, and must give out what its spring takes. A return within 0.2 s
-// gives no more than a slower one; at once it gives four times as much, and throws the hand (docs/servo.md).
+// The hand may sink into bone while the force is off. When the force returns it lifts the hand and does work on it. A return over 0.2 s
+// does no more work than a slower one; an immediate return does four times as much and throws the hand (docs/servo.md).
 constexpr double kSoftReturn = 0.2;  // [s]
-constexpr double kJumpSpeed = 5.0;   // [m/s] of a hand: the quickest strokes of the hard cases have 1.25
+constexpr double kJumpSpeed = 5.0;   // [m/s] of the hand; the fastest strokes of the stability cases have 1.25 m/s
 
-/// [servo]: all that can be left as it is, so the table may be missing.
+/// The defaults of [servo], also those of a scene without that table.
 ServoConfig shipped_servo() {
   ServoConfig out;
   out.multi_rate.scheme = MultiRateScheme::planes;
@@ -116,28 +118,29 @@ ServoConfig read_servo(TableReader table) {
   ServoConfig out = shipped_servo();
   const std::string scheme = table.choice(
       "multirate", "planes", {"planes", "gradient", "hold", "linear"},
-      "how forces are made between two contact results: from the planes of the last one, from its gradient, held, or on a line to it");
+      "force between two contact results: by the planes of the last one, by its gradient, constant, or linear interpolation to it");
   out.multi_rate.scheme = scheme == "planes"     ? MultiRateScheme::planes
                           : scheme == "gradient" ? MultiRateScheme::gradient
                           : scheme == "hold"     ? MultiRateScheme::hold
                                                  : MultiRateScheme::linear;
   out.multi_rate.max_distance = table.number("reach_mm", above_zero(out.multi_rate.max_distance / kMillimetre, kMillimetre, 100.0),
-                                             "how far from its pose planes and gradient are believed");
-  out.largest_force = table.number("force_N", above_zero(out.largest_force, 1.0, 1e4), "largest force that reaches the hand");
-  out.largest_slew = table.number("slew_N_per_s", at_least_zero(0.0, 1.0, 1e9), "largest change of it; 0 for no limit");
-  out.soft_start =
-      table.number("soft_start_s", at_least_zero(out.soft_start, 1.0, 60.0),
-                   "time from no force to all of it, at the start, after a fault and after a jump; none where nothing is felt");
+                                             "largest distance from the sampled pose at which planes and gradient extrapolate");
+  out.largest_force = table.number("force_N", above_zero(out.largest_force, 1.0, 1e4), "largest force on the hand");
+  out.largest_slew = table.number("slew_N_per_s", at_least_zero(0.0, 1.0, 1e9), "largest rate of change of the force; 0 for no limit");
+  out.soft_start = table.number(
+      "soft_start_s", at_least_zero(out.soft_start, 1.0, 60.0),
+      "time in which the force rises from 0, at the start, after a latched fault and after a jump; skipped while the force is 0");
   out.soft_stop = table.number("soft_stop_s", at_least_zero(out.soft_stop, 1.0, 60.0),
-                               "time in which it fades when contact is late or a stop is asked for");
+                               "time in which the force falls to 0 when contact is stale or a stop is requested");
   out.jump_speed = table.number("jump_m_per_s", at_least_zero(out.jump_speed, 1.0, 1e3),
-                                "speed beyond which the hand did not move but is told elsewhere; 0 for none");
+                                "speed above which a change of position counts as a jump and not as motion; 0 for no limit");
   out.energy.damping =
-      table.number("relied_on_N_s_per_m", at_least_zero(0.0, 1.0, 1e4), "damping of device and hand that the energy detector may rely on");
-  out.energy.tolerance = table.number("energy_mJ", at_least_zero(0.0, 1e-3, 1e6),
-                                      "energy that the loop may give out beyond what is swallowed before it is a fault; 0 for no detector");
-  out.energy.largest_damping = table.number("passivity_N_s_per_m", at_least_zero(0.0, 1.0, 1e4),
-                                            "most damping that the passivity controller may add while energy is owed; 0 for none");
+      table.number("relied_on_N_s_per_m", at_least_zero(0.0, 1.0, 1e4), "guaranteed damping of device and hand, for the energy detector");
+  out.energy.tolerance =
+      table.number("energy_mJ", at_least_zero(0.0, 1e-3, 1e6), "passivity deficit above which a fault is latched; 0 for no detector");
+  out.energy.largest_damping =
+      table.number("passivity_N_s_per_m", at_least_zero(0.0, 1.0, 1e4),
+                   "largest damping that the passivity controller adds while there is a passivity deficit; 0 for none");
   table.finish();
   return out;
 }
@@ -191,22 +194,22 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   scene.file = document.file_name();
   scene.text = document.to_text();
   TableReader root = document.root(issues, log);
-  scene.title = root.text("title", "", "what the scene is, in one line");
-  scene.duration = root.number("duration_s", above_zero(120.0, 1.0, 3600.0), "simulated time after which the run ends at the latest");
-  scene.servo_hz = static_cast<int>(root.integer("servo_hz", 1000, 100, 20000, "servo ticks a second; every other rate divides it"));
+  scene.title = root.text("title", "", "title of the scene, one line");
+  scene.duration = root.number("duration_s", above_zero(120.0, 1.0, 3600.0), "longest simulated time of a run");
+  scene.servo_hz = static_cast<int>(root.integer("servo_hz", 1000, 100, 20000, "rate of the servo; every other rate divides it"));
 
   const auto required = [&](const char* name, const char* about) {
     auto table = root.table(name, about);
     if (!table) root.fault(name, "is missing: every scene needs this table");
     return table;
   };
-  if (auto table = required("volume", "the bone; every scene has it")) scene.volume = read_volume(*table, scene.file);
-  if (auto table = required("tool", "the bit and its spindle; every scene has it")) scene.tool = read_tool(*table, scene.file, context);
-  if (auto table = required("approach", "where the drill enters, and which way; every scene has it"))
+  if (auto table = required("volume", "the bone; required")) scene.volume = read_volume(*table, scene.file);
+  if (auto table = required("tool", "the bit and its spindle; required")) scene.tool = read_tool(*table, scene.file, context);
+  if (auto table = required("approach", "where the drill enters the bone, and its direction; required"))
     scene.approach = read_approach(*table);
-  if (auto table = required("hand", "who holds the drill, and how; every scene has it")) scene.hand = read_hand(*table, issues);
+  if (auto table = required("hand", "the hand that holds the drill; required")) scene.hand = read_hand(*table, issues);
   scene.servo = shipped_servo();
-  if (auto table = root.table("servo", "how forces are made and limited at the servo's rate; every scene has it, with these values"))
+  if (auto table = root.table("servo", "how forces are computed and limited at the servo's rate; without the table these defaults hold"))
     scene.servo = read_servo(*table);
   read_effects(root, context, scene, issues);
   root.finish();

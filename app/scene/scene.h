@@ -1,5 +1,5 @@
-/// app/scene/scene.h: a scene file as plain values and the plans of its effects. An effect exists if, and only if, its table is there.
-///   Units SI; keys in the file carry their unit and are converted where they are read.
+/// app/scene/scene.h: a scene file as plain values and the plans of its effects. An effect exists if, and only if, the file has its table.
+///   Units  SI; keys in the file carry their unit and are converted where they are read.   Thread  any.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace burrhole {
 struct Scene : StageConfig {
   EffectPlans effects;
 
-  /// The config struct of that type, of the first effect that has one; null: there is none.
+  /// @returns the config struct of that type, of the first effect that has one; null if none has.
   template <class Config>
   [[nodiscard]] Config* find() noexcept {
     return effects.find<Config>();
@@ -26,21 +26,23 @@ struct Scene : StageConfig {
   }
 };
 
-/// What reading a scene depends on beside its text.
+/// What the reading of a scene depends on, apart from its text.
 struct SceneContext {
-  std::vector<std::string> tool_folders;                ///< where names of tools are looked up, in order, after the scene's own folder
-  bool tool_given = false;                              ///< the tool's text is at hand (replay): its file is not looked for
-  const EffectRegistry* registry = &shipped_effects();  ///< the effects that the program knows
+  std::vector<std::string> tool_folders;                ///< searched in order for names of tools, after the scene's own folder
+  bool tool_given = false;                              ///< the caller has the tool's text (replay): its file is not searched for
+  const EffectRegistry* registry = &shipped_effects();  ///< the known effects
 };
 
-/// The path of a tool's file by its name or path, as in [tool]; nothing: there is none.
+/// @returns the path of a tool's file by its name or path, as in [tool]; nothing if there is no such file.
 [[nodiscard]] std::optional<std::string> find_tool(const std::string& name, const std::string& scene_file, const SceneContext& context);
 
-/// Adds a shipped effect as an empty table would; nothing happens where the scene has it. @param table of an effect of this version.
+/// Adds a shipped effect with its defaults, as an empty table does; no operation if the scene has it. @param table of an effect of this
+/// version.
 void add_effect(Scene& scene, const std::string& table);
 
-/// @returns nothing when any issue was pushed; all faults of the file are pushed. An issue with code `unavailable` means exit code 4.
-/// @param log also records which keys were asked for; may be null.
+/// @returns nothing when any issue was pushed; every error of the file is pushed, not only the first: bad_input, or unavailable for what
+/// this version lacks (exit code 4).
+/// @param log also records the keys that were read; may be null.
 [[nodiscard]] std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
                                               KeyLog* log = nullptr);
 

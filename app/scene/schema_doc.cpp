@@ -17,12 +17,12 @@ namespace {
 bool is_table(const KeyInfo& info) { return info.kind == KeyKind::table || info.kind == KeyKind::tables; }
 bool has_word(const KeyInfo& info) { return info.kind == KeyKind::text || info.kind == KeyKind::choice; }
 
-/// Everything that a row says; what one document had is left out.
+/// The fields of a key that a row shows, without those of one document (present, word).
 auto as_documented(const KeyInfo& k) {
   return std::tie(k.table, k.key, k.kind, k.count, k.unit, k.fallback, k.range, k.allowed, k.later, k.about);
 }
 
-/// Path of the table that a record of kind table or tables opens.
+/// @returns the path of the table that a key of kind table or tables opens.
 std::string opened_path(const KeyInfo& info) {
   return (info.table.empty() ? "" : info.table + ".") + info.key + (info.kind == KeyKind::tables ? "[]" : "");
 }
@@ -43,8 +43,8 @@ Rows::iterator row_of(Rows& rows, const KeyInfo& info) {
   return std::find_if(rows.begin(), rows.end(), [&](const SchemaRow& row) { return as_documented(row.key) == as_documented(info); });
 }
 
-/// Rows of all logs. A row that only a later sample knows is put before the next that it shares with earlier ones, so that the order stays
-/// one of reading, with the first sample's rows first.
+/// @returns the rows of all logs in the order of reading, the first sample's rows first. A row that only a later sample has is inserted
+/// before the next row that this sample shares with earlier ones.
 Rows collect_rows(std::span<const KeyLog> logs) {
   Rows rows;
   for (std::size_t n = 0; n < logs.size(); ++n) {
@@ -61,7 +61,7 @@ Rows collect_rows(std::span<const KeyLog> logs) {
   return rows;
 }
 
-/// What one key has to say about why a row is in some samples and not in others.
+/// Values of one key in the samples that have a row, and in those that do not. It determines the condition if no value is in both.
 struct Split {
   std::set<std::string> with, without;
   [[nodiscard]] bool explains() const {
@@ -70,7 +70,7 @@ struct Split {
   }
 };
 
-/// Samples that have the table, split by the word that each has for `key` of `table`. Nothing of a sample that does not ask for it.
+/// @returns the words of `key` of `table` in the samples that visit the row's table; the empty word if a sample does not read the key.
 Split split_by(std::span<const KeyLog> logs, const SchemaRow& row, const std::string& table, const std::string& key) {
   Split split;
   for (std::size_t n = 0; n < logs.size(); ++n) {
@@ -89,7 +89,8 @@ std::string listed(const std::set<std::string>& words) {
   return out;
 }
 
-/// "only with A = .. and B = ..", words of two keys of the row's own table that together say in which samples it is asked for; empty: none do.
+/// @returns "only with A = .. and B = ..": two keys of the row's own table that together determine in which samples it is read; empty if no
+/// two do.
 std::string two_conditions(std::span<const KeyLog> logs, const SchemaRow& row, const Rows& rows) {
   std::vector<std::pair<std::string, std::set<std::string>>> choices;
   for (const SchemaRow& other : rows)
@@ -118,7 +119,7 @@ std::string two_conditions(std::span<const KeyLog> logs, const SchemaRow& row, c
 std::string condition_of(std::span<const KeyLog> logs, std::span<const std::string> names, const SchemaRow& row, const Rows& rows) {
   const auto visitors = std::count_if(logs.begin(), logs.end(), [&](const KeyLog& log) { return visits(log, row.key.table); });
   if (static_cast<std::size_t>(visitors) == row.samples.size()) return {};
-  // Words of the row's own table tell more than those of the top of the file.
+  // A key of the row's own table explains more than one at the top of the file, so it is tried first.
   for (const std::string& table : {row.key.table, std::string()})
     for (const SchemaRow& other : rows) {
       if (other.key.table != table || (other.key.table == row.key.table && other.key.key == row.key.key)) continue;
@@ -199,17 +200,17 @@ std::string section(const Schema& schema, const std::string& path) {
   return out.empty() ? out : "| key | value | default | what it is |\n|---|---|---|---|\n" + out;
 }
 
-/// What a reader of the format never says in one key's few words.
+/// @returns a note on a table that does not fit into the description of one key.
 std::string note_on(const std::string& path) {
   if (path != "volume") return {};
   std::string phantoms;
   for (const std::string& name : phantom_names()) phantoms += (phantoms.empty() ? "" : ", ") + markdown_code(name);
   return " The phantoms are " + phantoms +
          ": generated bone whose exact shape is known. `SCAN` stands for any file or folder: a scan, a mesh, or a bone model, which is "
-         "taken as it is.";
+         "used without conversion.";
 }
 
-/// Sections of the tables inside `path`, in the order of reading.
+/// @returns the sections of the tables inside `path`, in the order of reading.
 std::string inner_sections(const Schema& schema, const std::string& path) {
   std::string out;
   for (const SchemaRow& row : schema.rows) {
@@ -226,34 +227,34 @@ std::string inner_sections(const Schema& schema, const std::string& path) {
 
 constexpr const char* kSceneHead = R"(# Scene files
 
-A scene is one TOML file: the bone, the tool, the way in, the hand, and one table for each effect. **An effect exists if, and only if, its
-table is there**; an empty table takes the defaults. Lengths are in millimetres, angles in degrees: each key that has a unit wears it in its
-name. Ranges are written as in mathematics: a round bracket leaves its end out. A key that is not known is a fault, and the nearest known one
-is named. `burrhole check SCENE` prints every fault with its line; `--set table.key=value` changes a key for one run.
+A scene is one TOML file: the bone, the tool, the approach, the hand, and one table for each effect. **An effect exists if, and only if, the
+file has its table**; an empty table takes the defaults. Lengths are in millimetres and angles in degrees; a key with a unit has it in its
+name. Ranges are intervals: a round bracket excludes the end. An unknown key is an error, and the message suggests the nearest known key.
+`burrhole check SCENE` prints every error with its line; `--set table.key=value` overrides a key for one run.
 
-This page is printed by `burrhole docs scene` from the rules that read scenes.
+`burrhole docs scene` generates this page from the rules that read scenes.
 
 ## An example
 )";
 constexpr const char* kToolHead = R"(# Tool files
 
-A tool is one TOML file: primitives stacked along the axis of the drill, each with the rate at which it removes bone. The tip lies at the
-origin, +z runs up the shaft, and the regions must make one body. From them come the points that feel the bone and the points that cut it.
-Lengths are in millimetres, and their keys say so. Ranges are written as in mathematics: a round bracket leaves its end out. A scene takes a
-tool by name; `burrhole tools FILE` prints what was made of it.
+A tool is one TOML file: primitives stacked along the axis of the drill, each with the rate at which it removes bone. Tool frame: the tip is
+the origin, +z runs up the shaft. The regions must form one connected body. The contact points and the erosion points are sampled from them.
+Lengths are in millimetres; a key with a unit has it in its name. Ranges are intervals: a round bracket excludes the end. A scene refers to
+a tool by name; `burrhole tools FILE` prints the result of sampling.
 
-This page is printed by `burrhole docs tool` from the rules that read tools.
+`burrhole docs tool` generates this page from the rules that read tools.
 
 ## An example
 )";
 
 constexpr const char* kRawHead = R"(# Raw volumes
 
-Voxels without a header are described by a TOML file beside them, which `burrhole import` and a scene's `[volume] source` take in their place.
-Paths are relative to that file. Sizes are compared with the files: too few bytes and too many are both refused. Ranges are written as in
-mathematics: a round bracket leaves its end out.
+A TOML file describes voxels that are stored without a header. `burrhole import` and a scene's `[volume] source` take that file in place of
+the data. Paths are relative to it. The sizes of the data files are checked: too few or too many bytes are an error. Ranges are intervals: a
+round bracket excludes the end.
 
-This page is printed by `burrhole docs raw` from the rules that read such files.
+`burrhole docs raw` generates this page from the rules that read such files.
 
 ## An example
 )";
@@ -261,7 +262,7 @@ This page is printed by `burrhole docs raw` from the rules that read such files.
 const char* head_of(SchemaFile file) { return file == SchemaFile::scene ? kSceneHead : file == SchemaFile::tool ? kToolHead : kRawHead; }
 
 std::string later_effects() {
-  std::string out = "\n## Tables of later versions\nThese effects are refused by name:";
+  std::string out = "\n## Tables of later versions\nThis version has none of these effects and reports their tables as errors:";
   const char* before = " ";
   for (const EffectEntry& effect : shipped_effects()) {
     if (effect.read != nullptr) continue;

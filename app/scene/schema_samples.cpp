@@ -11,10 +11,10 @@
 namespace burrhole {
 namespace {
 
-/// Tables that every sample has, so that no key seems to depend on them.
+/// Tables that every sample has, so that no condition refers to them.
 constexpr std::array<const char*, 4> kBaseEffects{"contact", "erosion", "display", "record"};
 
-/// A scene with the base effects. @param lines of table `table`, which is added where it is not among them.
+/// @returns a scene with the base effects. @param lines of table `table`, which is added if it is not a base effect.
 std::string scene(const std::string& volume, const std::string& table = {}, const std::string& lines = {}) {
   std::string out =
       "[volume]\n" + volume + "\n[tool]\nname = \"perforator_14_11\"\nspin_rpm = 1000\n[approach]\nentry_mm = [0, 0, 0]\n[hand]\n";
@@ -31,7 +31,7 @@ std::vector<SchemaSample> scene_samples() {
   const std::string plate = "source = \"phantom:plate\"";
   std::vector<SchemaSample> samples;
   for (const std::string& kind : phantom_names()) samples.push_back({"phantom:" + kind, scene("source = \"phantom:" + kind + "\""), {}});
-  // Names in capitals are shown in the reference as they stand here.
+  // The reference shows names in capitals unchanged.
   for (const std::string& unit : length_unit_names())
     samples.push_back({"scan in " + unit, scene("source = \"SCAN\"\nunit = \"" + unit + "\"\n[[volume.hardness]]\nvalue = 0\nhardness = 0"),
                        "is not there"});
@@ -91,14 +91,14 @@ thickness_mm = 7.04
 name = "perforator_14_11"       # `burrhole tools` lists them
 spin_rpm = 1000.0
 
-[approach]                      # in the bone's frame: z is up, out of the skull
+[approach]                      # bone frame; z points out of the skull
 entry_mm = [0.0, 0.0, 0.0]
-axis = [0.0, 0.0, -1.0]
+axis = [0.0, 0.0, -1.0]         # direction of drilling
 
 [hand]
 push_N = 28.0
 
-[contact]                       # from here on each table switches something on
+[contact]                       # each table from here on enables an effect
 [erosion]
 [display]
 size = [1200, 900]
@@ -108,17 +108,17 @@ size = [1200, 900]
 constexpr const char* kToolExample = R"(title = "Stepped drill, 10/6 mm"
 
 [shell]
-pitch_mm = 0.4                  # points that feel the bone, no farther apart than this
+pitch_mm = 0.4                  # largest distance between contact points
 
 [[region]]
-name = "pilot"                  # the tip: its lower end is the origin
+name = "pilot"                  # the tip; its lower end is the origin
 shape = "frustum"
 z_mm = 0
 height_mm = 3
 bottom_diameter_mm = 6
-top_diameter_mm = 5.8           # relieved, so that only the leading edge rubs
+top_diameter_mm = 5.8           # relieved: only the leading edge touches the wall
 erosion_factor = 0.05
-rim_factor = 1.5                # cuts better at the rim than on the axis
+rim_factor = 1.5                # cuts faster at the rim than on the axis
 
 [[region]]
 name = "shank"
@@ -126,7 +126,7 @@ shape = "cylinder"
 z_mm = 3
 height_mm = 20
 diameter_mm = 10
-erosion_factor = 0              # passive
+erosion_factor = 0              # does not cut
 pitch_mm = 1.0
 )";
 

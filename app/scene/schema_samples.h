@@ -1,6 +1,6 @@
-/// app/scene/schema_samples.h: small documents that lead the readers of a file format through each of their branches, for its reference.
-///   A new branch (a shape, a source of bone, a word that asks for keys of its own) is one more line in schema_samples.cpp; a choice's word
-///   or a table that no sample reaches is found by merge_logs() and fails a test.
+/// app/scene/schema_samples.h: small documents that cover every branch of a file format's reader, for the generated reference.
+///   A new branch (a shape, a source of bone, a choice with keys of its own) needs one more line in schema_samples.cpp. merge_logs()
+///   reports each table or word of a choice that no sample covers, which fails a test.   Thread  any.   Errors  as issues of ReadSample.
 #pragma once
 
 #include <string>
@@ -15,21 +15,21 @@ namespace burrhole {
 enum class SchemaFile { scene, tool, raw };
 
 struct SchemaSample {
-  std::string name;   ///< the branch it is there for
-  std::string text;   ///< TOML
-  std::string fault;  ///< part of the one fault it may bring (a file that is not there); empty: none
+  std::string name;            ///< of the branch that it covers
+  std::string text;            ///< TOML
+  std::string expected_error;  ///< part of the one message that reading it gives (a missing file); empty: no error
 };
 
 [[nodiscard]] std::vector<SchemaSample> schema_samples(SchemaFile file);
 
-/// The commented example at the head of the reference: a sound document.
+/// @returns the commented example at the head of the reference; it is a valid document.
 [[nodiscard]] std::string schema_example(SchemaFile file);
 
 struct ReadSample {
   KeyLog log;
   std::vector<Error> issues;
 };
-/// Reads a document with the reader that the program uses; tools that a scene names are not looked for.
+/// Reads a document with the reader that the program uses. Files of tools that a scene names are not searched for.
 [[nodiscard]] ReadSample read_sample(SchemaFile file, const std::string& text);
 
 }  // namespace burrhole

@@ -1,5 +1,5 @@
-/// app/scene/volume_scene.h: the [volume] table: a phantom, a bone model saved earlier, or a scan or mesh that is imported at load.
-///   Units SI; keys in the file carry their unit and are converted here and nowhere else.
+/// app/scene/volume_scene.h: reads the [volume] table: a phantom, a saved bone model, or a scan or mesh to be imported at load.
+///   Units  SI; keys in the file carry their unit and are converted here and nowhere else.   Errors  bad_input, as issues of the table.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,16 @@
 
 namespace burrhole {
 
-/// How far below the entry the region's centre lies, along the axis: a skull is 5 to 9 mm thick.
-inline constexpr double kRegionDepth = 5e-3;  // [m]
+/// [m] depth of the region's centre below the entry, along the axis; a skull is 5 to 9 mm thick.
+inline constexpr double kRegionDepth = 5e-3;
 
-/// Pushes faults to the table's Issues. @param scene_file paths are relative to its folder; `$NAME` at their start is the environment's.
+/// Pushes errors to the table's Issues. @param scene_file paths are relative to its folder; `$NAME` at their start is replaced by the
+/// environment variable.
 [[nodiscard]] VolumeScene read_volume(TableReader table, const std::string& scene_file);
 
-/// "mm", "cm", "m", "in" in metres.
+/// @returns "mm", "cm", "m", "in".
 [[nodiscard]] const std::vector<std::string>& length_unit_names();
+/// @returns the length of such a unit [m].
 [[nodiscard]] double length_unit(const std::string& name);
 
 }  // namespace burrhole

@@ -6,7 +6,7 @@
 namespace burrhole {
 namespace {
 
-constexpr std::int64_t kRowsAtOnce = 16384;  // bounds the memory that an hour's rows need
+constexpr std::int64_t kRowsAtOnce = 16384;  // limits the memory for the rows of a long session
 
 }  // namespace
 

@@ -14,11 +14,11 @@ constexpr char kBlockFormat = 1;
 constexpr std::size_t kHeaderBytes = 5;    // format, coarse_every
 constexpr std::size_t kPayloadHeader = 8;  // coarse_every again and rows, where zlib's checksum covers them
 constexpr int kLevel = 1;
-// Deflate codes at most 258 bytes in 2 bits [RFC 1951]: a payload that is larger than that allows is damaged, and not allocated.
+// Deflate codes at most 258 bytes in 2 bits [RFC 1951]. A larger payload size is damaged, and is not allocated.
 constexpr std::uint64_t kMostExpansion = 1032;
 constexpr std::uint64_t kMostPayload = std::uint64_t{1} << 31;
 
-/// How an exact column is written: one byte before it.
+/// Method of an exact column: one byte before the column.
 enum class Method : char { bits_xor, integer_difference };
 
 template <class Word>
@@ -34,7 +34,7 @@ Word get_little_endian(const char* bytes) {
   return word;
 }
 
-/// Writes byte 0 of all words, then byte 1 of all, and so on: bytes that are alike stand together.
+/// Writes byte 0 of all words, then byte 1 of all, and so on, so that similar bytes are adjacent.
 template <class Word>
 void shuffle(const std::vector<Word>& words, std::string& out) {
   for (std::size_t byte = 0; byte < sizeof(Word); ++byte)
@@ -49,20 +49,20 @@ std::vector<Word> unshuffle(const char* bytes, std::size_t count) {
   return words;
 }
 
-/// Differences of either sign as small unsigned numbers: 0, -1, 1, -2, ...
+/// Maps differences 0, -1, 1, -2, ... to 0, 1, 2, 3, ...
 std::uint64_t zigzag(std::uint64_t difference) { return difference << 1 ^ (0 - (difference >> 63)); }
 std::uint64_t unzigzag(std::uint64_t code) { return code >> 1 ^ (0 - (code & 1)); }
 
-/// The integer that a value is, when it comes back from it in every bit (so not -0.0).
+/// @returns whether the value is an integer whose conversion back gives the same bits (so not -0.0).
 bool integer_of(double value, std::int64_t& integer) {
   constexpr double kExact = 9.0e15;  // below 2^53
   if (!(value > -kExact && value < kExact)) return false;
   integer = static_cast<std::int64_t>(value);
-  // By bits: a comparison of numbers takes a denormal for 0 where the processor flushes denormals.
+  // Compares bits: a comparison of numbers treats a denormal as 0 if the processor flushes denormals.
   return std::bit_cast<std::uint64_t>(static_cast<double>(integer)) == std::bit_cast<std::uint64_t>(value);
 }
 
-/// double to float; out of its range to infinity, which the language leaves undefined.
+/// Converts to float; values out of range become infinite (the language leaves this conversion undefined).
 float to_float(double value) {
   constexpr double kMost = std::numeric_limits<float>::max();
   if (value > kMost) return std::numeric_limits<float>::infinity();
@@ -155,7 +155,7 @@ std::string encode_rows(std::span<const double> values, std::span<const SessionC
   std::string out(kHeaderBytes + packed, '\0');
   out[0] = kBlockFormat;
   put_little_endian(static_cast<std::uint32_t>(every), out.data() + 1);
-  // Fails without memory only: the bound is the largest size that it needs.
+  // Can fail for lack of memory only: the buffer has the size of compressBound().
   if (compress2(reinterpret_cast<Bytef*>(out.data() + kHeaderBytes), &packed, reinterpret_cast<const Bytef*>(payload.data()),
                 static_cast<uLong>(payload.size()), kLevel) != Z_OK)
     throw std::bad_alloc();
@@ -194,7 +194,7 @@ Result<std::vector<double>> decode_rows(std::string_view bytes, std::span<const 
 }
 
 Result<std::vector<double>> decode_plain_rows(std::string_view bytes, std::size_t columns, std::int64_t rows) {
-  // Divided and not multiplied: `rows` may come from a damaged file.
+  // Division instead of multiplication avoids overflow: `rows` may come from a damaged file.
   if (rows < 1 || columns == 0 || bytes.size() % (8 * columns) != 0 || bytes.size() / (8 * columns) != static_cast<std::uint64_t>(rows))
     return bad_input("a block of rows has the wrong size");
   std::vector<double> out(bytes.size() / 8);

@@ -22,7 +22,7 @@ struct BlockPlace {
   std::int64_t first_row = 0, rows = 0;
 };
 
-/// What the names of a schema-1 stream's tables end in.
+/// @returns the suffix of the table names of a schema-1 stream.
 std::string ending_of(const std::string& stream) { return stream == kServoStream ? "" : "_" + stream; }
 
 template <class Integer>
@@ -44,10 +44,10 @@ struct SessionReader::State {
   std::vector<SessionStill> stills;
   std::vector<SessionHash> hashes;
 
-  /// `what` may hold texts of the file.
+  /// @param what may contain text from the file.
   Error damaged(const std::string& what) const { return bad_input("is damaged: " + one_line(what, 200), path); }
   Error damaged() const { return damaged(sqlite3_errmsg(database.get())); }
-  /// Calls `take` on each row that `select` gives, while it succeeds.
+  /// Calls `take` on each row of `select` until it fails.
   template <class Take>
   Status each(Statement& select, const Take& take) const {
     int code = SQLITE_DONE;
@@ -77,7 +77,7 @@ struct SessionReader::State {
   Status each_block(std::size_t stream, std::int64_t begin, std::int64_t end, const Take& take) const;
 };
 
-/// Is it SQLite, ours, not newer than this program, and whole?
+/// Checks that the file is an SQLite file of this program with a known schema, and complete.
 Status SessionReader::State::check_identity() {
   sqlite3* raw = database.get();
   const std::optional<std::int64_t> id = pragma(raw, "PRAGMA application_id");
@@ -93,13 +93,13 @@ Status SessionReader::State::check_identity() {
   if (version < 1) return damaged("it names no schema");
   schema = static_cast<int>(version);
   // SQLite reads the missing bytes of a last page as zeros, without an error.
-  std::error_code fault;
+  std::error_code error;
   const std::int64_t page = pragma(raw, "PRAGMA page_size").value_or(0);
-  if (page < 1 || static_cast<std::int64_t>(std::filesystem::file_size(path, fault)) % page != 0 || fault)
+  if (page < 1 || static_cast<std::int64_t>(std::filesystem::file_size(path, error)) % page != 0 || error)
     return damaged("it was cut short");
   Statement check(raw, "PRAGMA quick_check(1)");
   if (check.step() != SQLITE_ROW) return damaged();
-  // Its first line names the database only.
+  // The first line of the answer only names the database.
   if (const std::string answer = check.bytes(0); answer != "ok") return damaged(answer.substr(answer.find_last_of('\n') + 1));
   return {};
 }
@@ -243,7 +243,7 @@ Status SessionReader::State::read_results() {
   });
 }
 
-/// A closed session names its ends: what is missing there was lost later. Of a killed one that cannot be known.
+/// Compares with the numbers of rows that close() wrote. A killed run wrote none, so rows lost at its end are not detected.
 Status SessionReader::State::check_ends() {
   if (schema == 1) return {};
   std::map<std::string, std::int64_t> ends;
@@ -270,8 +270,8 @@ SessionReader& SessionReader::operator=(SessionReader&&) noexcept = default;
 SessionReader::~SessionReader() = default;
 
 Result<SessionReader> SessionReader::open(const std::string& path) {
-  std::error_code fault;
-  if (!std::filesystem::is_regular_file(path, fault)) return bad_input(fault ? "cannot be opened: " + fault.message() : "is no file", path);
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return bad_input(error ? "cannot be opened: " + error.message() : "is no file", path);
   auto state = std::make_unique<State>();
   state->path = path;
   state->database = open_existing(path);

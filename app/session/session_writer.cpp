@@ -18,23 +18,23 @@ using namespace session_format;
 using namespace sqlite_wrapper;
 
 /// Removes an older session; any other file at `path` is refused.
-Status make_way(const std::string& path) {
-  std::error_code fault;
+Status clear_path(const std::string& path) {
+  std::error_code error;
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  if (!folder.empty()) std::filesystem::create_directories(folder, fault);
-  if (fault) return bad_input("cannot make the folder: " + fault.message(), folder.string());
-  // SQLite reports only that it could not open the file; the system's reason is asked for here.
+  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+  if (error) return bad_input("cannot make the folder: " + error.message(), folder.string());
+  // SQLite reports only that it could not open the file; access() gives the system's reason.
   if (::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) != 0)
     return bad_input(std::string("cannot be written: ") + std::strerror(errno), path);
-  if (std::filesystem::exists(path, fault)) {
+  if (std::filesystem::exists(path, error)) {
     const bool ours =
-        std::filesystem::is_regular_file(path, fault) &&
-        (std::filesystem::file_size(path, fault) == 0 || pragma(open_existing(path).get(), "PRAGMA application_id") == kApplicationId);
+        std::filesystem::is_regular_file(path, error) &&
+        (std::filesystem::file_size(path, error) == 0 || pragma(open_existing(path).get(), "PRAGMA application_id") == kApplicationId);
     if (!ours) return bad_input("is there already and is no burrhole session; it is left as it was", path);
   }
   for (const char* suffix : {"", "-wal", "-shm"}) {
-    std::filesystem::remove(path + suffix, fault);
-    if (fault) return bad_input("cannot replace: " + fault.message(), path + suffix);
+    std::filesystem::remove(path + suffix, error);
+    if (error) return bad_input("cannot replace: " + error.message(), path + suffix);
   }
   return {};
 }
@@ -73,7 +73,7 @@ bool write_streams(sqlite3* database, const std::vector<SessionStream>& streams)
   return done;
 }
 
-/// Rows of one stream that wait to be written as a block.
+/// Rows of one stream that are not written as a block yet.
 struct Pending {
   std::int64_t first_row = 0, rows = 0;
   std::vector<double> values;
@@ -89,12 +89,12 @@ struct SessionWriter::State {
   std::int64_t inputs = 0, last_input_tick = 0;
   std::int64_t parks = 0;  // of the inputs, those that parked the clocks
 
-  Error fault(const char* doing) const {
+  Error failed_to(const char* doing) const {
     return bad_input(std::string("cannot ") + doing + " the session: " + (database ? sqlite3_errmsg(database.get()) : "no memory"), path);
   }
   bool write_block(std::size_t stream);
   bool write_ends();
-  /// Writes all blocks and makes everything so far permanent; the next transaction begins at once.
+  /// Writes all blocks and commits; the next transaction begins immediately.
   Status commit();
 };
 
@@ -127,8 +127,8 @@ bool SessionWriter::State::write_ends() {
 
 Status SessionWriter::State::commit() {
   for (std::size_t stream = 0; stream < pending.size(); ++stream)
-    if (!write_block(stream)) return fault("write");
-  if (!execute(database.get(), "COMMIT; BEGIN")) return fault("write");
+    if (!write_block(stream)) return failed_to("write");
+  if (!execute(database.get(), "COMMIT; BEGIN")) return failed_to("write");
   return {};
 }
 
@@ -148,7 +148,7 @@ SessionWriter::~SessionWriter() {
 Result<SessionWriter> SessionWriter::create(const std::string& path, const SessionMeta& meta, const SessionLayout& layout) {
   BH_ASSERT(layout.rows_per_second > 0 && layout.coarse_every > 0 && !layout.streams.empty());
   for (const SessionStream& stream : layout.streams) BH_ASSERT(!stream.columns.empty() && stream.name != kInputsEnd);
-  if (const Status free = make_way(path); !free) return free.error();
+  if (const Status free = clear_path(path); !free) return free.error();
   auto state = std::make_unique<State>();
   state->path = path;
   state->layout = layout;
@@ -156,14 +156,14 @@ Result<SessionWriter> SessionWriter::create(const std::string& path, const Sessi
   sqlite3* raw = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
   state->database.reset(raw);
-  if (code != SQLITE_OK) return state->fault("create");
+  if (code != SQLITE_OK) return state->failed_to("create");
   // NORMAL: no wait for the disk at a commit, which a killed process does not need. The checkpoint puts the schema into the file itself.
   const std::string set_up = "PRAGMA application_id = " + std::to_string(kApplicationId) +
                              "; PRAGMA user_version = " + std::to_string(kSessionSchema) +
                              "; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; BEGIN;" + kSchemaSql;
   if (!execute(raw, set_up) || !write_meta(raw, meta) || !write_streams(raw, layout.streams) ||
       !execute(raw, "COMMIT; PRAGMA wal_checkpoint; BEGIN"))
-    return state->fault("create");
+    return state->failed_to("create");
   return SessionWriter(std::move(state));
 }
 
@@ -197,13 +197,13 @@ Status SessionWriter::input(const SessionInput& input) {
   insert.bind(4, input.value);
   insert.bind(5, input.text);
   insert.bind_blob(6, input.data);
-  if (!insert.run()) return state_->fault("write");
+  if (!insert.run()) return state_->failed_to("write");
   Statement park(state_->database.get(), "INSERT INTO parks VALUES(?, ?, ?)");
   for (std::size_t stream = 0; stream < input.rows_before.size(); ++stream) {
     park.bind(1, id);
     park.bind(2, static_cast<std::int64_t>(stream));
     park.bind(3, input.rows_before[stream]);
-    if (!park.run()) return state_->fault("write");
+    if (!park.run()) return state_->failed_to("write");
   }
   state_->inputs = id;
   if (!input.rows_before.empty()) ++state_->parks;
@@ -219,7 +219,7 @@ Status SessionWriter::event(const SessionEvent& event) {
   insert.bind(3, event.kind);
   insert.bind(4, event.text);
   insert.bind_blob(5, event.data);
-  if (!insert.run()) return state_->fault("write");
+  if (!insert.run()) return state_->failed_to("write");
   return {};
 }
 
@@ -231,7 +231,7 @@ Status SessionWriter::still(const SessionStill& still) {
   insert.bind(3, still.hash);
   insert.bind_blob(4, still.view);
   insert.bind(5, state_->parks);
-  if (!insert.run()) return state_->fault("write");
+  if (!insert.run()) return state_->failed_to("write");
   return {};
 }
 
@@ -240,14 +240,14 @@ Status SessionWriter::hash(const SessionHash& hash) {
   Statement insert(state_->database.get(), "INSERT OR REPLACE INTO hashes VALUES(?, ?)");
   insert.bind(1, hash.kind);
   insert.bind(2, hash.value);
-  if (!insert.run()) return state_->fault("write");
+  if (!insert.run()) return state_->failed_to("write");
   return {};
 }
 
 Status SessionWriter::close() {
   if (!state_->database) return {};
   Status status = state_->commit();
-  if (status && !(state_->write_ends() && execute(state_->database.get(), "COMMIT"))) status = state_->fault("close");
+  if (status && !(state_->write_ends() && execute(state_->database.get(), "COMMIT"))) status = state_->failed_to("close");
   state_->database.reset();
   return status;
 }

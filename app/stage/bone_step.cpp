@@ -48,7 +48,7 @@ void BoneStep::bind() {
 }
 
 WindowMargins window_margins(const ContactFields& fields, const Affine& bone_from_index) {
-  // Marches go at least seven voxels deep, and as far records are known on cubic voxels; on others it is further.
+  // Marches need a margin of at least seven voxels, which is also the reach of records on cubic voxels; on others it is larger.
   int blind = 7;
   if (fields.records) {
     const Vec3i reach = record_reach(bone_from_index);
@@ -83,7 +83,8 @@ void BoneStep::operator()(const ContactState& found, double thrust, double dt) {
   last_ = found.world_from_tool;
   *spin_asked_ = spin_ * found.spin;
   if (own_spin_ != nullptr) *own_spin_ = *spin_asked_;
-  // The size was proven to fit at create(); a long or turned path may not, and then the old window stays and points outside are counted.
+  // create() has checked the size of the tool. A long or rotated path may still not fit: then the window stays, and points outside are
+  // counted.
   const Status kept = keep_window(cut_->path);
   bool changed = !kept.ok() || voxmap_->window_epoch() != publisher_->published_epoch();
   graph_->receive(Clock::simulation);

@@ -37,7 +37,7 @@ std::size_t StepGraph::find_or_make(const char* name, std::type_index type, cons
     if (slots_[n].name == name) {
       if (slots_[n].type != type && mismatch_.empty()) mismatch_ = name;
       if (slots_[n].value.size >= size) return n;
-      break;  // of another type and larger: a slot of its own keeps the pointer valid until resolve() refuses
+      break;  // of another type and larger: a separate slot keeps the pointer valid until resolve() returns the error
     }
   const auto block = [&] {
     Block out{std::make_unique<std::max_align_t[]>((size + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t)), size};
@@ -119,7 +119,7 @@ Status StepGraph::sort(Clock clock) {
     return std::ranges::any_of(steps_[step].uses,
                                [&](const SlotUse& u) { return u.slot == slot && (u.access == Access::own || u.access == Access::add); });
   };
-  // a before b: b reads now what a writes, or a reads of the tick before what b owns.
+  // a runs before b if b reads (now) a slot that a writes, or if a reads (last) a slot that b owns.
   const auto before = [&](std::size_t a, std::size_t b) {
     const auto needs = [&](std::size_t reader, std::size_t writer, Access access) {
       return std::ranges::any_of(steps_[reader].uses, [&](const SlotUse& u) { return u.access == access && writes(writer, u.slot); });

@@ -27,7 +27,7 @@ struct DisplayConfig {
   TransferFunction transfer;                 ///< empty: bone is drawn as a surface; key shading = "translucent"
   DrawingQuality quality{.supersample = 2};  ///< four rays per pixel: anti-aliased edges
   std::optional<double> budget;  ///< [s] time of one picture, used to select `quality` (quality = "auto"); absent: `quality` is used
-  LookView looks{.tissue = true, .occlusion = true};
+  Appearance appearance{.tissue = true, .occlusion = true};
   BackgroundView background;
   int width = 1200, height = 900;                     ///< [pixels]
   std::size_t upload_budget = std::size_t{64} << 20;  ///< [byte] most texel data sent for one picture; key upload_budget_kb

@@ -66,34 +66,34 @@ Result<FrameStep> FrameStep::create(const DisplayConfig& display, const Pose& wo
                                     Voxmap& voxmap, FrameSink& sink) {
   FrameStep out(display, world_from_bone, approach, voxmap, sink);
   out.turns_ = tool.turns;
-  if (Status started = sink.start(make_volume_view(voxmap, display.looks.tissue), tool.look); !started) return started.error();
+  if (Status started = sink.start(make_volume_view(voxmap, display.appearance.tissue), tool.look); !started) return started.error();
   return out;
 }
 
 void FrameStep::gather(double turned) {
   turned_ = turned;
-  fill_parcel(display_.upload_budget / kTexelBytes, display_.upload_time);
+  fill_batch(display_.upload_budget / kTexelBytes, display_.upload_time);
 }
 
 void FrameStep::gather_rest(double turned) {
   turned_ = turned;
-  fill_parcel(std::numeric_limits<std::size_t>::max(), 0.0);
+  fill_batch(std::numeric_limits<std::size_t>::max(), 0.0);
 }
 
 /// @param seconds 0: no limit.
-void FrameStep::fill_parcel(std::size_t most, double seconds) {
-  constexpr std::size_t kBetweenLooks = 4096;  // texels, a fraction of a millisecond
+void FrameStep::fill_batch(std::size_t most, double seconds) {
+  constexpr std::size_t kBetweenChecks = 4096;  // texels, a fraction of a millisecond
   make_time_ = seconds;
   timers_.texels([&] {
     for (const VoxelBox& box : voxmap_->take_dirty(listener_)) queue_.add(box.intersect(voxmap_->bone().bounds()));
     const auto end = in_seconds(seconds);
-    const std::size_t chunk = seconds > 0.0 ? std::min(most, kBetweenLooks) : most;
-    std::size_t left = most - std::min(most, texels_in_parcel());
+    const std::size_t chunk = seconds > 0.0 ? std::min(most, kBetweenChecks) : most;
+    std::size_t left = most - std::min(most, texels_in_batch());
     if (left == 0) return;
     do {
       for (const VoxelBox& box : queue_.take(chunk)) {
-        if (filled_ == parcel_.size()) parcel_.emplace_back();
-        read_texel_source(*voxmap_, box, parcel_[filled_++]);
+        if (filled_ == batch_.size()) batch_.emplace_back();
+        read_texel_source(*voxmap_, box, batch_[filled_++]);
         left -= std::min(left, box.count());
       }
     } while (seconds > 0.0 && !queue_.empty() && left >= chunk && Clock::now() < end);
@@ -102,21 +102,21 @@ void FrameStep::fill_parcel(std::size_t most, double seconds) {
   growth_epoch_ = voxmap_->growth_epoch();
 }
 
-std::size_t FrameStep::texels_in_parcel() const noexcept {
+std::size_t FrameStep::texels_in_batch() const noexcept {
   std::size_t sum = 0;
-  for (std::size_t n = 0; n < filled_; ++n) sum += parcel_[n].box.count();
+  for (std::size_t n = 0; n < filled_; ++n) sum += batch_[n].box.count();
   return sum;
 }
 
 /// Makes the texels of the batch and sends them. Boxes for which no time is left stay in the batch.
-void FrameStep::send_parcel() {
+void FrameStep::send_batch() {
   std::vector<TexelBox> made;
   timers_.texels([&] {
     const auto end = in_seconds(make_time_);
     while (made.size() < filled_ && (made.empty() || make_time_ == 0.0 || Clock::now() < end))
-      made.push_back(make_texels(voxmap_->bone(), voxmap_->config().gradient_dead_zone, parcel_[made.size()]));
+      made.push_back(make_texels(voxmap_->bone(), voxmap_->config().gradient_dead_zone, batch_[made.size()]));
   });
-  const auto first = parcel_.begin(), sent = first + static_cast<std::ptrdiff_t>(made.size());
+  const auto first = batch_.begin(), sent = first + static_cast<std::ptrdiff_t>(made.size());
   std::rotate(first, sent, first + static_cast<std::ptrdiff_t>(filled_));
   filled_ -= made.size();
   timers_.upload([&] {
@@ -129,8 +129,8 @@ void FrameStep::send_parcel() {
 
 Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut) {
   if (has_grown_) sink_->forget();
-  send_parcel();
-  has_grown_ = has_grown_ && (filled_ > 0 || !queue_.empty());  // of what waits, some may have grown
+  send_batch();
+  has_grown_ = has_grown_ && (filled_ > 0 || !queue_.empty());  // boxes that are not sent yet may have grown
   FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach_, thickness_, cut);
   if (world_from_tool) view.world_from_tool = turns_ ? turned_tool(*world_from_tool, turned_) : *world_from_tool;
   if (world_from_tool) tip_ = world_from_tool->translation;

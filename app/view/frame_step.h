@@ -66,11 +66,11 @@ class FrameStep {
   Voxmap* voxmap_;
   FrameSink* sink_;
   std::size_t listener_;
-  void fill_parcel(std::size_t most, double seconds);
-  void send_parcel();
-  [[nodiscard]] std::size_t texels_in_parcel() const noexcept;
+  void fill_batch(std::size_t most, double seconds);
+  void send_batch();
+  [[nodiscard]] std::size_t texels_in_batch() const noexcept;
   TexelQueue queue_;
-  std::vector<TexelSource> parcel_;  // the batch is the first `filled_`; the others are reused memory
+  std::vector<TexelSource> batch_;  // the batch is the first `filled_`; the others are reused memory
   std::size_t filled_ = 0;
   double make_time_ = 0.0;  // [s] limit for making texels of the batch; 0: no limit
   std::uint64_t growth_epoch_ = 0;

@@ -32,7 +32,7 @@ std::vector<VoxelBox> TexelQueue::take(std::size_t most) {
     if (part.empty()) break;
     out.push_back(part);
     left -= std::min(left, part.count());
-    // What is left of the box stays in front: the rows of a slab that was parted, then the slabs behind it.
+    // The rest of the box stays first in the queue: the remaining rows of a split slab, then the slabs behind it.
     boxes_.erase(0);
     for (const VoxelBox& rest : box_without(front, part)) boxes_.prepend(rest);
   }

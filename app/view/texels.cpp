@@ -141,7 +141,7 @@ Slab make_slab(const BoneModel& bone, float dead_zone, const DensityBlock& from,
   return slab;
 }
 
-/// The same as the bone is now.
+/// The same from the present density of the bone.
 Slab read_slab(const Voxmap& voxmap, const VoxelBox& part) {
   TexelSource source;
   read_texel_source(voxmap, part, source);
@@ -193,7 +193,7 @@ TexelBox make_texels(const Voxmap& voxmap, const VoxelBox& box) {
   if (out.box.empty()) return {};
   out.normal_opacity.reserve(out.box.count());
   out.field.reserve(out.box.count());
-  // By slabs: the whole volume is never dense in floats.
+  // By slabs, so that the whole volume is never stored as dense floats.
   TexelSource source;
   for_each_slab(out.box, [&](const VoxelBox& part) {
     read_texel_source(voxmap, part, source);

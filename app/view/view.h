@@ -84,7 +84,7 @@ struct DrawingQuality {
 enum class NormalSource { texture, recomputed };
 
 /// Options of light and tissue in addition to the light of the paper. A disabled option is not in the shader.
-struct LookView {
+struct Appearance {
   bool tissue = false;     ///< procedural tissue: original surface, cut bone, pores, vessels; needs VolumeView::tissue
   bool occlusion = false;  ///< ambient occlusion
   bool shadow = false;     ///< shadows of bone

@@ -17,7 +17,7 @@ void EnergyObserver::operator()(const Vec3& position, const Vec3& velocity, cons
   velocity_ = velocity;
 }
 
-Vec3 EnergyObserver::repay() const noexcept {
+Vec3 EnergyObserver::damping_force() const noexcept {
   const double square = glm::dot(mean_velocity_, mean_velocity_);
   if (!(config_.largest_damping > 0.0) || !(energy_ < 0.0) || square == 0.0) return Vec3(0.0);
   return -mean_velocity_ * std::min(config_.largest_damping, -energy_ / (dt_ * square));

@@ -31,7 +31,7 @@ class EnergyObserver {
   [[nodiscard]] bool fault() const noexcept { return config_.tolerance > 0.0 && energy_ < -config_.tolerance; }
   /// [HannafordRyu02] passivity controller: while E < 0 it adds a damping of -E / (T v^2), capped; v is the velocity of the last tick.
   /// @returns the force to add [N].
-  [[nodiscard]] Vec3 repay() const noexcept BH_REALTIME;
+  [[nodiscard]] Vec3 damping_force() const noexcept BH_REALTIME;
   void clear() noexcept;
   /// Sets the hand to another place without work (after a jump). A passivity deficit is kept.
   void jump() noexcept { started_ = false; }

@@ -41,7 +41,7 @@ class ListedPlanes final : public HoldCandidates {
 };
 
 /// The equilibrium of springs and dampers without contact, and their total stiffness: the formula of ConstrainedTool, over a servo tick.
-struct Pull {
+struct CouplingTarget {
   Pose world_from_target;
   double stiffness, turn_stiffness;
 };
@@ -52,20 +52,20 @@ struct HandNow {
   const Quat& rotation_before;
 };
 
-Pull pull_of(const LocalContact& local, const Pose& before, const HandNow& hand, double dt) noexcept {
+CouplingTarget coupling_target(const LocalContact& local, const Pose& before, const HandNow& hand, double dt) noexcept {
   const double damping = local.coupling_damping / dt;
-  Pull pull;
-  pull.stiffness = local.coupling_stiffness + damping;
+  CouplingTarget coupling;
+  coupling.stiffness = local.coupling_stiffness + damping;
   // K (h - t) + B (h' - (t - t_before) / dt) is zero at the target.
-  pull.world_from_target.translation =
-      (local.coupling_stiffness * hand.pose.translation + damping * (before.translation + hand.velocity * dt)) / pull.stiffness;
-  const double share = local.coupling_stiffness / pull.stiffness;
-  pull.turn_stiffness = local.turn_stiffness / share;
+  coupling.world_from_target.translation =
+      (local.coupling_stiffness * hand.pose.translation + damping * (before.translation + hand.velocity * dt)) / coupling.stiffness;
+  const double share = local.coupling_stiffness / coupling.stiffness;
+  coupling.turn_stiffness = local.turn_stiffness / share;
   const Vec3 whole = rotation_vector(hand.pose.rotation * glm::conjugate(before.rotation));
   const Vec3 hands = rotation_vector(hand.pose.rotation * glm::conjugate(hand.rotation_before));
   const Vec3 turn = std::isinf(local.turn_stiffness) ? whole : share * whole + (1.0 - share) * hands;
-  pull.world_from_target.rotation = glm::normalize(rotation_of(turn) * before.rotation);
-  return pull;
+  coupling.world_from_target.rotation = glm::normalize(rotation_of(turn) * before.rotation);
+  return coupling;
 }
 
 }  // namespace
@@ -103,15 +103,15 @@ Wrench LocalTool::step(const ContactState& state, const Pose& world_from_hand, c
                        TangentialLaw* law) noexcept {
   const LocalContact& local = state.local;
   const Pose& sampled = state.world_from_tool;
-  const Pull pull = pull_of(local, world_from_tool_, {world_from_hand, velocity, hand_before_}, dt);
+  const CouplingTarget coupling = coupling_target(local, world_from_tool_, {world_from_hand, velocity, hand_before_}, dt);
   hand_before_ = world_from_hand.rotation;
   ListedPlanes candidates(local.list());
-  const HoldProblem problem{.target = pull.world_from_target.translation - sampled.translation,
-                            .turn = rotation_vector(pull.world_from_target.rotation * glm::conjugate(sampled.rotation)),
+  const HoldProblem problem{.target = coupling.world_from_target.translation - sampled.translation,
+                            .turn = rotation_vector(coupling.world_from_target.rotation * glm::conjugate(sampled.rotation)),
                             .engaged = local.engaged,
-                            .stiffness = pull.stiffness,
-                            .turn_stiffness = pull.turn_stiffness,
-                            .cutting_stiffness = local.cutting_stiffness > 0.0 ? local.cutting_stiffness : pull.stiffness,
+                            .stiffness = coupling.stiffness,
+                            .turn_stiffness = coupling.turn_stiffness,
+                            .cutting_stiffness = local.cutting_stiffness > 0.0 ? local.cutting_stiffness : coupling.stiffness,
                             .tolerance = kTolerance};
   HoldMove move;
   if (law == nullptr) {

@@ -54,17 +54,17 @@ int ask_for_fifo(int above) noexcept {
   return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
 }
 
-std::string refusal_text(int priority_fault, const std::string& memory) {
+std::string refusal_text(int priority_error, const std::string& memory) {
   std::string text;
-  if (priority_fault != 0) text = std::string("real-time priority was refused (") + std::strerror(priority_fault) + ")";
+  if (priority_error != 0) text = std::string("real-time priority was refused (") + std::strerror(priority_error) + ")";
   if (!memory.empty()) text += (text.empty() ? "" : ", ") + ("locking memory was refused (" + memory + ")");
   return text;
 }
 
 std::string realtime_refusal() {
-  int fault = 0;
-  std::thread([&] { fault = ask_for_fifo(kServoAbove); }).join();
-  return refusal_text(fault, LockedMemory().refusal());
+  int error = 0;
+  std::thread([&] { error = ask_for_fifo(kServoAbove); }).join();
+  return refusal_text(error, LockedMemory().refusal());
 }
 
 TickClock::TickClock(const timespec& start, double period, double offset) noexcept
@@ -73,13 +73,13 @@ TickClock::TickClock(const timespec& start, double period, double offset) noexce
 TickPlan::Tick TickPlan::next(std::int64_t now) noexcept {
   Tick out;
   if (const std::int64_t late = now - next_; late <= 0) {
-    hurried_ = false;
+    overdue_ = false;
   } else {
     // The newest tick that is due, or the first future one.
-    const std::int64_t given_up = late / period_ + (hurried_ ? 1 : 0);
-    out.ticks += static_cast<std::uint64_t>(given_up);
-    next_ += given_up * period_;
-    hurried_ = !hurried_;
+    const std::int64_t dropped = late / period_ + (overdue_ ? 1 : 0);
+    out.ticks += static_cast<std::uint64_t>(dropped);
+    next_ += dropped * period_;
+    overdue_ = !overdue_;
   }
   out.due = next_;
   next_ += period_;

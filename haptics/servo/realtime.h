@@ -1,5 +1,6 @@
 /// haptics/servo/realtime.h: real-time services of the system for a live loop: scheduling priority, locked memory, ticks at fixed times.
-///   A refused request is returned and is not fatal here: the caller warns, or ends where the user requested it.
+///   Units  as noted.   Errors  none: a refused request is returned as errno or text, and the caller warns or ends the run.
+///   Thread  the loop's own.
 #pragma once
 
 #include <time.h>
@@ -12,8 +13,9 @@
 
 namespace burrhole {
 
-/// Sets denormals to zero in this thread, and in threads that it starts, until the guard ends: arithmetic on denormals is about a hundred
-/// times slower. Live and lockstep runs both tick under it, for the same bits. Does nothing where the processor has no such mode.
+/// Flushes denormals to zero in this thread, and in threads that it starts, until the guard ends: arithmetic on denormals is about a
+/// hundred times slower. Live and lockstep runs both use it, so that results are bit-identical. No effect on processors without such a
+/// mode.
 class FlushToZero {
  public:
   FlushToZero() noexcept;
@@ -45,9 +47,9 @@ inline constexpr int kServoAbove = 60, kContactAbove = 50,
 /// Requests SCHED_FIFO for this thread, at `above` over the lowest FIFO priority. @returns 0 when granted, else the errno.
 [[nodiscard]] int ask_for_fifo(int above) noexcept;
 
-/// Both refusals as one line; empty: no refusal. @param priority_fault result of ask_for_fifo().
-[[nodiscard]] std::string refusal_text(int priority_fault, const std::string& memory);
-/// The refusals that a live run would get, with reasons; empty: none. Changes neither priority nor memory.
+/// @returns both refusals as one line; empty if there is none. @param priority_error result of ask_for_fifo().
+[[nodiscard]] std::string refusal_text(int priority_error, const std::string& memory);
+/// @returns the refusals that a live run would receive, with reasons; empty if there are none. Changes neither priority nor memory.
 [[nodiscard]] std::string realtime_refusal();
 
 /// Selects the next tick from the clock's time alone. If ticks are overdue, the newest of them runs at once, but never twice in a row: a
@@ -65,7 +67,7 @@ class TickPlan {
 
  private:
   std::int64_t next_, period_;
-  bool hurried_ = false;  // the last tick was overdue when it ran
+  bool overdue_ = false;  // the last tick was overdue when it ran
 };
 
 /// Ticks at fixed times of the monotonic clock; the thread sleeps until the tick that TickPlan selects.
@@ -84,7 +86,7 @@ class TickClock {
 };
 
 [[nodiscard]] timespec now_monotonic() noexcept;
-/// [us] from one time to a later one.
+/// @returns the time from `from` to `to` [us].
 [[nodiscard]] float microseconds(const timespec& from, const timespec& to) noexcept;
 
 }  // namespace burrhole

@@ -32,7 +32,7 @@ const char* name_of(ServoFault fault) noexcept {
     case kServoContactStale:
       return "contact stale";
     case kServoEnergy:
-      return "energy given out";
+      return "energy generated";
     case kServoStopped:
       return "stopped";
     case kServoDamped:
@@ -79,7 +79,7 @@ ServoStep::ServoStep(const ServoConfig& config, HandSource& hand, TripleBuffer<C
       slew_(config.largest_slew * config.period),
       gain_(config.soft_start, config.soft_stop, config.period) {}
 
-void ServoStep::look_at_hand() noexcept {
+void ServoStep::read_hand() noexcept {
   const HandState& read = hand_->read();
   hand_age_ = counts_.ticks > 0 && read.tick == output_.hand.tick ? hand_age_ + 1 : 0;
   hand_faults_ = 0;
@@ -102,7 +102,7 @@ void ServoStep::look_at_hand() noexcept {
 }
 
 const HandState& ServoStep::sense() noexcept {
-  look_at_hand();
+  read_hand();
   hand_out_->publish(output_.hand);
   return output_.hand;
 }
@@ -128,9 +128,9 @@ void ServoStep::restart_softly() noexcept {
   soft_since_ = output_.hand.tick;
 }
 
-void ServoStep::answer_requests() noexcept {
-  if (reset_asked_.exchange(false, std::memory_order_relaxed)) reset();
-  if (stop_asked_.exchange(false, std::memory_order_relaxed)) faults_ |= kServoStopped;
+void ServoStep::apply_requests() noexcept {
+  if (reset_requested_.exchange(false, std::memory_order_relaxed)) reset();
+  if (stop_requested_.exchange(false, std::memory_order_relaxed)) faults_ |= kServoStopped;
 }
 
 void ServoStep::watch(const ContactState& contact) noexcept {
@@ -154,7 +154,7 @@ void ServoStep::watch(const ContactState& contact) noexcept {
 }
 
 Vec3 ServoStep::limited(Vec3 force) noexcept {
-  const Vec3 damping = energy_.repay();
+  const Vec3 damping = energy_.damping_force();
   if (damping != Vec3(0.0)) {
     force += damping;
     faults_ |= kServoDamped;
@@ -180,7 +180,7 @@ Vec3 ServoStep::limited(Vec3 force) noexcept {
 }
 
 const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
-  answer_requests();
+  apply_requests();
   faults_ &= kServoLatched | kServoStopped;  // other bits are set again in each tick
   const ContactState& contact = contact_in_->latest();
   watch(contact);

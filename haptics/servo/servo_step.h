@@ -86,9 +86,9 @@ class ServoStep {
 
   /// Any thread or signal handler: the force fades out over soft_stop and stays zero until reset(). A stop and a reset in one tick: the
   /// stop wins.
-  void request_stop() noexcept { stop_asked_.store(true, std::memory_order_relaxed); }
+  void request_stop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
   /// Any thread: calls reset() at the next tick, once.
-  void request_reset() noexcept { reset_asked_.store(true, std::memory_order_relaxed); }
+  void request_reset() noexcept { reset_requested_.store(true, std::memory_order_relaxed); }
   /// Servo thread: clears latched faults and a stop. @returns false, without a change, while a cause persists.
   bool reset() noexcept BH_REALTIME;
 
@@ -105,9 +105,9 @@ class ServoStep {
   [[nodiscard]] const ServoCounts& counts() const noexcept { return counts_; }
 
  private:
-  void look_at_hand() noexcept;
+  void read_hand() noexcept;
   void latch(std::uint32_t fault) noexcept;
-  void answer_requests() noexcept;
+  void apply_requests() noexcept;
   /// Starts the soft start, unless contact finds no force for a hand of this tick or later.
   void restart_softly() noexcept;
   /// Sets the faults of this tick except those of the force, and the age of contact.
@@ -118,7 +118,7 @@ class ServoStep {
   HandSource* hand_;
   TripleBuffer<ContactState>* contact_in_;
   TripleBuffer<HandState>* hand_out_;
-  std::atomic<bool> stop_asked_{false}, reset_asked_{false};
+  std::atomic<bool> stop_requested_{false}, reset_requested_{false};
   MultiRate multi_rate_;
   EnergyObserver energy_;
   SlewLimit slew_;

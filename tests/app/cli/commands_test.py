@@ -37,7 +37,7 @@ class OtherCommands(WithFolder):
         costs = {e["name"]: e["time_us"] for e in json.loads(measured.stdout)["effects"]}
         self.assertGreater(costs["contact"], 0)
         self.assertEqual(list(self.folder.iterdir()), [], "measuring writes nothing")
-        self.assertIn("under a voxel", " ".join(json.loads(run("explain", QUICK, "--json", "--set", "contact.cutting_N_per_m=1e7").stdout)["warnings"]))
+        self.assertIn("less than a voxel", " ".join(json.loads(run("explain", QUICK, "--json", "--set", "contact.cutting_N_per_m=1e7").stdout)["warnings"]))
 
     def test_explain_has_a_row_for_a_spindle_and_bytes_by_the_model(self):
         scene = self.quick(append="[spindle]\n")
@@ -130,7 +130,7 @@ class OtherCommands(WithFolder):
                 self.assertEqual(len(lines(result.stderr)), 1, result.stderr)
                 continue
             self.assertEqual(result.returncode, 0, result.stderr)
-            self.assertIn(f"picture by {backend}: 4.", result.stderr)
+            self.assertIn(f"renderer: {backend}: 4.", result.stderr)
             images[backend] = image.read_bytes()
             if "llvmpipe" not in result.stderr:
                 images.pop(backend)

@@ -47,7 +47,7 @@ class WithFolder(unittest.TestCase):
 
 class Quality(WithFolder):
     def test_a_budget_chooses_the_quality_and_says_so_in_one_line(self):
-        for budget, needle in (("100000", "within the budget of 100000 ms"), ("0.001", "the least there is, over the budget of 0.001 ms")):
+        for budget, needle in (("100000", "within the budget of 100000 ms"), ("0.001", "the lowest quality, over the budget of 0.001 ms")):
             result = self.render("--set", "display.quality=auto", "--set", f"display.budget_ms={budget}")
             self.assertEqual(result.returncode, 0, result.stderr)
             told = [line for line in lines(result.stderr) if line.startswith("quality: ")]
@@ -110,7 +110,7 @@ class Refused(WithFolder):
     def test_a_picture_that_cannot_be_written_is_exit_2(self):
         (self.folder / "plain").write_text("")
         result = run("render", QUICK, "--image", self.folder / "plain" / "x.png")
-        self.assertEqual((result.returncode, len([l for l in lines(result.stderr) if not l.startswith("picture by")])), (2, 1), result.stderr)
+        self.assertEqual((result.returncode, len([l for l in lines(result.stderr) if not l.startswith("renderer: ")])), (2, 1), result.stderr)
         self.assertIn(str(self.folder / "plain"), result.stderr)
         self.refused(2, "--size 0x0", "--size", "0x0")
 

@@ -55,12 +55,12 @@ def options_of(path):
 class Help(unittest.TestCase):
     def test_the_first_lines_say_what_it_is_and_what_to_type(self):
         head = printed("--help").split("\nUsage:")[0]
-        self.assertTrue(head.startswith("burrhole drills craniotomy burrholes"))
+        self.assertTrue(head.startswith("burrhole simulates the drilling of craniotomy burrholes"))
         self.assertEqual(len(re.findall(r"^  burrhole \w+", head, re.MULTILINE)), 3)
 
     def test_commands_stand_in_groups(self):
         text = printed("--help")
-        for group in ("Drill and look", "Scenes and tools", "Measure", "Front door"):
+        for group in ("Drill and view", "Scenes and tools", "Measure", "Reference and shell"):
             self.assertIn(f"\n{group}:\n", text)
         self.assertNotIn("Subcommands", text, "a command without a group: use add_command()")
         self.assertGreaterEqual(len(listed_commands()), 10)

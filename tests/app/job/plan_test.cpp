@@ -114,8 +114,8 @@ TEST_CASE("plan: warns of walls on which the surface model may hold the bit, and
   const std::vector<std::string> rough = warnings({.sets = {"erosion.subvoxel=false"}});
   REQUIRE(rough.size() == 1);
   CHECK(rough.front() ==
-        "[erosion] subvoxel = false leaves walls as rough as a voxel, on which the model \"surface\" may hold the "
-        "bit for good: leave it true");
+        "[erosion] subvoxel = false leaves walls with a roughness of a voxel, on which the model \"surface\" may block the "
+        "bit: set it to true");
   const std::vector<std::string> by_update = warnings({.sets = {"erosion.law=per-update"}});
   REQUIRE(by_update.size() == 1);
   CHECK(by_update.front().starts_with("[erosion] law = \"per-update\""));
@@ -137,11 +137,11 @@ TEST_CASE("plan: warns of an engaged depth under a voxel, and of drilling that i
   const Plan shallow = make_plan(load_small({.sets = {"contact.cutting_N_per_m=200e3"}}));
   REQUIRE(shallow.warnings.size() == 1);
   CHECK(shallow.warnings.front() ==
-        "engaged depth push_N / cutting_N_per_m = 0.100 mm is under a voxel (0.250 mm): little will be cut; push with 50 N or "
-        "more, or take a finer spacing_mm");
+        "engaged depth push_N / cutting_N_per_m = 0.100 mm is less than a voxel (0.250 mm): little will be cut; set push_N to 50 or "
+        "more, or use a smaller spacing_mm");
   const Plan unfelt = make_plan(load_small({.contact = false}));
   REQUIRE(unfelt.warnings.size() == 1);
-  CHECK(unfelt.warnings.front() == "no [contact]: the hand feels nothing and the tool goes where the script goes");
+  CHECK(unfelt.warnings.front() == "no [contact]: no force acts on the hand, and the tool follows the script through bone");
 }
 
 TEST_CASE("explain: the JSON has the rows of the plan, times only when measured") {

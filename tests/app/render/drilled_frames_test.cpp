@@ -33,9 +33,9 @@ class ComparingSink final : public FrameSink {
  public:
   explicit ComparingSink(std::vector<Way> chosen) : ways(std::move(chosen)) {
     for (Way& way : ways) {
-      way.options.growth_is_told = true;  // as in the program
+      way.options.growth_is_reported = true;  // as in the program
       way.kept = std::make_unique<Renderer>(require_renderer(way.options));
-      way.options.keep_picture = way.options.growth_is_told = false;
+      way.options.keep_picture = way.options.growth_is_reported = false;
       way.whole = std::make_unique<Renderer>(require_renderer(way.options));
     }
   }
@@ -85,9 +85,9 @@ std::vector<Way> all_ways() {
   std::vector<Way> ways;
   ways.push_back({.name = "rays", .options = {.finish = false}});
   ways.push_back({.name = "rays-smooth-bare", .options = {.finish = false, .supersample = 2}, .tool = false});
-  ways.push_back({.name = "shipped", .options = {.looks = {.tissue = true, .occlusion = true}, .supersample = 2}});
+  ways.push_back({.name = "shipped", .options = {.appearance = {.tissue = true, .occlusion = true}, .supersample = 2}});
   ways.push_back(
-      {.name = "all-cut", .options = {.looks = {.tissue = true, .occlusion = true, .shadow = true, .specular = true}}, .cut = true});
+      {.name = "all-cut", .options = {.appearance = {.tissue = true, .occlusion = true, .shadow = true, .specular = true}}, .cut = true});
   ways.push_back({.name = "slices", .options = {.slices = SliceOptions{}}});
   ways.push_back({.name = "slices-smooth-bare", .options = {.supersample = 2, .slices = SliceOptions{}}, .tool = false});
   ways.push_back({.name = "translucent-smooth", .options = {.supersample = 2, .translucent = haze}});

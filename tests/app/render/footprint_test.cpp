@@ -138,15 +138,15 @@ TEST_CASE("footprint: its reach is that of the shaders") {
   CHECK(holds("shadow.glsl", "i < 28"));
   CHECK(holds("shadow.glsl", "way += min(0.7 * edges.w * pow(1.08, float(i)), 0.001);"));
   CHECK(holds("tissue.glsl", "vec3 before = p + 0.75 * outward;"));
-  const Reach surface = reach_of({.looks = {.occlusion = true}}, 0.25e-3);
+  const Reach surface = reach_of({.appearance = {.occlusion = true}}, 0.25e-3);
   CHECK(surface.metres == doctest::Approx(0.0011 * std::exp2(2.3) + 1.2 * 0.25e-3));
   CHECK(surface.voxels + surface.metres / 0.25e-3 > 2.25);
   CHECK(reach_of({.finish = false}, 0.25e-3).metres == 0.0);
   CHECK(reach_of({.finish = false}, 0.25e-3).voxels >= 1.0);
-  CHECK(reach_of({.finish = false, .looks = {.normals = NormalSource::recomputed}}, 0.25e-3).voxels >= 1.5);
-  CHECK(reach_of({.finish = false, .looks = {.tissue = true}}, 0.25e-3).voxels >= 1.75);
+  CHECK(reach_of({.finish = false, .appearance = {.normals = NormalSource::recomputed}}, 0.25e-3).voxels >= 1.5);
+  CHECK(reach_of({.finish = false, .appearance = {.tissue = true}}, 0.25e-3).voxels >= 1.75);
   CHECK(reach_of({.finish = true}, 0.25e-3).voxels >= 2.25);
-  const double shaded = reach_of({.looks = {.shadow = true}}, 0.25e-3).metres;
+  const double shaded = reach_of({.appearance = {.shadow = true}}, 0.25e-3).metres;
   CHECK(shaded > 14e-3);
   CHECK(shaded < 17e-3);
 }

@@ -113,7 +113,7 @@ TEST_CASE("context: every back end that exists here draws the same bytes, one af
   };
   std::vector<Drawn> drawn;
   for (const GlBackend backend : kBackends) {
-    auto renderer = Renderer::create({.finish = true, .looks = {.occlusion = true, .shadow = true, .specular = true}, .gl = backend});
+    auto renderer = Renderer::create({.finish = true, .appearance = {.occlusion = true, .shadow = true, .specular = true}, .gl = backend});
     if (!renderer) {
       REQUIRE(renderer.error().code == ErrorCode::unavailable);
       std::cerr << "left out: " << renderer.error().message << '\n';

@@ -129,7 +129,7 @@ TEST_CASE("light: a flat face has the brightness of the paper's model") {
 
 TEST_CASE("looks: by ambient occlusion the floor of a deep hole is darker than the same floor in the open, and only then") {
   const auto floor_brightness = [](bool occlusion, double radius) {
-    Renderer renderer = require_renderer({.finish = false, .looks = {.occlusion = occlusion}});
+    Renderer renderer = require_renderer({.finish = false, .appearance = {.occlusion = occlusion}});
     const VolumeView volume = make_volume({.dims = Vec3i(64),
                                            .bone_from_index = half_millimetre_cube(),
                                            .bone =

@@ -40,8 +40,8 @@ FrameView evenly_lit() {
   return view;
 }
 
-FrameProbe probed(const VolumeView& volume, const LookView& looks, const FrameView& view) {
-  Renderer renderer = require_renderer({.finish = false, .looks = looks});
+FrameProbe probed(const VolumeView& volume, const Appearance& appearance, const FrameView& view) {
+  Renderer renderer = require_renderer({.finish = false, .appearance = appearance});
   REQUIRE(renderer.set_volume(volume).ok());
   auto probe = renderer.probe(view, kSize, kSize);
   REQUIRE(probe.ok());
@@ -73,7 +73,7 @@ double redness(const FrameProbe& probe, const std::vector<std::size_t>& pixels) 
   return red / green;
 }
 
-constexpr LookView kTissue{.tissue = true};
+constexpr Appearance kTissue{.tissue = true};
 
 }  // namespace
 
@@ -126,7 +126,7 @@ TEST_CASE("looks: a volume without tissue is drawn plain, and sends none") {
   VolumeView volume = slab(true);
   const std::size_t with = volume.tissue.size();
   volume.tissue.clear();
-  Renderer renderer = require_renderer({.finish = false, .looks = kTissue});
+  Renderer renderer = require_renderer({.finish = false, .appearance = kTissue});
   REQUIRE(renderer.set_volume(volume).ok());
   CHECK(renderer.counters().volume_bytes == 10 * with);
   Renderer plain = require_renderer();
@@ -161,7 +161,8 @@ TEST_CASE("looks: a wall throws a shadow as long as the light is steep") {
     for (std::size_t n = 0; n < lit.hit.size(); ++n) {
       const Vec3 p = half_millimetre_cube() * Vec3(lit.hit_index[n]);
       if (lit.hit[n] == 0 || std::abs(p.z) > 0.1e-3) continue;
-      // Of the light of the floor 0.4 of 0.4 + 0.5 N.L is left. Within 2 voxels of the wall's edge and of the shadow's the level is not sharp.
+      // Of the light of the floor 0.4 of 0.4 + 0.5 N.L is left. Within 2 voxels of the wall's edge and of the shadow's the level is not
+      // sharp.
       if (p.x > -3e-3 + 2.0 * kEdge && p.x < tip - 2.0 * kEdge / slope - kEdge) {
         ++in_shadow;
         REQUIRE(std::abs(lit.image.pixels[n].r - 0.4 * 200.0) <= 1.5);
@@ -181,8 +182,8 @@ TEST_CASE("looks: a mirror-like point glints by a tenth of the light") {
   FrameView view = evenly_lit();
   view.camera = {.eye = {0.0, -0.1, 0.1}, .target = {0.0, 0.0, 0.0}, .up = {0.0, 0.0, 1.0}, .vertical_fov = 0.1};
   view.light = {.ambient = 0.3, .diffuse = 0.5, .fill = 0.0, .direction_to_light = {0.0, 1.0, 1.0}};
-  const auto middle = [&](const LookView& looks) {
-    return static_cast<double>(probed(floor, looks, view).image.pixels[kSize / 2 * kSize + kSize / 2].r);
+  const auto middle = [&](const Appearance& appearance) {
+    return static_cast<double>(probed(floor, appearance, view).image.pixels[kSize / 2 * kSize + kSize / 2].r);
   };
   // Where half way between light and eye is the normal: 0.1 of the light's 0.5, on 255; a level of rounding on each side.
   CHECK(std::abs(middle({.specular = true}) - middle({}) - 0.1 * 0.5 * 255.0) <= 1.5);
@@ -201,7 +202,7 @@ TEST_CASE("looks: without label colours bone is of one ivory, whatever its texel
 TEST_CASE("looks: recomputed normals know nothing of those sent, and are those of the surface") {
   VolumeView truth = ball_on_plate(), wrong = truth;
   for (Rgba8& texel : wrong.normal_opacity) texel = {255, 0, 128, texel.a};
-  const LookView recomputed{.normals = NormalSource::recomputed};
+  const Appearance recomputed{.normals = NormalSource::recomputed};
   FrameView view = oblique_view();
   view.light = {.ambient = 0.0, .diffuse = 1.0, .fill = 0.0, .direction_to_light = {0.3, -0.5, 0.8}};
   const FrameProbe a = probed(truth, recomputed, view), b = probed(wrong, recomputed, view);

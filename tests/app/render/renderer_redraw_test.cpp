@@ -149,7 +149,7 @@ Image drawn(Renderer& renderer, const FrameView& view, int width, int height) {
 
 TEST_CASE("redraw: a tool beside the picture changes no byte, however near to the eye it is") {
   for (const bool cut : {false, true}) {
-    Pair pair({.looks = {.tissue = true, .occlusion = true}});
+    Pair pair({.appearance = {.tissue = true, .occlusion = true}});
     if (cut) pair.view.cut = FrameView::Cut{{0.0, -1.0, 0.0}, 0.0};
     pair.draw("beside-without");
     const Image without = pair.last;
@@ -170,14 +170,14 @@ TEST_CASE("redraw: rays draw the bytes of a whole picture by the pixels that cha
 }
 
 TEST_CASE("redraw: ambient occlusion reaches further, and no byte differs") {
-  check_sequence("occlusion", {.looks = {.occlusion = true}}, 0.6);
-  check_sequence("occlusion-smooth", {.looks = {.occlusion = true}, .supersample = 2}, 0.6);
+  check_sequence("occlusion", {.appearance = {.occlusion = true}}, 0.6);
+  check_sequence("occlusion-smooth", {.appearance = {.occlusion = true}, .supersample = 2}, 0.6);
 }
 
 TEST_CASE("redraw: smooth and recomputed normals, a shadow and a glint draw the bytes of a whole picture") {
   check_sequence("finish", {.finish = true}, 0.15);
-  check_sequence("recomputed", {.looks = {.specular = true, .normals = NormalSource::recomputed}}, 0.15);
-  check_sequence("shadow", {.looks = {.shadow = true}}, 1.01);  // it may reach across all of this small bone
+  check_sequence("recomputed", {.appearance = {.specular = true, .normals = NormalSource::recomputed}}, 0.15);
+  check_sequence("shadow", {.appearance = {.shadow = true}}, 1.01);  // it may reach across all of this small bone
 }
 
 TEST_CASE("redraw: an eye of two, its frustum off the axis, draws the bytes of a whole picture by the pixels that changed") {
@@ -244,7 +244,7 @@ TEST_CASE("redraw: a footprint two pixels smaller, one without the sky's reach, 
     return find_footprint(*rays, reached_corners(box, reach_of(options, edge), world_from_index), Vec2i(kSmall));
   };
   for (const bool occlusion : {false, true}) {
-    const RenderOptions options{.finish = false, .looks = {.occlusion = occlusion}, .keep_picture = false};
+    const RenderOptions options{.finish = false, .appearance = {.occlusion = occlusion}, .keep_picture = false};
     Renderer renderer = require_renderer(options);
     REQUIRE(renderer.set_volume(ball_on_plate()).ok());
     REQUIRE(renderer.set_tool(post()).ok());

@@ -58,8 +58,8 @@ TEST_CASE("update: a box of 20^3 sends 20^3 texels of six bytes and nothing else
 }
 
 TEST_CASE("update: through a ring of buffers the same bytes arrive, however often it turns and where a box does not fit") {
-  Renderer ring = require_renderer({.growth_is_told = true, .upload_ring = true});
-  Renderer plain = require_renderer({.growth_is_told = true, .upload_ring = false});
+  Renderer ring = require_renderer({.growth_is_reported = true, .upload_ring = true});
+  Renderer plain = require_renderer({.growth_is_reported = true, .upload_ring = false});
   for (Renderer* renderer : {&ring, &plain}) REQUIRE(renderer->set_volume(ball_on_plate()).ok());
   Image before = drawn(plain);
   const auto both = [&](const VoxelBox& box) {
@@ -100,7 +100,7 @@ TEST_CASE("update: bone that grows where growth is told appears once it was told
   Renderer plain = require_renderer({.skip_empty = false, .finish = false});
   REQUIRE(plain.set_volume(grown).ok());
   for (const bool told : {true, false}) {
-    Renderer trusting = require_renderer({.finish = false, .growth_is_told = true});
+    Renderer trusting = require_renderer({.finish = false, .growth_is_reported = true});
     REQUIRE(trusting.set_volume(ball_on_plate()).ok());
     const std::uint64_t skip_map = trusting.counters().skip_map_bytes;
     drawn(trusting);

@@ -80,31 +80,32 @@ namespace {
 /// What only the named look brings into the source of a surface.
 struct LookWord {
   const char* word;
-  LookView looks;
+  Appearance appearance;
 };
 
-std::string surface_source(const LookView& looks) {
-  return expand_shader(embedded_shaders(), "surface.frag", surface_variant({.looks = looks}).defines).value();
+std::string surface_source(const Appearance& appearance) {
+  return expand_shader(embedded_shaders(), "surface.frag", surface_variant({.appearance = appearance}).defines).value();
 }
 
 }  // namespace
 
 TEST_CASE("shader source: a look that is off is not in the source, one that is on is") {
-  const LookView none{.labels = false};
+  const Appearance none{.labels = false};
   std::vector<LookWord> words{{"sampler3D tissue", none},
                               {"open_sky(", none},
                               {"light_reaching(", none},
                               {"pow(max(dot(normal, normalize(light.xyz + to_eye))", none},
                               {"textureLod(color_soft, texture_from_index(inside)", none}};
-  words[0].looks.tissue = words[1].looks.occlusion = words[2].looks.shadow = words[3].looks.specular = words[4].looks.labels = true;
+  words[0].appearance.tissue = words[1].appearance.occlusion = words[2].appearance.shadow = words[3].appearance.specular =
+      words[4].appearance.labels = true;
   for (const LookWord& look : words) {
     CHECK(surface_source(none).find(look.word) == std::string::npos);
-    CHECK(surface_source(look.looks).find(look.word) != std::string::npos);
+    CHECK(surface_source(look.appearance).find(look.word) != std::string::npos);
     for (const LookWord& other : words)
-      if (other.word != look.word) CHECK(surface_source(other.looks).find(look.word) == std::string::npos);
+      if (other.word != look.word) CHECK(surface_source(other.appearance).find(look.word) == std::string::npos);
   }
   // Recomputed normals look up no stored one for the surface; stored ones are the only ones otherwise.
-  LookView recomputed = none;
+  Appearance recomputed = none;
   recomputed.normals = NormalSource::recomputed;
   CHECK(surface_source(none).find("vec3 n = stored_normal(p);") != std::string::npos);
   CHECK(surface_source(recomputed).find("vec3 n = stored_normal(p);") == std::string::npos);

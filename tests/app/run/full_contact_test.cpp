@@ -94,7 +94,7 @@ Run pressed(const Model& model, int latency_ticks, bool late = false) {
   for (int n = 0; n < kTicks; ++n) {
     Tick tick{hand.state().world_from_hand.translation, hand.state().velocity, Vec3(0.0)};
     tick.force = loop.tick().force;
-    CHECK(loop.looked());
+    CHECK(loop.ran_contact());
     out.ticks.push_back(tick);
   }
   out.tool = (*parts)->contact->state().world_from_tool;

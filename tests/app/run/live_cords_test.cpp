@@ -98,7 +98,7 @@ struct Loose {
   /// On threads, until the ticks after the cord are over.
   void run() {
     RunLog log(*parts, nullptr, [] {});
-    const Status ran = run_live(*parts, log, {.require_realtime = false, .stop = &stop, .progress = {}, .warn = {}}, desk, report);
+    const Status ran = run_live(*parts, log, {.require_realtime = false, .stop = &stop, .progress = {}, .warn = {}}, hand_off, report);
     REQUIRE_MESSAGE(ran.ok(), (ran ? "" : ran.error().text()));
     REQUIRE(hand.after >= kAfter);
     CHECK(hand.before > kPressed);
@@ -106,7 +106,7 @@ struct Loose {
   LoadedScene loaded;
   CordHand hand;
   std::unique_ptr<Stage> parts;
-  ParcelDesk desk;
+  BatchHandOff hand_off;
   LiveReport report;
   std::atomic<bool> stop{false};
 };
@@ -181,8 +181,8 @@ TEST_CASE("live cords: an exception in the simulation's thread ends the run, is 
   loose.hand.at_end = {};
   loose.hand.pull = [] { refuse = true; };
   RunLog log(*loose.parts, nullptr, [] {});
-  const Status ran =
-      run_live(*loose.parts, log, {.require_realtime = false, .stop = &loose.stop, .progress = {}, .warn = {}}, loose.desk, loose.report);
+  const Status ran = run_live(*loose.parts, log, {.require_realtime = false, .stop = &loose.stop, .progress = {}, .warn = {}},
+                              loose.hand_off, loose.report);
   refuse = false;
   CHECK(!ran.ok());
   if (!ran) CHECK(ran.error().message.find("exception") != std::string::npos);
@@ -200,8 +200,8 @@ TEST_CASE("live cords: an exception where progress is told leaves the hand witho
   const auto tell = [&](double, const DrillProgress&) {
     if (pulled) throw std::runtime_error("nobody listens");
   };
-  CHECK_THROWS_AS((void)run_live(*loose.parts, log, {.require_realtime = false, .stop = nullptr, .progress = tell, .warn = {}}, loose.desk,
-                                 loose.report),
+  CHECK_THROWS_AS((void)run_live(*loose.parts, log, {.require_realtime = false, .stop = nullptr, .progress = tell, .warn = {}},
+                                 loose.hand_off, loose.report),
                   std::runtime_error);
   CHECK(loose.hand.before > kPressed);
   CHECK(loose.hand.last == 0.0);

@@ -152,8 +152,8 @@ TEST_CASE("reference: its samples are sound, each as its line says") {
       std::string told;
       for (const Error& issue : got.issues) told += issue.text() + "\n";
       CAPTURE(told);
-      REQUIRE(got.issues.size() == (sample.fault.empty() ? 0u : 1u));
-      if (!sample.fault.empty()) CHECK(got.issues[0].message.find(sample.fault) != std::string::npos);
+      REQUIRE(got.issues.size() == (sample.expected_error.empty() ? 0u : 1u));
+      if (!sample.expected_error.empty()) CHECK(got.issues[0].message.find(sample.expected_error) != std::string::npos);
     }
 }
 

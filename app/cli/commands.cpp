@@ -1,4 +1,4 @@
-#include "app/cli/front.h"
+#include "app/cli/commands.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,9 +22,9 @@ int exit_code_of(const Error& error) {
     case ErrorCode::unavailable:
       return kUnavailable;
     case ErrorCode::internal:
-      return kOurBug;
+      return kInternalError;
   }
-  return kOurBug;
+  return kInternalError;
 }
 
 int report(const Error& error) {
@@ -36,7 +36,7 @@ int report(const Issues& issues) {
   int code = kDone;
   for (const Error& issue : issues) {
     const int own = report(issue);
-    // What the user can mend comes first: a fault in the input outweighs something that is not available.
+    // An input error has precedence over `unavailable`, because the user can fix it.
     if (code == kDone || code == kUnavailable) code = own;
   }
   return code;
@@ -71,19 +71,19 @@ void add_simd_option(CLI::App& command) {
   };
   command
       .add_option_function<std::string>("--simd", choose,
-                                        "vector instructions: auto (the best), sse4, avx2 or avx512; results are the same")
+                                        "vector instructions: auto (the best), sse4, avx2 or avx512; results do not depend on it")
       ->type_name("LEVEL");
 }
 
 void add_gl_option(CLI::App& command, std::string& gl) {
-  command.add_option("--gl", gl, "OpenGL by auto (egl if it has a GPU, else osmesa), window (hidden), osmesa or egl")
+  command.add_option("--gl", gl, "OpenGL context: auto (egl if it has a GPU, else osmesa), window (hidden), osmesa or egl")
       ->type_name("BACKEND")
       ->check(CLI::IsMember({"auto", "window", "osmesa", "egl"}))
       ->capture_default_str();
 }
 
 void add_shader_option(CLI::App& command, std::string& folder) {
-  command.add_option("--shader-dir", folder, "shaders of this folder in place of those built in")->type_name(kFolderValue);
+  command.add_option("--shader-dir", folder, "folder of shaders to use instead of the built-in ones")->type_name(kFolderValue);
 }
 
 Result<TomlDocument> SceneOption::document() const {
@@ -101,7 +101,7 @@ std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_c
     return std::nullopt;
   }
   Issues issues;
-  Progress progress(quiet, kPatience);
+  Progress progress(quiet, kReadingDelay);
   LoadOptions options;
   options.progress = [&](double share) { progress.show(share, "reading the scan"); };
   options.say = [&](const std::string& line) { progress.say(line); };

@@ -1,4 +1,5 @@
-/// app/cli/front.h: what every command shares: where shipped files lie, how faults are printed, which exit code follows.
+/// app/cli/commands.h: registration of all commands, and their common parts: shipped files, shared options, error output, exit codes.
+///   Thread  main.   Errors  bad_input of scene files and options.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,49 +13,51 @@
 
 namespace burrhole::cli {
 
-/// 0 done, 1 our bug, 2 input or usage, 3 a check or bound failed, 4 no usable device, display or GL, 130 interrupted.
-enum ExitCode : int { kDone = 0, kOurBug = 1, kBadInput = 2, kCheckFailed = 3, kUnavailable = 4, kInterrupted = 130 };
+/// 0 done, 1 internal error, 2 input or usage error, 3 a check or bound failed, 4 no usable device, display or OpenGL, 130 interrupted.
+enum ExitCode : int { kDone = 0, kInternalError = 1, kBadInput = 2, kCheckFailed = 3, kUnavailable = 4, kInterrupted = 130 };
 
 [[nodiscard]] int exit_code_of(const Error& error);
-/// Prints one line a fault to stderr. @returns the exit code: 2, or 4 when every fault is that something is not available.
+/// Prints one line per error to stderr. @returns the exit code of the first error that is not `unavailable`; 4 if all are, 0 if there is
+/// none.
 int report(const Issues& issues);
 int report(const Error& error);
 
-/// <program>/../share/burrhole when installed, the source tree's app folder otherwise.
+/// @returns <program>/../share/burrhole when installed, the source tree's app folder otherwise.
 [[nodiscard]] std::string share_folder();
+/// @returns a context that finds the shipped tools.
 [[nodiscard]] SceneContext scene_context();
-/// The path as given; or, for a bare name, the shipped scene of that name.
+/// @returns the path as given, or the path of the shipped scene of that name.
 [[nodiscard]] std::string find_scene(const std::string& scene);
 
-/// A scene argument with its overrides.
+/// The argument SCENE with the overrides of --set.
 struct SceneOption {
   std::string scene;
   std::vector<std::string> sets;
   void add_to(CLI::App& command);
-  /// Parses and applies overrides.
+  /// Parses the file and applies the overrides.
   [[nodiscard]] Result<TomlDocument> document() const;
 };
 
-/// `--simd`, for every command that steps the simulation: chosen while arguments are read, before any step.
+/// Adds `--simd`, for commands that run the simulation. The level is set while arguments are parsed, before any step.
 void add_simd_option(CLI::App& command);
 
-/// `--gl`, for every command that draws.
+/// Adds `--gl`, for commands that draw.
 void add_gl_option(CLI::App& command, std::string& gl);
 
-/// `--shader-dir`, for the commands that write pictures.
+/// Adds `--shader-dir`, for commands that write pictures.
 void add_shader_option(CLI::App& command, std::string& folder);
 
-/// Document, scene, bone and tool in one go, with a bar on long reads. Nothing when something was at fault: it is then printed and
-/// `exit_code` set.
+/// Loads scene, bone and tool, with a progress bar on long reads. @returns nothing after an error, which is printed; `exit_code` is then
+/// set.
 [[nodiscard]] std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet = false);
 
-/// "AxB" or "A,B,C" as numbers; nothing when it is not exactly `count` finite numbers.
+/// @returns the numbers of "AxB" or "A,B,C"; nothing if the text is not exactly `count` finite numbers.
 [[nodiscard]] std::optional<std::vector<double>> split_numbers(const std::string& text, char separator, std::size_t count);
 
-/// Prints to stdout, unbuffered by anything else.
+/// Prints to stdout and flushes it.
 void print(const std::string& text);
 
-// One function a command: registers it; its run function sets the exit code.
+// Each registers one command, whose callback sets the exit code.
 void add_drill(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);

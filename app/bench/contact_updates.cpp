@@ -1,4 +1,4 @@
-// Keeping the packed window up to date: leaps of a changed box, slides, whole loads.
+// Updates of the published window: words and leaps of a changed box, slides of the window, complete loads.
 #include <fmt/format.h>
 
 #include "app/bench/bench_scene.h"
@@ -9,7 +9,7 @@
 namespace burrhole {
 namespace {
 
-/// Words of a box of `edge` voxels after it changed at random, against a rebuild of them all.
+/// Updates the words of a box of `edge` voxels after a random change; the baseline rebuilds all words.
 void compare_update(Bench& bench, Voxmap& voxmap, int edge) {
   const VoxelBox window = voxmap.window().box;
   const Vec3i centre = (window.lo + window.hi) / 2;
@@ -36,20 +36,20 @@ void compare_update(Bench& bench, Voxmap& voxmap, int edge) {
     bench.add_speed_up(name, "us", 1e6, bench.time(rebuild, update));
 }
 
-/// What two copies are compared by: words and density whole, records where they are true, with the stiffness beside them.
+/// Compares two copies: all words and densities, or the valid records and all stiffnesses.
 bool copies_agree(Bench& bench, const std::string& name, const ContactWindow& a, const ContactWindow& b) {
   if (!a.words.empty())
     return bench.agree(name, bytes_of(a.words), bytes_of(b.words)) && bench.agree(name, bytes_of(a.density), bytes_of(b.density));
-  const auto true_ones = [](const ContactWindow& copy) {
+  const auto valid_records = [](const ContactWindow& copy) {
     std::vector<Record16> out(copy.records_valid.count());
     copy_part(copy.records_valid, copy.box, std::get<std::vector<Record16>>(copy.records).data(), copy.records_valid, out.data());
     return out;
   };
-  return bench.agree(name, bytes_of(true_ones(a)), bytes_of(true_ones(b))) &&
+  return bench.agree(name, bytes_of(valid_records(a)), bytes_of(valid_records(b))) &&
          bench.agree(name, bytes_of(a.stiffness), bytes_of(b.stiffness));
 }
 
-/// The window goes 8 voxels along an axis and back, against loading it anew at each place.
+/// Slides the window by 8 voxels along an axis and back; the baseline loads it at each place.
 Status compare_slide(Bench& bench, const std::shared_ptr<const BoneModel>& bone, const VoxelBox& here, std::size_t axis,
                      const ContactFields& fields) {
   Vec3i shift(0);
@@ -99,7 +99,7 @@ Status compare_slide(Bench& bench, const std::shared_ptr<const BoneModel>& bone,
 
 }  // namespace
 
-Status bench_contact_upkeep(Bench& bench) {
+Status bench_contact_updates(Bench& bench) {
   const auto loaded = load_parietal_scene({});
   if (!loaded) return loaded.error();
   const std::shared_ptr<const BoneModel>& bone = (*loaded)->bone;
@@ -110,7 +110,7 @@ Status bench_contact_upkeep(Bench& bench) {
   if (!voxmap) return voxmap.error();
   if (Status placed = voxmap->place_window(here); !placed) return placed;
   for (const int edge : {20, 40}) compare_update(bench, voxmap.value(), edge);
-  // As the shipped models ask for them: words for gradient-plane, records for surface.
+  // The fields that the shipped models need: words for gradient-plane, records for surface.
   const ContactFields words{.gradient = false, .words = true}, records{.gradient = false, .records = RecordPrecision::bits16};
   for (const ContactFields& fields : {words, records})
     for (const std::size_t axis : {std::size_t{0}, std::size_t{2}})
