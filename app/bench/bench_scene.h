@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "app/scene/load.h"
 #include "app/run/simulation.h"
+#include "app/scene/load.h"
 
 namespace burrhole {
 

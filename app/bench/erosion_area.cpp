@@ -41,7 +41,8 @@ Result<BuriedBurr> bury_burr() {
   out.index_from_tool =
       out.loaded->bone->bone_from_index().inverse() * Affine::from_pose(approach->bone_from_approach * approach_from_tool);
   if (Status placed = out.voxmap->place_window(
-          tool_box(out.burr, out.index_from_tool, window_margins(out.loaded->scene.effects.needs(out.loaded->scene).fields, out.loaded->bone->bone_from_index()).placed));
+          tool_box(out.burr, out.index_from_tool,
+                   window_margins(out.loaded->scene.effects.needs(out.loaded->scene).fields, out.loaded->bone->bone_from_index()).placed));
       !placed)
     return placed.error();
   out.as_placed = out.voxmap->window().remaining;
@@ -298,8 +299,9 @@ Status compare_publish(Bench& bench, const LoadedScene& loaded) {
   const auto approach = make_approach(*loaded.bone, loaded.scene.approach);
   if (!approach) return approach.error();
   const Affine index_from_tool = loaded.bone->bone_from_index().inverse() * Affine::from_pose(approach->bone_from_approach);
-  if (Status placed =
-          voxmap->place_window(tool_box(loaded.tool, index_from_tool, window_margins(loaded.scene.effects.needs(loaded.scene).fields, loaded.bone->bone_from_index()).placed));
+  if (Status placed = voxmap->place_window(
+          tool_box(loaded.tool, index_from_tool,
+                   window_margins(loaded.scene.effects.needs(loaded.scene).fields, loaded.bone->bone_from_index()).placed));
       !placed)
     return placed;
   ContactWindowPublisher publisher(*voxmap);

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "app/bench/bench.h"
-#include "app/view/texels.h"
 #include "app/render/renderer.h"
+#include "app/view/texels.h"
 
 namespace burrhole {
 
@@ -15,7 +15,7 @@ inline constexpr int kCanvasSide = 512;  ///< [pixels]
 struct Canvas {
   Renderer renderer;
   FrameView view;
-  Image image;  ///< the last picture
+  Image image;   ///< the last picture
   Status error;  ///< the first error of draw() and set_volume()
 
   [[nodiscard]] static Result<Canvas> create(const RenderOptions& options, const FrameView& view);

@@ -13,12 +13,12 @@
 
 #include "app/bench/bench_scene.h"
 #include "app/bench/render_canvas.h"
-#include "app/view/texels.h"
 #include "app/render/renderer.h"
 #include "app/report/file.h"
 #include "app/report/scratch_folder.h"
-#include "core/base/units.h"
 #include "app/view/display_config.h"
+#include "app/view/texels.h"
+#include "core/base/units.h"
 
 namespace burrhole {
 namespace {

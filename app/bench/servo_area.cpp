@@ -9,8 +9,8 @@
 #include "app/bench/areas.h"
 #include "app/bench/bench_scene.h"
 #include "app/bench/contact_bones.h"
-#include "haptics/servo/realtime.h"
 #include "app/view/texels.h"
+#include "haptics/servo/realtime.h"
 #ifdef BH_WITH_RENDER
 #include "app/render/renderer.h"
 #include "app/view/display_config.h"
@@ -36,8 +36,8 @@ class DrawingThread {
       auto approach = make_approach(*loaded.bone, loaded.scene.approach);
       if (!renderer || !voxmap || !approach || !renderer->set_volume(make_volume_view(*voxmap))) return;
       const Pose world_from_approach = loaded.scene.volume.world_from_bone * approach->bone_from_approach;
-      const FrameView view =
-          make_frame_view(*loaded.scene.find<DisplayConfig>(), loaded.scene.volume.world_from_bone, world_from_approach, approach->thickness, false);
+      const FrameView view = make_frame_view(*loaded.scene.find<DisplayConfig>(), loaded.scene.volume.world_from_bone, world_from_approach,
+                                             approach->thickness, false);
       while (!stop_.load(std::memory_order_relaxed) && renderer->draw(view, 512, 512)) frames_.fetch_add(1, std::memory_order_relaxed);
     });
 #else

@@ -87,10 +87,7 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->add_option("--out", option->files.folder, "folder for the results")->type_name(kFolderValue)->capture_default_str();
   command->add_option("--restore", option->files.restore_path, "start from this checkpoint: the bone.vdb of an earlier run")
       ->type_name(kFileValue);
-  command
-      ->add_option(
-          "--inputs", option->files.inputs,
-          "TOML file of timed inputs: spin, tool, undo, checkpoint, ... (docs/inputs.md)")
+  command->add_option("--inputs", option->files.inputs, "TOML file of timed inputs: spin, tool, undo, checkpoint, ... (docs/inputs.md)")
       ->type_name(kFileValue);
   add_simd_option(*command);
   add_gl_option(*command, option->files.gl);

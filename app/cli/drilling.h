@@ -6,8 +6,8 @@
 #include <string>
 
 #include "app/cli/picture_sink.h"
-#include "app/scene/load.h"
 #include "app/job/summary.h"
+#include "app/scene/load.h"
 
 namespace burrhole::cli {
 

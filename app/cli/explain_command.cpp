@@ -25,12 +25,11 @@ std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSum
     const PlanRow& row = plan.rows[n];
     const std::string rate = row.rate_hz > 0.0 ? fmt::format("{:.0f} Hz", row.rate_hz) : "events";
     const std::string time = measured != nullptr ? fmt::format("{:.2f} s", measured->effects[n].time_us * 1e-6) : "";
-    out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}; {}\n", row.table, name_of(row.clock), rate,
-                       size_text(row.bytes), time, row.step, row.detail);
+    out += fmt::format("{:<9} {:<11} {:>9}  {:>10}  {:>10}  {}; {}\n", row.table, name_of(row.clock), rate, size_text(row.bytes), time,
+                       row.step, row.detail);
   }
   std::vector<std::string> absent, later;
-  for (const std::string& name : plan.not_built)
-    (in_this_version(name) ? absent : later).push_back(name);
+  for (const std::string& name : plan.not_built) (in_this_version(name) ? absent : later).push_back(name);
   if (!absent.empty()) out += fmt::format("\nnot built, as this scene has no table for it: {}", fmt::join(absent, ", "));
   out += fmt::format("\nnot in this version: {}\n", fmt::join(later, ", "));
   for (const std::string& warning : plan.warnings) out += "warning: " + warning + "\n";

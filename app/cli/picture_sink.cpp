@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "app/view/quality.h"
 #include "app/render/overlay.h"
 #include "app/render/png.h"
 #include "app/render/renderer.h"
+#include "app/view/quality.h"
 #include "app/view/stereo.h"
 
 namespace burrhole::cli {

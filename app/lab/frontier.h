@@ -23,7 +23,7 @@ struct KnownLimit {
   int servo_hz = 1000, delay = 0, contact_ticks = 1, latency_ticks = 0;  ///< servo_hz [Hz], the others [ticks]
   MultiRateScheme scheme = MultiRateScheme::hold;
   double coupling_damping = 0.0;  ///< [N s/m]
-  double stiffness = 0.0;  ///< [N/m] the limit, rounded to a whole number
+  double stiffness = 0.0;         ///< [N/m] the limit, rounded to a whole number
 };
 /// 52 linear systems on one flat wall, their limits written by scripts/frontier_known. Contact every 33 ticks is left out: 33 does not
 /// divide 1000.

@@ -1,6 +1,6 @@
 #include "app/lab/frontier_loop.h"
-#include "haptics/device/device_config.h"
 #include "core/contact/constrained_tool.h"
+#include "haptics/device/device_config.h"
 
 #include <fmt/format.h>
 

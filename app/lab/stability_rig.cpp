@@ -68,7 +68,8 @@ Status StabilityRig::put_together(const StabilityModel& model) {
   if (!loaded) return loaded.error();
   loaded_ = std::move(loaded).value();
   const Scene& scene = loaded_->scene;
-  if (scene.find<DeviceConfig>() == nullptr || !scene.volume.phantom) return Error{ErrorCode::bad_input, "a hard case needs a device and a phantom", case_->name};
+  if (scene.find<DeviceConfig>() == nullptr || !scene.volume.phantom)
+    return Error{ErrorCode::bad_input, "a hard case needs a device and a phantom", case_->name};
   truth_ = std::make_unique<Truth>(*scene.volume.phantom);
   std::shared_ptr<const BoneModel> bone = loaded_->bone;
   if (case_->slot_half_width > 0.0) {

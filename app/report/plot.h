@@ -19,10 +19,10 @@ inline constexpr const char* kPlotViolet = "#8a4f9e";
 inline constexpr const char* kPlotGrey = "#555555";
 
 struct PlotSeries {
-  std::string name;          ///< in the legend, which is drawn when a panel has more than one; empty: not there
+  std::string name;  ///< in the legend, which is drawn when a panel has more than one; empty: not there
   /// [units of the axes] equal sizes. A series with over five points per pixel is decimated; peaks are kept; its x must not decrease.
   std::vector<double> x, y;
-  std::string style{};       ///< as line_style() or point_style() make it; empty: a line, colours in turn
+  std::string style{};                ///< as line_style() or point_style() make it; empty: a line, colours in turn
   std::vector<std::string> labels{};  ///< beside each point; empty: none
 };
 
@@ -34,7 +34,7 @@ struct PlotSeries {
 
 /// An area between two curves, under the series; values are clamped to the panel's y_range, which is given.
 struct PlotFill {
-  std::string name;  ///< in the legend
+  std::string name;                 ///< in the legend
   std::vector<double> x, from, to;  ///< [units of the axes]
 };
 

@@ -79,7 +79,8 @@ Status RunLog::record_contact(const RunSample& sample, const DrillProgress& prog
   }
   if (!drew_breakthrough_ && progress.breakthrough_time) {
     drew_breakthrough_ = true;
-    if (Status noted = record_event(sample.time, "breakthrough", "no bone ahead of the tip; behind it only the bone in which the bit is engaged");
+    if (Status noted =
+            record_event(sample.time, "breakthrough", "no bone ahead of the tip; behind it only the bone in which the bit is engaged");
         !noted)
       return noted;
     return draw("breakthrough", world_from_tool, true);

@@ -86,7 +86,7 @@ struct SessionInput {
 };
 
 struct SessionEvent {
-  double time_s = 0.0;  ///< finite
+  double time_s = 0.0;    ///< finite
   std::int64_t tick = 0;  ///< [ticks] of the servo
   std::string kind;
   std::string text;

@@ -73,7 +73,7 @@ inline const SlotKey<Constraints> kConstraints{"constraints"};  ///< add
 inline const SlotKey<Cut> kCut{"cut"};                  ///< the stage's
 inline const SlotKey<double> kSpin{"spin"};             ///< [rev/s] owned by [spindle]; otherwise the stage's, equal to spin_asked
 inline const SlotKey<double> kSpinAsked{"spin_asked"};  ///< [rev/s] the stage's: command times the scene's spin
-inline const SlotKey<BoneRemoval> kRemoval{"removal"};      ///< owned by [erosion]
+inline const SlotKey<BoneRemoval> kRemoval{"removal"};  ///< owned by [erosion]
 // frame clock
 inline const SlotKey<Picture> kPicture{"picture"};             ///< the stage's
 inline const SlotKey<Status*> kPictureError{"picture_error"};  ///< the stage's: receives the error of a picture

@@ -19,10 +19,10 @@ namespace burrhole {
 struct ContactFormNeeds {
   ContactFields fields{.density = true, .gradient = false, .words = false, .records = {}};  ///< of the window's copies
   bool paper_grids = false;                                                                 ///< also provide the sparse grids of the paper
-  bool holds_back = false;          ///< true: bone constrains a tool with its own pose; false: a penalty model
-  double coupling_stiffness = 0.0;  ///< [N/m] hand to tool, of a constrained tool
-  double coupling_damping = 0.0;    ///< [N s/m] hand to tool, of a constrained tool
-  double cutting_stiffness = 0.0;   ///< [N/m] thrust over engaged depth, of a constrained tool
+  bool holds_back = false;                                       ///< true: bone constrains a tool with its own pose; false: a penalty model
+  double coupling_stiffness = 0.0;                               ///< [N/m] hand to tool, of a constrained tool
+  double coupling_damping = 0.0;                                 ///< [N s/m] hand to tool, of a constrained tool
+  double cutting_stiffness = 0.0;                                ///< [N/m] thrust over engaged depth, of a constrained tool
   double plane_reach = std::numeric_limits<double>::infinity();  ///< [voxels] largest distance from its pose at which a plane is valid
 };
 

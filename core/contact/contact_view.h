@@ -24,7 +24,7 @@ inline constexpr float kSurfaceLevel = 0.5f;
 /// A point of the 0.5 surface [m] with its outward unit normal [-], world frame.
 struct SurfacePoint {
   Vec3 position;  ///< [m]
-  Vec3 normal;  ///< [-]
+  Vec3 normal;    ///< [-]
 };
 
 class ContactView {

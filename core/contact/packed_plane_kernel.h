@@ -29,8 +29,8 @@ struct PackedJob {
   double index_from_tool[3][4] = {}, world_from_index[3][4] = {}, origin[3] = {};  // [voxels/m], [m/voxel], [m]
   // Rotations and scales of directions, [voxels/m], [m/voxel], [voxels/m], [-].
   float steps_from_tool[3][3] = {}, way_from_index[3][3] = {}, normal_from_gradient[3][3] = {}, world_from_tool[3][3] = {};
-  std::int32_t solid;  // least density of a solid voxel
-  bool trilinear;      // whether collision uses the trilinear density
+  std::int32_t solid;                  // least density of a solid voxel
+  bool trilinear;                      // whether collision uses the trilinear density
   std::int32_t max_march, max_ascent;  // [voxels]
   const std::uint32_t* point;
   bool listed;  // contacts are requested

@@ -21,11 +21,11 @@ enum HandFlag : std::uint32_t {
 
 /// State of the hand at this tick. A TripleBuffer carries it to contact. Contact models read its HandMotion.
 struct HandState : HandMotion {
-  double thrust = 0.0;   ///< [N] along the axis into bone
-  double spin = 1.0;     ///< [-] spin command: 0 off, 1 the full spin of the scene
+  double thrust = 0.0;  ///< [N] along the axis into bone
+  double spin = 1.0;    ///< [-] spin command: 0 off, 1 the full spin of the scene
   HandPhase phase = HandPhase::approach;
-  std::uint64_t tick = 0;   ///< increases by one each tick
-  std::uint32_t flags = 0;  ///< HandFlag
+  std::uint64_t tick = 0;      ///< increases by one each tick
+  std::uint32_t flags = 0;     ///< HandFlag
   std::uint32_t switches = 0;  ///< bits of pedals and buttons
 };
 static_assert(std::is_trivially_copyable_v<HandState>);

@@ -128,8 +128,8 @@ class ServoStep {
   std::uint64_t contact_tick_ = 0;  // of the motion that the latest contact state belongs to
   std::atomic<double> spin_{1.0};   // [-]
   std::atomic<std::uint32_t> switches_{0};
-  bool jumped_ = false;             // in the last reading
-  std::uint32_t hand_faults_ = 0;   // of the last reading
+  bool jumped_ = false;            // in the last reading
+  std::uint32_t hand_faults_ = 0;  // of the last reading
   std::uint32_t faults_ = 0;
   ServoCounts counts_;
   ServoOutput output_;

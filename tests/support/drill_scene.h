@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "app/scene/load.h"
 #include "app/run/simulation.h"
+#include "app/scene/load.h"
 
 namespace burrhole::test {
 

@@ -5,12 +5,12 @@
 #include <memory>
 #include <utility>
 
+#include "app/view/display_config.h"
 #include "app/view/texels.h"
 #include "tests/app/render/render_scenes.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/image_compare.h"
 #include "tests/support/temporary_folder.h"
-#include "app/view/display_config.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -109,8 +109,8 @@ Image drawn_afresh(DrillRun& run, const RenderOptions& options) {
   REQUIRE(fresh.set_tool(run.loaded().tool.look).ok());
   const Scene& scene = run.loaded().scene;
   FrameView view =
-      make_frame_view(*scene.find<DisplayConfig>(), scene.volume.world_from_bone, scene.volume.world_from_bone * simulation.approach().bone_from_approach,
-                      simulation.approach().thickness, false);
+      make_frame_view(*scene.find<DisplayConfig>(), scene.volume.world_from_bone,
+                      scene.volume.world_from_bone * simulation.approach().bone_from_approach, simulation.approach().thickness, false);
   view.world_from_tool = simulation.contact_state().world_from_tool;
   auto picture = fresh.draw(view, scene.find<DisplayConfig>()->width, scene.find<DisplayConfig>()->height);
   REQUIRE(picture.ok());

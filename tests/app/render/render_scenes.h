@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "app/view/view.h"
 #include "app/render/renderer.h"
+#include "app/view/view.h"
 
 namespace burrhole::test {
 

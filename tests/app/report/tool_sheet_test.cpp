@@ -113,8 +113,8 @@ TEST_CASE("sheet: every shipped bit makes a script of one picture each panel, na
     const Tool tool = shipped(entry.path().stem().string());
     const std::string script = tool_sheet_script({&tool, "Headline \"quoted\"", "subtitle"});
     CAPTURE(tool.name);
-    for (const char* needle :
-         {"pngcairo", "Headline \\\"quoted\\\"", "subtitle", "$picture", "$pale", "$cut", "[mm]", "erosion factor e [1/rev]", "does not cut"})
+    for (const char* needle : {"pngcairo", "Headline \\\"quoted\\\"", "subtitle", "$picture", "$pale", "$cut", "[mm]",
+                               "erosion factor e [1/rev]", "does not cut"})
       CHECK(script.find(needle) != std::string::npos);
     CHECK(script.find("nan") == std::string::npos);
     CHECK(script == tool_sheet_script({&tool, "Headline \"quoted\"", "subtitle"}));

@@ -31,15 +31,14 @@ class HashingSink final : public FrameSink {
     texels_ = volume.normal_opacity;
     return change_tool(look);
   }
-  void update(const TexelBox& texels) override {
-    copy_part(texels.box, texels.box, texels.normal_opacity.data(), box_, texels_.data());
-  }
+  void update(const TexelBox& texels) override { copy_part(texels.box, texels.box, texels.normal_opacity.data(), box_, texels_.data()); }
   Status change_tool(const TriangleMesh& look) override {
     triangles_ = look.positions.size();
     return {};
   }
   Status draw(const std::string&, const FrameView& view, int, int, Hash64& hash) override {
-    for (const Rgba8& texel : texels_) hash.add(std::uint64_t{texel.r} | std::uint64_t{texel.g} << 8 | std::uint64_t{texel.b} << 16 | std::uint64_t{texel.a} << 24);
+    for (const Rgba8& texel : texels_)
+      hash.add(std::uint64_t{texel.r} | std::uint64_t{texel.g} << 8 | std::uint64_t{texel.b} << 16 | std::uint64_t{texel.a} << 24);
     hash.add(std::uint64_t{triangles_});
     hash.add(view.world_from_tool ? view.world_from_tool->translation : Vec3(0.0));
     return {};

@@ -177,7 +177,8 @@ TEST_CASE("reference: the samples reach every word of every choice and every tab
 
 TEST_CASE("sabotage: a branch without a sample is found") {
   // Each is the only sample of its word.
-  const std::pair<SchemaFile, const char*> only[] = {{SchemaFile::scene, "[erosion] law = \"per-update\""}, {SchemaFile::tool, "ellipsoid"}};
+  const std::pair<SchemaFile, const char*> only[] = {{SchemaFile::scene, "[erosion] law = \"per-update\""},
+                                                     {SchemaFile::tool, "ellipsoid"}};
   for (const auto& [file, name] : only) {
     Logs all = read_samples(file);
     const auto at = std::find(all.names.begin(), all.names.end(), name);

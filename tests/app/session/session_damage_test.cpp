@@ -40,8 +40,8 @@ TEST_CASE("session: inputs come back in order with the place of each that parked
   write_with_inputs(path);
   const SessionReader reader = open_reader(path);
   CHECK(reader.inputs() == kInputs);
-  CHECK(reader.stills() == std::vector<SessionStill>{{1, "after the change", "0123456789abcdef", {}, 2},
-                                                          {1, "cutaway", "fedcba9876543210", {}, 2}});
+  CHECK(reader.stills() ==
+        std::vector<SessionStill>{{1, "after the change", "0123456789abcdef", {}, 2}, {1, "cutaway", "fedcba9876543210", {}, 2}});
 }
 
 TEST_CASE("session: an input that could not be replayed is not recorded") {

@@ -40,8 +40,9 @@ Pressed press(const Bench& bench, const ConstrainedToolConfig& config, double pu
   Vec3 before = bench.stroke.from + Vec3(0.0, 0.0, kBallRadius);
   for (int tick = 0; tick < 200; ++tick) {
     const double gone = std::min(length, tick * 0.1e-3);
-    const ConstrainedToolState& state = tool.step(
-        view, {{Quat(1.0, 0.0, 0.0, 0.0), bench.stroke.from + along * gone}, gone < length ? along * 0.1 : Vec3(0.0)}, kPeriod, {.spinning = true});
+    const ConstrainedToolState& state =
+        tool.step(view, {{Quat(1.0, 0.0, 0.0, 0.0), bench.stroke.from + along * gone}, gone < length ? along * 0.1 : Vec3(0.0)}, kPeriod,
+                  {.spinning = true});
     const Vec3 centre = state.world_from_tool * Vec3(0.0, 0.0, kBallRadius), moved = centre - before;
     if (glm::length(moved) > 0.0)
       if (const auto entry = bench.phantom.truth.entry_distance(before, moved)) out.crossed = out.crossed || *entry < glm::length(moved);
@@ -112,7 +113,8 @@ TEST_CASE("surface: a thin blade in a slot of its own width is let down by F / K
         REQUIRE(tool.ok());
         tool->place({Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.3e-3 - kSlotFloor)});
         for (int tick = 0; tick < 400; ++tick)
-          (void)tool->step(bone.view(), {{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, aside, -kSlotFloor - 4e-3)}, Vec3(0.0)}, kPeriod, {.spinning = true});
+          (void)tool->step(bone.view(), {{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, aside, -kSlotFloor - 4e-3)}, Vec3(0.0)}, kPeriod,
+                           {.spinning = true});
         force = tool->state().on_hand.force.z;
         return -kSlotFloor - tool->state().world_from_tool.translation.z;
       };

@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   const auto loaded = load_scene(*document, {.tool_folders = {argv[2]}}, issues);
   if (!loaded) return std::puts(issues.front().text().c_str()), 2;
 
-  double largest_force = 0.0;                  // [N]
+  double largest_force = 0.0;                   // [N]
   float first_density = -1.0f, density = 0.0f;  // [-]
   DrillJob job;
   job.folder = argv[3];
@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   };
   const auto summary = drill(*loaded, job);
   if (!summary) return std::puts(summary.error().text().c_str()), 1;
-  std::printf("client: drilled, %.1f N at most, density below the entry from %.2f to %.2f, %.1f mm3 removed\n", largest_force, first_density,
-              density, summary->removed_mm3);
+  std::printf("client: drilled, %.1f N at most, density below the entry from %.2f to %.2f, %.1f mm3 removed\n", largest_force,
+              first_density, density, summary->removed_mm3);
   return largest_force > 1.0 && first_density > 0.99f && density < 0.5f && summary->removed_mm3 > 1.0 ? 0 : 1;
 }
