@@ -9,7 +9,7 @@
 ///   inputs(id, tick, kind, value, text, data)   what a person changed while drilling, in order; id counts from 1
 ///   parks(input, stream, rows)                  of an input for which all clocks were parked: rows of each stream before it
 ///   events(id, time_s, tick, kind, text, data)  what happened, in order of id
-///   stills(id, bone_step, name, hash, view, parks)   pictures at a recorded bone step and after so many parks, with all texels
+///   stills(id, bone_step, name, hash, view, parks)   pictures at a recorded bone step and after that number of parks, with all texels
 ///   hashes(kind, value)                         of the run's results
 ///   ends(name, rows)                            written by close(): rows of each stream, and of "inputs"
 /// Schema 1 is read as well: one stream named "servo" (of a live run also "contact" and "bone"), rows of plain doubles, no inputs or

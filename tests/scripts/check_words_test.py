@@ -164,14 +164,6 @@ inline double half(double x) {
 
     # Paths and program.
 
-    def test_paths_that_are_not_converted_yet_are_left_out(self):
-        self.write("app/late/a.cpp", "// told\n")
-        self.assertEqual(len(self.findings()), 1)
-        kept = check_words.NOT_YET
-        self.addCleanup(setattr, check_words, "NOT_YET", kept)
-        check_words.NOT_YET = ["app/late/"]
-        self.assertEqual(self.findings(), [])
-
     def test_the_program_exits_3_with_findings_and_0_without(self):
         self.write("core/base/a.cpp", "// told\n")
         done = subprocess.run([sys.executable, SCRIPT, self.root], capture_output=True, text=True, check=False)
