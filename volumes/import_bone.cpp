@@ -119,12 +119,21 @@ std::string series_text(const SeriesLine& s) {
 
 Result<ImportedBone> import_bone(const ImportRequest& request, const std::function<void(const std::string&)>& say) {
   if (const Status checked = check_options(request.bone); !checked) return at(checked.error(), request.path);
+  const auto accept = [&](const Scan& scan) -> Status {
+    const auto grid = plan_grid(scan, request.bone);
+    // What cannot be planned is refused when the bone is made.
+    return grid ? request.accept(*grid, sizeof(float) * VoxelBox{Vec3i(0), scan.dims}.count()) : Status();
+  };
   if (is_vdb(request.path) && std::filesystem::exists(request.path)) {
     auto own = load_own(request);
     if (!own) return own.error();
+    if (*own && request.accept)
+      if (Status accepted = request.accept({(*own)->bone->dims(), (*own)->bone->bone_from_index()}, 0); !accepted) return accepted.error();
     if (*own) return std::move(**own);
   }
-  auto read = read_scan(request.path, request.read);
+  ReadOptions read_options = request.read;
+  if (request.accept) read_options.accept = accept;
+  auto read = read_scan(request.path, read_options);
   if (!read) return at(read.error(), request.path);
   if (const Status fits = check_use(request, *read); !fits) return fits.error();
   const Scan& scan = read->scan;

@@ -32,6 +32,7 @@ std::string table_text(const LoadedScene& loaded, const Plan& plan, const RunSum
   for (const std::string& name : plan.not_built) (in_this_version(name) ? absent : later).push_back(name);
   if (!absent.empty()) out += fmt::format("\nnot built, as this scene has no table for it: {}", fmt::join(absent, ", "));
   out += fmt::format("\nnot in this version: {}\n", fmt::join(later, ", "));
+  out += fmt::format("\nmemory at the peak, about {}\n", plan.memory.text());
   for (const std::string& warning : plan.warnings) out += "warning: " + warning + "\n";
   return out;
 }

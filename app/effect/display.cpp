@@ -226,12 +226,19 @@ class NoDisplay final : public Effect {
   Status bind(StepGraph&) override { return {}; }
 };
 
+// [bytes] of Mesa's software driver with its compiler: resident memory of a run that draws 64 x 48 pixels, less that of one that draws nothing.
+constexpr std::uint64_t kDriverBytes = 91'000'000;
+
 class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
  public:
   explicit DisplayPlan(TableReader& table) { config_ = read_display(table); }
 
   PlanRow row(const PlanContext& context) const override {
-    const std::uint64_t a_voxel = kTexelBytes + sizeof(Rgba8) + (config_.appearance.tissue ? sizeof(TissueTexel) : 0);
+    // A voxel: texture, tissue, and the distances that rays skip, twice. A sample of a picture: colour, two depths, hit, and the picture read.
+    const std::uint64_t a_voxel = kTexelBytes + sizeof(Rgba8) + (config_.appearance.tissue ? sizeof(TissueTexel) : 0) + 2;
+    constexpr std::uint64_t kSampleBytes = 20;
+    const auto rays = static_cast<std::uint64_t>(config_.quality.supersample);
+    const std::uint64_t samples = rays * rays * static_cast<std::uint64_t>(config_.width) * static_cast<std::uint64_t>(config_.height);
     const std::string budget = config_.budget ? fmt::format(", quality for {:g} ms a picture", *config_.budget * 1e3) : std::string();
     return {.table = "display",
             .clock = Clock::frame,
@@ -240,7 +247,7 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
             .gives = "pictures",
             .detail = fmt::format("{}{}, {} x {} pixels{}, at events", method_text(config_), picture_text(config_), config_.width,
                                   config_.height, budget),
-            .bytes = context.bone.bounds().count() * a_voxel};
+            .bytes = VoxelBox{Vec3i(0), context.bone.dims}.count() * a_voxel + samples * kSampleBytes + kDriverBytes};
   }
 
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {

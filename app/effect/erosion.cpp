@@ -121,7 +121,7 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
 
   PlanRow row(const PlanContext& context) const override {
     const Tool& tool = context.tool;
-    const std::uint64_t points = tool.erosion.size() * (sizeof(Vec3) + sizeof(float));
+    const std::uint64_t points = 3 * tool.erosion.size() * (sizeof(Vec3) + sizeof(float));  // of the tool, the law and the removal
     // By points a float of exposure a voxel of the window; sub-voxel the tool's own field, and a mask and a time a voxel where the bit was.
     const std::uint64_t field = config_.subvoxel && tool.cutting ? tool.cutting->bytes() : 0;
     const std::uint64_t voxels = context.window_voxels * (config_.subvoxel ? sizeof(std::uint64_t) + sizeof(double) : sizeof(float));

@@ -2,18 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "app/stage/bone_step.h"
-
 namespace burrhole {
 namespace {
-
-/// @returns the number of voxels of the master window at the start of the run.
-std::uint64_t window_voxels(const LoadedScene& loaded, const Needs& needs) {
-  const Affine& bone_from_index = loaded.bone->bone_from_index();
-  const Pose bone_from_tool{rotation_from_z(-loaded.scene.approach.axis), loaded.scene.approach.entry};
-  const int margin = window_margins(needs.fields, bone_from_index).placed;
-  return tool_box(loaded.tool, bone_from_index.inverse() * Affine::from_pose(bone_from_tool), margin).count();
-}
 
 PlanRow volume_row(const LoadedScene& loaded, std::uint64_t window) {
   const Vec3i d = loaded.bone->dims();
@@ -23,7 +13,7 @@ PlanRow volume_row(const LoadedScene& loaded, std::uint64_t window) {
           .needs = "bone model",
           .gives = "window, window copy, bone grids",
           .detail = fmt::format("{} x {} x {} voxels of {:.3g} mm", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge()),
-          .bytes = loaded.bone->bytes() + window * 4 * sizeof(float)};
+          .bytes = volume_bytes(shape_of(*loaded.bone), window)};
 }
 
 PlanRow hand_row(const LoadedScene& loaded) {
@@ -41,7 +31,8 @@ PlanRow hand_row(const LoadedScene& loaded) {
 
 Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry) {
   const Needs needs = loaded.scene.effects.needs(loaded.scene);
-  const PlanContext context{loaded.scene, needs, loaded.tool, *loaded.bone, window_voxels(loaded, needs)};
+  const BoneShape bone = shape_of(*loaded.bone);
+  const PlanContext context{loaded.scene, needs, loaded.tool, bone, window_voxels(loaded.scene, needs, loaded.tool, bone.bone_from_index)};
   Plan plan;
   plan.rows = {volume_row(loaded, context.window_voxels), hand_row(loaded)};
   for (const EffectPlans::Item& item : loaded.scene.effects.items()) {
@@ -52,6 +43,7 @@ Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry) {
     if (!loaded.scene.effects.has(effect.table)) plan.not_built.emplace_back(effect.table);
   if (loaded.import)
     for (const std::string& line : loaded.import->scan.assumed) plan.warnings.push_back("[volume] assumed: " + line);
+  plan.memory = plan_memory(loaded.scene, loaded.tool, bone, loaded.scan_bytes);
   return plan;
 }
 

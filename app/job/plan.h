@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/scene/load.h"
+#include "app/scene/memory_plan.h"
 
 namespace burrhole {
 
@@ -13,6 +14,7 @@ struct Plan {
   std::vector<PlanRow> rows;           ///< volume and hand, then the effects in the order of the registry
   std::vector<std::string> not_built;  ///< effects without a table in the scene, and those of later versions
   std::vector<std::string> warnings;
+  MemoryPlan memory;  ///< of the whole process
 };
 
 /// Needs no display and no device. @param registry the known effects.

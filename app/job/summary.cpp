@@ -140,6 +140,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.force_hash = hex(simulation.force_hash());
   if (const auto image = simulation.image_hash()) out.image_hash = hex(*image);
   out.peak_bytes = peak_bytes();
+  out.predicted_bytes = plan.memory.peak;
   return out;
 }
 
@@ -202,7 +203,7 @@ std::string summary_json(const RunSummary& s) {
                     {"bone_steps_missed", s.live->bone_missed}, {"rows_not_recorded", s.live->unrecorded},
                     {"servo_faults", s.live->faults},           {"force_left_N", s.live->force_left ? Json(*s.live->force_left) : Json()}};
   json["display"] = display_json(s.display);
-  json["memory"] = {{"peak_bytes", s.peak_bytes}};
+  json["memory"] = {{"peak_bytes", s.peak_bytes}, {"predicted_bytes", s.predicted_bytes}};
   json["effects"] = Json::array();
   for (const RunSummary::EffectCost& effect : s.effects)
     json["effects"].push_back({{"name", effect.name},
@@ -234,6 +235,7 @@ std::string plan_json(const LoadedScene& loaded, const Plan& plan, const RunSumm
                                {"bytes", row.bytes}});
   }
   json["not_built"] = plan.not_built;
+  json["memory"] = {{"predicted_bytes", plan.memory.peak}};
   json["warnings"] = plan.warnings;
   return json.dump(2) + "\n";
 }

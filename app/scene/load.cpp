@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "app/scene/memory_plan.h"
 #include "app/scene/volume_scene.h"
 #include "core/tool/cutting_field.h"
 #include "core/tool/make_tool.h"
@@ -14,10 +15,15 @@
 namespace burrhole {
 namespace {
 
-/// Generates or imports the bone. Errors are attributed to the key `source`.
-Status load_bone(const LoadOptions& options, LoadedScene& out) {
+/// Called with the shape of the bone, and the bytes of the scan that it will be made from, before either takes memory.
+using AcceptBone = std::function<Status(const BoneShape& bone, std::uint64_t scan_bytes)>;
+
+/// Generates or imports the bone. Errors are attributed to the key `source`, unless they name another place.
+Status load_bone(const LoadOptions& options, const AcceptBone& accept, LoadedScene& out) {
   const VolumeScene& volume = out.scene.volume;
   if (volume.phantom) {
+    const Vec3i dims = phantom_dims(*volume.phantom);
+    if (Status accepted = accept({dims, phantom_bone_from_index(*volume.phantom), dense_bone_bytes(dims)}, 0); !accepted) return accepted;
     auto phantom = make_phantom(*volume.phantom);
     if (!phantom) return phantom.error();
     auto bone = BoneModel::create(phantom->bone);
@@ -29,7 +35,15 @@ Status load_bone(const LoadOptions& options, LoadedScene& out) {
   request.read.progress = options.progress;
   if (volume.scan->region)
     request.bone.region = BoneRegion{out.scene.approach.entry + out.scene.approach.axis * kRegionDepth, *volume.scan->region};
+  bool refused = false;
+  request.accept = [&](const BoneGrid& grid, std::uint64_t scan_bytes) {
+    out.scan_bytes = scan_bytes;
+    Status accepted = accept({grid.dims, grid.bone_from_index, dense_bone_bytes(grid.dims)}, scan_bytes);
+    refused = !accepted.ok();
+    return accepted;
+  };
   auto imported = import_bone(request, options.say);
+  if (!imported && refused) return imported.error();
   // The place of the error is the key `source`; the scan's own place goes into the text.
   if (!imported) return Error{imported.error().code, imported.error().text(), volume.place};
   out.bone = std::move(imported->bone);
@@ -95,6 +109,8 @@ Result<std::string> read_tool_text(const std::string& name, const std::string& s
   return text_for_session(text, *document);
 }
 
+BoneShape shape_of(const BoneModel& bone) { return {bone.dims(), bone.bone_from_index(), bone.bytes()}; }
+
 std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
                                       const LoadOptions& options) {
   const std::optional<std::string>& tool_text = options.tool_text;
@@ -110,12 +126,23 @@ std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneC
   } else {
     out.tool_text = text_of_file(out.scene.tool.path);
   }
-  if (const Status loaded = load_bone(options, out); !loaded) {
+  const std::string name = tool_text ? "the session's tool" : out.scene.tool.path;
+  // A tool that cannot be loaded is reported below.
+  const AcceptBone within_limit = [&](const BoneShape& bone, std::uint64_t scan_bytes) -> Status {
+    if (!out.scene.memory_limit) return {};
+    Issues later;
+    const auto tool =
+        load_tool(out.tool_text, name, out.scene, out.scene.effects.needs(out.scene), bone.bone_from_index.mean_edge(), later);
+    if (!tool) return {};
+    const MemoryPlan memory = plan_memory(out.scene, *tool, bone, scan_bytes);
+    if (memory.peak <= *out.scene.memory_limit) return {};
+    return bad_input("limits.memory_mb is exceeded: the run may need " + memory.text() + " MB", out.scene.memory_place);
+  };
+  if (const Status loaded = load_bone(options, within_limit, out); !loaded) {
     issues.push_back(loaded.error());
     if (issues.back().place.empty()) issues.back().place = out.scene.volume.place;
     return std::nullopt;
   }
-  const std::string name = tool_text ? "the session's tool" : out.scene.tool.path;
   auto tool =
       load_tool(out.tool_text, name, out.scene, out.scene.effects.needs(out.scene), out.bone->bone_from_index().mean_edge(), issues);
   if (!tool) return std::nullopt;

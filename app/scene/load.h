@@ -18,6 +18,7 @@ struct LoadedScene {
   std::string tool_text;  ///< TOML, for the session
   Tool tool;              ///< erosion factors already scaled
   std::shared_ptr<const BoneModel> bone;
+  std::uint64_t scan_bytes = 0;        ///< [bytes] of the scan from which the bone was made
   std::optional<ImportReport> import;  ///< when the bone came from a scan or a mesh
 };
 
@@ -36,7 +37,10 @@ struct LoadOptions {
 /// bad_input: no such tool, or not TOML.
 [[nodiscard]] Result<std::string> read_tool_text(const std::string& name, const std::string& scene_file, const SceneContext& context);
 
+[[nodiscard]] BoneShape shape_of(const BoneModel& bone);
+
 /// Reads scene, bone and tool; imports the bone where the scene names a scan. @returns nothing when any issue was pushed.
+/// A scene that is predicted to need more memory than [limits] memory_mb is refused when the headers of its volume have been read.
 [[nodiscard]] std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
                                                     const LoadOptions& options = {});
 

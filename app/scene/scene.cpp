@@ -211,6 +211,14 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   scene.servo = shipped_servo();
   if (auto table = root.table("servo", "how forces are computed and limited at the servo's rate; without the table these defaults hold"))
     scene.servo = read_servo(*table);
+  if (auto table = root.table("limits", "what a run may take; a scene that is predicted to need more is refused")) {
+    const double megabytes =
+        table->number("memory_mb", {.fallback = 0.0, .min = 1.0, .max = 1e6},
+                      "largest resident memory of the process, as predicted from headers and tables; absent: no limit");
+    if (table->has("memory_mb")) scene.memory_limit = static_cast<std::uint64_t>(megabytes * 1e6);
+    scene.memory_place = table->place_of("memory_mb");
+    table->finish();
+  }
   read_effects(root, context, scene, issues);
   root.finish();
   if (issues.size() != before) return std::nullopt;

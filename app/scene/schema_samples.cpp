@@ -37,6 +37,7 @@ std::vector<SchemaSample> scene_samples() {
                        "is not there"});
   for (const std::string scheme : {"planes", "gradient", "hold", "linear"})
     samples.push_back({"servo " + scheme, scene(plate, "servo", "multirate = \"" + scheme + "\""), {}});
+  samples.push_back({"limits", scene(plate, "limits", "memory_mb = 1000"), {}});
   for (const EffectEntry& effect : shipped_effects()) {
     if (effect.read == nullptr) continue;
     samples.push_back({effect.table, scene(plate, effect.table), {}});

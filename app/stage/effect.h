@@ -49,14 +49,21 @@ struct Needs {
   std::string not_live{};                                               ///< why not
 };
 
+/// The grid of a bone model, which headers give before the bone is read.
+struct BoneShape {
+  Vec3i dims{0};            ///< [voxels]
+  Affine bone_from_index;   ///< [m] from index coordinates
+  std::uint64_t bytes = 0;  ///< [bytes] of the bone model; an upper bound before it is read
+};
+
 /// Input of a plan: the scene with its bone and tool, before the run.
 struct PlanContext {
   const StageConfig& config;
   const Needs& needs;
   const Tool& tool;
-  const BoneModel& bone;
-  std::uint64_t window_voxels = 0;  ///< size of the master window at the start
-  [[nodiscard]] double voxel_edge() const noexcept { return bone.bone_from_index().mean_edge(); }  ///< [m]
+  const BoneShape& bone;
+  std::uint64_t window_voxels = 0;                                                               ///< size of the master window at the start
+  [[nodiscard]] double voxel_edge() const noexcept { return bone.bone_from_index.mean_edge(); }  ///< [m]
 };
 
 /// A line of `burrhole explain`.

@@ -2,6 +2,7 @@
 ///   Frame  bone frame unless stated.   Units  SI; keys in the file carry their unit and are converted when read (app/scene).
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -46,7 +47,9 @@ struct StageConfig {
   ToolScene tool;
   ApproachScene approach;
   HandConfig hand;
-  ServoConfig servo;  ///< table [servo]; its rates follow from the effects' requirements
+  std::optional<std::uint64_t> memory_limit;  ///< [bytes] key memory_mb of [limits]; absent: none
+  std::string memory_place;                   ///< place of that key in the file, for errors
+  ServoConfig servo;                          ///< table [servo]; its rates follow from the effects' requirements
 };
 
 }  // namespace burrhole

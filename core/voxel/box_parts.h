@@ -45,6 +45,7 @@ void slide_values(const VoxelBox& from, const T* values, const VoxelBox& to, T* 
 /// capacity.
 template <class T>
 void slide_array(const VoxelBox& from, const VoxelBox& to, std::vector<T>& values) {
+  values.reserve(std::max(values.size(), to.count()));  // no more: resize() alone would double the capacity
   values.resize(std::max(values.size(), to.count()));
   slide_values(from, values.data(), to, values.data());
   values.resize(to.count());

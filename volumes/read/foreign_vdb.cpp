@@ -115,6 +115,8 @@ Result<ReadScan> read_checked(const std::string& path, const ReadOptions& option
   out.scan.bone_from_index = bone_from_box(foreign->world_from_index, box, *options.unit);
   out.scan.quantity = Quantity::occupancy;
   if (const auto error = affine_error(out.scan.bone_from_index)) return bad_input(grid + "with this unit: " + *error);
+  if (options.accept)
+    if (Status accepted = options.accept(out.scan); !accepted) return accepted.error();
   Conversion converted = convert(*foreign, box, options.progress);
   if (converted.not_finite > 0) return bad_input(grid + fmt::format("holds {} values that are not finite", converted.not_finite));
   fill_report(*foreign, converted, *options.unit, out.report);

@@ -153,6 +153,11 @@ Result<ReadScan> read_image(ImageFile file, const ReadOptions& options) {
   if (const auto error = affine_error(file.head.bone_from_index)) return bad_input(*error, file.place);
   if (file.parts.empty() || static_cast<std::size_t>(dims.z) % file.parts.size() != 0)
     return bad_input(fmt::format("{} data files do not share {} slices evenly", file.parts.size(), dims.z), file.place);
+  if (options.accept)
+    if (Status accepted =
+            options.accept({.dims = dims, .bone_from_index = file.head.bone_from_index, .quantity = file.quantity, .values = {}});
+        !accepted)
+      return accepted.error();
   const std::size_t voxels = VoxelBox{Vec3i(0), dims}.count();
   const std::uint64_t share = voxels / file.parts.size();
   const Result<bool> surplus = check_parts(file, {.voxels = share, .bytes = share * bytes_of(file.head.form.type)});

@@ -77,6 +77,8 @@ Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& opti
   if (const Status fits = check_grid(size, pitch, options.memory, path); !fits) return fits.error();
   Result<Scan> scan = mesh_to_occupancy(*mesh, pitch, options.progress);
   if (!scan) return Error{scan.error().code, scan.error().message, path};
+  if (options.accept)
+    if (Status accepted = options.accept(*scan); !accepted) return accepted.error();
   ReadScan out{std::move(scan).value(), {}};
   out.report.format = mesh_format(path);
   out.report.assumed.push_back("mesh coordinates are patient LPS: +x left, +y back, +z up");

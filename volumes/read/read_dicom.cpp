@@ -114,6 +114,8 @@ Result<ReadScan> read_checked(const std::string& path, const ReadOptions& option
   out.scan.dims = taken.line.dims;
   out.scan.bone_from_index = taken.stack.bone_from_index;
   out.scan.quantity = quantity_of(*folder, taken);
+  if (options.accept)
+    if (Status accepted = options.accept(out.scan); !accepted) return accepted.error();
   PixelCounts counts;
   if (Status status = read_pixels(*folder, taken, options, out.scan, counts); !status) return status.error();
 

@@ -59,11 +59,13 @@ struct ScanReport {
 };
 
 struct ReadOptions {
-  std::string series;                    ///< series of a DICOM folder, by SeriesLine::name; grid name of a foreign .vdb; empty: the largest
-  std::optional<double> unit;            ///< [m] length of one unit of a mesh or a foreign .vdb, whose files have no unit
-  std::optional<double> pitch;           ///< [m] voxel edge for a mesh; absent: longest side / 256, listed in `assumed`
-  std::vector<std::string> keep;         ///< DICOM keywords (PatientID, ...) to copy into the report
-  std::optional<double> memory;          ///< [bytes] limit for the voxels; absent: the available memory of the machine
+  std::string series;             ///< series of a DICOM folder, by SeriesLine::name; grid name of a foreign .vdb; empty: the largest
+  std::optional<double> unit;     ///< [m] length of one unit of a mesh or a foreign .vdb, whose files have no unit
+  std::optional<double> pitch;    ///< [m] voxel edge for a mesh; absent: longest side / 256, listed in `assumed`
+  std::vector<std::string> keep;  ///< DICOM keywords (PatientID, ...) to copy into the report
+  std::optional<double> memory;   ///< [bytes] limit for the voxels; absent: the available memory of the machine
+  /// Called with dims, affine and quantity after the headers and before the values are read; its error ends the reading. May be empty.
+  std::function<Status(const Scan&)> accept;
   std::function<void(double)> progress;  ///< called from time to time with the share done, 0..1; may be empty
 };
 

@@ -39,6 +39,21 @@ class OtherCommands(WithFolder):
         self.assertEqual(list(self.folder.iterdir()), [], "measuring writes nothing")
         self.assertIn("less than a voxel", " ".join(json.loads(run("explain", QUICK, "--json", "--set", "contact.cutting_N_per_m=1e7").stdout)["warnings"]))
 
+    def test_the_predicted_memory_is_within_15_percent_of_the_measured_one(self):
+        for scene, sets in ((QUICK, ["display.size=[64,48]"]), (QUICK, []), ("parietal", ["duration_s=2"])):
+            with self.subTest(scene=scene, sets=sets):
+                out = self.folder / "run"
+                done = run("drill", scene, "--out", out, *[a for s in sets for a in ("--set", s)])
+                self.assertEqual(done.returncode, 0, done.stderr)
+                memory = json.loads((out / "summary.json").read_text())["memory"]
+                self.assertLess(abs(memory["predicted_bytes"] / memory["peak_bytes"] - 1.0), 0.15, memory)
+                self.assertIn("memory at the peak, about ", run("explain", scene).stdout)
+                refused = run("drill", scene, "--out", self.folder / "none", "--set", "limits.memory_mb=50")
+                self.assertEqual(refused.returncode, 2)
+                self.assertEqual(len(refused.stderr.splitlines()), 1, refused.stderr)
+                self.assertIn("limits.memory_mb is exceeded", refused.stderr)
+                self.assertFalse((self.folder / "none").exists())
+
     def test_explain_has_a_row_for_a_spindle_and_bytes_by_the_model(self):
         scene = self.quick(append="[spindle]\n")
         measured = json.loads(run("explain", scene, "--json", "--measure", "--set", "duration_s=0.6").stdout)

@@ -1,0 +1,38 @@
+/// app/scene/memory_plan.h: predicts the largest resident memory of a run, import and drawing included, from headers and tables alone.
+///   Frame  bone frame.   Units  bytes.   Errors  none.   Thread  any.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "app/scene/scene.h"
+#include "app/stage/effect.h"
+
+namespace burrhole {
+
+struct MemoryItem {
+  std::string name;         ///< "program", "volume", or the table of an effect
+  std::uint64_t bytes = 0;  ///< [bytes]
+};
+
+struct MemoryPlan {
+  std::vector<MemoryItem> items;  ///< of the run, in the order of the effects
+  std::uint64_t import = 0;       ///< [bytes] of the scan while bone is made from it; released before the run
+  std::uint64_t peak = 0;         ///< [bytes] largest resident memory of the process: of the run, or of the import
+
+  /// @returns "412 MB: program 55, volume 36, ..." with all items [MB].
+  [[nodiscard]] std::string text() const;
+};
+
+/// @returns the voxels of the master window at the start of a run.
+[[nodiscard]] std::uint64_t window_voxels(const Scene& scene, const Needs& needs, const Tool& tool, const Affine& bone_from_index);
+/// @returns the bytes of the bone model and the master window.
+[[nodiscard]] std::uint64_t volume_bytes(const BoneShape& bone, std::uint64_t window_voxels) noexcept;
+/// @returns an upper bound of a bone model's bytes, if every voxel differs from its neighbours.
+[[nodiscard]] std::uint64_t dense_bone_bytes(const Vec3i& dims) noexcept;
+
+/// @param import [bytes] of the scan that is read; 0 for a phantom or a bone model.
+[[nodiscard]] MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bone, std::uint64_t import);
+
+}  // namespace burrhole
