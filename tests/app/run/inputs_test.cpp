@@ -233,7 +233,8 @@ TEST_CASE("inputs: a file of timed inputs is read in order; each fault has its p
   CHECK(first("") == "inputs.toml: holds no [[input]]");
   CHECK(first("[[input]]\ntime_s = 1\nkind = \"spin\"\nvalue = 2\n").starts_with("inputs.toml:4:1: input[0].value = 2 must be in [0, 1]"));
   CHECK(first("[[input]]\ntime_s = 1\nkind = \"undoo\"\n").find("undo") != std::string::npos);
-  CHECK(first("[[input]]\ntime_s = 2\nkind = \"undo\"\n[[input]]\ntime_s = 1\nkind = \"undo\"\n").find("is earlier than") != std::string::npos);
+  CHECK(first("[[input]]\ntime_s = 2\nkind = \"undo\"\n[[input]]\ntime_s = 1\nkind = \"undo\"\n").find("is earlier than") !=
+        std::string::npos);
   CHECK(first("[[input]]\ntime_s = 1\nkind = \"tool\"\n").find("name") != std::string::npos);
 }
 
