@@ -12,6 +12,7 @@
 #include "app/view/texels.h"
 #include "haptics/servo/realtime.h"
 #include "tests/support/drill_scene.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
@@ -117,7 +118,8 @@ TEST_CASE("live: a session recorded on threads replays to the same voxels, conta
   REQUIRE(simulation.live());
   CHECK(simulation.live()->unrecorded == 0);
   // All round the first window was read before the run; on a busy machine later slides may come before the thread that reads ahead.
-  CHECK(simulation.live()->prefetched_blocks > 0);
+  // A sanitizer lets it miss most ticks, and the tool may not reach the first slide.
+  if (!test::kSanitized) CHECK(simulation.live()->prefetched_blocks > 0);
   MESSAGE("blocks taken by slides: ", simulation.live()->prefetched_blocks, " read ahead, ", simulation.live()->prefetch_misses,
           " at once");
   CHECK(simulation.bone_step().removed_mass() > 0.0);
