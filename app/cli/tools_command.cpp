@@ -164,7 +164,7 @@ nlohmann::ordered_json details_json(const Tool& tool, const ToolParts& parts, co
   out["erosion_pitch_mm"] = tool.erosion.pitch / kMillimetre;
   out["erosion_volume_mm3"] = volume_mm3(tool);
   out["regions"] = parts.json;
-  nlohmann::ordered_json& predicted = out["foretold"];  // the key of the first version
+  nlohmann::ordered_json& predicted = out["predicted"];
   predicted = {{"thrust_N", c.thrust},
                {"spin_rpm", c.spin / kRevPerMinute},
                {"hardness", c.hardness},

@@ -19,9 +19,9 @@ import session_blocks  # noqa: E402
 
 class OtherCommands(WithFolder):
     def test_devices_are_listed_with_where_each_figure_comes_from(self):
-        told = run("devices")
-        self.assertEqual((told.returncode, told.stderr), (0, ""))
-        self.assertIn("falcon", told.stdout)
+        table = run("devices")
+        self.assertEqual((table.returncode, table.stderr), (0, ""))
+        self.assertIn("falcon", table.stdout)
         listed = json.loads(run("devices", "--json").stdout)
         falcon = next(device for device in listed["devices"] if device["name"] == "falcon")
         self.assertIn("CHAI3D", json.dumps(falcon))
@@ -177,12 +177,12 @@ class OtherCommands(WithFolder):
         self.assertIn("20 N, 1000 rpm", told)
         tool = json.loads(run("tools", "trephine_12mm", "--json").stdout)  # one object and nothing else
         self.assertEqual([region["cuts"] for region in tool["regions"]], [True, False, False, False])
-        plunge = tool["foretold"]["plunge"]
+        plunge = tool["predicted"]["plunge"]
         # v = (F / K) e s / ln 2 = 0.2 mm * 0.1 * 16.67 / 0.693, over a ring of 12 and 10 mm to the lattice's own few per cent
         self.assertAlmostEqual(plunge["feed_mm_per_s"], 0.2 * 0.1 * 1000 / 60 / math.log(2), delta=1e-4)
         self.assertAlmostEqual(plunge["area_mm2"], math.pi * (36 - 25), delta=1.0)
         self.assertAlmostEqual(plunge["rate_mm3_per_s"], plunge["feed_mm_per_s"] * plunge["area_mm2"], delta=1e-6)
-        self.assertEqual(json.loads(run("tools", "craniotome_2_3mm", "--json").stdout)["foretold"]["plunge"]["feed_mm_per_s"], 0)
+        self.assertEqual(json.loads(run("tools", "craniotome_2_3mm", "--json").stdout)["predicted"]["plunge"]["feed_mm_per_s"], 0)
 
     def test_a_tool_is_drawn(self):
         if shutil.which("gnuplot") is None:

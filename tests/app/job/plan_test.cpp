@@ -90,7 +90,7 @@ TEST_CASE("plan: bytes of contact are those of the fields that its model reads")
   CHECK(records16 == voxels * 4 * 9);
 }
 
-TEST_CASE("plan: the foretold bytes of contact are those of the run's window, before it slides") {
+TEST_CASE("plan: the predicted bytes of contact are those of the run's window, before it slides") {
   for (const char* keys : {kPenaltyKeys, kHeldKeys}) {
     // Long enough for all three copies to be there.
     DrillRun run(SmallScene{.contact_keys = keys, .sets = {"duration_s=0.3", "hand.push_N=2"}});
