@@ -21,7 +21,7 @@ struct ImportRequest {
   BoneOptions bone;
   /// Called with the grid of the bone and the bytes of the scan after the headers and before values are read (of a mesh and of a bone model,
   /// after the file is read); its error ends the import. May be empty.
-  std::function<Status(const BoneGrid& grid, std::uint64_t scan_bytes)> accept;
+  std::function<Status(const BoneGrid& grid, std::uint64_t scan_bytes)> accept = {};
 };
 
 struct ImportReport {

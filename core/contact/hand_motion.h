@@ -10,9 +10,10 @@
 namespace burrhole {
 
 struct HandMotion {
-  Pose world_from_hand;                  ///< pose of the tool if nothing resists
-  Vec3 velocity{0.0};                    ///< [m/s]
-  std::optional<Vec3> angular_velocity;  ///< [rad/s] if measured by the source; empty: models use the turn of the last period
+  Pose world_from_hand;  ///< pose of the tool if nothing resists
+  Vec3 velocity{0.0};    ///< [m/s]
+  /// [rad/s] if measured by the source; empty: models use the turn of the last period
+  std::optional<Vec3> angular_velocity = std::nullopt;
 };
 static_assert(std::is_trivially_copyable_v<HandMotion>);
 

@@ -132,6 +132,8 @@ class ProbePlan final : public ConfigPlan<ProbePlan, ProbeConfig> {
     return {.table = "probe",
             .clock = Clock::servo,
             .step = "a weight",
+            .needs = "",
+            .gives = "",
             .detail = "of a test",
             .rate_hz = static_cast<double>(context.config.servo_hz),
             .bytes = sizeof(Probe)};

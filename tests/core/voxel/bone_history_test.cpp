@@ -19,14 +19,15 @@ constexpr std::size_t kFront = alignof(std::max_align_t);
 
 }  // namespace
 
-void* operator new(std::size_t size) {
+// Not inlined: GCC would see free() of a block that is not malloc()'s own and warn.
+[[gnu::noinline]] void* operator new(std::size_t size) {
   auto* block = static_cast<std::byte*>(std::malloc(size + kFront));
   if (block == nullptr) throw std::bad_alloc();
   *reinterpret_cast<std::size_t*>(block) = size;
   live_bytes += size;
   return block + kFront;
 }
-void operator delete(void* at) noexcept {
+[[gnu::noinline]] void operator delete(void* at) noexcept {
   if (at == nullptr) return;
   auto* block = static_cast<std::byte*>(at) - kFront;
   live_bytes -= *reinterpret_cast<std::size_t*>(block);
