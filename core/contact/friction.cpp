@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "core/base/matrix6.h"
+#include "core/base/spd.h"
 
 namespace burrhole {
 namespace {

@@ -4,17 +4,165 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/spd.h"
+
 namespace burrhole {
 namespace {
 
-// Least fraction of a plane's compliance that is independent of earlier planes: below it the rest is rounding and the force is
-// undetermined.
-constexpr double kOwnPart = 1e-13;
+constexpr int kMaxSteps = 48;        // of Newton's method; one to three are usual
+constexpr int kMaxHalvings = 40;     // of a line search
+constexpr double kFarEnough = 0.5;   // [-] a line search ends below this fraction of the initial slope
+constexpr double kRounding = 1e-15;  // [-] of a gap: nearer to its surface than this, a plane is neither pressed nor free
+// [-] of the springs' compliance: the least yield; stiffer bone has it. A force is a gap over a yield, and has 7 digits at this one.
+constexpr double kLeastYield = 1e-9;
 
-/// Gap of a plane after a move, with its yield.
+/// Gap of a plane after a move, without its yield.
 double gap_after(const HoldProblem& problem, const HoldPlane& plane, const HoldMove& move) noexcept {
   const Vec3 engaging = plane.cutting ? move.engagement - problem.engaged : Vec3(0.0);
-  return plane.gap + glm::dot(plane.normal, move.translation + glm::cross(move.turn, plane.arm) + engaging) + plane.yield * plane.force;
+  return plane.gap + glm::dot(plane.normal, move.translation + glm::cross(move.turn, plane.arm) + engaging);
+}
+
+/// The kept planes in the unknowns z, the move from the unloaded one: translation, turn and, if n is 9, engagement. At any z the best yield
+/// is y_i = max(0, -c_i), so the energy is
+///     E(z) = 1/2 z W z + sum of min(0, c_i)^2 / (2 yield_i),   c_i = gap_i + row_i . z,   W = (K, K_r, K_cut).
+/// It is convex with a continuous slope, and quadratic where the pressed planes, those with c_i < 0, stay the same.
+template <std::size_t n>
+class PressedPlanes {
+ public:
+  PressedPlanes(const HoldProblem& problem, std::span<const HoldPlane> planes) noexcept : count_(planes.size()) {
+    const bool turns = !std::isinf(problem.turn_stiffness);
+    for (std::size_t k = 0; k < n; ++k)
+      weight_[k] = k < 3 ? problem.stiffness : k >= 6 ? problem.cutting_stiffness : turns ? problem.turn_stiffness : 1.0;
+    const HoldMove unloaded{problem.target, problem.turn, Vec3(0.0)};
+    for (std::size_t i = 0; i < count_; ++i) {
+      const HoldPlane& plane = planes[i];
+      const Vec3 lever = turns ? glm::cross(plane.arm, plane.normal) : Vec3(0.0);
+      const Vec3 engages = plane.cutting ? plane.normal : Vec3(0.0);
+      for (std::size_t k = 0; k < n; ++k) {
+        const auto axis = static_cast<Vec3::length_type>(k % 3);
+        row_[i][k] = k < 3 ? plane.normal[axis] : k < 6 ? lever[axis] : engages[axis];
+      }
+      gap_[i] = gap_after(problem, plane, unloaded);
+      const double compliance = 1.0 / problem.stiffness + glm::dot(lever, lever) / problem.turn_stiffness;
+      stiffness_[i] = 1.0 / std::max(plane.yield, kLeastYield * compliance);
+      spring_[i] = plane.both_ways;
+      pressed_[i] = true;
+    }
+  }
+
+  /// Finds the minimum by Newton's method, from the minimum with all planes pressed.
+  void minimise() noexcept {
+    at_ = newton_point();
+    now_ = gaps(at_);
+    bool arrived = true;
+    for (int step = 0; step < kMaxSteps && (press() || !arrived); ++step) {
+      const VectorN<n> to = newton_point();
+      const Gaps then = gaps(to);
+      const double part = line_search(to, then);
+      arrived = part == 1.0;
+      for (std::size_t k = 0; k < n; ++k) at_[k] = arrived ? to[k] : at_[k] + part * (to[k] - at_[k]);
+      for (std::size_t i = 0; i < count_; ++i) now_[i] = arrived ? then[i] : now_[i] + part * (then[i] - now_[i]);
+    }
+  }
+
+  [[nodiscard]] double force(std::size_t i) const noexcept {
+    return spring_[i] ? -now_[i] * stiffness_[i] : std::max(0.0, -now_[i] * stiffness_[i]);
+  }
+
+ private:
+  using Gaps = std::array<double, kMaxHoldPlanes>;
+
+  [[nodiscard]] Gaps gaps(const VectorN<n>& z) const noexcept {
+    Gaps out;
+    for (std::size_t i = 0; i < count_; ++i) {
+      out[i] = gap_[i];
+      for (std::size_t k = 0; k < n; ++k) out[i] += row_[i][k] * z[k];
+    }
+    return out;
+  }
+
+  /// Updates the pressed planes. @returns whether any changed.
+  bool press() noexcept {
+    bool changed = false;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const double rounding = kRounding * std::abs(gap_[i]);
+      const bool pressed = spring_[i] || now_[i] < (pressed_[i] ? rounding : -rounding);
+      changed = changed || pressed != pressed_[i];
+      pressed_[i] = pressed;
+    }
+    return changed;
+  }
+
+  /// Adds the slope of the pressed planes' energy, times -1.
+  void add_push(const Gaps& gaps, VectorN<n>& out) const noexcept {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!pressed_[i]) continue;
+      const double force = -stiffness_[i] * gaps[i];
+      for (std::size_t k = 0; k < n; ++k) out[k] += force * row_[i][k];
+    }
+  }
+
+  /// @returns the minimum while the pressed planes stay the same.
+  [[nodiscard]] VectorN<n> newton_point() const noexcept {
+    MatrixN<n> matrix{};
+    for (std::size_t k = 0; k < n; ++k) matrix[k][k] = weight_[k];
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!pressed_[i]) continue;
+      for (std::size_t r = 0; r < n; ++r) {
+        const double weighted = stiffness_[i] * row_[i][r];
+        for (std::size_t c = 0; c <= r; ++c) matrix[r][c] += weighted * row_[i][c];
+      }
+    }
+    factor_spd(matrix);
+    VectorN<n> push{};
+    add_push(gap_, push);
+    VectorN<n> z = solve_factored(matrix, push);
+    // Bone is far stiffer than the springs, so one step of refinement restores the digits that they have lost.
+    for (std::size_t k = 0; k < n; ++k) push[k] = -weight_[k] * z[k];
+    add_push(gaps(z), push);
+    const VectorN<n> rest = solve_factored(matrix, push);
+    for (std::size_t k = 0; k < n; ++k) z[k] += rest[k];
+    return z;
+  }
+
+  /// @returns the part of the way from the current point at which the energy is near its least; 1 where that is good enough.
+  [[nodiscard]] double line_search(const VectorN<n>& to, const Gaps& then) const noexcept {
+    double slope_here = 0.0, curvature = 0.0;
+    for (std::size_t k = 0; k < n; ++k) {
+      slope_here += weight_[k] * at_[k] * (to[k] - at_[k]);
+      curvature += weight_[k] * (to[k] - at_[k]) * (to[k] - at_[k]);
+    }
+    const auto slope = [&](double part) {
+      double out = slope_here + part * curvature;
+      for (std::size_t i = 0; i < count_; ++i) {
+        const double gap = now_[i] + part * (then[i] - now_[i]);
+        if (gap < 0.0 || spring_[i]) out += stiffness_[i] * gap * (then[i] - now_[i]);
+      }
+      return out;
+    };
+    const double enough = kFarEnough * std::abs(slope(0.0));
+    double low = 0.0, high = 1.0, part = 1.0;
+    for (int step = 0; step < kMaxHalvings; ++step) {
+      const double now = slope(part);
+      if (std::abs(now) <= enough || (part == 1.0 && now < 0.0)) break;
+      (now < 0.0 ? low : high) = part;
+      part = 0.5 * (low + high);
+    }
+    return part;
+  }
+
+  std::size_t count_;
+  VectorN<n> weight_{}, at_{};
+  std::array<VectorN<n>, kMaxHoldPlanes> row_;
+  Gaps gap_, stiffness_, now_;  // gap_: at z = 0; now_: at at_
+  std::array<bool, kMaxHoldPlanes> spring_, pressed_;
+};
+
+template <std::size_t n>
+void find_forces(const HoldProblem& problem, std::span<HoldPlane> planes) noexcept {
+  PressedPlanes<n> pressed(problem, planes);
+  pressed.minimise();
+  for (std::size_t i = 0; i < planes.size(); ++i) planes[i].force = pressed.force(i);
 }
 
 }  // namespace
@@ -30,106 +178,41 @@ HoldMove HoldSolver::move_of(const HoldProblem& problem) const noexcept {
   return out;
 }
 
-bool HoldSolver::factor_row(const HoldProblem& problem, std::size_t r) noexcept {
-  const HoldPlane& plane = planes_[r];
-  auto& rows = factor_.rows;
-  auto& right = factor_.right;
-  auto& turning = factor_.turning;
-  turning[r] = glm::cross(plane.arm, plane.normal);
-  for (std::size_t c = 0; c <= r; ++c) {
-    // Change of one plane's gap per unit force on the other [m/N].
-    const double along = glm::dot(plane.normal, planes_[c].normal);
-    double whole = along / problem.stiffness + glm::dot(turning[r], turning[c]) / problem.turn_stiffness +
-                   (plane.cutting && planes_[c].cutting ? along / problem.cutting_stiffness : 0.0);
-    if (r == c) whole += plane.yield;
-    double sum = whole;
-    for (std::size_t k = 0; k < c; ++k) sum -= rows[r][k] * rows[c][k];
-    if (r != c) {
-      rows[r][c] = sum / rows[c][c];
-    } else {
-      if (!(sum > kOwnPart * whole)) return false;
-      rows[r][r] = std::sqrt(sum);
-    }
-  }
-  // The right side is the negative of the gap without forces.
-  HoldPlane unloaded = plane;
-  unloaded.force = 0.0;
-  right[r] = -gap_after(problem, unloaded, {problem.target, problem.turn, Vec3(0.0)});
-  for (std::size_t k = 0; k < r; ++k) right[r] -= rows[r][k] * right[k];
-  right[r] /= rows[r][r];
-  return true;
-}
-
-bool HoldSolver::solve_kept(const HoldProblem& problem, std::array<double, kMaxHoldPlanes>& forces) noexcept {
-  for (; factor_.known < count_; ++factor_.known)
-    if (!factor_row(problem, factor_.known)) return false;
-  forces = factor_.right;
-  for (std::size_t r = count_; r-- > 0;) {
-    for (std::size_t k = r + 1; k < count_; ++k) forces[r] -= factor_.rows[k][r] * forces[k];
-    forces[r] /= factor_.rows[r][r];
-  }
-  return true;
-}
-
-void HoldSolver::drop(std::size_t n) noexcept {
-  std::copy(planes_.begin() + static_cast<std::ptrdiff_t>(n) + 1, planes_.begin() + static_cast<std::ptrdiff_t>(count_),
-            planes_.begin() + static_cast<std::ptrdiff_t>(n));
-  --count_;
-  factor_.known = std::min(factor_.known, n);
-}
-
-void HoldSolver::drop_least() noexcept {
-  const auto carries = [](const HoldPlane& plane) { return plane.both_ways ? std::numeric_limits<double>::infinity() : plane.force; };
-  const auto kept = planes();
-  const auto least = std::ranges::min_element(kept, {}, carries);
-  drop(static_cast<std::size_t>(least - kept.begin()));
-}
-
 void HoldSolver::add(const HoldPlane& plane) noexcept {
-  if (count_ == kMaxHoldPlanes) drop_least();
+  if (count_ == kMaxHoldPlanes) {
+    const auto carries = [](const HoldPlane& kept) { return kept.both_ways ? std::numeric_limits<double>::infinity() : kept.force; };
+    const auto least = std::ranges::min_element(planes(), {}, carries);
+    std::copy(least + 1, planes().end(), least);
+    --count_;
+  }
   planes_[count_] = plane;
   planes_[count_++].force = 0.0;
 }
 
 void HoldSolver::settle(const HoldProblem& problem) noexcept {
-  std::array<double, kMaxHoldPlanes> wanted{};
-  while (count_ > 0) {
-    if (!solve_kept(problem, wanted)) {
-      drop(count_ - 1);  // numerically dependent planes: one is enough
-      continue;
-    }
-    // Steps towards the optimal forces until one of them would become attractive.
-    double part = 1.0;
-    std::size_t first = count_;
-    for (std::size_t n = 0; n < count_; ++n) {
-      if (wanted[n] > 0.0 || planes_[n].both_ways) continue;
-      const double reach = planes_[n].force / (planes_[n].force - wanted[n]);
-      if (first == count_ || reach < part) {
-        part = planes_[n].force > 0.0 ? reach : 0.0;
-        first = n;
-      }
-    }
-    if (first == count_) {
-      for (std::size_t n = 0; n < count_; ++n) planes_[n].force = wanted[n];
-      return;
-    }
-    // The limiting plane ends at 0; another at the same place may end below it by rounding.
-    for (std::size_t n = 0; n < count_; ++n) {
-      const double force = planes_[n].force + part * (wanted[n] - planes_[n].force);
-      planes_[n].force = planes_[n].both_ways ? force : std::max(0.0, force);
-    }
-    drop(first);
-  }
+  if (count_ == 0) return;
+  if (std::ranges::any_of(planes(), &HoldPlane::cutting))
+    find_forces<9>(problem, planes());
+  else
+    find_forces<6>(problem, planes());
+  refresh([](const HoldPlane& plane) { return plane.force > 0.0 || plane.both_ways; });
+}
+
+double HoldSolver::deepest() const noexcept {
+  double out = 0.0;
+  for (const HoldPlane& plane : planes())
+    if (!plane.both_ways) out = std::max(out, plane.yield * plane.force);
+  return out;
 }
 
 HoldMove HoldSolver::solve(const HoldProblem& problem, HoldCandidates& candidates) noexcept {
-  factor_.known = 0;
   settle(problem);
   converged_ = false;
   for (rounds_ = 0; rounds_ < kMaxHoldRounds; ++rounds_) {
     const HoldMove move = move_of(problem);
     const auto found = candidates.most_violated(problem, move, planes());
-    if (!found) {
+    // Where no more planes fit, one that is no deeper in bone than they are would only share their load.
+    if (!found || (count_ == kMaxHoldPlanes && gap_after(problem, *found, move) >= -deepest())) {
       converged_ = true;
       return move;
     }

@@ -10,8 +10,10 @@
 ///   the coupling transmits the contact forces, and K_cut e = sum over cutting planes of N_i f_i, so engaged depth = F / K_cut. Forces of
 ///   opposed walls act through their yields and cancel in e, so walls do not change the engagement of a blade in a slot.
 ///   A plane with `both_ways` is a spring of stiffness 1 / yield along its normal: N . (t + w x a) + y = -gap with f of either sign.
-///   Method: active set on the multipliers (Lawson & Hanson's NNLS on the dual). Each round adds the most violated plane of a candidate
-///   source. The result is exact for any number of contacts, with a matrix of the size of the number of loaded planes.
+///   Method: each round adds the most violated plane of a candidate source, and finds the optimum among the kept planes by Newton's method
+///   with a line search, in the 6 or 9 unknowns of the move alone. That energy is convex and piecewise quadratic, so the result is exact to
+///   rounding after finitely many steps. It rises from round to round, so no set of planes comes back. The cost of a round is linear in the
+///   number of planes.
 #pragma once
 
 #include <array>
@@ -60,8 +62,8 @@ class HoldCandidates {
                                                                std::span<const HoldPlane> kept) noexcept = 0;
 };
 
-inline constexpr std::size_t kMaxHoldPlanes = 24;  ///< loaded at once: more than the unknowns only where bone yields
-inline constexpr int kMaxHoldRounds = 96;          ///< planes added per solve; each round solves at most kMaxHoldPlanes small systems
+inline constexpr std::size_t kMaxHoldPlanes = 64;  ///< loaded at once: more than the unknowns only where bone yields
+inline constexpr int kMaxHoldRounds = 96;          ///< planes added per solve
 
 class HoldSolver {
  public:
@@ -88,26 +90,13 @@ class HoldSolver {
 
  private:
   [[nodiscard]] HoldMove move_of(const HoldProblem& problem) const noexcept;
-  /// Equality solve on all kept planes. @returns false when the matrix is not numerically positive definite.
-  [[nodiscard]] bool solve_kept(const HoldProblem& problem, std::array<double, kMaxHoldPlanes>& forces) noexcept;
-  /// Computes row r of the factor from the rows before it. @returns false as above.
-  [[nodiscard]] bool factor_row(const HoldProblem& problem, std::size_t r) noexcept;
-  /// Finds the optimal forces of the kept planes; drops planes with an attractive force.
+  /// Finds the optimal forces of the kept planes; drops planes without force.
   void settle(const HoldProblem& problem) noexcept;
-  void drop(std::size_t n) noexcept;
-  void drop_least() noexcept;
-
-  /// Cholesky factor of the compliance among the kept planes. Its rows are valid for one problem, until a plane before them is dropped.
-  struct Factor {
-    std::array<std::array<double, kMaxHoldPlanes>, kMaxHoldPlanes> rows;
-    std::array<double, kMaxHoldPlanes> right;  // after forward substitution
-    std::array<Vec3, kMaxHoldPlanes> turning;  // [m] arm x normal, per plane
-    std::size_t known = 0;                     // number of valid rows
-  };
+  /// @returns [m] the largest yield of bone under a plane.
+  [[nodiscard]] double deepest() const noexcept;
 
   std::array<HoldPlane, kMaxHoldPlanes> planes_{};
   std::size_t count_ = 0;
-  Factor factor_{};
   int rounds_ = 0;
   bool converged_ = false;
 };

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/matrix6.h"
+#include "core/base/spd.h"
 #include "core/base/rotation.h"
 #include "core/contact/constraint_planes.h"
 

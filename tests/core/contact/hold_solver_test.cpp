@@ -301,7 +301,7 @@ TEST_CASE("hold solver: sets beyond its bounds do no harm") {
         const Vec3 normal(uniform11(3, 3 * next_), uniform11(3, 3 * next_ + 1), uniform11(3, 3 * next_ + 2));
         const auto point = static_cast<std::uint32_t>(next_++);
         HoldPlane plane{glm::normalize(normal), 0.01 * normal, 0.0, 1e-7, next_ % 2 == 0, point, 0.0};
-        plane.gap = -1e-3 - gap_of(problem, plane, move);  // wherever the tool went, 1 mm inside
+        plane.gap = -static_cast<double>(next_ * next_) - gap_of(problem, plane, move);  // wherever the tool went, deeper than all before
         return plane;
       }
 
@@ -324,7 +324,7 @@ TEST_CASE("hold solver: sets beyond its bounds do no harm") {
     HoldSolver solver;
     harmless(solver, solved(solver, pushed_down(), planes));
   }
-  SUBCASE("planes alike that do not yield: one is kept, and the rest are not tried again and again") {
+  SUBCASE("planes alike that do not yield share the load, and none is tried again and again") {
     // Tilted by 1e-9: each is broken by 1e-12 m where another is met, and the two together would ask for forces of 1e6 N.
     std::vector<HoldPlane> planes;
     for (std::uint32_t n = 0; n < 50; ++n)
@@ -335,8 +335,36 @@ TEST_CASE("hold solver: sets beyond its bounds do no harm") {
     HoldSolver solver;
     solved(solver, problem, {planes[0]});  // not the one that is broken most
     harmless(solver, solved(solver, problem, planes));
-    CHECK(solver.planes().size() == 1);
-    CHECK(solver.rounds() <= 2);
-    CHECK(std::abs(solver.planes()[0].force - 10.0) <= 1e-6);  // 5 kN/m over 2 mm
+    CHECK(solver.converged());
+    CHECK(solver.rounds() <= 50);
+    double force = 0.0;
+    for (const HoldPlane& plane : solver.planes()) force += plane.force;
+    CHECK(std::abs(force - 10.0) <= 1e-5);  // 5 kN/m over 2 mm; seven digits
   }
+}
+
+TEST_CASE("hold solver: of a level face of 300 points as many carry load as fit, evenly over the face") {
+  std::vector<HoldPlane> planes;
+  for (std::uint32_t n = 0; n < 300; ++n) {
+    const double radius = 1e-3 * std::sqrt((n + 0.5) / 300.0), angle = 2.399963 * n;  // a sunflower: even over the disc
+    planes.push_back({.arm = radius * Vec3(std::cos(angle), std::sin(angle), 0.0), .yield = 5e-8, .point = n});
+  }
+  HoldProblem problem = pushed_down();
+  problem.tolerance = kTightTolerance;
+  HoldSolver solver;
+  const HoldMove move = solved(solver, problem, planes);
+  CHECK(solver.converged());
+  CHECK(solver.planes().size() == kMaxHoldPlanes);
+  double force = 0.0, deepest = 0.0;
+  for (const HoldPlane& plane : solver.planes()) {
+    force += plane.force;
+    deepest = std::max(deepest, plane.yield * plane.force);
+  }
+  // The whole face is as deep as those that carry load: it is level, and none of it would carry more than they do.
+  for (const HoldPlane& plane : planes) CHECK(std::abs(gap_of(problem, plane, move)) <= deepest);
+  CHECK(deepest < 2.0 * 5e-8 * force / static_cast<double>(kMaxHoldPlanes));
+  // Springs in series; the yields side by side are at most that of one plane.
+  CHECK(std::abs(force / (2e-3 * 5e3) - 1.0) <= 5e-8 * 5e3);
+  (void)solved(solver, problem, planes);
+  CHECK(solver.rounds() == 0);  // and no plane is searched again
 }
