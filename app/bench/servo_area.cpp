@@ -216,6 +216,37 @@ Status compare_replay(Bench& bench, const std::string& what, const LoadedScene& 
   return {};
 }
 
+/// The price of friction where it is largest: a flat bit pressed on bone and held by stiction, in lockstep, against the same without.
+Status measure_friction(Bench& bench) {
+  struct Times {
+    StepTiming servo, contact;
+    std::uint64_t force_hash = 0;
+  };
+  const auto times_of = [&](bool friction) -> Result<Times> {
+    std::vector<std::string> sets{"tool.name=trephine_12mm", "tool.spin_rpm=0", "hand.standoff_mm=0.2", "hand.ramp_s=0.1",
+                                  fmt::format("duration_s={}", bench.quick() ? 0.5 : 1.5)};
+    if (friction) sets.emplace_back("friction.static_coefficient=0.4");
+    auto loaded = load_parietal_scene(sets);
+    if (!loaded) return loaded.error();
+    Issues issues;
+    auto simulation = Simulation::create((*loaded)->scene, (*loaded)->bone, (*loaded)->tool, {}, issues);
+    if (!simulation) return issues.front();
+    if (Status ran = simulation->run(); !ran) return ran.error();
+    return Times{simulation->timing("servo"), simulation->timing("contact"), simulation->force_hash()};
+  };
+  const auto without = times_of(false), with = times_of(true), again = times_of(true);
+  for (const auto* times : {&without, &with, &again})
+    if (!*times) return times->error();
+  const std::string what = "trephine held by friction";
+  const std::array<std::uint64_t, 1> first{with->force_hash}, second{again->force_hash};
+  bench.agree(what + ": two runs", bytes_of(first), bytes_of(second));
+  bench.add_absolute(what + ": servo compute, p99", "us", with->servo.p99_us, true, {kMostCompute, {}});
+  bench.add_absolute(what + ": servo compute without friction, p99", "us", without->servo.p99_us, true);
+  bench.add_absolute(what + ": contact compute, p99", "us", with->contact.p99_us, true);
+  bench.add_absolute(what + ": contact compute without friction, p99", "us", without->contact.p99_us, true);
+  return {};
+}
+
 }  // namespace
 
 Status bench_servo(Bench& bench) {
@@ -234,7 +265,7 @@ Status bench_servo(Bench& bench) {
     if (Status done = measure(bench, what, scene, seconds, size.points > 1000); !done) return done;
     bench.add_absolute(what + ": pictures of 512 x 512 drawn meanwhile", "1", static_cast<double>(drawing.frames()), false);
   }
-  return {};
+  return measure_friction(bench);
 }
 
 }  // namespace burrhole

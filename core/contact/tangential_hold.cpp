@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
+#include "core/base/spd.h"
 #include "core/contact/contact_constraint.h"
 
 namespace burrhole {
 namespace {
 
 constexpr double kSameForce = 1e-10;  // [N]: moves a tool on 5 kN/m by 2e-14 m
+constexpr double kLever = 0.01;       // [m] of pressed points: weighs torques and turns against forces and moves
 
 struct Springs {
   double stiffness, turn_stiffness;
@@ -26,6 +30,73 @@ std::size_t pressed_of(const HoldSolver& solver, std::array<PressedPoint, kMaxHo
   return count;
 }
 
+Vector6 numbers_of(const Wrench& load) noexcept {
+  const Vec3 torque = load.torque / kLever;
+  return {load.force.x, load.force.y, load.force.z, torque.x, torque.y, torque.z};
+}
+Wrench wrench_of(const Vector6& x) noexcept { return {{x[0], x[1], x[2]}, kLever * Vec3(x[3], x[4], x[5])}; }
+
+/// Accelerates a fixed point iteration x <- g(x) of six unknowns, as Anderson's mixing of all rounds so far: a map that is linear converges in
+/// seven rounds, whatever its contraction. Differences of residuals are kept orthonormal, each with its difference of g.
+class Mixing {
+ public:
+  /// @returns the next x. A residual that grows restarts the mixing with a plain step.
+  [[nodiscard]] Vector6 next(const Vector6& x, const Vector6& g) noexcept {
+    Vector6 residual{};
+    for (std::size_t k = 0; k < 6; ++k) residual[k] = g[k] - x[k];
+    const double size = dot(residual, residual);
+    if (count_ == kMost || !(size < size_))
+      count_ = 0;
+    else if (rounds_ > 0)
+      keep(residual, g);
+    ++rounds_;
+    residual_ = residual;
+    size_ = size;
+    g_ = g;
+    Vector6 out = g;
+    for (std::size_t n = 0; n < count_; ++n) {
+      const double part = dot(kept_[n].residual, residual);
+      for (std::size_t k = 0; k < 6; ++k) out[k] -= part * kept_[n].g[k];
+      for (std::size_t k = 0; k < 6; ++k) residual[k] -= part * kept_[n].residual[k];
+    }
+    return out;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 6;
+  static constexpr double kDependent = 1e-6;  // [-] of a difference that is left beside the kept ones: less is rounding
+  struct Difference {
+    Vector6 residual, g;
+  };
+  static double dot(const Vector6& a, const Vector6& b) noexcept {
+    double out = 0.0;
+    for (std::size_t k = 0; k < 6; ++k) out += a[k] * b[k];
+    return out;
+  }
+  void keep(const Vector6& residual, const Vector6& g) noexcept {
+    Difference fresh;
+    for (std::size_t k = 0; k < 6; ++k) fresh.residual[k] = residual[k] - residual_[k];
+    for (std::size_t k = 0; k < 6; ++k) fresh.g[k] = g[k] - g_[k];
+    const double whole = std::sqrt(dot(fresh.residual, fresh.residual));
+    for (std::size_t n = 0; n < count_; ++n) {
+      const double part = dot(kept_[n].residual, fresh.residual);
+      for (std::size_t k = 0; k < 6; ++k) fresh.residual[k] -= part * kept_[n].residual[k];
+      for (std::size_t k = 0; k < 6; ++k) fresh.g[k] -= part * kept_[n].g[k];
+    }
+    const double left = std::sqrt(dot(fresh.residual, fresh.residual));
+    if (!(left > kDependent * whole)) return;
+    for (double& value : fresh.residual) value /= left;
+    for (double& value : fresh.g) value /= left;
+    kept_[count_++] = fresh;
+  }
+
+  std::array<Difference, kMost> kept_;
+  std::size_t count_ = 0;
+  int rounds_ = 0;
+  Vector6 residual_{}, g_{};  // of the last round
+  double size_ = std::numeric_limits<double>::infinity();
+};
+
 }  // namespace
 
 HoldMove TangentialHold::solve(TangentialLaw& law, const TangentialStep& step, const HoldProblem& problem, HoldCandidates& candidates,
@@ -33,6 +104,7 @@ HoldMove TangentialHold::solve(TangentialLaw& law, const TangentialStep& step, c
   const Springs springs{problem.stiffness, problem.turn_stiffness};
   std::array<PressedPoint, kMaxHoldPlanes> points;
   HoldMove move;
+  Mixing mixing;
   for (int round = 0; round < kMaxRounds; ++round) {
     const SmallMove shift = springs.under(loads_.on_tool);
     HoldProblem shifted = problem;
@@ -50,10 +122,13 @@ HoldMove TangentialHold::solve(TangentialLaw& law, const TangentialStep& step, c
     const Vec3 force = found.on_tool.force - loads_.on_tool.force, torque = found.on_tool.torque - loads_.on_tool.torque;
     const SmallMove change = springs.under({force, torque});
     // When the bound on rounds is reached the loads stay those of the move, so that they balance.
-    const bool same = glm::length(force) <= kSameForce && glm::length(change.turn) * springs.stiffness <= kSameForce;
-    if (same || round + 1 < kMaxRounds) loads_.on_tool = found.on_tool;
+    const bool same = glm::length(force) <= kSameForce && glm::length(change.turn) * kLever * springs.stiffness <= kSameForce;
     loads_.move = found.move;
-    if (same) break;
+    if (same) {
+      loads_.on_tool = found.on_tool;
+      break;
+    }
+    if (round + 1 < kMaxRounds) loads_.on_tool = wrench_of(mixing.next(numbers_of(loads_.on_tool), numbers_of(found.on_tool)));
   }
   return move;
 }

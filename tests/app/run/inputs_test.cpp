@@ -66,9 +66,8 @@ Outcome outcome_of(DrillRun& run) { return {run.voxel_hash(), run.simulation().f
 /// A scene that drills for `seconds` with inputs.
 struct Session {
   std::string duration = "2.6";
-  std::vector<Input> inputs;
+  std::vector<Input> inputs = {};
   bool live = false;
-  bool friction = false;
 };
 
 Outcome record(const Session& session, const std::string& path) {
@@ -78,8 +77,7 @@ Outcome record(const Session& session, const std::string& path) {
   options.inputs = session.inputs;
   options.history = true;
   options.live = session.live;
-  std::vector<std::string> sets{"duration_s=" + session.duration, "hand.feels=false"};
-  if (session.friction) sets.emplace_back("friction.static_coefficient=0.4");
+  const std::vector<std::string> sets{"duration_s=" + session.duration, "hand.feels=false", "friction.static_coefficient=0.4"};
   DrillRun run(SmallScene{.spindle = true, .record = true, .display = true, .sets = sets}, options);
   run_recorded(run, path);
   return outcome_of(run);
@@ -162,16 +160,6 @@ TEST_CASE("inputs: a lockstep session with all of them replays to the same voxel
   const auto session = SessionReader::open(path);
   REQUIRE(session);
   CHECK(session->inputs().size() == a_session().size());
-}
-
-TEST_CASE("inputs: a session with friction, in which the spindle stops and starts, replays to the same voxels, forces and pictures") {
-  const TemporaryFolder folder;
-  const std::string path = folder.file("run.sqlite"), without = folder.file("without.sqlite");
-  const Session session{.duration = "0.9", .inputs = {spin(600, 0.0), spin(700, 1.0)}, .friction = true};
-  Outcome recorded = record(session, path);
-  recorded.stills = stills_of(path);
-  CHECK(replay(path) == recorded);
-  CHECK(record({.duration = "0.9", .inputs = session.inputs}, without).forces != recorded.forces);  // there was friction
 }
 
 // Bone is stepped every ten ticks, so no step lies between this undo and the last pictures, nor between the undo and those before it.
