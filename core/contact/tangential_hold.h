@@ -1,10 +1,12 @@
 /// core/contact/tangential_hold.h: solves normal loads (hold_solver.h) and tangential loads (tangential_law.h) of a massless tool together.
 ///   Frame  that of the hold problem; bone is at rest in it.   Units  SI.   Thread  contact or servo; never allocates.
 ///   Method  alternation, at most kMaxRounds times: the pose for the latest tangential loads, then the tangential loads for the latest
-///           normal loads. On a flat face two rounds are exact. Where normals and tangents couple, the last change is the residual.
+///           normal loads. On a flat face two rounds are exact. Where normals and tangents couple, the next loads are mixed from those of
+///           all rounds, which converges in about seven; the last change is the residual.
 ///   Flanks  A cutting plane is `held` while planes of lateral stiffness (side_grip.h) are present. There the law adds the friction of the
 ///           rim speed, which is a force, and no resistance to displacement, so no lateral load is counted twice.
-///   Source  the alternation is Panagiotopoulos' for contact with Coulomb friction, as commonly used; the rest is own derivation.
+///   Source  the alternation is Panagiotopoulos' for contact with Coulomb friction and the mixing is Anderson's for fixed points, both as
+///           commonly used; the rest is own derivation.
 #pragma once
 
 #include "core/base/assert.h"
