@@ -17,9 +17,9 @@ namespace {
 // load of the last round (augmented Lagrangian), so sticking points converge to u = 0 for any S: each round leaves about K / S of u, or
 // turn stiffness / (S arm^2). S grows from round to round, because with a large S Newton's method finds the narrow region where a point
 // sticks by bisection only. In a round the energy is convex with a continuous slope, in six unknowns.
-constexpr double kLeastStiff = 10.0, kStiff = 1e5, kStiffer = 100.0;  // [-] S over the stiffness of the springs: first, largest, growth
-constexpr double kFarEnough = 0.5;                                    // [-] a line search ends below this fraction of the initial slope
-constexpr double kSettled = 1e-14;                                    // [m] of sticking points, and of a Newton step; rounding is 1e-19
+constexpr double kLeastStiff = 1e3, kStiff = 1e5, kStiffer = 100.0;  // [-] S over the stiffness of the springs: first, largest, growth
+constexpr double kFarEnough = 0.5;                                   // [-] a line search ends below this fraction of the initial slope
+constexpr double kSettled = 1e-12;                                   // [m] of sticking points, and of a Newton step: a tenth of kSlip
 constexpr double kSlip = 1e-11;             // [m] smaller slips are the solver's residual; 1 um/s over 1 ms is 100 times that
 constexpr int kMaxBreaks = 4;               // rounds of changing sticking points to sliding; after the last all of them slide
 constexpr double kLargestStiffness = 1e12;  // [N m/rad] replaces infinity

@@ -11,8 +11,9 @@
 namespace burrhole {
 namespace {
 
-constexpr double kSameForce = 1e-10;  // [N]: moves a tool on 5 kN/m by 2e-14 m
-constexpr double kLever = 0.01;       // [m] of pressed points: weighs torques and turns against forces and moves
+// [-] of the normal loads: a smaller change ends the rounds. The move that it leaves is kept as the law's residual of this step.
+constexpr double kSameLoad = 1e-6;
+constexpr double kLever = 0.01;  // [m] of pressed points: weighs torques and turns against forces and moves
 
 struct Springs {
   double stiffness, turn_stiffness;
@@ -119,10 +120,13 @@ HoldMove TangentialHold::solve(TangentialLaw& law, const TangentialStep& step, c
                    .turn_stiffness = problem.turn_stiffness,
                    .spin = step.spin,
                    .dt = step.dt});
+    double pressed = 0.0;
+    for (const PressedPoint& point : std::span(points.data(), count)) pressed += point.load;
+    const double enough = kSameLoad * pressed;
     const Vec3 force = found.on_tool.force - loads_.on_tool.force, torque = found.on_tool.torque - loads_.on_tool.torque;
     const SmallMove change = springs.under({force, torque});
     // When the bound on rounds is reached the loads stay those of the move, so that they balance.
-    const bool same = glm::length(force) <= kSameForce && glm::length(change.turn) * kLever * springs.stiffness <= kSameForce;
+    const bool same = glm::length(force) <= enough && glm::length(change.turn) * kLever * springs.stiffness <= enough;
     loads_.move = found.move;
     if (same) {
       loads_.on_tool = found.on_tool;

@@ -2,7 +2,7 @@
 ///   Frame  that of the hold problem; bone is at rest in it.   Units  SI.   Thread  contact or servo; never allocates.
 ///   Method  alternation, at most kMaxRounds times: the pose for the latest tangential loads, then the tangential loads for the latest
 ///           normal loads. On a flat face two rounds are exact. Where normals and tangents couple, the next loads are mixed from those of
-///           all rounds, which converges in about seven; the last change is the residual.
+///           all rounds; the last change is the residual. A few rounds are usual, and all of them where points go from sticking to sliding.
 ///   Flanks  A cutting plane is `held` while planes of lateral stiffness (side_grip.h) are present. There the law adds the friction of the
 ///           rim speed, which is a force, and no resistance to displacement, so no lateral load is counted twice.
 ///   Source  the alternation is Panagiotopoulos' for contact with Coulomb friction and the mixing is Anderson's for fixed points, both as
@@ -23,7 +23,7 @@ struct TangentialStep {
 
 class TangentialHold {
  public:
-  static constexpr int kMaxRounds = 16;
+  static constexpr int kMaxRounds = 8;
 
   void clear() noexcept { loads_ = {}; }
   /// @returns the move, with normal and tangential loads. `problem` is that of the springs alone.

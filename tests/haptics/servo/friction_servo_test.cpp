@@ -111,7 +111,7 @@ TEST_CASE("friction at the servo: within the cone a body does not creep in 10 s"
     CAPTURE(form.name);
     const double crept = drift(form);
     std::printf("servo creep in 10 s, %s: %.3g m\n", form.name.c_str(), crept);
-    // 1e4 ticks whose loads settle to 1e-14 m.
-    CHECK(crept < 1e-9);
+    // A tick leaves up to 1e-12 m, which the next takes back; 1e4 of them that added up would be 1e-8 m.
+    CHECK(crept < 1e-10);
   }
 }
