@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/spd.h"
 #include "core/base/rotation.h"
+#include "core/base/spd.h"
 #include "core/contact/constraint_planes.h"
 
 namespace burrhole {
