@@ -2,7 +2,7 @@
 """Checks the vocabulary of code and documents and the units, frames and errors in headers: `file:line: what is wrong`.
 
   words    comments and string literals of *.h and *.cpp, comments of shaders, docs/*.md and README.md contain
-           no word of BANNED, except where ALLOWED names a legitimate use
+           no word of BANNED, except where ALLOWED names a legitimate use; nor do the names of test cases, CONTRIBUTING.md and CHANGELOG.md
   units    every public floating-point member of a struct or class in a header has a unit in brackets in its comment ([m], [N/m], [-]) or
            in its name (radius_mm); integers likewise, except counts, flags and identifiers (COUNT_NAME)
   frame    a header that declares vectors, poses or affine maps has a line "Frame" in the comment that precedes #pragma once
@@ -50,6 +50,7 @@ ALLOWED = [
     ("", r"play button|play ?back"),
     ("", r"(thread|servo|loop|clock|absolute) (sleeps?|wakes?)|wakes? (up|the thread)|wake[- ]up"),
     ("haptics/servo/", r"faults?|wakes?|sleeps?|lateness"),
+    ("tests/haptics/servo/", r"latched fault|servo fault"),
     ("docs/glossary.md", r"\| fault \||faults?: every|latched fault"),
 ]
 
@@ -201,19 +202,31 @@ def check_file(root, path):
     return [f"{path}:{number}: {what}" for number, what in sorted(findings)]
 
 
+TEST_NAME = re.compile(r'(?:TEST_CASE|SUBCASE)\(\s*("(?:\\.|[^"\\])*"(?:\s*"(?:\\.|[^"\\])*")*)')
+
+
+def test_name_findings(root, path):
+    """@returns findings of banned words in the names of a file's test cases."""
+    text = (root / path).read_text(encoding="utf-8")
+    names = [(text.count("\n", 0, found.start()) + 1, re.sub(r'"\s+"', "", found.group(1))) for found in TEST_NAME.finditer(text)]
+    return [f"{path}:{number}: {what}" for number, what in word_findings(path, names)]
+
+
 def files_of(root):
     """@returns paths of all files to check, from the root."""
     files = []
     for folder in CODE_FOLDERS:
         files += [file for file in (root / folder).rglob("*") if file.suffix in {".h", ".cpp"}]
     files += [file for file in (root / "shaders").rglob("*") if file.suffix in SHADER_SUFFIXES]
-    files += list((root / "docs").glob("*.md")) + [root / "README.md"]
+    files += list((root / "docs").glob("*.md")) + [root / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")]
     return sorted(file.relative_to(root).as_posix() for file in files if file.is_file())
 
 
 def check_tree(root):
     """@returns every finding of the converted part of the tree, in order of path and line."""
-    return [finding for path in files_of(root) for finding in check_file(root, path)]
+    tests = sorted(file.relative_to(root).as_posix() for file in (root / "tests").rglob("*.cpp"))
+    return ([finding for path in files_of(root) for finding in check_file(root, path)] +
+            [finding for path in tests for finding in test_name_findings(root, path)])
 
 
 def main():

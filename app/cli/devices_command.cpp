@@ -39,7 +39,7 @@ Json hand_json(const HandModel& hand) {
 void print_devices() {
   print("Simulated devices: [device] name = \"NAME\" puts one between hand and drill.\n");
   print(fmt::format("{:<12} {:>10} {:>12} {:>10} {:>10} {:>10} {:>10}  {}\n", "name", "force N", "friction N", "mass kg", "N s/m",
-                    "step um", "reach mm", "device"));
+                    "quantum um", "radius mm", "device"));
   for (const DeviceModel& d : device_models())
     print(fmt::format("{:<12} {:>10} {:>12} {:>10} {:>10} {:>10} {:>10}  {}\n", d.name, text_of(d.largest_force, 1.0),
                       text_of(d.friction, 1.0), text_of(d.mass, 1.0), text_of(d.damping, 1.0), text_of(d.quantum, 1e6),

@@ -83,7 +83,7 @@ Internal error of the program.
 Error in the input or on the command line; one line per error on standard error, with file, line and column for files.
 .TP
 .B 3
-A check or a bound failed: a replay that differs.
+A check or a bound failed: a replay that differs, a stability case beyond its bounds.
 .TP
 .B 4
 No usable device, display or OpenGL.
@@ -103,7 +103,7 @@ Folder for results unless \fB\-\-out\fR names another: pictures, session.sqlite,
 .SH ENVIRONMENT
 .TP
 .B BURRHOLE_DATA
-Folder of real scans that the test programs read; without it those tests are skipped. The program itself does not read it.
+Folder of real scans. The shipped head scenes name it; the test programs read it, and skip those tests without it.
 .TP
 .B GALLIUM_DRIVER
 Driver of OSMesa, which draws the pictures: llvmpipe, or not set.
@@ -145,8 +145,8 @@ std::string man_page(const CommandNode& program, std::string_view version) {
     out += command_section(*node);
   }
   return out + kTail + ".EX\n" + troff_code(kExamples) + "\n.EE\n" +
-         ".SH SEE ALSO\nThe references of both formats: " + bold("burrhole docs scene") + " and " + bold("burrhole docs tool") +
-         ".\nEvery command's own help: " + bold("burrhole COMMAND --help") + ".\n";
+         ".SH SEE ALSO\nThe references of the formats: " + bold("burrhole docs scene") + ", " + bold("burrhole docs tool") + " and " +
+         bold("burrhole docs raw") + ".\nEvery command's own help: " + bold("burrhole COMMAND --help") + ".\n";
 }
 
 }  // namespace burrhole::cli

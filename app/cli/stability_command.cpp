@@ -88,7 +88,7 @@ int run(const StabilityCommand& command) {
 void add_stability(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
       app, "stability", kMeasureGroup,
-      {.summary = "Runs the stability cases of contact for each contact model; or measures the frontier",
+      {.summary = "Runs the stability cases of contact for each contact model, or maps the maximum stable stiffness",
        .about =
            "Runs cases that are difficult for a force loop (edges, pits, thin shells, jumps, stalls, values that are not finite) through "
            "the shipped servo, contact and erosion, and compares each with its bounds; writes CSV, a table and a page. --map instead "
@@ -100,7 +100,8 @@ void add_stability(CLI::App& app, int& exit_code) {
   command->add_option("--out", option->folder, "folder for stability.csv, stability.md and stability.html")
       ->type_name(kFolderValue)
       ->capture_default_str();
-  CLI::Option* map = command->add_flag("--map", option->map, "measure the frontier instead: frontier.csv, its plots and frontier.html");
+  CLI::Option* map =
+      command->add_flag("--map", option->map, "map the maximum stable stiffness instead: frontier.csv, its plots and frontier.html");
   command->add_option("--case", option->options.only_case, "run only this case")->excludes(map);
   command->add_option("--model", option->options.only_model, "run only this model")->excludes(map);
   command->add_option("--threads", option->options.threads, "number of cases, or points of the map, that run in parallel; 0: one per core")

@@ -136,7 +136,7 @@ std::string size_text(const Tool& tool) {
 std::string details_text(const Tool& tool, const std::string& parts, const std::vector<NamedFeed>& feeds) {
   std::string text = fmt::format("{}: {}\n", tool.name, tool.title);
   text += fmt::format("  size           {}\n", size_text(tool));
-  text += fmt::format("  haptic points  {} ({} on cutting faces)\n", tool.shell.size(), cutting_points(tool));
+  text += fmt::format("  shell points   {} ({} on cutting faces)\n", tool.shell.size(), cutting_points(tool));
   text += fmt::format("  erosion points {} at a pitch of {:.3g} mm, {:.1f} mm3\n", tool.erosion.size(), tool.erosion.pitch / kMillimetre,
                       volume_mm3(tool));
   text += parts;
@@ -195,7 +195,7 @@ Status draw_sheet(const TomlDocument& document, const Tool& tool, const std::vec
   if (!fine) return issues.front();
   const NamedFeed& shown = feeds[0].feed.speed > 0.0 ? feeds[0] : feeds[1];
   ToolSheet sheet{&*fine, tool.title, {}};
-  sheet.subtitle = fmt::format("{}; {} haptic points, {} of them on cutting faces; {} at {}: {:.3g} mm/s, {:.3g} mm3/s", size_text(tool),
+  sheet.subtitle = fmt::format("{}; {} shell points, {} of them on cutting faces; {} at {}: {:.3g} mm/s, {:.3g} mm3/s", size_text(tool),
                                tool.shell.size(), cutting_points(tool), shown.label, conditions_text(), shown.feed.speed / kMillimetre,
                                shown.feed.rate / (kMillimetre * kMillimetre * kMillimetre));
   return write_tool_sheet(sheet, path);
@@ -239,7 +239,7 @@ int list_tools(bool json) {
       rows.push_back(tool_json(*tool, file));
     else
       print(
-          fmt::format("{:<24} {:>5} haptic {:>6} erosion points  {}\n", tool->name, tool->shell.size(), tool->erosion.size(), tool->title));
+          fmt::format("{:<24} {:>5} shell {:>6} erosion points  {}\n", tool->name, tool->shell.size(), tool->erosion.size(), tool->title));
   }
   if (json) print(rows.dump(2) + "\n");
   return kDone;
@@ -259,7 +259,7 @@ void add_tools(CLI::App& app, int& exit_code) {
       app, "tools", kSceneGroup,
       {.summary = "Lists the shipped bits, or describes and draws one of them",
        .about =
-           "Without a name, lists the shipped bits with their numbers of contact points and erosion points. With a name or a tool file, "
+           "Without a name, lists the shipped bits with their numbers of shell points and erosion points. With a name or a tool file, "
            "prints the bit's size, its points, the erosion factors of its regions, and the predicted feed in bone; --image draws the bit, "
            "its point shell and its erosion factors.",
        .examples = {"burrhole tools", "burrhole tools perforator_14_11 --image perforator.png", "burrhole tools my_bit.toml"},

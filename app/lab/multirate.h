@@ -1,9 +1,9 @@
 /// app/lab/multirate.h: accuracy and cost of contact slower than the servo: for each multi-rate scheme and contact rate, the error of the
-///   force relative to the 1 kHz loop, the share of the stable stiffness that is kept, and the cost of a servo step.
+///   force relative to a loop of servo and contact at 4 kHz, the share of the stable stiffness that is kept, and the cost of a servo step.
 ///   Units as the rows state.   Errors  those of a run; unavailable without gnuplot.   Thread one, so that times are not disturbed.
 ///   Force   for a hand that follows a fixed path independent of the force, so that all loops have the same input: sliding to and fro over
 ///   a
-///           sphere of the tool's radius, and a feed into it with the spindle on. The reference evaluates contact every servo tick.
+///           sphere of the tool's radius, and a feed into it with the spindle on. The reference evaluates contact every tick of a servo at 4 kHz.
 ///   Stiffness  as frontier_search.h: the generic device in the nominal hand, released half pressed onto that sphere, at rest and drilling.
 #pragma once
 

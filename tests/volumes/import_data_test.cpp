@@ -129,7 +129,7 @@ TEST_CASE("data: one slice in nine transfer syntaxes is one slice") {
   CHECK(files == 9);
 }
 
-TEST_CASE("data: the headerless head is imported by the shipped sidecar, its guess told") {
+TEST_CASE("data: the headerless head is imported by the shipped sidecar, its guess reported") {
   (void)real_data("head_ct_raw_big_endian");  // the sidecar finds it by itself
   const auto imported = import_bone({test::in_source("app/scenes/volumes/cthead.toml"), {}, {}}, {});
   REQUIRE_MESSAGE(imported.ok(), imported.error().text());

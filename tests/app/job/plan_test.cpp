@@ -163,7 +163,7 @@ Json summary_of(DrillRun& run) {
   return Json::parse(summary_json(make_summary(run.loaded(), run.run().simulation(), make_plan(run.loaded()), 1.0)));
 }
 
-TEST_CASE("summary: what drew is told key by key, null where nothing chose the quality") {
+TEST_CASE("summary: what drew is reported key by key, null where nothing chose the quality") {
   DrillRun run(SmallScene{.sets = {"duration_s=0.1"}});
   RunSummary summary = make_summary(run.loaded(), run.run().simulation(), make_plan(run.loaded()), 1.0);
   summary.display = RunSummary::Display{"osmesa", "4.5", "llvmpipe", {.bisections = 3, .resolution = 0.5}, std::nullopt, std::nullopt};

@@ -10,13 +10,13 @@
 
 using namespace burrhole;
 
-TEST_CASE("pareto: the front of a few points by hand") {
+TEST_CASE("pareto: the Pareto front of a few points by hand") {
   const std::vector<PricedPoint> points{{4.0, 40.0}, {1.0, 10.0}, {2.0, 9.0}, {2.0, 30.0}, {3.0, 30.0}, {1.0, 10.0}, {5.0, 40.0}};
   CHECK(pareto_front(points) == std::vector<std::size_t>{1, 3, 0});
   CHECK(pareto_front({}).empty());
 }
 
-TEST_CASE("pareto: nothing beats a point of the front, and each other point is beaten or equalled by one of it") {
+TEST_CASE("pareto: nothing beats a point of the Pareto front, and each other point is beaten or equalled by one of it") {
   std::vector<PricedPoint> points;
   for (std::uint64_t n = 0; n < 300; ++n) {
     const double cost =

@@ -58,7 +58,7 @@ bool has(const std::vector<Vec3>& normals, const Vec3& direction, double cosine)
 
 }  // namespace
 
-TEST_CASE("push cone: without bone all of a force is outside, and one wall pushes along its normal only") {
+TEST_CASE("contact cone: without bone all of a force is outside, and one wall pushes along its normal only") {
   CHECK(outside({3.0, 0.0, 4.0}, {}) == 5.0);
   CHECK(outside({0.0, 0.0, 4.0}, {kZ}) == 0.0);
   CHECK(outside({0.0, 0.0, -4.0}, {kZ}) == 4.0);                  // all of what points into bone
@@ -66,7 +66,7 @@ TEST_CASE("push cone: without bone all of a force is outside, and one wall pushe
   CHECK(outside({3.0, 0.0, 4.0}, {kZ}) == doctest::Approx(3.0));  // what lies across
 }
 
-TEST_CASE("push cone: two walls, opposed or square to each other, and a corner") {
+TEST_CASE("contact cone: two walls, opposed or square to each other, and a corner") {
   CHECK(outside({-2.0, 0.0, 0.0}, {kX, -kX}) == 0.0);
   CHECK(outside({-2.0, 3.0, 0.0}, {kX, -kX}) == doctest::Approx(3.0));
   CHECK(outside({2.0, 1.0, 0.0}, {kX, kY}) == doctest::Approx(0.0).epsilon(1e-9));
@@ -82,7 +82,7 @@ TEST_CASE("push cone: two walls, opposed or square to each other, and a corner")
   CHECK(outside({1.0, -2.0, -0.1}, {kZ, -kZ, kX, -kX, kY, -kY}) == doctest::Approx(0.0).epsilon(1e-9));
 }
 
-TEST_CASE("push cone: as a slow twin finds it, whatever the normals") {
+TEST_CASE("contact cone: as a slow twin finds it, whatever the normals") {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     CAPTURE(seed);
     std::vector<Vec3> normals;
@@ -97,7 +97,7 @@ TEST_CASE("push cone: as a slow twin finds it, whatever the normals") {
   }
 }
 
-TEST_CASE("push cone: normals are those of the bone that is touched, and of no other") {
+TEST_CASE("contact cone: normals are those of the bone that is touched, and of no other") {
   PhantomSpec plate;
   plate.kind = PhantomKind::plate;
   plate.pitch = 0.25e-3;
@@ -115,7 +115,7 @@ TEST_CASE("push cone: normals are those of the bone that is touched, and of no o
   for (const Vec3& n : tilted) CHECK(glm::dot(n, glm::normalize(plate.plate_normal)) > std::cos(std::numbers::pi / 180.0));
 }
 
-TEST_CASE("push cone: in a pit floor and wall are told apart, and a flipped force is outside") {
+TEST_CASE("contact cone: in a pit floor and wall are distinguished, and a flipped force is outside") {
   PhantomSpec pit;
   pit.kind = PhantomKind::pit;
   pit.pitch = 0.25e-3;

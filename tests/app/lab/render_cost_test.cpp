@@ -123,7 +123,7 @@ TEST_CASE("render cost: every row has its figures, and pictures are there") {
   CHECK(measured().pictures.size() == 2 * 4);
 }
 
-TEST_CASE("render cost: a front over two subjects takes the mean cost and the least accuracy") {
+TEST_CASE("render cost: a Pareto front over two subjects takes the mean cost and the least accuracy") {
   const DrawingQuality low{.resolution = 0.5}, high{}, worse{.bisections = 0};
   const auto point = [](const std::string& subject, const DrawingQuality& quality, double cost, double psnr) {
     return DrawnPoint{.subject = subject, .method = "rays", .quality = quality, .over_shipped = cost, .psnr = psnr};

@@ -53,7 +53,7 @@ TEST_CASE("stability: a sampled spring leaks half a step of its force each way a
   CHECK(passivity_deficit(in_and_out(1), {.friction = 0.02}) <= 1e-12);
 }
 
-TEST_CASE("stability: a force with its sign flipped owes all the energy that it gives") {
+TEST_CASE("stability: a flipped force counts all its work as passivity deficit") {
   StabilityTrace trace = in_and_out(0);
   for (StabilitySample& s : trace.samples) s.shown = -s.shown;
   // It pulls the grip in: K d^2 N (N - 1) / 2 at the turn.
@@ -150,7 +150,7 @@ TEST_CASE("stability: depth, far side and steps of force are the largest of the 
   CHECK(largest_force_step(trace, {5e-3, 1.0}) == 0.0);
 }
 
-TEST_CASE("stability: force given during a fault is seen, and a fault that was not told is counted") {
+TEST_CASE("stability: force during a latched fault is seen, and a latched fault that was not reported is counted") {
   const auto faulty = [](double force, int told) {
     return make_trace(100, [force, told](int n, StabilitySample& s) {
       if (n >= 50 && n < 50 + told) s.faults = 4u;

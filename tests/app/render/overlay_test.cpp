@@ -52,7 +52,7 @@ TEST_CASE("overlay: strokes that overlap are one shape, and what lies outside th
   CHECK(ink(outside) == 0.0);
 }
 
-TEST_CASE("overlay: text stays in its box, and every sign looks unlike every other") {
+TEST_CASE("overlay: text stays in its box, and every sign differs from every other") {
   const std::string signs = "0123456789.,:;-+=/()%abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNPQRSTUVWXYZ#";
   std::set<std::vector<std::uint8_t>> drawn;
   for (const char sign : signs) {

@@ -127,7 +127,7 @@ TEST_CASE("light: a flat face has the brightness of the paper's model") {
   CHECK(std::abs(pixel(image.value(), 50, 50).r - 200.0 * (0.25 + 0.5 * 0.8)) <= 2.0);
 }
 
-TEST_CASE("looks: by ambient occlusion the floor of a deep hole is darker than the same floor in the open, and only then") {
+TEST_CASE("appearance: by ambient occlusion the floor of a deep hole is darker than the same floor in the open, and only then") {
   const auto floor_brightness = [](bool occlusion, double radius) {
     Renderer renderer = require_renderer({.finish = false, .appearance = {.occlusion = occlusion}});
     const VolumeView volume = make_volume({.dims = Vec3i(64),

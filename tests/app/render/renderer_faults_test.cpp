@@ -13,7 +13,7 @@
 using namespace burrhole;
 using namespace burrhole::test;
 
-TEST_CASE("faults: a refused volume leaves the old one in place") {
+TEST_CASE("errors: a refused volume leaves the old one in place") {
   Renderer renderer = require_renderer();
   REQUIRE(renderer.set_volume(ball_on_plate()).ok());
   const auto before = renderer.draw(oblique_view(), 64, 48);
@@ -30,7 +30,7 @@ TEST_CASE("faults: a refused volume leaves the old one in place") {
   CHECK(before.value().pixels == after.value().pixels);
 }
 
-TEST_CASE("faults: sizes, cameras and lights out of range are refused with a reason") {
+TEST_CASE("errors: sizes, cameras and lights out of range are refused with a reason") {
   Renderer renderer = require_renderer();
   REQUIRE(renderer.set_volume(ball_on_plate()).ok());
   const auto refused = [&](const FrameView& view, int width, int height) {
@@ -57,7 +57,7 @@ TEST_CASE("faults: sizes, cameras and lights out of range are refused with a rea
   CHECK(renderer.draw(oblique_view(), 10, 10).ok());
 }
 
-TEST_CASE("faults: a view from inside the bone and one along `up` are drawn all the same") {
+TEST_CASE("errors: a view from inside the bone and one along `up` are drawn all the same") {
   Renderer renderer = require_renderer();
   REQUIRE(renderer.set_volume(ball_on_plate()).ok());
   FrameView view = oblique_view();
@@ -67,7 +67,7 @@ TEST_CASE("faults: a view from inside the bone and one along `up` are drawn all 
   CHECK(renderer.draw(view, 32, 24).ok());
 }
 
-TEST_CASE("faults: faulty meshes are refused") {
+TEST_CASE("errors: faulty meshes are refused") {
   Renderer renderer = require_renderer();
   TriangleMesh mesh = square(1e-3, 0.0);
   CHECK(renderer.set_tool(mesh).ok());
@@ -79,7 +79,7 @@ TEST_CASE("faults: faulty meshes are refused") {
   CHECK(renderer.set_tool({}).error().code == ErrorCode::bad_input);
 }
 
-TEST_CASE("faults: options out of range are refused") {
+TEST_CASE("errors: options out of range are refused") {
   static_cast<void>(require_renderer());
   CHECK(Renderer::create({.step_voxels = 0.0}).error().code == ErrorCode::out_of_range);
   CHECK(Renderer::create({.step_voxels = 1.5}).error().code == ErrorCode::out_of_range);
@@ -88,7 +88,7 @@ TEST_CASE("faults: options out of range are refused") {
   CHECK(Renderer::create({.bisections = -1}).error().code == ErrorCode::out_of_range);
 }
 
-TEST_CASE("faults: a shader folder that is missing or holds a faulty shader is named") {
+TEST_CASE("errors: a shader folder that is missing or holds a faulty shader is named") {
   static_cast<void>(require_renderer());
   const auto missing = Renderer::create({.shader_folder = "/nonexistent/shaders"});
   REQUIRE_FALSE(missing.ok());
@@ -113,7 +113,7 @@ TEST_CASE("faults: a shader folder that is missing or holds a faulty shader is n
   CHECK_MESSAGE(included.error().text().starts_with((folder / "shade.glsl").string() + ":2:"), included.error().text());
 }
 
-TEST_CASE("faults: a volume larger than the driver draws is told the size that would fit, and that size does") {
+TEST_CASE("errors: a volume larger than the driver draws is reported the size that would fit, and that size does") {
   Renderer renderer = require_renderer();
   const auto stick = [](const Vec3i& dims) {
     VolumeView view;
@@ -137,7 +137,7 @@ TEST_CASE("faults: a volume larger than the driver draws is told the size that w
   CHECK(renderer.set_volume(stick({0, 4, 4})).error().text().find("it is empty") != std::string::npos);
 }
 
-TEST_CASE("faults: floats of another count than the texels are refused") {
+TEST_CASE("errors: floats of another count than the texels are refused") {
   Renderer renderer = require_renderer();
   VolumeView wrong = ball_on_plate();
   wrong.precise.normal_opacity.resize(3);

@@ -77,7 +77,7 @@ constexpr Appearance kTissue{.tissue = true};
 
 }  // namespace
 
-TEST_CASE("looks: the wall of a hole through spongy bone shows pores, old surface beside it keeps its bytes") {
+TEST_CASE("appearance: the wall of a hole through spongy bone shows pores, old surface beside it keeps its bytes") {
   const FrameProbe before = probed(slab(false), kTissue, evenly_lit());
   const FrameProbe after = probed(slab(true), kTissue, evenly_lit());
   const Places places = places_of(after);
@@ -87,14 +87,14 @@ TEST_CASE("looks: the wall of a hole through spongy bone shows pores, old surfac
   CHECK(redness(after, places.wall) > redness(after, places.top) + 0.25);
 }
 
-TEST_CASE("looks: without what was there as loaded a cut would look like old surface") {
+TEST_CASE("appearance: without the bone as loaded a cut has the appearance of old surface") {
   // Sabotage of the test above: the tissue says that the hole was there from the first.
   const FrameProbe after = probed(slab(true, true), kTissue, evenly_lit());
   const Places places = places_of(after);
   CHECK(std::abs(redness(after, places.wall) - redness(after, places.top)) < 0.1);
 }
 
-TEST_CASE("looks: a cut plane through fresh bone shows its inside") {
+TEST_CASE("appearance: a cut plane through fresh bone shows its inside") {
   FrameView view = evenly_lit();
   view.cut = FrameView::Cut{Vec3(0.0, -1.0, 0.0), 0.0};
   const FrameProbe cut = probed(slab(false), kTissue, view);
@@ -109,7 +109,7 @@ TEST_CASE("looks: a cut plane through fresh bone shows its inside") {
   CHECK(redness(cut, face) > redness(cut, top) + 0.25);
 }
 
-TEST_CASE("looks: tissue is fixed to the bone, wherever that lies") {
+TEST_CASE("appearance: tissue is fixed to the bone, wherever that lies") {
   const FrameProbe still = probed(slab(true), kTissue, evenly_lit());
   FrameView moved = evenly_lit();
   const Pose world_from_bone{glm::angleAxis(0.5, glm::normalize(Vec3(0.2, -1.0, 0.4))), Vec3(0.01, -0.02, 0.005)};
@@ -122,7 +122,7 @@ TEST_CASE("looks: tissue is fixed to the bone, wherever that lies") {
   CHECK(pictures_agree("tissue-moved", turned.image, still.image, {.level = 6, .share = 0.01}));
 }
 
-TEST_CASE("looks: a volume without tissue is drawn plain, and sends none") {
+TEST_CASE("appearance: a volume without tissue is drawn plain, and sends none") {
   VolumeView volume = slab(true);
   const std::size_t with = volume.tissue.size();
   volume.tissue.clear();
@@ -139,7 +139,7 @@ TEST_CASE("looks: a volume without tissue is drawn plain, and sends none") {
   CHECK_FALSE(renderer.set_volume(volume).ok());
 }
 
-TEST_CASE("looks: a wall throws a shadow as long as the light is steep") {
+TEST_CASE("appearance: the length of a wall's shadow follows the slope of the light") {
   constexpr double kWall = 5e-3;
   const VolumeView volume = make_volume({.dims = Vec3i(64),
                                          .bone_from_index = half_millimetre_cube(),
@@ -176,7 +176,7 @@ TEST_CASE("looks: a wall throws a shadow as long as the light is steep") {
   }
 }
 
-TEST_CASE("looks: a mirror-like point glints by a tenth of the light") {
+TEST_CASE("appearance: a specular highlight adds a tenth of the light") {
   const VolumeView floor = make_volume(
       {.dims = Vec3i(64), .bone_from_index = half_millimetre_cube(), .bone = [](const Vec3& p) { return -p.z; }, .soft = {}, .color = {}});
   FrameView view = evenly_lit();
@@ -191,7 +191,7 @@ TEST_CASE("looks: a mirror-like point glints by a tenth of the light") {
   CHECK(std::abs(middle({.specular = true}) - middle({})) <= 1.0);
 }
 
-TEST_CASE("looks: without label colours bone is of one ivory, whatever its texels say") {
+TEST_CASE("appearance: without label colours bone is of one ivory, whatever its texels say") {
   VolumeView volume = slab(true);
   for (std::size_t n = 0; n < volume.color.size(); ++n) volume.color[n] = {static_cast<std::uint8_t>(n), 10, 200, 0};
   const FrameProbe seen = probed(volume, {.labels = false}, evenly_lit());
@@ -199,7 +199,7 @@ TEST_CASE("looks: without label colours bone is of one ivory, whatever its texel
     if (seen.hit[n] != 0) REQUIRE(seen.image.pixels[n] == Rgba8{237, 224, 194, 255});  // 0.93, 0.88, 0.76
 }
 
-TEST_CASE("looks: recomputed normals know nothing of those sent, and are those of the surface") {
+TEST_CASE("appearance: recomputed normals do not depend on those sent, and are those of the surface") {
   VolumeView truth = ball_on_plate(), wrong = truth;
   for (Rgba8& texel : wrong.normal_opacity) texel = {255, 0, 128, texel.a};
   const Appearance recomputed{.normals = NormalSource::recomputed};
@@ -210,7 +210,7 @@ TEST_CASE("looks: recomputed normals know nothing of those sent, and are those o
   CHECK_FALSE(compare_pictures(a.image, probed(wrong, {}, view).image, 3).differing_share < 0.1);
 }
 
-TEST_CASE("looks: light by recomputed normals is that of the closed form") {
+TEST_CASE("appearance: light by recomputed normals is that of the closed form") {
   // A ball whose density falls from 1 to 0 over twice `half_ramp` voxels across its surface.
   const Vec3 middle(1e-3, 0.0, 2e-3);
   const auto ball = [&](double half_ramp) {
@@ -248,7 +248,7 @@ TEST_CASE("looks: light by recomputed normals is that of the closed form") {
   CHECK(largest_error(1.0) <= 9.3);
 }
 
-TEST_CASE("looks: a cut plane takes away what lies beyond it, drawn by rays, by slices and translucent") {
+TEST_CASE("appearance: a cut plane takes away what lies beyond it, drawn by rays, by slices and translucent") {
   const VolumeView volume = make_volume({.dims = Vec3i(64),
                                          .bone_from_index = half_millimetre_cube(),
                                          .bone = [](const Vec3& p) { return 5e-3 - glm::length(Vec3(std::abs(p.x) - 8e-3, p.y, p.z)); },

@@ -273,7 +273,7 @@ Affine stretched() {
 
 }  // namespace
 
-TEST_CASE("slices: where the view takes another axis the picture pops by no more than is told") {
+TEST_CASE("slices: where the view takes another axis the picture changes by no more than the documented bound") {
   const PictureDifference ball = change_of_axis(ball_on_plate(), {});
   MESSAGE("a ball on a plate: mean " << mean_change(ball) << " levels, " << 100.0 * ball.differing_share
                                      << " % of the pixels by more than 8");
@@ -338,7 +338,7 @@ TEST_CASE("slices: a cut shows the colour inside, lit by the face's own normal")
   CHECK(std::abs(below.g - 40.0 * light) <= 2.0);
 }
 
-TEST_CASE("slices: a turned, sheared volume gives the picture of the rays, but for its soft edge") {
+TEST_CASE("slices: a turned, sheared volume gives the picture of the rays, except for its soft edge") {
   VolumeView volume = white_ball();
   for (Rgba8& color : volume.color) color = {200, 184, 160, 0};
   volume.bone_from_index.linear = Mat3(0.5e-3, 0, 0, 0.15e-3, 0.45e-3, 0, -0.1e-3, 0.05e-3, 0.6e-3);

@@ -52,19 +52,19 @@ VolumeView layered_head() {
 
 }  // namespace
 
-TEST_CASE("ray caster: a ball on a plate looks as the slow twin draws it") {
+TEST_CASE("ray caster: a ball on a plate is drawn as by the slow twin") {
   const Compared pictures = draw_both(ball_on_plate(), oblique_view());
   CHECK(pictures_agree("ball-on-plate", pictures.actual, pictures.expected, kTolerance));
 }
 
-TEST_CASE("ray caster: a drilled plate over soft tissue, cut open, looks as the slow twin draws it") {
+TEST_CASE("ray caster: a drilled plate over soft tissue, cut open, is drawn as by the slow twin") {
   FrameView view = oblique_view();
   view.cut = FrameView::Cut{Vec3(0.0, -1.0, 0.0), 1e-3};
   const Compared pictures = draw_both(layered_head(), view);
   CHECK(pictures_agree("layered-cut", pictures.actual, pictures.expected, kTolerance));
 }
 
-TEST_CASE("ray caster: a turned, sheared volume looks as the slow twin draws it") {
+TEST_CASE("ray caster: a turned, sheared volume is drawn as by the slow twin") {
   VolumeView volume = ball_on_plate();
   volume.bone_from_index.linear = Mat3(0.5e-3, 0, 0, 0.15e-3, 0.45e-3, 0, -0.1e-3, 0.05e-3, 0.6e-3);
   volume.bone_from_index.offset = -(volume.bone_from_index.linear * Vec3(31.5));
@@ -79,7 +79,7 @@ TEST_CASE("ray caster: the comparison notices a flipped normal, a lookup half a 
     CHECK_FALSE(agree(draw_both(ball_on_plate(), oblique_view(), sabotage)));
 }
 
-TEST_CASE("ray caster: the comparison notices a fault in the shader itself, read from a folder") {
+TEST_CASE("ray caster: the comparison detects an error in the shader itself, read from a folder") {
   const std::filesystem::path folder = test::in_build("test-shaders-sabotaged");
   std::filesystem::create_directories(folder);
   for (const auto& [name, text] : embedded_shaders()) {

@@ -94,7 +94,7 @@ TEST_CASE("update: bone that grows in empty space appears, though that space was
   CHECK(pictures_agree("grown", drawn(skipping), drawn(plain), {}));
 }
 
-TEST_CASE("update: bone that grows where growth is told appears once it was told, and is missed when it was not") {
+TEST_CASE("update: bone that grows appears once its growth is reported, and is missing when it was not") {
   const VoxelBox box{{4, 5, 50}, {12, 14, 60}};
   const VolumeView grown = changed(box, 255);
   Renderer plain = require_renderer({.skip_empty = false, .finish = false});
@@ -204,7 +204,7 @@ TEST_CASE("quality: knobs set later draw what a renderer made with them draws, a
   }
 }
 
-TEST_CASE("texels in floats draw what their bytes draw, but for what bytes round") {
+TEST_CASE("texels in floats draw what their bytes draw, except for what bytes round") {
   VolumeView volume = ball_on_plate();
   Renderer bytes = require_renderer(), floats = require_renderer();
   REQUIRE(bytes.set_volume(volume).ok());

@@ -14,7 +14,7 @@ TEST_CASE("shader source: defines come first, includes are replaced, lines keep 
   CHECK(text.value() == "#version 450 core\n#define CUT 1\n#define SKIP 1\n#line 1\none\n#line 10001\ninner\n#line 3\nthree\n");
 }
 
-TEST_CASE("shader source: a driver's fault is told by file, line and column, whichever driver it is") {
+TEST_CASE("shader source: a driver's error is reported by file, line and column, whichever driver it is") {
   const ShaderFiles files{{"a.frag", ""}, {"b.glsl", ""}};
   CHECK(shader_error(files, "0:3(1): warning: unused\n0:10012(7): error: syntax error, unexpected '}'\n").text() ==
         "b.glsl:12:7: error: syntax error, unexpected '}'");
@@ -89,7 +89,7 @@ std::string surface_source(const Appearance& appearance) {
 
 }  // namespace
 
-TEST_CASE("shader source: a look that is off is not in the source, one that is on is") {
+TEST_CASE("shader source: an appearance option that is off is not in the source, one that is on is") {
   const Appearance none{.labels = false};
   std::vector<LookWord> words{{"sampler3D tissue", none},
                               {"open_sky(", none},

@@ -18,7 +18,7 @@ TEST_CASE("normal code: eq. 6 undoes eq. 5 within the rounding of 8 bits") {
   }
 }
 
-TEST_CASE("normal code: an unknown normal stays near zero, so that a reader can tell") {
+TEST_CASE("normal code: an unknown normal stays near zero, so that a reader can recognise it") {
   CHECK(glm::length(decode_normal(encode_normal(Vec3(0.0), 255))) < 0.01);
   CHECK(encode_normal(Vec3(2.0, -2.0, 0.0), 0) == Rgba8{255, 0, 128, 0});
 }

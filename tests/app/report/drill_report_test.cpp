@@ -41,7 +41,7 @@ TEST_CASE("drill report: shows what applies, escaped, and nothing that does not"
   CHECK_FALSE(contains(*page, "Time taken by the steps"));
 }
 
-TEST_CASE("drill report: a plunge beyond the limit is shown as a fault, one within it is not") {
+TEST_CASE("drill report: a plunge beyond the limit is marked, one within it is not") {
   DrillReport report = make_report();
   CHECK(contains(*make_drill_report(report), "class=\"tile alert\""));
   report.plunge_mm = 0.2;

@@ -123,7 +123,7 @@ TEST_CASE("sheet: every shipped bit makes a script of one picture each panel, na
   CHECK(sheets > 0);
 }
 
-TEST_CASE("sheet: a PNG of its size that is far from blank; no gnuplot and a bad place are told") {
+TEST_CASE("sheet: a PNG of its size that is far from blank; no gnuplot and an invalid path are reported") {
   const TemporaryFolder folder;
   const Tool tool = shipped("craniotome_2_3mm");
   const ToolSheet sheet{&tool, "Headline", "Subtitle"};

@@ -119,7 +119,7 @@ double largest(const CordHand& hand, std::uint64_t from, std::uint64_t to) {
 
 }  // namespace
 
-TEST_CASE("live cords: a device that is gone is without force from that tick on, and stays so") {
+TEST_CASE("live failures: a device that is gone is without force from that tick on, and stays so") {
   Loose loose(pressing());
   loose.hand.unplugged = true;
   loose.run();
@@ -132,7 +132,7 @@ TEST_CASE("live cords: a device that is gone is without force from that tick on,
   CHECK(sabotaged.hand.last == 0.0);  // that is the run's end
 }
 
-TEST_CASE("live cords: where contact stands still the force fades to nothing within its time, while the run goes on") {
+TEST_CASE("live failures: where contact stands still the force fades to nothing within its time, while the run goes on") {
   for (const bool sabotaged : {false, true}) {
     Loose loose(pressing(sabotaged ? std::vector<std::string>{"servo.soft_stop_s=5"} : std::vector<std::string>{}));
     loose.hand.pull = [&] { loose.parts->contact->set_stalled(true); };
@@ -147,7 +147,7 @@ TEST_CASE("live cords: where contact stands still the force fades to nothing wit
   }
 }
 
-TEST_CASE("live cords: contact that comes back is felt softly") {
+TEST_CASE("live failures: contact that comes back is felt softly") {
   for (const bool sabotaged : {false, true}) {
     Loose loose(pressing({sabotaged ? "servo.soft_start_s=0" : "servo.soft_start_s=0.2", "contact.coupling_N_s_per_m=0"}));
     loose.hand.pull = [&] { loose.parts->contact->set_stalled(true); };
@@ -174,7 +174,7 @@ TEST_CASE("live cords: contact that comes back is felt softly") {
   }
 }
 
-TEST_CASE("live cords: an exception in the simulation's thread ends the run, is told, and leaves the hand without force") {
+TEST_CASE("live failures: an exception in the simulation's thread ends the run, is reported, and leaves the hand without force") {
   spared = true;  // the main thread
   SmallScene scene{.sets = {"duration_s=60", "hand.standoff_mm=0.5"}};
   Loose loose(scene);
@@ -191,7 +191,7 @@ TEST_CASE("live cords: an exception in the simulation's thread ends the run, is 
   CHECK(loose.hand.last == 0.0);
 }
 
-TEST_CASE("live cords: an exception where progress is told leaves the hand without force") {
+TEST_CASE("live failures: an exception where progress is reported leaves the hand without force") {
   spared = true;
   Loose loose(pressing());
   std::atomic<bool> pulled{false};

@@ -162,7 +162,7 @@ TEST_CASE("parietal: the shipped scene breaks through, leaves a ledged 14/11 mm 
   CHECK(again.simulation().force_hash() == run.simulation().force_hash());
 }
 
-TEST_CASE("parietal: without what its flanks hold the bit skates, and the check of its sway tells (sabotage)") {
+TEST_CASE("parietal: without lateral stiffness the bit skates, and the check of its sway fails (sabotage)") {
   const TemporaryFolder folder;
   for (const double grip : {0.0, 1.0}) {
     CAPTURE(grip);

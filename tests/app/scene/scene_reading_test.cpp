@@ -117,7 +117,7 @@ const BadScene kBadScenes[] = {
     {"phantom:plate", "skull.nii", {"bad.toml:5:1: volume.source = \"skull.nii\" is not there: skull.nii"}},
 };
 
-TEST_CASE("scene: each fault is told by file, line, column, value and remedy") {
+TEST_CASE("scene: each error is reported by file, line, column, value and remedy") {
   for (const BadScene& bad : kBadScenes) {
     CAPTURE(bad.to);
     Issues issues;
@@ -134,12 +134,12 @@ TEST_CASE("scene: each fault is told by file, line, column, value and remedy") {
   }
 }
 
-TEST_CASE("scene: without any fault the same text is sound") {
+TEST_CASE("scene: without any error the same text is valid") {
   Issues issues;
   CHECK(faults(scene_text({.record = true}), issues).empty());
 }
 
-TEST_CASE("scene: all faults of a file come at once, in the order of the file") {
+TEST_CASE("scene: all errors of a file come at once, in the order of the file") {
   std::string text = replaced(scene_text({}), "push_N = 20.0", "push_N = -3");
   text = replaced(replaced(text, "spin_rpm = 1000.0", "spin_rpm = 1e9"), "thickness_mm = 3.0", "thickness_mm = 0");
   Issues issues;
@@ -203,7 +203,7 @@ TEST_CASE("scene: a tool too large for the window is refused with the numbers") 
             "voxels; each edge must be in [5, 256]"});
 }
 
-TEST_CASE("scene: a fault of an override names the override") {
+TEST_CASE("scene: an error of an override names the override") {
   auto document = TomlDocument::parse(scene_text({}), "bad.toml");
   REQUIRE(document);
   REQUIRE(document->set("hand.push_N=-3"));

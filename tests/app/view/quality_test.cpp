@@ -27,7 +27,7 @@ TEST_CASE("quality: the most accurate point within the budget, by the time of th
   CHECK(choose_quality(kFront, first / 4.0, 10e-3).quality == kFront[2].quality);
 }
 
-TEST_CASE("quality: a budget that nothing meets gets the cheapest point, and is told so") {
+TEST_CASE("quality: a budget that nothing meets gets the cheapest point, and that is reported") {
   const QualityChoice choice = choose_quality(kFront, 2e-3, 1e-3);
   CHECK_FALSE(choice.met);
   CHECK(choice.quality == kFront[0].quality);
@@ -51,7 +51,7 @@ TEST_CASE("quality: what is chosen never exceeds a budget that can be met, and i
   }
 }
 
-TEST_CASE("quality: the shipped fronts begin with what costs one, and each next point costs more and is more accurate") {
+TEST_CASE("quality: the shipped Pareto fronts begin with what costs one, and each next point costs more and is more accurate") {
   for (const bool translucent : {false, true}) {
     const auto front = shipped_front(translucent);
     REQUIRE(front.size() >= 4);

@@ -126,7 +126,7 @@ TEST_CASE("key log: questions by has() alone are no records") {
   CHECK(log.keys.empty());
 }
 
-TEST_CASE("key log: reading gives the same values and faults with a log and without") {
+TEST_CASE("key log: reading gives the same values and errors with a log and without") {
   for (const char* text : {kText, "radius_mm = -1\nlaw = \"rat\"\nentry_mm = 3\nhand = 1\nregion = 2\nradus_mm = 1\n"}) {
     const TomlDocument document = parsed(text);
     Issues plain_issues, issues;

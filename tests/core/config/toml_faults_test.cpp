@@ -59,7 +59,7 @@ const auto kMisc = [](TableReader& root) {
 
 }  // namespace
 
-TEST_CASE("faults: each kind is one line with its place") {
+TEST_CASE("errors: each kind is one line with its place") {
   const std::vector<Fault> faults = {
       // numbers
       {"\n[tool]\n  radius_mm = -5\n", kRadius, {"skull.toml:3:3: tool.radius_mm = -5 must be in (0, 20]"}},
@@ -117,7 +117,7 @@ TEST_CASE("faults: each kind is one line with its place") {
   }
 }
 
-TEST_CASE("faults: syntax errors are one line with line and column") {
+TEST_CASE("errors: syntax errors are one line with line and column") {
   for (const char* text :
        {"x = \ny = 2", "x = 1\nx = 2", "[a]\n[a]", "x = 1e", "x = \"abc", "\xff\xfe", "x = 99999999999999999999", "[a\n", "= 1"}) {
     CAPTURE(text);
@@ -132,7 +132,7 @@ TEST_CASE("faults: syntax errors are one line with line and column") {
   CHECK(second.error().place == "skull.toml:2:7");
 }
 
-TEST_CASE("faults: a check of the caller's own lands at the key with its value") {
+TEST_CASE("errors: a check of the caller's own lands at the key with its value") {
   const auto document = TomlDocument::parse("[a]\nlow = 3\nhigh = 2\n", "skull.toml");
   REQUIRE(document.ok());
   Issues issues;
@@ -142,7 +142,7 @@ TEST_CASE("faults: a check of the caller's own lands at the key with its value")
   CHECK(issues[0].text() == "skull.toml:3:1: a.high = 2 must be above low");
 }
 
-TEST_CASE("faults: a key asked for only by has() is known, one never asked for is not") {
+TEST_CASE("errors: a key asked for only by has() is known, one never asked for is not") {
   const auto document = TomlDocument::parse("a = 1\nb = 2\n", "skull.toml");
   REQUIRE(document.ok());
   Issues issues;

@@ -38,7 +38,7 @@ int wrong(const PointShell& shell, const ContactShellPart& part, const Vec3& mid
 
 }  // namespace
 
-TEST_CASE("drawn shell: every place is drawn_in() of its point, padding too, at every SIMD level") {
+TEST_CASE("cleared shell: every place is drawn_in() of its point, padding too, at every SIMD level") {
   const Vec3 middle(1e-4, -2e-4, 0.08), push = glm::normalize(Vec3(0.3, -0.4, 0.8));
   for (const std::size_t count : {1, 5, 40, 333}) {
     const PointShell shell = shell_of(count);
@@ -54,7 +54,7 @@ TEST_CASE("drawn shell: every place is drawn_in() of its point, padding too, at 
   }
 }
 
-TEST_CASE("drawn shell: nothing moves along the push") {
+TEST_CASE("cleared shell: nothing moves along the push") {
   const Vec3 push = glm::normalize(Vec3(0.3, -0.4, 0.8));
   const PointShell shell = shell_of(200);
   for (std::size_t n = 0; n < shell.size(); ++n) {
@@ -64,7 +64,7 @@ TEST_CASE("drawn shell: nothing moves along the push") {
   }
 }
 
-TEST_CASE("drawn shell: faces that meet the push are left where they are, flanks are drawn in by all of the play") {
+TEST_CASE("cleared shell: faces towards the push are not moved, flanks by the full clearance") {
   const Vec3 push(0.0, 0.0, 1.0);
   const auto way_at = [&](double degrees) {
     const double angle = degrees / 180.0 * 3.14159265358979323846;
@@ -77,7 +77,7 @@ TEST_CASE("drawn shell: faces that meet the push are left where they are, flanks
   for (double degrees = 0.0; degrees < 90.0; degrees += 0.5) CHECK(std::abs(way_at(degrees + 0.5) - way_at(degrees)) < 0.03e-3);
 }
 
-TEST_CASE("drawn shell: a shell without cutting points is drawn as nothing") {
+TEST_CASE("cleared shell: a shell without cutting points is drawn as nothing") {
   PointShell shell = shell_of(7);
   std::ranges::fill(shell.cutting, std::uint8_t{0});
   ContactShellPart part = make_contact_shell(shell, 0.25e-3).cutting;

@@ -58,7 +58,7 @@ bool same(const GripSums& a, const GripSums& b) {
 
 }  // namespace
 
-TEST_CASE("grip sums: the bits of a plain loop, at every SIMD level") {
+TEST_CASE("flank friction sums: the bits of a plain loop, at every SIMD level") {
   const Quat turn = glm::normalize(Quat(0.8, 0.3, -0.4, 0.2));
   const GripAxes axes{turn * Vec3(0.0, 0.0, 1.0), turn * Vec3(1.0, 0.0, 0.0), turn * Vec3(0.0, 1.0, 0.0)};
   for (const std::size_t count : {0, 1, 7, 8, 63, 64, 65, 130, 1000}) {

@@ -55,7 +55,7 @@ TEST_CASE("hold solver: equals the best of all active sets") {
   for (std::size_t n = 1; n <= 4; ++n) CHECK_MESSAGE(loaded[n] > 5, n);  // sets of many sizes were met
 }
 
-TEST_CASE("hold solver: springs that hold both ways take part in the best of all active sets, pulling or pushing") {
+TEST_CASE("hold solver: bilateral springs take part in the best of all active sets, with force of either sign") {
   int pulling = 0, told = 0;
   for (std::uint64_t n = 0; n < 200; ++n) {
     CAPTURE(n);

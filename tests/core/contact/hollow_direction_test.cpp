@@ -78,7 +78,7 @@ Vec3 plainly(const Patch& patch, const HitRange& near, double alike_from = 0.3) 
 
 }  // namespace
 
-TEST_CASE("hollow direction: the bits of plain sums, at every SIMD level") {
+TEST_CASE("conforming normal: the bits of plain sums, at every SIMD level") {
   int means = 0;
   for (const std::size_t count : {0, 1, 3, 8, 17, 100, 731, 3999, 4000, 9001}) {
     for (const double lean : {0.0, 0.04, -0.05}) {
@@ -99,7 +99,7 @@ TEST_CASE("hollow direction: the bits of plain sums, at every SIMD level") {
   CHECK(means > 15);
 }
 
-TEST_CASE("hollow direction: a bowl answers its middle, a hump the touch") {
+TEST_CASE("conforming normal: a concave patch gives its mean normal, a convex one the normal at the contact") {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     const Patch bowl = patch_of(seed, 3000, 0.04), hump = patch_of(seed, 3000, -0.1);
     const Vec3 up = bowl.axes[2];

@@ -70,7 +70,7 @@ Pose shifted(const Vec3& by) { return {Quat(1.0, 0.0, 0.0, 0.0), by}; }
 
 }  // namespace
 
-TEST_CASE("side grip: a flat end is held by K_cut d / (2 R) on all sides, whichever way it is turned") {
+TEST_CASE("flank friction: a flat end is held by K_cut d / (2 R) on all sides, whichever way it is turned") {
   for (const Quat& turn : {Quat(1.0, 0.0, 0.0, 0.0), glm::angleAxis(0.9, glm::normalize(Vec3(1.0, 2.0, 0.5)))}) {
     const SideGrip grip = gripped(flat(), turn * kEngaged, {turn, Vec3(1e-3, 2e-3, 3e-3)});
     for (const HoldPlane& plane : grip.planes({turn, Vec3(1e-3, 2e-3, 3e-3)})) {
@@ -86,7 +86,7 @@ TEST_CASE("side grip: a flat end is held by K_cut d / (2 R) on all sides, whiche
   CHECK(stiffness_of(less.planes({})[0]) < 0.55 * kCut * kDepth / (2.0 * kRadius));
 }
 
-TEST_CASE("side grip: a ball is held by K_cut times the integral over its cap, and hardly at a touch") {
+TEST_CASE("flank friction: a ball is held by K_cut times the integral over its cap, and hardly at a touch") {
   for (const double angle : {0.1, 0.2, 0.5}) {
     CAPTURE(angle);
     const double c = std::cos(angle);
@@ -100,7 +100,7 @@ TEST_CASE("side grip: a ball is held by K_cut times the integral over its cap, a
   CHECK(gripped(ball_end(2e-3, 0.005), Vec3(0.0, 0.0, 1e-5)).planes({})[0].yield == 0.0);  // the one lowest point has no flank
 }
 
-TEST_CASE("side grip: a blade is held across and not along") {
+TEST_CASE("flank friction: a blade is held across and not along") {
   Felt blade;
   for (double x = -4e-3; x < 4e-3; x += 0.1e-3) {
     blade.add({x, 0.0, 0.0}, {0.0, 0.0, 1.0}, true);
@@ -112,7 +112,7 @@ TEST_CASE("side grip: a blade is held across and not along") {
   CHECK(planes[1].yield == 0.0);
 }
 
-TEST_CASE("side grip: what was cut is let go, by its part of what is engaged, and back and forth cuts nothing") {
+TEST_CASE("flank friction: cutting relaxes the lateral displacement by the cut share, and back and forth cuts nothing") {
   const Felt felt = flat();
   SideGrip grip = gripped(felt, kEngaged);
   const Vec3 aside(20e-6, 0.0, 0.0);
@@ -140,7 +140,7 @@ TEST_CASE("side grip: what was cut is let go, by its part of what is engaged, an
   CHECK(glm::length(grip.aside()) < 1e-12);  // all of it is gone
 }
 
-TEST_CASE("side grip: it slips at half the thrust, and where a ball has climbed out of its dent") {
+TEST_CASE("flank friction: it slips at half the thrust, and where a ball has climbed out of its dent") {
   SideGrip grip = gripped(flat(), kEngaged);
   grip.settle(shifted({1e-3, 0.0, 0.0}), kEngaged, 2.0);
   CHECK(kCut * kDepth / (2.0 * kRadius) * glm::length(grip.aside()) == doctest::Approx(1.0).epsilon(0.005));
@@ -150,7 +150,7 @@ TEST_CASE("side grip: it slips at half the thrust, and where a ball has climbed 
   CHECK(glm::length(ball.aside()) == doctest::Approx(2e-3 * std::sin(kAngle)).epsilon(0.02));  // even load: 2 % less by cos^2
 }
 
-TEST_CASE("side grip: a tool in air, or one that was cleared, is held by nothing") {
+TEST_CASE("flank friction: a tool in air, or one that was cleared, is held by nothing") {
   Felt air = flat();
   for (float& distance : air.hits.distance) distance = 0.5f;
   SideGrip grip = gripped(air, kEngaged);
@@ -162,7 +162,7 @@ TEST_CASE("side grip: a tool in air, or one that was cleared, is held by nothing
   CHECK(grip.planes({})[0].yield == 0.0);
 }
 
-TEST_CASE("side grip: a tool that goes further along the push in a period than it was engaged is held by nothing and starts anew") {
+TEST_CASE("flank friction: a tool that goes further along the push in a period than it was engaged is held by nothing and starts anew") {
   const Vec3 engaged(0.0, 0.0, 0.2e-3);
   const Felt felt = flat_end(2e-3, 0.2e-3, 1e-3, 0.1e-3);
   for (const double way : {-0.19e-3, 0.19e-3, -0.21e-3, 0.21e-3}) {

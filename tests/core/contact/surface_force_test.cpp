@@ -113,7 +113,7 @@ TEST_CASE("surface: the force on a ball is K times the smallest translation, in 
   }
 }
 
-TEST_CASE("surface: the same check tells bone that is a fifth of a voxel off, and one that is a degree off (sabotage)") {
+TEST_CASE("surface: the same check detects bone that is a fifth of a voxel off, and one that is a degree off (sabotage)") {
   const PointShell shell = ball_shell(kBall, 20000);
   const Site site = sites().front();
   const Phantom phantom = phantom_of(site.spec);

@@ -91,7 +91,7 @@ TEST_CASE("surface probe: the same bits as the plain twin on every level") {
   }
 }
 
-TEST_CASE("surface probe: the twin tells records that differ by a step") {
+TEST_CASE("surface probe: the twin detects records that differ by a step") {
   TrueField field(test_maps()[2], kBox, half_space(Vec3(0.3, -0.2, 1.0), 0.4e-3));
   const ContactShellPart part = random_part(1000, 5);
   const Affine map = index_from_tool(field.map(), 6);
@@ -105,7 +105,7 @@ TEST_CASE("surface probe: the twin tells records that differ by a step") {
     }
 }
 
-TEST_CASE("surface probe: the twin tells a bend that is left out where the axes are oblique") {
+TEST_CASE("surface probe: the twin detects a curvature term that is left out where the axes are oblique") {
   // What the kernel does on straight maps: only the part of each axis on itself counts.
   const Truth ball = sphere(3e-3);
   const ContactShellPart part = random_part(1000, 5);
@@ -191,7 +191,7 @@ TEST_CASE("surface probe: the bound breaks where distance grows faster than the 
   CHECK(broken > 10);
 }
 
-TEST_CASE("surface probe: nothing within the look-ahead is missed") {
+TEST_CASE("surface probe: nothing within the search distance is missed") {
   for (const Affine& map : test_maps()) {
     const double edge = map.mean_edge();
     double bend = 0.0;  // [m] second differences: trilinear interpolation errs by at most sum |cell edge|^2 / (8 radius of curvature)
@@ -261,7 +261,7 @@ TEST_CASE("surface probe: a second part is appended and the first kept") {
   });
 }
 
-TEST_CASE("surface probe: one point looked up plainly is exact on a plane but for the stored steps") {
+TEST_CASE("surface probe: one point by the scalar path is exact on a plane except for quantisation") {
   for (const Affine& map : test_maps()) {
     const Vec3 normal = glm::normalize(Vec3(0.3, -0.2, 1.0));
     const TrueField field(map, kBox, half_space(normal, 0.4e-3));

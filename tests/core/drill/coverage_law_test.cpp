@@ -126,7 +126,7 @@ TEST_CASE("coverage: an unsaturated run removes the same mass at 500, 1000, 2000
   CHECK(apart(coarse.mass, fine.mass) < 0.05);
 }
 
-TEST_CASE("coverage: voxels that sleep miss nothing: steps, jumps, turns and pauses mark what one awake at every step marks") {
+TEST_CASE("coverage: skipping inactive voxels marks what visiting every voxel marks: steps, jumps, turns and pauses") {
   // A tool that knows no step before looks at every voxel. So does one whose last pose lies far off, since nothing sleeps that long: a step
   // there and back in between wakes all. It stands in air outside the block, where it marks nothing.
   for (const bool ball : {true, false}) {

@@ -96,8 +96,7 @@ Walls walls_of(const ErosionConfig& config) {
 
 }  // namespace
 
-TEST_CASE(
-    "coverage: the wall of a hole lies within 0.1 voxel of the true one for 99 % of it, and looks the same way within 5 degrees rms") {
+TEST_CASE("coverage: the wall of a hole lies within 0.1 voxel of the true one for 99 % of it, with its normal within 5 degrees rms") {
   const std::array<std::string, 3> names{"cell", "trapezoid", "wide"};
   for (const CoverageKernel kernel : {CoverageKernel::cell, CoverageKernel::trapezoid, CoverageKernel::wide}) {
     const Walls walls = walls_of({.subvoxel = true, .kernel = kernel, .clear_below = 0.0f});

@@ -109,7 +109,7 @@ double over_voxels(const StepFunction& step, bool subvoxel = false) {
 
 }  // namespace
 
-TEST_CASE("energy: the run of these tests is unsaturated, and Q = mu F v_rel / u with the radius that the law tells") {
+TEST_CASE("energy: the run of these tests is unsaturated, and Q = mu F v_rel / u with the radius that the law reports") {
   for (const bool subvoxel : {false, true}) {
     const CutResult result = run({.subvoxel = subvoxel});
     CHECK(result.left > 0.2);

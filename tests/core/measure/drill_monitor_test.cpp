@@ -22,7 +22,7 @@ void look(DrillMonitor& monitor, ClearedPlate& plate, double depth, double engag
   monitor.look(view, Vec3(0, 0, -depth), Vec3(0, 0, 10.0 * time), engagement, time);
 }
 
-TEST_CASE("monitor: front and depth follow the hole, the force's peak stays") {
+TEST_CASE("monitor: cutting front and depth follow the hole, the force's peak stays") {
   ClearedPlate plate;
   DrillMonitor monitor(plate.approach);
   look(monitor, plate, -0.5e-3, 0.0, 0.2);
@@ -54,7 +54,7 @@ TEST_CASE("monitor: bone left on the axis ahead of the tip is no breakthrough, n
   CHECK(std::abs(monitor.progress().deepest - 4.0e-3) < 1e-6);
 }
 
-TEST_CASE("monitor: a tip ahead of the front by more than it may engage is told as tunnelling") {
+TEST_CASE("monitor: a tip ahead of the cutting front by more than it may engage is reported as tunnelling") {
   ClearedPlate plate;
   plate.clear(2e-3, 1.0e-3);
   DrillMonitor honest(plate.approach), tunnelled(plate.approach);
@@ -65,7 +65,7 @@ TEST_CASE("monitor: a tip ahead of the front by more than it may engage is told 
   CHECK(tunnelled.progress().largest_ahead > ClearedPlate::kPitch);
 }
 
-TEST_CASE("monitor: a tip that passed the far side through bone is told as such, and is no breakthrough") {
+TEST_CASE("monitor: a tip that passed the far side through bone is reported as pop-through, and is no breakthrough") {
   ClearedPlate plate;
   plate.clear(2e-3, 1.0e-3);
   DrillMonitor monitor(plate.approach);

@@ -62,7 +62,7 @@ TEST_CASE("tool file: a good one fills every field") {
   CHECK(tool->bound_radius == doctest::Approx(std::sqrt(5.5e-3 * 5.5e-3 + 9e-6)).epsilon(1e-12));
 }
 
-TEST_CASE("tool file: faults are told with their line and column") {
+TEST_CASE("tool file: errors are reported with their line and column") {
   const std::pair<std::string, Lines> table[] = {
       {with_line(8, "diameter_mm = -5"), {"bit.toml:8:1: region[0].diameter_mm = -5 must be in (0, 100]"}},
       {with_line(8, "diameter_mm = nan"), {"bit.toml:8:1: region[0].diameter_mm = nan must be a finite number"}},
@@ -104,7 +104,7 @@ TEST_CASE("tool file: a frustum needs one end wider than nothing") {
   CHECK(faults(text) == Lines{"bit.toml:9:1: region[0].top_diameter_mm = 0 must be > 0 when bottom_diameter_mm is 0"});
 }
 
-TEST_CASE("tool file: all faults come in one go") {
+TEST_CASE("tool file: all errors come in one go") {
   CHECK(faults(with_line(8, "diameter_mm = -5\ncolour = \"red\"\nskin_mm = inf")).size() == 3);
 }
 

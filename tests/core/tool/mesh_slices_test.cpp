@@ -92,7 +92,7 @@ TEST_CASE("mesh slices: two boxes that share a face fill space exactly once") {
   }
 }
 
-TEST_CASE("mesh slices: stop when told, and lattices beside the mesh are empty") {
+TEST_CASE("mesh slices: stop on request, and lattices beside the mesh are empty") {
   int calls = 0;
   for_each_slice(box_mesh({1, 1, 1}), {Vec3(-2), 0.5, {9, 9, 9}}, [&](int, std::span<const std::uint8_t>) { return ++calls < 3; });
   CHECK(calls == 3);

@@ -162,7 +162,7 @@ TEST_CASE("mesh tool: no gap of the shell is wider than pitch / sqrt 2, on any s
   CHECK(largest_gap(blade, shell, 0.3 * kMm) > 0.3 * kMm / std::sqrt(2.0));
 }
 
-TEST_CASE("mesh tool: a sphere's erosion points are the built-in sphere's but for cells between chord and arc") {
+TEST_CASE("mesh tool: a sphere's erosion points are the built-in sphere's except for cells between chord and arc") {
   const double radius = 2 * kMm, pitch = 0.1 * kMm;
   const auto ours = make_mesh_erosion_points(spec_of(0.3 * kMm), sphere_mesh({0, 0, radius}, radius, 5), pitch);
   const auto built_in = make_erosion_points(tool_of({region(make_sphere(0.0, radius), 0.1, 0.3 * kMm)}), pitch);
@@ -236,7 +236,7 @@ TEST_CASE("mesh tool file: unit, turn and shift bring a file to its tip") {
   CHECK(glm::length(low) < 1e-15);
 }
 
-TEST_CASE("mesh tool file: faults are told with their line and column") {
+TEST_CASE("mesh tool file: errors are reported with their line and column") {
   SurfaceMesh ball = sphere_mesh({0, 0, 2}, 2, 2);
   CHECK(faults(kFile, ball) == Lines{});
   SurfaceMesh open = ball;

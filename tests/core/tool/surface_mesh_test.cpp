@@ -33,7 +33,7 @@ const SurfaceMesh kBox = box_mesh({0.01, 0.02, 0.03});
 
 }  // namespace
 
-TEST_CASE("check_mesh: a box has no fault and its volume, as a soup of triangles too") {
+TEST_CASE("check_mesh: a box has no error and its volume, as a soup of triangles too") {
   for (const SurfaceMesh& mesh : {kBox, as_soup(kBox)}) {
     const MeshCheck check = check_mesh(mesh);
     CHECK(check.triangles == 12);
@@ -62,7 +62,7 @@ TEST_CASE("mesh_error: holes are counted and measured") {
         "open: 7 edges without a neighbour in 2 holes, the longest 120 mm around");
 }
 
-TEST_CASE("mesh_error: inside-out, wound both ways, doubled and flat surfaces are told apart") {
+TEST_CASE("mesh_error: inside-out, wound both ways, doubled and flat surfaces are distinguished") {
   CHECK(fault_of(inside_out(kBox)) == "inside-out: signed volume -48 cm3");
   SurfaceMesh one_turned = kBox;
   std::swap(one_turned.indices[0], one_turned.indices[1]);
@@ -74,7 +74,7 @@ TEST_CASE("mesh_error: inside-out, wound both ways, doubled and flat surfaces ar
   CHECK(fault_of(flat) == "flat: it encloses no volume");
 }
 
-TEST_CASE("mesh_error: a part wound inward is a cavity inside another and a fault outside") {
+TEST_CASE("mesh_error: a part wound inward is a cavity inside another and an error outside") {
   const SurfaceMesh hole = inside_out(box_mesh({0.005, 0.005, 0.005}));
   CHECK(fault_of(joined(kBox, hole)) == "");
   CHECK(check_mesh(joined(kBox, hole)).parts == 2);
@@ -100,7 +100,7 @@ TEST_CASE("mesh_error: triangles with fewer than three places do no harm, thin o
   CHECK(fault_of(mesh) == "");
 }
 
-TEST_CASE("mesh_error: broken lists are faults, not crashes") {
+TEST_CASE("mesh_error: broken lists are errors, not crashes") {
   CHECK(fault_of({}) == "no triangles");
   CHECK(fault_of({{{0, 0, 0}}, {0, 0}}) == "an index list whose length is not a multiple of three");
   CHECK(fault_of({{{0, 0, 0}}, {0, 0, 7}}) == "index 7 into 1 vertices");

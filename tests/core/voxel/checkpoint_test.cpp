@@ -74,7 +74,8 @@ TEST_CASE("checkpoint: save and restore bring back every voxel, the hash and the
   CHECK(uncovered_change(before, restored.window(), restored.take_dirty(listener)) == "");
 }
 
-TEST_CASE("checkpoint: restoring an earlier state undoes later drilling, unsaved drilling included, and tells listeners where bone grew") {
+TEST_CASE(
+    "checkpoint: restoring an earlier state undoes later drilling, unsaved drilling included, and notifies listeners where bone grew") {
   const TemporaryFolder folder;
   Drilled drilled(2);
   const std::string path = folder.file("checkpoint.vdb");

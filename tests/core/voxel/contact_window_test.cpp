@@ -257,7 +257,7 @@ TEST_CASE("ContactWindowPublisher: publishing without a change copies nothing") 
   CHECK(publisher.copied_voxels() == whole);
 }
 
-TEST_CASE("ContactWindowPublisher: a reader that never comes costs nothing but its boxes, and then finds the newest") {
+TEST_CASE("ContactWindowPublisher: a reader that never comes costs only its list of boxes, and then finds the newest") {
   const DenseBone dense = random_bone(kDims, 2);
   Voxmap voxmap = make_voxmap(load_bone(dense));
   PlainTwin twin(dense, 0.08f);

@@ -117,7 +117,7 @@ TEST_CASE("ContactWords: every word is its voxel, rounded as stated, and every l
   }
 }
 
-TEST_CASE("ContactWords: a leap that erosion made stale is called a fault (sabotage)") {
+TEST_CASE("ContactWords: a leap that erosion made stale is detected (sabotage)") {
   const Vec3i dims(40, 40, 40);
   Voxmap voxmap = make_voxmap(load_bone(quiet_bone(dims, 2)));
   REQUIRE(voxmap.place_window({Vec3i(-4), dims + 4}).ok());

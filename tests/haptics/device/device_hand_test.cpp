@@ -108,7 +108,9 @@ TEST_CASE("DeviceHand: places, velocities and rotations of the grip come out in 
   }
 }
 
-TEST_CASE("DeviceHand: ticks rise by one, thrust is what the drill exerts along its axis and never a pull, a lost device is told as lost") {
+TEST_CASE(
+    "DeviceHand: ticks rise by one, thrust is what the drill exerts along its axis and never attractive, a lost device is reported as "
+    "lost") {
   PuppetDevice device;
   auto hand = DeviceHand::create(device, {.force_scale = 0.25});
   REQUIRE(hand.ok());

@@ -23,7 +23,7 @@ const DeviceModel& device(std::string_view name) {
 
 }  // namespace
 
-TEST_CASE("find_device: every device and hand is found by its own name, and a slip of the keyboard is told the nearest") {
+TEST_CASE("find_device: every device and hand is found by its own name, and a misspelt name suggests the nearest") {
   REQUIRE_FALSE(device_models().empty());
   REQUIRE_FALSE(hand_models().empty());
   for (const DeviceModel& model : device_models()) CHECK(&device(model.name) == &model);
@@ -56,7 +56,7 @@ TEST_CASE("device models: each figure says where it comes from, and only a figur
     for (const Figure& figure : {model.mass, model.damping, model.stiffness}) CHECK_FALSE(figure.source.empty());
 }
 
-TEST_CASE("device models: what a device does not tell is the generic test device's, said to be assumed") {
+TEST_CASE("device models: what a device does not publish is the generic test device's, said to be assumed") {
   const DeviceModel& generic = device("generic");
   int assumed = 0;
   for (const DeviceModel& model : device_models())

@@ -27,7 +27,7 @@ Wrench push(double x, double y = 0.0, double z = 0.0) { return {{x, y, z}, Vec3(
 
 }  // namespace
 
-TEST_CASE("SimulatedDevice: it tells the nearest multiple of its step, and itself moves on without steps") {
+TEST_CASE("SimulatedDevice: it reports the nearest multiple of its step; its true motion is not quantised") {
   SimulatedDeviceConfig config;
   config.quantum = 0.05e-3;
   SimulatedDevice stepped = make(config), plain = make({});
@@ -118,7 +118,7 @@ TEST_CASE(
   CHECK(knowing.read().velocity == knowing.grip().velocity);
 }
 
-TEST_CASE("SimulatedDevice: the hand's spring pulls to its rest point and its thrust counts beyond the device's limit") {
+TEST_CASE("SimulatedDevice: the hand's spring acts towards its rest point and its thrust counts beyond the device's limit") {
   SimulatedDeviceConfig config;
   config.plant.body = {0.25, 5.0, 300.0};
   config.largest_force = 8.0;
@@ -133,7 +133,7 @@ TEST_CASE("SimulatedDevice: the hand's spring pulls to its rest point and its th
   CHECK(glm::length(device.grip().position - Vec3(0.0, 0.03, 0.0)) < 3e-14);  // its own rest: the flow is exact to 1e-12
 }
 
-TEST_CASE("SimulatedDevice: lost it tells its last report, shows no force, and is back when the cable is") {
+TEST_CASE("SimulatedDevice: a lost device repeats its last report without force, and recovers") {
   SimulatedDevice device = make({});
   for (int n = 0; n < 10; ++n) device.write(push(1.0));
   const DeviceReading before = device.read();
@@ -223,7 +223,7 @@ bool silent(const Told& told) {
 
 }  // namespace
 
-TEST_CASE("DeviceGuard: the last thing a device is told before it is closed is zero force, whether the scope returns or throws") {
+TEST_CASE("DeviceGuard: the last command to a device before it is closed is zero force, whether the scope returns or throws") {
   Told returned, thrown, unguarded;
   {
     const DeviceGuard guard(std::make_unique<ListeningDevice>(returned));

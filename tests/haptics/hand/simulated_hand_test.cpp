@@ -92,7 +92,7 @@ TEST_CASE("SimulatedHand: thrust rises linearly to push over the ramp and the wa
   CHECK(std::abs(wall.force(states.back()).z - config.push) < 1e-3 * config.push);
 }
 
-TEST_CASE("SimulatedHand: lets go `reaction` after it feels the give, and feels it soon after the wall is gone") {
+TEST_CASE("SimulatedHand: releases `reaction` after breakthrough detection, which comes soon after the wall is gone") {
   for (const double reaction : {0.0, 0.15, 0.4}) {
     CAPTURE(reaction);
     HandConfig config;
@@ -114,7 +114,7 @@ TEST_CASE("SimulatedHand: lets go `reaction` after it feels the give, and feels 
   }
 }
 
-TEST_CASE("SimulatedHand: letting go takes the thrust to nothing over `release` and never raises it") {
+TEST_CASE("SimulatedHand: the release lowers the thrust to zero over `release` and never raises it") {
   for (const double release : {0.0, 0.1, 0.5}) {
     CAPTURE(release);
     HandConfig config;
@@ -133,7 +133,7 @@ TEST_CASE("SimulatedHand: letting go takes the thrust to nothing over `release` 
   }
 }
 
-TEST_CASE("SimulatedHand: while the wall stands it neither feels a give nor lets go") {
+TEST_CASE("SimulatedHand: no breakthrough detection and no release while the wall stands") {
   SimulatedHand hand = make({});
   const auto states = run(hand, {.opens = std::numeric_limits<std::uint64_t>::max()}, 20000);
   CHECK(states.back().phase == HandPhase::lean);

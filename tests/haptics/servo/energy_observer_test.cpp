@@ -50,7 +50,7 @@ Account thrown(double stiffness, double damping_told = kDamping) {
 
 }  // namespace
 
-TEST_CASE("EnergyObserver: owes nothing below the stable limit of 2003 N/m and 1.6e-3 J above it") {
+TEST_CASE("EnergyObserver: no passivity deficit below the stable limit of 2003 N/m and 1.6e-3 J above it") {
   for (const double stiffness : {1000.0, 1900.0, 2000.0}) {
     CAPTURE(stiffness);
     const Account account = thrown(stiffness);
@@ -73,7 +73,7 @@ TEST_CASE("EnergyObserver: the observer as usually printed sees nothing even far
   }
 }
 
-TEST_CASE("EnergyObserver: free motion is no credit, and what is owed stays owed through it") {
+TEST_CASE("EnergyObserver: free motion gives no credit, and a deficit is kept through it") {
   EnergyObserver observer({.damping = 5.0, .tolerance = 1e-3}, kPeriod);
   Vec3 x(0.0);
   const Vec3 v(0.1, 0.0, 0.0);

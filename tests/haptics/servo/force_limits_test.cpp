@@ -135,7 +135,7 @@ TEST_CASE("shortened: keeps direction, never lengthens, and holds where the squa
   CHECK(glm::length(huge - Vec3(3.0, 0.0, -4.0)) < 1e-14);
 }
 
-TEST_CASE("SoftGain: rises and falls in straight lines of the times told, at once for none, and from wherever it is") {
+TEST_CASE("SoftGain: rises and falls in straight lines of the configured durations, at once for none, and from wherever it is") {
   SoftGain gain(0.1, 0.05, 1e-3);
   for (int n = 1; n <= 100; ++n) CHECK(std::abs(gain(true) - n / 100.0) < 1e-12);
   CHECK(gain(true) == 1.0);

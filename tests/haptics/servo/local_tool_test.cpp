@@ -72,7 +72,7 @@ TEST_CASE("LocalTool: a hand that turns presses a lever onto a plane not touched
   CHECK(tool.step(state, hand, Vec3(0.0), kPeriod).force == Vec3(0.0));
 }
 
-TEST_CASE("LocalTool: a plane that holds both ways pulls, any other only pushes") {
+TEST_CASE("LocalTool: a bilateral plane exerts attractive force, any other only repulsive") {
   for (const bool both_ways : {false, true}) {
     HoldPlane plane = make_plane(Vec3(1.0, 0.0, 0.0), 0.0, 1e-4, 1);
     plane.both_ways = both_ways;
@@ -126,7 +126,8 @@ TEST_CASE("LocalTool: goes on no further than max_distance from the tool of a ne
 }
 
 TEST_CASE(
-    "PlaneLoads: the slopes of a held tool are those of the local tool at rest, found by moving it, with levers, cutting and springs") {
+    "PlaneLoads: the slopes of a constrained tool are those of the local tool at rest, found by moving it, with levers, cutting and "
+    "springs") {
   int corners = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);

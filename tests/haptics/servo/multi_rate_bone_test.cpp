@@ -92,7 +92,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "multi-rate on bone: a body that falls onto a skull between two looks rests there with planes, and is thrown back with gradient") {
+    "multi-rate on bone: a body that falls onto a skull between two contact results rests there with planes, and is thrown back with "
+    "gradient") {
   const Rest planes = let_go(MultiRateScheme::planes, {}), gradient = let_go(MultiRateScheme::gradient, {});
   MESSAGE("planes: swing " << planes.swing << " m, touches " << planes.touches << "; gradient: swing " << gradient.swing << " m, touches "
                            << gradient.touches);

@@ -208,7 +208,7 @@ TEST_CASE(
   CHECK(plate_limit(ten, 10084.0, half) < 0.5 * 10084.0);
 }
 
-TEST_CASE("multi-rate loop: the gradient alone, where no planes are told, reaches the servo-rate limit too") {
+TEST_CASE("multi-rate loop: the gradient alone, where no planes are listed, reaches the servo-rate limit too") {
   const auto gradient_only = [](double stiffness, double gap, const HandState& sampled, ContactState& state) {
     tell_penalty(stiffness, gap, sampled, state);
     state.local.kind = LocalKind::none;
@@ -218,7 +218,8 @@ TEST_CASE("multi-rate loop: the gradient alone, where no planes are told, reache
 }
 
 TEST_CASE(
-    "multi-rate loop: a held tool on its coupling reaches the servo-rate limit, and with the coupling's damper that of a true speed") {
+    "multi-rate loop: a constrained tool on its coupling reaches the servo-rate limit, and with the coupling's damper that of a true "
+    "speed") {
   const auto undamped = [](double stiffness, double gap, const HandState& sampled, ContactState& state) {
     tell_coupled(stiffness, gap, sampled, state, 0.0);
   };

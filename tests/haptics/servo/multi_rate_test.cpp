@@ -70,7 +70,8 @@ TEST_CASE("MultiRate: hold is the latest force whatever the hand does") {
   for (std::uint64_t n = 0; n < 10; ++n) CHECK(rate(state, at(test::random_vector(9, n)), kPeriod).force == state.on_hand.force);
 }
 
-TEST_CASE("MultiRate: at the sample gradient and planes give the contact's own force to the bit, also where planes do not tell all of it") {
+TEST_CASE(
+    "MultiRate: at the sample gradient and planes give the contact's own force to the bit, also where planes do not contain all of it") {
   for (const MultiRateScheme scheme : {MultiRateScheme::gradient, MultiRateScheme::planes})
     for (std::uint64_t seed = 100; seed < 120; ++seed) {
       MultiRate rate(config_of(scheme));
@@ -128,7 +129,7 @@ TEST_CASE("MultiRate: while all pressed planes stay pressed gradient is eq. 3 wi
   }
 }
 
-TEST_CASE("MultiRate: a hand that leaves bone is never pulled back, where eq. 3 as printed pulls") {
+TEST_CASE("MultiRate: no attractive force on a hand that leaves bone; eq. 3 as printed has one") {
   double printed_pull = 0.0;
   for (const MultiRateScheme scheme : {MultiRateScheme::gradient, MultiRateScheme::planes})
     for (const LocalKind kind : {LocalKind::none, LocalKind::penalty, LocalKind::coupled}) {
@@ -237,7 +238,9 @@ BallRun stroke(MultiRateScheme scheme, int stale) {
 
 }  // namespace
 
-TEST_CASE("MultiRate: on convex bone gradient and planes stay within second order of the true force, without pull, smoother than hold") {
+TEST_CASE(
+    "MultiRate: on convex bone gradient and planes stay within second order of the true force, without attractive force, smoother than "
+    "hold") {
   const BallRun held = stroke(MultiRateScheme::hold, 0), planes = stroke(MultiRateScheme::planes, 0);
   MESSAGE("largest change of force in a tick: hold " << held.worst_step << " N, planes " << planes.worst_step << " N, gradient "
                                                      << stroke(MultiRateScheme::gradient, 0).worst_step << " N");

@@ -37,7 +37,7 @@ class StillHand final : public HandSource {
 
 }  // namespace
 
-TEST_CASE("ServoStep: a tick takes no memory, in any scheme, with every limit on and through faults and resets") {
+TEST_CASE("ServoStep: a tick takes no memory, in any scheme, with every limit on and through servo faults and resets") {
   for (const MultiRateScheme scheme : {MultiRateScheme::hold, MultiRateScheme::linear, MultiRateScheme::gradient, MultiRateScheme::planes})
     for (const LocalKind kind : {LocalKind::none, LocalKind::penalty, LocalKind::coupled}) {
       StillHand hand;

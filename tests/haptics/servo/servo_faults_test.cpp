@@ -69,7 +69,7 @@ void check_soft_start(Bench& bench) {
 
 }  // namespace
 
-TEST_CASE("ServoStep: a fresh config holds the contact's force to the bit, whatever the hand does, with no fault") {
+TEST_CASE("ServoStep: a fresh config holds the contact's force to the bit, whatever the hand does, without a latched fault") {
   Bench bench{ServoConfig{}};
   for (std::uint64_t n = 0; n < 200; ++n) {
     ContactState state;
@@ -138,7 +138,7 @@ TEST_CASE("ServoStep: planes that are not finite latch zero too, in every scheme
     }
 }
 
-TEST_CASE("ServoStep: a hand that is not finite in anything latches zero at once, and contact is told the last motion that was") {
+TEST_CASE("ServoStep: a hand reading that is not finite latches zero force at once, and contact receives the last finite motion") {
   for (int part = 0; part < 4; ++part) {
     CAPTURE(part);
     Bench bench(soft());
@@ -167,7 +167,7 @@ TEST_CASE("ServoStep: a hand that is not finite in anything latches zero at once
   }
 }
 
-TEST_CASE("ServoStep: a lost device latches zero at once, and so does one that tells the same tick for too long") {
+TEST_CASE("ServoStep: a lost device, or one that repeats a tick beyond max_hand_age, latches zero force") {
   for (const bool hangs : {false, true}) {
     ServoConfig config = soft();
     config.max_hand_age = 5;
@@ -276,7 +276,7 @@ TEST_CASE("ServoStep: a wish far beyond the cap winds nothing up, the force is g
   CHECK(shown.z == 8.0);
 }
 
-TEST_CASE("ServoStep: a recorded hand that was mended is taken as the servo took it then") {
+TEST_CASE("ServoStep: a recorded hand state with a replaced non-finite part gives the same force and latched faults") {
   Bench live(soft()), again(soft());
   live.run(20);
   again.run(20);
@@ -366,7 +366,7 @@ TEST_CASE("ServoStep: an old contact that felt nothing does not give the whole f
   CHECK(bench.tick(5.0) < 5.0 * 0.3);
 }
 
-TEST_CASE("ServoStep: a hand that is told where it cannot have moved to feels the force softly from there, without a latch") {
+TEST_CASE("ServoStep: a position jump restarts the soft start without a latch") {
   ServoConfig config = soft();
   config.jump_speed = 5.0;  // 5 mm a tick
   Bench bench(config);
@@ -390,7 +390,7 @@ TEST_CASE("ServoStep: a hand that is told where it cannot have moved to feels th
   CHECK(unguarded.tick() == 5.0);
 }
 
-TEST_CASE("ServoStep: every fault has a name of its own, and no other bit has one") {
+TEST_CASE("ServoStep: every servo fault has a name of its own, and no other bit has one") {
   std::set<std::string> names;
   for (unsigned bit = 0; bit < 10; ++bit) names.insert(name_of(static_cast<ServoFault>(1u << bit)));
   CHECK(names.size() == 10);

@@ -72,7 +72,7 @@ TEST_CASE("ServoStep: a force that is not finite in any component becomes zero, 
     }
 }
 
-TEST_CASE("ServoStep: the cap limits the magnitude, keeps the direction, and is told") {
+TEST_CASE("ServoStep: the cap limits the magnitude, keeps the direction, and sets its flag") {
   Bench bench;
   const Vec3 force = 1000.0 * glm::normalize(Vec3(1.0, -2.0, 2.0));
   const ServoOutput& output = bench.tick(force);

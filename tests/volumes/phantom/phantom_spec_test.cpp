@@ -66,7 +66,7 @@ TEST_CASE("phantom spec: keys are read in their units") {
   CHECK(read("plate_normal = [1, 0, 1]", "plate").spec.plate_normal == Vec3(1.0, 0.0, 1.0));
 }
 
-TEST_CASE("phantom spec: faults stand at their line, and a key of another kind is unknown") {
+TEST_CASE("phantom spec: errors stand at their line, and a key of another kind is unknown") {
   const Reading range = read("noise = 0.9", "block");
   REQUIRE(range.issues.size() == 1);
   CHECK(range.issues[0].place == "scene.toml:3:1");
@@ -88,7 +88,7 @@ TEST_CASE("phantom spec: an unknown kind names the nearest and the known ones") 
   CHECK(names(reading.issues, "wedge"));
 }
 
-TEST_CASE("phantom spec: validate finds every fault and names the scene's keys") {
+TEST_CASE("phantom spec: validate finds every error and names the scene's keys") {
   PhantomSpec spec;
   spec.noise = -0.1;
   spec.porosity = std::numeric_limits<double>::quiet_NaN();

@@ -158,7 +158,7 @@ TEST_CASE("make_bone: one slab, many slabs and odd sizes give the same fields as
   CHECK(worst < 1e-6);  // floats near 1
 }
 
-TEST_CASE("make_bone: HU + 1024 is found out and told; values that mean nothing are refused") {
+TEST_CASE("make_bone: HU + 1024 is found out and reported; values that mean nothing are refused") {
   Scan offset = ball_scan();
   offset.quantity = Quantity::unknown;
   for (float& v : offset.values) v += 1024.0f;
@@ -291,7 +291,7 @@ TEST_CASE("make_bone: a band is in HU where the scan is, and in the file's own v
   CHECK(said->bone->bone_voxels() == unsaid->bone->bone_voxels());
 }
 
-TEST_CASE("make_bone: what was assumed goes with the bone, and a region that the scan does not fill is told") {
+TEST_CASE("make_bone: what was assumed goes with the bone, and a region that the scan does not fill is reported") {
   BoneOptions options;
   options.spacing = 0.5 * kMm;
   options.region = BoneRegion{Vec3(0, 0, 9 * kMm), Vec3(8 * kMm)};

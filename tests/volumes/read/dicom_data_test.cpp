@@ -83,7 +83,7 @@ TEST_CASE("read_dicom: a phantom slice taken away is missed by number and place;
   CHECK(out.error().message.find("of 48 is missing: step 2.00 mm where 1.00 mm is the rule, after z = ") != std::string::npos);
 }
 
-TEST_CASE("read_dicom: eight lossless transfer syntaxes of one slice give the same bits, the lossy one is close and told") {
+TEST_CASE("read_dicom: eight lossless transfer syntaxes of one slice give the same bits, the lossy one is close and reported") {
   const std::string folder = real_data("dicom_transfer_syntaxes").string();
   const ReadScan reference = read(file_with(folder, "LittleEndianExplicit"));
   CHECK(reference.scan.dims == Vec3i(512, 512, 1));

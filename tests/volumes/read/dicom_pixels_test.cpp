@@ -162,7 +162,7 @@ TEST_CASE("read_dicom: slope and intercept are each slice's own") {
   CHECK(out->scan.values[60] == 29.0f);
 }
 
-TEST_CASE("read_dicom: padding becomes air, what lies below air is clamped, both are counted and told") {
+TEST_CASE("read_dicom: padding becomes air, what lies below air is clamped, both are counted and reported") {
   DicomData data = row_of({0xf830, 0x0005, 0xfbff, 0xfc00, 0xf831, 0xf000}, {16, 16, 15, 1});
   data.numbers(0x00280120, "US", {0xf830}).numbers(0x00280121, "US", {0xf831});
   const ReadScan out = read(data);

@@ -229,7 +229,7 @@ TEST_CASE("read_dicom: slices that do not say where they lie are refused") {
   CHECK(refusal(folder).find("lack position") != std::string::npos);
 }
 
-TEST_CASE("read_dicom: one slice is as thick as SliceThickness says, and that is told") {
+TEST_CASE("read_dicom: one slice is as thick as SliceThickness says, and that is reported") {
   const TemporaryFolder folder;
   ct_slice({.thickness = 5.0}).write(folder.file("a"));
   const auto out = read_dicom(folder.file("a"), {});
@@ -287,7 +287,7 @@ TEST_CASE("read_dicom: nothing of patient or study reaches a report or an error 
   CHECK(found() == 1);
 }
 
-TEST_CASE("read_dicom: keep copies the named fields, tells absent ones and refuses words that are no keyword") {
+TEST_CASE("read_dicom: keep copies the named fields, reports absent ones and refuses words that are no keyword") {
   const TemporaryFolder folder;
   ct_slice({}).text(0x00100020, "LO", "P-17").text(0x00181210, "SH", "YA\nx").write(folder.file("a"));
   const auto out = read_dicom(folder.file("a"), keeping({"PatientID", "ConvolutionKernel", "PatientName", "Rows"}));

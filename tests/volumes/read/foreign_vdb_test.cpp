@@ -108,7 +108,7 @@ TEST_CASE("foreign vdb: a level set of a sphere has its 0.5 level on the sphere,
   CHECK(read->report.assumed.at(1) == "one unit of the file is 10 mm");
 }
 
-TEST_CASE("foreign vdb: a fog volume keeps its values and its sheared map; others are told") {
+TEST_CASE("foreign vdb: a fog volume keeps its values and its sheared map; others are reported") {
   openvdb::initialize();
   const TemporaryFolder folder;
   const auto vectors = openvdb::Vec3SGrid::create();
@@ -141,7 +141,7 @@ TEST_CASE("foreign vdb: a fog volume keeps its values and its sheared map; other
   CHECK(refusal(folder.file("f.vdb"), options(kMm, "velocity")) == "holds no float grid \"velocity\"; it has \"small\", \"large\"");
 }
 
-TEST_CASE("foreign vdb: values outside 0..1 are clamped and told, not finite ones refused") {
+TEST_CASE("foreign vdb: values outside 0..1 are clamped and reported, not finite ones refused") {
   openvdb::initialize();
   const TemporaryFolder folder;
   auto grid = fog("smoke", 4, 3.5f);

@@ -272,7 +272,7 @@ TEST_CASE("readers: a small file that claims a huge volume is refused before any
   CHECK(holds(fault_of(read_metaimage(folder.file("b.mha"), {})), "more than the 2147483648"));
 }
 
-TEST_CASE("readers: what is missing or is no file is told") {
+TEST_CASE("readers: what is missing or is no file is reported") {
   const TemporaryFolder folder;
   const SmallVolume v = small_volume();
   CHECK(holds(fault_of(read_nifti(folder.file("none.nii"), {})), "no such file"));
@@ -315,7 +315,7 @@ TEST_CASE("read_raw: lengths and counts that do not fit are refused with the num
   CHECK_FALSE(fault("files = \"s*.raw\"").empty());
 }
 
-TEST_CASE("readers: bytes behind the voxels are told") {
+TEST_CASE("readers: bytes behind the voxels are reported") {
   const TemporaryFolder folder;
   const SmallVolume v = small_volume();
   write_bytes(folder.file("more.nii"), nifti_header(v, {}) + stored<std::int16_t>(v.values, false) + "tail");

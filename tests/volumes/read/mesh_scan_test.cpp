@@ -262,7 +262,7 @@ TEST_CASE("mesh to occupancy: every value agrees with the distance over all tria
   CHECK(worst < 0.06);
 }
 
-TEST_CASE("read_mesh_scan: what is assumed is told") {
+TEST_CASE("read_mesh_scan: what is assumed is reported") {
   const TemporaryFolder folder;
   const std::string path = write_mesh(folder.file("ball"), sphere_mesh(Vec3(0), 20 * kMm, 3), MeshForm::obj);
   double last = -1.0;

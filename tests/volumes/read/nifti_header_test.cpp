@@ -79,7 +79,7 @@ TEST_CASE("parse_nifti: half a turn whose floats sum to more than 1 stays a turn
   CHECK(apart(header->image.bone_from_index, {Mat3(Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, -1)), Vec3(0)}) < kRounding);
 }
 
-TEST_CASE("parse_nifti: sform is preferred, and told when qform lies elsewhere") {
+TEST_CASE("parse_nifti: sform is preferred, and reported when qform lies elsewhere") {
   std::string bytes = nifti_header(small_volume(), {.qform = 1});
   set(bytes, 268, 40.0f, false);
   const auto header = parse(bytes);
@@ -89,7 +89,7 @@ TEST_CASE("parse_nifti: sform is preferred, and told when qform lies elsewhere")
   CHECK(holds(header->image.assumed[0], "sform and qform lie"));
 }
 
-TEST_CASE("parse_nifti: with neither, and without a unit, what is assumed is told") {
+TEST_CASE("parse_nifti: with neither, and without a unit, what is assumed is reported") {
   const auto header = parse(nifti_header(small_volume(), {.sform = 0, .units = 0}));
   REQUIRE(header.ok());
   CHECK(header->image.assumed.size() == 2);

@@ -38,7 +38,7 @@ TEST_CASE("describe_grid: a turned box is oblique without shear; a flipped axis 
   CHECK(describe_grid(grid({1, 0, 0}, {0, -1, 0}, {0, 0, 1})).mirrored);
 }
 
-TEST_CASE("affine_error: flat, endless and absurd grids are told apart from usable ones") {
+TEST_CASE("affine_error: flat, endless and absurd grids are distinguished from usable ones") {
   CHECK_FALSE(affine_error(grid({0.5, 0, 0}, {0, 0.5, 0}, {0, 0.3, 1})));
   CHECK(affine_error(grid({1, 0, 0}, {1, 0, 0}, {0, 0, 1})));
   CHECK(affine_error(grid({0, 0, 0}, {0, 1, 0}, {0, 0, 1})));

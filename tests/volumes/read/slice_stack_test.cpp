@@ -71,7 +71,7 @@ TEST_CASE("stack_slices: a straight stack gives spacing, origin and order in clo
   CHECK(corner_error(stack->bone_from_index, l) < kExact);
 }
 
-TEST_CASE("stack_slices: a gantry tilt of 17 degrees stays as shear, and its angle is told") {
+TEST_CASE("stack_slices: a gantry tilt of 17 degrees stays as shear, and its angle is reported") {
   Layout l;
   l.step = {0.0, 2.5 * std::tan(17.0 * kDegree), 2.5};
   const auto stack = stack_slices(lay_out(l), 0.0);
@@ -141,7 +141,7 @@ TEST_CASE("stack_slices: several gaps are counted and the first is named") {
         "3 of 30 slices are missing in 2 gaps, the first after slice 9: step 2.00 mm where 1.00 mm is the rule, after z = 8.0 mm");
 }
 
-TEST_CASE("stack_slices: a step off by more than 1 % + 0.01 mm is a fault, one off by less is not") {
+TEST_CASE("stack_slices: a step off by more than 1 % + 0.01 mm is an error, one off by less is not") {
   for (const double off : {0.019, 0.021}) {
     auto slices = lay_out({.step = {0, 0, 1.0}, .count = 11});
     for (std::size_t k = 5; k < slices.size(); ++k) slices[k].position.z += off;
@@ -159,7 +159,7 @@ TEST_CASE("stack_slices: two slices at one place are refused, with how many and 
   CHECK(fault(std::vector<SlicePlane>(5, slices[0])).find("4 of 5 slices lie where another does") != std::string::npos);
 }
 
-TEST_CASE("stack_slices: steady sideways drift is tilt, uneven drift a fault") {
+TEST_CASE("stack_slices: steady sideways drift is tilt, uneven drift an error") {
   auto slices = lay_out({.step = {0, 0.3, 1.0}, .count = 12});
   CHECK(fault(slices).empty());
   for (std::size_t k = 6; k < slices.size(); ++k) slices[k].position.y -= 0.3 * static_cast<double>(k - 5);  // the tilt ends half way

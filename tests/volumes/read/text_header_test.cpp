@@ -84,7 +84,7 @@ TEST_CASE("parse_nrrd: RAS and LAS come to the same place as LPS") {
   CHECK(holds(fault_of(parse_nrrd(with(kNrrd, "space:", "space: LPST"))), "4D"));
 }
 
-TEST_CASE("parse_nrrd: what the file does not say is told") {
+TEST_CASE("parse_nrrd: what the file does not say is reported") {
   std::string bare = without(without(without(without(kNrrd, "space:"), "space directions:"), "space units:"), "space origin:");
   const auto header = parse_nrrd(bare);
   REQUIRE(header.ok());
@@ -139,7 +139,7 @@ TEST_CASE("parse_metaimage: every field that places the volume") {
   CHECK(parse_metaimage("Modality = MET_MOD_CT\n" + kMeta)->quantity == Quantity::unknown);
 }
 
-TEST_CASE("parse_metaimage: what is assumed is told, what cannot be read is refused by name") {
+TEST_CASE("parse_metaimage: what is assumed is reported, what cannot be read is refused by name") {
   const auto bare = parse_metaimage(without(without(without(kMeta, "TransformMatrix"), "Offset"), "ElementSpacing"));
   REQUIRE(bare.ok());
   CHECK(bare->image.assumed.size() == 3);
@@ -165,7 +165,7 @@ TEST_CASE("parse_metaimage: lists and numbered names") {
   CHECK_FALSE(parse_metaimage(meta + "ElementDataFile = s%02x.raw 1 4 1\n").ok());
 }
 
-TEST_CASE("parse_raw_sidecar: every key, and what is not said is told") {
+TEST_CASE("parse_raw_sidecar: every key, and what is not said is reported") {
   const auto full = sidecar(raw_sidecar(small_volume(), "big", "data = \"v.raw\"\nslope = 2\nquantity = \"hounsfield\"\nassumed = \"mm\""));
   REQUIRE(full.ok());
   CHECK(full->image.form.big_endian);
@@ -178,7 +178,7 @@ TEST_CASE("parse_raw_sidecar: every key, and what is not said is told") {
   CHECK(bare->image.assumed.size() == 2);
 }
 
-TEST_CASE("parse_raw_sidecar: every fault has its line and column") {
+TEST_CASE("parse_raw_sidecar: every error has its line and column") {
   const auto place_of = [](const std::string& text) {
     const auto result = sidecar(text);
     REQUIRE_FALSE(result.ok());
