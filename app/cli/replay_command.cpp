@@ -11,6 +11,9 @@
 #include "app/report/file.h"
 #include "app/run/simulation.h"
 #include "app/session/recorded_hand.h"
+#include "core/base/cpu_model.h"
+#include "core/base/hash.h"
+#include "core/base/physics_version.h"
 
 namespace burrhole::cli {
 namespace {
@@ -54,8 +57,26 @@ struct Comparison {
   [[nodiscard]] bool same() const { return recorded == replayed; }
 };
 
+struct Replayed {
+  std::vector<Comparison> rows;
+  SessionMeta recorded;
+  std::string renderer;  // of this replay; empty without pictures
+};
+
+/// @returns why equal results could not be expected; empty when they could.
+std::string why_different(const Replayed& replayed) {
+  const SessionMeta& meta = replayed.recorded;
+  if (meta.physics_version != kPhysicsVersion)
+    return fmt::format("recorded with physics version {}, replayed with {}: equal results are promised for equal versions only",
+                       meta.physics_version, kPhysicsVersion);
+  if (!replayed.renderer.empty() && !meta.renderer.empty() && (meta.renderer != replayed.renderer || meta.cpu != cpu_model()))
+    return fmt::format("recorded with {} on {}: equal pictures are promised for equal renderers and processors only", meta.renderer,
+                       meta.cpu);
+  return {};
+}
+
 /// @param stills draws the recorded pictures again. @param gl of --gl.
-Result<std::vector<Comparison>> replay(const std::string& path, bool quiet, bool stills, const std::string& gl) {
+Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const std::string& gl) {
   auto session = SessionReader::open(path);
   if (!session) return session.error();
   auto hand = RecordedHand::create(*session);
@@ -92,17 +113,16 @@ Result<std::vector<Comparison>> replay(const std::string& path, bool quiet, bool
   } else if (Status ran = simulation->run(); !ran) {
     return ran.error();
   }
-  const auto hex = [](std::uint64_t value) { return fmt::format("{:016x}", value); };
-  std::vector<Comparison> rows{{"voxels", recorded_hash(*session, "voxels"), hex(simulation->voxmap().hash())},
-                               {"forces", recorded_hash(*session, "forces"), hex(simulation->force_hash())},
-                               {"sent", recorded_hash(*session, "sent"), hex(simulation->sent_hash())}};
+  std::vector<Comparison> rows{{"voxels", recorded_hash(*session, "voxels"), hash_text(simulation->voxmap().hash())},
+                               {"forces", recorded_hash(*session, "forces"), hash_text(simulation->force_hash())},
+                               {"sent", recorded_hash(*session, "sent"), hash_text(simulation->sent_hash())}};
   if (sink)
     for (std::size_t n = 0; n < session->stills().size(); ++n) {
       const SessionStill& still = session->stills()[n];
       const bool drawn = n < simulation->redrawn().size();
       rows.push_back({"still " + still.name, still.hash, drawn ? simulation->redrawn()[n].hash : std::string("(not reached)")});
     }
-  return rows;
+  return Replayed{std::move(rows), session->meta(), sink ? sink->driver() : std::string()};
 }
 
 }  // namespace
@@ -129,9 +149,9 @@ void add_replay(CLI::App& app, int& exit_code) {
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
     catch_signals();
-    const auto rows = replay(option->session, option->quiet, option->stills, option->gl);
-    if (!rows) {
-      exit_code = report(rows.error());
+    const auto replayed = replay(option->session, option->quiet, option->stills, option->gl);
+    if (!replayed) {
+      exit_code = report(replayed.error());
       return;
     }
     if (stop_requested().load()) {
@@ -139,7 +159,7 @@ void add_replay(CLI::App& app, int& exit_code) {
       return;
     }
     exit_code = kDone;
-    for (const Comparison& row : *rows) {
+    for (const Comparison& row : replayed->rows) {
       const bool known = !row.recorded.empty();
       print(fmt::format("{:<7} recorded {}  replayed {}  {}\n", row.name, known ? row.recorded : "(none: the run was cut short)",
                         row.replayed,
@@ -148,6 +168,7 @@ void add_replay(CLI::App& app, int& exit_code) {
                                      : "DIFFERENT"));
       if (known && !row.same()) exit_code = kCheckFailed;
     }
+    if (const std::string why = why_different(*replayed); exit_code == kCheckFailed && !why.empty()) print(why + "\n");
   });
 }
 

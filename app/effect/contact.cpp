@@ -30,6 +30,12 @@ class ContactEffect final : public Effect {
     state_ = step.own(slots::kContact);
     tangential_ = step.now_if_written(slots::kTangential);
     constraints_ = step.now_if_written(slots::kConstraints);
+    const Vec3& t = state_->world_from_tool.translation;
+    const auto& [force, torque] = state_->on_hand;
+    step.column("tool_x", "m", &t.x).column("tool_y", "m", &t.y).column("tool_z", "m", &t.z);
+    step.column("force_x", "N", &force.x).column("force_y", "N", &force.y).column("force_z", "N", &force.z);
+    step.column("torque_x", "N m", &torque.x).column("torque_y", "N m", &torque.y).column("torque_z", "N m", &torque.z);
+    step.column("engagement", "m", &state_->engagement).column("flags", "", &flags_, true);
     return {};
   }
   Status change_tool(Stage& stage) override {
@@ -39,10 +45,18 @@ class ContactEffect final : public Effect {
     return {};
   }
   void place(const Pose& world_from_tool) noexcept override { model_->place(world_from_tool); }
-  void report(Figures& out) const override { out.add("points", static_cast<std::uint64_t>(model_->points())); }
+  void report(Figures& out) const override {
+    out.add("points", static_cast<std::uint64_t>(model_->points()));
+    out.add("constraints_dropped", dropped_);
+  }
 
  private:
   void run(const Tick& tick) noexcept {
+    evaluate(tick);
+    flags_ = static_cast<double>(state_->flags);
+    dropped_ += constraints_->dropped;
+  }
+  void evaluate(const Tick& tick) noexcept {
     const HandState& hand = touch_->hand;
     const ContactAdditions added{{constraints_->items.data(), constraints_->size}, tangential_->law};
     const ToolSpin spin{turns_ && hand.spin > 0.0, tangential_->rate};
@@ -59,6 +73,8 @@ class ContactEffect final : public Effect {
   ContactState* state_ = nullptr;
   const Tangential* tangential_ = nullptr;
   const Constraints* constraints_ = nullptr;
+  double flags_ = 0.0;         // bits of ContactFlag
+  std::uint64_t dropped_ = 0;  // constraints beyond Constraints::kMax
 };
 
 /// Largest stiffness of the coupling that the damping of hand and coupling keeps stable at this delay: K < (b + B) / (T/2 + d T), the
@@ -83,7 +99,7 @@ class ContactPlan final : public EffectPlan {
                      "perpendicular to the tool's normals; a penalty force can be overcome by a large thrust",
                      {"mesh"});
     for (const FormEntry& entry : kForms)
-      if (word_ == entry.word || (form_ == nullptr && &entry == std::end(kForms) - 1)) form_ = entry.read(table);
+      if (word_ == entry.word) form_ = entry.read(table);
     rate_hz_ = read_rate(table, stage, rate_hz_, 20, "rate of contact evaluations; divides servo_hz");
     latency_ticks_ = static_cast<int>(
         table.integer("latency_ticks", latency_ticks_, -1, 1000, "latency from a motion to its force; -1 for one contact period"));

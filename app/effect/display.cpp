@@ -206,7 +206,7 @@ class DisplayEffect final : public Effect {
   }
   void report(Figures& out) const override {
     out.add("uploaded_texels", frame_.texels_sent());
-    out.add("image", fmt::format("{:016x}", frame_.image_hash()));
+    out.add("image", hash_text(frame_.image_hash()));
   }
   std::vector<NamedTimer> timers() const override {
     return {{"texels", &frame_.timers().texels, false}, {"upload", &frame_.timers().upload, true}};

@@ -62,7 +62,7 @@ class ErosionEffect final : public Effect {
     outside_ += outcome.outside;
     const double radius = outcome.rubbing_radius > 0.0 ? outcome.rubbing_radius : tool_radius_;
     const double torque = cutting_torque(config_.energy.cutting_ratio, cut_->thrust, radius);
-    *removal_ = {outcome.removed_mass, torque, true, !outcome.changed.empty()};
+    *removal_ = {outcome.removed_mass, torque, true, !outcome.changed.empty(), outcome.outside};
   }
 
   Erosion erosion_;

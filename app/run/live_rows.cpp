@@ -4,17 +4,15 @@ namespace burrhole {
 
 EffectValues effect_values(const StepGraph& graph, Clock clock) noexcept {
   EffectValues out;
-  for (const StepColumn& column : graph.columns(clock))
-    if (out.count < EffectValues::kMax) out.values[out.count++] = *column.value;
+  for (const StepColumn& column : graph.columns(clock)) out.values[out.count++] = *column.value;
   return out;
 }
 
 namespace {
 
 void append_columns(const StepGraph& graph, Clock clock, SessionStream& out) {
-  std::size_t count = 0;
   for (const StepColumn& column : graph.columns(clock))
-    if (count++ < EffectValues::kMax) out.columns.push_back({column.name, column.unit, column.exact ? Keep::exact : Keep::coarse});
+    out.columns.push_back({column.name, column.unit, column.exact ? Keep::exact : Keep::coarse});
 }
 
 void append_values(const EffectValues& values, std::vector<double>& out) {
@@ -43,8 +41,6 @@ ContactRow contact_row(const Stage& stage, std::uint64_t window) noexcept {
   row.time = contact.time();
   row.world_from_tool = state.world_from_tool;
   row.on_hand = state.on_hand;
-  row.engagement = state.engagement;
-  row.flags = state.flags;
   row.progress = contact.progress();
   row.step_us = contact.step_us();
   row.effects = effect_values(stage.graph, Clock::contact);
@@ -60,7 +56,6 @@ BoneRow bone_row(Stage& stage, std::uint64_t contact) noexcept {
 }
 
 SessionLayout session_layout(const Stage& stage) {
-  const bool feels = stage.needs.feels;
   constexpr Keep kCoarse = Keep::coarse;
   SessionStream servo{kServoStream, {{"hand_x", "m"},          {"hand_y", "m"},          {"hand_z", "m"},          {"hand_vx", "m/s"},
                                      {"hand_vy", "m/s"},       {"hand_vz", "m/s"},       {"hand_qw", ""},          {"hand_qx", ""},
@@ -68,19 +63,7 @@ SessionLayout session_layout(const Stage& stage) {
                                      {"hand_tick", ""},        {"hand_flags", ""},       {"spin_command", ""},     {"switches", ""},
                                      {"sent_x", "N", kCoarse}, {"sent_y", "N", kCoarse}, {"sent_z", "N", kCoarse}, {"contact", ""},
                                      {"faults", ""},           {"skipped", ""}}};
-  SessionStream contact{kContactStream, {{"number", ""}, {"hand_tick", ""}, {"window", ""}}};
-  if (feels)
-    for (const char* name : {"tool_x", "tool_y", "tool_z"}) contact.columns.push_back({name, "m", kCoarse});
-  if (feels)
-    contact.columns.insert(contact.columns.end(), {{"force_x", "N", kCoarse},
-                                                   {"force_y", "N", kCoarse},
-                                                   {"force_z", "N", kCoarse},
-                                                   {"torque_x", "N m", kCoarse},
-                                                   {"torque_y", "N m", kCoarse},
-                                                   {"torque_z", "N m", kCoarse},
-                                                   {"engagement", "m", kCoarse},
-                                                   {"flags", ""}});
-  contact.columns.push_back({"skipped", ""});
+  SessionStream contact{kContactStream, {{"number", ""}, {"hand_tick", ""}, {"window", ""}, {"skipped", ""}}};
   SessionStream bone{kBoneStream, {{"contact", ""}, {"published", ""}, {"skipped", ""}}};
   append_columns(stage.graph, Clock::servo, servo);
   append_columns(stage.graph, Clock::contact, contact);
@@ -117,14 +100,9 @@ void put(const ServoRow& row, const Stage&, std::vector<double>& out) {
   append_values(row.effects, out);
 }
 
-void put(const ContactRow& row, const Stage& stage, std::vector<double>& out) {
-  const Vec3& t = row.world_from_tool.translation;
-  const Vec3& f = row.on_hand.force;
-  const Vec3& m = row.on_hand.torque;
-  out.assign({static_cast<double>(row.number), static_cast<double>(row.hand_tick), static_cast<double>(row.window)});
-  if (stage.needs.feels)
-    out.insert(out.end(), {t.x, t.y, t.z, f.x, f.y, f.z, m.x, m.y, m.z, row.engagement, static_cast<double>(row.flags)});
-  out.push_back(static_cast<double>(row.skipped));
+void put(const ContactRow& row, const Stage&, std::vector<double>& out) {
+  out.assign({static_cast<double>(row.number), static_cast<double>(row.hand_tick), static_cast<double>(row.window),
+              static_cast<double>(row.skipped)});
   append_values(row.effects, out);
 }
 

@@ -15,7 +15,7 @@ namespace burrhole {
 
 /// Values that effects record in a tick of their clock.
 struct EffectValues {
-  static constexpr std::size_t kMax = 16;
+  static constexpr std::size_t kMax = StepGraph::kMaxColumns;
   std::array<double, kMax> values{};  ///< [unit of the column]
   std::uint32_t count = 0;
 };
@@ -37,9 +37,8 @@ struct ContactRow {
   std::uint64_t window = 0;  ///< number of the copy of bone used
   double time = 0.0;         ///< [s] of the hand motion used
   Pose world_from_tool;
-  Wrench on_hand;           ///< [N], [N m]
-  double engagement = 0.0;  ///< [-] as ContactState
-  std::uint32_t flags = 0, skipped = 0;
+  Wrench on_hand;  ///< [N], [N m]
+  std::uint32_t skipped = 0;
   EffectValues effects;
   DrillProgress progress;
   float compute_us = 0.0f, step_us = 0.0f, late_us = 0.0f;

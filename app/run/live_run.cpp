@@ -96,6 +96,7 @@ class Loops {
   std::vector<double> row_;
   DrillProgress progress_;
   double progress_time_ = 0.0;  // [s] simulated time of the last progress report
+  timespec audio_start_{};
   std::uint64_t audio_ticks_ = 0;
   bool ended_ = false;  // the servo ended by script, duration or stop, not by park(); read after its thread has ended
   BonePrefetch prefetch_;
@@ -323,6 +324,7 @@ Status Loops::park() {
   parts_->voxmap->set_prefetch(nullptr);
   if (Status drained = drain(); !drained) return drained;
   if (ended_ || broken_.load(std::memory_order_acquire)) return {};
+  servo_ticks_.fetch_add(1, std::memory_order_relaxed);  // of the hand under the zero force that ended the servo's thread
   Status applied;
   if (options_.inputs(servo_ticks_.load(std::memory_order_relaxed), true, applied) == LiveInput::failed) return applied;
   stop_.store(false, std::memory_order_relaxed);
@@ -333,7 +335,7 @@ Status Loops::park() {
 
 void Loops::run_audio() {
   if (parts_->graph.empty(Clock::audio)) return;
-  const double now = microseconds(start_, now_monotonic()) * 1e-6;
+  const double now = microseconds(audio_start_, now_monotonic()) * 1e-6;
   for (; static_cast<double>(audio_ticks_ + 1) * kAudioPeriod <= now; ++audio_ticks_)
     parts_->graph.run(Clock::audio, {audio_ticks_, kAudioPeriod});
 }
@@ -341,6 +343,7 @@ void Loops::run_audio() {
 Status Loops::run() {
   const LockedMemory locked;
   start();
+  audio_start_ = start_;
   while (!priorities_requested()) std::this_thread::sleep_for(kPollEvery);
   if (Status reported = report_refusals(locked.refusal()); !reported) return reported;
   while (!servo_ended_.load(std::memory_order_acquire)) {

@@ -1,7 +1,8 @@
 #include "app/run/run_log.h"
 
-#include <cstdio>
 #include <cstring>
+
+#include "core/base/hash.h"
 
 namespace burrhole {
 namespace {
@@ -43,18 +44,12 @@ std::optional<StillView> view_from(const std::string& bytes) {
   double v[8];
   if (bytes.size() != sizeof v) return std::nullopt;
   std::memcpy(v, bytes.data(), sizeof v);
-  const auto flags = static_cast<int>(v[0]);
   if (!(v[0] >= 0.0 && v[0] <= 3.0)) return std::nullopt;
+  const auto flags = static_cast<int>(v[0]);
   StillView out;
   if ((flags & 1) != 0) out.world_from_tool = Pose{Quat(v[1], v[2], v[3], v[4]), Vec3(v[5], v[6], v[7])};
   out.cut = (flags & 2) != 0;
   return out;
-}
-
-std::string hash_text(std::uint64_t hash) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
 }
 
 }  // namespace
@@ -99,7 +94,7 @@ Status RunLog::draw(const std::string& name, const std::optional<Pose>& world_fr
   gather_();
   if (Status drawn = parts_->draw(name, world_from_tool, cut); !drawn) return drawn;
   if (session_ == nullptr) return {};
-  return session_->still({static_cast<std::int64_t>(parts_->frame_step()), name, hash_text(parts_->frame()->image_hash()),
+  return session_->still({static_cast<std::int64_t>(parts_->frame_step()), name, hash_text(parts_->frame()->picture_hash()),
                           view_bytes({world_from_tool, cut})});
 }
 
@@ -109,7 +104,7 @@ Status RunLog::redraw(const SessionStill& still) {
   if (!view) return bad_input("the view of the still \"" + still.name + "\" cannot be read");
   parts_->gather(true);
   if (Status drawn = parts_->draw(still.name, view->world_from_tool, view->cut); !drawn) return drawn;
-  redrawn_.push_back({still.bone_step, still.name, hash_text(parts_->frame()->image_hash()), still.view});
+  redrawn_.push_back({still.bone_step, still.name, hash_text(parts_->frame()->picture_hash()), still.view});
   return {};
 }
 

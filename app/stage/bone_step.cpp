@@ -83,14 +83,15 @@ void BoneStep::operator()(const ContactState& found, double thrust, double dt) {
   last_ = found.world_from_tool;
   *spin_asked_ = spin_ * found.spin;
   if (own_spin_ != nullptr) *own_spin_ = *spin_asked_;
-  // create() has checked the size of the tool. A long or rotated path may still not fit: then the window stays, and points outside are
-  // counted.
-  const Status kept = keep_window(cut_->path);
-  bool changed = !kept.ok() || voxmap_->window_epoch() != publisher_->published_epoch();
+  // create() has checked the size of the tool. A long or rotated path may still not fit: then the window stays, and erosion counts the points
+  // outside.
+  (void)keep_window(cut_->path);
+  bool changed = voxmap_->window_epoch() != publisher_->published_epoch();
   graph_->receive(Clock::simulation);
   graph_->run_steps(Clock::simulation, {steps_++, dt});
   if (removal_ != nullptr) {
     removed_mass_ += removal_->mass;
+    points_outside_ += removal_->outside;
     changed |= removal_->changed;
   }
   turned_ += *spin_now_ * dt;

@@ -44,7 +44,9 @@ class BoneStep {
   [[nodiscard]] double turned() const noexcept { return turned_; }   ///< [rev] angle of the spindle, 0..1
   [[nodiscard]] ContactWindowPublisher& publisher() noexcept { return *publisher_; }
   [[nodiscard]] const VdbContactGrids* grids() const noexcept { return grids_.get(); }
-  [[nodiscard]] double removed_mass() const noexcept { return removed_mass_; }  ///< [m^3] of solid bone, since the start
+  /// [m^3] of solid bone that erosion removed since the start, undone drilling included.
+  [[nodiscard]] double removed_mass() const noexcept { return removed_mass_; }
+  [[nodiscard]] std::uint64_t points_outside() const noexcept { return points_outside_; }  ///< sum of BoneRemoval::outside
   [[nodiscard]] StepTimer& publish_timer() noexcept { return publish_timer_; }
 
  private:
@@ -68,7 +70,8 @@ class BoneStep {
   std::unique_ptr<VdbContactGrids> grids_;
   Pose last_;
   double removed_mass_ = 0.0;  // [m^3]
-  double unsaved_for_ = 0.0;   // [s] since the last Voxmap::write_back()
+  std::uint64_t points_outside_ = 0;
+  double unsaved_for_ = 0.0;  // [s] since the last Voxmap::write_back()
   std::uint64_t steps_ = 0;
   StepTimer publish_timer_;
 };

@@ -45,8 +45,7 @@ struct Needs {
   double plane_reach_voxels = std::numeric_limits<double>::infinity();  ///< [voxels] how far from its pose a plane is used
   double force_scale = 1.0;                                             ///< [-] force at the grip over force in the world
   bool through_device = false;                                          ///< a device lies between hand and drill
-  bool live = true;                                                     ///< can run on threads
-  std::string not_live{};                                               ///< why not
+  std::string not_live{};                                               ///< why the scene cannot run on threads; empty: it can
 };
 
 /// The grid of a bone model, which headers give before the bone is read.
@@ -98,9 +97,10 @@ struct NamedTimer {
 class Effect {
  public:
   virtual ~Effect() = default;
-  /// Declares steps, slot uses and columns. Called at the start and after a tool change or an undo, while no clock runs. May allocate.
+  /// Declares steps, slot uses and columns. Called at the start and after a tool change, while no clock runs. May allocate.
   [[nodiscard]] virtual Status bind(StepGraph& graph) = 0;
-  /// Sets the tool's pose (world from tool) without contact: at the start, after a tool change or an undo.
+  /// Sets the tool's pose (world from tool) without contact: at the start, after a tool change, and when bone was restored (undo, reset,
+  /// checkpoint). What an effect keeps of the bone round the tool is invalid then.
   virtual void place(const Pose&) noexcept {}
   /// Adds figures of the run for summary.json, explain --measure and the report.
   virtual void report(Figures&) const {}

@@ -28,10 +28,11 @@ struct Cut {
 
 /// Result of erosion in a simulation step.
 struct BoneRemoval {
-  double mass = 0.0;     ///< [m^3] of solid bone, in this step
-  double torque = 0.0;   ///< [N m] load of cutting on the spindle
-  bool cutting = false;  ///< the spindle turned, so erosion ran
-  bool changed = false;  ///< bone was removed and committed to the voxmap
+  double mass = 0.0;          ///< [m^3] of solid bone, in this step
+  double torque = 0.0;        ///< [N m] load of cutting on the spindle
+  bool cutting = false;       ///< the spindle turned, so erosion ran
+  bool changed = false;       ///< bone was removed and committed to the voxmap
+  std::uint32_t outside = 0;  ///< points beyond the window's edge: bone there is not eroded
 };
 
 /// A tangential contact law, and the tool's rotation rate, which gives the rim speed.
@@ -62,8 +63,8 @@ struct Picture {
 
 namespace slots {
 // servo clock
-inline const SlotKey<HandState> kHand{"hand"};            ///< the stage's: the motion of this tick
-inline const SlotKey<Wrench> kAddedForce{"added_force"};  ///< add: [N], [N m] on the hand, in addition to contact, before all limits
+inline const SlotKey<HandState> kHand{"hand"};          ///< the stage's: the motion of this tick
+inline const SlotKey<Vec3> kAddedForce{"added_force"};  ///< add: [N] on the hand, in addition to contact, before all limits
 // contact clock
 inline const SlotKey<Touch> kTouch{"touch"};                    ///< the stage's
 inline const SlotKey<ContactState> kContact{"contact"};         ///< owned by [contact]; without it, the tool's pose is the hand's

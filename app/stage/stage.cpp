@@ -98,6 +98,10 @@ Status Stage::bind() {
   hand_slot_ = graph.provide(Clock::servo, slots::kHand);
   picture_slot_ = graph.provide(Clock::frame, slots::kPicture);
   picture_error_ = graph.provide(Clock::frame, slots::kPictureError);
+  graph.reads(Clock::servo, slots::kAddedForce);
+  graph.reads(Clock::contact, slots::kContact);
+  graph.reads(Clock::simulation, slots::kSpin);
+  graph.reads(Clock::simulation, slots::kRemoval);
   added_force_ = graph.is_written(slots::kAddedForce.name) ? graph.find(slots::kAddedForce) : nullptr;
   contact->bind();
   bone->bind();
@@ -119,6 +123,7 @@ void Stage::cut(const ContactState& found) {
 void Stage::bone_was_changed() {
   spun_ = false;
   bone->publish();
+  for (const MadeEffect& made : effects_) made.effect->place(contact->state().world_from_tool);
   servo->restart();
 }
 
@@ -167,12 +172,13 @@ const ServoOutput& Stage::act() noexcept {
   if (graph.empty(Clock::servo)) return servo->act();
   *hand_slot_ = servo->hand();
   graph.run(Clock::servo, {servo_tick_++, period});
-  return added_force_ != nullptr ? servo->act(added_force_->force) : servo->act();
+  return added_force_ != nullptr ? servo->act(*added_force_) : servo->act();
 }
 
 void Stage::gather(bool all) {
   if (frame_ == nullptr) return;
   gathered_ = bone->steps();
+  graph.receive(Clock::frame);  // with the bone that the picture shows
   if (all)
     frame_->gather_rest(bone->turned());
   else
@@ -183,7 +189,7 @@ Status Stage::draw(const std::string& name, const std::optional<Pose>& world_fro
   *picture_slot_ = {&name, world_from_tool, opened};
   Status drawn;
   *picture_error_ = &drawn;
-  graph.run(Clock::frame, {pictures_++, 0.0});
+  graph.run_steps(Clock::frame, {pictures_++, 0.0});
   return drawn;
 }
 

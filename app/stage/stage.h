@@ -130,7 +130,7 @@ class Stage {
   bool spun_ = false;                     // in the last step of bone
   MeanThrust thrust_;
   HandState* hand_slot_ = nullptr;
-  const Wrench* added_force_ = nullptr;
+  const Vec3* added_force_ = nullptr;
   Picture* picture_slot_ = nullptr;
   Status** picture_error_ = nullptr;
   std::uint64_t servo_tick_ = 0, pictures_ = 0, gathered_ = 0;

@@ -4,6 +4,13 @@
 
 namespace burrhole {
 
+namespace {
+
+/// Whether a session has a stream of the clock.
+bool is_recorded(Clock clock) noexcept { return clock == Clock::servo || clock == Clock::contact || clock == Clock::simulation; }
+
+}  // namespace
+
 const char* name_of(Clock clock) noexcept {
   switch (clock) {
     case Clock::servo:
@@ -88,26 +95,54 @@ std::string StepGraph::who(const Slot& slot) const {
   return "the stage";
 }
 
+Status StepGraph::check_uses(const BoundStep& step) const {
+  const std::string reader = "[" + step.effect + "]";
+  for (const SlotUse& use : step.uses) {
+    const Slot& slot = slots_[use.slot];
+    const bool writes = use.access == Access::own || use.access == Access::add;
+    if (!slot.written && use.optional) continue;
+    if (!slot.written) return bad_input(reader + " needs \"" + slot.name + "\", which nothing in this scene provides");
+    if (use.access == Access::own && (slot.provided || &steps_[slot.owner] != &step))
+      return bad_input("\"" + slot.name + "\" has two owners: " + reader + " and " +
+                       (slot.provided ? std::string("the stage") : "[" + steps_[slot.owner].effect + "]"));
+    if (use.access == Access::add && (slot.owner != kNone || slot.provided))
+      return bad_input(reader + " adds to \"" + slot.name + "\", which has an owner");
+    if (writes && slot.writer != step.clock)
+      return bad_input("\"" + slot.name + "\" is written on two clocks: " + name_of(slot.writer) + " and " + name_of(step.clock));
+    if (writes) continue;
+    if ((use.access == Access::latest) == (slot.writer == step.clock))
+      return bad_input(reader + " reads \"" + slot.name + "\" of the " + name_of(slot.writer) + " clock on the " + name_of(step.clock) +
+                       " clock by the wrong access");
+    if (use.access == Access::last && !slot.adders.empty())
+      return bad_input(reader + " reads the last \"" + slot.name + "\", which steps add to: it is reset before each tick");
+    if (slot.writer != step.clock && !is_recorded(slot.writer))
+      return bad_input(reader + " reads \"" + slot.name + "\" of the " + name_of(slot.writer) + " clock, which a replay does not run");
+  }
+  return {};
+}
+
 Status StepGraph::check_slots() const {
   if (!mismatch_.empty()) return bad_input("the slot \"" + mismatch_ + "\" is used with two types");
   for (const BoundStep& step : steps_)
-    for (const SlotUse& use : step.uses) {
-      const Slot& slot = slots_[use.slot];
-      const std::string reader = "[" + step.effect + "]";
-      const bool writes = use.access == Access::own || use.access == Access::add;
-      if (!slot.written && use.optional) continue;
-      if (!slot.written) return bad_input(reader + " needs \"" + slot.name + "\", which nothing in this scene provides");
-      if (use.access == Access::own && (slot.provided || &steps_[slot.owner] != &step))
-        return bad_input("\"" + slot.name + "\" has two owners: " + reader + " and " +
-                         (slot.provided ? std::string("the stage") : "[" + steps_[slot.owner].effect + "]"));
-      if (use.access == Access::add && (slot.owner != kNone || slot.provided))
-        return bad_input(reader + " adds to \"" + slot.name + "\", which has an owner");
-      if (writes && slot.writer != step.clock)
-        return bad_input("\"" + slot.name + "\" is written on two clocks: " + name_of(slot.writer) + " and " + name_of(step.clock));
-      if (!writes && (use.access == Access::latest) == (slot.writer == step.clock))
-        return bad_input(reader + " reads \"" + slot.name + "\" of the " + name_of(slot.writer) + " clock on the " + name_of(step.clock) +
-                         " clock by the wrong access");
-    }
+    if (Status valid = check_uses(step); !valid) return valid;
+  for (const auto& [name, clock] : read_by_stage_)
+    for (const Slot& slot : slots_)
+      if (slot.name == name && slot.written && slot.writer != clock)
+        return bad_input("\"" + name + "\" of " + who(slot) + " must be written on the " + name_of(clock) +
+                         " clock, where the stage reads it");
+  return {};
+}
+
+Status StepGraph::check_columns() const {
+  for (std::size_t n = 0; n < kClocks; ++n) {
+    const auto clock = static_cast<Clock>(n);
+    const std::vector<StepColumn>& all = columns(clock);
+    if (!is_recorded(clock) && !all.empty())
+      return bad_input("the column \"" + all.front().name + "\" is on the " + name_of(clock) + " clock, which has no stream in a session");
+    if (all.size() > kMaxColumns)
+      return bad_input("the steps of the " + std::string(name_of(clock)) + " clock record " + std::to_string(all.size()) +
+                       " columns, at most " + std::to_string(kMaxColumns));
+  }
   return {};
 }
 
@@ -147,6 +182,7 @@ Status StepGraph::sort(Clock clock) {
 Status StepGraph::connect() {
   for (Slot& slot : slots_)
     for (Mirror& mirror : slot.mirrors) {
+      std::memcpy(mirror.value.data(), slot.value.data(), slot.value.size);  // what the owner set while it was bound
       const auto found =
           std::ranges::find_if(links_, [&](const auto& link) { return link->writer == slot.writer && link->reader == mirror.reader; });
       Link* link = found != links_.end() ? found->get() : nullptr;
@@ -157,7 +193,8 @@ Status StepGraph::connect() {
         link->reader = mirror.reader;
         lanes_[index(slot.writer)].links_out.push_back(link);
         lanes_[index(mirror.reader)].links_in.push_back(link);
-        lanes_[index(mirror.reader)].columns.push_back({std::string("from_") + name_of(slot.writer), "", &link->taken, true});
+        if (is_recorded(mirror.reader))
+          lanes_[index(mirror.reader)].columns.push_back({std::string("from_") + name_of(slot.writer), "", &link->taken, true});
       }
       const std::size_t at = link->out.empty() ? 0 : (link->out.back().at + link->out.back().size + 15) / 16 * 16;
       if (at + slot.value.size > kMessageBytes)
@@ -173,12 +210,16 @@ Status StepGraph::resolve() {
   if (Status sound = check_slots(); !sound) return sound;
   for (std::size_t n = 0; n < kClocks; ++n)
     if (Status sorted = sort(static_cast<Clock>(n)); !sorted) return sorted;
-  return connect();
+  if (Status connected = connect(); !connected) return connected;
+  return check_columns();
 }
 
 void StepGraph::take(Link& link) noexcept {
   const Message* message = nullptr;
-  if (keeps_messages_) {
+  if (keeps_messages_ && link.reader == Clock::frame) {
+    // A replay draws each picture right after the simulation step that it shows.
+    if (!link.kept.empty()) message = &link.kept.back();
+  } else if (keeps_messages_) {
     for (const Message& kept : link.kept)
       if (static_cast<double>(kept.number) == link.wanted) message = &kept;
     while (!link.kept.empty() && static_cast<double>(link.kept.front().number) < link.wanted) link.kept.pop_front();
@@ -190,7 +231,7 @@ void StepGraph::take(Link& link) noexcept {
   for (const Copy& copy : link.in) std::memcpy(copy.value, message->bytes.data() + copy.at, copy.size);
 }
 
-bool StepGraph::want(Clock reader, std::span<const double> numbers) {
+std::optional<Clock> StepGraph::want(Clock reader, std::span<const double> numbers) {
   Lane& lane = lanes_[index(reader)];
   BH_ASSERT(numbers.size() == lane.links_in.size());
   for (std::size_t n = 0; n < numbers.size(); ++n) {
@@ -198,9 +239,9 @@ bool StepGraph::want(Clock reader, std::span<const double> numbers) {
     link.wanted = numbers[n];
     const bool there = numbers[n] == 0.0 ||
                        std::ranges::any_of(link.kept, [&](const Message& kept) { return static_cast<double>(kept.number) == numbers[n]; });
-    if (!there) return false;
+    if (!there) return link.writer;
   }
-  return true;
+  return std::nullopt;
 }
 
 void StepGraph::run(Clock clock, const Tick& tick) {
@@ -228,6 +269,7 @@ void StepGraph::send(Clock clock) {
   for (Link* link : lane.links_out) {
     link->message.number = lane.ticks;
     for (const Copy& copy : link->out) std::memcpy(link->message.bytes.data() + copy.at, copy.value, copy.size);
+    if (keeps_messages_ && link->reader == Clock::frame) link->kept.clear();  // only the newest is read
     if (keeps_messages_)
       link->kept.push_back(link->message);
     else

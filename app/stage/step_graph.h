@@ -3,6 +3,9 @@
 ///     own     the only writer                          add     one of several contributors; the slot is reset before each tick of its
 ///     clock now     reads after this tick's writers          last    reads before this tick's writer: the value of the previous tick
 ///     latest  reads a slot of another clock: the newest message at the begin of the reader's tick; the number of the message is recorded
+///   A slot that steps add to has no value of the previous tick, so it cannot be read by `last`. Messages and columns of the frame and audio
+///   clocks are not recorded, so nothing else may read what these clocks write; a picture reads what the simulation wrote up to the step
+///   that it shows.
 ///   Steps of one clock run in an order that satisfies these uses. Steps that do not depend on each other run in the order of binding.
 ///   Errors   bad_input, of resolve().
 ///   Threads  bind and resolve() while no clock runs. run(clock) by the thread of that clock: never waits, never allocates.
@@ -14,6 +17,7 @@
 #include <cstring>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -57,6 +61,7 @@ struct StepColumn {
 
 class StepGraph {
  public:
+  static constexpr std::size_t kMaxColumns = 24;  ///< of all steps of a clock
   /// Steps of the servo and contact clocks must not throw or allocate.
   using Run = void (*)(void* self, const Tick& tick);
 
@@ -108,6 +113,11 @@ class StepGraph {
 
   /// Adds a step. @param effect table of its effect. @param name unique name, used in timings. @param self must outlive the run.
   Binder step(Clock clock, std::string_view effect, std::string_view name, Run call, void* self);
+  /// Declares that the stage reads a slot on a clock, after the clock's steps. resolve() refuses writers on another clock.
+  template <class T>
+  void reads(Clock clock, const SlotKey<T>& key) {
+    read_by_stage_.push_back({key.name, clock});
+  }
   /// Adds a slot that the stage writes before it runs the clock's steps.
   template <class T>
   [[nodiscard]] T* provide(Clock clock, const SlotKey<T>& key) {
@@ -130,7 +140,8 @@ class StepGraph {
   }
 
   /// Sorts the steps of each clock and connects clocks. bad_input, with the slot and the effects: a slot that is read but not written, two
-  /// owners, an owner and contributors, a slot of two types, `now` or `last` across clocks, `latest` within one clock, a cycle.
+  /// owners, an owner and contributors, a slot of two types, `now` or `last` across clocks, `latest` within one clock, `last` of a slot that
+  /// is added to, a cycle, a column that cannot be recorded, more than kMaxColumns on a clock.
   [[nodiscard]] Status resolve();
   /// @returns whether a step owns or adds to the slot of that name.
   [[nodiscard]] bool is_written(std::string_view slot) const noexcept;
@@ -149,8 +160,8 @@ class StepGraph {
   /// @returns the columns of a clock's steps in the order of binding, then the message number of each clock whose messages it reads.
   [[nodiscard]] const std::vector<StepColumn>& columns(Clock clock) const noexcept { return lanes_[index(clock)].columns; }
   /// For replay: selects the messages that the next tick of `reader` receives from each clock, by number, in the order of its columns.
-  /// @returns false if a message does not exist yet.
-  [[nodiscard]] bool want(Clock reader, std::span<const double> numbers);
+  /// @returns the clock of the first message that does not exist yet; nothing when all exist.
+  [[nodiscard]] std::optional<Clock> want(Clock reader, std::span<const double> numbers);
   /// @returns the clocks whose messages `reader` receives, in the order of their columns.
   [[nodiscard]] std::vector<Clock> sources(Clock reader) const;
   void keep_messages() noexcept { keeps_messages_ = true; }
@@ -237,6 +248,8 @@ class StepGraph {
                           Access access);
   [[nodiscard]] void* provide(Clock clock, const char* name, std::type_index type, const void* start, std::size_t size, std::size_t align);
   [[nodiscard]] Status check_slots() const;
+  [[nodiscard]] Status check_uses(const BoundStep& step) const;
+  [[nodiscard]] Status check_columns() const;
   [[nodiscard]] Status sort(Clock clock);
   [[nodiscard]] Status connect();
   [[nodiscard]] std::string who(const Slot& slot) const;
@@ -246,6 +259,7 @@ class StepGraph {
   std::deque<Slot> slots_;
   std::vector<std::unique_ptr<Link>> links_;
   std::array<Lane, kClocks> lanes_;
+  std::vector<std::pair<std::string, Clock>> read_by_stage_;
   std::string mismatch_;  // a slot that was named with two types
   bool keeps_messages_ = false;
 };

@@ -135,7 +135,11 @@ Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world
   if (world_from_tool) view.world_from_tool = turns_ ? turned_tool(*world_from_tool, turned_) : *world_from_tool;
   if (world_from_tool) tip_ = world_from_tool->translation;
   if (!cut) view.cut = make_scene_cut(display_.cut, view.camera, world_from_bone_, tip_);
-  return timers_.frame([&] { return sink_->draw(name, view, display_.width, display_.height, hash_); });
+  Hash64 picture;
+  if (Status drawn = timers_.frame([&] { return sink_->draw(name, view, display_.width, display_.height, picture); }); !drawn) return drawn;
+  picture_hash_ = picture.value();
+  hash_.add(picture_hash_);
+  return {};
 }
 
 }  // namespace burrhole

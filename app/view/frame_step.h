@@ -51,7 +51,8 @@ class FrameStep {
     return sink_->change_tool(tool.look);
   }
   [[nodiscard]] const FrameStepTimers& timers() const noexcept { return timers_; }
-  [[nodiscard]] std::uint64_t image_hash() const noexcept { return hash_.value(); }
+  [[nodiscard]] std::uint64_t image_hash() const noexcept { return hash_.value(); }    ///< of all pictures
+  [[nodiscard]] std::uint64_t picture_hash() const noexcept { return picture_hash_; }  ///< of the latest
   [[nodiscard]] std::uint64_t texels_sent() const noexcept { return texels_sent_; }
   [[nodiscard]] std::size_t texels_waiting() const noexcept { return queue_.texels(); }  ///< queued for a later batch
 
@@ -76,6 +77,7 @@ class FrameStep {
   std::uint64_t growth_epoch_ = 0;
   bool has_grown_ = false;  // bone in the batch or the queue may have been restored
   Hash64 hash_;
+  std::uint64_t picture_hash_ = 0;
   std::uint64_t texels_sent_ = 0;
   FrameStepTimers timers_;
 };

@@ -9,6 +9,7 @@
 #include "app/job/plan.h"
 #include "app/job/summary.h"
 #include "app/scene/scene.h"
+#include "app/session/recorded_hand.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
 
@@ -30,7 +31,10 @@ struct Counts {
   double last_seen = -1.0;  // the sum of the tick before, read before it is made again
   double now_seen = -1.0;   // the sum of this tick
   std::uint64_t servo_seen_by_bone = 0, bone_seen_by_contact = 0;
-  bool in_order = true;  // what `now` and `last` promise
+  std::uint64_t bone_seen_by_servo = 0;
+  std::vector<std::uint64_t> shown;    // bone steps, of each picture
+  double pressed_seen_by_servo = 0.0;  // [N] sum over the ticks
+  bool in_order = true;                // what `now` and `last` promise
 };
 
 class Probe final : public Effect {
@@ -43,6 +47,8 @@ class Probe final : public Effect {
     hand_ = servo.now(slots::kHand);
     force_ = servo.add(slots::kAddedForce);
     servo_ticks_ = servo.own(kServoTicks);
+    pressed_there_ = servo.latest(kPressed);
+    bone_there_ = servo.latest(kBoneSteps);
     auto contact = graph.step(
         Clock::contact, "probe", "probe contact", [](void* self, const Tick&) { static_cast<Probe*>(self)->contact(); }, this);
     state_ = contact.now(slots::kContact);
@@ -66,8 +72,9 @@ class Probe final : public Effect {
     servo_there_ = before.latest(kServoTicks);
     bone_steps_ = before.own(kBoneSteps);
     auto frame = graph.step(
-        Clock::frame, "probe", "probe frame", [](void* self, const Tick&) { ++static_cast<Probe*>(self)->counts_->frame; }, this);
+        Clock::frame, "probe", "probe frame", [](void* self, const Tick&) { static_cast<Probe*>(self)->frame(); }, this);
     (void)frame.now(slots::kPicture);
+    bone_shown_ = frame.latest(kBoneSteps);
     (void)graph.step(
         Clock::audio, "probe", "probe audio",
         [](void* self, const Tick& tick) {
@@ -84,8 +91,10 @@ class Probe final : public Effect {
   static inline const SlotKey<double> kTotal{"probe_total"};
 
   void servo() {
-    force_->force += Vec3(0.0, 0.0, -config_.weight);
+    *force_ += Vec3(0.0, 0.0, -config_.weight);
     *servo_ticks_ = ++counts_->servo;
+    counts_->bone_seen_by_servo = *bone_there_;
+    counts_->pressed_seen_by_servo += *pressed_there_;
     counts_->in_order = counts_->in_order && hand_->tick + 1 == counts_->servo;
   }
   void contact() {
@@ -93,6 +102,10 @@ class Probe final : public Effect {
     *pressed_ = glm::length(state_->on_hand.force);
     counts_->bone_seen_by_contact = *bone_steps_there_;
     counts_->in_order = counts_->in_order && *bone_steps_there_ == counts_->simulation;  // lockstep: bone is cut after contact
+  }
+  void frame() {
+    ++counts_->frame;
+    counts_->shown.push_back(*bone_shown_);
   }
   void read_now() {
     counts_->now_seen = *sum_now_;
@@ -109,10 +122,12 @@ class Probe final : public Effect {
   ProbeConfig config_;
   Counts* counts_;
   const HandState* hand_ = nullptr;
-  Wrench* force_ = nullptr;
+  Vec3* force_ = nullptr;
   std::uint64_t* servo_ticks_ = nullptr;
+  const double* pressed_there_ = nullptr;
+  const std::uint64_t* bone_there_ = nullptr;
   const ContactState* state_ = nullptr;
-  const std::uint64_t* bone_steps_there_ = nullptr;
+  const std::uint64_t *bone_steps_there_ = nullptr, *bone_shown_ = nullptr;
   double* pressed_ = nullptr;
   const double* sum_now_ = nullptr;
   double *total_ = nullptr, *sum_a_ = nullptr, *sum_b_ = nullptr;
@@ -208,6 +223,49 @@ TEST_CASE("own effect: its file and one registry line are all that the program n
   CHECK(session->column("bone", "from_servo").ok());
 }
 
+TEST_CASE("own effect: its session replays: each clock reads the messages that it read, each picture the bone that it showed") {
+  const EffectRegistry registry = with_probe();
+  Issues issues;
+  const TemporaryFolder folder;
+  CountingSink sink;
+  const auto load = [&] {
+    auto loaded = load_with(registry, "[probe]\nweight_N = 0.5\n", issues);
+    REQUIRE(loaded);
+    loaded->scene.duration = 0.8;
+    return std::move(*loaded);
+  };
+  for (const bool live : {false, true}) {
+    CAPTURE(live);
+    counts = {};
+    SimulationOptions options;
+    options.sink = &sink;
+    options.live = live;
+    DrillRun run(load(), options);
+    run_recorded(run, folder.file("run.sqlite"));
+    const Counts recorded = counts;
+    CHECK(recorded.pressed_seen_by_servo > 0.0);
+    CHECK(recorded.shown.back() > 70);
+
+    const auto session = SessionReader::open(folder.file("run.sqlite"));
+    REQUIRE(session);
+    auto hand = RecordedHand::create(*session);
+    REQUIRE(hand);
+    SimulationOptions again;
+    again.sink = &sink;
+    again.hand = &*hand;
+    counts = {};
+    DrillRun replayed(load(), again);
+    const Status done = replayed.simulation().run_recorded(*session, *hand);
+    REQUIRE_MESSAGE(done.ok(), (done.ok() ? "" : done.error().text()));
+    CHECK(replayed.simulation().sent_hash() == run.simulation().sent_hash());
+    CHECK(replayed.voxel_hash() == run.voxel_hash());
+    CHECK(counts.pressed_seen_by_servo == recorded.pressed_seen_by_servo);
+    CHECK(counts.bone_seen_by_servo == recorded.bone_seen_by_servo);
+    CHECK(counts.servo_seen_by_bone == recorded.servo_seen_by_bone);
+    CHECK(counts.shown == recorded.shown);
+  }
+}
+
 TEST_CASE("own effect: a scene without its table has none of it, to the bit") {
   const EffectRegistry registry = with_probe();
   Issues issues;
@@ -250,6 +308,7 @@ TEST_CASE("own effect: its keys, its range and its warnings are the program's") 
 struct Uses {
   std::string table;
   void (*bind)(StepGraph::Binder& step);
+  Clock clock = Clock::simulation;
 };
 
 class UsingEffect final : public Effect {
@@ -257,7 +316,7 @@ class UsingEffect final : public Effect {
   explicit UsingEffect(const Uses& uses) : uses_(uses) {}
   Status bind(StepGraph& graph) override {
     auto step = graph.step(
-        Clock::simulation, uses_.table, uses_.table, [](void*, const Tick&) {}, this);
+        uses_.clock, uses_.table, uses_.table, [](void*, const Tick&) {}, this);
     uses_.bind(step);
     return {};
   }
@@ -274,6 +333,7 @@ std::string refusal_of(const std::vector<Uses>& all) {
     REQUIRE(effects.back()->bind(graph));
   }
   (void)graph.provide(Clock::servo, slots::kHand);
+  graph.reads(Clock::servo, slots::kAddedForce);
   const Status resolved = graph.resolve();
   return resolved ? std::string() : resolved.error().message;
 }
@@ -291,6 +351,22 @@ TEST_CASE("step graph: what cannot be satisfied is one line that names slot and 
   CHECK(refusal_of({writes_a, {"two", [](StepGraph::Binder& s) { (void)s.now(kOtherA); }}}) == "the slot \"a\" is used with two types");
   CHECK(refusal_of({{"one", [](StepGraph::Binder& s) { (void)s.now(slots::kHand); }}}) ==
         "[one] reads \"hand\" of the servo clock on the simulation clock by the wrong access");
+  // What a replay could not repeat.
+  const Uses adds_a{"one", [](StepGraph::Binder& s) { (void)s.add(kA); }};
+  CHECK(refusal_of({adds_a, {"two", [](StepGraph::Binder& s) { (void)s.last(kA); }}}) ==
+        "[two] reads the last \"a\", which steps add to: it is reset before each tick");
+  CHECK(refusal_of({{"one", [](StepGraph::Binder& s) { (void)s.own(kA); }, Clock::audio},
+                    {"two", [](StepGraph::Binder& s) { (void)s.latest(kA); }}}) ==
+        "[two] reads \"a\" of the audio clock, which a replay does not run");
+  static const double value = 0.0;
+  CHECK(refusal_of({{"one", [](StepGraph::Binder& s) { s.column("heat", "J", &value); }, Clock::frame}}) ==
+        "the column \"heat\" is on the frame clock, which has no stream in a session");
+  const std::string crowded = refusal_of({{"one", [](StepGraph::Binder& s) {
+                                             for (int n = 0; n < 25; ++n) s.column("c" + std::to_string(n), "", &value);
+                                           }}});
+  CHECK(crowded == "the steps of the simulation clock record 25 columns, at most 24");
+  CHECK(refusal_of({{"one", [](StepGraph::Binder& s) { (void)s.add(slots::kAddedForce); }}}) ==
+        "\"added_force\" of [one] must be written on the servo clock, where the stage reads it");
   // Two effects that need each other: by `now` a cycle, by `last` on one side an order.
   const Uses a_from_b{"one", [](StepGraph::Binder& s) {
                         (void)s.own(kA);

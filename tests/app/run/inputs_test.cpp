@@ -7,6 +7,7 @@
 #include <ostream>
 
 #include "app/session/recorded_hand.h"
+#include "core/measure/hole_measure.h"
 #include "core/voxel/box_parts.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
@@ -150,6 +151,24 @@ TEST_CASE("inputs: undo gives the bone before the last spin-on, to the bit; so d
                "1.5") == first);
 }
 
+TEST_CASE("inputs: the removed mass is that of the bone at the end, not of what was undone") {
+  const auto mass = [](std::vector<Input> inputs) {
+    SimulationOptions options;
+    options.inputs = std::move(inputs);
+    options.history = true;
+    DrillRun run(SmallScene{.sets = {"duration_s=0.9", "hand.feels=false"}}, options);
+    run.run();
+    Simulation& s = run.simulation();
+    return std::pair{measure_hole(s.voxmap(), s.approach()).removed_mass, s.bone_step().removed_mass()};
+  };
+  const auto [kept, eroded] = mass({});
+  CHECK(kept > 0.1e-9);
+  CHECK(std::abs(kept / eroded - 1.0) < 1e-6);  // densities are floats
+  const auto [undone, all] = mass({spin(800, 0.0), plain(850, InputKind::reset)});
+  CHECK(undone == 0.0);
+  CHECK(all > 0.1e-9);
+}
+
 TEST_CASE("inputs: a lockstep session with all of them replays to the same voxels, forces and pictures") {
   const TemporaryFolder folder;
   const std::string path = folder.file("run.sqlite");
@@ -207,7 +226,7 @@ std::vector<std::string> faults_of(const std::string& text) {
   return out;
 }
 
-TEST_CASE("inputs: a file of timed inputs is read in order; each fault has its place") {
+TEST_CASE("inputs: a file of timed inputs is read in order; each error has its place") {
   const auto document = TomlDocument::parse(
       "[[input]]\ntime_s = 0.5\nkind = \"spin\"\nvalue = 0.25\n[[input]]\ntime_s = 0.5\nkind = \"undo\"\n[[input]]\ntime_s = 2\n"
       "kind = \"checkpoint\"\nname = \"before the dura\"\n",
