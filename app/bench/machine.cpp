@@ -6,8 +6,8 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <fstream>
 
+#include "core/base/cpu_model.h"
 #include "core/base/simd.h"
 
 namespace burrhole {
@@ -18,15 +18,6 @@ constexpr const char* kCompiler = "clang " __clang_version__;
 #else
 constexpr const char* kCompiler = "g++ " __VERSION__;
 #endif
-
-std::string cpu_model() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown";
-}
 
 unsigned usable_cores() {
   cpu_set_t cores;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <filesystem>
@@ -9,6 +10,8 @@
 #include "app/effect/record.h"
 #include "app/report/drill_report.h"
 #include "app/report/file.h"
+#include "core/base/cpu_model.h"
+#include "core/base/hash.h"
 #include "core/base/physics_version.h"
 #include "core/base/units.h"
 #include "haptics/servo/realtime.h"
@@ -46,14 +49,22 @@ std::string layer_name(VoxelLabel label) {
   return {};
 }
 
+/// The pictures of a run, by the names that RunLog and Simulation give them.
+struct Caption {
+  const char *name, *text;
+};
+constexpr Caption kCaptions[] = {{"before", "Before: the bit above the entry point"},
+                                 {"during", "At half the thickness of the bone"},
+                                 {"breakthrough", "Breakthrough, section through the axis"},
+                                 {"after", "After: the hole from above"},
+                                 {"cutaway", "After: section through the axis"}};
+constexpr const char* kSummaryFile = "summary.json";
+constexpr const char* kReportFile = "report.html";
+
 std::string caption_of(const std::string& file) {
   const std::string name = fs::path(file).stem().string();
-  if (name == "before") return "Before: the bit above the entry point";
-  if (name == "during") return "At half the thickness of the bone";
-  if (name == "breakthrough") return "Breakthrough, section through the axis";
-  if (name == "after") return "After: the hole from above";
-  if (name == "cutaway") return "After: section through the axis";
-  return name;
+  const auto found = std::ranges::find(kCaptions, name, &Caption::name);
+  return found != std::end(kCaptions) ? found->text : name;
 }
 
 /// @returns the speed of the tip [mm/s], averaged over `span` samples: over shorter spans the motion of single ticks dominates.
@@ -108,13 +119,15 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.duration_s = summary.duration_s;
   for (const auto& [name, t] : summary.timing)
     if (t.count > 0) r.timing.push_back({name, t.count, t.p50_us, t.p99_us, t.p999_us, t.max_us});
+  r.missed = summary.missed;
   r.hashes = {{"voxels", summary.voxel_hash}, {"forces", summary.force_hash}};
   if (!summary.image_hash.empty()) r.hashes.push_back({"image", summary.image_hash});
   return r;
 }
 
 /// Creates the session of a run, before the first tick. @returns nothing if the scene has no [record] or there is no output folder.
-Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, const DrillJob& job, const Stage& stage) {
+Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, const DrillJob& job, const Stage& stage,
+                                                  const PictureSink* sink) {
   const auto* record = loaded.scene.find<RecordConfig>();
   if (record == nullptr || job.folder.empty()) return std::optional<SessionWriter>();
   SessionMeta meta;
@@ -124,6 +137,8 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   meta.tool = loaded.tool_text;
   meta.seed = loaded.scene.hand.seed;
   meta.physics_version = kPhysicsVersion;
+  meta.cpu = cpu_model();
+  if (sink != nullptr) meta.renderer = sink->driver();
   meta.created = job.created.empty() ? now_iso8601() : job.created;
   const std::string path = (fs::path(job.folder) / record->path).string();
   auto session = SessionWriter::create(path, meta, session_layout(stage));
@@ -138,7 +153,7 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
 
 Status close_session(SessionWriter& session, const RunSummary& summary, std::uint64_t sent_hash) {
   for (const auto& [kind, value] : {std::pair{"voxels", summary.voxel_hash}, std::pair{"forces", summary.force_hash},
-                                    std::pair{"sent", fmt::format("{:016x}", sent_hash)}, std::pair{"image", summary.image_hash}})
+                                    std::pair{"sent", hash_text(sent_hash)}, std::pair{"image", summary.image_hash}})
     if (!value.empty())
       if (Status noted = session.hash({kind, value}); !noted) return noted;
   return session.close();
@@ -157,20 +172,32 @@ Status make_folder(const std::string& folder) {
   return {};
 }
 
-/// Removes pictures of an earlier run: this run may end before it draws all of them.
-void remove_old_pictures(const std::string& folder) {
+/// Removes pictures and results of an earlier run: this run may end before it writes all of them. Its bone stays: it may be wanted as a
+/// checkpoint.
+void remove_old_results(const std::string& folder) {
   if (folder.empty()) return;
   std::error_code ignored;
-  for (const char* name : {"before.png", "during.png", "breakthrough.png", "after.png", "cutaway.png"})
-    fs::remove(fs::path(folder) / name, ignored);
+  for (const Caption& picture : kCaptions) fs::remove(fs::path(folder) / (std::string(picture.name) + ".png"), ignored);
+  for (const char* name : {kSummaryFile, kReportFile}) fs::remove(fs::path(folder) / name, ignored);
+}
+
+/// @returns the first error of the tools that the inputs name, which would otherwise end the run when they are applied.
+Status check_tools(const LoadedScene& loaded, const std::vector<Input>& inputs) {
+  const Needs needs = loaded.scene.effects.needs(loaded.scene);
+  for (const Input& input : inputs) {
+    if (input.kind != InputKind::tool) continue;
+    Issues issues;
+    if (!load_tool(input.data, input.text, loaded.scene, needs, loaded.bone->bone_from_index().mean_edge(), issues)) return issues.front();
+  }
+  return {};
 }
 
 Status write_results(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary, const std::vector<std::string>& pictures,
                      const std::string& folder) {
   const auto in_folder = [&](const char* name) { return (fs::path(folder) / name).string(); };
   if (Status saved = simulation.voxmap().save(in_folder("bone.vdb")); !saved) return saved;
-  if (Status written = write_file(in_folder("summary.json"), summary_json(summary)); !written) return written;
-  return write_drill_report(make_report(loaded, simulation, summary, pictures), in_folder("report.html"));
+  if (Status written = write_file(in_folder(kSummaryFile), summary_json(summary)); !written) return written;
+  return write_drill_report(make_report(loaded, simulation, summary, pictures), in_folder(kReportFile));
 }
 
 }  // namespace
@@ -206,6 +233,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   options.history = !job.inputs.empty();
   if (job.live && job.require_realtime)
     if (std::string refused = realtime_refusal(); !refused.empty()) return Error{ErrorCode::unavailable, std::move(refused), {}};
+  if (Status valid = check_tools(loaded, job.inputs); !valid) return valid.error();
   std::unique_ptr<PictureSink> sink;
   if (const auto* display = loaded.scene.find<DisplayConfig>(); display != nullptr && job.make_sink) {
     auto made = job.make_sink(*display, job.folder);
@@ -228,8 +256,8 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (sink && job.say) job.say("renderer: " + sink->driver());
   if (simulation->approach().from_inside && job.warn) job.warn("the axis points out of the skull: it meets brain or dura before the entry");
   if (Status made = make_folder(job.folder); !made) return made.error();
-  remove_old_pictures(job.folder);
-  auto session = open_session(loaded, job, simulation->stage());
+  remove_old_results(job.folder);
+  auto session = open_session(loaded, job, simulation->stage(), sink.get());
   if (!session) return session.error();
   if (*session) simulation->set_session(&**session);
 

@@ -4,21 +4,15 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/base/hash.h"
 #include "core/base/units.h"
 
 namespace burrhole {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string hex(std::uint64_t value) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
 
 std::uint64_t peak_bytes() {
   rusage usage{};
@@ -63,7 +57,7 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   const HoleMeasure hole = measure_hole(simulation.voxmap(), simulation.approach());
   const auto in_mm = [&](const std::optional<double>& metres) { return metres ? std::optional(*metres * kMm) : std::nullopt; };
   out.removed_mm3 = hole.removed * kMm3;
-  out.removed_mass_mm3 = simulation.stage().bone->removed_mass() * kMm3;
+  out.removed_mass_mm3 = hole.removed_mass * kMm3;
   out.hole_diameter_mm = in_mm(hole.outer_diameter);
   if (progress.breakthrough_depth) out.inner_diameter_mm = in_mm(hole.inner_diameter);  // no hole in the inner surface before
   out.thickness_mm = simulation.approach().thickness * kMm;
@@ -112,7 +106,9 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   RunSummary out;
   out.scene = loaded.scene.file;
   out.title = loaded.scene.title;
-  out.tool = loaded.tool.name;
+  const Tool& tool = *simulation.stage().tool;
+  const Needs& needs = simulation.stage().needs;
+  out.tool = tool.name;
   out.spin_rpm = loaded.scene.tool.spin / kRevPerMinute;
   out.push_N = loaded.scene.hand.push;
   out.warnings = plan.warnings;
@@ -127,18 +123,18 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   } else {
     out.volume_format = "phantom:" + std::string(phantom_name(loaded.scene.volume.phantom->kind));
   }
-  out.haptic_points = static_cast<std::uint64_t>(simulation.stage().figure("contact", "points").value_or(0.0));
-  out.erosion_points = loaded.scene.effects.has("erosion") ? loaded.tool.erosion.size() : 0;
+  out.haptic_points = needs.feels ? tool.shell.size() : 0;
+  out.erosion_points = needs.removes ? tool.erosion.size() : 0;
   out.duration_s = simulation.time();
   out.wall_s = wall_s;
   add_drilling(out, simulation);
   add_costs(out, simulation, plan);
-  out.uploaded_texels = static_cast<std::uint64_t>(simulation.stage().figure("display", "uploaded_texels").value_or(0.0));
-  out.points_outside = static_cast<std::uint64_t>(simulation.stage().figure("erosion", "points_outside").value_or(0.0));
+  if (const FrameStep* frame = simulation.frame_step()) out.uploaded_texels = frame->texels_sent();
+  out.points_outside = simulation.bone_step().points_outside();
   out.contact_flags = simulation.contact_flags();
-  out.voxel_hash = hex(simulation.voxmap().hash());
-  out.force_hash = hex(simulation.force_hash());
-  if (const auto image = simulation.image_hash()) out.image_hash = hex(*image);
+  out.voxel_hash = hash_text(simulation.voxmap().hash());
+  out.force_hash = hash_text(simulation.force_hash());
+  if (const auto image = simulation.image_hash()) out.image_hash = hash_text(*image);
   out.peak_bytes = peak_bytes();
   out.predicted_bytes = plan.memory.peak;
   return out;

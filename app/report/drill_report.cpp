@@ -96,17 +96,17 @@ void add_tables(const DrillReport& report, HtmlPage& page) {
     page.table({"Event", "Time (s)"}, rows);
   }
   if (!report.timing.empty()) {
-    page.heading("Time taken by the steps");
+    page.heading("Computation time");
     std::vector<std::vector<std::string>> rows;
     for (const DrillReport::Timing& step : report.timing) {
       rows.push_back({step.name, std::to_string(step.count), fmt::format("{:.1f}", step.p50_us), fmt::format("{:.1f}", step.p99_us),
                       fmt::format("{:.1f}", step.p999_us), fmt::format("{:.1f}", step.max_us)});
     }
     page.table({"Step", "Calls", "Median (µs)", "99 % (µs)", "99.9 % (µs)", "Longest (µs)"}, rows);
-    page.paragraph(fmt::format("Late ticks: {}.", report.missed));
+    page.paragraph(fmt::format("Missed servo ticks: {}.", report.missed));
   }
   if (!report.hashes.empty()) {
-    page.heading("Fingerprints");
+    page.heading("Hashes");
     std::vector<std::vector<std::string>> rows;
     for (const DrillReport::Hash& hash : report.hashes) rows.push_back({hash.name, hash.value});
     page.table({"Of", "Hash"}, rows);

@@ -59,7 +59,7 @@ struct DrillReport {
   double plunge_limit_mm = 0.5;  ///< a larger plunge is shown as an alert; the thinnest dura is about 0.3 mm thick
 
   std::vector<Timing> timing;
-  std::int64_t missed = 0;  ///< [ticks] that started late
+  std::uint64_t missed = 0;  ///< [ticks] of the servo, of a live run
   std::vector<Hash> hashes;
 };
 

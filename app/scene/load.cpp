@@ -75,10 +75,10 @@ void scale_factors(Tool& tool, float scale) {
   tool.cutting = std::move(field);
 }
 
-std::string text_of_file(const std::string& path) {
+Result<std::string> text_of_file(const std::string& path) {
   std::ifstream file(path);
   std::ostringstream text;
-  text << file.rdbuf();
+  if (!file || !(text << file.rdbuf())) return bad_input("the file cannot be read", path);
   return text.str();
 }
 
@@ -103,10 +103,11 @@ std::optional<Tool> load_tool(const std::string& text, const std::string& name, 
 Result<std::string> read_tool_text(const std::string& name, const std::string& scene_file, const SceneContext& context) {
   const auto path = find_tool(name, scene_file, context);
   if (!path) return bad_input("\"" + name + "\" is no tool (burrhole tools lists them)");
-  std::string text = text_of_file(*path);
-  const auto document = TomlDocument::parse(text, *path);
+  const auto text = text_of_file(*path);
+  if (!text) return text.error();
+  const auto document = TomlDocument::parse(*text, *path);
   if (!document) return document.error();
-  return text_for_session(text, *document);
+  return text_for_session(*text, *document);
 }
 
 BoneShape shape_of(const BoneModel& bone) { return {bone.dims(), bone.bone_from_index(), bone.bytes()}; }
@@ -124,7 +125,12 @@ std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneC
   if (tool_text) {
     out.tool_text = *tool_text;
   } else {
-    out.tool_text = text_of_file(out.scene.tool.path);
+    auto text = text_of_file(out.scene.tool.path);
+    if (!text) {
+      issues.push_back(text.error());
+      return std::nullopt;
+    }
+    out.tool_text = std::move(text).value();
   }
   const std::string name = tool_text ? "the session's tool" : out.scene.tool.path;
   // A tool that cannot be loaded is reported below.

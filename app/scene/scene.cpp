@@ -169,8 +169,9 @@ std::optional<std::string> find_tool(const std::string& name, const std::string&
     places.push_back(beside(scene_file, name + ".toml"));
     for (const std::string& folder : context.tool_folders) places.push_back((fs::path(folder) / (name + ".toml")).string());
   }
+  std::error_code unreadable;  // a name that is too long, or a folder without permission: not there
   for (const std::string& place : places)
-    if (fs::is_regular_file(place)) return place;
+    if (fs::is_regular_file(place, unreadable)) return place;
   return std::nullopt;
 }
 
@@ -180,11 +181,16 @@ void add_effect(Scene& scene, const std::string& name) {
   const auto document = TomlDocument::parse("[" + name + "]\n", "defaults");
   BH_ASSERT(document.ok());
   TableReader root = document->root(issues);
+  EffectPlans all;  // in the order of the registry
   for (const EffectEntry& entry : shipped_effects()) {
-    if (name != entry.table || entry.read == nullptr) continue;
-    auto table = root.table(name, entry.about);
-    scene.effects.add(name, entry.read(*table, scene, issues));
+    if (name == entry.table && entry.read != nullptr) {
+      auto table = root.table(name, entry.about);
+      all.add(name, entry.read(*table, scene, issues));
+    }
+    for (const EffectPlans::Item& item : scene.effects.items())
+      if (item.table == entry.table) all.add(item.table, item.plan->clone());
   }
+  scene.effects = std::move(all);
   BH_ASSERT(issues.empty());
 }
 
@@ -214,7 +220,8 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   if (auto table = root.table("limits", "what a run may take; a scene that is predicted to need more is refused")) {
     const double megabytes =
         table->number("memory_mb", {.fallback = 0.0, .min = 1.0, .max = 1e6},
-                      "largest resident memory of the process, as predicted from headers and tables; absent: no limit");
+                      "largest resident memory of the process, as predicted from headers and tables for a run in lockstep without inputs; "
+                      "absent: no limit");
     if (table->has("memory_mb")) scene.memory_limit = static_cast<std::uint64_t>(megabytes * 1e6);
     scene.memory_place = table->place_of("memory_mb");
     table->finish();

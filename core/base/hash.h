@@ -13,6 +13,13 @@
 
 namespace burrhole {
 
+/// @returns 16 hexadecimal digits.
+[[nodiscard]] inline std::string hash_text(std::uint64_t hash) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
 class Hash64 {
  public:
   void add(std::uint64_t word) noexcept {
@@ -28,11 +35,7 @@ class Hash64 {
     add(v.z);
   }
   [[nodiscard]] std::uint64_t value() const noexcept { return mix64(state_); }
-  [[nodiscard]] std::string hex() const {
-    char text[17];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value()));
-    return text;
-  }
+  [[nodiscard]] std::string hex() const { return hash_text(value()); }
 
  private:
   std::uint64_t state_ = 0xcbf29ce484222325ull;

@@ -62,6 +62,9 @@ HoleMeasure measure_hole(Voxmap& voxmap, const Approach& approach) {
   voxmap.bone().read_occupancy(box, before.values);
   voxmap.read_density(box, after.values);
   out.removed = removed_volume(before, after, changed, bone_from_index.cell_volume());
+  for (std::size_t n = 0; n < before.values.size(); ++n)
+    out.removed_mass += static_cast<double>(before.values[n]) - static_cast<double>(after.values[n]);
+  out.removed_mass *= bone_from_index.cell_volume();
 
   const Affine approach_from_index = Affine::from_pose(approach.bone_from_approach.inverse()) * bone_from_index;
   const Affine index_from_approach = approach_from_index.inverse();
