@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <string>
 
 #include "app/effect/registry.h"
 #include "app/stage/stage.h"
@@ -22,6 +23,9 @@ const char* name_of(ErosionLaw law) {
     if (value == law) return name;
   return "";
 }
+
+/// @returns the number that the shortest decimal text of a float means: 0.05 of 0.05f.
+double decimal_of(float value) { return std::stod(fmt::format("{}", value)); }
 
 class ErosionEffect final : public Effect {
  public:
@@ -104,8 +108,9 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
       c.energy.cutting_ratio =
           table.number("cutting_ratio", above_zero(c.energy.cutting_ratio, 1.0, 10.0), "cutting force over normal force");
     }
-    c.minimum_density = static_cast<float>(table.number("minimum_density", {.fallback = 0.05, .min = 0.0, .max = 0.5, .max_open = true},
-                                                        "density below which a voxel becomes empty"));
+    c.minimum_density = static_cast<float>(
+        table.number("minimum_density", {.fallback = decimal_of(c.minimum_density), .min = 0.0, .max = 0.5, .max_open = true},
+                     "density below which a voxel becomes empty"));
     c.longest_substep = table.number("substep_voxels", {.fallback = c.longest_substep, .min = 0.0, .max = 1.0, .min_open = true},
                                      "longest path of the tool between two applications of the law");
     rate_hz_ = read_rate(table, stage, rate_hz_, 1, "rate of erosion steps; divides servo_hz");

@@ -7,7 +7,6 @@
 #include <ctime>
 #include <filesystem>
 
-#include "app/effect/record.h"
 #include "app/report/drill_report.h"
 #include "app/report/file.h"
 #include "core/base/cpu_model.h"
@@ -128,8 +127,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
 /// Creates the session of a run, before the first tick. @returns nothing if the scene has no [record] or there is no output folder.
 Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, const DrillJob& job, const Stage& stage,
                                                   const PictureSink* sink) {
-  const auto* record = loaded.scene.find<RecordConfig>();
-  if (record == nullptr || job.folder.empty()) return std::optional<SessionWriter>();
+  if (!stage.record_path() || job.folder.empty()) return std::optional<SessionWriter>();
   SessionMeta meta;
   meta.program = BH_VERSION;
   meta.scene_path = loaded.scene.file;
@@ -140,7 +138,7 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   meta.cpu = cpu_model();
   if (sink != nullptr) meta.renderer = sink->driver();
   meta.created = job.created.empty() ? now_iso8601() : job.created;
-  const std::string path = (fs::path(job.folder) / record->path).string();
+  const std::string path = (fs::path(job.folder) / *stage.record_path()).string();
   auto session = SessionWriter::create(path, meta, session_layout(stage));
   if (!session) return session.error();
   if (!job.restore_path.empty()) {

@@ -61,8 +61,11 @@ Status Simulation::run_lockstep() {
     servo_now_ = steps.tick();
     tick_ = steps.ticks();
     sent_.add(servo_now_.force);
-    if (log_->session() != nullptr)
-      if (Status recorded = record_timer_([&] { return record_rows(steps, window); }); !recorded) return recorded;
+    if (log_->session() != nullptr) {
+      StepTimer* const timer = parts_->record_timer();
+      const auto record = [&] { return record_rows(steps, window); };
+      if (Status recorded = timer != nullptr ? (*timer)(record) : record(); !recorded) return recorded;
+    }
     if (Status noted = log_->record_hand(servo_now_.hand); !noted) return noted;
     if (steps.ran_contact()) {
       const RunSample sample{contact.time(), glm::length(contact.state().on_hand.force), contact.progress().depth};
@@ -193,7 +196,6 @@ std::vector<TimedStep> Simulation::timings() {
   for (const Stage::MadeEffect& made : parts_->effects())
     for (const NamedTimer& timer : made.effect->timers()) out.push_back({made.table, timer.name, timer.timer->timing(), timer.within_step});
   out.push_back({"volume", "publish", parts_->bone->publish_timer().timing()});
-  if (record_timer_.timing().count > 0) out.push_back({"record", "record", record_timer_.timing()});
   return out;
 }
 

@@ -126,7 +126,7 @@ class Simulation {
   std::vector<std::unique_ptr<Tool>> tools_;  // of inputs that changed the tool
   std::size_t next_input_ = 0;
   RunEnd end_ = RunEnd::done;
-  StepTimer servo_timer_, record_timer_;
+  StepTimer servo_timer_;
 };
 
 }  // namespace burrhole

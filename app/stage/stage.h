@@ -81,6 +81,13 @@ class Stage {
   void offer_hand(HandSource& offered) noexcept { offered_hand_ = &offered; }
   /// For effects, in make(): sets the frame step that draws.
   void offer_frame(FrameStep& offered) noexcept { frame_ = &offered; }
+  /// For effects, in make(): asks for a session file, relative to the output folder, and has the time of its rows measured.
+  void offer_record(std::string path, StepTimer& timer) {
+    record_path_ = std::move(path);
+    record_timer_ = &timer;
+  }
+  [[nodiscard]] const std::optional<std::string>& record_path() const noexcept { return record_path_; }
+  [[nodiscard]] StepTimer* record_timer() noexcept { return record_timer_; }  ///< null without a session file
   [[nodiscard]] const Outside& outside() const noexcept { return outside_; }
   [[nodiscard]] FrameStep* frame() noexcept { return frame_; }
   /// @returns the number of simulation steps before the last gather(): the state that the next picture shows.
@@ -125,6 +132,8 @@ class Stage {
   std::vector<MadeEffect> effects_;
   HandSource* offered_hand_ = nullptr;
   FrameStep* frame_ = nullptr;
+  std::optional<std::string> record_path_;
+  StepTimer* record_timer_ = nullptr;
   std::optional<SimulatedHand> own_hand_;
   std::unique_ptr<BoneHistory> history_;  // of voxmap
   bool spun_ = false;                     // in the last step of bone
