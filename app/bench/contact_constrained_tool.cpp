@@ -143,7 +143,7 @@ Status compare_balls(Bench& bench) {
   for (const BallSize& size : {BallSize{23, 50, 729}, BallSize{66, 138, 5800}, BallSize{214, 367, 50'000}}) {
     const auto shell = make_ball(size.stacks, size.slices, size.points);
     if (!shell) return shell.error();
-    // Without spin the normal of each plane depends on all points close to the surface, here on all points (hollow_direction.h).
+    // Without spin the normal of each plane depends on all points close to the surface, here on all points (conforming_normal.h).
     for (const bool spinning : {true, false}) {
       if (!spinning && size.points == 50'000) continue;
       auto tool = ConstrainedTool::create({}, shell.value(), kBenchEdge);

@@ -88,7 +88,7 @@ int run(const StabilityCommand& command) {
 void add_stability(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
       app, "stability", kMeasureGroup,
-      {.summary = "Runs the stability cases of contact for each contact model, or maps the maximum stable stiffness",
+      {.summary = "Runs the stability cases of each contact model, or maps the maximum stable stiffness",
        .about =
            "Runs cases that are difficult for a force loop (edges, pits, thin shells, jumps, stalls, values that are not finite) through "
            "the shipped servo, contact and erosion, and compares each with its bounds; writes CSV, a table and a page. --map instead "

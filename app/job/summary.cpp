@@ -96,7 +96,7 @@ void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
 
 Json figures_json(const Figures& figures) {
   Json out = Json::object();
-  for (const auto& [name, value] : figures.rows()) std::visit([&](const auto& v) { out[name] = v; }, value);
+  for (const auto& row : figures.rows()) std::visit([&](const auto& value) { out[row.first] = value; }, row.second);
   return out;
 }
 

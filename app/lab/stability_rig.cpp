@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/lab/oracle/push_cone.h"
+#include "app/lab/oracle/contact_cone.h"
 #include "core/base/portable_math.h"
 #include "core/base/trilinear.h"
 #include "core/base/units.h"

@@ -32,7 +32,7 @@ class StabilityRig {
   /// @returns the part [N] of the force that bone cannot exert. It is 0 if the force does not point into the bone nearest to the tool's
   /// deepest point. Otherwise: without other walls, the component of the force towards bone, or its whole length for bone as loaded, which
   /// is larger; with other walls touched by the tool within the loop's latency, the distance of the force from the cone of their normals
-  /// (push_cone.h). For bone that is being cut, walls are ignored and only the axis counts.
+  /// (contact_cone.h). For bone that is being cut, walls are ignored and only the axis counts.
   [[nodiscard]] double attractive_force_of(const StabilitySample& sample) const;
   void remember(const Pose& bone_from_tool);
   [[nodiscard]] bool bone_between(const Pose& world_from_tool, const Vec3& hand) const;

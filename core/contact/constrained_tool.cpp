@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "core/base/rotation.h"
+#include "core/contact/conforming_normal.h"
 #include "core/contact/distance_slope.h"
-#include "core/contact/hollow_direction.h"
 #include "core/contact/worst_hit.h"
 
 namespace burrhole {
@@ -20,26 +20,26 @@ constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are p
 // fraction alone, so it sets the clamping force on a tool slightly too wide for its hole.
 constexpr double kOwnGive = 0.05;
 // [voxel edges] clearance of a spinning tool: the distance by which cutting points that face away from the push move inwards, across the
-// push (drawn_shell.h). On voxels the corner between wall and floor is rounded. Without clearance the rim of a bit rests on that corner,
+// push (cleared_shell.h). On voxels the corner between wall and floor is rounded. Without clearance the rim of a bit rests on that corner,
 // where it has nothing to cut (half the clearance: 40 % slower through the shipped scene; none: stuck after 0.5 mm), and a burr rests on
 // the wall of its own bore. Points do not move along the push, nor on faces within 23 degrees of it: there the engaged depth stays F /
 // K_cut.
-constexpr double kPlay = 0.75;
-constexpr std::size_t kGripPoints = 1200;  // enough to sample the lateral stiffness; every shipped bit has fewer cutting points
-constexpr double kSameFace = 0.94;         // [-] cosine of 20 degrees: two directions within this angle belong to one face
+constexpr double kClearance = 0.75;
+constexpr std::size_t kFlankPoints = 1200;  // enough to sample the lateral stiffness; every shipped bit has fewer cutting points
+constexpr double kSameFace = 0.94;          // [-] cosine of 20 degrees: two directions within this angle belong to one face
 // [voxel edges] largest distance from the equilibrium of its springs at which a force reversal of a spinning tool is suppressed for a
 // period: it may penetrate bone that it cuts to this depth.
 constexpr double kTurnsRound = 0.2;
-constexpr double kNewPlay = 0.01;  // [-] change of the push's direction from which the points are moved again
+constexpr double kNewClearance = 0.01;  // [-] change of the push's direction from which the points are moved again
 
-std::size_t grip_stride(const ContactShellPart& part) noexcept {
-  return std::max<std::size_t>(1, (part.size() + kGripPoints - 1) / kGripPoints);
+std::size_t flank_stride(const ContactShellPart& part) noexcept {
+  return std::max<std::size_t>(1, (part.size() + kFlankPoints - 1) / kFlankPoints);
 }
 
 /// Selects an even subset of a part for the lateral stiffness: every n-th point, since neighbours are adjacent in order. `to` is already
 /// sized.
 void thin_out(const ContactShellPart& from, ContactShellPart& to) noexcept {
-  const std::size_t every = grip_stride(from);
+  const std::size_t every = flank_stride(from);
   for (std::size_t n = 0; n < to.x.size(); ++n) {
     const std::size_t source = std::min(n, to.size() - 1) * every;
     to.x[n] = from.x[source];
@@ -51,7 +51,7 @@ void thin_out(const ContactShellPart& from, ContactShellPart& to) noexcept {
 /// Number of points that thin_out() writes.
 ContactShellPart thinned(const ContactShellPart& from) {
   ContactShellPart out;
-  const std::size_t every = grip_stride(from);
+  const std::size_t every = flank_stride(from);
   for (std::size_t n = 0; n < from.size(); n += every) out.point.push_back(from.point[n]);
   const std::size_t padded = (out.size() + kShellPad - 1) / kShellPad * kShellPad;
   for (auto* axis : {&out.x, &out.y, &out.z}) axis->assign(padded, 0.0f);
@@ -131,7 +131,7 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     const ProbeHits& hits = tool_->hits_;
     HoldPlane plane;
     plane.point = hits.point[hit];
-    plane.arm = axes_ * tool_->drawn_in(plane.point);
+    plane.arm = axes_ * tool_->cleared(plane.point);
     plane.normal = Vec3(static_cast<double>(hits.nx[hit]), static_cast<double>(hits.ny[hit]), static_cast<double>(hits.nz[hit]));
     const double length = glm::length(plane.normal);
     // Where bone has no normal (deep inside, noise at one level) the tool's own outward direction replaces it.
@@ -191,9 +191,9 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
       shell_(shell),
       middle_(middle_of(shell)),
       points_(make_contact_shell(about(shell, middle_), voxel_edge)),
-      gripping_(thinned(points_.cutting)),
-      facing_(shell, gripping_),
-      drawn_(shell, points_.cutting, middle_),
+      flank_points_(thinned(points_.cutting)),
+      facing_(shell, flank_points_),
+      cleared_(shell, points_.cutting, middle_),
       edge_(voxel_edge),
       regions_(shell),
       places_(points_) {
@@ -202,8 +202,8 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
 
 Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
-  if (!(std::isfinite(config.side_grip) && config.side_grip >= 0.0))
-    return refuse("the share of the side grip must be finite and at least 0");
+  if (!(std::isfinite(config.flank_friction) && config.flank_friction >= 0.0))
+    return refuse("the share of the lateral stiffness must be finite and at least 0");
   for (const double value : {config.coupling_stiffness, config.cutting_stiffness, config.bone_stiffness, voxel_edge})
     if (!(std::isfinite(value) && value > 0.0))
       return refuse("coupling, cutting and bone stiffness and the voxel's edge must be finite and above 0");
@@ -223,7 +223,7 @@ void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
   state_.world_from_tool = world_from_tool;
   engaged_ = Vec3(0.0);
   solver_.clear();
-  grip_.clear();
+  flanks_.clear();
   placed_ = false;
 }
 
@@ -246,35 +246,37 @@ ConstrainedTool::Pull ConstrainedTool::pull_of(const HandMotion& hand, double dt
   return pull;
 }
 
-Vec3 ConstrainedTool::drawn_in(std::size_t point) const noexcept {
-  if (play_ == 0.0 || shell_.cutting[point] == 0) return shell_.positions[point];
-  return burrhole::drawn_in(shell_.positions[point], shell_.inward_normals[point], push_, play_);
+Vec3 ConstrainedTool::cleared(std::size_t point) const noexcept {
+  if (clearance_ == 0.0 || shell_.cutting[point] == 0) return shell_.positions[point];
+  return burrhole::cleared(shell_.positions[point], shell_.inward_normals[point], push_, clearance_);
 }
 
-void ConstrainedTool::set_play(bool spinning) noexcept {
+void ConstrainedTool::set_clearance(bool spinning) noexcept {
   const double engaged = spinning ? glm::length(engaged_) : 0.0;
   // The clearance grows with the engagement, so that first contact is at the tool's pose.
-  const double play = std::min(engaged, kPlay * edge_);
+  const double clearance = std::min(engaged, kClearance * edge_);
   const Vec3 push = engaged > 0.0 ? glm::conjugate(bone_from_tool_.rotation) * engaged_ / engaged : push_;
-  if (std::abs(play - play_) < kNewPlay * edge_ && glm::length(push - push_) < kNewPlay && (play > 0.0) == (play_ > 0.0)) return;
-  play_ = play;
+  if (std::abs(clearance - clearance_) < kNewClearance * edge_ && glm::length(push - push_) < kNewClearance &&
+      (clearance > 0.0) == (clearance_ > 0.0))
+    return;
+  clearance_ = clearance;
   push_ = push;
-  drawn_.draw(push_, play_, points_.cutting);
-  if (grip_stride(points_.cutting) > 1) thin_out(points_.cutting, gripping_);
+  cleared_.draw(push_, clearance_, points_.cutting);
+  if (flank_stride(points_.cutting) > 1) thin_out(points_.cutting, flank_points_);
 }
 
-void ConstrainedTool::grip(const SurfaceView& bone, bool spinning) noexcept {
-  if (!spinning || config_.side_grip == 0.0 || engaged_ == Vec3(0.0)) {
-    grip_.clear();
+void ConstrainedTool::measure_flanks(const SurfaceView& bone, bool spinning) noexcept {
+  if (!spinning || config_.flank_friction == 0.0 || engaged_ == Vec3(0.0)) {
+    flanks_.clear();
     return;
   }
   hits_.clear(false);
   const Vec3 push = glm::conjugate(bone_from_tool_.rotation) * (engaged_ / glm::length(engaged_));
-  const ContactShellPart& asked = grip_stride(points_.cutting) > 1 ? gripping_ : points_.cutting;
-  probe_surface(bone.records, facing_.pick(asked, push, SideGrip::kLeastFacing),
+  const ContactShellPart& asked = flank_stride(points_.cutting) > 1 ? flank_points_ : points_.cutting;
+  probe_surface(bone.records, facing_.pick(asked, push, FlankFriction::kLeastFacing),
                 bone.records.bone_from_index.inverse() * Affine::from_pose({bone_from_tool_.rotation, bone_from_tool_ * middle_}), 0.0,
                 hits_);
-  grip_.look(hits_, shell_, bone_from_tool_, engaged_, config_.side_grip * config_.cutting_stiffness);
+  flanks_.look(hits_, shell_, bone_from_tool_, engaged_, config_.flank_friction * config_.cutting_stiffness);
 }
 
 void ConstrainedTool::look(const SurfaceView& bone, bool spinning, double look_ahead) noexcept {
@@ -302,7 +304,7 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
   if (constrained_) solver_.refresh([](const HoldPlane& plane) { return plane.point < kConstraintPoint || plane.both_ways; });
   solver_.refresh([&](HoldPlane& plane) {
     if (plane.both_ways) return false;  // added again below
-    plane.arm = bone_from_tool_.rotate(drawn_in(plane.point));
+    plane.arm = bone_from_tool_.rotate(cleared(plane.point));
     plane.cutting = spinning && shell_.cutting[plane.point] != 0;
     const Vec3 position = bone_from_tool_.translation + plane.arm + (plane.cutting ? engaged_ : Vec3(0.0));
     const auto sample = records.at(index_from_bone * position);
@@ -322,7 +324,7 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
   // Bone is at rest within a sweep, so only the first move corrects penetration. Later penetration comes from planes that only approximate
   // the surface.
   if (spinning && std::isfinite(config_.push_out)) let_lie(state_.moves == 0 ? config_.push_out / pull.stiffness : 0.0);
-  for (const HoldPlane& plane : grip_.planes(bone_from_tool_))
+  for (const HoldPlane& plane : flanks_.planes(bone_from_tool_))
     if (plane.yield > 0.0) solver_.add(plane);
   Candidates candidates(*this, bone, spinning);
   if (added_.constraints.empty() && added_.tangential == nullptr) return solver_.solve(problem, candidates);
@@ -331,12 +333,12 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
 
 Vec3 ConstrainedTool::direction(const SurfaceView& bone, const HoldPlane& plane, const Vec3& position, const Vec3& normal,
                                 bool spinning) const noexcept {
-  return hollow_direction(hits_, {spinning ? cutting_hits_ : 0, hits_.count},
-                          {.place = shell_.positions[plane.point] - middle_,
-                           .gap = plane.gap / edge_,
-                           .normal = normal,
-                           .steadied = steadied(bone, position, normal)},
-                          glm::mat3_cast(bone_from_tool_.rotation), edge_);
+  return conforming_normal(hits_, {spinning ? cutting_hits_ : 0, hits_.count},
+                           {.place = shell_.positions[plane.point] - middle_,
+                            .gap = plane.gap / edge_,
+                            .normal = normal,
+                            .steadied = steadied(bone, position, normal)},
+                           glm::mat3_cast(bone_from_tool_.rotation), edge_);
 }
 
 void ConstrainedTool::apply(const HoldMove& move, double part) noexcept {
@@ -421,8 +423,8 @@ void ConstrainedTool::report(const SurfaceView& bone) noexcept {
   }
   state_.cutting_force = glm::length(cutting);
   state_.engagement = state_.cutting_force / config_.cutting_stiffness;
-  grip_.settle(bone_from_tool_, engaged_, state_.cutting_force);
-  state_.aside = bone.world_from_bone.rotate(grip_.aside());
+  flanks_.settle(bone_from_tool_, engaged_, state_.cutting_force);
+  state_.aside = bone.world_from_bone.rotate(flanks_.aside());
 }
 
 void ConstrainedTool::describe(const SurfaceView& bone, double reach, LocalContact& out) noexcept {
@@ -481,8 +483,8 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   begin_added(added, spin.rate, dt, placed);
   const Pull pull = pull_of(hand, dt);
   spinning_ = spin.spinning;
-  set_play(spinning_);
-  grip(bone, spinning_);
+  set_clearance(spinning_);
+  measure_flanks(bone, spinning_);
   const Vec3 before = bone.world_from_bone.inverse().rotate(state_.on_hand.force);
   sweep(bone, pull, spinning_);
   if (spinning_) pass_through_nothing(bone.world_from_bone.inverse() * pull.world_from_target, before);

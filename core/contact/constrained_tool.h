@@ -3,7 +3,7 @@
 ///   Frame  world; poses are of the tool frame.   Units SI.   Thread contact.
 ///   Contact  A tool at rest cannot enter the surface. A spinning tool engages by the depth F / K_cut along the push. Across the push,
 ///            cutting points have a clearance of up to three quarters of a voxel, and engaged flanks have a lateral stiffness
-///            (side_grip.h).
+///            (flank_friction.h).
 ///   Proxy pose  The pose of the tool moved back by its engagement. Cutting points are tested at the proxy pose, so that contact always
 ///   comes from the outer side of bone, at any engaged depth. Other points are tested at the tool's pose.
 ///   Equilibrium  Coupling forces and contact forces balance. The depenetration limit (push_out) bounds the force on points inside bone
@@ -18,16 +18,16 @@
 
 #include "core/base/assert.h"
 #include "core/base/result.h"
+#include "core/contact/cleared_shell.h"
 #include "core/contact/contact_additions.h"
 #include "core/contact/contact_flag.h"
-#include "core/contact/drawn_shell.h"
 #include "core/contact/facing_points.h"
+#include "core/contact/flank_friction.h"
 #include "core/contact/hand_motion.h"
 #include "core/contact/hit_places.h"
 #include "core/contact/hold_solver.h"
 #include "core/contact/local_contact.h"
 #include "core/contact/shell_regions.h"
-#include "core/contact/side_grip.h"
 #include "core/contact/surface_view.h"
 #include "core/contact/tangential_hold.h"
 
@@ -39,7 +39,7 @@ struct ConstrainedToolConfig {
   double turn_stiffness = 20.0;  ///< [N m/rad] hand to tool; infinite: the hand's rotation. Damped with the time constant of the coupling
   double cutting_stiffness = 100e3;  ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
   double bone_stiffness = 20e6;      ///< [N/m] of bone of relative stiffness 1 under one plane; scaled by max(relative stiffness, 0.1)
-  double side_grip = 1.0;            ///< [-] factor on the lateral stiffness of engaged flanks while cutting; 0: none
+  double flank_friction = 1.0;       ///< [-] factor on the lateral stiffness of engaged flanks while cutting; 0: none
   /// [N] depenetration limit: the largest force per period with which bone that is cut moves penetrating points towards the surface;
   /// infinite: the full correction. Cutting stores no energy, so bone must not accelerate the tool outwards. Example: a ball whose widest
   /// part has passed a rim penetrates the far side of the rim, because of its clearance and because planes only approximate the surface. A
@@ -90,10 +90,10 @@ class ConstrainedTool {
   };
   [[nodiscard]] Pull pull_of(const HandMotion& hand, double dt) const noexcept;
   /// [m] A shell point in the tool frame; a cutting point is moved inwards, across the push, by the clearance.
-  [[nodiscard]] Vec3 drawn_in(std::size_t point) const noexcept;
-  void set_play(bool spinning) noexcept;
+  [[nodiscard]] Vec3 cleared(std::size_t point) const noexcept;
+  void set_clearance(bool spinning) noexcept;
   /// Measures the lateral stiffness of what is engaged, at the tool's pose.
-  void grip(const SurfaceView& bone, bool spinning) noexcept;
+  void measure_flanks(const SurfaceView& bone, bool spinning) noexcept;
   void look(const SurfaceView& bone, bool spinning, double look_ahead) noexcept;
   /// Limits depenetration: for a cutting point deeper than the compliance of bone under its load plus `furthest_out` [m], sets the gap so
   /// that bone holds the point there and moves it outwards by no more than `furthest_out`.
@@ -118,16 +118,16 @@ class ConstrainedTool {
   PointShell shell_;
   Vec3 middle_{0.0};  // [m] tool frame: origin of points_
   ContactShell points_;
-  ContactShellPart gripping_;  // cutting points that sample the lateral stiffness: all, or an even subset
-  FacingPoints facing_;        // selects from those
-  DrawnShell drawn_;           // applies the clearance to the cutting points of points_
-  double edge_ = 0.0;          // [m]
+  ContactShellPart flank_points_;  // cutting points that sample the lateral stiffness: all, or an even subset
+  FacingPoints facing_;            // selects from those
+  ClearedShell cleared_;           // applies the clearance to the cutting points of points_
+  double edge_ = 0.0;              // [m]
   ShellRegions regions_;
   HitPlaces places_;
   ProbeHits hits_;
   std::size_t cutting_hits_ = 0;  // hits of cutting points come first; this is their number
   HoldSolver solver_;
-  SideGrip grip_;
+  FlankFriction flanks_;
   ContactAdditions added_;    // of this step
   bool constrained_ = false;  // the solver may hold planes of added constraints
   TangentialStep slip_;       // bone frame
@@ -135,7 +135,7 @@ class ConstrainedTool {
   Pose bone_from_tool_;
   Vec3 engaged_{0.0};         // [m] bone frame: offset from the tool's pose to the proxy pose
   HoldMove since_look_;       // move of the tool since gaps were measured; engagement: its increase
-  double play_ = 0.0;         // [m]
+  double clearance_ = 0.0;    // [m]
   Vec3 push_{0.0, 0.0, 1.0};  // unit, tool frame: opposite to the thrust
   Pose world_from_bone_;
   Quat hand_before_{1.0, 0.0, 0.0, 0.0};

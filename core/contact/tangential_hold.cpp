@@ -22,12 +22,12 @@ struct Springs {
 
 /// The loaded planes of bone as pressed points for the law. @returns their number.
 std::size_t pressed_of(const HoldSolver& solver, std::array<PressedPoint, kMaxHoldPlanes>& out) noexcept {
-  const bool gripped = std::ranges::any_of(solver.planes(), &HoldPlane::both_ways);
+  const bool on_flanks = std::ranges::any_of(solver.planes(), &HoldPlane::both_ways);
   std::size_t count = 0;
   for (const HoldPlane& plane : solver.planes())
     if (!plane.both_ways && plane.force > 0.0 && plane.point < kConstraintPoint)
       out[count++] = {
-          .point = plane.point, .arm = plane.arm, .normal = plane.normal, .load = plane.force, .held = gripped && plane.cutting};
+          .point = plane.point, .arm = plane.arm, .normal = plane.normal, .load = plane.force, .held = on_flanks && plane.cutting};
   return count;
 }
 

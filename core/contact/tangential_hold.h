@@ -3,7 +3,7 @@
 ///   Method  alternation, at most kMaxRounds times: the pose for the latest tangential loads, then the tangential loads for the latest
 ///           normal loads. On a flat face two rounds are exact. Where normals and tangents couple, the next loads are mixed from those of
 ///           all rounds; the last change is the residual. A few rounds are usual, and all of them where points go from sticking to sliding.
-///   Flanks  A cutting plane is `held` while planes of lateral stiffness (side_grip.h) are present. There the law adds the friction of the
+///   Flanks  A cutting plane is `held` while planes of lateral stiffness (flank_friction.h) are present. There the law adds the friction of the
 ///           rim speed, which is a force, and no resistance to displacement, so no lateral load is counted twice.
 ///   Source  the alternation is Panagiotopoulos' for contact with Coulomb friction and the mixing is Anderson's for fixed points, both as
 ///           commonly used; the rest is own derivation.

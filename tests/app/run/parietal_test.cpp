@@ -112,7 +112,7 @@ Sway sway_of(const std::string& session) {
 
 /// [m] The most that the bit may sway until it is a millimetre in. Bone is felt in steps of a voxel, so the floor of the first dent may lie a voxel
 /// higher on one side of the flat end (diameter D) and a voxel lower on the other: the thrust F leans aside by F 2 s / D. Against it stand
-/// the engaged flanks, K_cut d / D at d = F / K_cut (side_grip.h, R = D / 2), and the arm through the coupling. The tremor moves the rest of
+/// the engaged flanks, K_cut d / D at d = F / K_cut (flank_friction.h, R = D / 2), and the arm through the coupling. The tremor moves the rest of
 /// the arm's spring k: the mass answers by k a / |k + k_bone - m w^2 + i b w|.
 double most_sway(const Scene& scene) {
   constexpr double kInnerDrill = 11e-3;  // [m]
@@ -168,7 +168,7 @@ TEST_CASE("parietal: without lateral stiffness the bit skates, and the check of 
     CAPTURE(grip);
     const std::string path = folder.file(grip == 0.0 ? "skating.sqlite" : "held.sqlite");
     LoadedScene loaded = load_shipped({"duration_s=3"});  // until it is half a millimetre in: it skates at 1.8 s
-    loaded.scene.find<ConstrainedToolConfig>()->side_grip = grip;
+    loaded.scene.find<ConstrainedToolConfig>()->flank_friction = grip;
     const double most = most_sway(loaded.scene);
     DrillRun run(std::move(loaded));
     run_recorded(run, path);

@@ -96,7 +96,7 @@ class Plain {
   }
 
  private:
-  /// How far aside the tool is left, by the words of side_grip.h: what was cut is let go. Flanks hold no more than the thrust that engages them.
+  /// How far aside the tool is left, by the words of flank_friction.h: what was cut is let go. Flanks hold no more than the thrust that engages them.
   Vec3 settled(const TwinStart& start) {
     if (grips_.empty() || gone()) return Vec3(0.0);
     const auto across = [&](const Vec3& v) { return v - world_push_ * glm::dot(v, world_push_); };
@@ -120,7 +120,7 @@ class Plain {
     const Vec3& in = shell_.inward_normals[n];
     return shell_.positions[n] + (in - push_ * glm::dot(in, push_)) * play_;
   }
-  /// The tensor of side_grip.h, from every cutting point under the surface at the true pose; all in the tool frame, where push_ is.
+  /// The tensor of flank_friction.h, from every cutting point under the surface at the true pose; all in the tool frame, where push_ is.
   void hold_sideways() {
     double along = 0.0;
     Mat3 flanks(0.0);
@@ -142,7 +142,7 @@ class Plain {
     grip_start_ = pose_ * grip_at_;
     world_push_ = pose_.rotate(push_);
     grip_depth_ = glm::length(engaged_);
-    flanks *= config_.side_grip * config_.cutting_stiffness / (2.0 * along);
+    flanks *= config_.flank_friction * config_.cutting_stiffness / (2.0 * along);
     // Principal axes by turning until the tensor is diagonal.
     Vec3 u = glm::normalize(glm::cross(push_, Vec3(0.31, 0.83, 0.46))), v = glm::cross(push_, u);
     for (int turn = 0; turn < 60; ++turn) {

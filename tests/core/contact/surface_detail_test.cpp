@@ -132,7 +132,7 @@ TEST_CASE("surface: in a dent that a drill left, the ball rests on the true swep
   CHECK(off_truth <= 0.1);
   CHECK(off_felt <= 0.1);
   // The ball rolls by the way of (10 - 6) voxels only, and its point of touch wanders by a dozen degrees with a twentieth of a voxel of the
-  // wall: by that point's own normal the force was 5.0 degrees off (hollow_direction.h).
+  // wall: by that point's own normal the force was 5.0 degrees off (conforming_normal.h).
   CHECK(degrees <= 0.5);
   // Sabotage: bone that was not drilled to the end feels otherwise.
   ShippedBone whole(phantom_of(spec_of(PhantomKind::plate)));

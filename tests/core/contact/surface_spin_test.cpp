@@ -53,7 +53,7 @@ Pressed press(const Bench& bench, const ConstrainedToolConfig& config, double pu
   out.force = glm::length(state.on_hand.force);
   out.expected = out.force / config.cutting_stiffness;
   if (bench.stroke.spec.kind == PhantomKind::pit) {
-    // Walls are held off by the play of the cutting points, so the way out along a slanting force is longer; the floor tells.
+    // Walls are held off by the clearance of the cutting points, so the way out along a slanting force is longer; the floor tells.
     out.expected = state.on_hand.force.z / config.cutting_stiffness;
     out.true_depth = -bench.stroke.spec.hole_depth - state.world_from_tool.translation.z;
   } else {

@@ -1,5 +1,5 @@
 // What bone can push with, against closed forms and a plain twin; and its normals on bone of known shape.
-#include "app/lab/oracle/push_cone.h"
+#include "app/lab/oracle/contact_cone.h"
 
 #include <doctest/doctest.h>
 

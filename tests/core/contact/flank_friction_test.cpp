@@ -1,5 +1,5 @@
-// side_grip against closed forms: how stiff a flat end, a ball and a blade are held sideways, how that is let go, and where it slips.
-#include "core/contact/side_grip.h"
+// flank_friction against closed forms: how stiff a flat end, a ball and a blade are held sideways, how that is let go, and where it slips.
+#include "core/contact/flank_friction.h"
 
 #include <doctest/doctest.h>
 
@@ -55,8 +55,8 @@ Felt ball_end(double radius, double angle) {
   return out;
 }
 
-SideGrip gripped(const Felt& felt, const Vec3& engaged, const Pose& pose = {}) {
-  SideGrip grip;
+FlankFriction gripped(const Felt& felt, const Vec3& engaged, const Pose& pose = {}) {
+  FlankFriction grip;
   grip.look(felt.hits, felt.shell, pose, engaged, kCut);
   return grip;
 }
@@ -72,7 +72,7 @@ Pose shifted(const Vec3& by) { return {Quat(1.0, 0.0, 0.0, 0.0), by}; }
 
 TEST_CASE("flank friction: a flat end is held by K_cut d / (2 R) on all sides, whichever way it is turned") {
   for (const Quat& turn : {Quat(1.0, 0.0, 0.0, 0.0), glm::angleAxis(0.9, glm::normalize(Vec3(1.0, 2.0, 0.5)))}) {
-    const SideGrip grip = gripped(flat(), turn * kEngaged, {turn, Vec3(1e-3, 2e-3, 3e-3)});
+    const FlankFriction grip = gripped(flat(), turn * kEngaged, {turn, Vec3(1e-3, 2e-3, 3e-3)});
     for (const HoldPlane& plane : grip.planes({turn, Vec3(1e-3, 2e-3, 3e-3)})) {
       CHECK(plane.both_ways);
       CHECK(plane.gap == 0.0);
@@ -82,7 +82,7 @@ TEST_CASE("flank friction: a flat end is held by K_cut d / (2 R) on all sides, w
     }
   }
   // Sabotage: by half the depth it is held half as much.
-  const SideGrip less = gripped(flat_end(kRadius, 0.5 * kDepth, 1e-3, 0.1e-3), 0.5 * kEngaged);
+  const FlankFriction less = gripped(flat_end(kRadius, 0.5 * kDepth, 1e-3, 0.1e-3), 0.5 * kEngaged);
   CHECK(stiffness_of(less.planes({})[0]) < 0.55 * kCut * kDepth / (2.0 * kRadius));
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("flank friction: a ball is held by K_cut times the integral over its c
     // 1/2 of the integrals of sin^2/2 and cos^2 over the cap; t^2 / 8 to first order.
     const double expected = kCut * 0.25 * (2.0 / 3.0 - c + c * c * c / 3.0) / ((1.0 - c * c * c) / 3.0);
     CHECK(expected == doctest::Approx(kCut * angle * angle / 8.0).epsilon(angle * angle));
-    const SideGrip grip = gripped(ball_end(2e-3, angle), Vec3(0.0, 0.0, 2e-3 * (1.0 - c)));
+    const FlankFriction grip = gripped(ball_end(2e-3, angle), Vec3(0.0, 0.0, 2e-3 * (1.0 - c)));
     // 100 points and more in the least cap: its rim is off by one of them.
     for (const HoldPlane& plane : grip.planes({})) CHECK(stiffness_of(plane) == doctest::Approx(expected).epsilon(0.03));
   }
@@ -114,7 +114,7 @@ TEST_CASE("flank friction: a blade is held across and not along") {
 
 TEST_CASE("flank friction: cutting relaxes the lateral displacement by the cut share, and back and forth cuts nothing") {
   const Felt felt = flat();
-  SideGrip grip = gripped(felt, kEngaged);
+  FlankFriction grip = gripped(felt, kEngaged);
   const Vec3 aside(20e-6, 0.0, 0.0);
   grip.settle(shifted(aside), kEngaged, 40.0);
   CHECK(glm::length(grip.aside() - aside) < 1e-12);  // nothing was cut
@@ -141,11 +141,11 @@ TEST_CASE("flank friction: cutting relaxes the lateral displacement by the cut s
 }
 
 TEST_CASE("flank friction: it slips at half the thrust, and where a ball has climbed out of its dent") {
-  SideGrip grip = gripped(flat(), kEngaged);
+  FlankFriction grip = gripped(flat(), kEngaged);
   grip.settle(shifted({1e-3, 0.0, 0.0}), kEngaged, 2.0);
   CHECK(kCut * kDepth / (2.0 * kRadius) * glm::length(grip.aside()) == doctest::Approx(1.0).epsilon(0.005));
   constexpr double kAngle = 0.2;
-  SideGrip ball = gripped(ball_end(2e-3, kAngle), Vec3(0.0, 0.0, 2e-3 * (1.0 - std::cos(kAngle))));
+  FlankFriction ball = gripped(ball_end(2e-3, kAngle), Vec3(0.0, 0.0, 2e-3 * (1.0 - std::cos(kAngle))));
   ball.settle(shifted({1e-3, 0.0, 0.0}), Vec3(0.0, 0.0, 0.04e-3), 4.0);
   CHECK(glm::length(ball.aside()) == doctest::Approx(2e-3 * std::sin(kAngle)).epsilon(0.02));  // even load: 2 % less by cos^2
 }
@@ -153,7 +153,7 @@ TEST_CASE("flank friction: it slips at half the thrust, and where a ball has cli
 TEST_CASE("flank friction: a tool in air, or one that was cleared, is held by nothing") {
   Felt air = flat();
   for (float& distance : air.hits.distance) distance = 0.5f;
-  SideGrip grip = gripped(air, kEngaged);
+  FlankFriction grip = gripped(air, kEngaged);
   for (const HoldPlane& plane : grip.planes({})) CHECK(plane.yield == 0.0);
   grip = gripped(flat(), kEngaged);
   grip.settle(shifted({1e-5, 0.0, 0.0}), kEngaged, 40.0);
@@ -167,7 +167,7 @@ TEST_CASE("flank friction: a tool that goes further along the push in a period t
   const Felt felt = flat_end(2e-3, 0.2e-3, 1e-3, 0.1e-3);
   for (const double way : {-0.19e-3, 0.19e-3, -0.21e-3, 0.21e-3}) {
     CAPTURE(way);
-    SideGrip grip = gripped(felt, engaged);
+    FlankFriction grip = gripped(felt, engaged);
     const Pose there{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.05e-3, 0.0, way)};
     const bool held = std::abs(way) < 0.2e-3;
     CHECK((grip.planes(there)[0].yield > 0.0) == held);

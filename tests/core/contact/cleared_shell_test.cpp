@@ -1,5 +1,5 @@
-// Points drawn in by vectors against drawn_in() of each.
-#include "core/contact/drawn_shell.h"
+// Points drawn in by vectors against cleared() of each.
+#include "core/contact/cleared_shell.h"
 
 #include <doctest/doctest.h>
 
@@ -24,11 +24,11 @@ PointShell shell_of(std::size_t count) {
 }
 
 /// How many coordinates of the part are not those of its points, drawn in one by one.
-int wrong(const PointShell& shell, const ContactShellPart& part, const Vec3& middle, const Vec3& push, double play) {
+int wrong(const PointShell& shell, const ContactShellPart& part, const Vec3& middle, const Vec3& push, double clearance) {
   int out = 0;
   for (std::size_t n = 0; n < part.x.size(); ++n) {
     const std::size_t point = part.point[std::min(n, part.size() - 1)];
-    const Vec3 p = drawn_in(shell.positions[point], shell.inward_normals[point], push, play) - middle;
+    const Vec3 p = cleared(shell.positions[point], shell.inward_normals[point], push, clearance) - middle;
     out += part.x[n] != static_cast<float>(p.x);
     out += part.y[n] != static_cast<float>(p.y);
     out += part.z[n] != static_cast<float>(p.z);
@@ -38,17 +38,17 @@ int wrong(const PointShell& shell, const ContactShellPart& part, const Vec3& mid
 
 }  // namespace
 
-TEST_CASE("cleared shell: every place is drawn_in() of its point, padding too, at every SIMD level") {
+TEST_CASE("cleared shell: every place is cleared() of its point, padding too, at every SIMD level") {
   const Vec3 middle(1e-4, -2e-4, 0.08), push = glm::normalize(Vec3(0.3, -0.4, 0.8));
   for (const std::size_t count : {1, 5, 40, 333}) {
     const PointShell shell = shell_of(count);
     ContactShellPart part = make_contact_shell(shell, 0.25e-3).cutting;
-    const DrawnShell drawn(shell, part, middle);
+    const ClearedShell drawn(shell, part, middle);
     at_all_levels([&] {
-      for (const double play : {0.0, 1e-5, 0.19e-3}) {
-        drawn.draw(push, play, part);
-        CHECK(wrong(shell, part, middle, push, play) == 0);
-        if (count == 333) CHECK(wrong(shell, part, middle, push, play + 1e-6) > 100);  // sabotage: another play shows
+      for (const double clearance : {0.0, 1e-5, 0.19e-3}) {
+        drawn.draw(push, clearance, part);
+        CHECK(wrong(shell, part, middle, push, clearance) == 0);
+        if (count == 333) CHECK(wrong(shell, part, middle, push, clearance + 1e-6) > 100);  // sabotage: another clearance shows
       }
     });
   }
@@ -58,7 +58,7 @@ TEST_CASE("cleared shell: nothing moves along the push") {
   const Vec3 push = glm::normalize(Vec3(0.3, -0.4, 0.8));
   const PointShell shell = shell_of(200);
   for (std::size_t n = 0; n < shell.size(); ++n) {
-    const Vec3 way = drawn_in(shell.positions[n], shell.inward_normals[n], push, 1e-3) - shell.positions[n];
+    const Vec3 way = cleared(shell.positions[n], shell.inward_normals[n], push, 1e-3) - shell.positions[n];
     // Rounding of a place of 0.08 m.
     CHECK(std::abs(glm::dot(way, push)) < 1e-16);
   }
@@ -68,7 +68,7 @@ TEST_CASE("cleared shell: faces towards the push are not moved, flanks by the fu
   const Vec3 push(0.0, 0.0, 1.0);
   const auto way_at = [&](double degrees) {
     const double angle = degrees / 180.0 * 3.14159265358979323846;
-    return glm::length(drawn_in(Vec3(0.0), {std::sin(angle), 0.0, std::cos(angle)}, push, 1e-3));
+    return glm::length(cleared(Vec3(0.0), {std::sin(angle), 0.0, std::cos(angle)}, push, 1e-3));
   };
   for (const double degrees : {0.0, 10.0, 22.0, 158.0, 180.0}) CHECK(way_at(degrees) == 0.0);
   for (const double degrees : {52.0, 70.0, 90.0, 128.0})
@@ -81,6 +81,6 @@ TEST_CASE("cleared shell: a shell without cutting points is drawn as nothing") {
   PointShell shell = shell_of(7);
   std::ranges::fill(shell.cutting, std::uint8_t{0});
   ContactShellPart part = make_contact_shell(shell, 0.25e-3).cutting;
-  DrawnShell(shell, part, Vec3(0.0)).draw(Vec3(0.0, 0.0, 1.0), 1e-4, part);
+  ClearedShell(shell, part, Vec3(0.0)).draw(Vec3(0.0, 0.0, 1.0), 1e-4, part);
   CHECK(part.x.empty());
 }

@@ -1,4 +1,4 @@
-/// core/contact/hollow_direction.h: conforming contact normal: the contact normal where a tool nearly fits a hollow or flat of bone.
+/// core/contact/conforming_normal.h: conforming contact normal: the contact normal where a tool nearly fits a hollow or flat of bone.
 ///   Frame  as named.   Units  as named.   Thread  contact; never allocates.
 ///   Source own derivation. Two conforming surfaces touch along a line. A change of the wall by a twentieth of a voxel moves the contact
 ///   point by about twelve degrees, so the normal at that point is not the normal of the hollow. On a drilled floor that is oblique to the
@@ -24,7 +24,7 @@ struct TouchPoint {
 /// of a voxel, > 0.
 /// @returns the outward unit normal of contact. It is continuous except for the selection of points: from 4000 hits on, an even subset is
 /// used.
-[[nodiscard]] Vec3 hollow_direction(const ProbeHits& hits, const HitRange& near, const TouchPoint& touch, const Mat3& bone_from_tool,
-                                    double edge) noexcept;
+[[nodiscard]] Vec3 conforming_normal(const ProbeHits& hits, const HitRange& near, const TouchPoint& touch, const Mat3& bone_from_tool,
+                                     double edge) noexcept;
 
 }  // namespace burrhole

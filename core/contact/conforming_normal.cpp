@@ -1,12 +1,12 @@
 // Vectors compute, once, the values that do not depend on the mean; a scalar loop sums them in order. The bits are those of the scalar loop
-//   in tests/core/contact/hollow_direction_test.cpp.
-#include "core/contact/hollow_direction.h"
+//   in tests/core/contact/conforming_normal_test.cpp.
+#include "core/contact/conforming_normal.h"
 
 #include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/contact/hollow_direction.cpp"
+#define HWY_TARGET_INCLUDE "core/contact/conforming_normal.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -24,12 +24,12 @@ inline constexpr double kAlike = 0.3;  // [-] cosine of 73 degrees off the mean:
 inline constexpr double kBulge = 0.03;
 // [-] fraction of the patch, by weight, that is not convex: from the first on the mean has weight, from the second on all weight.
 inline constexpr double kLeastShare = 0.8, kWholeShare = 0.95;
-inline constexpr int kPasses = 3;               // the window of directions is centred on the mean, which is not known at first
-inline constexpr std::size_t kAsked = 2000;     // largest number of hits is twice this: bounds the time
-inline constexpr std::size_t kHollowLanes = 8;  // at most
+inline constexpr int kPasses = 3;                   // the window of directions is centred on the mean, which is not known at first
+inline constexpr std::size_t kAsked = 2000;         // largest number of hits is twice this: bounds the time
+inline constexpr std::size_t kConformingLanes = 8;  // at most
 
 /// The hits to use.
-struct HollowJob {
+struct ConformingJob {
   const ProbeHits* hits;
   HitRange near;
   std::size_t every;
@@ -39,8 +39,8 @@ struct HollowJob {
 };
 
 /// The hits that count, in order. 160 kB on the stack, written only as far as there are points.
-struct HollowPatch {
-  static constexpr std::size_t kRoom = 2 * kAsked + 2 * kHollowLanes;
+struct ConformingPatch {
+  static constexpr std::size_t kRoom = 2 * kAsked + 2 * kConformingLanes;
   alignas(64) double normal[3][kRoom], nearness[kRoom], level[kRoom];  // weights 0..1: proximity to contact, and flatness
   std::size_t count = 0;
 };
@@ -59,7 +59,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Doubles = hn::CappedTag<double, kHollowLanes>;
+using Doubles = hn::CappedTag<double, kConformingLanes>;
 using Floats = hn::Rebind<float, Doubles>;
 using Vd = hn::Vec<Doubles>;
 
@@ -76,7 +76,7 @@ HWY_INLINE Vd promoted(const float* from) { return hn::PromoteTo(Doubles(), hn::
 
 /// Distance, position and normal of a vector of hits from the n-th on.
 struct AskedHits {
-  HWY_INLINE AskedHits(const HollowJob& job, std::size_t n, std::size_t asked) {
+  HWY_INLINE AskedHits(const ConformingJob& job, std::size_t n, std::size_t asked) {
     const ProbeHits& hits = *job.hits;
     const float* const arrays[7] = {hits.distance.data(), hits.x.data(),  hits.y.data(), hits.z.data(),
                                     hits.nx.data(),       hits.ny.data(), hits.nz.data()};
@@ -86,7 +86,7 @@ struct AskedHits {
       return;
     }
     for (std::size_t a = 0; a < 7; ++a) {
-      HWY_ALIGN float taken[kHollowLanes];
+      HWY_ALIGN float taken[kConformingLanes];
       for (std::size_t lane = 0; lane < hn::Lanes(Doubles()); ++lane)
         taken[lane] = arrays[a][first + job.every * std::min(lane, asked - 1 - n)];  // lanes beyond the last repeat it
       value[a] = promoted(taken);
@@ -95,7 +95,7 @@ struct AskedHits {
   Vd value[7];
 };
 
-void FindPatch(const HollowJob& job, HollowPatch& patch) {
+void FindPatch(const ConformingJob& job, ConformingPatch& patch) {
   const Doubles d;
   const Vd edge = hn::Set(d, job.edge), one = hn::Set(d, 1.0), zero = hn::Zero(d);
   const Vd3 touched = same(job.touch->place), touch_normal = same(job.touch->normal);
@@ -130,10 +130,10 @@ void FindPatch(const HollowJob& job, HollowPatch& patch) {
   patch.count = count;
   // Values that a vector reads beyond the last.
   for (double* list : {patch.nearness, patch.level, patch.normal[0], patch.normal[1], patch.normal[2]})
-    std::fill_n(list + count, kHollowLanes, 0.0);
+    std::fill_n(list + count, kConformingLanes, 0.0);
 }
 
-void SumPatch(const HollowPatch& patch, const Vec3& about, PatchSum& sum) {
+void SumPatch(const ConformingPatch& patch, const Vec3& about, PatchSum& sum) {
   const Doubles d;
   const Vd3 mean = same(about);
   constexpr std::size_t kBlock = 64;
@@ -175,10 +175,10 @@ HWY_EXPORT(SumPatch);
 
 }  // namespace
 
-Vec3 hollow_direction(const ProbeHits& hits, const HitRange& near, const TouchPoint& touch, const Mat3& bone_from_tool,
-                      double edge) noexcept {
+Vec3 conforming_normal(const ProbeHits& hits, const HitRange& near, const TouchPoint& touch, const Mat3& bone_from_tool,
+                       double edge) noexcept {
   if (near.first >= near.last) return touch.steadied;
-  HollowPatch patch;
+  ConformingPatch patch;
   const std::size_t every = std::max<std::size_t>(1, (near.last - near.first) / kAsked);
   HWY_DYNAMIC_DISPATCH(FindPatch)({&hits, near, every, &touch, &bone_from_tool, edge}, patch);
   Vec3 mean = touch.normal;

@@ -1,4 +1,4 @@
-/// core/contact/side_grip.h: the lateral stiffness of a spinning tool while cutting, so that a flat bit does not skate before it has a
+/// core/contact/flank_friction.h: the lateral stiffness of a spinning tool while cutting, so that a flat bit does not skate before it has a
 ///   bore.
 ///   Frame  bone, unless stated otherwise.   Units  SI.   Thread  contact; never allocates.
 ///   Source own derivation. Every engaged element of the cutting surface has a stiffness c along its normal n. Along the push p (unit, out
@@ -19,7 +19,7 @@
 
 namespace burrhole {
 
-class SideGrip {
+class FlankFriction {
  public:
   /// [-] least component of an inward normal along the push. Sine of 3 degrees: a straight flank counts even if the push is slightly
   /// oblique.

@@ -1,11 +1,11 @@
-// Vectors compute the terms of a block of hits; a scalar loop sums them in order. Scalar reference: tests/core/contact/grip_sums_test.cpp.
-#include "core/contact/grip_sums.h"
+// Vectors compute the terms of a block of hits; a scalar loop sums them in order. Scalar reference: tests/core/contact/flank_sums_test.cpp.
+#include "core/contact/flank_sums.h"
 
 #include <algorithm>
 #include <array>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/contact/grip_sums.cpp"
+#define HWY_TARGET_INCLUDE "core/contact/flank_sums.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -47,7 +47,7 @@ HWY_INLINE Vd3 same(const Vec3& v) {
   return {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z)};
 }
 
-void Terms(const PointShell& shell, const GripAxes& axes, double least, GripBlock& block) {
+void Terms(const PointShell& shell, const FlankAxes& axes, double least, GripBlock& block) {
   const Doubles d;
   const hn::RebindToSigned<Doubles> di;
   const Vd3 push = same(axes.push), u = same(axes.u), v = same(axes.v);
@@ -83,7 +83,7 @@ static_assert(sizeof(Vec3) == 3 * sizeof(double));
 
 }  // namespace
 
-GripSums sum_grip(const ProbeHits& inside, const PointShell& shell, const GripAxes& axes, double least) noexcept {
+FlankSums sum_flanks(const ProbeHits& inside, const PointShell& shell, const FlankAxes& axes, double least) noexcept {
   GripBlock block;
   std::array<double, 8> sums{};
   for (std::size_t n = 0; n < inside.count;) {

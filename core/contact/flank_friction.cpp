@@ -1,11 +1,11 @@
-#include "core/contact/side_grip.h"
+#include "core/contact/flank_friction.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/base/portable_math.h"
-#include "core/contact/grip_sums.h"
+#include "core/contact/flank_sums.h"
 
 namespace burrhole {
 namespace {
@@ -19,14 +19,14 @@ Vec3 across(const Vec3& v, const Vec3& push) noexcept { return v - push * glm::d
 
 }  // namespace
 
-void SideGrip::clear() noexcept {
+void FlankFriction::clear() noexcept {
   stiffness_ = {};
   aside_ = Vec3(0.0);
   to_cut_ = 0.0;
 }
 
-void SideGrip::look(const ProbeHits& inside, const PointShell& shell, const Pose& bone_from_tool, const Vec3& engaged,
-                    double stiffness) noexcept {
+void FlankFriction::look(const ProbeHits& inside, const PointShell& shell, const Pose& bone_from_tool, const Vec3& engaged,
+                         double stiffness) noexcept {
   stiffness_ = {};
   const double depth = glm::length(engaged);
   if (depth < kLeastEngaged) return clear();
@@ -36,7 +36,7 @@ void SideGrip::look(const ProbeHits& inside, const PointShell& shell, const Pose
   // Summed in the tool frame, the frame of the points.
   const Quat tool_from_bone = glm::conjugate(bone_from_tool.rotation);
   const Vec3 push = tool_from_bone * push_, tool_u = tool_from_bone * u, tool_v = tool_from_bone * v;
-  const GripSums sums = sum_grip(inside, shell, {push, tool_u, tool_v}, kLeastFacing);
+  const FlankSums sums = sum_flanks(inside, shell, {push, tool_u, tool_v}, kLeastFacing);
   if (sums.along <= 0.0) return clear();
   arm_ = sums.middle / sums.along;
   const Vec3 off = across(arm_, push);
@@ -51,13 +51,13 @@ void SideGrip::look(const ProbeHits& inside, const PointShell& shell, const Pose
   aside_ = across(aside_, push_);
 }
 
-Vec3 SideGrip::aside_at(const Pose& bone_from_tool) const noexcept { return across(aside_ + bone_from_tool * arm_ - start_, push_); }
+Vec3 FlankFriction::aside_at(const Pose& bone_from_tool) const noexcept { return across(aside_ + bone_from_tool * arm_ - start_, push_); }
 
-bool SideGrip::left(const Pose& bone_from_tool) const noexcept {
+bool FlankFriction::left(const Pose& bone_from_tool) const noexcept {
   return std::abs(glm::dot(bone_from_tool * arm_ - start_, push_)) > glm::length(engaged_);
 }
 
-std::array<HoldPlane, 2> SideGrip::planes(const Pose& bone_from_tool) const noexcept {
+std::array<HoldPlane, 2> FlankFriction::planes(const Pose& bone_from_tool) const noexcept {
   std::array<HoldPlane, 2> out;
   if (left(bone_from_tool)) return out;
   const Vec3 aside = aside_at(bone_from_tool);
@@ -72,7 +72,7 @@ std::array<HoldPlane, 2> SideGrip::planes(const Pose& bone_from_tool) const noex
   return out;
 }
 
-void SideGrip::settle(const Pose& bone_from_tool, const Vec3& engaged, double thrust) noexcept {
+void FlankFriction::settle(const Pose& bone_from_tool, const Vec3& engaged, double thrust) noexcept {
   if (stiffness_[0] < kLeastStiffness || left(bone_from_tool)) return clear();
   const Vec3 moved = bone_from_tool * arm_ - start_;
   aside_ = aside_at(bone_from_tool);

@@ -1,5 +1,5 @@
-// hollow_direction against plain sums over the hits, pass by pass: the same bits; and against closed forms.
-#include "core/contact/hollow_direction.h"
+// conforming_normal against plain sums over the hits, pass by pass: the same bits; and against closed forms.
+#include "core/contact/conforming_normal.h"
 
 #include <doctest/doctest.h>
 
@@ -89,7 +89,7 @@ TEST_CASE("conforming normal: the bits of plain sums, at every SIMD level") {
         at_all_levels([&] {
           CAPTURE(count);
           CAPTURE(lean);
-          CHECK(hollow_direction(patch.hits, near, patch.touch, patch.axes, kEdge) == plain);
+          CHECK(conforming_normal(patch.hits, near, patch.touch, patch.axes, kEdge) == plain);
         });
         // Sabotage: another window of directions shows where many are asked and no bulge hides them.
         if (count > 700 && lean > 0.0) CHECK(plainly(patch, near, 0.5) != plain);
@@ -103,9 +103,9 @@ TEST_CASE("conforming normal: a concave patch gives its mean normal, a convex on
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     const Patch bowl = patch_of(seed, 3000, 0.04), hump = patch_of(seed, 3000, -0.1);
     const Vec3 up = bowl.axes[2];
-    const Vec3 of_bowl = hollow_direction(bowl.hits, {0, bowl.hits.count}, bowl.touch, bowl.axes, kEdge);
+    const Vec3 of_bowl = conforming_normal(bowl.hits, {0, bowl.hits.count}, bowl.touch, bowl.axes, kEdge);
     // The patch lies 0.5 voxel off the middle: 0.02 rad. Over it directions are spread by 0.16 rad, and some 800 count: 3 sigma are 0.017.
     CHECK(glm::dot(of_bowl, up) > std::cos(0.04 * 0.5 + 0.017));
-    CHECK(hollow_direction(hump.hits, {0, hump.hits.count}, hump.touch, hump.axes, kEdge) == glm::normalize(hump.touch.steadied));
+    CHECK(conforming_normal(hump.hits, {0, hump.hits.count}, hump.touch, hump.axes, kEdge) == glm::normalize(hump.touch.steadied));
   }
 }

@@ -1,5 +1,5 @@
 // Sums over engaged points against a plain loop: the same bits.
-#include "core/contact/grip_sums.h"
+#include "core/contact/flank_sums.h"
 
 #include <doctest/doctest.h>
 
@@ -34,8 +34,8 @@ Felt felt_of(std::size_t count) {
   return out;
 }
 
-GripSums sum_plainly(const Felt& felt, const GripAxes& axes, double least) {
-  GripSums out;
+FlankSums sum_plainly(const Felt& felt, const FlankAxes& axes, double least) {
+  FlankSums out;
   for (std::size_t n = 0; n < felt.hits.count; ++n) {
     const Vec3& normal = felt.shell.inward_normals[felt.hits.point[n]];
     const Vec3& at = felt.shell.positions[felt.hits.point[n]];
@@ -52,7 +52,7 @@ GripSums sum_plainly(const Felt& felt, const GripAxes& axes, double least) {
   return out;
 }
 
-bool same(const GripSums& a, const GripSums& b) {
+bool same(const FlankSums& a, const FlankSums& b) {
   return a.along == b.along && a.middle == b.middle && a.spread == b.spread && a.uu == b.uu && a.uv == b.uv && a.vv == b.vv;
 }
 
@@ -60,21 +60,21 @@ bool same(const GripSums& a, const GripSums& b) {
 
 TEST_CASE("flank friction sums: the bits of a plain loop, at every SIMD level") {
   const Quat turn = glm::normalize(Quat(0.8, 0.3, -0.4, 0.2));
-  const GripAxes axes{turn * Vec3(0.0, 0.0, 1.0), turn * Vec3(1.0, 0.0, 0.0), turn * Vec3(0.0, 1.0, 0.0)};
+  const FlankAxes axes{turn * Vec3(0.0, 0.0, 1.0), turn * Vec3(1.0, 0.0, 0.0), turn * Vec3(0.0, 1.0, 0.0)};
   for (const std::size_t count : {0, 1, 7, 8, 63, 64, 65, 130, 1000}) {
     CAPTURE(count);
     Felt felt = felt_of(count);
-    const GripSums plain = sum_plainly(felt, axes, kLeast);
+    const FlankSums plain = sum_plainly(felt, axes, kLeast);
     if (count == 1000) CHECK(plain.along > 20.0);
     at_all_levels([&] {
-      CHECK(same(sum_grip(felt.hits, felt.shell, axes, kLeast), plain));
-      if (count == 1000) CHECK_FALSE(same(sum_grip(felt.hits, felt.shell, axes, 2.0 * kLeast), plain));  // sabotage: another bound shows
+      CHECK(same(sum_flanks(felt.hits, felt.shell, axes, kLeast), plain));
+      if (count == 1000) CHECK_FALSE(same(sum_flanks(felt.hits, felt.shell, axes, 2.0 * kLeast), plain));  // sabotage: another bound shows
     });
     if (count < 1000) continue;
     std::swap(felt.hits.distance[3], felt.hits.distance[4]);
     const bool alike = (felt.hits.distance[3] < 0.0f) == (felt.hits.distance[4] < 0.0f);
-    CHECK(same(sum_grip(felt.hits, felt.shell, axes, kLeast), plain) == alike);
+    CHECK(same(sum_flanks(felt.hits, felt.shell, axes, kLeast), plain) == alike);
     for (float& distance : felt.hits.distance) distance = 0.0f;  // at the surface is not under it
-    CHECK(sum_grip(felt.hits, felt.shell, axes, kLeast).along == 0.0);
+    CHECK(sum_flanks(felt.hits, felt.shell, axes, kLeast).along == 0.0);
   }
 }

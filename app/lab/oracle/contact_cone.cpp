@@ -1,4 +1,4 @@
-#include "app/lab/oracle/push_cone.h"
+#include "app/lab/oracle/contact_cone.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-/// app/lab/oracle/push_cone.h: the set of forces that bone around a tool can exert, as an oracle. Contacts push along outward normals and
+/// app/lab/oracle/contact_cone.h: the set of forces that bone around a tool can exert, as an oracle. Contacts push along outward normals and
 ///   cannot attract, so the set is the convex cone of the normals. The part of a force outside the cone cannot come from bone.
 ///   Frames as the members state.   Units SI.   Errors  none.   Thread any; allocates.
 ///   Source  own derivation; shares no code with contact: it reads the density of the window voxel by voxel.

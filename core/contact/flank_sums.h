@@ -1,4 +1,4 @@
-/// core/contact/grip_sums.h: sums over the engaged points of a tool, for the lateral stiffness of side_grip.h.
+/// core/contact/flank_sums.h: sums over the engaged points of a tool, for the lateral stiffness of flank_friction.h.
 ///   Frame  tool.   Units  SI.   Thread  contact; never allocates.
 ///   Source own derivation. Points are summed in their order, in double precision: every SIMD level gives the bits of a scalar loop.
 #pragma once
@@ -9,12 +9,12 @@
 namespace burrhole {
 
 /// [-] Three orthogonal unit vectors.
-struct GripAxes {
+struct FlankAxes {
   Vec3 push, u, v;  ///< [-]
 };
 
 /// Sums over points. The load of a point is the squared component of its inward normal along the push.
-struct GripSums {
+struct FlankSums {
   double along = 0.0;                   ///< [-] sum of load
   Vec3 middle{0.0};                     ///< [m] sum of load * position
   double spread = 0.0;                  ///< [m^2] sum of load * squared distance from the line through the origin along the push
@@ -22,6 +22,6 @@ struct GripSums {
 };
 
 /// Sums over the hits below the surface whose inward normals have a component of at least `least` along the push.
-[[nodiscard]] GripSums sum_grip(const ProbeHits& inside, const PointShell& shell, const GripAxes& axes, double least) noexcept;
+[[nodiscard]] FlankSums sum_flanks(const ProbeHits& inside, const PointShell& shell, const FlankAxes& axes, double least) noexcept;
 
 }  // namespace burrhole
