@@ -247,7 +247,7 @@ TEST_CASE("own effect: its session replays: each clock reads the messages that i
     run_recorded(run, folder.file("run.sqlite"));
     const Counts recorded = counts;
     CHECK(recorded.pressed_seen_by_servo > 0.0);
-    CHECK(recorded.shown.back() > 0);
+    CHECK(recorded.shown.back() > (live ? 0 : 70));  // a live run on a slow machine misses steps
 
     const auto session = SessionReader::open(folder.file("run.sqlite"));
     REQUIRE(session);

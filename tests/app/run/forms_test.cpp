@@ -148,7 +148,7 @@ TEST_CASE("spindle: a motor of 1000 N m is not slowed by a hand, and drills what
   CHECK(removed > 0.1e-9);
   CHECK(std::abs(with.simulation().bone_step().removed_mass() / removed - 1.0) < 1e-5);
   DrillRun weak = drilled({.name = "weak spindle", .sets = {"spindle.stall_torque_Nm=1"}, .spindle = true}, common);
-  CHECK(std::abs(weak.simulation().bone_step().removed_mass() / removed - 1.0) > 1e-5);  // a thousandth of the strength is told
+  CHECK(std::abs(weak.simulation().bone_step().removed_mass() / removed - 1.0) > 1e-5);  // a thousandth of the strength shows
 }
 
 }  // namespace

@@ -336,10 +336,11 @@ TEST_CASE("hold solver: sets beyond its bounds do no harm") {
     solved(solver, problem, {planes[0]});  // not the one that is broken most
     harmless(solver, solved(solver, problem, planes));
     CHECK(solver.converged());
-    CHECK(solver.rounds() <= 50);
+    CHECK(solver.planes().size() <= 2);  // of equal planes two may share the load
+    CHECK(solver.rounds() <= 2);
     double force = 0.0;
     for (const HoldPlane& plane : solver.planes()) force += plane.force;
-    CHECK(std::abs(force - 10.0) <= 1e-5);  // 5 kN/m over 2 mm; seven digits
+    CHECK(std::abs(force - 10.0) <= 1e-6);  // 5 kN/m over 2 mm
   }
 }
 
