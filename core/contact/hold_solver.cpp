@@ -13,8 +13,8 @@ constexpr int kMaxSteps = 48;        // of Newton's method; one to three are usu
 constexpr int kMaxHalvings = 40;     // of a line search
 constexpr double kFarEnough = 0.5;   // [-] a line search ends below this fraction of the initial slope
 constexpr double kRounding = 1e-15;  // [-] of a gap: nearer to its surface than this, a plane is neither pressed nor free
-// [-] of the springs' compliance: the least yield; stiffer bone has it. A force is a gap over a yield: rounding of 2 mm is then 2e-7 N.
-constexpr double kLeastYield = 1e-8;
+// [-] of the springs' compliance: the least yield; stiffer bone has it. A force is a gap over a yield, and has 7 digits at this one.
+constexpr double kLeastYield = 1e-9;
 
 /// Gap of a plane after a move, without its yield.
 double gap_after(const HoldProblem& problem, const HoldPlane& plane, const HoldMove& move) noexcept {
