@@ -84,7 +84,9 @@ HandConfig read_hand(TableReader table, Issues& issues) {
   out.contact_force =
       table.number("contact_N", above_zero(out.contact_force, 1.0, 100.0), "force on the hand above which it is in contact");
   out.give_speed = table.number("give_mm_per_s", above_zero(out.give_speed / kMillimetre, kMillimetre, 1e3),
-                                "speed of advance at which the hand detects breakthrough");
+                                "speed of advance at which the hand detects breakthrough, if it is also five times the usual one");
+  out.reach = table.number("reach_mm", above_zero(out.reach / kMillimetre, kMillimetre, 1e3),
+                           "depth at which the arm ends and the thrust is released");
   out.follow_time = table.number("follow_s", above_zero(out.follow_time, 1.0, 60.0),
                                  "time constant with which the arm's rest position follows the drill while drilling");
   out.standoff =

@@ -10,15 +10,17 @@ namespace burrhole {
 namespace {
 
 constexpr double kAdvanceFilter = 0.005;  // [s] time constant of the filtered speed for breakthrough detection
-constexpr double kSettling = 0.5;         // [s] after the ramp before breakthrough detection starts: the lean itself moves the hand
+constexpr double kUsualFilter = 0.3;      // [s] of the usual speed and force
+constexpr double kEngages = 0.5;          // [s] after a change of the drive's speed
 
 }  // namespace
 
 HandScript::HandScript(const HandScriptConfig& config, double period) : config_(config), period_(period), goal_height_(config.standoff) {}
 
 Result<HandScript> HandScript::create(const HandScriptConfig& config, double period) {
-  for (const double value : {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force,
-                             config.give_speed, config.standoff, config.tremor_amplitude, config.tremor_frequency})
+  for (const double value :
+       {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force, config.give_speed, config.give_ratio,
+        config.give_distance, config.give_force, config.reach, config.standoff, config.tremor_amplitude, config.tremor_frequency})
     if (!(std::isfinite(value) && value >= 0.0))
       return Error{ErrorCode::out_of_range, "a value of the hand's script is negative or not finite", {}};
   if (!(config.follow_time > 0.0)) return Error{ErrorCode::out_of_range, "the hand's follow time must be above 0", {}};
@@ -52,24 +54,14 @@ void HandScript::follow(double felt, double height) noexcept {
       if (felt > config_.contact_force) {
         phase_ = HandPhase::lean;
         lean_tick_ = tick_;
+        usual_ = advance_;
+        usual_felt_ = felt;
       }
       break;
     case HandPhase::lean:
-    case HandPhase::give_felt: {
-      const double ramp = config_.ramp > 0.0 ? std::min(1.0, seconds_since(lean_tick_) / config_.ramp) : 1.0;
-      goal_.thrust = config_.push * ramp;
-      goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
-      if (phase_ == HandPhase::lean && seconds_since(lean_tick_) > config_.ramp + kSettling && advance_ > config_.give_speed) {
-        phase_ = HandPhase::give_felt;
-        give_tick_ = tick_;
-      }
-      if (phase_ == HandPhase::give_felt && seconds_since(give_tick_) >= config_.reaction) {
-        phase_ = HandPhase::release;
-        release_tick_ = tick_;
-        release_thrust_ = goal_.thrust;
-      }
+    case HandPhase::give_felt:
+      lean(felt, height);
       break;
-    }
     case HandPhase::release: {
       // The rest position follows the hand while the thrust falls. If it stopped at once, the springs of arm and drill would eject the bit.
       const double left = config_.release > 0.0 ? 1.0 - seconds_since(release_tick_) / config_.release : 0.0;
@@ -88,6 +80,32 @@ void HandScript::follow(double felt, double height) noexcept {
     case HandPhase::done:
       break;
   }
+}
+
+bool HandScript::gives_way(double felt, double height) noexcept {
+  held_ = held_ || (felt > 0.5 * goal_.thrust && seconds_since(drive_tick_) > kEngages);
+  if (held_ && advance_ > std::max(config_.give_speed, config_.give_ratio * usual_))
+    return fast_from_ - height > config_.give_distance && felt < config_.give_force * usual_felt_;
+  const double share = std::min(1.0, period_ / kUsualFilter);
+  usual_ += (advance_ - usual_) * share;
+  usual_felt_ += (felt - usual_felt_) * share;
+  fast_from_ = height;
+  return false;
+}
+
+void HandScript::lean(double felt, double height) noexcept {
+  const double ramp = config_.ramp > 0.0 ? std::min(1.0, seconds_since(lean_tick_) / config_.ramp) : 1.0;
+  goal_.thrust = config_.push * ramp;
+  goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
+  if (phase_ == HandPhase::lean && gives_way(felt, height)) {
+    phase_ = HandPhase::give_felt;
+    give_tick_ = tick_;
+  }
+  const bool reacts = phase_ == HandPhase::give_felt && seconds_since(give_tick_) >= config_.reaction;
+  if (!reacts && -height < config_.reach) return;
+  phase_ = HandPhase::release;
+  release_tick_ = tick_;
+  release_thrust_ = goal_.thrust;
 }
 
 }  // namespace burrhole

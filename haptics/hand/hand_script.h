@@ -20,7 +20,11 @@ struct HandScriptConfig {
   double reaction = 0.150;          ///< [s] from breakthrough detection to release (assumed)
   double release = 0.3;             ///< [s] over which the thrust falls to zero after the release begins
   double contact_force = 1.0;       ///< [N] force on the hand that counts as contact
-  double give_speed = 0.008;        ///< [m/s] advance of the hand that counts as breakthrough
+  double give_speed = 0.002;        ///< [m/s] advance of the hand that counts as breakthrough, if it is also give_ratio times the usual one
+  double give_ratio = 5.0;          ///< [-] softer bone is drilled faster too, by less than this, and it holds the hand back
+  double give_distance = 1.5e-4;    ///< [m] of advance at such a speed; a bit that slips off a voxel advances by less
+  double give_force = 1.05;         ///< [-] of the usual force, at most: bone that holds pushes back more when the hand advances faster
+  double reach = 0.08;              ///< [m] below the entry, at which the arm ends: the thrust is released
   double follow_time = 0.25;        ///< [s] time constant with which the rest position of the arm follows the drill while leaning
   double standoff = 0.003;          ///< [m] height above the entry where the script starts and ends
   double tremor_amplitude = 40e-6;  ///< [m] lateral peak amplitude of the rest position
@@ -41,6 +45,11 @@ class HandScript {
 
   /// Advances one tick. @param felt [N] force on the hand along +z. @param height, climb [m], [m/s] of the hand along z, now.
   const HandGoal& advance(double felt, double height, double climb) noexcept BH_REALTIME;
+  /// The bit engages or disengages by F / K_cut: no breakthrough is detected until that is over.
+  void drive_changed() noexcept {
+    drive_tick_ = tick_;
+    held_ = false;
+  }
   [[nodiscard]] HandPhase phase() const noexcept { return phase_; }
   /// Number of ticks since creation.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
@@ -48,14 +57,21 @@ class HandScript {
  private:
   HandScript(const HandScriptConfig& config, double period);
   void follow(double felt, double height) noexcept;
+  void lean(double felt, double height) noexcept;
+  [[nodiscard]] bool gives_way(double felt, double height) noexcept;
   [[nodiscard]] Vec3 tremor() const noexcept;
   [[nodiscard]] double seconds_since(std::uint64_t since) const noexcept { return static_cast<double>(tick_ - since) * period_; }
 
   HandScriptConfig config_;
   double period_;
   HandPhase phase_ = HandPhase::approach;
-  double goal_height_ = 0.0;  // [m] rest position of the arm along the axis
-  double advance_ = 0.0;      // [m/s] low-pass filtered speed into bone
+  double goal_height_ = 0.0;      // [m] rest position of the arm along the axis
+  double advance_ = 0.0;          // [m/s] low-pass filtered speed into bone
+  double usual_ = 0.0;            // [m/s] the same over a longer time
+  double usual_felt_ = 0.0;       // [N] force over that time
+  double fast_from_ = 0.0;        // [m] height from which on it has been that fast
+  bool held_ = false;             // bone has carried half of the thrust since it was touched
+  std::uint64_t drive_tick_ = 0;  // of the last change
   std::uint64_t tick_ = 0, lean_tick_ = 0, give_tick_ = 0, release_tick_ = 0;
   double release_thrust_ = 0.0;  // [N] at the start of the release
   HandGoal goal_;

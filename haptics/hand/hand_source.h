@@ -39,6 +39,8 @@ class HandSource {
   /// Sets the wrench of the drill on the hand, held from now to the next tick: [N], [N m] about the hand's position, world frame. A
   /// simulated hand advances by one tick under it.
   virtual void apply(const Wrench& on_hand) noexcept BH_REALTIME = 0;
+  /// The drive has started, stopped or changed its speed: the bit is about to engage or disengage, and the one who did it expects that.
+  virtual void drive_changed() noexcept BH_REALTIME {}
 };
 
 }  // namespace burrhole

@@ -24,6 +24,7 @@ class SimulatedHand final : public HandSource {
   [[nodiscard]] const HandState& read() noexcept BH_REALTIME override { return state_; }
   /// Advances one tick. The hand uses the force of the wrench and ignores its torque.
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
+  void drive_changed() noexcept BH_REALTIME override { script_.drive_changed(); }
 
  private:
   SimulatedHand(const HandConfig& config, const Pose& world_from_approach, const HandScript& script, const MassSpringDamper& body);

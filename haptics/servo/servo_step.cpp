@@ -96,7 +96,9 @@ void ServoStep::read_hand() noexcept {
     output_.hand.flags = read.flags | kHandNotFinite;
     hand_faults_ |= kServoHandNotFinite;
   }
-  output_.hand.spin = read.spin * spin_.load(std::memory_order_relaxed);
+  const double spin = read.spin * spin_.load(std::memory_order_relaxed);
+  if (spin != spin_before_) hand_->drive_changed();
+  output_.hand.spin = spin_before_ = spin;
   output_.hand.switches = read.switches | switches_.load(std::memory_order_relaxed);
   if ((read.flags & kHandLost) != 0 || (config_.max_hand_age > 0 && hand_age_ > config_.max_hand_age)) hand_faults_ |= kServoHandLost;
 }

@@ -127,6 +127,7 @@ class ServoStep {
   std::uint64_t soft_since_ = 0;    // tick of the hand at the last abrupt removal of the force
   std::uint64_t contact_tick_ = 0;  // of the motion that the latest contact state belongs to
   std::atomic<double> spin_{1.0};   // [-]
+  double spin_before_ = 1.0;        // [-] of the last sense()
   std::atomic<std::uint32_t> switches_{0};
   bool jumped_ = false;            // in the last reading
   std::uint32_t hand_faults_ = 0;  // of the last reading

@@ -129,7 +129,8 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
   covers("haptics/device/plant.h: step", "haptics/device/haptic_device.h: read", "haptics/device/haptic_device.h: write",
          "haptics/device/simulated_device.h: read", "haptics/device/simulated_device.h: write",
          "haptics/device/simulated_device.h: set_goal", "haptics/device/simulated_device.h: shown", "haptics/device/device_hand.h: read",
-         "haptics/device/device_hand.h: apply");
+         "haptics/device/device_hand.h: apply", "haptics/device/device_hand.h: drive_changed", "haptics/hand/hand_source.h: drive_changed",
+         "haptics/hand/simulated_hand.h: drive_changed");
   check_clean(drive(load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}))));
 
   const LoadedScene loaded = load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}));
@@ -137,6 +138,10 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
   REQUIRE(device);
   auto hand = DeviceHand::create(*device, {});
   REQUIRE(hand);
+  auto script = ScriptedDeviceHand::create(*device, {}, {}, {}, 1e-3);
+  REQUIRE(script);
+  auto alone = SimulatedHand::create({}, {}, 1e-3);
+  REQUIRE(alone);
   clear_trap();
   on_trap([&] {
     for (int n = 0; n < 100; ++n) {
@@ -144,6 +149,8 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
       static_cast<void>(hand->read());
       static_cast<void>(device->shown(Vec3(0.0, 0.0, 100.0)));
       hand->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
+      for (HandSource* source : {static_cast<HandSource*>(&*hand), static_cast<HandSource*>(&*script), static_cast<HandSource*>(&*alone)})
+        source->drive_changed();
     }
   });
   CHECK(trapped().allocations == 0);

@@ -140,6 +140,63 @@ TEST_CASE("SimulatedHand: no breakthrough detection and no release while the wal
   CHECK(first_in(states, HandPhase::give_felt) == 0);
 }
 
+// A drill that goes through layers: 0.4 mm/s, four times that in soft bone, then it is through. The wall recedes at that speed.
+TEST_CASE("SimulatedHand: soft bone is no breakthrough at any push, and a wall that opens is one, also while the thrust still rises") {
+  for (const double push : {10.0, 28.0, 50.0, 80.0})
+    for (const std::uint64_t opens : {1200u, 4000u}) {
+      CAPTURE(push);
+      CAPTURE(opens);
+      HandConfig config;
+      config.push = push;
+      SimulatedHand hand = make(config);
+      double wall = 0.0, opened_at = 0.0;
+      std::uint64_t felt = 0;
+      for (std::uint64_t n = 0; n < 8000 && felt == 0; ++n) {
+        const HandState state = hand.read();
+        const double height = state.world_from_hand.translation.z;
+        const double force = n < opens && height < wall ? kWall * (wall - height) : 0.0;
+        // Feed in proportion to force; soft from 2.5 s to 3.2 s.
+        wall -= force / 28.0 * (n > 2500 && n < 3200 ? 1.6e-3 : 0.4e-3) * kPeriod;
+        if (n == opens) opened_at = height;
+        if (state.phase == HandPhase::give_felt) {
+          felt = n;
+          CHECK(n > opens);
+          // What the wall gave, F / k, is not bone that is gone.
+          CHECK(opened_at - height < push / kWall + 0.3e-3);
+        }
+        hand.apply({{0.0, 0.0, force}, Vec3(0.0)});
+      }
+      CHECK(felt > 0);
+    }
+}
+
+TEST_CASE("SimulatedHand: a bit that engages when the drive starts is no breakthrough, unless the hand does not know of it") {
+  for (const bool told : {true, false}) {
+    SimulatedHand hand = make({});
+    bool gave = false;
+    for (int n = 0; n < 8000; ++n) {
+      const HandState state = hand.read();
+      if (n == 5000 && told) hand.drive_changed();
+      const double wall = n < 5000 ? 0.0 : -0.4e-3;
+      hand.apply({{0.0, 0.0, std::max(0.0, kWall * (wall - state.world_from_hand.translation.z))}, Vec3(0.0)});
+      gave = gave || (state.phase != HandPhase::approach && state.phase != HandPhase::lean);
+    }
+    CHECK(gave == !told);
+  }
+}
+
+TEST_CASE("SimulatedHand: the arm ends at its reach, where thrust is released") {
+  HandConfig config;
+  config.give_speed = 1e3;
+  config.reach = 0.02;
+  SimulatedHand hand = make(config);
+  const auto states = run(hand, {.opens = kOpens}, kTicks);
+  double deepest = 0.0;
+  for (const HandState& state : states) deepest = std::min(deepest, state.world_from_hand.translation.z);
+  CHECK(deepest < -0.02);
+  CHECK(states.back().phase == HandPhase::done);
+}
+
 TEST_CASE("SimulatedHand: with feels = false force changes nothing, so the wall is pushed through") {
   HandConfig config;
   config.feels = false;
