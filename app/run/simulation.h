@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,9 @@ class Simulation {
   /// Hash of all forces sent to the hand.
   [[nodiscard]] std::uint64_t sent_hash() const noexcept { return live_ ? live_->force_hash : sent_.value(); }
   [[nodiscard]] std::uint32_t contact_flags() const noexcept { return parts_->contact->flags_seen(); }
+
+  /// @returns the inputs that the run ended before, in order.
+  [[nodiscard]] std::span<const Input> inputs_left() const noexcept { return std::span(options_.inputs).subspan(next_input_); }
 
  private:
   Simulation(std::unique_ptr<Stage> parts, const SimulationOptions& options);

@@ -216,6 +216,17 @@ TEST_CASE("inputs: what cannot be done is a warning and an event, and the run go
   CHECK(warnings[1].find("nowhere") != std::string::npos);
 }
 
+TEST_CASE("inputs: those that the run ends before are known") {
+  SimulationOptions options;
+  options.inputs = {plain(10, InputKind::undo), plain(100, InputKind::undo), plain(200, InputKind::undo)};
+  options.history = true;
+  DrillRun run(SmallScene{.sets = {"duration_s=0.1"}}, options);
+  run.run();
+  const auto left = run.simulation().inputs_left();  // ticks 0 to 99
+  REQUIRE(left.size() == 2);
+  CHECK(left.front().tick == 100);
+}
+
 std::vector<std::string> faults_of(const std::string& text) {
   const auto document = TomlDocument::parse(text, "inputs.toml");
   REQUIRE(document);
