@@ -200,7 +200,8 @@ Status bench_constrained_tool(Bench& bench) {
   if (!drilled) return drilled.error();
   const LoadedScene& loaded = *drilled->loaded;
   const Scene& scene = loaded.scene;
-  auto tool = ConstrainedTool::create(*scene.find<ConstrainedToolConfig>(), loaded.tool.shell, loaded.bone->bone_from_index().mean_edge());
+  auto tool = ConstrainedTool::create(*scene.find<ConstrainedToolConfig>(), loaded.tool.shell, loaded.bone->bone_from_index().mean_edge(),
+                                      loaded.tool.cutting);
   if (!tool) return tool.error();
   const std::vector<HandState>& all = drilled->hand->states();
   std::vector<HandMotion> motions;

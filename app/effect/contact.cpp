@@ -39,6 +39,7 @@ class ContactEffect final : public Effect {
     return {};
   }
   Status change_tool(Stage& stage) override {
+    options_.cutting = stage.tool->cutting;
     auto model = form_->make(stage.tool->shell, options_);
     if (!model) return model.error();
     model_ = std::move(model).value();
@@ -122,6 +123,7 @@ class ContactPlan final : public EffectPlan {
     needs.contact_hz = rate_hz_;
     needs.latency_ticks = latency_ticks_;
     needs.feels = true;
+    needs.any_density = own.any_density;
     needs.holds_back = own.holds_back;
     needs.coupling_stiffness = own.coupling_stiffness;
     needs.coupling_damping = own.coupling_damping;
@@ -171,6 +173,7 @@ class ContactPlan final : public EffectPlan {
 
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
     const ContactOptions options{.voxel_edge = stage.voxel_edge(),
+                                 .cutting = stage.tool->cutting,
                                  .planes = uses_planes(stage.config.servo.multi_rate.scheme),
                                  .foresight = stage.contact_period + stage.period * static_cast<double>(stage.latency)};
     auto model = form_->make(stage.tool->shell, options);

@@ -8,9 +8,10 @@
 #include "app/effect/registry.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
-#include "core/drill/coverage.h"
 #include "core/drill/energy.h"
 #include "core/tool/cutting_field.h"
+#include "core/voxel/cut_surface.h"
+#include "core/voxel/surface_records.h"
 
 namespace burrhole {
 namespace {
@@ -26,6 +27,12 @@ const char* name_of(ErosionLaw law) {
 
 /// @returns the number that the shortest decimal text of a float means: 0.05 of 0.05f.
 double decimal_of(float value) { return std::stod(fmt::format("{}", value)); }
+
+/// @returns the size of the cut surface of a tool at one pose [bytes]: the blocks of voxels that it and the band of distances round it reach.
+std::uint64_t cut_bytes(const Bounds& tool, double edge) {
+  const Vec3 blocks = glm::ceil(((tool.hi - tool.lo) / edge + 2.0 * kRecordBand) / double{kBlockEdge} + 0.5);
+  return static_cast<std::uint64_t>(blocks.x * blocks.y * blocks.z) * sizeof(CutSurface::Block);
+}
 
 class ErosionEffect final : public Effect {
  public:
@@ -52,7 +59,7 @@ class ErosionEffect final : public Effect {
   void report(Figures& out) const override {
     out.add("removed_mass_mm3", removed_mass_ * 1e9);
     out.add("points_outside", outside_);
-    out.add("coverage_bytes", static_cast<std::uint64_t>(erosion_.coverage() != nullptr ? erosion_.coverage()->bytes() : 0));
+    out.add("bytes", static_cast<std::uint64_t>(erosion_.bytes() + voxmap_->cut().bytes()));
   }
   std::vector<NamedTimer> timers() const override { return {{"gradient", &commit_timer_, true}}; }
 
@@ -60,7 +67,7 @@ class ErosionEffect final : public Effect {
   void run(const Tick& tick) {
     *removal_ = {};
     if (!(*asked_ > 0.0)) return;
-    const ErosionOutcome outcome = erosion_.step(*voxmap_, cut_->path, CuttingLoad{*spin_, cut_->thrust}, tick.dt);
+    const ErosionOutcome outcome = erosion_.step(*voxmap_, cut_->path, CuttingLoad{*spin_, cut_->thrust, cut_->reaction}, tick.dt);
     if (!outcome.changed.empty()) commit_timer_([&] { voxmap_->commit(outcome.changed); });
     removed_mass_ += outcome.removed_mass;
     outside_ += outcome.outside;
@@ -93,13 +100,9 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
     for (const auto& [word, value] : kLaws)
       if (law == word) c.law = value;
     if (c.law != ErosionLaw::per_update)
-      c.subvoxel =
-          table.boolean("subvoxel", true, "removes partly covered voxels in part, so that the wall of the hole follows the tool's surface");
-    if (c.subvoxel)
-      c.clear_below = static_cast<float>(
-          table.number("clear_below", {.fallback = static_cast<double>(c.clear_below), .min = 0.0, .max = 0.5},
-                       "density of the covered part of a wall voxel below which that part is cleared: 0.5 keeps the wall from blocking the "
-                       "tool, 0 removes mass exactly by the law"));
+      c.subvoxel = table.boolean(
+          "subvoxel", true,
+          "bone recedes from its face, which may lie inside a voxel, and the hole follows the tool's surface; false: by whole voxels");
     if (c.law == ErosionLaw::energy) {
       constexpr double kPerCubicMillimetre = 1e9;  // [J/m^3] of 1 J/mm^3
       c.energy.specific_energy =
@@ -127,9 +130,10 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
   PlanRow row(const PlanContext& context) const override {
     const Tool& tool = context.tool;
     const std::uint64_t points = 3 * tool.erosion.size() * (sizeof(Vec3) + sizeof(float));  // of the tool, the law and the removal
-    // By points a float of exposure a voxel of the window; sub-voxel the tool's own field, and a mask and a time a voxel where the bit was.
-    const std::uint64_t field = config_.subvoxel && tool.cutting ? tool.cutting->bytes() : 0;
-    const std::uint64_t voxels = context.window_voxels * (config_.subvoxel ? sizeof(std::uint64_t) + sizeof(double) : sizeof(float));
+    // By whole voxels a float of exposure a voxel of the window; sub-voxel the tool's own field, and a node a voxel where it cuts.
+    const std::uint64_t removal = config_.subvoxel && tool.cutting
+                                      ? tool.cutting->bytes() + cut_bytes(tool.cutting->bounds, context.voxel_edge())
+                                      : context.window_voxels * sizeof(float);
     return {.table = "erosion",
             .clock = Clock::simulation,
             .step = "erosion points along the tool's path",
@@ -137,7 +141,7 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
             .gives = "changed boxes",
             .detail = fmt::format("{} points, law {}{}", tool.erosion.size(), name_of(config_.law), config_.subvoxel ? ", sub-voxel" : ""),
             .rate_hz = static_cast<double>(rate_hz_),
-            .bytes = points + field + voxels};
+            .bytes = points + removal};
   }
 
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
@@ -146,6 +150,11 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
       out.push_back(fmt::format("{} leaves walls with a roughness of a voxel, on which the model \"surface\" may block the bit: {}",
                                 by_update ? "[erosion] law = \"per-update\"" : "[erosion] subvoxel = false",
                                 by_update ? "use another law" : "set it to true"));
+    if (context.needs.any_density && config_.subvoxel)
+      out.push_back(
+          "[contact] mode = \"paper\" holds the bit above the face that [erosion] subvoxel = true removes, at its outermost density above "
+          "0: "
+          "set subvoxel = false");
     if (context.needs.feels) return;
     if (config_.law == ErosionLaw::energy)
       out.push_back("[erosion] law = \"energy\" without [contact]: there is no thrust, so nothing is removed");

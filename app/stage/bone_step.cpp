@@ -9,6 +9,7 @@ namespace burrhole {
 namespace {
 
 constexpr double kWriteBackEvery = 0.1;  // [s]
+constexpr double kLeastForce = 1e-6;     // [N] of a contact that has a direction
 
 }  // namespace
 
@@ -79,7 +80,9 @@ void BoneStep::publish() {
 }
 
 void BoneStep::operator()(const ContactState& found, double thrust, double dt) {
-  *cut_ = {{index_from_tool(last_), index_from_tool(found.world_from_tool)}, thrust};
+  const double force = glm::length(found.on_hand.force);
+  const Vec3 reaction = force > kLeastForce ? glm::conjugate(found.world_from_tool.rotation) * found.on_hand.force / force : cut_->reaction;
+  *cut_ = {{index_from_tool(last_), index_from_tool(found.world_from_tool)}, thrust, reaction};
   last_ = found.world_from_tool;
   *spin_asked_ = spin_ * found.spin;
   if (own_spin_ != nullptr) *own_spin_ = *spin_asked_;

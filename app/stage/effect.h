@@ -37,6 +37,7 @@ struct Needs {
   double erosion_pitch_voxels = 0.5;                                                        ///< [voxels] between erosion points
   bool cutting_field = false;                                                               ///< the tool's field for sub-voxel removal
   bool feels = false;                                                                       ///< bone exerts forces on the tool
+  bool any_density = false;                                             ///< bone of any density above 0 collides, as in the papers
   bool holds_back = false;                                              ///< the tool is a body of its own that bone holds back
   bool removes = false;                                                 ///< bone is removed
   double coupling_stiffness = 0.0;                                      ///< [N/m] from hand to tool, of a tool that is held back

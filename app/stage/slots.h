@@ -22,8 +22,9 @@ struct Touch {
 
 /// Input of a simulation step: motion of the tool and cutting force.
 struct Cut {
-  ErosionPath path;     ///< index from tool, at the start and the end of the step
-  double thrust = 0.0;  ///< [N] mean cutting force since the previous step
+  ErosionPath path;              ///< index from tool, at the start and the end of the step
+  double thrust = 0.0;           ///< [N] mean cutting force since the previous step
+  Vec3 reaction{0.0, 0.0, 1.0};  ///< [-] unit, tool frame: direction of the last force of bone on the tool
 };
 
 /// Result of erosion in a simulation step.

@@ -1,13 +1,16 @@
 #include "core/config/renamed_keys.h"
 
 #include <algorithm>
+#include <array>
 
 namespace burrhole {
 
 RenamedKeys renamed_keys() noexcept {
   // One line a key: {"table.old_key_unit", "table.new_key_unit", factor}.
-  static constexpr std::span<const RenamedKey> kNone;
-  return kNone;
+  static constexpr std::array<RenamedKey, 1> kTable{{
+      {.old_path = "erosion.clear_below", .new_path = ""},  // walls are the tool's without it
+  }};
+  return kTable;
 }
 
 const RenamedKey* find_renamed(RenamedKeys table, std::string_view path) noexcept {

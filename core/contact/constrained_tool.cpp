@@ -17,60 +17,22 @@ constexpr double kSettled = 0.05;        // [voxel edges] a last move below this
 constexpr double kTolerance = 0.002;     // [voxel edges] tolerance of the planes
 constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are partly bone, and the compliance must stay bounded
 // Fraction of a cutting plane's compliance that is its own; the rest is the shared engagement. Opposed walls act on each other through this
-// fraction alone, so it sets the clamping force on a tool slightly too wide for its hole.
-constexpr double kOwnGive = 0.05;
-// [voxel edges] clearance of a spinning tool: the distance by which cutting points that face away from the push move inwards, across the
-// push (cleared_shell.h). On voxels the corner between wall and floor is rounded. Without clearance the rim of a bit rests on that corner,
-// where it has nothing to cut (half the clearance: 40 % slower through the shipped scene; none: stuck after 0.5 mm), and a burr rests on
-// the wall of its own bore. Points do not move along the push, nor on faces within 23 degrees of it: there the engaged depth stays F /
-// K_cut.
+// fraction alone, so it sets the clamping force on a tool slightly too wide for its hole. A face that recedes sees it as overlap.
+constexpr double kOwnGive = 0.02, kOwnGiveWholeVoxels = 0.05;
+// [voxel edges] clearance of a spinning tool in bone that is cut by whole voxels: the distance by which cutting points that face away from
+// the push move inwards, across the push (cleared_shell.h). The corner between wall and floor is rounded by a voxel.
 constexpr double kClearance = 0.75;
 constexpr std::size_t kFlankPoints = 1200;  // enough to sample the lateral stiffness; every shipped bit has fewer cutting points
 constexpr double kSameFace = 0.94;          // [-] cosine of 20 degrees: two directions within this angle belong to one face
 // [voxel edges] largest distance from the equilibrium of its springs at which a force reversal of a spinning tool is suppressed for a
 // period: it may penetrate bone that it cuts to this depth.
 constexpr double kTurnsRound = 0.2;
+constexpr double kFacing = 0.0;         // [-] cosine: least agreement of the faces of tool and bone in contact
 constexpr double kNewClearance = 0.01;  // [-] change of the push's direction from which the points are moved again
-
-std::size_t flank_stride(const ContactShellPart& part) noexcept {
-  return std::max<std::size_t>(1, (part.size() + kFlankPoints - 1) / kFlankPoints);
-}
-
-/// Selects an even subset of a part for the lateral stiffness: every n-th point, since neighbours are adjacent in order. `to` is already
-/// sized.
-void thin_out(const ContactShellPart& from, ContactShellPart& to) noexcept {
-  const std::size_t every = flank_stride(from);
-  for (std::size_t n = 0; n < to.x.size(); ++n) {
-    const std::size_t source = std::min(n, to.size() - 1) * every;
-    to.x[n] = from.x[source];
-    to.y[n] = from.y[source];
-    to.z[n] = from.z[source];
-  }
-}
-
-/// Number of points that thin_out() writes.
-ContactShellPart thinned(const ContactShellPart& from) {
-  ContactShellPart out;
-  const std::size_t every = flank_stride(from);
-  for (std::size_t n = 0; n < from.size(); n += every) out.point.push_back(from.point[n]);
-  const std::size_t padded = (out.size() + kShellPad - 1) / kShellPad * kShellPad;
-  for (auto* axis : {&out.x, &out.y, &out.z}) axis->assign(padded, 0.0f);
-  thin_out(from, out);
-  return out;
-}
 
 Affine moved(Affine affine, const Vec3& by) noexcept {
   affine.offset += by;
   return affine;
-}
-
-double yield_of(const ConstrainedToolConfig& config, const SurfaceView& bone, const Vec3& bone_point, bool cutting) noexcept {
-  if (cutting) return kOwnGive / config.cutting_stiffness;
-  float stiffness = 1.0f;
-  const Vec3i v = voxel_of(bone.records.bone_from_index.inverse() * bone_point);
-  if (bone.stiffness != nullptr && bone.records.box.contains(v))
-    stiffness = static_cast<float>(bone.stiffness[bone.records.box.offset_of(v)]) / 255.0f;
-  return 1.0 / (config.bone_stiffness * static_cast<double>(std::max(stiffness, kLeastStiffness)));
 }
 
 /// [m] Centre of the shell's bounding box. Points are stored relative to it in single precision, so a distant tool origin costs no
@@ -139,8 +101,9 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
     plane.gap = static_cast<double>(hits.distance[hit]) * tool_->edge_;
     plane.cutting = spinning_ && hit < tool_->cutting_hits_;
     const Vec3 position = tool_->bone_from_tool_.translation + plane.arm + (plane.cutting ? tool_->engaged_ : Vec3(0.0));
-    if (!plane.cutting) plane.normal = tool_->direction(*bone_, plane, position, plane.normal, spinning_);
-    plane.yield = yield_of(tool_->config_, *bone_, position - plane.normal * (plane.gap + 0.5 * tool_->edge_), plane.cutting);
+    plane.normal = plane.cutting ? tool_->cutting_normal(plane.point, plane.normal)
+                                 : tool_->direction(*bone_, plane, position, plane.normal, spinning_);
+    plane.yield = tool_->yield_of(*bone_, plane, position);
     return plane;
   }
 
@@ -186,21 +149,24 @@ class ConstrainedTool::Candidates final : public HoldCandidates {
   std::size_t masked_ = 0;
 };
 
-ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge)
+ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, std::shared_ptr<const CuttingField> field,
+                                 double voxel_edge)
     : config_(config),
       shell_(shell),
       middle_(middle_of(shell)),
       points_(make_contact_shell(about(shell, middle_), voxel_edge)),
-      flank_points_(thinned(points_.cutting)),
+      flank_points_(even_part(points_.cutting, kFlankPoints)),
       facing_(shell, flank_points_),
       cleared_(shell, points_.cutting, middle_),
+      lens_(shell, std::move(field), voxel_edge),
       edge_(voxel_edge),
       regions_(shell),
       places_(points_) {
   hits_.reserve(shell_.size());
 }
 
-Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge) {
+Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge,
+                                                std::shared_ptr<const CuttingField> field) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
   if (!(std::isfinite(config.flank_friction) && config.flank_friction >= 0.0))
     return refuse("the share of the lateral stiffness must be finite and at least 0");
@@ -215,7 +181,7 @@ Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& con
   if (shell.size() == 0 || shell.size() > kMaxShellPoints) return refuse("the point shell must hold 1 to 200000 points");
   if (shell.inward_normals.size() != shell.size() || shell.cutting.size() != shell.size())
     return refuse("each point of the shell needs an inward normal and whether it cuts");
-  return ConstrainedTool(config, shell, voxel_edge);
+  return ConstrainedTool(config, shell, std::move(field), voxel_edge);
 }
 
 void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
@@ -248,21 +214,44 @@ ConstrainedTool::Pull ConstrainedTool::pull_of(const HandMotion& hand, double dt
 
 Vec3 ConstrainedTool::cleared(std::size_t point) const noexcept {
   if (clearance_ == 0.0 || shell_.cutting[point] == 0) return shell_.positions[point];
+  if (lens_.active()) return lens_.at(point);
   return burrhole::cleared(shell_.positions[point], shell_.inward_normals[point], push_, clearance_);
+}
+
+Vec3 ConstrainedTool::cutting_normal(std::size_t point, const Vec3& bone_normal) const noexcept {
+  if (!lens_.active() || !lens_.smooth(point)) return bone_normal;
+  const Vec3 own = bone_from_tool_.rotate(shell_.inward_normals[point]);
+  return glm::dot(own, bone_normal) > kFacing ? own : bone_normal;
+}
+
+double ConstrainedTool::own_give() const noexcept { return lens_.active() ? kOwnGive : kOwnGiveWholeVoxels; }
+
+double ConstrainedTool::yield_of(const SurfaceView& bone, const HoldPlane& plane, const Vec3& position) const noexcept {
+  if (plane.cutting) return own_give() / config_.cutting_stiffness;
+  float stiffness = 1.0f;
+  const Vec3i v = voxel_of(bone.records.bone_from_index.inverse() * (position - plane.normal * (plane.gap + 0.5 * edge_)));
+  if (bone.stiffness != nullptr && bone.records.box.contains(v))
+    stiffness = static_cast<float>(bone.stiffness[bone.records.box.offset_of(v)]) / 255.0f;
+  return 1.0 / (config_.bone_stiffness * static_cast<double>(std::max(stiffness, kLeastStiffness)));
 }
 
 void ConstrainedTool::set_clearance(bool spinning) noexcept {
   const double engaged = spinning ? glm::length(engaged_) : 0.0;
   // The clearance grows with the engagement, so that first contact is at the tool's pose.
-  const double clearance = std::min(engaged, kClearance * edge_);
+  const double clearance = lens_.active() ? engaged : std::min(engaged, kClearance * edge_);
   const Vec3 push = engaged > 0.0 ? glm::conjugate(bone_from_tool_.rotation) * engaged_ / engaged : push_;
   if (std::abs(clearance - clearance_) < kNewClearance * edge_ && glm::length(push - push_) < kNewClearance &&
       (clearance > 0.0) == (clearance_ > 0.0))
     return;
   clearance_ = clearance;
   push_ = push;
-  cleared_.draw(push_, clearance_, points_.cutting);
-  if (flank_stride(points_.cutting) > 1) thin_out(points_.cutting, flank_points_);
+  if (lens_.active()) {
+    lens_.engage(push_ * clearance_);
+    lens_.draw(middle_, points_.cutting);
+  } else {
+    cleared_.draw(push_, clearance_, points_.cutting);
+  }
+  if (flank_points_.size() < points_.cutting.size()) copy_even_part(points_.cutting, kFlankPoints, flank_points_);
 }
 
 void ConstrainedTool::measure_flanks(const SurfaceView& bone, bool spinning) noexcept {
@@ -272,7 +261,7 @@ void ConstrainedTool::measure_flanks(const SurfaceView& bone, bool spinning) noe
   }
   hits_.clear(false);
   const Vec3 push = glm::conjugate(bone_from_tool_.rotation) * (engaged_ / glm::length(engaged_));
-  const ContactShellPart& asked = flank_stride(points_.cutting) > 1 ? flank_points_ : points_.cutting;
+  const ContactShellPart& asked = flank_points_.size() < points_.cutting.size() ? flank_points_ : points_.cutting;
   probe_surface(bone.records, facing_.pick(asked, push, FlankFriction::kLeastFacing),
                 bone.records.bone_from_index.inverse() * Affine::from_pose({bone_from_tool_.rotation, bone_from_tool_ * middle_}), 0.0,
                 hits_);
@@ -310,8 +299,8 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
     const auto sample = records.at(index_from_bone * position);
     if (!sample || sample->distance > kLookAhead || sample->normal == Vec3(0.0)) return false;
     plane.gap = sample->distance * edge_;
-    plane.normal = plane.cutting ? sample->normal : direction(bone, plane, position, sample->normal, spinning);
-    plane.yield = yield_of(config_, bone, position - plane.normal * (plane.gap + 0.5 * edge_), plane.cutting);
+    plane.normal = plane.cutting ? cutting_normal(plane.point, sample->normal) : direction(bone, plane, position, sample->normal, spinning);
+    plane.yield = yield_of(bone, plane, position);
     return true;
   });
   const HoldProblem problem{.target = bone_from_target.translation - bone_from_tool_.translation,
@@ -319,7 +308,7 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
                             .engaged = engaged_,
                             .stiffness = pull.stiffness,
                             .turn_stiffness = pull.turn_stiffness,
-                            .cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGive),
+                            .cutting_stiffness = config_.cutting_stiffness / (1.0 - own_give()),
                             .tolerance = kTolerance * edge_};
   // Bone is at rest within a sweep, so only the first move corrects penetration. Later penetration comes from planes that only approximate
   // the surface.
@@ -436,7 +425,7 @@ void ConstrainedTool::describe(const SurfaceView& bone, double reach, LocalConta
   out.coupling_stiffness = config_.coupling_stiffness;
   out.coupling_damping = config_.coupling_damping;
   out.turn_stiffness = config_.turn_stiffness;
-  out.cutting_stiffness = config_.cutting_stiffness / (1.0 - kOwnGive);
+  out.cutting_stiffness = config_.cutting_stiffness;
   out.tangential = state_.tangential;
   out.spin = bone.world_from_bone.rotate(slip_.spin);
   const auto list = [&](HoldPlane plane) {

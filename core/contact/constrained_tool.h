@@ -26,6 +26,7 @@
 #include "core/contact/hand_motion.h"
 #include "core/contact/hit_places.h"
 #include "core/contact/hold_solver.h"
+#include "core/contact/lens_shell.h"
 #include "core/contact/local_contact.h"
 #include "core/contact/shell_regions.h"
 #include "core/contact/surface_view.h"
@@ -37,9 +38,9 @@ struct ConstrainedToolConfig {
   double coupling_stiffness = 5000.0;  ///< [N/m] hand to tool
   double coupling_damping = 10.0;      ///< [N s/m]
   double turn_stiffness = 20.0;  ///< [N m/rad] hand to tool; infinite: the hand's rotation. Damped with the time constant of the coupling
-  double cutting_stiffness = 100e3;  ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
-  double bone_stiffness = 20e6;      ///< [N/m] of bone of relative stiffness 1 under one plane; scaled by max(relative stiffness, 0.1)
-  double flank_friction = 1.0;       ///< [-] factor on the lateral stiffness of engaged flanks while cutting; 0: none
+  double cutting_stiffness = 70e3;  ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
+  double bone_stiffness = 20e6;     ///< [N/m] of bone of relative stiffness 1 under one plane; scaled by max(relative stiffness, 0.1)
+  double flank_friction = 1.0;      ///< [-] factor on the lateral stiffness of engaged flanks while cutting; 0: none
   /// [N] depenetration limit: the largest force per period with which bone that is cut moves penetrating points towards the surface;
   /// infinite: the full correction. Cutting stores no energy, so bone must not accelerate the tool outwards. Example: a ball whose widest
   /// part has passed a rim penetrates the far side of the rim, because of its clearance and because planes only approximate the surface. A
@@ -63,7 +64,9 @@ struct ConstrainedToolState {
 class ConstrainedTool {
  public:
   /// Errors: out_of_range when a stiffness is not above 0, damping is negative, or the shell is empty or too large.
-  [[nodiscard]] static Result<ConstrainedTool> create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge);
+  /// @param field the cutting part as a solid, for bone that is cut at sub-voxel resolution; null: bone is cut by whole voxels.
+  [[nodiscard]] static Result<ConstrainedTool> create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge,
+                                                      std::shared_ptr<const CuttingField> field = nullptr);
 
   /// Places the tool without a query of bone (start of a run, after a jump of the scene).
   void place(const Pose& world_from_tool) noexcept;
@@ -82,7 +85,8 @@ class ConstrainedTool {
 
  private:
   class Candidates;
-  ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge);
+  ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, std::shared_ptr<const CuttingField> field,
+                  double voxel_edge);
   /// The equilibrium of springs and dampers without contact, and their total stiffness.
   struct Pull {
     Pose world_from_target;
@@ -91,6 +95,9 @@ class ConstrainedTool {
   [[nodiscard]] Pull pull_of(const HandMotion& hand, double dt) const noexcept;
   /// [m] A shell point in the tool frame; a cutting point is moved inwards, across the push, by the clearance.
   [[nodiscard]] Vec3 cleared(std::size_t point) const noexcept;
+  [[nodiscard]] double own_give() const noexcept;  // [-] kOwnGive of the kind of removal
+  /// Compliance of a plane [m/N]. @param position of its contact, bone frame.
+  [[nodiscard]] double yield_of(const SurfaceView& bone, const HoldPlane& plane, const Vec3& position) const noexcept;
   void set_clearance(bool spinning) noexcept;
   /// Measures the lateral stiffness of what is engaged, at the tool's pose.
   void measure_flanks(const SurfaceView& bone, bool spinning) noexcept;
@@ -106,6 +113,9 @@ class ConstrainedTool {
   /// The normal of a plane that does not cut. @param position of its contact. @param normal of the record there.
   [[nodiscard]] Vec3 direction(const SurfaceView& bone, const HoldPlane& plane, const Vec3& position, const Vec3& normal,
                                bool spinning) const noexcept;
+  /// The normal of a plane that cuts. A smooth face of the tool that touches bone is tangent to it, so its normal is the tool's, also where
+  /// bone has an edge; at an edge of the tool it is that of bone. @param bone_normal of the record there.
+  [[nodiscard]] Vec3 cutting_normal(std::size_t point, const Vec3& bone_normal) const noexcept;
   void sweep(const SurfaceView& bone, const Pull& pull, bool spinning) noexcept;
   void apply(const HoldMove& move, double part) noexcept;
   /// Prevents a force reversal within a period. The compliance of bone under a ring of loads can move a cutting tool slightly beyond the
@@ -121,6 +131,7 @@ class ConstrainedTool {
   ContactShellPart flank_points_;  // cutting points that sample the lateral stiffness: all, or an even subset
   FacingPoints facing_;            // selects from those
   ClearedShell cleared_;           // applies the clearance to the cutting points of points_
+  LensShell lens_;                 // the same where the cutting part is known as a solid
   double edge_ = 0.0;              // [m]
   ShellRegions regions_;
   HitPlaces places_;

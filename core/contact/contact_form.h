@@ -19,6 +19,7 @@ namespace burrhole {
 struct ContactFormNeeds {
   ContactFields fields{.density = true, .gradient = false, .words = false, .records = {}};  ///< of the window's copies
   bool paper_grids = false;                                                                 ///< also provide the sparse grids of the paper
+  bool any_density = false;                                      ///< true: bone of any density above 0 collides; false: from 0.5 on
   bool holds_back = false;                                       ///< true: bone constrains a tool with its own pose; false: a penalty model
   double coupling_stiffness = 0.0;                               ///< [N/m] hand to tool, of a constrained tool
   double coupling_damping = 0.0;                                 ///< [N s/m] hand to tool, of a constrained tool

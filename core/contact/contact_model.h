@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "core/base/assert.h"
 #include "core/contact/bone_view.h"
@@ -15,11 +16,14 @@
 
 namespace burrhole {
 
+struct CuttingField;
+
 /// Parameters of a model that are fixed at creation.
 struct ContactOptions {
-  double voxel_edge = 0.0;  ///< [m] > 0, mean edge of the bone's voxels
-  bool planes = false;      ///< whether ContactState::local is filled; false saves the cost
-  double foresight = 0.0;   ///< [s] time for which `local` must be valid: a contact period plus the latency of its result
+  double voxel_edge = 0.0;                        ///< [m] > 0, mean edge of the bone's voxels
+  std::shared_ptr<const CuttingField> cutting{};  ///< the tool's cutting part, where bone is cut at sub-voxel resolution; null otherwise
+  bool planes = false;                            ///< whether ContactState::local is filled; false saves the cost
+  double foresight = 0.0;  ///< [s] time for which `local` must be valid: a contact period plus the latency of its result
 };
 
 struct ContactInput {

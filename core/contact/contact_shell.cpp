@@ -43,4 +43,33 @@ ContactShell make_contact_shell(const PointShell& shell, double cell) {
   return out;
 }
 
+namespace {
+
+std::size_t stride(const ContactShellPart& part, std::size_t most) noexcept {
+  return std::max<std::size_t>(1, (part.size() + most - 1) / most);
+}
+
+}  // namespace
+
+ContactShellPart even_part(const ContactShellPart& from, std::size_t most) {
+  ContactShellPart out;
+  const std::size_t every = stride(from, most);
+  for (std::size_t n = 0; n < from.size(); n += every) out.point.push_back(from.point[n]);
+  const std::size_t padded = (out.size() + kShellPad - 1) / kShellPad * kShellPad;
+  for (auto* axis : {&out.x, &out.y, &out.z}) axis->assign(padded, 0.0f);
+  copy_even_part(from, most, out);
+  return out;
+}
+
+void copy_even_part(const ContactShellPart& from, std::size_t most, ContactShellPart& to) noexcept {
+  if (to.size() == 0) return;
+  const std::size_t every = stride(from, most);
+  for (std::size_t n = 0; n < to.x.size(); ++n) {
+    const std::size_t source = std::min(n, to.size() - 1) * every;
+    to.x[n] = from.x[source];
+    to.y[n] = from.y[source];
+    to.z[n] = from.z[source];
+  }
+}
+
 }  // namespace burrhole

@@ -28,4 +28,10 @@ struct ContactShell {
 /// Sorts along a Morton curve with cells of `cell` [m] (use the voxel edge). Points of one cell keep the order of the shell.
 [[nodiscard]] ContactShell make_contact_shell(const PointShell& shell, double cell);
 
+/// @returns every n-th point of a part, n the smallest with which at most `most` points are left. Points of a shell are in spatial order, so
+/// they are spread evenly.
+[[nodiscard]] ContactShellPart even_part(const ContactShellPart& from, std::size_t most);
+/// Copies the positions of those points again, after the points of `from` moved. Never allocates.
+void copy_even_part(const ContactShellPart& from, std::size_t most, ContactShellPart& to) noexcept;
+
 }  // namespace burrhole

@@ -24,6 +24,7 @@ class GradientPlaneForm final : public ContactForm {
   }
   ContactFormNeeds needs() const override {
     ContactFormNeeds out;
+    out.any_density = model_.paper_mode;
     out.fields.words = !paper_grids_;
     out.paper_grids = paper_grids_;
     return out;

@@ -19,8 +19,8 @@ namespace burrhole {
 namespace HWY_NAMESPACE {
 
 // Each lane is a cell. One load reads a row of a cell (two records); the rows of several cells are transposed as words, without gathers.
-// Channels are interpolated along k, then j, then i, in the same order for every width, so the bits are the same. The correction for
-// curvature (surface_probe.h) is computed beside them: f (1 - f) times the change of the normal along each axis, weighted by `metric`.
+// Channels are interpolated along k, then j, then i, in the same order for every width, so the bits are the same. The corrections for
+// curvature and for edges (surface_probe.h) are computed beside them, by axis.
 
 /// Channels stay in the upper bits of their words, which saves a shift: results are the stored values times this power of two. The scale
 /// does not change later bits.
@@ -188,24 +188,79 @@ struct CellSample {
   Vf distance, nx, ny, nz;
 };
 
-/// `metric` has four channels per axis, of which the first is not read. `kStraight`: only the diagonal entries are not zero.
+/// One axis of a cell. Slopes are times -1/2.
+struct AxisTurn {
+  Vf turn;           ///< change of slope across the cell
+  Vf before, after;  ///< slopes at its sides
+  Vf rise;           ///< change of the distance
+  Vf f;
+};
+
+/// [-] At most 0 for a curved surface, at least 1 for a convex edge. @param metric as in ProbeJob.
+template <class Channel>
+HWY_INLINE Vf sharpness(const AxisTurn& a, const float* metric) {
+  const Floats df;
+  const auto scaled = [&](Vf value, std::size_t at) HWY_ATTR { return hn::Mul(value, hn::Set(df, metric[at] / kChannelScale<Channel>)); };
+  const Vf uneven = hn::Abs(hn::Add(a.rise, hn::Add(a.before, a.after)));
+  const Vf sharp = hn::Max(hn::Sub(scaled(hn::Neg(a.turn), 0), hn::Set(df, 2.0f)), hn::Sub(scaled(uneven, 4), hn::Set(df, 1.0f)));
+  return hn::IfThenElseZero(hn::Lt(a.turn, hn::Zero(df)), sharp);
+}
+
+HWY_INLINE Vf parabola(const AxisTurn& a) { return hn::Mul(a.turn, hn::Mul(a.f, hn::Sub(hn::Set(Floats(), 1.0f), a.f))); }
+
+/// The highest of the eight tangent planes at the corners.
 template <bool kStraight, class Channel>
-HWY_INLINE CellSample interpolate(const CellRows<Channel>& rows, Vf fx, Vf fy, Vf fz, const float* metric) {
+HWY_INLINE Vf highest_tangent(const CellRows<Channel>& rows, Vf fx, Vf fy, Vf fz, const float* metric) {
   const Floats df;
   const Vf one = hn::Set(df, 1.0f);
-  const Vf gx = hn::Mul(fx, hn::Sub(one, fx)), gy = hn::Mul(fy, hn::Sub(one, fy)), gz = hn::Mul(fz, hn::Sub(one, fz));
+  const auto corner = [&](const Vi(&words)[sizeof(Channel)], Vf x, Vf y, Vf z) HWY_ATTR {
+    const Vf nx = channel_of<1, Channel>(words), ny = channel_of<2, Channel>(words), nz = channel_of<3, Channel>(words);
+    const auto weighed = [&](Vf normal, std::size_t at) HWY_ATTR { return hn::Mul(normal, hn::Set(df, metric[at])); };
+    const auto whole = [&](std::size_t axis) HWY_ATTR {
+      return hn::Add(hn::Add(weighed(nx, 4 * axis + 1), weighed(ny, 4 * axis + 2)), weighed(nz, 4 * axis + 3));
+    };
+    const Vf along_i = kStraight ? weighed(nx, 1) : whole(0), along_j = kStraight ? weighed(ny, 6) : whole(1),
+             along_k = kStraight ? weighed(nz, 11) : whole(2);
+    const Vf half = hn::Add(hn::Add(hn::Mul(x, along_i), hn::Mul(y, along_j)), hn::Mul(z, along_k));
+    return hn::Sub(channel_of<0, Channel>(words), hn::Add(half, half));
+  };
+  const Vf bx = hn::Sub(fx, one), by = hn::Sub(fy, one), bz = hn::Sub(fz, one);
+  const auto row = [&](const CellRow<Channel>& r, Vf y, Vf z)
+                       HWY_ATTR { return hn::Max(corner(r.here, fx, y, z), corner(r.next, bx, y, z)); };
+  return hn::Max(hn::Max(row(rows.row00, fy, fz), row(rows.row01, fy, bz)), hn::Max(row(rows.row10, by, fz), row(rows.row11, by, bz)));
+}
+
+/// `metric` as in ProbeJob. `cut`: cells that may hold a cut surface. `kStraight`: only the diagonal entries of its weights are not zero.
+template <bool kStraight, class Channel>
+HWY_INLINE CellSample interpolate(const CellRows<Channel>& rows, Vf fx, Vf fy, Vf fz, const float* metric, hn::Mask<Floats> cut) {
+  const Floats df;
   const CellChannel distance = channel_in<0>(rows, fx, fy, fz), nx = channel_in<1>(rows, fx, fy, fz), ny = channel_in<2>(rows, fx, fy, fz),
                     nz = channel_in<3>(rows, fx, fy, fz);
-  const auto weighed = [&](Vf change, std::size_t at, Vf g) HWY_ATTR { return hn::Mul(change, hn::Mul(hn::Set(df, metric[at]), g)); };
-  const auto whole = [&](const CellChannel& n, std::size_t c) HWY_ATTR {
-    return hn::Add(hn::Add(weighed(n.along_i, c, gx), weighed(n.along_j, 4 + c, gy)), weighed(n.along_k, 8 + c, gz));
+  const auto weighed = [&](Vf normal, std::size_t at) HWY_ATTR { return hn::Mul(normal, hn::Set(df, metric[at])); };
+  const auto axis = [&]<std::size_t kAxis>(std::integral_constant<std::size_t, kAxis>, Vf f, Vf CellChannel::*along) HWY_ATTR {
+    const auto turn_of = [&](const CellChannel& n, std::size_t c) HWY_ATTR { return weighed(n.*along, 4 * kAxis + 1 + c); };
+    const auto before_of = [&](const CellChannel& n, std::size_t c)
+                               HWY_ATTR { return weighed(hn::Sub(n.value, hn::Mul(f, n.*along)), 4 * kAxis + 1 + c); };
+    const auto whole = [&](const auto& of) HWY_ATTR { return hn::Add(hn::Add(of(nx, 0), of(ny, 1)), of(nz, 2)); };
+    if constexpr (kStraight) {
+      const CellChannel& own = kAxis == 0 ? nx : kAxis == 1 ? ny : nz;
+      const Vf turn = turn_of(own, kAxis), before = before_of(own, kAxis);
+      return AxisTurn{turn, before, hn::Add(before, turn), distance.*along, f};
+    } else {
+      const Vf turn = whole(turn_of), before = whole(before_of);
+      return AxisTurn{turn, before, hn::Add(before, turn), distance.*along, f};
+    }
   };
-  Vf bend;
-  if constexpr (kStraight)
-    bend = hn::Add(hn::Add(weighed(nx.along_i, 1, gx), weighed(ny.along_j, 4 + 2, gy)), weighed(nz.along_k, 8 + 3, gz));
-  else
-    bend = hn::Add(hn::Add(whole(nx, 1), whole(ny, 2)), whole(nz, 3));
-  return {hn::Add(distance.value, bend), nx.value, ny.value, nz.value};
+  const AxisTurn x = axis(std::integral_constant<std::size_t, 0>(), fx, &CellChannel::along_i),
+                 y = axis(std::integral_constant<std::size_t, 1>(), fy, &CellChannel::along_j),
+                 z = axis(std::integral_constant<std::size_t, 2>(), fz, &CellChannel::along_k);
+  Vf value = hn::Add(distance.value, hn::Add(hn::Add(parabola(x), parabola(y)), parabola(z)));
+  if (hn::AllFalse(df, cut)) return {value, nx.value, ny.value, nz.value};
+  const Vf sharpest = hn::Max(hn::Max(sharpness<Channel>(x, metric), sharpness<Channel>(y, metric)), sharpness<Channel>(z, metric));
+  const Vf sharp = hn::IfThenElseZero(cut, hn::Min(hn::Max(sharpest, hn::Zero(df)), hn::Set(df, 1.0f)));
+  if (hn::AllFalse(df, hn::Gt(sharp, hn::Zero(df)))) return {value, nx.value, ny.value, nz.value};
+  value = hn::Add(value, hn::Mul(sharp, hn::Sub(highest_tangent<kStraight>(rows, fx, fy, fz, metric), value)));
+  return {value, nx.value, ny.value, nz.value};
 }
 
 /// The distance of one record of each cell, times kChannelScale: the masks select the record at i + 1, j + 1, k + 1.

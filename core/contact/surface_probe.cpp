@@ -14,19 +14,53 @@ void copy_matrix(const Mat3& m, const Vec3& offset, float* linear, float* moved)
   for (std::size_t r = 0; r < 3; ++r) moved[r] = static_cast<float>(offset[r]);
 }
 
-/// Interpolates between the eight records of the cell that begins at `first`; not normalised.
+// A cell holds a convex edge where the slope rises by more than kCurved, a radius of 2 voxels, or where the change of distance differs from
+// the mean slope by more than kUneven [voxel edges]: a sphere of that radius has 0.01. At 1.5 and 2 times these it holds nothing else.
+constexpr double kCurved = 0.5, kUneven = 0.1;
+
+/// One axis of a cell: distance and its slope along the axis at the cell's lower and upper side, between the other axes.
+struct Across {
+  double distance[2] = {0.0, 0.0}, slope[2] = {0.0, 0.0};  // [voxel edges], [voxel edges per cell]
+
+  [[nodiscard]] double turn() const noexcept { return slope[1] - slope[0]; }
+  /// @returns how much of a convex edge there is [-].
+  [[nodiscard]] double sharpness() const noexcept {
+    if (turn() <= 0.0) return 0.0;
+    const double uneven = distance[1] - distance[0] - 0.5 * (slope[0] + slope[1]);
+    return std::clamp(std::max(2.0 * (turn() / kCurved - 1.0), std::abs(uneven) / kUneven - 1.0), 0.0, 1.0);
+  }
+};
+
+/// Interpolates between the eight records of the cell that begins at `first`; not normalised. @param cut the cell may hold a cut surface.
 template <class Record>
-SurfaceSample between(const Record* first, const Vec3i& size, const Vec3& f, const Mat3& metric, double distance_step, double normal_step) {
+SurfaceSample between(const Record* first, const Vec3i& size, const Vec3& f, const Mat3& metric, bool cut, double distance_step,
+                      double normal_step) {
   SurfaceSample out{0.0, Vec3(0.0)};
+  Across axes[3];
+  double tangent = -kRecordBand;  // the highest
   const Vec3 rest = 1.0 - f;
   for (unsigned n = 0; n < 8; ++n) {
     const Vec3i d = cell_corner(n);
-    const double weight = (d.x != 0 ? f.x : rest.x) * (d.y != 0 ? f.y : rest.y) * (d.z != 0 ? f.z : rest.z);
+    const Vec3 side(d.x != 0 ? f.x : rest.x, d.y != 0 ? f.y : rest.y, d.z != 0 ? f.z : rest.z);
+    const double weight = side.x * side.y * side.z;
     const Record& r = first[(static_cast<std::ptrdiff_t>(d.z) * size.y + d.y) * size.x + d.x];
-    const Vec3 normal = normal_step * Vec3(r.nx, r.ny, r.nz);
-    out.distance += weight * (distance_step * r.distance + 0.5 * glm::dot(normal, metric * (f - Vec3(d))));
+    const double distance = distance_step * r.distance;
+    const Vec3 normal = normal_step * Vec3(r.nx, r.ny, r.nz), slope = normal * metric;
+    out.distance += weight * distance;
     out.normal += weight * normal;
+    tangent = std::max(tangent, distance + glm::dot(slope, f - Vec3(d)));
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double share = side[(a + 1) % 3] * side[(a + 2) % 3];
+      axes[a].distance[d[a]] += share * distance;
+      axes[a].slope[d[a]] += share * slope[a];
+    }
   }
+  double sharp = 0.0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    out.distance -= 0.5 * f[a] * rest[a] * axes[a].turn();
+    sharp = std::max(sharp, axes[a].sharpness());
+  }
+  if (cut) out.distance += sharp * (tangent - out.distance);
   return out;
 }
 
@@ -75,10 +109,16 @@ void probe_surface(const RecordView& bone, const ContactShellPart& points, const
     job.lo[a] = static_cast<float>(known.lo[a]);
     job.hi[a] = static_cast<float>(known.hi[a] - 1);
   }
+  job.any_cut = !bone.cut.empty();
+  for (std::size_t a = 0; a < 3; ++a) {
+    job.cut_lo[a] = static_cast<float>(bone.cut.lo[a] - bone.box.lo[a]);
+    job.cut_hi[a] = static_cast<float>(bone.cut.hi[a] - bone.box.lo[a]);
+  }
   copy_matrix(index_from_tool.linear, index_from_tool.offset - Vec3(bone.box.lo), job.linear, job.offset);
   job.steps_per_edge = static_cast<float>(1.0 / (small ? kRecord8Distance : kRecord16Distance));
   job.normal_scale = static_cast<float>(small ? kRecord8Normal : kRecord16Normal);
-  // -1/2 f (1 - f) times the change of the normal along an axis, on the way of that axis.
+  job.metric[0] = static_cast<float>(4.0 / kCurved) / job.steps_per_edge;
+  job.metric[4] = static_cast<float>(1.0 / kUneven) / job.steps_per_edge;
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t c = 0; c < 3; ++c)
       job.metric[4 * axis + 1 + c] = static_cast<float>(
@@ -105,8 +145,10 @@ std::optional<SurfaceSample> RecordSampler::at(const Vec3& index) const noexcept
   const Vec3i base = floor_int(index), size = bone_.box.size();
   const Vec3 f = index - Vec3(base);
   const std::size_t first = bone_.box.offset_of(base);
-  SurfaceSample out = bone_.records8 != nullptr ? between(bone_.records8 + first, size, f, metric_, kRecord8Distance, kRecord8Normal)
-                                                : between(bone_.records16 + first, size, f, metric_, kRecord16Distance, kRecord16Normal);
+  const bool cut = bone_.cut.contains(base);
+  SurfaceSample out = bone_.records8 != nullptr
+                          ? between(bone_.records8 + first, size, f, metric_, cut, kRecord8Distance, kRecord8Normal)
+                          : between(bone_.records16 + first, size, f, metric_, cut, kRecord16Distance, kRecord16Normal);
   const double length = glm::length(out.normal);
   out.normal = length > 0.0 ? out.normal / length : Vec3(0.0);
   return out;

@@ -2,7 +2,9 @@
 ///   Frame  distances in voxel edges, normals in the axes of the bone frame.   Thread  contact; never allocates after reserve().
 ///   Source own derivation. One record near a point bounds its distance. For points near the surface eight records are interpolated; each
 ///   gives d + n.(p - v) / 2 at a point p, with v its voxel. With trilinear weights this is exact for distances of second order, while d
-///   alone has an error of up to f (1 - f) / 2 per axis over the radius of curvature.
+///   alone has an error of up to f (1 - f) / 2 per axis over the radius of curvature. Where two faces meet, normals of both are mixed, and the sum is up to 0.25
+///   voxel too low: bone that is not there, and that no tool can cut. So where bone is cut (RecordView::cut), a cell with a convex edge, or
+///   with a wall of one or two voxels, has the distance of the highest tangent plane, d + n.(p - v). For planes that is exact.
 ///   Single precision, the same bits on every SIMD level.
 #pragma once
 
@@ -23,6 +25,7 @@ struct RecordView {
   const Record8* records8 = nullptr;  ///< exactly one of the two is set
   const Record16* records16 = nullptr;
   Affine bone_from_index;
+  VoxelBox cut{};  ///< where records may be of the cut surface
 };
 
 inline constexpr std::size_t kHitBlock = 128;  ///< largest number of shell points per block of hits

@@ -172,8 +172,15 @@ struct InCells {
         k(hn::Floor(z)),
         rows(read_cells(starts, block.record + n)) {}
   template <bool kStraight>
-  [[nodiscard]] HWY_INLINE CellSample sample(const float* metric) const {
-    return interpolate<kStraight>(rows, hn::Sub(x, i), hn::Sub(y, j), hn::Sub(z, k), metric);
+  [[nodiscard]] HWY_INLINE CellSample sample(const ProbeJob& job) const {
+    return interpolate<kStraight>(rows, hn::Sub(x, i), hn::Sub(y, j), hn::Sub(z, k), job.metric, in_cut(job));
+  }
+  [[nodiscard]] HWY_INLINE hn::Mask<Floats> in_cut(const ProbeJob& job) const {
+    if (!job.any_cut) return hn::FirstN(Floats(), 0);
+    const auto along = [&](Vf at, std::size_t a) HWY_ATTR {
+      return hn::And(hn::Ge(at, hn::Set(Floats(), job.cut_lo[a])), hn::Lt(at, hn::Set(Floats(), job.cut_hi[a])));
+    };
+    return hn::And(hn::And(along(i, 0), along(j, 1)), along(k, 2));
   }
   /// Of the voxel whose centre is nearest, which is one of the cell's corners; in steps.
   [[nodiscard]] HWY_INLINE Vf nearest_record() const {
@@ -191,7 +198,7 @@ HWY_INLINE void append_near(const ProbeJob& job, const ProbeBlock& block, std::s
   const RowStarts<Channel> starts = rows_of<Channel>(job);
   for (std::size_t n = 0; n < kept; n += hn::Lanes(df)) {
     const InCells<Channel> cells(starts, block, n);
-    append<Channel>(job, hn::FirstN(df, kept - n), cells.template sample<kStraight>(job.metric), hn::Load(df, block.x + n),
+    append<Channel>(job, hn::FirstN(df, kept - n), cells.template sample<kStraight>(job), hn::Load(df, block.x + n),
                     hn::Load(df, block.y + n), hn::Load(df, block.z + n), hn::Load(Ints(), block.point + n), range, hits);
   }
 }
@@ -239,8 +246,8 @@ HWY_INLINE std::size_t append_all(const ProbeJob& job, const ContactShellPart& p
     nearest = hn::Min(nearest, hn::IfThenElse(real, distance, nearest));
     const auto near = hn::And(real, hn::Lt(distance, limit));
     kept += hn::CountTrue(df, near);
-    append<Channel>(job, near, cells.template sample<kStraight>(job.metric), hn::LoadU(df, part.x.data() + n),
-                    hn::LoadU(df, part.y.data() + n), hn::LoadU(df, part.z.data() + n), names(part, n), range, hits);
+    append<Channel>(job, near, cells.template sample<kStraight>(job), hn::LoadU(df, part.x.data() + n), hn::LoadU(df, part.y.data() + n),
+                    hn::LoadU(df, part.z.data() + n), names(part, n), range, hits);
   }
   return kept;
 }

@@ -18,14 +18,18 @@ struct ProbeJob {
   float lo[3], hi[3];      // [voxels] all eight voxels around a point p with lo <= p < hi have valid records
   float linear[9];         // [voxels/m] linear part of the map from tool frame to window coordinates, column-major
   float offset[3];         // [voxels] its offset
-  // For each index axis a: {0, wx, wy, wz}. A point at fraction f of its cell along a gets f (1 - f) w.dn added to its distance, dn the change
-  // of the stored normal along a: the correction for curvature of surface_probe.h.
-  float metric[12];      // [-] distance quanta per normal quantum
-  bool diagonal;         // only component a of w is not 0: grid axes parallel to those of the bone frame
-  float steps_per_edge;  // [quanta] of distance per voxel edge
-  float normal_scale;    // [-] length of one quantum of a normal
-  float look_ahead;      // [voxel edges] points farther from the surface are no hits
-  float slack;           // [voxel edges] largest difference of distance between a point and the centre of its voxel, rounding included
+  // For each index axis a: {g, wx, wy, wz}. w.n [distance quanta] is -1/2 of the slope of the distance along a where the stored normal is n.
+  // The first two g [1/distance quanta] say how much of a convex edge a cell holds: for axes with w.dn < 0 the larger of -g0 w.dn - 2 and
+  // g1 |dd + w.(n0 + n1)| - 1, between 0 and 1; dn and dd are the changes of normal and distance along a, n0 and n1 the normals at both
+  // sides.
+  float metric[12];            // g, and w [-] distance quanta per normal quantum
+  float cut_lo[3], cut_hi[3];  // [voxels] cells from cut_lo, before cut_hi, may hold a cut surface
+  bool any_cut;                // there are such cells
+  bool diagonal;               // only component a of w is not 0: grid axes parallel to those of the bone frame
+  float steps_per_edge;        // [quanta] of distance per voxel edge
+  float normal_scale;          // [-] length of one quantum of a normal
+  float look_ahead;            // [voxel edges] points farther from the surface are no hits
+  float slack;  // [voxel edges] largest difference of distance between a point and the centre of its voxel, rounding included
 };
 
 /// Appends the hits, in the order of the part's points, and the bounds of each block of hits (HitBlocks). Sets hits.nearest to the smallest

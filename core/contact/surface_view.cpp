@@ -12,7 +12,8 @@ const Record* first_of(const RecordArray& records) noexcept {
 }  // namespace
 
 RecordView record_view(const ContactWindow& window, const Affine& bone_from_index) noexcept {
-  return {window.box, window.records_valid, first_of<Record8>(window.records), first_of<Record16>(window.records), bone_from_index};
+  return {window.box,      window.records_valid, first_of<Record8>(window.records), first_of<Record16>(window.records),
+          bone_from_index, window.records_cut};
 }
 
 std::optional<SurfaceView> surface_view(const ContactWindow& window, const Affine& bone_from_index, const Pose& world_from_bone) noexcept {

@@ -40,6 +40,7 @@ class VoxmapForm final : public ContactForm {
   }
   ContactFormNeeds needs() const override {
     ContactFormNeeds out;
+    out.any_density = model_.paper_mode;
     // The plane is that of the voxel of a point, and the model's force never exceeds that of half a voxel. A point that moves inwards
     // leaves its plane after a quarter of a voxel on average. Beyond that, planes would act as walls of ten times a point's stiffness.
     if (!coupling_ && model_.plane_voxel != PlaneVoxel::surface) out.plane_reach = 0.25;

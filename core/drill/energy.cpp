@@ -66,11 +66,8 @@ std::uint32_t EngagedScatter::gather(const Voxmap& voxmap, const ErosionPoints& 
   }
   for (const Sum& sum : sums_) {
     slot_[sum.at] = 0;
-    engaged.push_back({.at = sum.at,
-                       .available = window.remaining[sum.at],
-                       .share = 1.0f,
-                       .exposure = static_cast<float>(sum.exposure * cell_share),
-                       .radius = static_cast<float>(sum.moment / sum.exposure)});
+    engaged.push_back(
+        {.at = sum.at, .exposure = static_cast<float>(sum.exposure * cell_share), .radius = static_cast<float>(sum.moment / sum.exposure)});
   }
   return outside;
 }

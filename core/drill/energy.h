@@ -10,14 +10,21 @@
 ///   Bone that falls below the minimum density is cleared. The work of clearing is subtracted from the next steps.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "core/drill/coverage.h"
 #include "core/tool/tool.h"
 #include "core/voxel/voxmap.h"
 
 namespace burrhole {
+
+/// A voxel that contains erosion points in one sub-step.
+struct Engaged {
+  std::uint32_t at;  ///< offset into the window
+  float exposure;    ///< [1/rev] sum of the erosion factors, by volume; lambda of law `rate` is spin x exposure
+  float radius;      ///< [m] from the tool's axis
+};
 
 struct EnergyTerm {
   double worth;  ///< [J] >= 0 work that removes all bone of the voxel
@@ -32,7 +39,7 @@ struct EnergyTerm {
 class RubbingRadius {
  public:
   void add(const Engaged& one) noexcept {
-    const double weight = static_cast<double>(one.exposure) * static_cast<double>(one.share);
+    const double weight = static_cast<double>(one.exposure);
     weight_ += weight;
     moment_ += weight * static_cast<double>(one.radius);
   }
@@ -53,7 +60,7 @@ class RubbingRadius {
 /// thousandth of it or less. @param cutting_ratio mu [-]. @param force F [N]. @param radius r [m].
 [[nodiscard]] double cutting_torque(double cutting_ratio, double force, double radius) noexcept;
 
-/// Engaged voxels from erosion points, for removal without coverage.
+/// Engaged voxels from erosion points, for removal by whole voxels.
 class EngagedScatter {
  public:
   /// Appends the voxels with bone that contain points, in the order met. @param cell_share [-] (pitch of points / voxel edge)^3.

@@ -6,7 +6,7 @@
 #include "core/base/simd_exp-inl.h"
 #include "core/drill/engaged_kernels.h"
 
-// The scalar reference is in tests/core/drill/coverage_kernels_test.cpp.
+// The scalar reference is in tests/core/drill/engaged_kernels_test.cpp.
 
 HWY_BEFORE_NAMESPACE();
 namespace burrhole {

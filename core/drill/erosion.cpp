@@ -5,6 +5,7 @@
 #include "core/base/assert.h"
 #include "core/base/portable_math.h"
 #include "core/drill/engaged_removal.h"
+#include "core/drill/face_removal.h"
 #include "core/drill/removal_pass.h"
 
 namespace burrhole {
@@ -12,13 +13,6 @@ namespace {
 
 constexpr float kLeastHardness = 0.1f;  // keeps dr/dt finite in pores; part of the law
 constexpr double kGone = 128.0;         // e^-128 x a float <= 1 rounds to 0; any other -ln(1 - e s) of a double is below 37
-
-Affine mix(const Affine& a, const Affine& b, double t) {
-  Affine out;
-  for (std::size_t c = 0; c < 3; ++c) out.linear[c] = a.linear[c] + (b.linear[c] - a.linear[c]) * t;
-  out.offset = a.offset + (b.offset - a.offset) * t;
-  return out;
-}
 
 }  // namespace
 
@@ -35,8 +29,6 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
   if (!(config.minimum_density >= 0.0f && config.minimum_density < 0.5f)) return refuse("minimum density must be in [0, 0.5)");
   if (!(config.longest_substep > 0.0 && config.longest_substep <= 1.0)) return refuse("the longest sub-step must be in (0, 1] voxels");
-  if (!(config.clear_below >= 0.0f && config.clear_below <= 0.5f))
-    return refuse("voxels covered in part are cleared below a share in [0, 0.5]");
   if (points.size() > kMaxErosionPoints || points.factors.size() != points.size()) return refuse("erosion points and factors disagree");
   if (points.size() > 0 && !(points.pitch > 0.0 && std::isfinite(points.pitch)))
     return refuse("the pitch of erosion points must be a number above 0");
@@ -44,15 +36,19 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
     if (!is_finite(points.positions[n]) || !(points.factors[n] >= 0.0f) || !std::isfinite(points.factors[n]))
       return refuse("an erosion point is not finite or its factor is negative");
   Erosion erosion(config, points);
-  if (config.law == ErosionLaw::energy || config.subvoxel) {
-    auto engaged = EngagedRemoval::create(config, points, std::move(field));
+  if (config.subvoxel) {
+    auto face = FaceRemoval::create(config, std::move(field));
+    if (!face) return face.error();
+    erosion.face_ = std::make_unique<FaceRemoval>(std::move(face).value());
+  } else if (config.law == ErosionLaw::energy) {
+    auto engaged = EngagedRemoval::create(config, points);
     if (!engaged) return engaged.error();
     erosion.engaged_ = std::make_unique<EngagedRemoval>(std::move(engaged).value());
   }
   return erosion;
 }
 
-const Coverage* Erosion::coverage() const noexcept { return engaged_ ? engaged_->coverage() : nullptr; }
+std::size_t Erosion::bytes() const noexcept { return face_ ? face_->bytes() : 0; }
 
 int Erosion::substeps_for(const ErosionPath& path) const noexcept {
   // Positions are affine in the corners, so the corner of the tool's box with the largest motion bounds every point.
@@ -71,6 +67,7 @@ ErosionOutcome Erosion::step(Voxmap& voxmap, const ErosionPath& path, const Cutt
   ErosionOutcome outcome;
   const double spin = load.spin;
   if (!(spin > 0.0) || points_.size() == 0 || !(dt > 0.0)) return outcome;
+  if (face_) return face_->step(voxmap, path, substeps_for(path), load, dt);
   if (engaged_) return engaged_->step(voxmap, path, substeps_for(path), load, dt);
   const MasterWindow& window = voxmap.window();
   const int substeps = substeps_for(path);
@@ -87,7 +84,7 @@ ErosionOutcome Erosion::step(Voxmap& voxmap, const ErosionPath& path, const Cutt
   marks_.reset(window.box);
   outcome.substeps = static_cast<std::uint32_t>(substeps);
   for (int n = 0; n < substeps; ++n) {
-    outcome.outside += expose(window, mix(path.from, path.to, (n + 0.5) / substeps));
+    outcome.outside += expose(window, path.at((n + 0.5) / substeps));
     const Removal removal = apply_removal(voxmap, law, exposure_, marks_);
     outcome.removed_mass += removal.mass;
     outcome.touched += removal.voxels;

@@ -21,7 +21,8 @@ namespace burrhole {
 
 enum class ErosionLaw {
   /// dr/dt = -(lambda / h) r on the remaining fraction r, h = max(hardness, 0.1), lambda [1/s] = spin [rev/s] x sum over the points in the
-  /// voxel of e x (point pitch / voxel pitch)^3. The removed bone does not depend on the update rate or the pitch of the points.
+  /// voxel of e x (point pitch / voxel pitch)^3. The removed bone does not depend on the update rate or the pitch of the points. With
+  /// `subvoxel` the same mass inside the tool is taken off the face of bone (cut_face.h).
   rate,
   /// Eq. 4 as printed: b' = b (1 - e s), once per point in the voxel and update, without hardness; e s >= 1 gives 0. The product over the
   /// points of a voxel is computed as exp(sum of ln(1 - e s)), which differs by the rounding of doubles.
@@ -37,9 +38,6 @@ struct EnergyConfig {
   double cutting_ratio = 0.5;    ///< [-] > 0: mu, cutting force over normal force (an assumption)
 };
 
-/// Width of the kernel that averages the tool over a voxel; see core/drill/coverage_samples.h.
-enum class CoverageKernel : std::uint8_t { cell, trapezoid, wide };
-
 /// How the exposure of voxels is computed from points.
 enum class ErosionForm {
   scatter,  ///< each point adds to the voxel that contains it: exact
@@ -51,9 +49,7 @@ struct ErosionConfig {
   ErosionForm form = ErosionForm::scatter;
   float minimum_density = 0.05f;  ///< [-] in [0, 0.5): lower densities become 0 (the minimum threshold of the paper)
   double longest_substep = 0.5;   ///< [voxels] of path between two applications, so that a fast motion skips no bone
-  bool subvoxel = false;          ///< laws `rate` and `energy`: the covered share of a voxel bounds the removal
-  CoverageKernel kernel = CoverageKernel::trapezoid;
-  float clear_below = 0.5f;  ///< [-] in [0, 0.5] `subvoxel`: fraction of its covered share below which a partly covered voxel is cleared
+  bool subvoxel = false;          ///< laws `rate` and `energy`: bone recedes from its face (cut_face.h), which may lie inside a voxel
   EnergyConfig energy{};
 };
 
@@ -72,16 +68,21 @@ struct ErosionOutcome {
 struct ErosionPath {
   Affine from;
   Affine to;
+  /// @returns the pose at a share `t` of the path [-], 0..1.
+  [[nodiscard]] Affine at(double t) const noexcept {
+    return {from.linear + (to.linear - from.linear) * t, from.offset + (to.offset - from.offset) * t};
+  }
 };
 
 /// Load on the tool.
 struct CuttingLoad {
-  double spin = 0.0;   ///< [rev/s] 0 removes nothing
-  double force = 0.0;  ///< [N] normal force on the cutting part; used by law `energy` only: 0 removes nothing
+  double spin = 0.0;             ///< [rev/s] 0 removes nothing
+  double force = 0.0;            ///< [N] normal force on the cutting part; used by law `energy` only: 0 removes nothing
+  Vec3 reaction{0.0, 0.0, 1.0};  ///< [-] unit, tool frame: direction of the force of bone on the tool; used by `subvoxel`
 };
 
-class Coverage;
 class EngagedRemoval;
+class FaceRemoval;
 struct CuttingField;
 
 /// Applies the erosion points of a tool. One instance per tool and window; scratch memory is kept between steps.
@@ -103,8 +104,8 @@ class Erosion {
 
   [[nodiscard]] const ErosionConfig& config() const noexcept { return config_; }
   [[nodiscard]] int substeps_for(const ErosionPath& path) const noexcept;
-  /// Null without `subvoxel`.
-  [[nodiscard]] const Coverage* coverage() const noexcept;
+  /// @returns the memory of the state between steps.
+  [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
   Erosion(const ErosionConfig& config, const ErosionPoints& points);
@@ -119,6 +120,7 @@ class Erosion {
   double weighed_for_ = 0.0;                 // [1] s of eq. 4 that the points' weights hold for; 0 when they are the factors
   ExposureField exposure_;                   // zero between sub-steps
   TileMarks marks_;                          // of voxels changed in the current step
+  std::unique_ptr<FaceRemoval> face_;        // sub-voxel removal; null otherwise
   std::unique_ptr<EngagedRemoval> engaged_;  // law `energy` and sub-voxel removal; null otherwise
 };
 

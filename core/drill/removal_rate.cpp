@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <unordered_map>
 #include <vector>
 
@@ -31,32 +30,43 @@ class Columns {
   Columns(const ErosionPoints& points, const FeedFrame& frame) : frame_(frame), pitch_(points.pitch) {
     for (std::size_t n = 0; n < points.size(); ++n) {
       const Vec3& p = points.positions[n];
-      cells_[key(cell(p[frame.u]), cell(p[frame.v]))].push_back({frame.behind(p), static_cast<double>(points.factors[n])});
+      cells_[key(cell(p[frame.u]), cell(p[frame.v]))].push_back({p, static_cast<double>(points.factors[n])});
     }
   }
   [[nodiscard]] double area() const noexcept { return static_cast<double>(cells_.size()) * pitch_ * pitch_; }
-  /// Integral of the factor along the feed up to q [m/rev], of the richest column within a pitch of q: a voxel, normally two pitches wide,
-  /// averages over this distance, and a rim cuts with the cells beside it.
-  [[nodiscard]] double exposure(const Vec3& q) const {
-    const long long i = cell(q[frame_.u]), j = cell(q[frame_.v]);
-    double most = 0.0;
-    for (long long a = i - 1; a <= i + 1; ++a)
-      for (long long b = j - 1; b <= j + 1; ++b) most = std::max(most, column(key(a, b), q));
-    return most;
+  /// @returns the factor [1/rev] of the nearest erosion point within a pitch along each axis; 0 if there is none.
+  [[nodiscard]] double factor(const Vec3& q) const {
+    double nearest = std::numeric_limits<double>::infinity(), out = 0.0;
+    each_near(q, [&](const Cell& one) {
+      const Vec3 away = one.position - q;
+      if (std::abs(away[frame_.w]) > pitch_ || !(glm::dot(away, away) < nearest)) return;
+      nearest = glm::dot(away, away);
+      out = one.factor;
+    });
+    return out;
+  }
+  /// @returns whether something cuts ahead of q, at least `lag` [m] away.
+  [[nodiscard]] bool cut_ahead(const Vec3& q, double lag) const {
+    bool out = false;
+    each_near(q, [&](const Cell& one) { out = out || frame_.behind(one.position) - 0.5 * pitch_ <= frame_.behind(q) - lag; });
+    return out;
   }
 
  private:
   struct Cell {
-    double behind, factor;
+    Vec3 position;
+    double factor;
   };
   [[nodiscard]] long long cell(double x) const noexcept { return static_cast<long long>(std::floor(x / pitch_)); }
   [[nodiscard]] static long long key(long long i, long long j) noexcept { return i * (1LL << 31) + j; }
-  [[nodiscard]] double column(long long at, const Vec3& q) const {
-    const auto found = cells_.find(at);
-    if (found == cells_.end()) return 0.0;
-    double sum = 0.0;
-    for (const Cell& one : found->second) sum += one.factor * std::clamp(frame_.behind(q) - one.behind + 0.5 * pitch_, 0.0, pitch_);
-    return sum;
+  /// Calls `use` for the cells of the column of q and of the eight beside it.
+  template <class Use>
+  void each_near(const Vec3& q, const Use& use) const {
+    const long long i = cell(q[frame_.u]), j = cell(q[frame_.v]);
+    for (long long a = i - 1; a <= i + 1; ++a)
+      for (long long b = j - 1; b <= j + 1; ++b)
+        if (const auto found = cells_.find(key(a, b)); found != cells_.end())
+          for (const Cell& one : found->second) use(one);
   }
 
   FeedFrame frame_;
@@ -84,11 +94,17 @@ FeedPrediction predict_feed(const Tool& tool, FeedDirection direction, const Fee
     const double skin = tool.shell.cutting[n] != 0 ? 0.0 : half;
     const bool clear = p.z > high - skin || (direction == FeedDirection::sideways && p.z < low + skin);
     if (facing < kLeastFacing || clear) continue;
-    Vec3 gone = p;  // position where bone must be gone: the whole cutting part is engaged by one distance back along the push
-    if (tool.shell.cutting[n] != 0) gone[frame.w] += frame.back * out.engaged;
-    least = std::min(least, columns.exposure(gone));
+    if (tool.shell.cutting[n] == 0) {
+      if (!columns.cut_ahead(p, out.engaged)) least = 0.0;
+      continue;
+    }
+    Vec3 face = p;  // where the face of bone is: the whole cutting part is engaged by one distance back along the push
+    face[frame.w] += frame.back * out.engaged;
+    // A part that is thinner than the lag cuts with its whole thickness.
+    const double factor = columns.factor(face);
+    least = std::min(least, factor > 0.0 ? factor : columns.factor(p));
   }
-  if (std::isfinite(least)) out.speed = least * conditions.spin / (conditions.hardness * std::numbers::ln2);
+  if (std::isfinite(least)) out.speed = least * out.engaged * conditions.spin / conditions.hardness;
   out.rate = out.area * out.speed;
   return out;
 }

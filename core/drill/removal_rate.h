@@ -1,14 +1,10 @@
 /// core/drill/removal_rate.h: feed speed of a bit in bone and its removal rate, predicted from its points (law `rate`).
 ///   Frame  tool frame.   Units  SI.   Errors  none.   Thread  any; not for the servo path.   Source  own derivation:
-///   The bit passes a bone voxel at (x, y) with the feed speed v. The voxel loses remaining by d(ln r)/dt = -e(x, y, w) s / h, with w the
-///   depth behind the leading end of the bit, dw = v dt. Bone at w has left the felt surface (r < 1/2) when E(x, y, w) = integral of e dw
-///   up to w >= v h ln 2 / s. A spinning tool is engaged by d = F / K_cut at its cutting points and by 0 at passive points: the constrained
-///   tool meets bone at the position of its cutting points moved back along the push by d. So bone must be gone at p - d feed for a cutting
-///   point p, and at p for a passive point. v = min of E(...) s / (h ln 2) over the points that face the feed, and Q = A v, with A the area
-///   of the cutting part seen along the feed. For a uniform factor: v = (F / K_cut) e s / (h ln 2).
-///   Accuracy: 10 % if only the end touches bone. In a bore the bit rests on the fillet between floor and wall, which is removed later, so
-///   flat ends are slower than predicted (bound in bits_drilling_test.cpp). Round, pointed and thin-walled ends: an estimate within a voxel of the
-///   engaged depth and a factor of 2.
+///   A spinning tool is engaged by d = F / K_cut: the constrained tool touches bone at its pose moved back along the push by d, so the face
+///   of bone lags the tool by d. A face recedes at e s / h times its lag (core/drill/cut_face.h), e the erosion factor of the tool at the
+///   face. So v = min of e d s / h over the points that face the feed, and Q = A v, with A the area of the cutting part seen along the
+///   feed. A passive point ahead of which nothing cuts stops the bit: v = 0. For a uniform factor: v = (F / K_cut) e s / h.
+///   Accuracy: bits_drilling_test.cpp compares every shipped bit.
 #pragma once
 
 #include "core/base/result.h"
@@ -17,10 +13,10 @@
 namespace burrhole {
 
 struct FeedConditions {
-  double thrust = 20.0;              ///< [N] along the feed
-  double spin = 1000.0 / 60.0;       ///< [rev/s]
-  double hardness = 1.0;             ///< [-] h in (0, 1]
-  double cutting_stiffness = 100e3;  ///< [N/m] K_cut; the default of a scene
+  double thrust = 20.0;             ///< [N] along the feed
+  double spin = 1000.0 / 60.0;      ///< [rev/s]
+  double hardness = 1.0;            ///< [-] h in (0, 1]
+  double cutting_stiffness = 70e3;  ///< [N/m] K_cut; the default of a scene
 };
 
 /// Direction of the feed: along the shaft into bone (-z), or sideways (+x).

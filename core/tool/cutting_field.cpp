@@ -158,7 +158,7 @@ class CuttingSolid {
 CuttingFieldSize cutting_field_size(double voxel_edge, double least_radius) noexcept {
   // On a ball pitch^2 (2 / R) / 8 <= 0.005 voxel, R in voxels. Margin: sqrt(3) voxels, half a sub-step and a reserve for rounding.
   const double pitch = std::clamp(std::sqrt(0.02 * least_radius / voxel_edge), 0.125, 0.5);
-  return {.pitch = pitch * voxel_edge, .margin = 2.5 * voxel_edge};
+  return {.pitch = pitch * voxel_edge, .margin = 4.0 * voxel_edge};
 }
 
 Result<CuttingField> make_cutting_field(const Bounds& bounds, const std::function<double(const Vec3&)>& signed_distance,

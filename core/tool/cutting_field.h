@@ -40,7 +40,7 @@ struct CuttingFieldSize {
 inline constexpr std::size_t kMaxCuttingNodes = 64'000'000;
 
 /// @returns half the voxel edge for wide tools and less for slim tools, so that the interpolation error on a ball is at most 0.005 voxel;
-/// never less than an eighth of the voxel edge. The margin is the one that core/drill/coverage.h needs.
+/// never less than an eighth of the voxel edge. The margin is the one that core/drill/cut_face.h needs.
 /// @param voxel_edge [m] > 0. @param least_radius [m] smallest half-width of the cutting part.
 [[nodiscard]] CuttingFieldSize cutting_field_size(double voxel_edge, double least_radius) noexcept;
 

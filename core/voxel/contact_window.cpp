@@ -98,7 +98,7 @@ void ContactWindowPublisher::load_window(const Voxmap& voxmap) {
   const MasterWindow& master = voxmap.window();
   if (fields_.words) words_.rebuild(master);
   if (records_) {
-    records_->rebuild(master);
+    records_->rebuild(master, &voxmap.cut());
     stiffness_.resize(master.box.count());
     find_stiffness(voxmap, master.box);
   }
@@ -116,7 +116,7 @@ void ContactWindowPublisher::slide_window(const Voxmap& voxmap) {
   }
   if (records_) {
     margin = glm::max(margin, records_->valid_box().lo - records_->box().lo);
-    records_->slide(master);
+    records_->slide(master, &voxmap.cut());
     slide_array(box_, master.box, stiffness_);
     for (const VoxelBox& part : box_without(master.box, box_)) find_stiffness(voxmap, part);
   }
@@ -144,10 +144,12 @@ void ContactWindowPublisher::publish(Voxmap& voxmap) {
     // Dirty boxes include changed gradients, which extend one voxel beyond changed densities.
     std::vector<VoxelBox> dense;
     for (const VoxelBox& dirty : changed) dense.push_back(dirty.grown(-1));
-    for (const VoxelBox& again : records_->update(master, dense)) note(again);
+    const auto again = voxmap.cut().empty() ? records_->update(master, dense) : records_->update_cut(voxmap.cut(), dense);
+    for (const VoxelBox& box : again) note(box);
   }
   const std::size_t slot = buffer_.back_index();
   catch_up(buffer_.back(), missed_[slot], voxmap);
+  buffer_.back().records_cut = voxmap.cut().box();
   buffer_.back().number = ++published_;
   buffer_.publish();
 }

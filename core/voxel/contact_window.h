@@ -47,6 +47,7 @@ struct ContactWindow {
   std::vector<ContactWord> words;
   RecordArray records;
   VoxelBox records_valid;               ///< box in which records are valid
+  VoxelBox records_cut;                 ///< box of records that may be of the cut surface (cut_surface.h)
   std::vector<std::uint8_t> stiffness;  ///< relative: hardness times the factor of the label, 255 is 1; present with records
   std::uint64_t window_epoch = 0;
   std::uint64_t growth_epoch = 0;

@@ -1,9 +1,12 @@
 #include "core/voxel/surface_records.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "core/base/assert.h"
 #include "core/voxel/box_parts.h"
+#include "core/voxel/cut_surface.h"
 #include "core/voxel/surface_tile.h"
 
 // How a record is made (own derivation). Lengths are metric: M = linear / mean_edge takes index differences to voxel edges.
@@ -141,26 +144,70 @@ VoxelBox SurfaceRecords::valid_box() const noexcept {
   return {box_.lo + reach, box_.hi - reach};
 }
 
-void SurfaceRecords::make(const MasterWindow& window, const VoxelBox& part) {
+namespace {
+
+/// Computes the records of `part` tile by tile and calls `use` after each.
+template <class Use>
+void make_tiles(const MasterWindow& window, const VoxelBox& part, const SurfaceMap& map, RecordPrecision precision, SurfaceTile& tile,
+                const Use& use) {
   const Vec3i size = part.size();
   const Vec3i tiles = tiles_of(size);
-  SurfaceTile& tile = work_->tile;
   for_each_voxel({Vec3i(0), tiles}, [&](const Vec3i& t) {
-    tile.lay_out({part.lo + size * t / tiles, part.lo + size * (t + 1) / tiles}, box_, work_->map);
+    tile.lay_out({part.lo + size * t / tiles, part.lo + size * (t + 1) / tiles}, window.box, map);
     copy_density(window, tile);
     find_cells(tile);
     smooth_gradient(tile);
-    make_surfels(work_->map, tile);
-    find_nearest(work_->map, tile);
-    make_records(work_->map, precision(), tile);
-    std::visit([&](auto& records) { store(tile, box_, records); }, records_);
+    make_surfels(map, tile);
+    find_nearest(map, tile);
+    make_records(map, precision, tile);
+    use();
   });
 }
 
-void SurfaceRecords::rebuild(const MasterWindow& window) {
+}  // namespace
+
+Record16 record_of(const CutSurface::Node& node, Record16*) noexcept {
+  const float steps = std::clamp(node.distance(), static_cast<float>(-kRecordBand), static_cast<float>(kRecordBand)) /
+                      static_cast<float>(kRecord16Distance);
+  return {static_cast<std::int16_t>(std::lrint(steps)), node.normal[0], node.normal[1], node.normal[2]};
+}
+
+Record8 record_of(const CutSurface::Node& node, Record8*) noexcept {
+  const auto narrow = [](float value) { return static_cast<std::int8_t>(std::lrint(value)); };
+  const auto turn = [&](std::int16_t n) { return narrow(static_cast<float>(n) * static_cast<float>(kRecord16Normal / kRecord8Normal)); };
+  const float distance = std::clamp(node.distance(), static_cast<float>(-kRecordBand), static_cast<float>(kRecordBand));
+  return {narrow(distance / static_cast<float>(kRecord8Distance)), turn(node.normal[0]), turn(node.normal[1]), turn(node.normal[2])};
+}
+
+void SurfaceRecords::overlay(const CutSurface* cut, const VoxelBox& part) {
+  if (cut == nullptr || cut->empty() || part.empty()) return;
+  for_each_voxel(blocks_of(part), [&](const Vec3i& at) {
+    const CutSurface::Block* const block = cut->find(at);
+    if (block == nullptr) return;
+    const VoxelBox here = box_of_block(at).intersect(part);
+    std::visit(
+        [&](auto& records) {
+          using Record = typename std::decay_t<decltype(records)>::value_type;
+          for_each_voxel(here, [&](const Vec3i& v) {
+            const CutSurface::Node& node = block->at(v);
+            if (node.set()) records[box_.offset_of(v)] = record_of(node, static_cast<Record*>(nullptr));
+          });
+        },
+        records_);
+  });
+}
+
+void SurfaceRecords::make(const MasterWindow& window, const VoxelBox& part) {
+  SurfaceTile& tile = work_->tile;
+  make_tiles(window, part, work_->map, precision(), tile,
+             [&] { std::visit([&](auto& records) { store(tile, box_, records); }, records_); });
+}
+
+void SurfaceRecords::rebuild(const MasterWindow& window, const CutSurface* cut) {
   box_ = window.box;
   std::visit([&](auto& records) { records.resize(box_.count()); }, records_);
   make(window, box_);
+  overlay(cut, box_);
 }
 
 VoxelBox SurfaceRecords::update(const MasterWindow& window, const VoxelBox& dirty) {
@@ -171,6 +218,16 @@ VoxelBox SurfaceRecords::update(const MasterWindow& window, const VoxelBox& dirt
   const VoxelBox part = VoxelBox{seen.lo - reach, seen.hi + reach}.intersect(box_);
   make(window, part);
   return part;
+}
+
+std::vector<VoxelBox> SurfaceRecords::update_cut(const CutSurface& cut, std::span<const VoxelBox> dirty) {
+  const Vec3i spread = work_->map.spread + 1;
+  std::vector<VoxelBox> boxes;
+  for (const VoxelBox& box : dirty) {
+    boxes.push_back(VoxelBox{box.lo - spread, box.hi + spread}.intersect(box_));
+    overlay(&cut, boxes.back());
+  }
+  return boxes;
 }
 
 std::vector<VoxelBox> SurfaceRecords::update(const MasterWindow& window, std::span<const VoxelBox> dirty) {
@@ -192,13 +249,16 @@ std::vector<VoxelBox> SurfaceRecords::update(const MasterWindow& window, std::sp
   return boxes;
 }
 
-void SurfaceRecords::slide(const MasterWindow& window) {
+void SurfaceRecords::slide(const MasterWindow& window, const CutSurface* cut) {
   // What is within reach of an edge of either window saw another field there.
   const VoxelBox from = box_, true_before = valid_box();
   box_ = window.box;
   const VoxelBox kept = true_before.intersect(valid_box());
   std::visit([&](auto& records) { slide_array(from, box_, records); }, records_);
-  for (const VoxelBox& part : box_without(box_, kept.empty() ? VoxelBox{} : kept)) make(window, part);
+  for (const VoxelBox& part : box_without(box_, kept.empty() ? VoxelBox{} : kept)) {
+    make(window, part);
+    overlay(cut, part);
+  }
 }
 
 void SurfaceRecords::reserve(std::size_t window_voxels) {
@@ -207,6 +267,21 @@ void SurfaceRecords::reserve(std::size_t window_voxels) {
 
 std::size_t SurfaceRecords::bytes() const noexcept {
   return std::visit([](const auto& records) { return records.capacity() * sizeof(records[0]); }, records_);
+}
+
+struct SurfaceReader::Work {
+  SurfaceMap map;
+  SurfaceTile tile;
+};
+
+SurfaceReader::SurfaceReader(const Affine& bone_from_index) : work_(std::make_unique<Work>(Work{SurfaceMap(bone_from_index), {}})) {}
+SurfaceReader::SurfaceReader(SurfaceReader&&) noexcept = default;
+SurfaceReader& SurfaceReader::operator=(SurfaceReader&&) noexcept = default;
+SurfaceReader::~SurfaceReader() = default;
+
+void SurfaceReader::read(const MasterWindow& window, const VoxelBox& part, std::vector<Record16>& out) {
+  out.resize(part.count());
+  make_tiles(window, part, work_->map, RecordPrecision::bits16, work_->tile, [&] { store(work_->tile, part, out); });
 }
 
 SurfaceSample decode(const Record8& record) noexcept { return decoded(record, kRecord8Distance, kRecord8Normal); }

@@ -48,6 +48,8 @@ struct SurfaceSample {
 /// Records of one window, i fastest over `box`.
 using RecordArray = std::variant<std::vector<Record8>, std::vector<Record16>>;
 
+class CutSurface;
+
 class SurfaceRecords {
  public:
   SurfaceRecords(const Affine& bone_from_index, RecordPrecision precision);
@@ -56,15 +58,17 @@ class SurfaceRecords {
   ~SurfaceRecords();
 
   /// Computes all records: after the window was placed, or bone was restored.
-  void rebuild(const MasterWindow& window);
+  void rebuild(const MasterWindow& window, const CutSurface* cut = nullptr);
   /// Updates the records after density changed inside `dirty`, which may include the halo of gradients. @returns the box of records that
   /// may have changed. The result equals that of rebuild(), bit for bit.
   VoxelBox update(const MasterWindow& window, const VoxelBox& dirty);
 
   /// The same for several boxes. Boxes whose reaches overlap much are united. @returns the boxes of records that may have changed.
   std::vector<VoxelBox> update(const MasterWindow& window, std::span<const VoxelBox> dirty);
+  /// After bone was cut inside `dirty` boxes, and every change was written to `cut`: copies the nodes, and does not read the density.
+  std::vector<VoxelBox> update_cut(const CutSurface& cut, std::span<const VoxelBox> dirty);
   /// Updates the records after the window moved: keeps those that remain valid and computes the others.
-  void slide(const MasterWindow& window);
+  void slide(const MasterWindow& window, const CutSurface* cut = nullptr);
   [[nodiscard]] std::size_t bytes() const noexcept;
   /// Reserves memory for windows of up to `window_voxels`.
   void reserve(std::size_t window_voxels);
@@ -78,10 +82,27 @@ class SurfaceRecords {
  private:
   struct Work;
   void make(const MasterWindow& window, const VoxelBox& part);
+  /// Replaces records of `part` by the nodes that are set.
+  void overlay(const CutSurface* cut, const VoxelBox& part);
 
   std::unique_ptr<Work> work_;  // map and scratch; grows to its steady size at the first rebuild
   VoxelBox box_;
   RecordArray records_;
+};
+
+/// Records of parts of a window from its density alone.
+class SurfaceReader {
+ public:
+  explicit SurfaceReader(const Affine& bone_from_index);
+  SurfaceReader(SurfaceReader&&) noexcept;
+  SurfaceReader& operator=(SurfaceReader&&) noexcept;
+  ~SurfaceReader();
+  /// Writes the records of `part`, i fastest. @pre `part` is inside the window, and away from its boundary by record_reach().
+  void read(const MasterWindow& window, const VoxelBox& part, std::vector<Record16>& out);
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
 };
 
 /// @returns the distance along each axis up to which densities affect a record [voxels]; nearer to the window's boundary records are

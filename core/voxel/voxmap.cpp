@@ -159,6 +159,7 @@ void Voxmap::put_blocks(std::span<const BlockChange> changes) {
     for (VoxelBoxes& listener : listeners_) listener.add(box.grown(1));
   }
   ++growth_epoch_;
+  cut_.clear();
   ++window_epoch_;
 }
 

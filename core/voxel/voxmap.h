@@ -17,6 +17,7 @@
 #include "core/voxel/block_store.h"
 #include "core/voxel/bone_model.h"
 #include "core/voxel/bone_prefetch.h"
+#include "core/voxel/cut_surface.h"
 
 namespace burrhole {
 
@@ -76,6 +77,10 @@ class Voxmap {
   /// allocate nothing.
   void reserve(std::size_t window_voxels, std::size_t blocks);
 
+  /// The surface where tools have cut at sub-voxel resolution; empty if none has. Dropped when bone grows.
+  [[nodiscard]] const CutSurface& cut() const noexcept { return cut_; }
+  /// For erosion: every change of bone from the first node on must be written to it.
+  [[nodiscard]] CutSurface& cut() noexcept { return cut_; }
   /// @returns `remaining` of the window, 0..1, for erosion. After writing, call commit() for each changed box (inside erodible_box()).
   [[nodiscard]] std::span<float> remaining() noexcept { return window_.remaining; }
   /// Recomputes density in the box. Marks the box dirty for every listener, with a halo of one voxel in which gradients change.
@@ -133,6 +138,7 @@ class Voxmap {
   std::shared_ptr<const BoneModel> bone_;
   VoxmapConfig config_;
   BlockStore blocks_;  // of remaining
+  CutSurface cut_;
   MasterWindow window_;
   BlockMarks unsaved_;  // blocks of the window that were committed since write_back()
   BlockKeeper* keeper_ = nullptr;

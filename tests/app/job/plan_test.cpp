@@ -179,7 +179,7 @@ TEST_CASE("summary: what drew is reported key by key, null where nothing chose t
 }
 
 TEST_CASE("summary: every promised key is there, with numbers where the run has them") {
-  DrillRun run(SmallScene{.sets = {"tool.erosion_scale=4", "duration_s=1.1"}});
+  DrillRun run(SmallScene{.sets = {"tool.erosion_scale=4", "duration_s=1.6"}});
   const Json json = summary_of(run);
   CHECK(json.at("display").is_null());  // the scene has none
   CHECK(json.at("schema") == 1);

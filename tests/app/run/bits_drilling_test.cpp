@@ -339,13 +339,8 @@ struct FeedCase {
   double cutting_stiffness = 40e3;  ///< [N/m]
 };
 
-/// Feed of a simulated thick plate between two depths, and the predicted one.
-struct Feed {
-  double ratio = 0.0;        ///< simulated over predicted
-  double front_known = 0.0;  ///< a voxel over the engaged depth: the share to which voxels tell the latter
-};
-
-Feed feed_of(const FeedCase& c) {
+/// @returns the feed in a thick plate between two depths over the predicted one.
+double feed_of(const FeedCase& c) {
   const std::string across = std::to_string(c.across_mm);
   SmallScene scene{.volume = "source = \"phantom:plate\"\nspacing_mm = " + std::to_string(c.spacing_mm) + "\nextent_mm = [" + across +
                              ", " + across + ", 10.0]\nabove_mm = 1.5\nthickness_mm = 7.0\nhardness = 0.8\n"};
@@ -370,36 +365,32 @@ Feed feed_of(const FeedCase& c) {
   const FeedPrediction predicted = predict_feed(run.tool(), FeedDirection::plunge, conditions);
   MESSAGE(c.name << ": simulated " << speed * 1e3 << " mm/s, predicted " << predicted.speed * 1e3 << " mm/s, ratio "
                  << speed / predicted.speed << ", thrust " << conditions.thrust << " N, engaged " << engaged / looks * 1e3 << " mm");
-  return {.ratio = speed / predicted.speed, .front_known = c.spacing_mm * 1e-3 / predicted.engaged};
+  return speed / predicted.speed;
+}
+
+// Where all of the end cuts alike, the whole face lags by F / K_cut. The steps of bone take lambda dt / 2 of the feed, 3 % at most here, and a
+// plane's own give 2 %; the rest of the 10 % is for the corner between floor and wall.
+TEST_CASE("predicted feed: within 10 % for ends that cut alike all over") {
+  for (const FeedCase& c : {FeedCase{"acosta_liu_perforator", 17.0, 0.2, 1.4, 2.6},
+                            {"perforator_14_11", 17.0, 0.25, 3.5, 4.5},
+                            {"trephine_12mm", 15.0, 0.25, 1.5, 3.0},
+                            {"sagittal_saw_12mm", 14.0, 0.15, 0.5, 0.8, 100e3}}) {
+    CAPTURE(c.name);
+    CHECK(std::abs(feed_of(c) - 1.0) < 0.1);
+  }
+}
+
+// The prediction takes the weakest part of the end to carry the thrust. A weak part that is smaller than the engaged depth does not: bone is
+// taken off it from beside. So these are known to 20 %, which docs/bits.md says.
+TEST_CASE("predicted feed: within 20 % where the axis cuts less than the rim, and for a thin twist drill") {
+  for (const FeedCase& c : {FeedCase{"twist_drill_2_5mm", 6.0, 0.25, 2.0, 4.0},
+                            {"matchstick_burr_3mm", 7.0, 0.25, 1.5, 2.0},
+                            {"round_burr_4mm", 7.0, 0.25, 2.0, 2.5},
+                            {"acorn_burr_7_5mm", 10.0, 0.25, 4.0, 4.5}}) {
+    CAPTURE(c.name);
+    CHECK(std::abs(feed_of(c) - 1.0) < 0.2);
+  }
 }
 
 }  // namespace
-
-// The prediction is in proportion to the engaged depth, and walls, fillets and oblique faces show their 0.5 level where voxels put it: the depth
-// is known to a voxel. Target: the 10 % of ends that touch nothing else (drill_speed_test).
-TEST_CASE("predicted feed: a flat and wide end in a bore is slower than predicted, by at most a voxel of engaged depth") {
-  // Chords between voxel layers, bone steps and the fillet between floor and wall, on which the rim rests, all hold the bit back.
-  for (const FeedCase& c : {FeedCase{"acosta_liu_perforator", 17.0, 0.2, 1.4, 2.6}, {"perforator_14_11", 17.0, 0.25, 3.5, 4.5}}) {
-    CAPTURE(c.name);
-    const Feed feed = feed_of(c);
-    CHECK(feed.ratio > 1.0 - feed.front_known);
-    CHECK(feed.ratio < 1.0);
-  }
-}
-
-// As above, and the factor of 2 that removal_rate.h promises.
-TEST_CASE("predicted feed: within a voxel of engaged depth and a factor of 2 for round, pointed and thin-walled ends") {
-  for (const FeedCase& c : {FeedCase{"twist_drill_2_5mm", 6.0, 0.25, 2.0, 4.0},
-                            {"trephine_12mm", 15.0, 0.25, 1.5, 3.0},
-                            {"matchstick_burr_3mm", 7.0, 0.25, 1.5, 2.0},
-                            {"round_burr_4mm", 7.0, 0.25, 2.0, 2.5},
-                            {"acorn_burr_7_5mm", 10.0, 0.25, 4.0, 4.5},
-                            {"sagittal_saw_12mm", 14.0, 0.15, 0.5, 0.8, 100e3}}) {
-    CAPTURE(c.name);
-    const Feed feed = feed_of(c);
-    CHECK(feed.ratio > std::max(0.5, 1.0 - feed.front_known));
-    CHECK(feed.ratio < std::min(2.0, 1.0 + feed.front_known));
-  }
-}
-
 }  // namespace burrhole::test

@@ -1,8 +1,8 @@
-// How fast a post narrower than the tool is drilled, against the closed form: without walls the front moves in one dimension. In steady
-// state a layer at depth x behind the tip has been eroded for x / v, so its density is exp(-lambda x / v); the front, where it is 0.5, lies
-// F / K_cut behind the tip, and so v = (F / K_cut) lambda / ln 2 with lambda = e s / h.
-//   Voxels let the tip see the exponential as chords between layers: the front is seen late and the drill is slower, by a share that is
-//   checked here to halve with the voxel.
+// How fast a post narrower than the tool is drilled, against the closed form: without walls the front moves in one dimension.
+//   Sub-voxel the face lags the tip by F / K_cut and recedes at lambda times its lag: v = (F / K_cut) lambda with lambda = e s / h.
+//   By whole voxels a layer at depth x behind the tip has been eroded for x / v, so its density is exp(-lambda x / v); the front, where it
+//   is 0.5, lies F / K_cut behind the tip, and so v = (F / K_cut) lambda / ln 2. Voxels let the tip see the exponential as chords between
+//   layers: the front is seen late and the drill is slower, by a share that is checked here to halve with the voxel.
 //   Of the punch's shell one point alone, on the axis, meets the post: all load is on one plane, so its own give counts in full and the
 //   engaged depth is F / K_cut; and no point rests on an edge, whose slanted normal would push the tool off a post that has no walls.
 
@@ -28,8 +28,8 @@ struct Steady {
   double voxel = 0.0;       ///< [m]
   double time = 0.0;        ///< [s] between the two depths
 
-  [[nodiscard]] double theory(double cutting_stiffness, double scale, double hardness) const {
-    return force / cutting_stiffness * (kFactor * scale * kSpin / hardness) / std::numbers::ln2;
+  [[nodiscard]] double theory(double cutting_stiffness, double scale, double hardness, bool subvoxel) const {
+    return force / cutting_stiffness * (kFactor * scale * kSpin / hardness) / (subvoxel ? 1.0 : std::numbers::ln2);
   }
 };
 
@@ -114,7 +114,7 @@ double over_theory(const SpeedCase& c, const std::string& subvoxel) {
   std::vector<std::string> sets = c.sets;
   sets.push_back("erosion.subvoxel=" + subvoxel);
   const Steady s = drill_post(sets);
-  const double ratio = s.speed / s.theory(c.cutting_stiffness, c.scale, c.hardness);
+  const double ratio = s.speed / s.theory(c.cutting_stiffness, c.scale, c.hardness, subvoxel == "true");
   MESSAGE(c.what << ": " << figures(s) << ", over theory " << ratio);
   return ratio;
 }
@@ -125,22 +125,25 @@ TEST_CASE("speed, whole voxels: v = (F / K_cut) lambda / ln 2 within 5 % at two 
   for (const SpeedCase& c : kSpeedCases) CHECK(std::abs(over_theory(c, "false") - 1.0) < (c.deep ? 0.05 : 0.12));
 }
 
-// Sub-voxel the rate of a voxel on the tool's face is a ramp of its depth, which the share covered bounds: over the passage of a plane
-// integral (1 - now / share) is a tenth of a voxel, 5 % at two voxels; a part-covered voxel that leaves at half its covered share goes
-// early by up to a quarter of a voxel, the other way: it is most of the figure at one voxel.
-TEST_CASE("speed, sub-voxel: the same within 10 % at two voxels of engaged depth, 20 % at one") {
-  for (const SpeedCase& c : kSpeedCases) CHECK(std::abs(over_theory(c, "true") - 1.0) < (c.deep ? 0.10 : 0.20));
+// Sub-voxel a step takes 1 - exp(-lambda dt) of the overlap, lambda dt / 2 less than lambda dt: 0.8 % at 250 Hz and 4.2 / s. A plane
+// presses with its own give, 2 % of F / K_cut, which the face sees as overlap.
+TEST_CASE("speed, sub-voxel: v = (F / K_cut) lambda within 4 %, at one voxel of engaged depth as at two") {
+  for (const SpeedCase& c : kSpeedCases) CHECK(std::abs(over_theory(c, "true") - 1.0) < 0.04);
 }
 
-TEST_CASE("speed: half the voxel comes at least twice as near to the closed form, by either removal") {
-  for (const std::string subvoxel : {"erosion.subvoxel=true", "erosion.subvoxel=false"}) {
-    const Steady coarse = drill_post({subvoxel});
-    const Steady fine = drill_post({subvoxel, "volume.spacing_mm=0.125", "volume.extent_mm=[4.5,4.5,6.0]"});
-    const double coarse_error = std::abs(coarse.speed / coarse.theory(40e3, 2.0, 0.8) - 1.0);
-    const double fine_error = std::abs(fine.speed / fine.theory(40e3, 2.0, 0.8) - 1.0);
-    MESSAGE(subvoxel << ": off by " << coarse_error << " at 0.25 mm, by " << fine_error << " at 0.125 mm");
-    CHECK(fine_error < 0.5 * coarse_error);
-  }
+TEST_CASE("speed, whole voxels: half the voxel comes at least twice as near to the closed form") {
+  const Steady coarse = drill_post({"erosion.subvoxel=false"});
+  const Steady fine = drill_post({"erosion.subvoxel=false", "volume.spacing_mm=0.125", "volume.extent_mm=[4.5,4.5,6.0]"});
+  const double coarse_error = std::abs(coarse.speed / coarse.theory(40e3, 2.0, 0.8, false) - 1.0);
+  const double fine_error = std::abs(fine.speed / fine.theory(40e3, 2.0, 0.8, false) - 1.0);
+  MESSAGE("off by " << coarse_error << " at 0.25 mm, by " << fine_error << " at 0.125 mm");
+  CHECK(fine_error < 0.5 * coarse_error);
+}
+
+TEST_CASE("speed, sub-voxel: half the voxel and a quarter drill at the same speed within 1 %") {
+  const double coarse = drill_post({}).speed;
+  for (const std::string spacing : {"0.125", "0.0625"})
+    CHECK(drill_post({"volume.spacing_mm=" + spacing, "volume.extent_mm=[4.5,4.5,6.0]"}).speed == doctest::Approx(coarse).epsilon(0.01));
 }
 
 TEST_CASE("engaged depth: F / K_cut in steady drilling, as published and as measured on the bone") {
@@ -149,12 +152,10 @@ TEST_CASE("engaged depth: F / K_cut in steady drilling, as published and as meas
       const Steady s = drill_post({"hand.push_N=" + push, "contact.cutting_N_per_m=" + std::to_string(cutting_stiffness)});
       const double expected = s.force / cutting_stiffness;
       MESSAGE(push << " N, " << cutting_stiffness << " N/m: " << figures(s) << ", F / K_cut " << expected * 1e3 << " mm");
-      // 0.2 %: the multipliers of one step add up exactly; force and state are looked at a tick apart, while the thrust drifts.
-      CHECK(std::abs(s.engagement / expected - 1.0) < 0.002);
-      // The front is found by a chord between layers a voxel apart, of which each is r = 2^(-voxel / depth) of the one before; and bone is
-      // cut half a bone step late on average.
-      const double r = std::exp2(-s.voxel / expected), chord = (1.0 + (1.0 - r) / std::log(r)) / (1.0 - r) - 0.5;
-      CHECK(std::abs(s.lag - expected) < chord * s.voxel + 0.5 * s.speed / 250.0);
+      // Force and state are looked at a tick apart, in which the tip moves into bone that is cut at the next bone step.
+      CHECK(std::abs(s.engagement - expected) < s.speed * 1e-3);
+      // The front is found on the ramp of density, exact to 0.02 voxel; it moves by a bone step's way; one plane gives by a fiftieth.
+      CHECK(std::abs(s.lag - expected) < 0.02 * s.voxel + s.speed / 250.0 + 0.02 * expected);
     }
 }
 
@@ -180,7 +181,7 @@ TEST_CASE("time in bone: doubling e s halves it, doubling the hardness doubles i
   // e s / h enters as one number: powers of two give the same bits, so that speed and hardness need no tolerance of their own.
   const double factor = drill_post({"tool.erosion_scale=2"}).time;
   CHECK(drill_post({"tool.erosion_scale=1", "tool.spin_rpm=2000"}).time == factor);
-  CHECK(drill_post({"tool.erosion_scale=1", "volume.hardness=0.4"}).time == factor);
+  CHECK(drill_post({"tool.erosion_scale=1", "volume.hardness=0.4"}).time == doctest::Approx(factor).epsilon(1e-4));
 }
 
 TEST_CASE("time between two depths in steady drilling: halves within 3 % when the thrust that was felt is allowed for") {

@@ -87,9 +87,13 @@ TEST_CASE("every model of contact drills: the tool held back by the surface, pla
     const bool held = form.name.starts_with("surface");
     // A penalty model adds up to what presses the tool out only while it is in shallow: deeper, forces on all sides cancel or their average
     // falls, and a tool that is all in bone feels nothing (docs/accuracy.md). 2 N are a tenth of a millimetre for one plane of 20 kN/m.
-    DrillRun run = drilled(form, {"duration_s=1", held ? "hand.push_N=10" : "hand.push_N=2"});
+    // Bone that collides at any density above 0 holds a tool above the face that sub-voxel removal moves: `check` warns.
+    const bool any_density = form.contact.find("paper\"") != std::string::npos;
+    DrillRun run = drilled(form, {"duration_s=1", held ? "hand.push_N=10" : "hand.push_N=2",
+                                  std::string("erosion.subvoxel=") + (any_density ? "false" : "true")});
     const double removed = run.simulation().bone_step().removed_mass(), depth = run.simulation().progress().depth;
-    CHECK(removed > 0.02e-9);
+    // A ball of 1 mm that is 0.1 mm deep holds 0.03 mm3, of which 1.7 / s takes more than a tenth in the time after touchdown.
+    CHECK(removed > 0.003e-9);
     if (!held) continue;
     // Not past the plate, and what the tip is deep beyond the engaged 0.25 mm and a voxel has been cut.
     CHECK(depth < 1.5e-3);
@@ -138,8 +142,7 @@ TEST_CASE("spindle: a bit that stalls stays engaged by F / K_cut, cuts no furthe
 }
 
 TEST_CASE("spindle: a motor of 1000 N m is not slowed by a hand, and drills what one without it does") {
-  // Up to the first wall. Later the bit sticks and snaps, and the last digit of its speed decides when: up to 0.5 % of the volume.
-  const std::vector<std::string> common{"duration_s=0.4"};
+  const std::vector<std::string> common{"duration_s=0.8"};
   DrillRun without = drilled({.name = "no spindle"}, common);
   DrillRun with = drilled({.name = "strong spindle", .sets = {"spindle.stall_torque_Nm=1000"}, .spindle = true}, common);
   // M / M_stall = 0.5 x 20 N x 1 mm / 1000 N m = 1e-5 of the speed, and of the rate of removal.

@@ -81,10 +81,10 @@ TEST_CASE("spin 0: the check of the tip fails for a tool that may engage") {
   const DrillProgress& progress = run.run().simulation().progress();
   MESSAGE("engaged by " << progress.deepest * 1e3 << " mm");
   CHECK(progress.deepest / run.voxel() > 0.1);
-  // 40 N over 40 kN/m is 1 mm, of which one plane's own give takes a twentieth; n planes that share the load give n times less: 0.95 to 1
+  // 40 N over 40 kN/m is 1 mm, of which one plane's own give takes a fiftieth; n planes that share the load give n times less: 0.98 to 1
   // mm, and 1 % for what the arm's spring still takes of the thrust.
   CHECK(progress.deepest < 1.01e-3);
-  CHECK(progress.deepest > (0.95 - 0.01) * 1e-3);
+  CHECK(progress.deepest > (0.98 - 0.01) * 1e-3);
 }
 
 TEST_CASE("spin 0: a hand at 25 times the usual speed does not take the tool past the surface") {

@@ -100,7 +100,7 @@ TEST_CASE("surface: in a dent that a drill left, the ball rests on the true swep
   constexpr double kSpin = 1000.0 / 60.0;  ///< [rev/s]
   const Cutter cutter(2.5e-3);
   ShippedBone bone(phantom_of(spec_of(PhantomKind::plate)));
-  auto erosion = Erosion::create({.law = ErosionLaw::rate, .subvoxel = true, .clear_below = 0.0f}, cutter.points, cutter.field);
+  auto erosion = Erosion::create({.law = ErosionLaw::rate, .subvoxel = true}, cutter.points, cutter.field);
   REQUIRE(erosion.ok());
   // Down by 1.2 mm in steps of a fifth of a voxel; then it dwells: 0.1 x 16.7 rev/s takes e^-1.3 of what is covered a second.
   const Vec3 aside(0.07e-3, -0.11e-3, 0.0);
@@ -150,7 +150,7 @@ TEST_CASE("surface: on a flat floor that a drill left, the ball rests on the flo
     const Quat turn = turn_about_x(tilt * kDegree);
     const Vec3 up = turn * Vec3(0.0, 0.0, 1.0);
     ShippedBone bone(phantom_of(spec_of(PhantomKind::plate)));
-    auto erosion = Erosion::create({.law = ErosionLaw::rate, .subvoxel = true, .clear_below = 0.0f}, cutter.points, cutter.field);
+    auto erosion = Erosion::create({.law = ErosionLaw::rate, .subvoxel = true}, cutter.points, cutter.field);
     REQUIRE(erosion.ok());
     const auto at = [&](double depth) { return Pose{turn, Vec3(0.03e-3, 0.05e-3, 0.0) - up * depth}; };
     constexpr double kDown = 1.13e-3;  // off the grid

@@ -57,22 +57,48 @@ Cell interpolated(const RecordView& bone, const std::array<float, 3>& p) {
           {less(faces[1], faces[0]), between(over_j[0], over_j[1], fx), between(over_k[0], over_k[1], fx)}};
 }
 
-/// [stored steps] what bends the distance: by axis f (1 - f) / 2 times how much less the normal, on the way of the axis, is past than
-/// before.
-float bend(const RecordView& bone, const Cell& cell, const std::array<float, 3>& p) {
+/// [stored steps] the distance at a point: what its cell interpolates, less by axis f (1 - f) / 2 times the change of slope; where bone may be
+/// cut, the highest tangent instead where the slope rises by more than 1/2, in full from 3/4, or where it rises and the distance changes by 0.1 more or less
+/// than by the mean slope, in full from 0.2. Slopes are kept times -1/2, as the kernel's rounding asks.
+float distance_in(const RecordView& bone, const Cell& cell, const std::array<float, 3>& p) {
   const bool small = bone.records8 != nullptr;
   const double scale = small ? kRecord8Normal / kRecord8Distance : kRecord16Normal / kRecord16Distance;
-  std::array<float, 3> by_channel{};
-  for (std::size_t c = 0; c < 3; ++c) {
+  const auto slope = [&](const Four& normal, std::size_t axis) {
     std::array<float, 3> part{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float f = p[axis] - static_cast<float>(static_cast<int>(p[axis]));
-      const auto way = static_cast<float>(-0.5 * scale * bone.bone_from_index.linear[axis][c] / bone.bone_from_index.mean_edge());
-      part[axis] = cell.change[axis][c + 1] * (way * (f * (1.0f - f)));
-    }
-    by_channel[c] = (part[0] + part[1]) + part[2];
+    for (std::size_t c = 0; c < 3; ++c)
+      part[c] = normal[c + 1] * static_cast<float>(-0.5 * scale * bone.bone_from_index.linear[axis][c] / bone.bone_from_index.mean_edge());
+    return (part[0] + part[1]) + part[2];
+  };
+  std::array<float, 3> curved{}, f{};
+  float sharp = 0.0f;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    f[axis] = p[axis] - static_cast<float>(static_cast<int>(p[axis]));
+    const Four& change = cell.change[axis];
+    Four first = cell.value;
+    for (std::size_t c = 0; c < 4; ++c) first[c] = cell.value[c] - f[axis] * change[c];
+    const float turn = slope(change, axis), before = slope(first, axis), steps = small ? 32.0f : 4096.0f;
+    curved[axis] = turn * (f[axis] * (1.0f - f[axis]));
+    if (turn >= 0.0f) continue;
+    const float uneven = std::abs(change[0] + (before + (before + turn)));
+    sharp = std::max({sharp, -turn * (8.0f / steps) - 2.0f, uneven * (10.0f / steps) - 1.0f});
   }
-  return (by_channel[0] + by_channel[1]) + by_channel[2];
+  const float smooth = cell.value[0] + ((curved[0] + curved[1]) + curved[2]);
+  bool cut = true;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int at = static_cast<int>(p[axis]) + bone.box.lo[axis];
+    cut = cut && at >= bone.cut.lo[axis] && at < bone.cut.hi[axis];
+  }
+  if (sharp <= 0.0f || !cut) return smooth;
+  float highest = -1e9f;
+  for (int n = 0; n < 8; ++n) {
+    const std::array<int, 3> up{n & 1, (n >> 1) & 1, n >> 2};
+    const Four corner = stored(bone, static_cast<int>(p[0]) + up[0], static_cast<int>(p[1]) + up[1], static_cast<int>(p[2]) + up[2]);
+    std::array<float, 3> part{};
+    for (std::size_t axis = 0; axis < 3; ++axis) part[axis] = (f[axis] - static_cast<float>(up[axis])) * slope(corner, axis);
+    const float half = (part[0] + part[1]) + part[2];
+    highest = std::max(highest, corner[0] - (half + half));
+  }
+  return smooth + std::min(sharp, 1.0f) * (highest - smooth);
 }
 
 std::array<float, 3> times(const Affine& map, float x, float y, float z) {
@@ -116,7 +142,7 @@ TwinProbe probe_plainly(const RecordView& bone, const ContactShellPart& points, 
     if (!(first < (reach + slack) * steps)) continue;
     const Cell cell = interpolated(bone, p);
     const Four& found = cell.value;
-    const float distance = (found[0] + bend(bone, cell, p)) * (1.0f / steps);
+    const float distance = distance_in(bone, cell, p) * (1.0f / steps);
     if (!(distance < reach)) continue;
     out.hits.push_back({points.point[n], points.x[n], points.y[n], points.z[n], distance, found[1] * normal_scale, found[2] * normal_scale,
                         found[3] * normal_scale});
@@ -158,6 +184,13 @@ Truth sphere(double radius) {
   return [radius](const Vec3& p) {
     const double r = glm::length(p);
     return SurfaceSample{r - radius, r > 0.0 ? p / r : Vec3(0.0)};
+  };
+}
+
+Truth rim(const Vec3& first, const Vec3& second) {
+  return [a = glm::normalize(first), b = glm::normalize(second)](const Vec3& p) {
+    const double to_a = glm::dot(a, p), to_b = glm::dot(b, p);
+    return to_a > to_b ? SurfaceSample{to_a, a} : SurfaceSample{to_b, b};
   };
 }
 

@@ -38,6 +38,7 @@ using Truth = std::function<SurfaceSample(const Vec3&)>;
 [[nodiscard]] Truth half_space(const Vec3& outward, double offset);  ///< bone where outward . p < offset
 [[nodiscard]] Truth plate(const Vec3& across, double thickness);     ///< bone where |across . p| < thickness / 2
 [[nodiscard]] Truth sphere(double radius);                           ///< bone within
+[[nodiscard]] Truth rim(const Vec3& first, const Vec3& second);      ///< bone below both planes through the origin; outward normals
 [[nodiscard]] Truth cavity(double radius);                           ///< bone without
 
 /// Records of a truth, to nearest steps, in both precisions. Voxels past `valid` say that they lie deep in bone: they must not be read.

@@ -1,4 +1,4 @@
-/// tests/core/drill/coverage_cases.h: sub-voxel removal by balls and cylinders whose swept solid has a closed form.
+/// tests/core/drill/subvoxel_cases.h: sub-voxel removal by balls and cylinders whose swept solid has a closed form.
 #pragma once
 
 #include "core/tool/cutting_field.h"
@@ -10,9 +10,8 @@ inline constexpr float kAtOnce = 1e12f;  ///< [1/rev] a factor that clears at on
 
 /// The exact cutting field of a SweptSolid's tool, one factor [1/rev] everywhere.
 [[nodiscard]] std::shared_ptr<const CuttingField> field_of(const SweptSolid& solid, float factor);
-/// The tool's erosion with sub-voxel removal, its mass exactly by the law (or as `config` says).
-[[nodiscard]] Erosion subvoxel_erosion(const SweptSolid& solid, float factor,
-                                       ErosionConfig config = {.subvoxel = true, .clear_below = 0.0f});
+/// The tool's erosion with sub-voxel removal (or as `config` says).
+[[nodiscard]] Erosion subvoxel_erosion(const SweptSolid& solid, float factor, ErosionConfig config = {.subvoxel = true});
 
 struct SolidCase {
   bool ball = true;

@@ -1,4 +1,4 @@
-#include "tests/core/drill/coverage_cases.h"
+#include "tests/core/drill/subvoxel_cases.h"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,0 +1,301 @@
+#include "core/drill/cut_face.h"
+
+#include <cmath>
+
+#include "core/base/bounds.h"
+
+namespace burrhole {
+namespace {
+
+constexpr float kBand = static_cast<float>(kRecordBand);  // [voxel edges]
+constexpr float kKnown = kBand - 0.1f;                    // [voxel edges] bone deeper than this has no known distance
+constexpr float kExact = 1e-4f;                           // [voxel edges] of a lag
+constexpr float kNearTool = 1.5f;                         // [voxel edges] bone nearer than this must know its face
+constexpr int kMostRounds = 8;                            // for a lag
+constexpr float kNewNormal = 1.0f / 16.0f;                // [voxel edges] a face that moved less keeps its normal
+constexpr float kSharedDepth = 1.0f;                      // [voxel edges] bone between two faces has the normal of the cut one up to here
+constexpr double kFacing = 0.3;                           // [-] cosine: a surface that faces the tool; the sides of a post do not
+constexpr float kSteepEnough = 0.1f;                      // [-] least slope with which a lag is extrapolated
+
+std::int16_t steps_of(float distance) noexcept {
+  return static_cast<std::int16_t>(std::lrint(std::clamp(distance, -kBand, kBand) / static_cast<float>(kRecord16Distance)));
+}
+
+}  // namespace
+
+/// One pose of the tool.
+struct CutFace::Sweep {
+  Affine place;      // nodes of the field from index
+  VoxelBox box;      // voxels that the tool and the band round it can reach
+  VoxelBox allowed;  // the part of it that may be eroded
+  Vec3i ahead;       // [voxels] to the neighbour towards the face
+};
+
+CutFace::CutFace(std::shared_ptr<const CuttingField> field) : field_(std::move(field)), sampler_(*field_), job_(field_job(*field_)) {}
+
+/// Fills sampled_ with the distances to the tool.
+void CutFace::sample(const FieldPlaces& places) {
+  sampled_.resize(places.size() + kFieldPad);
+  sample_field(job_, {places.size(), places.x.data(), places.y.data(), places.z.data()}, sampled_.data());
+  for (std::size_t n = 0; n < places.size(); ++n) sampled_[n] /= edge_;
+}
+
+/// Sets the nodes of a block from the density, as far as the window knows them.
+void CutFace::complete(const Voxmap& voxmap, const Vec3i& at, CutSurface::Block& block) {
+  const MasterWindow& window = voxmap.window();
+  const Vec3i reach = record_reach(voxmap.bone().bone_from_index());
+  const VoxelBox whole = box_of_block(at), part = whole.intersect({window.box.lo + reach, window.box.hi - reach});
+  if (part.empty()) return;
+  surface_->read(window, part, scratch_);
+  block.complete = part == whole;
+  for_each_voxel(part, [&](const Vec3i& v) {
+    CutSurface::Node& node = block.at(v);
+    if (node.set()) return;
+    const Record16& record = scratch_[part.offset_of(v)];
+    node.base = static_cast<float>(kRecord16Distance) * static_cast<float>(record.distance);
+    node.cut = -kBand;
+    node.normal = {record.nx, record.ny, record.nz};
+  });
+}
+
+/// @returns whether the surface at a node faces the tool.
+bool CutFace::faces_tool(const CutSurface::Node& node, const Vec3f& place) const noexcept {
+  Vec3f gradient(0.0f);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Vec3f step(0.0f);
+    step[axis] = 1.0f;
+    gradient[axis] = sampler_.distance(place + step) - sampler_.distance(place - step);
+  }
+  const Vec3 away = normal_from_node_ * Vec3(gradient), normal = kRecord16Normal * Vec3(node.normal[0], node.normal[1], node.normal[2]);
+  return -glm::dot(normal, away) > kFacing * glm::length(away);
+}
+
+/// Sets phi of a node that has none yet: the surface as it was, if it faces the tool, or the face as its neighbour knows it.
+void CutFace::start(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place, float tool,
+                    CutSurface::Node& node) const noexcept {
+  if (node.base > -kKnown && faces_tool(node, place))
+    node.cut = node.base;
+  else
+    node.cut = std::max(node.cut, from_neighbour(voxmap, sweep, voxel, place));
+  if (node.cut > -kKnown || tool > kNearTool) return;
+  // The tool moves across the force. Distances of neighbours differ by at most an edge.
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const int side : {-1, 1}) {
+      Vec3i next = voxel;
+      next[axis] += side;
+      const CutSurface::Block* const block = voxmap.cut().find(block_of(next));
+      if (block == nullptr || block->at(next).cut <= -kKnown) continue;
+      node.cut = std::max(node.cut, std::min(block->at(next).cut - 1.0f, -tool));
+    }
+}
+
+/// phi [voxel edges] of a node without a known distance, from the lag of its neighbour towards the face; unknown: -kBand.
+float CutFace::from_neighbour(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place) const noexcept {
+  const Vec3i next = voxel + sweep.ahead;
+  const CutSurface::Block* const block = voxmap.cut().find(block_of(next));
+  if (block == nullptr) return -kBand;
+  const float phi = block->at(next).cut;
+  if (phi <= -kKnown) return -kBand;
+  const Vec3f there(sweep.place * Vec3(next));
+  float l = usual_;  // and one step of the secant
+  const float missing = -phi - sampler_.distance(there) / edge_, rest = -phi - sampler_.distance(there - l * along_) / edge_;
+  if (missing <= 0.0f)
+    l = 0.0f;
+  else if (missing - rest > kSteepEnough * l)
+    l *= missing / (missing - rest);
+  return std::max(-kBand, -sampler_.distance(place - l * along_) / edge_);
+}
+
+CutFace::Sweep CutFace::aim(const Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction) {
+  const Affine& bone = voxmap.bone().bone_from_index();
+  if (!surface_) {
+    surface_.emplace(bone);
+    edge_ = static_cast<float>(bone.mean_edge());
+    longest_ = static_cast<float>(glm::length(field_->bounds.hi - field_->bounds.lo)) / edge_ + kBand;
+  }
+  const MasterWindow& window = voxmap.window();
+  const double edge = bone.mean_edge(), reach = kRecordBand * edge;
+  along_ = Vec3f(reaction * (edge / field_->pitch));
+  Sweep sweep;
+  sweep.place = Affine::scaling(1.0 / field_->pitch, -field_->origin / field_->pitch) * index_from_tool.inverse();
+  normal_from_node_ = glm::transpose(glm::inverse(bone.linear)) * glm::transpose(sweep.place.linear);
+  const Vec3 u = index_from_tool.linear * reaction;
+  sweep.ahead = Vec3i(glm::round(u / std::max({std::abs(u.x), std::abs(u.y), std::abs(u.z)})));
+  const Bounds near = bounds_under(index_from_tool, {field_->bounds.lo - reach, field_->bounds.hi + reach});
+  const Vec3 low(window.box.lo - 2), high(window.box.hi + 2);
+  sweep.box = {Vec3i(glm::ceil(glm::clamp(near.lo, low, high))), Vec3i(glm::floor(glm::clamp(near.hi, low, high))) + 1};
+  sweep.allowed = sweep.box.intersect(window.erodible_box());
+  return sweep;
+}
+
+std::uint32_t CutFace::find(Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction) {
+  nodes_.clear();
+  buried_.clear();
+  unknown_.clear();
+  places_.clear();
+  if (field_->empty()) return 0;
+  const Sweep sweep = aim(voxmap, index_from_tool, reaction);
+  const auto tool_at = [&](const Vec3& v) { return sampler_.distance(Vec3f(sweep.place * v)) / edge_; };
+  const auto half = static_cast<float>(0.5 * std::sqrt(3.0) * (kBlockEdge - 1) * 1.05);
+  if (!sweep.allowed.empty())
+    for_each_voxel(blocks_of(sweep.allowed), [&](const Vec3i& at) {
+      if (tool_at(Vec3(at * kBlockEdge) + 0.5 * (kBlockEdge - 1)) <= kBand + half) visit(voxmap, sweep, at);
+    });
+  if (!nodes_.empty()) buried_.clear();
+  find_lags();
+  std::uint32_t outside = 0;
+  if (!(sweep.allowed == sweep.box))
+    for_each_voxel(sweep.box, [&](const Vec3i& v) { outside += !sweep.allowed.contains(v) && tool_at(Vec3(v)) < 0.0f ? 1 : 0; });
+  return outside;
+}
+
+/// Appends the voxels of one block whose face overlaps the tool.
+void CutFace::visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at) {
+  const MasterWindow& window = voxmap.window();
+  CutSurface::Block* block = voxmap.cut().find(at);
+  if (block != nullptr && block->free) return;
+  const VoxelBox part = box_of_block(at).intersect(sweep.allowed);
+  asked_.clear();
+  for_each_voxel(part, [&](const Vec3i& v) { asked_.add(Vec3f(sweep.place * Vec3(v))); });
+  sample(asked_);
+  if (std::none_of(sampled_.begin(), sampled_.begin() + static_cast<std::ptrdiff_t>(asked_.size()), [](float d) { return d <= kBand; }))
+    return;
+  if (block == nullptr) block = &voxmap.cut().add(at);
+  if (!block->complete) complete(voxmap, at, *block);
+  std::size_t n = 0, left = 0;
+  for_each_voxel(part, [&](const Vec3i& v) {
+    const std::size_t here = n++;
+    CutSurface::Node& node = block->at(v);
+    const std::size_t offset = window.box.offset_of(v);
+    const bool bone = window.occupancy[offset] > 0.0f && window.remaining[offset] > 0.0f;
+    if (node.cut > kFree && !bone) return;
+    ++left;
+    const float tool = sampled_[here];
+    if (tool > kBand || !node.set()) return;
+    const Vec3f place = asked_.at(here);
+    if (node.cut <= -kKnown) start(voxmap, sweep, v, place, tool, node);
+    if (node.cut <= -kKnown) unknown_.push_back({&node, tool});
+    const bool known = node.cut > -kKnown, overlaps = known && tool + node.cut < 0.0f;
+    if (!overlaps && (!bone || !(tool < 0.0f) || (known && node.cut < 0.0f))) return;
+    const double x = field_->origin.x + field_->pitch * static_cast<double>(place.x);
+    const double y = field_->origin.y + field_->pitch * static_cast<double>(place.y);
+    const float factor = sampler_.factor(place), hardness = std::max(window.hardness[offset], 0.1f);
+    const auto radius = static_cast<float>(std::sqrt(x * x + y * y));
+    if (!overlaps) {
+      buried_.push_back({static_cast<std::uint32_t>(offset), &node, tool, factor, hardness, radius});
+      return;
+    }
+    nodes_.push_back({.at = static_cast<std::uint32_t>(offset),
+                      .node = &node,
+                      .tool = tool,
+                      .behind = 0.0f,
+                      .rest = 0.0f,
+                      .factor = factor,
+                      .hardness = hardness,
+                      .radius = radius});
+    places_.add(place);
+  });
+  block->free = left == 0 && part == box_of_block(at);
+}
+
+/// Finds l of each node. The search starts at the usual lag. It is a secant, bounded below by the missing distance itself, since distances
+/// change by at most the travel. A lag that does not settle belongs to a face along u, which the normal decides.
+void CutFace::find_lags() {
+  lags_.resize(nodes_.size());
+  open_.clear();
+  for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
+    const float missing = -(nodes_[n].tool + nodes_[n].node->cut);
+    lags_[n] = {0.0f, missing, -1.0f, 0.0f, std::max(usual_, missing)};
+    open_.push_back(n);
+  }
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (int round = 0; round < kMostRounds && !open_.empty(); ++round) {
+    asked_.clear();
+    for (const std::uint32_t n : open_) asked_.add(places_.at(n) - lags_[n].now * along_);
+    sample(asked_);
+    std::size_t kept = 0;
+    for (std::size_t m = 0; m < open_.size(); ++m) {
+      const std::uint32_t n = open_[m];
+      Lag& lag = lags_[n];
+      const float missing = -nodes_[n].node->cut - sampled_[m], at = lag.now;
+      if (std::abs(missing) <= kExact) {
+        nodes_[n].behind = at;
+        nodes_[n].rest = missing;
+        sum += static_cast<double>(at), ++count;
+        continue;
+      }
+      if (missing < 0.0f) {
+        lag.far = at, lag.far_missing = missing;
+      } else {
+        const float slope = (lag.near_missing - missing) / (at - lag.near);
+        lag.near = at, lag.near_missing = missing;
+        lag.now = at + (slope > kSteepEnough ? std::max(missing, missing / slope) : missing);
+      }
+      if (lag.far >= 0.0f && (missing < 0.0f || lag.now >= lag.far))
+        lag.now = lag.near + (lag.far - lag.near) * lag.near_missing / (lag.near_missing - lag.far_missing);
+      if (lag.now <= longest_) open_[kept++] = n;
+    }
+    open_.resize(kept);
+  }
+  if (count > 0) usual_ = static_cast<float>(sum / static_cast<double>(count));
+}
+
+std::span<const float> CutFace::recede(std::span<const float> shares) {
+  moved_.resize(nodes_.size());
+  after_.resize(nodes_.size());
+  for (std::size_t n = 0; n < nodes_.size(); ++n) moved_.set(n, places_.at(n) - (1.0f - shares[n]) * nodes_[n].behind * along_);
+  sample(moved_);
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const Receding& node = nodes_[n];
+    const float before = node.node->cut, most = -node.tool;
+    after_[n] = std::clamp(before + shares[n] * (most - before), before, most);
+    const float followed = std::min(-sampled_[n] - node.rest, most);
+    if (node.behind > 0.0f && followed > after_[n])
+      after_[n] = followed;
+    else
+      moved_.set(n, places_.at(n));
+  }
+  return after_;
+}
+
+void CutFace::open() noexcept {
+  for (const auto& [node, tool] : unknown_) node->cut = std::max(node->cut, -tool);
+}
+
+void CutFace::keep() {
+  asked_.clear();
+  open_.clear();
+  for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
+    CutSurface::Node& node = *nodes_[n].node;
+    node.cut = after_[n];
+    if (node.cut < (node.base < 0.0f ? node.base - kSharedDepth : 0.0f)) continue;
+    const float since = after_[n] - static_cast<float>(kRecord16Distance) * static_cast<float>(node.normal_at);
+    if (std::abs(since) < kNewNormal && node.normal_at != 0) continue;
+    open_.push_back(n);
+    const Vec3f place = moved_.at(n);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (const float side : {1.0f, -1.0f}) {
+        Vec3f beside = place;
+        beside[axis] += side;
+        asked_.add(beside);
+      }
+  }
+  sample(asked_);
+  for (std::size_t m = 0; m < open_.size(); ++m) {
+    CutSurface::Node& node = *nodes_[open_[m]].node;
+    const float* const d = &sampled_[6 * m];
+    const Vec3 normal = -(normal_from_node_ * Vec3(Vec3f(d[0] - d[1], d[2] - d[3], d[4] - d[5])));
+    const double length = glm::length(normal);
+    if (!(length > 0.0)) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      node.normal[axis] = static_cast<std::int16_t>(std::lrint(normal[axis] / length / kRecord16Normal));
+    node.normal_at = steps_of(node.cut);
+  }
+}
+
+std::size_t CutFace::bytes() const noexcept {
+  return scratch_.capacity() * sizeof(Record16) + nodes_.capacity() * (sizeof(Receding) + sizeof(Lag) + 14 * sizeof(float));
+}
+
+}  // namespace burrhole

@@ -1,0 +1,151 @@
+/// core/drill/cut_face.h: recession of the bone's face under a spinning tool, at sub-voxel resolution.
+///   Frame  index coordinates of the bone; nodes are voxel centres.   Units  as each member states.   Errors  none.   Thread  simulation.
+///   Source own derivation:
+///   The law dM/dt = -(e s / h) M holds for the bone M that lies inside the tool. It is taken off the face that the tool entered through,
+///   so that bone stays solid up to a sharp face: a face that overlaps the tool by w along its normal recedes at (e s / h) w. The pressure
+///   on a cutting face is proportional to w, so this is Preston's law of abrasive wear. A flat face fed at the speed v lags the tool by
+///   v h / (e s). A law that thins out all the bone inside the tool instead has the same mass, but its 0.5 level moves only when bone
+///   that was entered ln 2 h / (e s) earlier has decayed: a delay that keeps every step of the feed for ever.
+///   Each node keeps phi, the signed distance to the face, positive outside bone. phi starts as the distance to the surface of the bone,
+///   where that surface faces the tool.
+///   Let D be the signed distance of the node to the tool. Bone without the tool is max(phi, -D), and the overlap is w = -D - phi. With
+///   a = 1 - exp(-e s dt / h) a step sets phi to the larger of
+///     phi + a w                                         the face recedes along the tool's normal
+///     -D(p - (1 - a) l u), with l: -D(p - l u) = phi    the face, a copy of the tool's moved back by l along u, follows by the share a
+///   u is the direction of the force of bone on the tool. The two agree on smooth faces. At the rim of a flat end D is limited by the
+///   distance to the side, and the first alone would leave a fillet as high as the overlap.
+///   Remaining x occupancy = min(that before, 1/2 - phi / (2 kRamp)), so the 0.5 level lies at phi = 0, and a plane is reproduced to 0.02
+///   voxel. The mass of the ramp differs from that of the sharp face by kRamp^2 / 3 (1/R1 + 1/R2) / 2 per area, radii in voxels.
+///   Deeper than the band of known distances phi is unknown; a node there takes the l of its neighbour along u when the face comes near.
+///   A tool that was placed inside bone overlaps no face. There the law thins out each voxel, r -> r exp(-e s dt / h), and the face appears
+///   where the density falls below 0.5.
+///   When bone grows back (restore, undo), phi starts anew from the bone.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/drill/erosion.h"
+#include "core/tool/cutting_field.h"
+#include "core/tool/field_kernels.h"
+#include "core/tool/field_sampler.h"
+#include "core/voxel/surface_records.h"
+#include "core/voxel/voxmap.h"
+
+namespace burrhole {
+
+/// A voxel whose face overlaps the tool.
+struct Receding {
+  std::uint32_t at;        ///< offset into the window
+  CutSurface::Node* node;  ///< phi and normal
+  float tool;              ///< [voxel edges] signed distance to the tool
+  float behind;            ///< [voxel edges] l; 0: the normal decides
+  float rest;              ///< [voxel edges] error of l: -D(p - l u) - phi
+  float factor;            ///< [1/rev] erosion factor
+  float hardness;          ///< [-] at least 0.1
+  float radius;            ///< [m] from the tool's axis
+};
+
+/// A voxel inside a tool that overlaps no face.
+struct Buried {
+  std::uint32_t at;        ///< offset into the window
+  CutSurface::Node* node;  ///< without a known distance
+  float tool;              ///< [voxel edges] signed distance to the tool, below 0
+  float factor;            ///< [1/rev] erosion factor
+  float hardness;          ///< [-] at least 0.1
+  float radius;            ///< [m] from the tool's axis
+};
+
+/// Places in the cutting field as arrays [nodes], padded for the kernels.
+struct FieldPlaces {
+  std::vector<float> x, y, z;  ///< [nodes]
+  std::size_t count = 0;
+  void clear() noexcept { count = 0; }
+  void add(const Vec3f& p) {
+    resize(count + 1);
+    set(count - 1, p);
+  }
+  void resize(std::size_t to) {
+    count = to;
+    if (x.size() >= count + kFieldPad) return;
+    for (std::vector<float>* list : {&x, &y, &z}) list->resize(2 * count + kFieldPad);
+  }
+  void set(std::size_t n, const Vec3f& p) noexcept { x[n] = p.x, y[n] = p.y, z[n] = p.z; }
+  [[nodiscard]] Vec3f at(std::size_t n) const noexcept { return {x[n], y[n], z[n]}; }
+  [[nodiscard]] std::size_t size() const noexcept { return count; }
+};
+
+class CutFace {
+ public:
+  static constexpr float kRamp = 0.75f;  ///< [voxel edges] half width of the ramp of density across a face
+  static constexpr float kFree = 2.0f;   ///< [voxel edges] a node further out than this no longer changes
+
+  /// @pre `field` is not null.
+  explicit CutFace(std::shared_ptr<const CuttingField> field);
+
+  /// Finds the voxels whose face overlaps the tool, ordered by block, k, j, i. @param reaction unit, tool frame: direction of the force of
+  /// bone on the tool.
+  /// @returns the number of voxels that the tool overlaps outside the erodible box.
+  std::uint32_t find(Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction);
+  /// Those of the last find().
+  [[nodiscard]] std::span<const Receding> nodes() const noexcept { return nodes_; }
+  /// Voxels with bone inside the tool of the last find(), if it overlaps no face: it was placed inside bone. The law thins them out
+  /// evenly. Empty if nodes() is not.
+  [[nodiscard]] std::span<const Buried> buried() const noexcept { return buried_; }
+  /// Puts the face at the surface of the tool of the last find(): the bone inside it has been thinned out.
+  void open() noexcept;
+  /// Computes phi of each node after a step. @param shares a of each node.
+  /// @returns phi [voxel edges] of each.
+  std::span<const float> recede(std::span<const float> shares);
+  /// Writes the result of the last recede() into the nodes.
+  void keep();
+  /// @returns the density of a node [-].
+  [[nodiscard]] static float density_of(float phi) noexcept { return std::clamp(0.5f - phi / (2.0f * kRamp), 0.0f, 1.0f); }
+
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+ private:
+  struct Sweep;
+  /// The search for one lag: missing(l) = -phi - D(p - l u) falls from above 0 to below.
+  struct Lag {
+    float near, near_missing;  ///< [voxel edges] largest lag known to be too small
+    float far, far_missing;    ///< [voxel edges] smallest lag known to be too large; -1: none
+    float now;                 ///< [voxel edges] to be tried next
+  };
+  [[nodiscard]] Sweep aim(const Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction);
+  void visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at);
+  void complete(const Voxmap& voxmap, const Vec3i& at, CutSurface::Block& block);
+  void sample(const FieldPlaces& places);
+  void find_lags();
+  [[nodiscard]] bool faces_tool(const CutSurface::Node& node, const Vec3f& place) const noexcept;
+  void start(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place, float tool,
+             CutSurface::Node& node) const noexcept;
+  [[nodiscard]] float from_neighbour(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place) const noexcept;
+
+  std::shared_ptr<const CuttingField> field_;
+  FieldSampler sampler_;
+  FieldJob job_;
+  std::optional<SurfaceReader> surface_;  // made at the first step, when the bone is known
+  std::vector<Record16> scratch_;
+  std::vector<Receding> nodes_;
+  std::vector<Buried> buried_;
+  std::vector<std::pair<CutSurface::Node*, float>> unknown_;  // nodes without a known distance, and that to the tool [voxel edges]
+  FieldPlaces places_;                                        // of nodes_
+  FieldPlaces moved_;                                         // of nodes_, at which the distances of the last recede() were taken
+  FieldPlaces asked_;                                         // scratch
+  std::vector<float> sampled_;                                // [voxel edges] distances of the last sample()
+  std::vector<float> after_;                                  // [voxel edges] result of recede()
+  std::vector<Lag> lags_;
+  std::vector<std::uint32_t> open_;  // nodes without a settled lag
+  float edge_ = 0.0f;                // [m]
+  float longest_ = 0.0f;             // [voxel edges] largest lag that is searched for
+  float usual_ = 0.0f;               // [voxel edges] mean lag of the last step
+  Vec3f along_{0.0f};                // [nodes per voxel edge] u
+  Mat3 normal_from_node_{1.0};       // direction in the bone frame from a gradient in nodes
+};
+
+}  // namespace burrhole

@@ -1,0 +1,48 @@
+/// core/tool/field_sampler.h: interpolation of a cutting field in single precision.
+///   Frame   nodes of the cutting field: (p - origin) / pitch.   Units  as each function states.   Errors  none.
+///   Source  trilinear interpolation.
+#pragma once
+
+#include "core/base/trilinear.h"
+#include "core/tool/cutting_field.h"
+
+namespace burrhole {
+
+/// Interpolated distances and factors of a cutting field; positions in nodes.
+class FieldSampler {
+ public:
+  explicit FieldSampler(const CuttingField& field)
+      : field_(&field),
+        row_(static_cast<std::size_t>(field.dims.x)),
+        slab_(row_ * static_cast<std::size_t>(field.dims.y)),
+        last_(field.dims - 2),
+        end_(field.dims - 1) {}
+
+  /// @returns the distance [m]; outside the table a lower bound that is at least the margin.
+  [[nodiscard]] float distance(const Vec3f& q) const noexcept {
+    if (q.x >= 0.0f && q.y >= 0.0f && q.z >= 0.0f && q.x < end_.x && q.y < end_.y && q.z < end_.z)
+      return between(field_->distance.data(), q, Vec3i(q));
+    const Vec3f beyond = glm::max(Vec3f(0.0f), glm::max(-q, q - end_));
+    const Vec3f square = beyond * beyond;
+    return static_cast<float>(field_->margin) + static_cast<float>(field_->pitch) * std::sqrt(square.x + square.y + square.z);
+  }
+  /// @returns the factor [1/rev]; outside the table that of the nearest border point.
+  [[nodiscard]] float factor(const Vec3f& q) const noexcept {
+    const Vec3f p = glm::clamp(q, Vec3f(0.0f), end_);
+    return between(field_->factor.data(), p, glm::min(Vec3i(p), last_));
+  }
+
+ private:
+  [[nodiscard]] float between(const float* values, const Vec3f& q, const Vec3i& v) const noexcept {
+    const float* first =
+        values + static_cast<std::size_t>(v.z) * slab_ + static_cast<std::size_t>(v.y) * row_ + static_cast<std::size_t>(v.x);
+    return trilinear(q - Vec3f(v), [&](unsigned n) { return first[corner_offset(n, row_, slab_)]; });
+  }
+
+  const CuttingField* field_;
+  std::size_t row_, slab_;
+  Vec3i last_;
+  Vec3f end_;
+};
+
+}  // namespace burrhole

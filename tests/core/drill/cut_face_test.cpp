@@ -1,0 +1,237 @@
+// Recession of a face against closed forms: mass, position, and shape, for tools that enter bone from outside, and for one placed inside.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/drill/cut_face.h"
+#include "tests/core/drill/subvoxel_cases.h"
+
+using namespace burrhole;
+using namespace burrhole::test;
+
+namespace {
+
+constexpr double kFactor = 0.1, kSpin = 1000.0 / 60.0, kRate = kFactor * kSpin;  // [1/rev], [rev/s], [1/s] at hardness 1
+
+/// A plate whose face lies at `top` [voxels] along k, bone below it. The density is linear across it, so that its 0.5 level is exact.
+struct Plate {
+  double voxel = 0.25e-3;  ///< [m]
+  double across = 7e-3;    ///< [m]
+  double top = 20.3;       ///< [voxels]
+  float hardness = 1.0f;
+  [[nodiscard]] Voxmap make() const {
+    const int n = static_cast<int>(std::ceil(across / voxel)) + 16;
+    DenseBone dense;
+    dense.dims = Vec3i(n, n, static_cast<int>(std::ceil(top)) + 20);
+    dense.bone_from_index = Affine::scaling(voxel, Vec3(0.0));
+    for_each_voxel({Vec3i(0), dense.dims}, [&](const Vec3i& v) {
+      dense.occupancy.push_back(static_cast<float>(std::clamp(0.5 + 0.5 * (top - v.z), 0.0, 1.0)));
+      dense.hardness.push_back(hardness);
+    });
+    return voxmap_of(dense);
+  }
+  [[nodiscard]] Vec3 middle() const { return Vec3(Vec3(0.5, 0.5, 0.0) * (std::ceil(across / voxel) + 16.0)) + Vec3(0.13, -0.21, top); }
+};
+
+/// A tool over the middle of a plate, its tip `deep` [m] below the face.
+SweptSolid over(const Plate& plate, bool ball, double radius, double deep) {
+  SweptSolid solid{.ball = ball, .radius = radius, .height = 6e-3, .voxel = plate.voxel};
+  solid.from = upright_pose(plate.voxel, plate.middle() - Vec3(0.0, 0.0, deep / plate.voxel));
+  return solid;
+}
+
+/// Dwells for `seconds`. @returns the removed volume [m^3].
+double dwell(Voxmap& voxmap, Erosion& erosion, const SweptSolid& solid, double seconds, int steps) {
+  return drill(voxmap, erosion, {solid.from, solid.from}, kSpin, seconds, steps).mass;
+}
+
+/// Depth of the face below the plate's [m], at a place aside of the tool's axis [m], sought within two voxels of `expected` [m].
+double face_depth(const Voxmap& voxmap, const Plate& plate, double expected, const Vec3& aside = Vec3(0.0)) {
+  const Vec3 down(0.0, 0.0, -1.0);
+  return expected + plate.voxel * surface_offset(voxmap.window(), plate.middle() + (aside + down * expected) / plate.voxel, down);
+}
+
+/// The same [m] from the node of the cut surface two voxels below the plate's face.
+double felt_depth(const Voxmap& voxmap, const Plate& plate) {
+  const Vec3i v = Vec3i(glm::round(plate.middle())) - Vec3i(0, 0, 2);
+  const CutSurface::Block* const block = voxmap.cut().find(block_of(v));
+  REQUIRE(block != nullptr);
+  return (plate.top - v.z + static_cast<double>(block->at(v).distance())) * plate.voxel;
+}
+
+}  // namespace
+
+TEST_CASE("cut face: under a flat end at rest the face follows with 1 - exp(-e s t / h) of the overlap") {
+  for (const float hardness : {1.0f, 0.4f})
+    for (const double voxel : {0.2e-3, 0.3125e-3}) {
+      const Plate plate{.voxel = voxel, .top = 4.66e-3 / voxel, .hardness = hardness};
+      const SweptSolid solid = over(plate, false, 2e-3, 0.3e-3);
+      Voxmap voxmap = plate.make();
+      Erosion erosion = subvoxel_erosion(solid, static_cast<float>(kFactor));
+      const double mass = dwell(voxmap, erosion, solid, 0.5, 50);
+      const double gone = 0.3e-3 * (1.0 - std::exp(-kRate * 0.5 / static_cast<double>(hardness)));
+      CHECK(std::abs(felt_depth(voxmap, plate) - gone) < 1e-3 * voxel);       // floats and 1/4096 voxel of the first distance
+      CHECK(std::abs(face_depth(voxmap, plate, gone) - gone) < 0.1 * voxel);  // felt and drawn agree within a tenth of a voxel
+      // The table rounds the rim by half its pitch, a quarter of a voxel, on a radius of 6.4 voxels or more.
+      CHECK(mass == doctest::Approx(std::numbers::pi * 4e-6 * gone).epsilon(0.02));
+    }
+}
+
+TEST_CASE("cut face: a flat end that is fed lags by v h / (e s) (1 - exp(-e s t / h)), at 50 Hz and at 500 Hz") {
+  const Plate plate;
+  SweptSolid solid = over(plate, false, 2e-3, 0.0);
+  const double speed = 0.5e-3, time = 4.0;
+  solid.way = Vec3(0.0, 0.0, -speed * time / plate.voxel);
+  const double lag = speed / kRate * (1.0 - std::exp(-kRate * time));
+  for (const int rate : {50, 500}) {
+    Voxmap voxmap = plate.make();
+    Erosion erosion = subvoxel_erosion(solid, static_cast<float>(kFactor));
+    (void)drill(voxmap, erosion, solid.path(), kSpin, time, static_cast<int>(time) * rate);
+    // A step takes the pose at its end, half a step early.
+    const double early = 0.5 * speed / rate;
+    // A fiftieth of a voxel is the ripple of the ramp of density.
+    CHECK(std::abs(speed * time - face_depth(voxmap, plate, speed * time - lag) - lag) < 0.02 * plate.voxel + early);
+  }
+}
+
+TEST_CASE("cut face: a flat end leaves a flat floor up to the wall; by the normal alone it would leave a fillet") {
+  const Plate plate{.voxel = 0.2e-3, .top = 23.4};
+  SweptSolid solid = over(plate, false, 2e-3, 0.0);
+  const double speed = 0.5e-3, time = 4.0, lag = speed / kRate;
+  solid.way = Vec3(0.0, 0.0, -speed * time / plate.voxel);
+  const auto floor_near_wall = [&](const Vec3& reaction) {
+    Voxmap voxmap = plate.make();
+    Erosion erosion = subvoxel_erosion(solid, static_cast<float>(kFactor));
+    for (int n = 0; n < 400; ++n) {
+      const ErosionPath part{solid.path().at(n / 400.0), solid.path().at((n + 1) / 400.0)};
+      voxmap.commit(erosion.step(voxmap, part, CuttingLoad{.spin = kSpin, .reaction = reaction}, 0.01).changed);
+    }
+    const double floor = speed * time - lag;
+    return face_depth(voxmap, plate, floor) - face_depth(voxmap, plate, floor, Vec3(1.75e-3, 0.0, 0.0));
+  };
+  // 0.25 mm, 1.25 voxels, from the wall.
+  CHECK(std::abs(floor_near_wall(Vec3(0.0, 0.0, 1.0))) < 0.1 * plate.voxel);
+  // Sabotage: a force across the axis never finds the floor along it. The fillet there is lag ln(1 + lag / 0.25 mm) - lag high.
+  CHECK(floor_near_wall(Vec3(1.0, 0.0, 0.0)) > 0.5 * (lag * std::log(1.0 + lag / 0.25e-3)) - 0.5 * 0.25e-3);
+  CHECK(floor_near_wall(Vec3(1.0, 0.0, 0.0)) > 0.1 * plate.voxel);
+}
+
+TEST_CASE("cut face: the bone inside a ball at rest falls as exp(-e s t), within the curvature, at every voxel size") {
+  const double radius = 3e-3, deep = 0.4e-3;
+  const double cap = std::numbers::pi * deep * deep * (3.0 * radius - deep) / 3.0;
+  std::array<double, 3> masses{};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const double voxel = std::array{0.15e-3, 0.2e-3, 0.3125e-3}[n];
+    const Plate plate{.voxel = voxel, .top = 4.7e-3 / voxel};
+    const SweptSolid solid = over(plate, true, radius, deep);
+    Voxmap voxmap = plate.make();
+    Erosion erosion = subvoxel_erosion(solid, static_cast<float>(kFactor));
+    masses[n] = dwell(voxmap, erosion, solid, 0.6, 60);
+    CHECK(missing_mass(voxmap) == doctest::Approx(masses[n]).epsilon(1e-6));
+    // Thin overlaps: the error is of the order of the depth over the radius, a seventh; a third of it at the mean depth.
+    CHECK(masses[n] == doctest::Approx(cap * (1.0 - std::exp(-kRate * 0.6))).epsilon(0.05));
+  }
+  CHECK(masses[1] == doctest::Approx(masses[0]).epsilon(0.02));
+  CHECK(masses[2] == doctest::Approx(masses[0]).epsilon(0.03));
+}
+
+TEST_CASE("cut face: the far side of a thin plate is left alone until the tool is there") {
+  // A plate of 1.5 mm, on nothing.
+  Plate plate{.voxel = 0.25e-3};
+  const int bottom = static_cast<int>(plate.top) - 6;
+  const int n = static_cast<int>(std::ceil(plate.across / plate.voxel)) + 16;
+  DenseBone dense;
+  dense.dims = Vec3i(n, n, static_cast<int>(std::ceil(plate.top)) + 20);
+  dense.bone_from_index = Affine::scaling(plate.voxel, Vec3(0.0));
+  for_each_voxel({Vec3i(0), dense.dims}, [&](const Vec3i& v) {
+    dense.occupancy.push_back(v.z < bottom ? 0.0f : static_cast<float>(std::clamp(0.5 + 0.5 * (plate.top - v.z), 0.0, 1.0)));
+    dense.hardness.push_back(1.0f);
+  });
+  Voxmap voxmap = voxmap_of(dense);
+  SweptSolid solid = over(plate, false, 2e-3, 0.0);
+  const double speed = 0.5e-3, time = 2.4;  // the tip stops 0.3 mm above the far side, and the face 0.3 mm further up
+  solid.way = Vec3(0.0, 0.0, -speed * time / plate.voxel);
+  Erosion erosion = subvoxel_erosion(solid, static_cast<float>(kFactor));
+  (void)drill(voxmap, erosion, solid.path(), kSpin, time, 240);
+  const double lag = speed / kRate * (1.0 - std::exp(-kRate * time));
+  CHECK(std::abs(speed * time - face_depth(voxmap, plate, speed * time - lag) - lag) < 0.03 * plate.voxel + 0.5 * speed * 0.01);
+  for (const Vec3& aside : {Vec3(0.0), Vec3(1e-3, 0.0, 0.0)}) {
+    const Vec3 p = plate.middle() + aside / plate.voxel;
+    CHECK(density_at(voxmap.window(), Vec3(p.x, p.y, bottom)) == 1.0);
+  }
+}
+
+TEST_CASE("cut face: bone round a tool that was placed inside it thins out by the law, and what is removed is what is missing") {
+  const SolidCase one{.ball = true, .radius = 6.0, .way = 0.0, .seed = 3};
+  const SweptSolid solid = random_solid(one);
+  Voxmap voxmap = block_for(one);
+  Erosion erosion = subvoxel_erosion(solid, static_cast<float>(kFactor));
+  const double whole = 4.0 / 3.0 * std::numbers::pi * std::pow(solid.radius, 3.0);
+  double mass = 0.0;
+  for (int n = 1; n <= 3; ++n) {
+    mass += drill(voxmap, erosion, {solid.from, solid.from}, kSpin, 0.1, 10).mass;
+    // The ramp of density weighs the ball's rim: (1 + kRamp^2 / R^2) of the volume, 1.6 %.
+    CHECK(mass == doctest::Approx(whole * (1.0 - std::exp(-kRate * 0.1 * n))).epsilon(0.03));
+    CHECK(missing_mass(voxmap) == doctest::Approx(mass).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("cut face: after a restore drilling continues within a fiftieth of what is removed") {
+  const Plate plate;
+  const SweptSolid solid = over(plate, true, 3e-3, 0.4e-3);
+  const auto run = [&](bool restored) {
+    Voxmap voxmap = plate.make();
+    Erosion erosion = subvoxel_erosion(solid, static_cast<float>(kFactor));
+    double mass = dwell(voxmap, erosion, solid, 0.3, 30);
+    if (restored) {
+      voxmap.write_back();
+      CHECK_FALSE(voxmap.cut().empty());
+      voxmap.put_blocks({});
+      CHECK(voxmap.cut().empty());
+    }
+    return mass + dwell(voxmap, erosion, solid, 0.3, 30);
+  };
+  const double plain = run(false);
+  CHECK(run(true) == doctest::Approx(plain).epsilon(0.02));
+}
+
+TEST_CASE("cut face: law energy removes mu F v_rel dt of work, whatever the rate and the voxel") {
+  const double force = 20.0, time = 0.05;
+  for (const double voxel : {0.2e-3, 0.3125e-3})
+    for (const double rate : {500.0, 2000.0}) {
+      const Plate plate{.voxel = voxel, .top = 4.7e-3 / voxel, .hardness = 0.5f};
+      const SweptSolid solid = over(plate, true, 3e-3, 0.4e-3);
+      Voxmap voxmap = plate.make();
+      Erosion erosion = subvoxel_erosion(solid, static_cast<float>(kFactor), {.law = ErosionLaw::energy, .subvoxel = true});
+      const auto steps = static_cast<int>(std::lround(time * rate));
+      double mass = 0.0, energy = 0.0, work = 0.0;
+      for (int n = 0; n < steps; ++n) {
+        const ErosionOutcome outcome = erosion.step(voxmap, {solid.from, solid.from}, CuttingLoad{kSpin, force}, time / steps);
+        voxmap.commit(outcome.changed);
+        mass += outcome.removed_mass;
+        energy += outcome.energy;
+        work += 0.5 * force * 2.0 * std::numbers::pi * kSpin * outcome.rubbing_radius * time / steps;
+      }
+      CHECK(energy == doctest::Approx(mass * 1e8 * 0.5).epsilon(1e-6));
+      // The radius at which a step rubs is that of the step before: a hundredth over a fiftieth of a second.
+      CHECK(energy == doctest::Approx(work).epsilon(0.01));
+      CHECK(mass > 0.3e-9);
+    }
+}
+
+TEST_CASE("cut face: create asks for a field and a law that fits; voxels beyond the window are counted and left alone") {
+  const Plate plate;
+  SweptSolid solid = over(plate, true, 3e-3, 0.4e-3);
+  const ErosionPoints points = solid.points(0.5 * plate.voxel, 0.1f);
+  CHECK(Erosion::create({.subvoxel = true}, points).error().message == "sub-voxel removal needs the cutting field of its tool");
+  CHECK(Erosion::create({.law = ErosionLaw::per_update, .subvoxel = true}, points, field_of(solid, 0.1f)).error().message ==
+        "sub-voxel removal needs law rate or law energy");
+  Voxmap voxmap = plate.make();
+  Erosion erosion = subvoxel_erosion(solid, static_cast<float>(kFactor));
+  solid.from.offset.x = 3.0;  // half of the ball is beyond the window
+  const Drilling drilling = drill(voxmap, erosion, {solid.from, solid.from}, kSpin, 0.1, 10);
+  CHECK(drilling.outside > 0);
+  CHECK(missing_mass(voxmap) == doctest::Approx(drilling.mass).epsilon(1e-6));
+}
