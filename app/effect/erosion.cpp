@@ -152,8 +152,8 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
                                 by_update ? "use another law" : "set it to true"));
     if (context.needs.any_density && config_.subvoxel)
       out.push_back(
-          "[contact] mode = \"paper\" holds the bit above the face that [erosion] subvoxel = true removes, at its outermost density above "
-          "0: "
+          "[contact] mode = \"paper\" holds the bit where density is above 0, which is above the face that [erosion] subvoxel = true "
+          "moves: "
           "set subvoxel = false");
     if (context.needs.feels) return;
     if (config_.law == ErosionLaw::energy)

@@ -171,17 +171,17 @@ TEST_CASE("SimulatedHand: soft bone is no breakthrough at any push, and a wall t
 }
 
 TEST_CASE("SimulatedHand: a bit that engages when the drive starts is no breakthrough, unless the hand does not know of it") {
-  for (const bool told : {true, false}) {
+  for (const bool knows : {true, false}) {
     SimulatedHand hand = make({});
     bool gave = false;
     for (int n = 0; n < 8000; ++n) {
       const HandState state = hand.read();
-      if (n == 5000 && told) hand.drive_changed();
+      if (n == 5000 && knows) hand.drive_changed();
       const double wall = n < 5000 ? 0.0 : -0.4e-3;
       hand.apply({{0.0, 0.0, std::max(0.0, kWall * (wall - state.world_from_hand.translation.z))}, Vec3(0.0)});
       gave = gave || (state.phase != HandPhase::approach && state.phase != HandPhase::lean);
     }
-    CHECK(gave == !told);
+    CHECK(gave == !knows);
   }
 }
 
