@@ -27,7 +27,7 @@ using BlockValues = std::array<float, kBlockVoxels>;
 
 /// @returns the block coordinates packed into one integer. Keys sort by k, then j, then i. Requires each coordinate in [-2^20, 2^20).
 [[nodiscard]] inline std::uint64_t key_of_block(const Vec3i& block) noexcept {
-  const auto part = [](int x) { return static_cast<std::uint64_t>(x + (1 << 20)); };
+  const auto part = [](int x) { return static_cast<std::uint64_t>(std::int64_t{x} + (1 << 20)); };
   return (part(block.z) << 42) | (part(block.y) << 21) | part(block.x);
 }
 [[nodiscard]] inline Vec3i block_of_key(std::uint64_t key) noexcept {

@@ -41,7 +41,8 @@ class CutSurface {
 
    private:
     [[nodiscard]] static std::size_t place(const Vec3i& v) noexcept {
-      return static_cast<std::size_t>(((v.z & 7) * kBlockEdge + (v.y & 7)) * kBlockEdge + (v.x & 7));
+      const int at = ((v.z & 7) * kBlockEdge + (v.y & 7)) * kBlockEdge + (v.x & 7);
+      return static_cast<std::size_t>(at);
     }
   };
 
