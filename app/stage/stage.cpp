@@ -171,8 +171,12 @@ Status Stage::restore(const std::string& name) {
 const ServoOutput& Stage::act() noexcept {
   if (graph.empty(Clock::servo)) return servo->act();
   *hand_slot_ = servo->hand();
-  graph.run(Clock::servo, {servo_tick_++, period});
-  return added_force_ != nullptr ? servo->act(*added_force_) : servo->act();
+  graph.receive(Clock::servo);
+  graph.run_steps(Clock::servo, {servo_tick_++, period});
+  // The contact state is taken before the message is sent. Otherwise a result that depends on this tick's message could reach this tick.
+  const ServoOutput& out = added_force_ != nullptr ? servo->act(*added_force_) : servo->act();
+  graph.send(Clock::servo);
+  return out;
 }
 
 void Stage::gather(bool all) {

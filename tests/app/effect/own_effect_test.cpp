@@ -34,6 +34,7 @@ struct Counts {
   std::uint64_t bone_seen_by_servo = 0;
   std::vector<std::uint64_t> shown;    // bone steps, of each picture
   double pressed_seen_by_servo = 0.0;  // [N] sum over the ticks
+  const std::uint64_t* servo_there = nullptr;  // the servo's ticks as the simulation clock received them last
   // What `now` and `last` promise, and the order of clocks in lockstep. Not checked live, where each clock has a thread.
   bool in_order = true, lockstep = true;
   void expect(bool holds) { in_order = in_order && holds; }
@@ -71,7 +72,7 @@ class Probe final : public Effect {
     auto before = graph.step(
         Clock::simulation, "probe", "probe last", [](void* self, const Tick&) { static_cast<Probe*>(self)->read_last(); }, this);
     total_last_ = before.last(kTotal);
-    servo_there_ = before.latest(kServoTicks);
+    counts_->servo_there = servo_there_ = before.latest(kServoTicks);
     bone_steps_ = before.own(kBoneSteps);
     auto frame = graph.step(
         Clock::frame, "probe", "probe frame", [](void* self, const Tick&) { static_cast<Probe*>(self)->frame(); }, this);
@@ -268,6 +269,40 @@ TEST_CASE("own effect: its session replays: each clock reads the messages that i
     CHECK(counts.servo_seen_by_bone == recorded.servo_seen_by_bone);
     CHECK(counts.shown == recorded.shown);
   }
+}
+
+/// A hand that does not move. In apply(), so after the servo took the result of contact, it looks for this tick's message.
+class LookingHand final : public HandSource {
+ public:
+  const HandState& read() noexcept override { return state_; }
+  void apply(const Wrench&) noexcept override {
+    graph->receive(Clock::simulation);
+    sent_early += *counts.servo_there > state_.tick;
+    ++state_.tick;
+  }
+  StepGraph* graph = nullptr;
+  int sent_early = 0;
+
+ private:
+  HandState state_;
+};
+
+TEST_CASE("own effect: the servo takes the result of contact before it sends its message: no result can depend on the tick that uses it") {
+  Issues issues;
+  auto loaded = load_with(with_probe(), "[probe]\nweight_N = 0.5\n", issues);
+  REQUIRE(loaded);
+  loaded->scene.duration = 0.05;
+  counts = {};
+  CountingSink sink;
+  LookingHand hand;
+  SimulationOptions options;
+  options.sink = &sink;
+  options.hand = &hand;
+  DrillRun run(std::move(*loaded), options);
+  hand.graph = &run.simulation().stage().graph;
+  run.run();
+  CHECK(*counts.servo_there == 50);
+  CHECK(hand.sent_early == 0);
 }
 
 TEST_CASE("own effect: a scene without its table has none of it, to the bit") {
