@@ -49,6 +49,11 @@ class ContactEffect final : public Effect {
   void report(Figures& out) const override {
     out.add("points", static_cast<std::uint64_t>(model_->points()));
     out.add("constraints_dropped", dropped_);
+    out.add("held", held_);
+  }
+  void warn(std::vector<std::string>& out) const override {
+    if (held_ > 0)
+      out.push_back(fmt::format("[contact] held the tool in place in {} evaluations: it came near bone that had not been read", held_));
   }
 
  private:
@@ -56,13 +61,13 @@ class ContactEffect final : public Effect {
     evaluate(tick);
     flags_ = static_cast<double>(state_->flags);
     dropped_ += constraints_->dropped;
+    if ((state_->flags & kContactOutsideWindow) != 0) ++held_;
   }
   void evaluate(const Tick& tick) noexcept {
     const HandState& hand = touch_->hand;
     const ContactAdditions added{{constraints_->items.data(), constraints_->size}, tangential_->law};
     const ToolSpin spin{turns_ && hand.spin > 0.0, tangential_->rate};
-    if (!model_->step({*touch_->bone, hand, tick.dt, spin, added}, *state_))
-      return;  // the window lacks the bone: the result stays that of an earlier motion
+    model_->step({*touch_->bone, hand, tick.dt, spin, added}, *state_);
     state_->tick = hand.tick;
   }
 
@@ -76,6 +81,7 @@ class ContactEffect final : public Effect {
   const Constraints* constraints_ = nullptr;
   double flags_ = 0.0;         // bits of ContactFlag
   std::uint64_t dropped_ = 0;  // constraints beyond Constraints::kMax
+  std::uint64_t held_ = 0;     // evaluations with kContactOutsideWindow
 };
 
 /// Largest stiffness of the coupling that the damping of hand and coupling keeps stable at this delay: K < (b + B) / (T/2 + d T), the

@@ -67,7 +67,8 @@ class ErosionEffect final : public Effect {
   void run(const Tick& tick) {
     *removal_ = {};
     if (!(*asked_ > 0.0)) return;
-    const ErosionOutcome outcome = erosion_.step(*voxmap_, cut_->path, CuttingLoad{*spin_, cut_->thrust, cut_->reaction}, tick.dt);
+    ErosionOutcome outcome;
+    if (!cut_->far) outcome = erosion_.step(*voxmap_, cut_->path, CuttingLoad{*spin_, cut_->thrust, cut_->reaction}, tick.dt);
     if (!outcome.changed.empty()) commit_timer_([&] { voxmap_->commit(outcome.changed); });
     removed_mass_ += outcome.removed_mass;
     outside_ += outcome.outside;

@@ -263,11 +263,14 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (Status ran = simulation->run(); !ran) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   RunSummary summary = make_summary(loaded, *simulation, make_plan(loaded), wall);
-  if (const auto left = simulation->inputs_left(); !left.empty()) {
-    summary.warnings.push_back(fmt::format("the run ended at {:.3f} s, before {} of {} inputs; the next was due at {:.3f} s",
-                                           simulation->time(), left.size(), job.inputs.size(),
-                                           static_cast<double>(left.front().tick) / loaded.scene.servo_hz));
-    if (job.warn) job.warn(summary.warnings.back());
+  std::vector<std::string> found;
+  simulation->stage().warn(found);
+  if (const auto left = simulation->inputs_left(); !left.empty())
+    found.push_back(fmt::format("the run ended at {:.3f} s, before {} of {} inputs; the next was due at {:.3f} s", simulation->time(),
+                                left.size(), job.inputs.size(), static_cast<double>(left.front().tick) / loaded.scene.servo_hz));
+  for (const std::string& line : found) {
+    if (job.warn) job.warn(line);
+    summary.warnings.push_back(line);
   }
   if (sink) summary.display = sink->display();
   if (*session)

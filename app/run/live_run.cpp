@@ -214,7 +214,7 @@ void Loops::prefetch_loop() {
 void Loops::start() {
   Voxmap& voxmap = *parts_->voxmap;
   // Within these reserves slides and write-backs do not allocate.
-  const std::size_t window_voxels = voxmap.window().box.count() * 3 / 2;
+  const std::size_t window_voxels = most_window_voxels(voxmap.window().box.count());
   voxmap.reserve(window_voxels, kReservedBlocks);
   parts_->bone->publisher().reserve(window_voxels);
   voxmap.set_prefetch(&prefetch_);

@@ -10,6 +10,17 @@ namespace {
 
 constexpr double kWriteBackEvery = 0.1;  // [s]
 constexpr double kLeastForce = 1e-6;     // [N] of a contact that has a direction
+// [voxel edges] above kLeastFree of the constrained tool, which stops later on the way to bone
+constexpr double kNear = 2.0;
+
+/// A contact period, and two bone steps: one until the window is placed, and one by which a live bone step may be late.
+double foresight_of(const StageConfig& config, const Needs& needs) {
+  const double contact_hz = needs.contact_hz > 0 ? needs.contact_hz : config.servo_hz;
+  const double bone_hz = needs.simulation_hz > 0 ? needs.simulation_hz : 0.25 * config.servo_hz;
+  return 1.0 / contact_hz + 2.0 / bone_hz;
+}
+
+Affine shifted(const Affine& index_from_tool, const Vec3& by) { return {index_from_tool.linear, index_from_tool.offset + by}; }
 
 }  // namespace
 
@@ -18,17 +29,23 @@ VoxelBox tool_box(const Tool& tool, const Affine& index_from_tool, int margin) {
   return {floor_int(lo) - margin, floor_int(hi) + 2 + margin};
 }
 
-BoneStep::BoneStep(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap, StepGraph& graph)
+BoneStep::BoneStep(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap, StepGraph& graph,
+                   const CoarseDistance* coarse)
     : tool_(&tool),
       voxmap_(&voxmap),
       graph_(&graph),
+      bone_from_index_(voxmap.bone().bone_from_index()),
       index_from_world_((Affine::from_pose(config.volume.world_from_bone) * voxmap.bone().bone_from_index()).inverse()),
       margins_(window_margins(needs.fields, voxmap.bone().bone_from_index())),
+      coarse_(coarse),
+      cover_(tool.shell.positions),
+      near_(kNear * voxmap.bone().bone_from_index().mean_edge()),
+      foresight_(foresight_of(config, needs)),
       spin_(config.tool.spin) {}
 
 Result<BoneStep> BoneStep::create(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap,
-                                  const Pose& world_from_tool, StepGraph& graph) {
-  BoneStep out(config, needs, tool, voxmap, graph);
+                                  const Pose& world_from_tool, StepGraph& graph, const CoarseDistance* coarse) {
+  BoneStep out(config, needs, tool, voxmap, graph, coarse);
   out.last_ = world_from_tool;
   if (Status placed = voxmap.place_window(tool_box(tool, out.index_from_tool(world_from_tool), out.margins_.placed)); !placed)
     return Error{placed.error().code, "tool \"" + tool.name + "\" is too large for this bone's voxels: " + placed.error().message, {}};
@@ -60,16 +77,61 @@ WindowMargins window_margins(const ContactFields& fields, const Affine& bone_fro
 
 Affine BoneStep::index_from_tool(const Pose& world_from_tool) const { return index_from_world_ * Affine::from_pose(world_from_tool); }
 
+bool BoneStep::is_near(const Affine& index_from_tool) const noexcept { return cover_.clearance(*coarse_, index_from_tool) < near_; }
+
+std::optional<double> BoneStep::first_near(const ErosionPath& path) const noexcept {
+  // The farthest that a point of the tool moves over the whole path: at a corner of the box round the tool.
+  double longest = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p((corner & 1) != 0 ? tool_->bound_hi.x : tool_->bound_lo.x, (corner & 2) != 0 ? tool_->bound_hi.y : tool_->bound_lo.y,
+                 (corner & 4) != 0 ? tool_->bound_hi.z : tool_->bound_lo.z);
+    longest = std::max(longest, glm::length(bone_from_index_.linear * (path.to * p - path.from * p)));
+  }
+  for (double t = 0.0;;) {
+    const double clearance = cover_.clearance(*coarse_, path.at(t));
+    if (clearance < near_) return t;
+    if (t == 1.0) return std::nullopt;
+    t = longest > 0.0 ? std::min(1.0, t + (clearance - 0.5 * near_) / longest) : 1.0;
+  }
+}
+
+void BoneStep::trim(Cut& cut) const noexcept {
+  if (coarse_ == nullptr || is_near(cut.path.from)) return;
+  const auto near = first_near(cut.path);
+  cut.far = !near;
+  cut.path.from = cut.path.at(near.value_or(1.0));
+}
+
+ErosionPath BoneStep::foreseen(const Cut& cut, const ContactState& found) const noexcept {
+  if (coarse_ == nullptr) return cut.path;
+  const Vec3 ahead = found.hand_velocity * foresight_;
+  if (!cut.far) return {cut.path.from, shifted(cut.path.to, index_from_world_.linear * ahead)};
+  const Vec3 stretch = found.world_from_hand.translation - found.world_from_tool.translation;
+  const ErosionPath way{cut.path.to, shifted(cut.path.to, index_from_world_.linear * (stretch + ahead))};
+  const auto near = first_near(way);
+  return near ? ErosionPath{way.at(*near), way.to} : ErosionPath{way.from, way.from};
+}
+
 Status BoneStep::keep_window(const ErosionPath& path) {
-  const auto swept = [&](int margin) { return tool_box(*tool_, path.from, margin).unite(tool_box(*tool_, path.to, margin)); };
-  if (voxmap_->window().box.contains(swept(margins_.least))) return {};
-  return voxmap_->place_window(swept(margins_.placed));
+  const auto box = [&](const Affine& to, int margin) { return tool_box(*tool_, path.from, margin).unite(tool_box(*tool_, to, margin)); };
+  // A window that reaches far ahead is shortened to what the reserved memory holds.
+  const std::size_t most = most_window_voxels(tool_box(*tool_, path.from, margins_.placed).count());
+  const auto fits = [&](const VoxelBox& b) {
+    const Vec3i size = b.size();
+    return b.count() <= most && std::max({size.x, size.y, size.z}) <= kMaxWindowEdge;
+  };
+  double share = 1.0;
+  while (share > 0.1 && !fits(box(path.at(share), margins_.placed))) share *= 0.8;
+  const Affine to = path.at(share);
+  if (voxmap_->window().box.contains(box(to, margins_.least))) return {};
+  return voxmap_->place_window(box(to, margins_.placed));
 }
 
 Status BoneStep::change_tool(const Tool& tool) {
   if (Status placed = voxmap_->place_window(tool_box(tool, index_from_tool(last_), margins_.placed)); !placed)
     return Error{placed.error().code, "tool \"" + tool.name + "\" is too large for this bone's voxels: " + placed.error().message, {}};
   tool_ = &tool;
+  cover_ = ShellCover(tool.shell.positions);
   publish();
   return {};
 }
@@ -82,13 +144,14 @@ void BoneStep::publish() {
 void BoneStep::operator()(const ContactState& found, double thrust, double dt) {
   const double force = glm::length(found.on_hand.force);
   const Vec3 reaction = force > kLeastForce ? glm::conjugate(found.world_from_tool.rotation) * found.on_hand.force / force : cut_->reaction;
-  *cut_ = {{index_from_tool(last_), index_from_tool(found.world_from_tool)}, thrust, reaction};
+  *cut_ = {.path = {index_from_tool(last_), index_from_tool(found.world_from_tool)}, .thrust = thrust, .reaction = reaction};
+  trim(*cut_);
   last_ = found.world_from_tool;
   *spin_asked_ = spin_ * found.spin;
   if (own_spin_ != nullptr) *own_spin_ = *spin_asked_;
-  // create() has checked the size of the tool. A long or rotated path may still not fit: then the window stays, and erosion counts the points
+  // create() has checked the size of the tool. A rotated path may still not fit: then the window stays, and erosion counts the points
   // outside.
-  (void)keep_window(cut_->path);
+  (void)keep_window(foreseen(*cut_, found));
   bool changed = voxmap_->window_epoch() != publisher_->published_epoch();
   graph_->receive(Clock::simulation);
   graph_->run_steps(Clock::simulation, {steps_++, dt});

@@ -3,12 +3,14 @@
 ///   Thread simulation, the only writer of bone.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
 #include "app/stage/effect.h"
 #include "app/stage/slots.h"
 #include "core/base/step_timer.h"
+#include "core/contact/shell_cover.h"
 #include "core/tool/tool.h"
 #include "core/voxel/contact_window.h"
 
@@ -24,11 +26,18 @@ struct WindowMargins {
 /// @returns margins that cover the reach of the contact model's queries and the motion of the tool in one step.
 [[nodiscard]] WindowMargins window_margins(const ContactFields& fields, const Affine& bone_from_index);
 
+/// @returns the most voxels of a window placed ahead of a fast tool, where the window round a tool at rest has `usual`.
+[[nodiscard]] constexpr std::size_t most_window_voxels(std::size_t usual) noexcept {
+  constexpr std::size_t kSmall = std::size_t{96} * 96 * 96;
+  return std::max(usual + usual / 2, kSmall);
+}
+
 class BoneStep {
  public:
   /// Places the window at the tool and publishes it. out_of_range: the tool does not fit in a window; the message states the sizes.
+  /// @param coarse bounds the distance of bone, so that the window can precede a fast tool; null: it follows the tool.
   [[nodiscard]] static Result<BoneStep> create(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap,
-                                               const Pose& world_from_tool, StepGraph& graph);
+                                               const Pose& world_from_tool, StepGraph& graph, const CoarseDistance* coarse = nullptr);
   /// Provides the slots of the stage. Call after the effects are bound.
   void bind();
 
@@ -50,17 +59,29 @@ class BoneStep {
   [[nodiscard]] StepTimer& publish_timer() noexcept { return publish_timer_; }
 
  private:
-  BoneStep(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap, StepGraph& graph);
+  BoneStep(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap, StepGraph& graph, const CoarseDistance* coarse);
   [[nodiscard]] Affine index_from_tool(const Pose& world_from_tool) const;
+  [[nodiscard]] bool is_near(const Affine& index_from_tool) const noexcept;
+  /// @returns the share of a path, 0..1, at which bone may be near the tool first; nothing if it is near nowhere.
+  [[nodiscard]] std::optional<double> first_near(const ErosionPath& path) const noexcept;
+  /// Leaves out the part of the path of `cut` that is far from bone.
+  void trim(Cut& cut) const noexcept;
+  /// @returns the poses round which contact reads bone until the next step: from where the tool is, or where it will come near bone, to
+  /// where it may be then.
+  [[nodiscard]] ErosionPath foreseen(const Cut& cut, const ContactState& found) const noexcept;
   [[nodiscard]] Status keep_window(const ErosionPath& path);
 
   const Tool* tool_;
   Voxmap* voxmap_;
   StepGraph* graph_;
-  Affine index_from_world_;
+  Affine bone_from_index_, index_from_world_;
   WindowMargins margins_;
-  double spin_ = 0.0;    // [rev/s] of the scene, at full command
-  double turned_ = 0.0;  // [rev]
+  const CoarseDistance* coarse_;
+  ShellCover cover_;
+  double near_ = 0.0;       // [m] bone at a smaller bound of its distance counts as near
+  double foresight_ = 0.0;  // [s] from a contact result to the last evaluation that reads the window placed for it
+  double spin_ = 0.0;       // [rev/s] of the scene, at full command
+  double turned_ = 0.0;     // [rev]
   Cut* cut_ = nullptr;
   double* spin_asked_ = nullptr;
   double* own_spin_ = nullptr;  // null: an effect owns it

@@ -9,7 +9,8 @@ std::uint64_t ContactBone::number() const noexcept { return grids != nullptr ? 0
 BoneView ContactBone::view() const {
   if (grids != nullptr) return {ContactView(*grids, bone_from_index, world_from_bone), {}, world_from_bone};
   const ContactWindow& copy = window->latest();
-  return {ContactView(copy, bone_from_index, world_from_bone), surface_view(copy, bone_from_index, world_from_bone), world_from_bone};
+  return {ContactView(copy, bone_from_index, world_from_bone), surface_view(copy, bone_from_index, world_from_bone, coarse),
+          world_from_bone, coarse};
 }
 
 ContactTick::ContactTick(StepGraph& graph, const Approach& approach, const ContactTickConfig& config)
@@ -38,6 +39,7 @@ const ContactState& ContactTick::operator()(const HandState& hand) noexcept {
   }
   step_us_ = std::chrono::duration<float, std::micro>(Timer::now() - start).count();
   state.spin = hand.spin;
+  state.hand_velocity = hand.velocity;
   ++state.number;
   state.cutting_sum += state.cutting_force;
   flags_seen_ |= state.flags;

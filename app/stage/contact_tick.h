@@ -20,6 +20,7 @@ struct ContactBone {
   const VdbContactGrids* grids = nullptr;
   Affine bone_from_index;
   Pose world_from_bone;
+  const CoarseDistance* coarse = nullptr;  ///< of the whole bone; null: contact knows only the window
 
   /// @returns the newest copy; valid until the next call.
   [[nodiscard]] BoneView view() const;

@@ -105,6 +105,8 @@ class Effect {
   virtual void place(const Pose&) noexcept {}
   /// Adds figures of the run for summary.json, explain --measure and the report.
   virtual void report(Figures&) const {}
+  /// Adds warnings of a run that has ended, one line each.
+  virtual void warn(std::vector<std::string>&) const {}
   /// @returns timers in addition to those of its steps.
   [[nodiscard]] virtual std::vector<NamedTimer> timers() const { return {}; }
   /// Prepares for the stage's new tool; bind() is called afterwards.

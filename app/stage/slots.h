@@ -22,7 +22,8 @@ struct Touch {
 
 /// Input of a simulation step: motion of the tool and cutting force.
 struct Cut {
-  ErosionPath path;              ///< index from tool, at the start and the end of the step
+  ErosionPath path;              ///< index from tool, from the first place at which bone may be near to the end of the step
+  bool far = false;              ///< no bone is near the path: the window need not hold it
   double thrust = 0.0;           ///< [N] mean cutting force since the previous step
   Vec3 reaction{0.0, 0.0, 1.0};  ///< [-] unit, tool frame: direction of the last force of bone on the tool
 };

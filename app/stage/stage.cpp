@@ -79,13 +79,15 @@ Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> m
   servo.emplace(limits, *hand, force_mailbox, hand_mailbox);
 
   const Pose start{world_from_approach().rotation, world_from_approach() * Vec3(0.0, 0.0, config.hand.standoff)};
-  auto step = BoneStep::create(config, needs, *tool, *voxmap, start, graph);
+  if (needs.feels) coarse_ = std::make_unique<CoarseDistance>(*model);
+  auto step = BoneStep::create(config, needs, *tool, *voxmap, start, graph, coarse_.get());
   if (!step) return Error{step.error().code, step.error().message, config.tool.place};
   bone.emplace(std::move(step).value());
-  contact.emplace(
-      graph, approach,
-      ContactTickConfig{
-          {&bone->publisher().exchange(), bone->grids(), model->bone_from_index(), config.volume.world_from_bone}, period, contact_period});
+  contact.emplace(graph, approach,
+                  ContactTickConfig{{&bone->publisher().exchange(), bone->grids(), model->bone_from_index(), config.volume.world_from_bone,
+                                     coarse_.get()},
+                                    period,
+                                    contact_period});
   if (Status bound = bind(); !bound) return Error{bound.error().code, bound.error().message, config.file};
   contact->place(start);
   for (const MadeEffect& one : effects_) one.effect->place(start);
@@ -195,6 +197,10 @@ Status Stage::draw(const std::string& name, const std::optional<Pose>& world_fro
   *picture_error_ = &drawn;
   graph.run_steps(Clock::frame, {pictures_++, 0.0});
   return drawn;
+}
+
+void Stage::warn(std::vector<std::string>& out) const {
+  for (const MadeEffect& made : effects_) made.effect->warn(out);
 }
 
 std::optional<double> Stage::figure(std::string_view table, std::string_view name) const {

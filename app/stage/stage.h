@@ -101,6 +101,8 @@ class Stage {
   };
   [[nodiscard]] const std::vector<MadeEffect>& effects() const noexcept { return effects_; }
   /// @returns a number that an effect reports, by table and name; absent if there is none.
+  /// Adds the effects' warnings of a run that has ended.
+  void warn(std::vector<std::string>& out) const;
   [[nodiscard]] std::optional<double> figure(std::string_view table, std::string_view name) const;
 
   StageConfig config;
@@ -135,8 +137,9 @@ class Stage {
   std::optional<std::string> record_path_;
   StepTimer* record_timer_ = nullptr;
   std::optional<SimulatedHand> own_hand_;
-  std::unique_ptr<BoneHistory> history_;  // of voxmap
-  bool spun_ = false;                     // in the last step of bone
+  std::unique_ptr<CoarseDistance> coarse_;  // of the bone as loaded; null: nothing feels it
+  std::unique_ptr<BoneHistory> history_;    // of voxmap
+  bool spun_ = false;                       // in the last step of bone
   MeanThrust thrust_;
   HandState* hand_slot_ = nullptr;
   const Vec3* added_force_ = nullptr;

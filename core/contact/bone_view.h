@@ -10,9 +10,10 @@
 namespace burrhole {
 
 struct BoneView {
-  ContactView voxels;                  ///< for penalty models and the drill monitor
-  std::optional<SurfaceView> surface;  ///< for the constrained tool; empty where the copy has no surface records
-  Pose world_from_bone;                ///< of both views
+  ContactView voxels;                      ///< for penalty models and the drill monitor
+  std::optional<SurfaceView> surface;      ///< for the constrained tool; empty where the copy has no surface records
+  Pose world_from_bone;                    ///< of both views
+  const CoarseDistance* coarse = nullptr;  ///< bounds the distance of bone outside the window; null: nothing is known there
 };
 
 }  // namespace burrhole

@@ -161,7 +161,8 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
       lens_(shell, std::move(field), voxel_edge),
       edge_(voxel_edge),
       regions_(shell),
-      places_(points_) {
+      places_(points_),
+      cover_(shell.positions) {
   hits_.reserve(shell_.size());
 }
 
@@ -350,7 +351,13 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
   for (; !at_rest && state_.moves < static_cast<std::uint32_t>(config_.max_moves); ++state_.moves) {
     look(bone, spinning, kLookAhead);
     if (hits_.outside) {
-      // Space outside the known window is not free: wait until the window follows, or a fast hand would leave the known bone.
+      if (const double free = free_distance(bone); free > 0.0) {
+        at_rest = move_freely(bone_from_target, free);
+        last = {};
+        known = bone_from_tool_;
+        known_engaged = engaged_;
+        continue;
+      }
       state_.flags |= kContactOutsideWindow;
       bone_from_tool_ = known;
       engaged_ = known_engaged;
@@ -478,6 +485,7 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   sweep(bone, pull, spinning_);
   if (spinning_) pass_through_nothing(bone.world_from_bone.inverse() * pull.world_from_target, before);
   report(bone);
+  if ((state_.flags & kContactOutsideWindow) != 0) hold(pull);
   end_added();
   world_from_bone_ = bone.world_from_bone;
   hand_before_ = hand.world_from_hand.rotation;

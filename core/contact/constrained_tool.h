@@ -8,7 +8,8 @@
 ///   comes from the outer side of bone, at any engaged depth. Other points are tested at the tool's pose.
 ///   Equilibrium  Coupling forces and contact forces balance. The depenetration limit (push_out) bounds the force on points inside bone
 ///                that is cut.
-///   Window  Outside the known window the tool stops and its force stays that of the last evaluation.
+///   Window  Outside the window the tool moves freely as far as the coarse distance proves that no bone is near. Beyond, it is held: the
+///           force is that of its springs, as at a wall.
 ///   Tangential loads, such as friction, come from a TangentialLaw (tangential_hold.h); without one the surface is frictionless.
 ///   Continuous collision  No move is longer than the distance in which planes are known, so a fast stroke cannot pass through bone.
 ///   Source  own derivation (hold_solver.h); constraining a proxy at a surface is usual in the field.
@@ -28,6 +29,7 @@
 #include "core/contact/hold_solver.h"
 #include "core/contact/lens_shell.h"
 #include "core/contact/local_contact.h"
+#include "core/contact/shell_cover.h"
 #include "core/contact/shell_regions.h"
 #include "core/contact/surface_view.h"
 #include "core/contact/tangential_hold.h"
@@ -76,6 +78,7 @@ class ConstrainedTool {
                                    const ContactAdditions& added = {}) noexcept BH_REALTIME;
   [[nodiscard]] const ConstrainedToolState& state() const noexcept { return state_; }
   [[nodiscard]] const PointShell& shell() const noexcept { return shell_; }
+  [[nodiscard]] const ConstrainedToolConfig& config() const noexcept { return config_; }
   /// After a step on that bone: writes its contact as planes, loaded ones first, then the nearest plane of each spot of the tool. Kind
   /// `none` where the window did not know enough.
   /// @param reach [m] distance that the tool may cover until the next call; nearer planes are listed, as far as records are known.
@@ -117,6 +120,12 @@ class ConstrainedTool {
   /// bone has an edge; at an edge of the tool it is that of bone. @param bone_normal of the record there.
   [[nodiscard]] Vec3 cutting_normal(std::size_t point, const Vec3& bone_normal) const noexcept;
   void sweep(const SurfaceView& bone, const Pull& pull, bool spinning) noexcept;
+  /// Outside the window. @returns the distance [m] that no point of the tool can move without being far from bone; 0: bone may be near.
+  [[nodiscard]] double free_distance(const SurfaceView& bone) const noexcept;
+  /// Moves the tool to the target without contact, by `free` [m] at most. @returns whether it has arrived.
+  bool move_freely(const Pose& bone_from_target, double free) noexcept;
+  /// The result where bone has not been read: the springs hold the hand as if the tool stood at a wall.
+  void hold(const Pull& pull) noexcept;
   void apply(const HoldMove& move, double part) noexcept;
   /// Prevents a force reversal within a period. The compliance of bone under a ring of loads can move a cutting tool slightly beyond the
   /// equilibrium of its springs; the tool then stays at the equilibrium for this period. @param before [N] bone frame: force of the last
@@ -135,6 +144,7 @@ class ConstrainedTool {
   double edge_ = 0.0;              // [m]
   ShellRegions regions_;
   HitPlaces places_;
+  ShellCover cover_;
   ProbeHits hits_;
   std::size_t cutting_hits_ = 0;  // hits of cutting points come first; this is their number
   HoldSolver solver_;

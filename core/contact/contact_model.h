@@ -39,10 +39,9 @@ class ContactModel {
   virtual ~ContactModel() = default;
   /// Moves the tool to a pose without a query of bone: at the start, after a tool change, an undo or a reset.
   virtual void place(const Pose& world_from_tool) noexcept = 0;
-  /// One contact period. Writes all members of `out` except tick, number and cutting_sum, which the caller sets.
-  /// @returns true: `out` is the result for this motion. false: the window did not contain the bone at the tool; the result is that of an
-  /// earlier motion, whose world_from_hand and tick stay in `out`.
-  [[nodiscard]] virtual bool step(const ContactInput& in, ContactState& out) noexcept BH_REALTIME = 0;
+  /// One contact period. Writes all members of `out` except hand_velocity, tick, number, spin and cutting_sum, which the caller sets. Where
+  /// bone near the tool has not been read, the tool is held in place by a spring, and flags has kContactOutsideWindow.
+  virtual void step(const ContactInput& in, ContactState& out) noexcept BH_REALTIME = 0;
   /// Number of points of the shell.
   [[nodiscard]] virtual std::size_t points() const noexcept = 0;
 };

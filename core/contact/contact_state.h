@@ -13,6 +13,7 @@ namespace burrhole {
 struct ContactState {
   Pose world_from_tool;        ///< pose of the tool; that of the hand in a penalty model without coupling
   Pose world_from_hand;        ///< hand pose from which this result was computed
+  Vec3 hand_velocity{0.0};     ///< [m/s] of that pose
   Wrench on_hand;              ///< [N], [N m] on the hand, world frame, before the force scale; moment about the origin of world_from_tool
   Mat3 force_gradient{0.0};    ///< [N/m] d on_hand.force / d position of the hand, rotation not included; [AcostaLiu07] eq. 3
   LocalContact local;          ///< tangent planes of the same contact, from which the servo computes forces until the next state

@@ -1,32 +1,45 @@
 #include "core/contact/coupled_contact.h"
 
+#include "core/contact/shell_cover.h"
+
 namespace burrhole {
 namespace {
 
 class CoupledContact final : public ContactModel {
  public:
-  CoupledContact(VirtualCoupling tool, const ContactOptions& options) : tool_(std::move(tool)), options_(options) {}
+  CoupledContact(VirtualCoupling tool, const ContactOptions& options)
+      : tool_(std::move(tool)), options_(options), cover_(tool_.model().shell().positions) {}
 
   void place(const Pose& world_from_tool) noexcept override { tool_.place(world_from_tool); }
   [[nodiscard]] std::size_t points() const noexcept override { return tool_.model().shell().size(); }
 
-  [[nodiscard]] bool step(const ContactInput& in, ContactState& out) noexcept override {
-    const VirtualCouplingState& coupled = tool_.step(in.bone.voxels, in.hand, in.dt, in.spin, in.added, in.bone.world_from_bone);
+  void step(const ContactInput& in, ContactState& out) noexcept override {
+    const bool held = in.bone.coarse != nullptr && cover_.reaches_unread(in.bone.voxels, *in.bone.coarse, tool_.state().world_from_tool);
+    if (held) tool_.hold(in.hand);
+    const VirtualCouplingState& coupled =
+        held ? tool_.state() : tool_.step(in.bone.voxels, in.hand, in.dt, in.spin, in.added, in.bone.world_from_bone);
     out.world_from_hand = in.hand.world_from_hand;
     out.world_from_tool = coupled.world_from_tool;
     out.on_hand = coupled.on_hand;
     out.engagement = coupled.deepest;
     out.cutting_force = glm::length(coupled.on_tool.force);
     out.flags = coupled.flags;
-    if (!options_.planes) return true;
+    if (in.bone.coarse != nullptr && !held) out.flags &= ~kContactOutsideWindow;  // far from bone
+    if (!options_.planes) return;
+    if (held) {
+      out.local.count = 0;
+      out.local.kind = LocalKind::none;
+      out.force_gradient = Mat3(-tool_.config().stiffness);
+      return;
+    }
     tool_.describe(out.local);
     out.force_gradient = force_gradient(out.local);
-    return true;
   }
 
  private:
   VirtualCoupling tool_;
   ContactOptions options_;
+  ShellCover cover_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "core/contact/penalty_contact.h"
 
 #include "core/contact/constraint_planes.h"
+#include "core/contact/shell_cover.h"
 #include "core/contact/tangential_spring.h"
 
 namespace burrhole {
@@ -11,15 +12,19 @@ class PenaltyContact final : public ContactModel {
   PenaltyContact(std::unique_ptr<PenaltyModel> model, const ContactOptions& options)
       : model_(std::move(model)),
         options_(options),
+        cover_(model_->shell().positions),
         spring_config_{model_->stiffness(), model_->stiffness() * mean_square_lever(model_->shell())} {
     result_.contacts.reserve(model_->shell().size());
     result_.list_contacts = options.planes;
   }
 
-  void place(const Pose&) noexcept override { spring_.clear(); }
+  void place(const Pose& world_from_tool) noexcept override {
+    spring_.clear();
+    read_ = {world_from_tool.translation, {}};
+  }
   [[nodiscard]] std::size_t points() const noexcept override { return model_->shell().size(); }
 
-  [[nodiscard]] bool step(const ContactInput& in, ContactState& out) noexcept override {
+  void step(const ContactInput& in, ContactState& out) noexcept override {
     const Pose& world_from_tool = in.hand.world_from_hand;
     if (in.added.tangential != nullptr) result_.list_contacts = true;
     model_->evaluate(in.bone.voxels, world_from_tool, result_);
@@ -30,13 +35,26 @@ class PenaltyContact final : public ContactModel {
     out.cutting_force = glm::length(result_.wrench.force);
     out.flags = result_.flags;
     out.force_gradient = result_.force_gradient;
+    if ((out.flags & kContactOutsideWindow) != 0 && in.bone.coarse != nullptr) {
+      if (cover_.reaches_unread(in.bone.voxels, *in.bone.coarse, world_from_tool)) return hold(out);
+      out.flags &= ~kContactOutsideWindow;
+    }
+    read_ = {world_from_tool.translation, out.on_hand};
     if (options_.planes) list(world_from_tool.translation, in.added.tangential != nullptr, out.local);
     if (!in.added.constraints.empty()) add(constraint_wrench(in.added.constraints, world_from_tool), out.on_hand);
     if (in.added.tangential != nullptr) rub(in, out);
-    return true;
   }
 
  private:
+  /// Where bone has not been read: a spring of the model's stiffness from the last place at which it was.
+  void hold(ContactState& out) const noexcept {
+    const double stiffness = model_->stiffness();
+    out.on_hand = {read_.load.force + stiffness * (read_.place - out.world_from_tool.translation), read_.load.torque};
+    out.force_gradient = Mat3(-stiffness);
+    out.engagement = out.cutting_force = 0.0;
+    out.local.count = 0;
+    out.local.kind = LocalKind::none;
+  }
   static void add(const Wrench& more, Wrench& to) noexcept {
     to.force += more.force;
     to.torque += more.torque;
@@ -68,6 +86,11 @@ class PenaltyContact final : public ContactModel {
   std::unique_ptr<PenaltyModel> model_;
   ContactOptions options_;
   ContactResult result_;
+  ShellCover cover_;
+  struct Read {
+    Vec3 place{0.0};
+    Wrench load;
+  } read_;  // the last place where all bone near the tool was known, and the wrench there
   TangentialSpringConfig spring_config_;
   TangentialSpring spring_;
   PressedPoints pressed_;

@@ -10,7 +10,7 @@ class SurfaceContact final : public ContactModel {
   void place(const Pose& world_from_tool) noexcept override { tool_.place(world_from_tool); }
   [[nodiscard]] std::size_t points() const noexcept override { return tool_.shell().size(); }
 
-  [[nodiscard]] bool step(const ContactInput& in, ContactState& out) noexcept override {
+  void step(const ContactInput& in, ContactState& out) noexcept override {
     BH_ASSERT(in.bone.surface.has_value());
     const SurfaceView& bone = *in.bone.surface;
     const ConstrainedToolState& held = tool_.step(bone, in.hand, in.dt, in.spin, in.added);
@@ -24,9 +24,8 @@ class SurfaceContact final : public ContactModel {
       tool_.describe(bone, glm::length(in.hand.velocity) * options_.foresight, out.local);
       out.force_gradient = force_gradient(out.local);
     }
-    if ((held.flags & kContactOutsideWindow) != 0) return false;
+    if ((held.flags & kContactOutsideWindow) != 0) out.force_gradient = Mat3(-tool_.config().coupling_stiffness);
     out.world_from_hand = in.hand.world_from_hand;
-    return true;
   }
 
  private:

@@ -16,10 +16,11 @@ RecordView record_view(const ContactWindow& window, const Affine& bone_from_inde
           bone_from_index, window.records_cut};
 }
 
-std::optional<SurfaceView> surface_view(const ContactWindow& window, const Affine& bone_from_index, const Pose& world_from_bone) noexcept {
+std::optional<SurfaceView> surface_view(const ContactWindow& window, const Affine& bone_from_index, const Pose& world_from_bone,
+                                        const CoarseDistance* coarse) noexcept {
   const RecordView records = record_view(window, bone_from_index);
   if (records.records8 == nullptr && records.records16 == nullptr) return std::nullopt;
-  return SurfaceView{records, window.stiffness.data(), world_from_bone};
+  return SurfaceView{records, window.stiffness.data(), world_from_bone, coarse};
 }
 
 }  // namespace burrhole

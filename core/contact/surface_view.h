@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/contact/surface_probe.h"
+#include "core/voxel/coarse_distance.h"
 #include "core/voxel/contact_window.h"
 
 namespace burrhole {
@@ -14,6 +15,7 @@ struct SurfaceView {
   RecordView records;
   const std::uint8_t* stiffness = nullptr;  ///< [-] relative, 255 is 1 (contact_window.h); dense over records.box; null: 1 everywhere
   Pose world_from_bone;
+  const CoarseDistance* coarse = nullptr;  ///< bounds the distance of bone outside the records; null: nothing is known there
 };
 
 /// The records of the copy, of either precision; both pointers are null where it has none.
@@ -21,6 +23,6 @@ struct SurfaceView {
 
 /// The same with stiffness and with the pose of bone in the world; empty where the copy has no records.
 [[nodiscard]] std::optional<SurfaceView> surface_view(const ContactWindow& window, const Affine& bone_from_index,
-                                                      const Pose& world_from_bone) noexcept;
+                                                      const Pose& world_from_bone, const CoarseDistance* coarse = nullptr) noexcept;
 
 }  // namespace burrhole

@@ -94,6 +94,16 @@ void VirtualCoupling::stay(std::uint32_t flags) noexcept {
   state_.flags = flags;
 }
 
+void VirtualCoupling::hold(const HandMotion& hand) noexcept {
+  if (!is_finite(hand.world_from_hand) || !burrhole::is_finite(hand.velocity)) return stay(kContactNotFinite);
+  stay(kContactOutsideWindow);
+  contacts_.contacts.clear();
+  hand_before_ = hand.world_from_hand.rotation;
+  const Pose& tool = state_.world_from_tool;
+  state_.on_hand.force = config_.stiffness * (tool.translation - hand.world_from_hand.translation) - config_.damping * hand.velocity;
+  state_.on_hand.torque = -config_.angular_stiffness * turn_to(hand.world_from_hand.rotation, tool.rotation);
+}
+
 void VirtualCoupling::describe(LocalContact& out) const noexcept {
   out.count = 0;
   out.kind = LocalKind::none;

@@ -73,10 +73,13 @@ class VirtualCoupling {
   /// pose before the step, so the bound above holds with it. @param world_from_bone is used for a tangential law only.
   const VirtualCouplingState& step(const ContactView& bone, const HandMotion& hand, double dt, const ToolSpin& spin = {},
                                    const ContactAdditions& added = {}, const Pose& world_from_bone = {}) noexcept BH_REALTIME;
+  /// Instead of a step, where bone near the tool has not been read: the tool rests, and spring and damper act on the hand.
+  void hold(const HandMotion& hand) noexcept BH_REALTIME;
   /// After a step: describes the contact as planes with the compliance of the model's points, and the coupling's springs. It omits the
   /// tool's mass: between two steps the tool is at the equilibrium of springs and planes.
   void describe(LocalContact& out) const noexcept BH_REALTIME;
   [[nodiscard]] const VirtualCouplingState& state() const noexcept { return state_; }
+  [[nodiscard]] const VirtualCouplingConfig& config() const noexcept { return config_; }
   [[nodiscard]] const PenaltyModel& model() const noexcept { return *model_; }
 
  private:

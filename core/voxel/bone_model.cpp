@@ -102,6 +102,7 @@ Result<std::shared_ptr<const BoneModel>> BoneModel::load(const std::string& path
 std::size_t BoneModel::bytes() const {
   return grids_->occupancy.bytes() + grids_->hardness.bytes() + grids_->soft.bytes() + grids_->labels.bytes();
 }
+void BoneModel::for_each_region(const std::function<void(const VoxelBox&)>& f) const { grids_->occupancy.for_each_region(f); }
 void BoneModel::read_occupancy(const VoxelBox& box, std::span<float> out) const { grids_->occupancy.read_box(box, out); }
 void BoneModel::read_hardness(const VoxelBox& box, std::span<float> out) const { grids_->hardness.read_box(box, out); }
 void BoneModel::read_soft(const VoxelBox& box, std::span<float> out) const { grids_->soft.read_box(box, out); }

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -66,6 +67,8 @@ class BoneModel {
   /// Assumptions made by the import of the scan, one per line; saved with the bone.
   [[nodiscard]] const std::string& notes() const noexcept { return notes_; }
   [[nodiscard]] std::size_t bytes() const;
+  /// Calls f for boxes that together hold all voxels with an occupancy above 0; each holds at least one. Unordered.
+  void for_each_region(const std::function<void(const VoxelBox&)>& f) const;
   // Dense copies of a box, i fastest; the box may reach outside the grid, where all fields are 0.
   void read_occupancy(const VoxelBox& box, std::span<float> out) const;
   void read_hardness(const VoxelBox& box, std::span<float> out) const;

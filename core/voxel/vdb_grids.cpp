@@ -16,7 +16,8 @@ namespace burrhole {
 namespace {
 
 using Grid = openvdb::FloatGrid;
-using Leaf = Grid::TreeType::LeafNodeType;
+using Tree = Grid::TreeType;
+using Leaf = Tree::LeafNodeType;
 
 constexpr const char* kAffineKey = "burrhole_bone_from_index";
 
@@ -26,6 +27,10 @@ void start_openvdb() {
 }
 
 openvdb::Coord coord(const Vec3i& v) { return {v.x, v.y, v.z}; }
+
+VoxelBox box_of(const openvdb::CoordBBox& b) {
+  return {{b.min().x(), b.min().y(), b.min().z()}, {b.max().x() + 1, b.max().y() + 1, b.max().z() + 1}};
+}
 
 /// Calls f(leaf origin, part of the box inside that leaf).
 template <class F>
@@ -139,10 +144,21 @@ void FloatVdb::for_each_sorted(const std::function<void(const Vec3i&, float)>& f
   }
 }
 
+void FloatVdb::for_each_region(const std::function<void(const VoxelBox&)>& f) const {
+  const auto& tree = impl_->grid->tree();
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    openvdb::CoordBBox box;
+    leaf->evalActiveBoundingBox(box, true);
+    if (!box.empty()) f(box_of(box));
+  }
+  auto tile = tree.cbeginValueOn();
+  tile.setMaxDepth(Tree::ValueOnCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) f(box_of(tile.getBoundingBox()));
+}
+
 VoxelBox FloatVdb::active_bounds() const {
   const openvdb::CoordBBox b = impl_->grid->evalActiveVoxelBoundingBox();
-  if (b.empty()) return {};
-  return {{b.min().x(), b.min().y(), b.min().z()}, {b.max().x() + 1, b.max().y() + 1, b.max().z() + 1}};
+  return b.empty() ? VoxelBox() : box_of(b);
 }
 
 Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index, std::span<const FloatVdb* const> grids,

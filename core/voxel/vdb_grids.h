@@ -31,6 +31,8 @@ class FloatVdb {
   void write_box(const VoxelBox& box, std::span<const float> in);
   /// Calls f(voxel, value) for each voxel that differs from the background, sorted by k, j, i.
   void for_each_sorted(const std::function<void(const Vec3i&, float)>& f) const;
+  /// Calls f for boxes that together hold all voxels that differ from the background; each holds at least one. Unordered.
+  void for_each_region(const std::function<void(const VoxelBox&)>& f) const;
   [[nodiscard]] VoxelBox active_bounds() const;
   [[nodiscard]] std::size_t bytes() const;
   void clear();

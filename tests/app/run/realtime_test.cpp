@@ -90,6 +90,30 @@ TEST_CASE("real time: the constrained tool, its planes at the servo's rate, by e
   check_clean(drive(load_small(pressed(kHeldKeys))));
 }
 
+/// A hand that leaps from far away to a place under the outer face, faster than any window follows.
+class LeapingHand final : public HandSource {
+ public:
+  const HandState& read() noexcept override {
+    state_.world_from_hand.translation = Vec3(0.0, 0.0, state_.tick < 15 ? 60e-3 : -0.5e-3);
+    return state_;
+  }
+  void apply(const Wrench&) noexcept override { ++state_.tick; }
+
+ private:
+  HandState state_;
+};
+
+TEST_CASE("real time: free motion outside the window, and the hold before bone that has not been read, by every model") {
+  covers("core/voxel/coarse_distance.h: at", "core/contact/shell_cover.h: clearance", "core/contact/shell_cover.h: reaches_unread",
+         "core/contact/virtual_coupling.h: hold");
+  for (const std::string& keys :
+       {std::string(kHeldKeys), std::string(kPenaltyKeys), std::string(kPenaltyKeys) + "coupling = \"virtual\"\n"}) {
+    CAPTURE(keys);
+    LeapingHand hand;
+    check_clean(drive(load_small(pressed(keys)), &hand));
+  }
+}
+
 TEST_CASE("real time: the penalty models, in their own form and coupled, with their planes at the servo's rate") {
   covers("core/contact/contact_model.h: step", "core/contact/penalty_model.h: evaluate", "core/contact/gradient_plane.h: evaluate",
          "core/contact/packed_plane.h: evaluate", "core/contact/voxmap_contact.h: evaluate", "core/contact/virtual_coupling.h: step",

@@ -84,7 +84,8 @@ class Block {
   }
   void tick(const Vec3& push) {
     const BoneView bone = plate_bone().view();
-    if (!model_->step({.bone = bone, .hand = hand_, .dt = kTick, .added = {.tangential = law_}}, state_)) {
+    model_->step({.bone = bone, .hand = hand_, .dt = kTick, .added = {.tangential = law_}}, state_);
+    if ((state_.flags & kContactOutsideWindow) != 0) {
       lost_ = true;  // off the plate: it stays
       return;
     }
