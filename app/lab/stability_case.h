@@ -76,6 +76,7 @@ struct StabilitySabotage {
   int late = 0;                     ///< [ticks] additional latency of the force on the grip
   bool does_not_stop = false;       ///< where the force should be zero, the largest force so far acts
   double turned = 0.0;              ///< [rad] the force on the grip is rotated about y, as if bone had friction
+  bool only_window = false;         ///< contact knows bone in the window only
   bool dead_contact = false;        ///< contact is not evaluated after the first touch: force and gradient stay constant
 };
 

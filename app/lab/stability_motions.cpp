@@ -76,11 +76,45 @@ void add_strokes(std::vector<StabilityCase>& out) {
   }
 }
 
+/// The tool comes from 60 mm away, far outside the window.
+void add_arrivals(std::vector<StabilityCase>& out) {
+  struct Arrival {
+    int rate_hz;
+    double speed;  // [m/s]
+  };
+  for (const Arrival& a : {Arrival{1000, 1.0}, {1000, 0.2}, {100, 0.5}, {20, 0.2}}) {
+    StabilityCase arrival;
+    arrival.name = fmt::format("arrival_{}_hz", a.rate_hz);
+    if (a.speed == 1.0) arrival.name += "_fast";
+    arrival.shows = fmt::format("The tool comes from 60 mm away at {:g} mm/s; contact at {} Hz.", a.speed / kMillimetre, a.rate_hz);
+    arrival.scene = scene({.volume = plate()});
+    arrival.tool = ball();
+    arrival.rate_hz = a.rate_hz;
+    arrival.start = {0.0, 0.0, 60e-3};
+    arrival.start_velocity = {0.0, 0.0, -a.speed};
+    const double there = 61e-3 / a.speed;
+    arrival.path = {{0.0, arrival.start}, {there, {0.0, 0.0, -1e-3}}};
+    arrival.far_side = -3.5e-3;
+    arrival.duration = there + 1.5;
+    arrival.checks = with({{StabilityMeasure::not_finite, 0.0},
+                           {StabilityMeasure::force, kForceBound},
+                           {StabilityMeasure::force_without_bone, 0.0},
+                           {StabilityMeasure::rest_speed, kRestSpeed, {arrival.duration - 0.2, arrival.duration}}},
+                          held_back());
+    // Slower contact finds the hand millimetres inside bone: the energy of the spring is then the hand's, by the delay and not by the loop.
+    if (a.rate_hz == 1000) arrival.checks.push_back({StabilityMeasure::passivity_deficit, kEnergy});
+    arrival.sabotage = {
+        .what = "contact knows bone in the window only", .must_fail = StabilityMeasure::force_without_bone, .only_window = true};
+    out.push_back(arrival);
+  }
+}
+
 }  // namespace
 
 void add_motions(std::vector<StabilityCase>& out) {
   add_slides(out);
   add_strokes(out);
+  add_arrivals(out);
   StabilityCase moved;
   moved.name = "moved_bone";
   moved.shows = "Bone is swung by 1 mm and turned by 6 degrees once a second while the hand rests on it.";

@@ -92,6 +92,7 @@ Status StabilityRig::put_together(const StabilityModel& model) {
   if (!parts) return parts.error();
   parts_ = std::move(parts).value();
   world_from_bone_ = scene.volume.world_from_bone;
+  if (sabotaged_ && case_->sabotage.only_window) parts_->contact->know(nullptr);
   parts_->contact->place({world_from_approach.rotation, world_from_approach * case_->start});
   loop_.emplace(*parts_);
   return {};

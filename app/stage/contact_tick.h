@@ -46,6 +46,8 @@ class ContactTick {
   void resume(const ContactState& state) noexcept { *state_ = state; }
   /// Sets the bone's pose from the next evaluation on. The master window still follows the scene's own pose of the bone.
   void move_bone(const Pose& world_from_bone) noexcept { config_.bone.world_from_bone = world_from_bone; }
+  /// Replaces the bound of the distance outside the window; null: nothing is known there (labs).
+  void know(const CoarseDistance* coarse) noexcept { config_.bone.coarse = coarse; }
   /// Simulates a stalled contact thread (tests and labs): nothing is evaluated, and the last result remains while its age grows. Any
   /// thread.
   void set_stalled(bool stalled) noexcept { stalled_.store(stalled, std::memory_order_relaxed); }
