@@ -32,15 +32,15 @@ Result<Tool> load_shipped_tool(const std::string& name, double erosion_pitch) {
 }
 
 Result<DrilledScene> drill_parietal_half_way(bool quick) {
-  auto loaded =
-      load_parietal_scene(quick ? std::vector<std::string>{"tool.erosion_scale=10", "hand.give_mm_per_s=100"} : std::vector<std::string>{});
+  auto loaded = load_parietal_scene(quick ? std::vector<std::string>{"tool.erosion_scale=10"} : std::vector<std::string>{});
   if (!loaded) return loaded.error();
   DrilledScene out;
   out.loaded = std::move(loaded).value();
   const Scene& scene = out.loaded->scene;
   auto approach = make_approach(*out.loaded->bone, scene.approach);
   if (!approach) return approach.error();
-  auto hand = SimulatedHand::create(scene.hand, scene.volume.world_from_bone * approach->bone_from_approach, 1.0 / scene.servo_hz);
+  auto hand = SimulatedHand::create(hand_config(scene, scene.effects.needs(scene)),
+                                    scene.volume.world_from_bone * approach->bone_from_approach, 1.0 / scene.servo_hz);
   if (!hand) return hand.error();
   out.hand = std::make_unique<RecordingHand>(std::move(hand).value());
 

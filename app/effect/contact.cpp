@@ -95,6 +95,9 @@ double largest_stable_coupling(const StageConfig& config, const Needs& needs) {
   return 0.8 * (config.hand.dynamics.damping + needs.coupling_damping) / (0.5 * period + delay);
 }
 
+/// The thrust is then whatever bone requires.
+bool has_fixed_feed(const StageConfig& config) { return config.feed_hand && !config.feed_hand->push; }
+
 class ContactPlan final : public EffectPlan {
  public:
   ContactPlan(TableReader& table, const StageConfig& stage) {
@@ -159,7 +162,7 @@ class ContactPlan final : public EffectPlan {
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
     const Needs& needs = context.needs;
     if (!needs.holds_back) return;
-    if (needs.removes && context.config.tool.spin > 0.0) {
+    if (needs.removes && context.config.tool.spin > 0.0 && !has_fixed_feed(context.config)) {
       const double engaged = context.config.hand.push / needs.cutting_stiffness, edge = context.voxel_edge();
       if (engaged < edge)
         out.push_back(
@@ -168,7 +171,7 @@ class ContactPlan final : public EffectPlan {
                         1e3 * engaged, 1e3 * edge, std::ceil(edge * needs.cutting_stiffness)));
     }
     const double stable = largest_stable_coupling(context.config, needs);
-    if (context.config.hand.feels && !needs.through_device && needs.coupling_stiffness > stable)
+    if (context.config.hand.feels && !context.config.feed_hand && !needs.through_device && needs.coupling_stiffness > stable)
       out.push_back(
           fmt::format("coupling_N_per_m = {:.0f} is over the stability limit of about {:.0f} at this damping and latency: the hand "
                       "may oscillate",

@@ -40,7 +40,8 @@ class NoDevice final : public Effect {
 
 class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
  public:
-  DevicePlan(TableReader& table, const StageConfig&, Issues& issues) {
+  DevicePlan(TableReader& table, const StageConfig& stage, Issues& issues) {
+    if (stage.feed_hand) issues.push_back(bad_input("[device] has no effect on hand.kind = \"feed\", only on \"script\"", table.place()));
     DeviceConfig& out = config_;
     const std::string name = table.text("name", "generic", "simulated device; `burrhole devices` lists them");
     out.hand = table.text("hand", out.hand, "hand on the device: none, light, nominal, firm or arm");
@@ -57,7 +58,8 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
     auto& body = c.plant.body;
     body.mass = table.number("mass_kg", above_zero(body.mass, 1.0, 10.0), "mass of device and hand");
     body.damping = table.number("damping_N_s_per_m", at_least_zero(body.damping, 1.0, 1e4), "damping of device and hand");
-    body.stiffness = table.number("stiffness_N_per_m", at_least_zero(body.stiffness, 1.0, 1e5), "stiffness of the hand");
+    body.stiffness = table.number("stiffness_N_per_m", at_least_zero(body.stiffness, 1.0, 1e5),
+                                  "stiffness of the hand; 0: the arm of [hand] moves the grip");
     c.plant.friction = table.number("friction_N", at_least_zero(c.plant.friction, 1.0, 10.0), "Coulomb friction on each axis");
     c.quantum =
         table.number("step_mm", at_least_zero(c.quantum / kMillimetre, kMillimetre, 10.0), "quantisation step of the measured position");
@@ -102,15 +104,22 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
                                 needs.coupling_stiffness, shown, config_.config.name, most));
   }
 
+  /// @returns the arm of [hand] as the grip is moved by it.
+  MassSpringDamperConfig arm_at_grip(const Stage& stage) const {
+    const MassSpringDamperConfig& arm = stage.config.hand.dynamics;
+    const double scale = stage.needs.force_scale * config_.position_scale;
+    return {.mass = arm.mass * scale, .damping = arm.damping * scale, .stiffness = arm.stiffness * scale};
+  }
+
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
     if (stage.outside().hand != nullptr) return std::unique_ptr<Effect>(std::make_unique<NoDevice>());
-    auto created = SimulatedDevice::create(config_.config, stage.period);
+    auto created = SimulatedDevice::create(moved_by_arm(config_.config, arm_at_grip(stage)), stage.period);
     if (!created) return created.error();
     auto device = std::make_unique<SimulatedDevice>(std::move(created).value());
     const DeviceMap map{
         .world_from_device = stage.world_from_approach(), .position_scale = config_.position_scale, .force_scale = stage.needs.force_scale};
-    auto hand =
-        ScriptedDeviceHand::create(*device, map, stage.config.hand, stage.world_from_approach(), stage.period, stage.config.hand.feels);
+    auto hand = ScriptedDeviceHand::create(*device, map, hand_config(stage.config, stage.needs), stage.world_from_approach(), stage.period,
+                                           stage.config.hand.feels);
     if (!hand) return hand.error();
     auto effect = std::make_unique<DeviceEffect>(std::move(device), std::move(hand).value());
     stage.offer_hand(effect->hand());

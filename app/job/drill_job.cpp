@@ -78,7 +78,11 @@ std::vector<double> speeds(const std::vector<RunSample>& samples, std::size_t sp
 }
 
 std::string setting_of(const Scene& scene) {
-  std::string out = fmt::format("{:.0f} rpm, {:g} N of thrust", scene.tool.spin / kRevPerMinute, scene.hand.push);
+  std::string out = fmt::format("{:.0f} rpm, ", scene.tool.spin / kRevPerMinute);
+  if (scene.feed_hand && !scene.feed_hand->push)
+    out += fmt::format("{:g} mm/s of feed", scene.feed_hand->feed / kMillimetre);
+  else
+    out += fmt::format("{:g} N of thrust", scene.hand.push);
   for (const EffectPlans::Item& item : scene.effects.items())
     if (const std::string setting = item.plan->setting(); !setting.empty()) out += ", " + setting;
   return out + ".";

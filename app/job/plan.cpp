@@ -18,12 +18,19 @@ PlanRow volume_row(const LoadedScene& loaded, std::uint64_t window) {
 
 PlanRow hand_row(const LoadedScene& loaded) {
   const HandConfig& hand = loaded.scene.hand;
+  const auto detail = [&] {
+    if (const auto& feed = loaded.scene.feed_hand)
+      return fmt::format("{}, stop at {:.3g} mm",
+                         feed->push ? fmt::format("{:.0f} N", *feed->push) : fmt::format("{:.3g} mm/s", 1e3 * feed->feed),
+                         1e3 * feed->stop);
+    return fmt::format("{:.0f} N, {:.2f} kg, {:.0f} N/m", hand.push, hand.dynamics.mass, hand.dynamics.stiffness);
+  };
   return {.table = "hand",
           .clock = Clock::servo,
           .step = "hand motion, integrated exactly over a tick under the latest force",
           .needs = "contact state",
           .gives = "hand motion",
-          .detail = fmt::format("{:.0f} N, {:.2f} kg, {:.0f} N/m", hand.push, hand.dynamics.mass, hand.dynamics.stiffness),
+          .detail = detail(),
           .rate_hz = static_cast<double>(loaded.scene.servo_hz)};
 }
 

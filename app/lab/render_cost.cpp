@@ -83,8 +83,7 @@ Result<Subject> load_subject(const RenderCostOptions& options, bool drilled) {
   auto document = TomlDocument::load(options.share_folder + "/scenes/parietal.toml");
   if (!document) return document.error();
   if (drilled)
-    for (const char* key : {"tool.erosion_scale=10", "hand.give_mm_per_s=100"})
-      if (Status set = document->set(key); !set) return set.error();
+    if (Status set = document->set("tool.erosion_scale=10"); !set) return set.error();
   Issues issues;
   const auto loaded = load_scene(*document, {.tool_folders = {options.share_folder + "/tools"}}, issues);
   if (!loaded) return issues.front();

@@ -61,18 +61,14 @@ ApproachScene read_approach(TableReader table) {
   return out;
 }
 
-HandConfig read_hand(TableReader table, Issues& issues) {
+void read_body(TableReader& table, MassSpringDamperConfig& out) {
+  out.mass = table.number("mass_kg", above_zero(out.mass, 1.0, 10.0), "mass of hands and drill");
+  out.damping = table.number("damping_N_s_per_m", at_least_zero(out.damping, 1.0, 1e4), "damping of the arm");
+}
+
+HandConfig read_script(TableReader& table) {
   HandConfig out;
-  const std::size_t before = issues.size();
-  const std::string kind = table.text("kind", "script", "what moves the hand");
-  if (kind == "device") {
-    issues.push_back({ErrorCode::unavailable, "hand.kind = \"device\" needs a force device; this version supports none, only \"script\"",
-                      table.place_of("kind")});
-  } else if (issues.size() == before) {
-    (void)table.choice("kind", "script", {"script"}, "what moves the hand", {"device", "mouse", "replay"});
-  }
-  out.dynamics.mass = table.number("mass_kg", above_zero(out.dynamics.mass, 1.0, 10.0), "mass of hands and drill");
-  out.dynamics.damping = table.number("damping_N_s_per_m", at_least_zero(out.dynamics.damping, 1.0, 1e4), "damping of the arm");
+  read_body(table, out.dynamics);
   out.dynamics.stiffness = table.number("stiffness_N_per_m", at_least_zero(out.dynamics.stiffness, 1.0, 1e5), "stiffness of the arm");
   out.feed = table.number("feed_mm_per_s", above_zero(out.feed / kMillimetre, kMillimetre, 1e3),
                           "speed of approach; the withdrawal is twice as fast");
@@ -83,8 +79,7 @@ HandConfig read_hand(TableReader table, Issues& issues) {
   out.release = table.number("release_s", at_least_zero(out.release, 1.0, 60.0), "time over which the thrust then falls to 0");
   out.contact_force =
       table.number("contact_N", above_zero(out.contact_force, 1.0, 100.0), "force on the hand above which it is in contact");
-  out.give_speed = table.number("give_mm_per_s", above_zero(out.give_speed / kMillimetre, kMillimetre, 1e3),
-                                "speed of advance at which the hand detects breakthrough, if it is also five times the usual one");
+  out.detects = table.boolean("detects", out.detects, "whether the hand detects breakthrough; false for comparison only");
   out.reach = table.number("reach_mm", above_zero(out.reach / kMillimetre, kMillimetre, 1e3),
                            "depth at which the arm ends and the thrust is released");
   out.follow_time = table.number("follow_s", above_zero(out.follow_time, 1.0, 60.0),
@@ -97,8 +92,50 @@ HandConfig read_hand(TableReader table, Issues& issues) {
   out.seed =
       static_cast<std::uint64_t>(table.integer("seed", static_cast<std::int64_t>(out.seed), 0, INT64_MAX, "seed of the tremor's phases"));
   out.feels = table.boolean("feels", out.feels, "whether the force acts on the hand; false for comparison only");
-  table.finish();
   return out;
+}
+
+/// A bench. With push_N the carriage is a mass under that thrust; otherwise its speed is given, and it has no mass, damping or ramp.
+FeedHandConfig read_feed(TableReader& table) {
+  FeedHandConfig out;
+  out.feed = table.number("feed_mm_per_s", above_zero(out.feed / kMillimetre, kMillimetre, 1e3),
+                          "speed of the advance, with push_N only until contact; the withdrawal is twice as fast");
+  out.stop = table.number("stop_mm", {.fallback = std::nullopt, .min = 0.0, .max = 1e3, .to_si = kMillimetre},
+                          "depth of the tip below the entry at which the advance ends and the withdrawal starts");
+  out.push = table.optional_number("push_N", above_zero(1.0, 1.0, 500.0), "thrust from contact to the stop; absent: the speed is fixed");
+  out.contact_force =
+      table.number("contact_N", above_zero(out.contact_force, 1.0, 100.0), "force on the hand above which it is in contact");
+  out.standoff =
+      table.number("standoff_mm", above_zero(out.standoff / kMillimetre, kMillimetre, 100.0), "height above the entry at start and end");
+  MassSpringDamperConfig carriage{.mass = out.mass, .damping = out.damping};
+  read_body(table, carriage);
+  out.mass = carriage.mass;
+  out.damping = carriage.damping;
+  out.ramp = table.number("ramp_s", at_least_zero(out.ramp, 1.0, 60.0), "time from first contact to full thrust");
+  for (const char* key : {"mass_kg", "damping_N_s_per_m", "ramp_s"})
+    if (!out.push && table.has(key)) table.fault(key, "has no effect without push_N: a fixed feed needs no mass, damping or ramp");
+  return out;
+}
+
+void read_hand(TableReader table, StageConfig& out, Issues& issues) {
+  const std::size_t before = issues.size();
+  const std::string about = "what moves the hand: the script of a surgeon, or the feed of a bench with a depth stop";
+  const std::string kind = table.text("kind", "script", about);
+  if (kind == "device") {
+    issues.push_back({ErrorCode::unavailable,
+                      "hand.kind = \"device\" needs a force device; this version supports none, only \"script\" and \"feed\"",
+                      table.place_of("kind")});
+  } else if (issues.size() == before) {
+    (void)table.choice("kind", "script", {"script", "feed"}, about, {"device", "mouse", "replay"});
+  }
+  if (kind == "feed") {
+    out.feed_hand = read_feed(table);
+    out.hand.push = out.feed_hand->push.value_or(0.0);
+    out.hand.standoff = out.feed_hand->standoff;
+  } else {
+    out.hand = read_script(table);
+  }
+  table.finish();
 }
 
 // The hand may sink into bone while the force is off. When the force returns it lifts the hand and does work on it. A return over 0.2 s
@@ -215,7 +252,7 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   if (auto table = required("tool", "the bit and its spindle; required")) scene.tool = read_tool(*table, scene.file, context);
   if (auto table = required("approach", "where the drill enters the bone, and its direction; required"))
     scene.approach = read_approach(*table);
-  if (auto table = required("hand", "the hand that holds the drill; required")) scene.hand = read_hand(*table, issues);
+  if (auto table = required("hand", "the hand that holds the drill; required")) read_hand(*table, scene, issues);
   scene.servo = shipped_servo();
   if (auto table = root.table("servo", "how forces are computed and limited at the servo's rate; without the table these defaults hold"))
     scene.servo = read_servo(*table);

@@ -18,7 +18,8 @@ constexpr std::array<const char*, 4> kBaseEffects{"contact", "erosion", "display
 std::string scene(const std::string& volume, const std::string& table = {}, const std::string& lines = {}) {
   std::string out =
       "[volume]\n" + volume + "\n[tool]\nname = \"perforator_14_11\"\nspin_rpm = 1000\n[approach]\nentry_mm = [0, 0, 0]\n[hand]\n";
-  bool placed = table.empty();
+  if (table == "hand") out += lines + "\n";
+  bool placed = table.empty() || table == "hand";
   for (const char* effect : kBaseEffects) {
     out += std::string("[") + effect + "]\n";
     if (table == effect) out += lines + "\n";
@@ -37,6 +38,8 @@ std::vector<SchemaSample> scene_samples() {
                        "is not there"});
   for (const std::string scheme : {"planes", "gradient", "hold", "linear"})
     samples.push_back({"servo " + scheme, scene(plate, "servo", "multirate = \"" + scheme + "\""), {}});
+  for (const std::string push : {"", "\npush_N = 20"})
+    samples.push_back({"feed", scene(plate, "hand", "kind = \"feed\"\nstop_mm = 3" + push), {}});
   samples.push_back({"limits", scene(plate, "limits", "memory_mb = 1000"), {}});
   for (const EffectEntry& effect : shipped_effects()) {
     if (effect.read == nullptr) continue;

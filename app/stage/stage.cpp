@@ -19,6 +19,27 @@ ServoConfig servo_config(const StageConfig& config, const Needs& needs, double v
   return out;
 }
 
+HandConfig hand_config(const StageConfig& config, const Needs& needs) {
+  HandConfig out = config.hand;
+  if (needs.holds_back && needs.removes && config.tool.spin > 0.0)
+    out.exit_drop = needs.coupling_stiffness / (needs.coupling_stiffness + needs.cutting_stiffness);
+  return out;
+}
+
+Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const Needs& needs, const Pose& world_from_approach) {
+  const double period = 1.0 / config.servo_hz;
+  if (config.feed_hand) {
+    FeedHandConfig feed = *config.feed_hand;
+    if (needs.holds_back) feed.compliance = 1.0 / needs.coupling_stiffness;
+    auto hand = FeedHand::create(feed, world_from_approach, period);
+    if (!hand) return hand.error();
+    return std::unique_ptr<HandSource>(std::make_unique<FeedHand>(std::move(hand).value()));
+  }
+  auto hand = SimulatedHand::create(hand_config(config, needs), world_from_approach, period);
+  if (!hand) return hand.error();
+  return std::unique_ptr<HandSource>(std::make_unique<SimulatedHand>(std::move(hand).value()));
+}
+
 Stage::Stage(const StageConfig& from, const Needs& asked, const Tool& with, const Outside& outside)
     : config(from), tool(&with), needs(asked), period(1.0 / from.servo_hz), outside_(outside) {
   const auto ticks = [&](int rate_hz) { return static_cast<std::uint64_t>(config.servo_hz / rate_hz); };
@@ -44,10 +65,10 @@ Status Stage::build_hand() {
   } else if (offered_hand_ != nullptr) {
     hand = offered_hand_;
   } else {
-    auto created = SimulatedHand::create(config.hand, world_from_approach(), period);
+    auto created = make_hand(config, needs, world_from_approach());
     if (!created) return created.error();
-    own_hand_.emplace(std::move(created).value());
-    hand = &*own_hand_;
+    own_hand_ = std::move(created).value();
+    hand = own_hand_.get();
   }
   return {};
 }

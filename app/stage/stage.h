@@ -38,6 +38,10 @@ class MeanThrust {
 
 /// @returns the servo's configuration with the limits required by the effects, at the rates of the scene. @param voxel_edge [m].
 [[nodiscard]] ServoConfig servo_config(const StageConfig& config, const Needs& needs, double voxel_edge);
+/// @returns the script's configuration, with the drop of force that the contact of this scene shows where the bit leaves bone.
+[[nodiscard]] HandConfig hand_config(const StageConfig& config, const Needs& needs);
+/// @returns the hand of [hand]. Errors as SimulatedHand and FeedHand.
+[[nodiscard]] Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const Needs& needs, const Pose& world_from_approach);
 
 class Stage {
  public:
@@ -136,7 +140,7 @@ class Stage {
   FrameStep* frame_ = nullptr;
   std::optional<std::string> record_path_;
   StepTimer* record_timer_ = nullptr;
-  std::optional<SimulatedHand> own_hand_;
+  std::unique_ptr<HandSource> own_hand_;
   std::unique_ptr<CoarseDistance> coarse_;  // of the bone as loaded; null: nothing feels it
   std::unique_ptr<BoneHistory> history_;    // of voxmap
   bool spun_ = false;                       // in the last step of bone

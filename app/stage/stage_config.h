@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/measure/approach.h"
+#include "haptics/hand/feed_hand.h"
 #include "haptics/hand/simulated_hand.h"
 #include "haptics/servo/servo_step.h"
 #include "volumes/import_bone.h"
@@ -47,6 +48,7 @@ struct StageConfig {
   ToolScene tool;
   ApproachScene approach;
   HandConfig hand;
+  std::optional<FeedHandConfig> feed_hand;    ///< in place of the script: hand.kind = "feed"
   std::optional<std::uint64_t> memory_limit;  ///< [bytes] key memory_mb of [limits]; absent: none
   std::string memory_place;                   ///< place of that key in the file, for errors
   ServoConfig servo;                          ///< table [servo]; its rates follow from the effects' requirements

@@ -7,8 +7,9 @@ namespace burrhole {
 
 RenamedKeys renamed_keys() noexcept {
   // One line a key: {"table.old_key_unit", "table.new_key_unit", factor}.
-  static constexpr std::array<RenamedKey, 1> kTable{{
+  static constexpr std::array<RenamedKey, 2> kTable{{
       {.old_path = "erosion.clear_below", .new_path = ""},  // walls are the tool's without it
+      {.old_path = "hand.give_mm_per_s", .new_path = ""},   // breakthrough is detected by force
   }};
   return kTable;
 }

@@ -45,7 +45,9 @@ Result<ScriptedDeviceHand> ScriptedDeviceHand::create(SimulatedDevice& device, c
                                                       const Pose& world_from_approach, double period, bool feels) {
   auto hand = DeviceHand::create(device, map);
   if (!hand) return hand.error();
-  auto steps = HandScript::create(script, period);
+  const MassSpringDamperConfig& body = device.config().plant.body;
+  if (!(body.stiffness > 0.0)) return Error{ErrorCode::out_of_range, "the script moves the grip by a spring, whose stiffness is 0", {}};
+  auto steps = HandScript::create(script, body.mass / (map.force_scale * map.position_scale), period);
   if (!steps) return steps.error();
   device.place(map.device(world_from_approach * Vec3(0.0, 0.0, script.standoff)));
   return ScriptedDeviceHand(device, *hand, map, *steps, world_from_approach, feels);

@@ -58,7 +58,8 @@ class DeviceHand final : public HandSource {
 /// unscaled. Its thrust is scaled as forces are, so the thrust on the drill is that of the scene for every device.
 class ScriptedDeviceHand final : public HandSource {
  public:
-  /// Places the grip at the start of the script. @pre `device` outlives the hand. Errors as check() and HandScript.
+  /// Places the grip at the start of the script. @pre `device` outlives the hand. Errors as check() and HandScript;
+  /// out_of_range if the grip has no spring (moved_by_arm).
   /// @param period [s] servo tick. @param feels false: no force acts on the script and the grip (for comparison).
   [[nodiscard]] static Result<ScriptedDeviceHand> create(SimulatedDevice& device, const DeviceMap& map, const HandScriptConfig& script,
                                                          const Pose& world_from_approach, double period, bool feels = true);

@@ -15,6 +15,14 @@ SimulatedDeviceConfig make_simulated_config(const DeviceModel& device, const Han
   return out;
 }
 
+SimulatedDeviceConfig moved_by_arm(SimulatedDeviceConfig device, const MassSpringDamperConfig& arm) noexcept {
+  MassSpringDamperConfig& body = device.plant.body;
+  if (body.stiffness > 0.0) return device;
+  body.stiffness = arm.stiffness;
+  body.damping += arm.damping;
+  return device;
+}
+
 SimulatedDevice::SimulatedDevice(const SimulatedDeviceConfig& config, double period, const Plant& plant)
     : config_(config), period_(period), plant_(plant) {
   place(Vec3(0.0));

@@ -36,6 +36,10 @@ struct SimulatedDeviceConfig {
 /// @returns the configuration of a device in a hand, with all limits of the device and a reading delay of one tick.
 [[nodiscard]] SimulatedDeviceConfig make_simulated_config(const DeviceModel& device, const HandModel& hand) noexcept;
 
+/// Adds the spring and damper of an arm to a device whose hand has no spring, which could not move the grip otherwise. A hand with a
+/// spring is not changed. @param arm at the grip: values of the world times force_scale * position_scale.
+[[nodiscard]] SimulatedDeviceConfig moved_by_arm(SimulatedDeviceConfig device, const MassSpringDamperConfig& arm) noexcept;
+
 /// Action of the person who holds the grip during a tick.
 struct GripGoal {
   Vec3 rest{0.0};    ///< [m] rest position of the hand's spring
@@ -61,6 +65,7 @@ class SimulatedDevice final : public HapticDevice {
 
   /// @returns the force [N] that the device renders for a requested force.
   [[nodiscard]] Vec3 shown(const Vec3& force) const noexcept BH_REALTIME;
+  [[nodiscard]] const SimulatedDeviceConfig& config() const noexcept { return config_; }
   [[nodiscard]] const PlantState& grip() const noexcept { return grip_; }  ///< the true state, not as reported
   [[nodiscard]] const Vec3& force() const noexcept { return force_; }      ///< [N] rendered during the last tick
 

@@ -9,24 +9,28 @@
 namespace burrhole {
 namespace {
 
-constexpr double kAdvanceFilter = 0.005;  // [s] time constant of the filtered speed for breakthrough detection
-constexpr double kUsualFilter = 0.3;      // [s] of the usual speed and force
-constexpr double kEngages = 0.5;          // [s] after a change of the drive's speed
+constexpr double kFilter = 0.005;          // [s] time constant of the filtered speed; a voxel that breaks away takes less
+constexpr double kPartOfDrop = 1.0 / 3.0;  // [-] the filter passes two thirds of a drop that 0.6 kg catch up with; half of it is the limit
+constexpr double kSettles = 0.1;           // [s] about one oscillation of the hand on the coupling
+constexpr double kEngages = 0.5;           // [s] after a change of the drive's speed
 
 }  // namespace
 
-HandScript::HandScript(const HandScriptConfig& config, double period) : config_(config), period_(period), goal_height_(config.standoff) {}
+HandScript::HandScript(const HandScriptConfig& config, double mass, double period)
+    : config_(config), mass_(mass), period_(period), goal_height_(config.standoff) {}
 
-Result<HandScript> HandScript::create(const HandScriptConfig& config, double period) {
-  for (const double value :
-       {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force, config.give_speed, config.give_ratio,
-        config.give_distance, config.give_force, config.reach, config.standoff, config.tremor_amplitude, config.tremor_frequency})
+Result<HandScript> HandScript::create(const HandScriptConfig& config, double mass, double period) {
+  for (const double value : {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force, config.reach,
+                             config.standoff, config.tremor_amplitude, config.tremor_frequency})
     if (!(std::isfinite(value) && value >= 0.0))
       return Error{ErrorCode::out_of_range, "a value of the hand's script is negative or not finite", {}};
   if (!(config.follow_time > 0.0)) return Error{ErrorCode::out_of_range, "the hand's follow time must be above 0", {}};
+  if (!(config.exit_drop > 0.0 && config.exit_drop <= 1.0))
+    return Error{ErrorCode::out_of_range, "the share of thrust that bone ceases to carry at its end must be above 0 and at most 1", {}};
+  if (!(std::isfinite(mass) && mass > 0.0)) return Error{ErrorCode::out_of_range, "the hand's mass must be above 0", {}};
   if (!(std::isfinite(period) && period > 0.0))
     return Error{ErrorCode::out_of_range, "the period of the hand's script must be above 0", {}};
-  return HandScript(config, period);
+  return HandScript(config, mass, period);
 }
 
 Vec3 HandScript::tremor() const noexcept {
@@ -40,7 +44,9 @@ Vec3 HandScript::tremor() const noexcept {
 }
 
 const HandGoal& HandScript::advance(double felt, double height, double climb) noexcept {
-  advance_ += (-climb - advance_) * std::min(1.0, period_ / kAdvanceFilter);
+  const double change = (-climb - speed_) * std::min(1.0, period_ / kFilter);
+  speed_ += change;
+  lacks_ = mass_ * change / period_;
   follow(felt, height);
   goal_.rest = Vec3(0.0, 0.0, goal_height_) + tremor();
   ++tick_;
@@ -54,8 +60,6 @@ void HandScript::follow(double felt, double height) noexcept {
       if (felt > config_.contact_force) {
         phase_ = HandPhase::lean;
         lean_tick_ = tick_;
-        usual_ = advance_;
-        usual_felt_ = felt;
       }
       break;
     case HandPhase::lean:
@@ -72,9 +76,10 @@ void HandScript::follow(double felt, double height) noexcept {
     }
     case HandPhase::withdraw:
       goal_height_ += 2.0 * config_.feed * period_;
-      if (goal_height_ >= config_.standoff) {
+      // The friction of a device may hold the grip below its rest position, which rises until the grip is there.
+      if (goal_height_ >= config_.standoff && height > 0.9 * config_.standoff) {
         goal_height_ = config_.standoff;
-        if (height > 0.9 * config_.standoff) phase_ = HandPhase::done;
+        phase_ = HandPhase::done;
       }
       break;
     case HandPhase::done:
@@ -82,14 +87,12 @@ void HandScript::follow(double felt, double height) noexcept {
   }
 }
 
-bool HandScript::gives_way(double felt, double height) noexcept {
-  held_ = held_ || (felt > 0.5 * goal_.thrust && seconds_since(drive_tick_) > kEngages);
-  if (held_ && advance_ > std::max(config_.give_speed, config_.give_ratio * usual_))
-    return fast_from_ - height > config_.give_distance && felt < config_.give_force * usual_felt_;
-  const double share = std::min(1.0, period_ / kUsualFilter);
-  usual_ += (advance_ - usual_) * share;
-  usual_felt_ += (felt - usual_felt_) * share;
-  fast_from_ = height;
+bool HandScript::loses_bone(double felt) noexcept {
+  const double most = kPartOfDrop * config_.exit_drop * goal_.thrust;
+  if (held_) return config_.detects && lacks_ > most;
+  const bool steady = std::abs(lacks_) < most && felt > 0.5 * goal_.thrust && seconds_since(drive_tick_) > kEngages;
+  steady_ticks_ = steady ? steady_ticks_ + 1 : 0;
+  held_ = static_cast<double>(steady_ticks_) * period_ > kSettles;
   return false;
 }
 
@@ -97,7 +100,7 @@ void HandScript::lean(double felt, double height) noexcept {
   const double ramp = config_.ramp > 0.0 ? std::min(1.0, seconds_since(lean_tick_) / config_.ramp) : 1.0;
   goal_.thrust = config_.push * ramp;
   goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
-  if (phase_ == HandPhase::lean && gives_way(felt, height)) {
+  if (phase_ == HandPhase::lean && loses_bone(felt)) {
     phase_ = HandPhase::give_felt;
     give_tick_ = tick_;
   }

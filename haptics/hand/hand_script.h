@@ -1,6 +1,8 @@
 /// haptics/hand/hand_script.h: the goal of a surgeon at each tick of a burrhole, computed from the measured force and motion: approach,
 ///   lean, detect breakthrough, release, withdraw. A simulated hand, or the hand on a simulated device, carries the goal out.
 ///   Frame  approach frame: origin at the entry point, +z up the shaft, away from bone; depth = -z.   Units SI.   Thread servo.
+///   Breakthrough: bone carries the thrust at any feed, so the hand is hardly accelerated. Where the bit leaves bone, the hand lacks at
+///   least exit_drop of that force. The hand detects breakthrough when the force that accelerates it exceeds a third of that (docs/inputs.md).
 ///   Source own work; times and forces are assumptions.
 #pragma once
 
@@ -14,16 +16,16 @@
 namespace burrhole {
 
 struct HandScriptConfig {
-  double feed = 0.005;              ///< [m/s] approach and withdrawal
-  double push = 28.0;               ///< [N] thrust while leaning on the drill; a real force, not limited to a device's range
-  double ramp = 1.0;                ///< [s] from first contact to full thrust
-  double reaction = 0.150;          ///< [s] from breakthrough detection to release (assumed)
-  double release = 0.3;             ///< [s] over which the thrust falls to zero after the release begins
-  double contact_force = 1.0;       ///< [N] force on the hand that counts as contact
-  double give_speed = 0.002;        ///< [m/s] advance of the hand that counts as breakthrough, if it is also give_ratio times the usual one
-  double give_ratio = 5.0;          ///< [-] softer bone is drilled faster too, by less than this, and it holds the hand back
-  double give_distance = 1.5e-4;    ///< [m] of advance at such a speed; a bit that slips off a voxel advances by less
-  double give_force = 1.05;         ///< [-] of the usual force, at most: bone that holds pushes back more when the hand advances faster
+  double feed = 0.005;         ///< [m/s] approach and withdrawal
+  double push = 28.0;          ///< [N] thrust while leaning on the drill; a real force, not limited to a device's range
+  double ramp = 1.0;           ///< [s] from first contact to full thrust
+  double reaction = 0.150;     ///< [s] from breakthrough detection to release (assumed)
+  double release = 0.3;        ///< [s] over which the thrust falls to zero after the release begins
+  double contact_force = 1.0;  ///< [N] force on the hand that counts as contact
+  bool detects = true;         ///< false: breakthrough is not detected, and the thrust ends at the reach
+  /// [-] in (0, 1]: share of the thrust that bone ceases to carry, at least, when the bit loses all bone in which it is engaged:
+  /// K / (K + K_cut) for a drill on a coupling K whose next face then engages, 1 if that is unknown.
+  double exit_drop = 1.0;
   double reach = 0.08;              ///< [m] below the entry, at which the arm ends: the thrust is released
   double follow_time = 0.25;        ///< [s] time constant with which the rest position of the arm follows the drill while leaning
   double standoff = 0.003;          ///< [m] height above the entry where the script starts and ends
@@ -40,14 +42,16 @@ struct HandGoal {
 
 class HandScript {
  public:
-  /// Errors: out_of_range when a value is not finite or negative, or when follow_time or the period is not above 0.
-  [[nodiscard]] static Result<HandScript> create(const HandScriptConfig& config, double period);
+  /// Errors: out_of_range when a value is not finite or negative, or when follow_time, exit_drop, mass or period is not above 0, or
+  /// exit_drop is above 1. @param mass [kg] that the thrust accelerates when no bone carries it.
+  [[nodiscard]] static Result<HandScript> create(const HandScriptConfig& config, double mass, double period);
 
   /// Advances one tick. @param felt [N] force on the hand along +z. @param height, climb [m], [m/s] of the hand along z, now.
   const HandGoal& advance(double felt, double height, double climb) noexcept BH_REALTIME;
   /// The bit engages or disengages by F / K_cut: no breakthrough is detected until that is over.
   void drive_changed() noexcept {
     drive_tick_ = tick_;
+    steady_ticks_ = 0;
     held_ = false;
   }
   [[nodiscard]] HandPhase phase() const noexcept { return phase_; }
@@ -55,23 +59,23 @@ class HandScript {
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
  private:
-  HandScript(const HandScriptConfig& config, double period);
+  HandScript(const HandScriptConfig& config, double mass, double period);
   void follow(double felt, double height) noexcept;
   void lean(double felt, double height) noexcept;
-  [[nodiscard]] bool gives_way(double felt, double height) noexcept;
+  [[nodiscard]] bool loses_bone(double felt) noexcept;
   [[nodiscard]] Vec3 tremor() const noexcept;
   [[nodiscard]] double seconds_since(std::uint64_t since) const noexcept { return static_cast<double>(tick_ - since) * period_; }
 
   HandScriptConfig config_;
+  double mass_;
   double period_;
   HandPhase phase_ = HandPhase::approach;
-  double goal_height_ = 0.0;      // [m] rest position of the arm along the axis
-  double advance_ = 0.0;          // [m/s] low-pass filtered speed into bone
-  double usual_ = 0.0;            // [m/s] the same over a longer time
-  double usual_felt_ = 0.0;       // [N] force over that time
-  double fast_from_ = 0.0;        // [m] height from which on it has been that fast
-  bool held_ = false;             // bone has carried half of the thrust since it was touched
-  std::uint64_t drive_tick_ = 0;  // of the last change
+  double goal_height_ = 0.0;        // [m] rest position of the arm along the axis
+  double speed_ = 0.0;              // [m/s] into bone, low-pass filtered
+  double lacks_ = 0.0;              // [N] force that accelerates the hand into bone, filtered alike
+  bool held_ = false;               // bone carries the thrust
+  std::uint64_t steady_ticks_ = 0;  // for so long the hand has not been accelerated
+  std::uint64_t drive_tick_ = 0;    // of the last change
   std::uint64_t tick_ = 0, lean_tick_ = 0, give_tick_ = 0, release_tick_ = 0;
   double release_thrust_ = 0.0;  // [N] at the start of the release
   HandGoal goal_;

@@ -10,7 +10,7 @@ SimulatedHand::SimulatedHand(const HandConfig& config, const Pose& world_from_ap
 }
 
 Result<SimulatedHand> SimulatedHand::create(const HandConfig& config, const Pose& world_from_approach, double period) {
-  auto script = HandScript::create(config, period);
+  auto script = HandScript::create(config, config.dynamics.mass, period);
   if (!script) return script.error();
   auto body = MassSpringDamper::create(config.dynamics, period);
   if (!body) return body.error();

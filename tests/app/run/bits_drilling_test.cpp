@@ -57,9 +57,9 @@ SmallScene plate_for(const BitCase& bit, const std::vector<std::string>& more = 
   const std::string across = std::to_string(bit.across_mm);
   SmallScene scene{.volume = "source = \"phantom:plate\"\nspacing_mm = " + std::to_string(bit.spacing_mm) + "\nextent_mm = [" + across +
                              ", " + across + ", 5.0]\nabove_mm = 1.5\nthickness_mm = 1.25\nhardness = 0.8\n"};
-  scene.sets = {"tool.name=" + bit.name,  "tool.erosion_scale=" + std::to_string(bit.erosion_scale),
-                "hand.give_mm_per_s=500", "hand.ramp_s=0.05",
-                "hand.standoff_mm=0.3",   "duration_s=6"};
+  scene.sets = {"tool.name=" + bit.name, "tool.erosion_scale=" + std::to_string(bit.erosion_scale),
+                "hand.detects=false",    "hand.ramp_s=0.05",
+                "hand.standoff_mm=0.3",  "duration_s=6"};
   scene.sets.insert(scene.sets.end(), more.begin(), more.end());
   return scene;
 }
@@ -344,8 +344,8 @@ double feed_of(const FeedCase& c) {
   const std::string across = std::to_string(c.across_mm);
   SmallScene scene{.volume = "source = \"phantom:plate\"\nspacing_mm = " + std::to_string(c.spacing_mm) + "\nextent_mm = [" + across +
                              ", " + across + ", 10.0]\nabove_mm = 1.5\nthickness_mm = 7.0\nhardness = 0.8\n"};
-  scene.sets = {"tool.name=" + c.name, "hand.give_mm_per_s=500", "duration_s=30",
-                "erosion.rate_hz=250", "hand.tremor_mm=0",       "contact.cutting_N_per_m=" + std::to_string(c.cutting_stiffness)};
+  scene.sets = {"tool.name=" + c.name, "hand.detects=false", "duration_s=30",
+                "erosion.rate_hz=250", "hand.tremor_mm=0",   "contact.cutting_N_per_m=" + std::to_string(c.cutting_stiffness)};
   double force = 0.0, engaged = 0.0;
   int looks = 0;
   const Drilled run = drill(scene, [&](Simulation& simulation) {

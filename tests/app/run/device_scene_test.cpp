@@ -6,6 +6,7 @@
 #include "app/job/plan.h"
 #include "app/stage/stage.h"
 #include "core/config/toml.h"
+#include "haptics/device/device_model.h"
 #include "tests/support/drill_scene.h"
 
 using namespace burrhole;
@@ -55,6 +56,41 @@ TEST_CASE("[device]: a falcon drills with all it has at the grip, while bone fee
   CHECK(simulation.bone_step().removed_mass() > 0.0);
   // Half way through its ramp and later the push is well above what is felt as contact.
   CHECK(simulation.progress().depth > 0.0);
+}
+
+TEST_CASE("[device]: with every hand of the list the script drills through the plate and withdraws") {
+  for (const HandModel& who : hand_models()) {
+    CAPTURE(std::string(who.name));
+    DrillRun run(SmallScene{.sets = {"duration_s=30", "tool.erosion_scale=4", "device.hand=\"" + std::string(who.name) + "\""}});
+    const Simulation& simulation = run.run().simulation();
+    CHECK(simulation.progress().breakthrough_time.has_value());
+    // Also where friction of 0.05 N holds the grip up to 0.05 / 135 = 0.4 mm short of where the spring of `arm` leads it.
+    CHECK(simulation.end() == RunEnd::done);
+  }
+}
+
+TEST_CASE("[hand] kind = \"feed\": a bench drills to its stop by speed and by thrust, whether bone ends before it or not") {
+  // The plate is 3 mm thick.
+  for (const std::string advance : {"feed_mm_per_s = 0.5\n", "feed_mm_per_s = 2.0\nramp_s = 0.1\npush_N = 20.0\n"})
+    for (const double stop_mm : {1.5, 4.5}) {
+      CAPTURE(advance);
+      CAPTURE(stop_mm);
+      std::string text = scene_text(SmallScene{});
+      const std::string script = "push_N = 20.0\nramp_s = 0.1\nstandoff_mm = 0.5\ntremor_mm = 0.0\n";
+      const std::size_t at = text.find(script);
+      REQUIRE(at != std::string::npos);
+      text.replace(at, script.size(), "kind = \"feed\"\nstandoff_mm = 0.5\n" + advance);
+      DrillRun run(load_text(text, {"duration_s=40", "tool.erosion_scale=4", "hand.stop_mm=" + std::to_string(stop_mm)}, "feed.toml"));
+      const Simulation& simulation = run.run().simulation();
+      CHECK(simulation.end() == RunEnd::done);
+      const DrillProgress& progress = simulation.progress();
+      const bool through = stop_mm > 3.0;
+      CHECK(progress.breakthrough_time.has_value() == through);
+      // The tip passes the stop by less than 0.05 mm while the coupling is unloaded, 4 ms at 20 N. Where bone ends before the
+      // stop, the coupling may be loaded by 20 N / 5 kN/m = 4 mm, which the drill is ahead then.
+      CHECK(progress.deepest > stop_mm * 1e-3 - 0.05e-3);
+      CHECK(progress.deepest < stop_mm * 1e-3 + (through ? 4e-3 : 0.05e-3));
+    }
 }
 
 TEST_CASE("[device]: an unknown name has its place and the nearest name; a value out of range is refused") {

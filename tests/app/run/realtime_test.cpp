@@ -154,7 +154,7 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
          "haptics/device/simulated_device.h: read", "haptics/device/simulated_device.h: write",
          "haptics/device/simulated_device.h: set_goal", "haptics/device/simulated_device.h: shown", "haptics/device/device_hand.h: read",
          "haptics/device/device_hand.h: apply", "haptics/device/device_hand.h: drive_changed", "haptics/hand/hand_source.h: drive_changed",
-         "haptics/hand/simulated_hand.h: drive_changed");
+         "haptics/hand/simulated_hand.h: drive_changed", "haptics/hand/feed_hand.h: read", "haptics/hand/feed_hand.h: apply");
   check_clean(drive(load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}))));
 
   const LoadedScene loaded = load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}));
@@ -166,6 +166,8 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
   REQUIRE(script);
   auto alone = SimulatedHand::create({}, {}, 1e-3);
   REQUIRE(alone);
+  auto bench = FeedHand::create({.feed = 0.1, .push = 2.0}, {}, 1e-3);  // in contact after 30 ticks, at the stop before 100
+  REQUIRE(bench);
   clear_trap();
   on_trap([&] {
     for (int n = 0; n < 100; ++n) {
@@ -173,6 +175,8 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
       static_cast<void>(hand->read());
       static_cast<void>(device->shown(Vec3(0.0, 0.0, 100.0)));
       hand->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
+      static_cast<void>(bench->read());
+      bench->apply({Vec3(0.0, 0.0, n > 20 && n < 40 ? 1.5 : 0.0), Vec3(0.0)});
       for (HandSource* source : {static_cast<HandSource*>(&*hand), static_cast<HandSource*>(&*script), static_cast<HandSource*>(&*alone)})
         source->drive_changed();
     }

@@ -44,7 +44,7 @@ class MarkedHand final : public HandSource {
 };
 
 MarkedHand drilled(const std::vector<std::string>& sets, bool live, bool sabotage) {
-  SmallScene scene{.sets = {"duration_s=60", "hand.standoff_mm=0.5", "tool.erosion_scale=0.1", "hand.give_mm_per_s=1000"}};
+  SmallScene scene{.sets = {"duration_s=60", "hand.standoff_mm=0.5", "tool.erosion_scale=0.1", "hand.detects=false"}};
   scene.sets.insert(scene.sets.end(), sets.begin(), sets.end());
   const LoadedScene loaded = load_small(scene);
   std::atomic<bool> enough{false};

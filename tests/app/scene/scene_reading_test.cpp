@@ -73,8 +73,21 @@ const BadScene kBadScenes[] = {
       "sphere, wedge, pit"}},
     {"[hand]",
      "[hand]\nkind = \"device\"",
-     {"bad.toml:20:1: hand.kind = \"device\" needs a force device; this version supports none, only \"script\""}},
-    {"[hand]", "[hand]\nkind = \"mouse\"", {"bad.toml:20:1: hand.kind = \"mouse\" is not in this version; it knows \"script\""}},
+     {"bad.toml:20:1: hand.kind = \"device\" needs a force device; this version supports none, only \"script\" and \"feed\""}},
+    {"[hand]", "[hand]\nkind = \"mouse\"", {"bad.toml:20:1: hand.kind = \"mouse\" is not in this version; it knows \"script\", \"feed\""}},
+    {"[hand]",
+     "[hand]\nkind = \"feed\"",
+     {"bad.toml:19:2: hand.stop_mm is missing (depth of the tip below the entry at which the advance ends and the withdrawal starts)",
+      "bad.toml:24:1: unknown key \"tremor_mm\" in [hand]"}},
+    {"push_N = 20.0\nramp_s = 0.1\nstandoff_mm = 0.5\ntremor_mm = 0.0",
+     "kind = \"feed\"\nstop_mm = 3\nramp_s = 0.1\nreaction_ms = 10",
+     {"bad.toml:22:1: hand.ramp_s = 0.1 has no effect without push_N: a fixed feed needs no mass, damping or ramp",
+      "bad.toml:23:1: unknown key \"reaction_ms\" in [hand]"}},
+    {"push_N = 20.0\nramp_s = 0.1\nstandoff_mm = 0.5\ntremor_mm = 0.0",
+     "kind = \"feed\"\nstop_mm = -1\n[device]",
+     {"bad.toml:21:1: hand.stop_mm = -1 must be in [0, 1000]",
+      "bad.toml:22:2: [device] has no effect on hand.kind = \"feed\", only on \"script\""}},
+    {"push_N = 20.0", "give_mm_per_s = 2", {"~bad.toml:20:1: "}},
     {"[contact]",
      "[contact]\nmodel = \"mesh\"",
      {"bad.toml:26:1: contact.model = \"mesh\" is not in this version; it knows \"surface\", \"gradient-plane\", \"voxmap\""}},
@@ -177,6 +190,28 @@ TEST_CASE("scene: an empty table means the defaults of the core, in every branch
   const SpindleConfig spindle = *read({.spindle = true}).find<SpindleConfig>();
   CHECK(spindle.stall_torque == spindle_default.stall_torque);
   CHECK(spindle.inertia == spindle_default.inertia);
+}
+
+TEST_CASE("scene: a feed has a speed or a thrust, a stop, and the defaults of its struct") {
+  const auto read = [](const std::string& keys) {
+    const std::string hand = "push_N = 20.0\nramp_s = 0.1\nstandoff_mm = 0.5\ntremor_mm = 0.0";
+    return load_text(replaced(scene_text({}), hand, "kind = \"feed\"\n" + keys), {}, "feed.toml").scene;
+  };
+  const FeedHandConfig defaults;
+  const Scene speed = read("feed_mm_per_s = 0.25\nstop_mm = 2");
+  REQUIRE(speed.feed_hand.has_value());
+  CHECK(speed.feed_hand->feed == doctest::Approx(0.25e-3));
+  CHECK(speed.feed_hand->stop == doctest::Approx(2e-3));
+  CHECK_FALSE(speed.feed_hand->push.has_value());
+  CHECK(speed.feed_hand->standoff == doctest::Approx(defaults.standoff));
+  const Scene thrust = read("push_N = 20\nstop_mm = 3\nmass_kg = 2\nramp_s = 0.1");
+  REQUIRE(thrust.feed_hand.has_value());
+  CHECK(thrust.feed_hand->push == 20.0);
+  CHECK(thrust.feed_hand->feed == doctest::Approx(defaults.feed));
+  CHECK(thrust.feed_hand->mass == 2.0);
+  CHECK(thrust.feed_hand->damping == defaults.damping);
+  CHECK(thrust.feed_hand->ramp == 0.1);
+  CHECK_FALSE(load_small({}).scene.feed_hand.has_value());
 }
 
 TEST_CASE("scene: a device that is not there is unavailable, not bad input") {

@@ -215,6 +215,33 @@ TEST_CASE(
   CHECK(states[4900].world_from_hand.translation.z > -0.006);
 }
 
+TEST_CASE("ScriptedDeviceHand: every hand moves to bone, carries the thrust of the scene onto it and withdraws after breakthrough") {
+  const HandConfig arm;
+  for (const HandModel& who : hand_models()) {
+    CAPTURE(std::string(who.name));
+    const SimulatedDeviceConfig held = make_simulated_config(*find_device("falcon").value(), who);
+    const DeviceMap map{.force_scale = 8.0 / 33.6};
+    MassSpringDamperConfig at_grip = arm.dynamics;
+    at_grip.damping *= map.force_scale;
+    at_grip.stiffness *= map.force_scale;
+    SimulatedDevice device = make(moved_by_arm(held, at_grip));
+    ScriptedDeviceHand hand = scripted(device, map, arm);
+    const Wall wall{.stiffness = 4000.0, .opens = 6000};
+    const auto states = run(hand, wall, 14000);
+    CHECK(states[5900].phase == HandPhase::lean);
+    CHECK(states[5900].thrust == arm.push);
+    const double carried = wall.on_hand(states[5900]).force.z;
+    CHECK(std::abs(carried - arm.push) < held.plant.friction / map.force_scale + 0.5 * held.quantum * wall.stiffness);
+    CHECK(states.back().phase == HandPhase::done);
+    CHECK(std::abs(states.back().world_from_hand.translation.z - arm.standoff) < 0.2 * arm.standoff);
+    // A hand with a spring of its own is as it was; the script refuses one that nothing moves.
+    const bool has_spring = who.stiffness.value > 0.0;
+    CHECK((moved_by_arm(held, at_grip).plant.body.damping == held.plant.body.damping) == has_spring);
+    SimulatedDevice alone = make(held);
+    CHECK(ScriptedDeviceHand::create(alone, map, arm, {}, kTick).ok() == has_spring);
+  }
+}
+
 TEST_CASE("ScriptedDeviceHand: numb, the force changes nothing") {
   SimulatedDeviceConfig config;
   config.plant.body = HandConfig{}.dynamics;
