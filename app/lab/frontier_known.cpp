@@ -91,7 +91,8 @@ SampledWall wall_of(const FrontierLoopConfig& config) {
           .latency_ticks = config.latency(),
           .scheme = config.scheme,
           .wall_damping = config.coupling_damping,
-          .velocity_time = config.device.velocity_time};
+          .velocity_time = config.device.velocity_time,
+          .true_velocity = config.device.true_velocity};
 }
 
 }  // namespace burrhole

@@ -89,7 +89,7 @@ class Ticks {
     s[1] = flow_.a[1][0] * x0 + flow_.a[1][1] * v0 + flow_.a[1][2] * f;
     const double speed = s[reported_v(0)] + ((s[0] - s[reported_x(0)]) / wall_.period - s[reported_v(0)]) * filter_;
     push(s, reported_x(0), reported_, s[0]);
-    push(s, reported_v(0), reported_, speed);
+    push(s, reported_v(0), reported_, wall_.true_velocity ? s[1] : speed);
   }
 
   void show(std::vector<double>& s, std::size_t due, bool fresh, int n, double x, double v) const {

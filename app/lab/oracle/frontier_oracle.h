@@ -27,6 +27,7 @@ struct SampledWall {
   MultiRateScheme scheme = MultiRateScheme::hold;
   double wall_damping = 0.0;   ///< [N s/m] B
   double velocity_time = 0.0;  ///< [s] time constant of the device's velocity filter
+  bool true_velocity = false;  ///< the velocity read is that of the mass, without differences and filter
 };
 
 /// Square matrix, row-major.
