@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/effect/registry.h"
+#include "app/stage/force_loop.h"
 #include "app/stage/stage.h"
 #include "core/contact/contact_form.h"
 #include "haptics/servo/multi_rate.h"
@@ -84,17 +85,6 @@ class ContactEffect final : public Effect {
   std::uint64_t held_ = 0;     // evaluations with kContactOutsideWindow
 };
 
-/// Largest stiffness of the coupling that the damping of hand and coupling keeps stable at this delay: K < (b + B) / (T/2 + d T), the
-/// linear rule for sampled systems with delay [Gil et al. 2009]. With the usual values most damping is virtual, and the rule is too high by
-/// a fifth; hence the factor 0.8.
-double largest_stable_coupling(const StageConfig& config, const Needs& needs) {
-  // A force computed at the servo's rate has no delay, even if the planes that it uses are older.
-  const bool at_once = uses_planes(needs.servo.multi_rate.scheme);
-  const double period = 1.0 / (at_once ? config.servo_hz : needs.contact_hz);
-  const double delay = at_once ? 0.0 : needs.latency_ticks >= 0 ? static_cast<double>(needs.latency_ticks) / config.servo_hz : period;
-  return 0.8 * (config.hand.dynamics.damping + needs.coupling_damping) / (0.5 * period + delay);
-}
-
 /// The thrust is then whatever bone requires.
 bool has_fixed_feed(const StageConfig& config) { return config.feed_hand && !config.feed_hand->push; }
 
@@ -170,12 +160,7 @@ class ContactPlan final : public EffectPlan {
                         "push_N to {:.0f} or more, or use a smaller spacing_mm",
                         1e3 * engaged, 1e3 * edge, std::ceil(edge * needs.cutting_stiffness)));
     }
-    const double stable = largest_stable_coupling(context.config, needs);
-    if (context.config.hand.feels && !context.config.feed_hand && !needs.through_device && needs.coupling_stiffness > stable)
-      out.push_back(
-          fmt::format("coupling_N_per_m = {:.0f} is over the stability limit of about {:.0f} at this damping and latency: the hand "
-                      "may oscillate",
-                      needs.coupling_stiffness, stable));
+    if (auto unstable = loop_warning(context.config, needs)) out.push_back(std::move(*unstable));
   }
 
   std::string setting() const override { return "contact " + word_; }

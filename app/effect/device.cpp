@@ -70,6 +70,13 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
   void add_needs(const StageConfig& stage, Needs& needs) const override {
     needs.through_device = true;
     needs.force_scale = force_scale_of(config_, stage);
+    const SimulatedDeviceConfig& c = config_.config;
+    needs.grip.body = moved_by_arm(c, arm_at_grip(stage, needs)).plant.body;
+    needs.grip.reading_delay = c.delay;
+    needs.grip.true_velocity = c.true_velocity;
+    needs.grip.velocity_time = c.velocity_time;
+    needs.grip.gain = config_.position_scale * needs.force_scale;
+    needs.position_step = c.quantum * config_.position_scale;
     // Cap at what the device renders: slew limit and energy balance would otherwise use a force that does not act.
     needs.servo.largest_force = std::min(needs.servo.largest_force, config_.config.largest_force / needs.force_scale);
   }
@@ -89,6 +96,12 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
 
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
     const Needs& needs = context.needs;
+    const double most_felt = config_.config.largest_force / needs.force_scale, push = context.config.hand.push;
+    if (most_felt < push * (1.0 - 1e-9))
+      out.push_back(
+          fmt::format("[device] {} renders at most {:.3g} N of push_N = {:g} at force_scale = {:.3g}: bone cannot hold the hand; "
+                      "set force_scale to {:.2g} or less, or omit it",
+                      config_.config.name, most_felt, push, needs.force_scale, config_.config.largest_force / push - 0.005));
     if (needs.force_scale < 1.0)
       out.push_back(
           fmt::format("[device] {} cannot render {:.0f} N: forces at the grip are {:.3g} times those on the drill; figures and "
@@ -105,15 +118,15 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
   }
 
   /// @returns the arm of [hand] as the grip is moved by it.
-  MassSpringDamperConfig arm_at_grip(const Stage& stage) const {
-    const MassSpringDamperConfig& arm = stage.config.hand.dynamics;
-    const double scale = stage.needs.force_scale * config_.position_scale;
+  MassSpringDamperConfig arm_at_grip(const StageConfig& stage, const Needs& needs) const {
+    const MassSpringDamperConfig& arm = stage.hand.dynamics;
+    const double scale = needs.force_scale * config_.position_scale;
     return {.mass = arm.mass * scale, .damping = arm.damping * scale, .stiffness = arm.stiffness * scale};
   }
 
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
     if (stage.outside().hand != nullptr) return std::unique_ptr<Effect>(std::make_unique<NoDevice>());
-    auto created = SimulatedDevice::create(moved_by_arm(config_.config, arm_at_grip(stage)), stage.period);
+    auto created = SimulatedDevice::create(moved_by_arm(config_.config, arm_at_grip(stage.config, stage.needs)), stage.period);
     if (!created) return created.error();
     auto device = std::make_unique<SimulatedDevice>(std::move(created).value());
     const DeviceMap map{

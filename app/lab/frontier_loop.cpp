@@ -54,7 +54,8 @@ std::string text_of(const FrontierLoopConfig& config) {
   text += "[approach]\nentry_mm = [0.0, 0.0, 0.0]\n[hand]\nstandoff_mm = 0.01\n";
   // The force limit of the servo is above that of any device; planes are extrapolated as far as docs/servo.md requires.
   // A grip that starts pressed gets the full force at once.
-  text += fmt::format("[servo]\nmultirate = \"{}\"\nforce_N = 1e4\nreach_mm = 10.0\nsoft_start_s = 0\n[device]\n", name_of(config.scheme));
+  text += fmt::format("[servo]\nmultirate = \"{}\"\nforce_N = 1e4\nreach_mm = 10.0\nsoft_start_s = 0\nenergy_mJ = 0\n[device]\n",
+                      name_of(config.scheme));
   text += fmt::format(
       "[contact]\nmodel = \"surface\"\nturning = \"locked\"\nbone_N_per_m = {}\ncoupling_N_per_m = 1000.0\ncoupling_N_s_per_m = {}\n"
       "rate_hz = {}\nlatency_ticks = {}\n",

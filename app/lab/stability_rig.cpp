@@ -20,9 +20,11 @@ constexpr double kTouched = 0.5;   // [N]
 Result<std::unique_ptr<LoadedScene>> load_case(const StabilityCase& of, const StabilityModel& model, bool sabotaged) {
   auto document = TomlDocument::parse(of.scene + "\n[contact]\nrate_hz = " + std::to_string(of.rate_hz) + "\n" + model.keys, of.name);
   if (!document) return document.error();
-  if (sabotaged)
+  if (sabotaged) {
+    if (Status applied = document->set("servo.energy_mJ=0"); !applied) return applied.error();  // it would stop what is to be measured
     for (const std::string& set : of.sabotage.sets)
       if (Status applied = document->set(set); !applied) return applied.error();
+  }
   Issues issues;
   auto loaded = load_scene(*document, {}, issues, {.tool_text = of.tool, .progress = {}, .say = {}});
   if (!loaded) return issues.front();

@@ -1,5 +1,7 @@
 #include "app/scene/scene.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "app/scene/volume_scene.h"
@@ -117,7 +119,8 @@ FeedHandConfig read_feed(TableReader& table) {
   return out;
 }
 
-void read_hand(TableReader table, StageConfig& out, Issues& issues) {
+void read_hand(TableReader table, StageConfig& out, Issues& issues, std::string& push_place) {
+  push_place = table.place_of("push_N");
   const std::size_t before = issues.size();
   const std::string about = "what moves the hand: the script of a surgeon, or the feed of a bench with a depth stop";
   const std::string kind = table.text("kind", "script", about);
@@ -153,8 +156,8 @@ ServoConfig shipped_servo() {
   return out;
 }
 
-ServoConfig read_servo(TableReader table) {
-  ServoConfig out = shipped_servo();
+void read_servo(TableReader table, Scene& scene) {
+  ServoConfig& out = scene.servo;
   const std::string scheme = table.choice(
       "multirate", "planes", {"planes", "gradient", "hold", "linear"},
       "force between two contact results: by the planes of the last one, by its gradient, constant, or linear interpolation to it");
@@ -173,15 +176,19 @@ ServoConfig read_servo(TableReader table) {
                                "time in which the force falls to 0 when contact is stale or a stop is requested");
   out.jump_speed = table.number("jump_m_per_s", at_least_zero(out.jump_speed, 1.0, 1e3),
                                 "speed above which a change of position counts as a jump and not as motion; 0 for no limit");
-  out.energy.damping =
-      table.number("relied_on_N_s_per_m", at_least_zero(0.0, 1.0, 1e4), "guaranteed damping of device and hand, for the energy detector");
-  out.energy.tolerance =
-      table.number("energy_mJ", at_least_zero(0.0, 1e-3, 1e6), "passivity deficit above which a fault is latched; 0 for no detector");
+  scene.relied_on =
+      table.optional_number("relied_on_N_s_per_m", at_least_zero(0.0, 1.0, 1e4),
+                            "guaranteed damping of device and hand, for the energy detector; absent: 0, with [device] its own");
+  scene.energy_tolerance =
+      table.optional_number("energy_mJ", at_least_zero(0.0, 1e-3, 1e6),
+                            "passivity deficit above which a fault is latched; 0 for no detector; absent: 0, with [device] the "
+                            "energy that the coupling of a tool held back stores at twice push_N");
+  out.energy.damping = scene.relied_on.value_or(0.0);
+  out.energy.tolerance = scene.energy_tolerance.value_or(0.0);
   out.energy.largest_damping =
       table.number("passivity_N_s_per_m", at_least_zero(0.0, 1.0, 1e4),
                    "largest damping that the passivity controller adds while there is a passivity deficit; 0 for none");
   table.finish();
-  return out;
 }
 
 void read_effects(TableReader& root, const SceneContext& context, Scene& scene, Issues& issues) {
@@ -243,6 +250,7 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   scene.duration = root.number("duration_s", above_zero(120.0, 1.0, 3600.0), "longest simulated time of a run");
   scene.servo_hz = static_cast<int>(root.integer("servo_hz", 1000, 100, 20000, "rate of the servo; every other rate divides it"));
 
+  std::string push_place;
   const auto required = [&](const char* name, const char* about) {
     auto table = root.table(name, about);
     if (!table) root.fault(name, "is missing: every scene needs this table");
@@ -252,10 +260,10 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   if (auto table = required("tool", "the bit and its spindle; required")) scene.tool = read_tool(*table, scene.file, context);
   if (auto table = required("approach", "where the drill enters the bone, and its direction; required"))
     scene.approach = read_approach(*table);
-  if (auto table = required("hand", "the hand that holds the drill; required")) read_hand(*table, scene, issues);
+  if (auto table = required("hand", "the hand that holds the drill; required")) read_hand(*table, scene, issues, push_place);
   scene.servo = shipped_servo();
   if (auto table = root.table("servo", "how forces are computed and limited at the servo's rate; without the table these defaults hold"))
-    scene.servo = read_servo(*table);
+    read_servo(*table, scene);
   if (auto table = root.table("limits", "what a run may take; a scene that is predicted to need more is refused")) {
     const double megabytes =
         table->number("memory_mb", {.fallback = 0.0, .min = 1.0, .max = 1e6},
@@ -265,6 +273,11 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
     scene.memory_place = table->place_of("memory_mb");
     table->finish();
   }
+  if (scene.hand.feels && scene.hand.push > scene.servo.largest_force)
+    issues.push_back(bad_input(fmt::format("hand.push_N = {:g} is over the largest force on the hand, servo.force_N = {:g}: bone could not "
+                                           "hold the hand",
+                                           scene.hand.push, scene.servo.largest_force),
+                               push_place));
   read_effects(root, context, scene, issues);
   root.finish();
   if (issues.size() != before) return std::nullopt;

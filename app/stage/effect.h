@@ -21,6 +21,7 @@
 #include "core/config/toml.h"
 #include "core/tool/tool.h"
 #include "core/voxel/contact_window.h"
+#include "haptics/servo/loop_stability.h"
 
 namespace burrhole {
 
@@ -46,7 +47,9 @@ struct Needs {
   double plane_reach_voxels = std::numeric_limits<double>::infinity();  ///< [voxels] how far from its pose a plane is used
   double force_scale = 1.0;                                             ///< [-] force at the grip over force in the world
   bool through_device = false;                                          ///< a device lies between hand and drill
-  std::string not_live{};                                               ///< why the scene cannot run on threads; empty: it can
+  ForceLoop grip{};            ///< of that device: body, reading delay, velocity and gain; the rest is not set
+  double position_step = 0.0;  ///< [m] in the world, quantum of the positions that the servo reads
+  std::string not_live{};      ///< why the scene cannot run on threads; empty: it can
 };
 
 /// The grid of a bone model, which headers give before the bone is read.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "app/stage/force_loop.h"
 #include "haptics/servo/contact_age.h"
 
 namespace burrhole {
@@ -13,6 +14,8 @@ ServoConfig servo_config(const StageConfig& config, const Needs& needs, double v
   out.multi_rate.contact_ticks = std::max(1, config.servo_hz / contact_hz);
   out.multi_rate.max_distance = std::min(out.multi_rate.max_distance, needs.plane_reach_voxels * voxel_edge);
   if (!needs.feels) return out;
+  out.swing = swing_config(config, needs);
+  out.energy = energy_config(config, needs);
   out.max_contact_age = contact_age_limit(out.multi_rate.contact_ticks, out.period);
   // A latency set by the scene makes results old by design; this is not an error.
   if (needs.latency_ticks > 0) out.max_contact_age += static_cast<std::uint64_t>(needs.latency_ticks);

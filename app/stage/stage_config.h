@@ -52,6 +52,8 @@ struct StageConfig {
   std::optional<std::uint64_t> memory_limit;  ///< [bytes] key memory_mb of [limits]; absent: none
   std::string memory_place;                   ///< place of that key in the file, for errors
   ServoConfig servo;                          ///< table [servo]; its rates follow from the effects' requirements
+  std::optional<double> relied_on;            ///< [N s/m] key relied_on_N_s_per_m of [servo]; absent: that of the effects
+  std::optional<double> energy_tolerance;     ///< [J] key energy_mJ of [servo]; absent: that of the effects
 };
 
 }  // namespace burrhole

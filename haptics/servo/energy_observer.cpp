@@ -4,7 +4,10 @@
 
 namespace burrhole {
 
-void EnergyObserver::operator()(const Vec3& position, const Vec3& velocity, const Vec3& held) noexcept {
+void EnergyObserver::operator()(const Vec3& position, const Vec3& velocity, const Vec3& latest) noexcept {
+  newest_ = (newest_ + 1) % held_.size();
+  held_[newest_] = latest;
+  const Vec3& held = held_[(newest_ + held_.size() - static_cast<std::size_t>(config_.delay)) % held_.size()];
   if (started_) {
     const Vec3 moved = position - position_;
     const double square = (glm::dot(velocity_, velocity_) + glm::dot(velocity_, velocity) + glm::dot(velocity, velocity)) / 3.0;
@@ -27,6 +30,7 @@ void EnergyObserver::clear() noexcept {
   started_ = false;
   mean_velocity_ = Vec3(0.0);
   energy_ = 0.0;
+  held_.fill(Vec3(0.0));
 }
 
 }  // namespace burrhole

@@ -39,6 +39,8 @@ const char* name_of(ServoFault fault) noexcept {
       return "damped";
     case kServoHandJumped:
       return "hand jumped";
+    case kServoSwinging:
+      return "force in a limit cycle";
   }
   return "unknown";
 }
@@ -55,6 +57,7 @@ Status check(const ServoConfig& config) {
   for (const Named& named : above_zero)
     if (!(named.value > 0.0 && std::isfinite(named.value))) return refuse(named.name, "finite and above 0");
   if (!(config.multi_rate.max_distance > 0.0)) return refuse("max_distance", "above 0");
+  if (config.energy.delay < 0 || config.energy.delay > kMaxEnergyDelay) return refuse("energy.delay", "from 0 to 31");
   if (config.multi_rate.contact_ticks < 1) return refuse("contact_ticks", "at least 1");
   if (!(config.largest_slew >= 0.0)) return refuse("largest_slew", "at least 0");
   const Named not_below_zero[] = {{"soft_start", config.soft_start},
@@ -62,6 +65,8 @@ Status check(const ServoConfig& config) {
                                   {"jump_speed", config.jump_speed},
                                   {"energy.damping", config.energy.damping},
                                   {"energy.tolerance", config.energy.tolerance},
+                                  {"swing.force", config.swing.force},
+                                  {"swing.longest", config.swing.longest},
                                   {"energy.largest_damping", config.energy.largest_damping}};
   for (const Named& named : not_below_zero)
     if (!(named.value >= 0.0 && std::isfinite(named.value))) return refuse(named.name, "finite and at least 0");
@@ -76,6 +81,7 @@ ServoStep::ServoStep(const ServoConfig& config, HandSource& hand, TripleBuffer<C
       hand_out_(&hand_out),
       multi_rate_(config.multi_rate),
       energy_(config.energy, config.period),
+      swings_(config.swing, config.period),
       slew_(config.largest_slew * config.period),
       gain_(config.soft_start, config.soft_stop, config.period) {}
 
@@ -143,6 +149,7 @@ void ServoStep::watch(const ContactState& contact) noexcept {
     energy_.jump();
     restart_softly();
   }
+  if (output_.gain < 1.0) energy_.jump();  // a wall whose force is ramped up generates energy by design
   energy_(output_.hand.world_from_hand.translation, output_.hand.velocity, output_.force);
   if (energy_.fault()) latch(kServoEnergy);
   output_.contact_number = contact.number;
@@ -198,6 +205,10 @@ const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
     output_.force = Vec3(0.0);
   } else {
     output_.force = limited(output_.wanted);
+  }
+  if (swings_(output_.force)) {
+    faults_ |= kServoSwinging;
+    ++counts_.swinging;
   }
   output_.gain = gain_.gain();
   output_.faults = faults_;

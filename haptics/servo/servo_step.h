@@ -18,6 +18,7 @@
 #include "haptics/servo/energy_observer.h"
 #include "haptics/servo/force_limits.h"
 #include "haptics/servo/multi_rate.h"
+#include "haptics/servo/swing_detector.h"
 
 namespace burrhole {
 
@@ -32,6 +33,7 @@ enum ServoFault : std::uint32_t {
   kServoStopped = 1u << 7,         ///< a stop was requested: the force fades out; until reset()
   kServoDamped = 1u << 8,          ///< the passivity controller added a force in this tick
   kServoHandJumped = 1u << 9,      ///< the hand's change of position in this tick is not a motion: the force returns through the soft start
+  kServoSwinging = 1u << 10,       ///< the force is in a limit cycle
 };
 inline constexpr std::uint32_t kServoLatched = kServoForceNotFinite | kServoHandNotFinite | kServoHandLost | kServoEnergy;
 [[nodiscard]] const char* name_of(ServoFault fault) noexcept;
@@ -47,6 +49,7 @@ struct ServoConfig {
   std::uint64_t max_hand_age = 0;     ///< [ticks] for which a source may repeat the same tick; 0: no limit
   double jump_speed = 0.0;            ///< [m/s] >= 0 above which a change of the hand's position is a jump and not a motion; 0: never
   EnergyObserverConfig energy{};
+  SwingConfig swing{};
 };
 /// Errors: out_of_range, with the name of the value, when a value is outside the range of its comment.
 [[nodiscard]] Status check(const ServoConfig& config);
@@ -63,7 +66,7 @@ struct ServoOutput {
 
 /// Numbers of ticks with each event, since construction.
 struct ServoCounts {
-  std::uint64_t ticks = 0, stale = 0, capped = 0, slewed = 0, damped = 0, jumped = 0;
+  std::uint64_t ticks = 0, stale = 0, capped = 0, slewed = 0, damped = 0, jumped = 0, swinging = 0;
   std::uint64_t latched = 0;  ///< number of times that a fault latched
 };
 
@@ -103,6 +106,7 @@ class ServoStep {
   void use_tangential_law(TangentialLaw* law) noexcept { multi_rate_.use_tangential_law(law); }
   [[nodiscard]] std::uint32_t faults() const noexcept { return faults_; }
   [[nodiscard]] const ServoCounts& counts() const noexcept { return counts_; }
+  [[nodiscard]] const Swing& swing() const noexcept { return swings_.largest(); }  ///< largest limit cycle since construction
 
  private:
   void read_hand() noexcept;
@@ -121,6 +125,7 @@ class ServoStep {
   std::atomic<bool> stop_requested_{false}, reset_requested_{false};
   MultiRate multi_rate_;
   EnergyObserver energy_;
+  SwingDetector swings_;
   SlewLimit slew_;
   SoftGain gain_;
   std::uint64_t hand_age_ = 0;      // [ticks] for which the hand's tick has been the same

@@ -125,16 +125,60 @@ TEST_CASE("[servo]: the scheme, its rates and the age at which contact is stale 
   CHECK(fast.multi_rate.contact_ticks == 6);
 }
 
+TEST_CASE("[hand]: a push over the largest force on the hand is refused with its place, also over the default; equal is not") {
+  const std::string scene = scene_text(with({}));  // pushes with 20 N
+  const auto found = faults(scene + "\n[servo]\nforce_N = 19.9\n");
+  REQUIRE(found.size() == 1);
+  CHECK(found[0] ==
+        "scene.toml:20:1: hand.push_N = 20 is over the largest force on the hand, servo.force_N = 19.9: bone could not hold "
+        "the hand");
+  CHECK(faults(scene + "\n[servo]\nforce_N = 20\n").empty());
+  std::string hard = scene;
+  hard.replace(hard.find("push_N = 20.0"), 13, "push_N = 201");
+  REQUIRE(faults(hard).size() == 1);
+  CHECK(faults(hard)[0].find("hand.push_N = 201") != std::string::npos);
+  CHECK(faults(scene + "\n[device]\nforce_N = 3\nforce_scale = 1\n").empty());
+}
+
+TEST_CASE("[device]: a push that the device cannot render at a set scale is a warning, and so is a hand that the script cannot move") {
+  const auto warned = [](const std::vector<std::string>& sets, const char* of) {
+    const std::vector<std::string> lines = make_plan(load_small(with(sets))).warnings;
+    return std::ranges::any_of(lines, [&](const std::string& line) { return line.find(of) != std::string::npos; });
+  };
+  CHECK(warned({"device.force_scale=1"}, "[device] generic renders at most 8 N of push_N = 20"));
+  CHECK_FALSE(warned({"device.force_scale=0.4"}, "renders at most"));
+  CHECK_FALSE(warned({"device.name=\"generic\""}, "renders at most"));
+  CHECK(warned({"device.hand=\"light\""}, "has no stiffness"));
+  CHECK_FALSE(warned({"device.hand=\"firm\""}, "has no stiffness"));
+}
+
+TEST_CASE("[servo]: the energy detector is on with a device, off without, and the scene's keys prevail") {
+  const auto energy_of = [](const std::vector<std::string>& sets) {
+    const Scene scene = load_small(with(sets)).scene;
+    return servo_config(scene, scene.effects.needs(scene), 0.25e-3).energy;
+  };
+  CHECK(energy_of({}).tolerance == 0.0);
+  const EnergyObserverConfig shipped = energy_of({"device.name=\"generic\""});
+  CHECK(shipped.delay == 1);
+  CHECK(shipped.damping == doctest::Approx(5.0 / (8.0 / 20.0)));                        // of the grip, in newtons of the drill
+  CHECK(shipped.tolerance == doctest::Approx(20.0 * (0.5 * 20.0 / 5000.0 + 0.05e-3)));  // the cap is 8 N over the scale
+  CHECK(energy_of({"device.name=\"generic\"", "servo.energy_mJ=0"}).tolerance == 0.0);
+  CHECK(energy_of({"device.name=\"generic\"", "servo.energy_mJ=3", "servo.relied_on_N_s_per_m=2"}).tolerance == 3e-3);
+  CHECK(energy_of({"device.name=\"generic\"", "servo.relied_on_N_s_per_m=2"}).damping == 2.0);
+}
+
 TEST_CASE("[servo]: the largest force caps what reaches the hand, not what bone is felt to do") {
   struct Felt {
     double hand = 0.0, bone = 0.0;
   };
-  const auto felt = [](const std::string& cap) {
-    DrillRun run(with({"servo.force_N=" + cap}));
+  const auto felt = [](double cap) {
+    LoadedScene loaded = load_small(with({}));
+    loaded.scene.servo.largest_force = cap;  // a scene's own cap is at least its push
+    DrillRun run(std::move(loaded));
     Simulation& simulation = run.run().simulation();
     return Felt{glm::length(simulation.servo_output().force), simulation.progress().peak_force};
   };
-  const Felt open = felt("200"), capped = felt("3");
+  const Felt open = felt(200.0), capped = felt(3.0);
   CHECK(open.hand > 3.0);
   CHECK(capped.hand <= 3.0 * (1.0 + 1e-12));
   CHECK(capped.bone > 3.0);

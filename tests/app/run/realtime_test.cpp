@@ -144,7 +144,8 @@ TEST_CASE("real time: friction in every form of contact, at contact's rate and a
 
 TEST_CASE("real time: every limit of the servo") {
   covers("haptics/servo/energy_observer.h: operator()", "haptics/servo/energy_observer.h: damping_force",
-         "haptics/servo/force_limits.h: shortened", "haptics/servo/force_limits.h: operator()");
+         "haptics/servo/swing_detector.h: operator()", "haptics/servo/force_limits.h: shortened",
+         "haptics/servo/force_limits.h: operator()");
   check_clean(drive(load_small(pressed(kHeldKeys, {"servo.slew_N_per_s=1000", "servo.soft_start_s=0.2", "servo.energy_mJ=1000",
                                                    "servo.passivity_N_s_per_m=5", "servo.relied_on_N_s_per_m=5"}))));
 }
