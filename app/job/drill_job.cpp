@@ -276,8 +276,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
     if (job.warn) job.warn(line);
     summary.warnings.push_back(line);
   }
-  for (const std::string& warning : servo_warnings(*simulation)) summary.warnings.push_back(warning);
-  if (const Swing& swing = simulation->stage().servo->swing(); swing.force > 0.0 && job.warn) job.warn(summary.warnings.back());
+  for (const std::string& fault : fault_warnings(*simulation)) summary.warnings.push_back(fault);  // warned of when they appeared
   if (sink) summary.display = sink->display();
   if (*session)
     if (Status closed = close_session(**session, summary, simulation->sent_hash()); !closed) return closed.error();

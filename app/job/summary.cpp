@@ -102,17 +102,11 @@ Json figures_json(const Figures& figures) {
 
 }  // namespace
 
-std::vector<std::string> servo_warnings(const Simulation& simulation) {
+std::vector<std::string> fault_warnings(const Simulation& simulation) {
   std::vector<std::string> out;
   for (const RunEvent& event : simulation.events())
     if (event.kind == "fault")
       out.push_back(fmt::format("servo: {} at {:.3f} s: the force on the hand was zero from then on", event.text, event.time));
-  const Stage& stage = simulation.stage();
-  if (const Swing& swing = stage.servo->swing(); swing.force > 0.0)
-    out.push_back(
-        fmt::format("servo: the force on the hand swung by {:.3g} N at {:.0f} Hz from {:.3f} s on: a limit cycle of the loop of hand "
-                    "and contact",
-                    swing.force, swing.frequency, static_cast<double>(swing.tick) * stage.period));
   return out;
 }
 

@@ -62,8 +62,8 @@ struct RunSummary {
 
 /// @returns one sentence on how the run ended.
 [[nodiscard]] std::string outcome_text(const RunSummary& summary);
-/// @returns what the servo found during the run: latched faults, then a limit cycle of the force; a line each.
-[[nodiscard]] std::vector<std::string> servo_warnings(const Simulation& simulation);
+/// @returns the servo's latched faults of the run, a line each.
+[[nodiscard]] std::vector<std::string> fault_warnings(const Simulation& simulation);
 /// Collects the figures of a run and measures the hole. @param wall_s [s] duration of the run, measured by the caller.
 [[nodiscard]] RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const Plan& plan, double wall_s);
 [[nodiscard]] std::string summary_json(const RunSummary& summary);

@@ -95,7 +95,7 @@ Status StabilityRig::put_together(const StabilityModel& model) {
   parts_ = std::move(parts).value();
   world_from_bone_ = scene.volume.world_from_bone;
   if (sabotaged_ && case_->sabotage.only_window) parts_->contact->know(nullptr);
-  parts_->contact->place({world_from_approach.rotation, world_from_approach * case_->start});
+  if (Status placed = parts_->place({world_from_approach.rotation, world_from_approach * case_->start}); !placed) return placed;
   loop_.emplace(*parts_);
   return {};
 }
@@ -116,12 +116,14 @@ void StabilityRig::move_bone(double time) {
     shift_ -= last_force_ * (parts_->period / case_->loose_drag);
     world_from_bone_ = {rest.rotation, rest.translation + shift_};
     parts_->contact->move_bone(world_from_bone_);
+    parts_->bone->move_bone(world_from_bone_);
     return;
   }
   const double phase = 2.0 * std::numbers::pi * time, half = 0.5 * case_->turn * portable_sin(phase);
   const Quat turned(portable_cos(half), 0.0, portable_sin(half), 0.0);
   world_from_bone_ = {turned * rest.rotation, rest.translation + Vec3(case_->swing * portable_sin(phase), 0.0, 0.0)};
   parts_->contact->move_bone(world_from_bone_);
+  parts_->bone->move_bone(world_from_bone_);
   const Vec3 tool = parts_->contact->state().world_from_tool.translation;
   const Vec3 moved = world_from_bone_ * (before.inverse() * tool) - tool;
   carried_ += hand_->map().device(hand_->map().world_from_device.translation + moved);

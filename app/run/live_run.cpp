@@ -69,7 +69,6 @@ class Loops {
   Status park();
   /// Computes the audio blocks that are due; on the caller's thread.
   void run_audio();
-  Status report_faults(const ServoRow& row);
   Status drain_servo();
   Status drain_contact();
   Status drain_bone();
@@ -88,7 +87,6 @@ class Loops {
   std::atomic<std::uint64_t> unrecorded_{0};
   std::atomic<bool> broken_{false};  // the simulation thread met an exception; its text is in why_
   std::string why_;
-  std::uint32_t reported_faults_ = 0;  // latched faults already reported
   SpscQueue<ServoRow, 1 << 14> servo_rows_;
   SpscQueue<ContactRow, 1 << 14> contact_rows_;
   SpscQueue<BoneRow, 1 << 12> bone_rows_;
@@ -249,16 +247,6 @@ Status Loops::report_refusals(const std::string& memory) {
   return {};
 }
 
-Status Loops::report_faults(const ServoRow& row) {
-  for (std::uint32_t fresh = row.faults & kServoLatched & ~reported_faults_; fresh != 0; fresh &= fresh - 1) {
-    const std::string name = name_of(static_cast<ServoFault>(fresh & ~(fresh - 1)));
-    if (options_.warn) options_.warn("servo: " + name + ": the force on the hand is zero from now on");
-    if (Status noted = log_->record_event(static_cast<double>(row.hand.tick) * parts_->period, "fault", name); !noted) return noted;
-  }
-  reported_faults_ |= row.faults & kServoLatched;
-  return {};
-}
-
 Status Loops::drain_servo() {
   ServoRow row;
   while (servo_rows_.pop(row)) {
@@ -266,7 +254,8 @@ Status Loops::drain_servo() {
     report_->servo_late.add(row.late_us);
     report_->servo_skipped += row.skipped;
     report_->faults |= row.faults;
-    if (Status reported = report_faults(row); !reported) return reported;
+    if (Status noted = log_->record_faults(row.faults, static_cast<double>(row.hand.tick) * parts_->period, options_.warn); !noted)
+      return noted;
     if (Status noted = log_->record_hand(row.hand); !noted) return noted;
     if (log_->session() == nullptr) continue;
     put(row, *parts_, row_);

@@ -83,6 +83,16 @@ Status RunLog::record_contact(const RunSample& sample, const DrillProgress& prog
   return {};
 }
 
+Status RunLog::record_faults(std::uint32_t faults, double time, const std::function<void(const std::string&)>& warn) {
+  for (std::uint32_t fresh = faults & kServoLatched & ~reported_faults_; fresh != 0; fresh &= fresh - 1) {
+    const std::string name = name_of(static_cast<ServoFault>(fresh & ~(fresh - 1)));
+    if (warn) warn("servo: " + name + ": the force on the hand is zero from now on");
+    if (Status noted = record_event(time, "fault", name); !noted) return noted;
+  }
+  reported_faults_ |= faults & kServoLatched;
+  return {};
+}
+
 Status RunLog::record_event(double time, const std::string& kind, const std::string& text) {
   events_.push_back({time, kind, text});
   if (session_ == nullptr) return {};

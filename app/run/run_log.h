@@ -41,6 +41,8 @@ class RunLog {
   /// breakthrough, or that the tip passed uncut bone.
   [[nodiscard]] Status record_contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool);
   [[nodiscard]] Status record_event(double time, const std::string& kind, const std::string& text);
+  /// Call at each servo tick. Warns of latched faults and records them when they appear.
+  [[nodiscard]] Status record_faults(std::uint32_t faults, double time, const std::function<void(const std::string&)>& warn);
   /// For a replay: draws the picture of a recorded still. The bone must be in the state of that still (SessionStill::bone_step). bad_input if
   /// the pose of the tool in the still cannot be parsed.
   [[nodiscard]] Status redraw(const SessionStill& still);
@@ -61,6 +63,7 @@ class RunLog {
   std::vector<RunEvent> events_;
   std::vector<SessionStill> redrawn_;
   HandPhase phase_ = HandPhase::approach;
+  std::uint32_t reported_faults_ = 0;
   bool drew_half_ = false, noted_passing_ = false, drew_breakthrough_ = false;
 };
 

@@ -67,7 +67,7 @@ Status Simulation::run_lockstep() {
       if (Status recorded = timer != nullptr ? (*timer)(record) : record(); !recorded) return recorded;
     }
     if (Status noted = log_->record_hand(servo_now_.hand); !noted) return noted;
-    if (Status noted = report_faults(servo_now_.faults); !noted) return noted;
+    if (Status noted = log_->record_faults(servo_now_.faults, time(), options_.warn); !noted) return noted;
     if (steps.ran_contact()) {
       const RunSample sample{contact.time(), glm::length(contact.state().on_hand.force), contact.progress().depth};
       if (Status seen = log_->record_contact(sample, contact.progress(), contact.state().world_from_tool); !seen) return seen;
@@ -168,16 +168,6 @@ Status Simulation::run_on_threads() {
   servo_now_ = live_->last;
   end_ = live_->stopped ? RunEnd::stopped : live_->done ? RunEnd::done : RunEnd::duration;
   return ran;
-}
-
-Status Simulation::report_faults(std::uint32_t faults) {
-  for (std::uint32_t fresh = faults & kServoLatched & ~reported_faults_; fresh != 0; fresh &= fresh - 1) {
-    const std::string name = name_of(static_cast<ServoFault>(fresh & ~(fresh - 1)));
-    if (options_.warn) options_.warn("servo: " + name + ": the force on the hand is zero from now on");
-    if (Status noted = log_->record_event(time(), "fault", name); !noted) return noted;
-  }
-  reported_faults_ |= faults & kServoLatched;
-  return {};
 }
 
 bool Simulation::finished() {

@@ -109,8 +109,6 @@ class Simulation {
   /// Records the rows of the steps that ran in the last tick.
   [[nodiscard]] Status record_rows(const Lockstep& steps, std::uint64_t window);
   [[nodiscard]] bool finished();
-  /// Reports and records latched faults when they appear.
-  [[nodiscard]] Status report_faults(std::uint32_t faults);
   /// Records and applies the inputs that are due before a tick.
   [[nodiscard]] Status apply_inputs(std::uint64_t tick);
   [[nodiscard]] bool input_is_due(std::uint64_t tick) const noexcept;
@@ -131,7 +129,6 @@ class Simulation {
   std::vector<double> row_;                   // scratch of record_rows()
   std::vector<std::unique_ptr<Tool>> tools_;  // of inputs that changed the tool
   std::size_t next_input_ = 0;
-  std::uint32_t reported_faults_ = 0;
   RunEnd end_ = RunEnd::done;
   StepTimer servo_timer_;
 };

@@ -28,7 +28,11 @@ std::string MemoryPlan::text() const {
 std::uint64_t window_voxels(const Scene& scene, const Needs& needs, const Tool& tool, const Affine& bone_from_index) {
   const Pose bone_from_tool{rotation_from_z(-scene.approach.axis), scene.approach.entry};
   const int margin = window_margins(needs.fields, bone_from_index).placed;
-  return tool_box(tool, bone_from_index.inverse() * Affine::from_pose(bone_from_tool), margin).count();
+  const auto box = [&](const Pose& at) { return tool_box(tool, bone_from_index.inverse() * Affine::from_pose(at), margin); };
+  if (!(needs.coupling_stiffness > 0.0)) return box(bone_from_tool).count();
+  // The window reaches to where the spring to the hand would take the tool.
+  const Vec3 stretch = scene.approach.axis * (scene.hand.push / needs.coupling_stiffness);
+  return box(bone_from_tool).unite(box({bone_from_tool.rotation, bone_from_tool.translation + stretch})).count();
 }
 
 std::uint64_t volume_bytes(const BoneShape& bone, std::uint64_t window_voxels) noexcept {

@@ -25,7 +25,7 @@ struct MemoryPlan {
   [[nodiscard]] std::string text() const;
 };
 
-/// @returns the voxels of the master window at the start of a run.
+/// @returns the voxels of the master window at the entry, under the scene's thrust.
 [[nodiscard]] std::uint64_t window_voxels(const Scene& scene, const Needs& needs, const Tool& tool, const Affine& bone_from_index);
 /// @returns the bytes of the bone model and the master window.
 [[nodiscard]] std::uint64_t volume_bytes(const BoneShape& bone, std::uint64_t window_voxels) noexcept;

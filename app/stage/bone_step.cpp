@@ -104,10 +104,10 @@ void BoneStep::trim(Cut& cut) const noexcept {
 
 ErosionPath BoneStep::foreseen(const Cut& cut, const ContactState& found) const noexcept {
   if (coarse_ == nullptr) return cut.path;
-  const Vec3 ahead = found.hand_velocity * foresight_;
-  if (!cut.far) return {cut.path.from, shifted(cut.path.to, index_from_world_.linear * ahead)};
+  // Where bone ends, the spring to the hand takes the tool there at once.
   const Vec3 stretch = found.world_from_hand.translation - found.world_from_tool.translation;
-  const ErosionPath way{cut.path.to, shifted(cut.path.to, index_from_world_.linear * (stretch + ahead))};
+  const ErosionPath way{cut.path.to, shifted(cut.path.to, index_from_world_.linear * (stretch + found.hand_velocity * foresight_))};
+  if (!cut.far) return {cut.path.from, way.to};
   const auto near = first_near(way);
   return near ? ErosionPath{way.at(*near), way.to} : ErosionPath{way.from, way.from};
 }
@@ -125,6 +125,17 @@ Status BoneStep::keep_window(const ErosionPath& path) {
   const Affine to = path.at(share);
   if (voxmap_->window().box.contains(box(to, margins_.least))) return {};
   return voxmap_->place_window(box(to, margins_.placed));
+}
+
+Status BoneStep::place(const Pose& world_from_tool) {
+  last_ = world_from_tool;
+  if (Status placed = voxmap_->place_window(tool_box(*tool_, index_from_tool(last_), margins_.placed)); !placed) return placed;
+  publish();
+  return {};
+}
+
+void BoneStep::move_bone(const Pose& world_from_bone) {
+  index_from_world_ = (Affine::from_pose(world_from_bone) * bone_from_index_).inverse();
 }
 
 Status BoneStep::change_tool(const Tool& tool) {

@@ -41,6 +41,10 @@ class BoneStep {
   /// Provides the slots of the stage. Call after the effects are bound.
   void bind();
 
+  /// Sets the tool's pose; places the window round it and publishes it. out_of_range as create().
+  [[nodiscard]] Status place(const Pose& world_from_tool);
+  /// Sets the bone's pose from the next step on.
+  void move_bone(const Pose& world_from_bone);
   /// Replaces the tool at its present pose; places the window round the new tool and publishes it. out_of_range as create().
   [[nodiscard]] Status change_tool(const Tool& tool);
   /// Publishes changes that were made outside of a step (undo, reset).

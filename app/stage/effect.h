@@ -65,7 +65,7 @@ struct PlanContext {
   const Needs& needs;
   const Tool& tool;
   const BoneShape& bone;
-  std::uint64_t window_voxels = 0;                                                               ///< size of the master window at the start
+  std::uint64_t window_voxels = 0;                                                               ///< size of the master window at the entry
   [[nodiscard]] double voxel_edge() const noexcept { return bone.bone_from_index.mean_edge(); }  ///< [m]
 };
 

@@ -1,5 +1,7 @@
 #include "app/stage/stage.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -114,8 +116,18 @@ Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> m
                                     contact_period});
   if (Status bound = bind(); !bound) return Error{bound.error().code, bound.error().message, config.file};
   contact->place(start);
-  for (const MadeEffect& one : effects_) one.effect->place(start);
+  place_effects(start);
   return {};
+}
+
+void Stage::place_effects(const Pose& world_from_tool) {
+  for (const MadeEffect& made : effects_) made.effect->place(world_from_tool);
+}
+
+Status Stage::place(const Pose& world_from_tool) {
+  contact->place(world_from_tool);
+  place_effects(world_from_tool);
+  return bone->place(world_from_tool);
 }
 
 Status Stage::bind() {
@@ -149,7 +161,7 @@ void Stage::cut(const ContactState& found) {
 void Stage::bone_was_changed() {
   spun_ = false;
   bone->publish();
-  for (const MadeEffect& made : effects_) made.effect->place(contact->state().world_from_tool);
+  place_effects(contact->state().world_from_tool);
   servo->restart();
 }
 
@@ -164,7 +176,7 @@ Status Stage::change_tool(const Tool& other) {
   if (Status bound = bind(); !bound) return bound;
   graph.keep_timings(old);
   contact->resume(before);
-  for (const MadeEffect& made : effects_) made.effect->place(before.world_from_tool);
+  place_effects(before.world_from_tool);
   servo->restart();
   return frame_ != nullptr ? frame_->change_tool(other) : Status();
 }
@@ -225,6 +237,11 @@ Status Stage::draw(const std::string& name, const std::optional<Pose>& world_fro
 
 void Stage::warn(std::vector<std::string>& out) const {
   for (const MadeEffect& made : effects_) made.effect->warn(out);
+  if (const Swing& swing = servo->swing(); swing.force > 0.0)
+    out.push_back(
+        fmt::format("servo: the force on the hand swung by {:.3g} N at {:.0f} Hz from {:.3f} s on: a limit cycle of the loop of hand "
+                    "and contact",
+                    swing.force, swing.frequency, static_cast<double>(swing.tick) * period));
 }
 
 std::optional<double> Stage::figure(std::string_view table, std::string_view name) const {

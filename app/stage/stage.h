@@ -105,7 +105,9 @@ class Stage {
   };
   [[nodiscard]] const std::vector<MadeEffect>& effects() const noexcept { return effects_; }
   /// @returns a number that an effect reports, by table and name; absent if there is none.
-  /// Adds the effects' warnings of a run that has ended.
+  /// Sets the tool's pose without contact, and places the window round it. out_of_range as BoneStep::place().
+  [[nodiscard]] Status place(const Pose& world_from_tool);
+  /// Adds the warnings of a run that has ended: those of the effects, and a limit cycle of the force.
   void warn(std::vector<std::string>& out) const;
   [[nodiscard]] std::optional<double> figure(std::string_view table, std::string_view name) const;
 
@@ -132,6 +134,7 @@ class Stage {
   [[nodiscard]] Status build_hand();
   [[nodiscard]] Status bind();
   void watch_spin(double command);
+  void place_effects(const Pose& world_from_tool);
   void bone_was_changed();
 
   Outside outside_;

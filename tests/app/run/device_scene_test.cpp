@@ -140,7 +140,7 @@ TEST_CASE("[hand]: a push over the largest force on the hand is refused with its
   CHECK(faults(scene + "\n[device]\nforce_N = 3\nforce_scale = 1\n").empty());
 }
 
-TEST_CASE("[device]: a push that the device cannot render at a set scale is a warning, and so is a hand that the script cannot move") {
+TEST_CASE("[device]: a push that the device cannot render at a set scale is a warning") {
   const auto warned = [](const std::vector<std::string>& sets, const char* of) {
     const std::vector<std::string> lines = make_plan(load_small(with(sets))).warnings;
     return std::ranges::any_of(lines, [&](const std::string& line) { return line.find(of) != std::string::npos; });
@@ -148,8 +148,6 @@ TEST_CASE("[device]: a push that the device cannot render at a set scale is a wa
   CHECK(warned({"device.force_scale=1"}, "[device] generic renders at most 8 N of push_N = 20"));
   CHECK_FALSE(warned({"device.force_scale=0.4"}, "renders at most"));
   CHECK_FALSE(warned({"device.name=\"generic\""}, "renders at most"));
-  CHECK(warned({"device.hand=\"light\""}, "has no stiffness"));
-  CHECK_FALSE(warned({"device.hand=\"firm\""}, "has no stiffness"));
 }
 
 TEST_CASE("[servo]: the energy detector is on with a device, off without, and the scene's keys prevail") {

@@ -46,7 +46,8 @@ Found run(const LoadedScene& loaded, double seconds = 4.0) {
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, {}, issues);
   REQUIRE(simulation);
   REQUIRE(simulation->run());
-  Found out{servo_warnings(*simulation), simulation->stage().servo->swing()};
+  Found out{fault_warnings(*simulation), simulation->stage().servo->swing()};
+  simulation->stage().warn(out.warnings);
   auto parts = Stage::make(loaded.scene, loaded.scene.effects, loaded.bone, loaded.tool, {});
   REQUIRE(parts);
   Lockstep steps(**parts);
