@@ -191,6 +191,7 @@ void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
   engaged_ = Vec3(0.0);
   solver_.clear();
   flanks_.clear();
+  hold_force_.clear();
   placed_ = false;
 }
 
@@ -485,7 +486,10 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   sweep(bone, pull, spinning_);
   if (spinning_) pass_through_nothing(bone.world_from_bone.inverse() * pull.world_from_target, before);
   report(bone);
-  if ((state_.flags & kContactOutsideWindow) != 0) hold(pull);
+  if ((state_.flags & kContactOutsideWindow) != 0)
+    hold(pull);
+  else
+    hold_force_.note(state_.on_hand.force);
   end_added();
   world_from_bone_ = bone.world_from_bone;
   hand_before_ = hand.world_from_hand.rotation;

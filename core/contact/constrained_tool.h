@@ -9,7 +9,7 @@
 ///   Equilibrium  Coupling forces and contact forces balance. The depenetration limit (push_out) bounds the force on points inside bone
 ///                that is cut.
 ///   Window  Outside the window the tool moves freely as far as the coarse distance proves that no bone is near. Beyond, it is held: the
-///           force is that of its springs, as at a wall.
+///           force is that of its springs, as at a wall (hold_force.h).
 ///   Tangential loads, such as friction, come from a TangentialLaw (tangential_hold.h); without one the surface is frictionless.
 ///   Continuous collision  No move is longer than the distance in which planes are known, so a fast stroke cannot pass through bone.
 ///   Source  own derivation (hold_solver.h); constraining a proxy at a surface is usual in the field.
@@ -26,6 +26,7 @@
 #include "core/contact/flank_friction.h"
 #include "core/contact/hand_motion.h"
 #include "core/contact/hit_places.h"
+#include "core/contact/hold_force.h"
 #include "core/contact/hold_solver.h"
 #include "core/contact/lens_shell.h"
 #include "core/contact/local_contact.h"
@@ -162,6 +163,7 @@ class ConstrainedTool {
   Quat hand_before_{1.0, 0.0, 0.0, 0.0};
   bool spinning_ = false;  // in the last step
   bool placed_ = false;    // the frames above are from the last step
+  HoldForce hold_force_;   // world frame
   ConstrainedToolState state_;
 };
 

@@ -33,9 +33,9 @@ bool ConstrainedTool::move_freely(const Pose& bone_from_target, double free) noe
 
 void ConstrainedTool::hold(const Pull& pull) noexcept {
   const Pose& tool = state_.world_from_tool;
-  state_.on_hand.force = pull.stiffness * (tool.translation - pull.world_from_target.translation);
+  state_.on_hand.force = hold_force_.of(pull.stiffness * (tool.translation - pull.world_from_target.translation));
   state_.on_hand.torque = Vec3(0.0);
-  if (std::isfinite(pull.turn_stiffness))
+  if (state_.on_hand.force != Vec3(0.0) && std::isfinite(pull.turn_stiffness))
     state_.on_hand.torque = pull.turn_stiffness * rotation_vector(tool.rotation * glm::conjugate(pull.world_from_target.rotation));
   state_.tangential = {};
   state_.engagement = state_.cutting_force = 0.0;

@@ -1,5 +1,6 @@
 #include "core/contact/coupled_contact.h"
 
+#include "core/contact/hold_force.h"
 #include "core/contact/shell_cover.h"
 
 namespace burrhole {
@@ -10,7 +11,10 @@ class CoupledContact final : public ContactModel {
   CoupledContact(VirtualCoupling tool, const ContactOptions& options)
       : tool_(std::move(tool)), options_(options), cover_(tool_.model().shell().positions) {}
 
-  void place(const Pose& world_from_tool) noexcept override { tool_.place(world_from_tool); }
+  void place(const Pose& world_from_tool) noexcept override {
+    tool_.place(world_from_tool);
+    hold_force_.clear();
+  }
   [[nodiscard]] std::size_t points() const noexcept override { return tool_.model().shell().size(); }
 
   void step(const ContactInput& in, ContactState& out) noexcept override {
@@ -21,6 +25,8 @@ class CoupledContact final : public ContactModel {
     out.world_from_hand = in.hand.world_from_hand;
     out.world_from_tool = coupled.world_from_tool;
     out.on_hand = coupled.on_hand;
+    if (held && hold_force_.of(coupled.on_hand.force) == Vec3(0.0)) out.on_hand = {};
+    if (!held) hold_force_.note(coupled.on_tool.force);
     out.engagement = coupled.deepest;
     out.cutting_force = glm::length(coupled.on_tool.force);
     out.flags = coupled.flags;
@@ -29,7 +35,7 @@ class CoupledContact final : public ContactModel {
     if (held) {
       out.local.count = 0;
       out.local.kind = LocalKind::none;
-      out.force_gradient = Mat3(-tool_.config().stiffness);
+      out.force_gradient = Mat3(out.on_hand.force != Vec3(0.0) ? -tool_.config().stiffness : 0.0);
       return;
     }
     tool_.describe(out.local);
@@ -40,6 +46,7 @@ class CoupledContact final : public ContactModel {
   VirtualCoupling tool_;
   ContactOptions options_;
   ShellCover cover_;
+  HoldForce hold_force_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "core/contact/penalty_contact.h"
 
 #include "core/contact/constraint_planes.h"
+#include "core/contact/hold_force.h"
 #include "core/contact/shell_cover.h"
 #include "core/contact/tangential_spring.h"
 
@@ -20,6 +21,7 @@ class PenaltyContact final : public ContactModel {
 
   void place(const Pose& world_from_tool) noexcept override {
     spring_.clear();
+    hold_force_.clear();
     read_ = {world_from_tool.translation, {}};
   }
   [[nodiscard]] std::size_t points() const noexcept override { return model_->shell().size(); }
@@ -40,6 +42,7 @@ class PenaltyContact final : public ContactModel {
       out.flags &= ~kContactOutsideWindow;
     }
     read_ = {world_from_tool.translation, out.on_hand};
+    hold_force_.note(out.on_hand.force);
     if (options_.planes) list(world_from_tool.translation, in.added.tangential != nullptr, out.local);
     if (!in.added.constraints.empty()) add(constraint_wrench(in.added.constraints, world_from_tool), out.on_hand);
     if (in.added.tangential != nullptr) rub(in, out);
@@ -49,8 +52,10 @@ class PenaltyContact final : public ContactModel {
   /// Where bone has not been read: a spring of the model's stiffness from the last place at which it was.
   void hold(ContactState& out) const noexcept {
     const double stiffness = model_->stiffness();
-    out.on_hand = {read_.load.force + stiffness * (read_.place - out.world_from_tool.translation), read_.load.torque};
-    out.force_gradient = Mat3(-stiffness);
+    const Vec3 force = hold_force_.of(read_.load.force + stiffness * (read_.place - out.world_from_tool.translation));
+    const bool holds = force != Vec3(0.0);
+    out.on_hand = {force, holds ? read_.load.torque : Vec3(0.0)};
+    out.force_gradient = Mat3(holds ? -stiffness : 0.0);
     out.engagement = out.cutting_force = 0.0;
     out.local.count = 0;
     out.local.kind = LocalKind::none;
@@ -87,6 +92,7 @@ class PenaltyContact final : public ContactModel {
   ContactOptions options_;
   ContactResult result_;
   ShellCover cover_;
+  HoldForce hold_force_;
   struct Read {
     Vec3 place{0.0};
     Wrench load;

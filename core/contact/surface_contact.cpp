@@ -24,7 +24,8 @@ class SurfaceContact final : public ContactModel {
       tool_.describe(bone, glm::length(in.hand.velocity) * options_.foresight, out.local);
       out.force_gradient = force_gradient(out.local);
     }
-    if ((held.flags & kContactOutsideWindow) != 0) out.force_gradient = Mat3(-tool_.config().coupling_stiffness);
+    if ((held.flags & kContactOutsideWindow) != 0)
+      out.force_gradient = Mat3(held.on_hand.force != Vec3(0.0) ? -tool_.config().coupling_stiffness : 0.0);
     out.world_from_hand = in.hand.world_from_hand;
   }
 

@@ -35,21 +35,24 @@ class PartlyRead {
     auto voxmap = Voxmap::create(std::move(bone).value(), {});
     REQUIRE(voxmap.ok());
     voxmap_ = std::make_unique<Voxmap>(std::move(voxmap).value());
-    REQUIRE(voxmap_->place_window({Vec3i(0), Vec3i(20)}).ok());
+    REQUIRE(voxmap_->place_window(kCorner).ok());
     publisher_ = std::make_unique<ContactWindowPublisher>(
         *voxmap_, ContactFields{.density = true, .gradient = true, .records = RecordPrecision::bits16});
     publisher_->publish(*voxmap_);
   }
-  void read_all() {
-    REQUIRE(voxmap_->place_window(voxmap_->bone().bounds().grown(12)).ok());
-    publisher_->publish(*voxmap_);
-  }
+  void read_all() { read(voxmap_->bone().bounds().grown(12)); }
+  void read_corner() { read(kCorner); }
   BoneView view() {
     const ContactWindow& window = publisher_->exchange().latest();
     return {ContactView(window, map_, {}), surface_view(window, map_, {}, &*coarse_), {}, &*coarse_};
   }
 
  private:
+  void read(const VoxelBox& box) {
+    REQUIRE(voxmap_->place_window(box).ok());
+    publisher_->publish(*voxmap_);
+  }
+  static constexpr VoxelBox kCorner{Vec3i(0), Vec3i(20)};
   Affine map_;
   std::optional<CoarseDistance> coarse_;
   std::unique_ptr<Voxmap> voxmap_;
@@ -119,6 +122,20 @@ TEST_CASE("unread bone: every model is free far from it, is held before it, and 
     for (int tick = 400; tick < 800; ++tick) (void)step(tick);
     CHECK(state.flags == 0);
     CHECK(state.on_hand.force.z > 1.0);
+    // Held again: a hand that goes on is pushed, one that leaves is not pulled back.
+    const ContactState pressed = state;
+    bone.read_corner();
+    const auto at = [&](double z) {
+      const HandMotion hand{{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, z)}, Vec3(0.0)};
+      const BoneView view = bone.view();
+      m.model->step({view, hand, kTick}, state);
+      CHECK(state.flags == kContactOutsideWindow);
+      return state.on_hand.force;
+    };
+    CHECK(at(kEnd - 0.5e-3).z > pressed.on_hand.force.z);
+    CHECK(at(4e-3) == Vec3(0.0));
+    CHECK(state.force_gradient == Mat3(0.0));
+    state = pressed;
     if (m.name == "surface") CHECK(std::abs(state.world_from_tool.translation.z) < 0.5 * kEdge);
   }
 }

@@ -392,10 +392,10 @@ TEST_CASE("ServoStep: a position jump restarts the soft start without a latch") 
 
 TEST_CASE("ServoStep: every servo fault has a name of its own, and no other bit has one") {
   std::set<std::string> names;
-  for (unsigned bit = 0; bit < 10; ++bit) names.insert(name_of(static_cast<ServoFault>(1u << bit)));
-  CHECK(names.size() == 10);
+  for (unsigned bit = 0; bit < 11; ++bit) names.insert(name_of(static_cast<ServoFault>(1u << bit)));
+  CHECK(names.size() == 11);
   CHECK(names.count("unknown") == 0);
-  CHECK(std::string(name_of(static_cast<ServoFault>(1u << 10))) == "unknown");
+  CHECK(std::string(name_of(static_cast<ServoFault>(1u << 11))) == "unknown");
 }
 
 TEST_CASE("contact_age_limit: three contact periods, at least ten milliseconds") {
