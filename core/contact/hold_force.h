@@ -1,5 +1,5 @@
 /// core/contact/hold_force.h: the force of a tool that is held before bone that has not been read. It never points against the last push of
-///   bone, so a hand that leaves bone is not pulled back.
+///   bone, so a hand that leaves bone feels no attractive force.
 ///   Frame  one for all arguments.   Units N.   Errors none.   Thread contact.
 #pragma once
 
@@ -14,7 +14,7 @@ class HoldForce {
     if (push != Vec3(0.0)) push_ = push;
   }
   void clear() noexcept { push_ = Vec3(0.0); }
-  /// @param spring force on the hand from the place at which the tool is held. @returns that force, or zero if it would pull towards bone.
+  /// @param spring force on the hand from the place at which the tool is held. @returns that force, or zero where it is attractive.
   [[nodiscard]] Vec3 of(const Vec3& spring) const noexcept { return glm::dot(spring, push_) < 0.0 ? Vec3(0.0) : spring; }
 
  private:

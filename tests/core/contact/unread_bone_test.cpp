@@ -122,7 +122,7 @@ TEST_CASE("unread bone: every model is free far from it, is held before it, and 
     for (int tick = 400; tick < 800; ++tick) (void)step(tick);
     CHECK(state.flags == 0);
     CHECK(state.on_hand.force.z > 1.0);
-    // Held again: a hand that goes on is pushed, one that leaves is not pulled back.
+    // Held again: a hand that goes on is pushed, one that leaves feels no force.
     const ContactState pressed = state;
     bone.read_corner();
     const auto at = [&](double z) {
