@@ -26,8 +26,9 @@ ServoConfig servo_config(const StageConfig& config, const Needs& needs, double v
 
 HandConfig hand_config(const StageConfig& config, const Needs& needs) {
   HandConfig out = config.hand;
-  if (needs.holds_back && needs.removes && config.tool.spin > 0.0)
-    out.exit_drop = needs.coupling_stiffness / (needs.coupling_stiffness + needs.cutting_stiffness);
+  if (!(needs.holds_back && needs.removes && config.tool.spin > 0.0)) return out;
+  out.cut_compliance = 1.0 / needs.cutting_stiffness;
+  out.exit_drop = needs.coupling_stiffness / (needs.coupling_stiffness + needs.cutting_stiffness);
   return out;
 }
 

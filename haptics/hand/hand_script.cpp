@@ -13,6 +13,11 @@ constexpr double kFilter = 0.005;          // [s] time constant of the filtered 
 constexpr double kPartOfDrop = 1.0 / 3.0;  // [-] the filter passes two thirds of a drop that 0.6 kg catch up with; half of it is the limit
 constexpr double kSettles = 0.1;           // [s] about one oscillation of the hand on the coupling
 constexpr double kEngages = 0.5;           // [s] after a change of the drive's speed
+constexpr double kUsualFilter = 0.3;       // [s] of the usual speed and force
+constexpr double kFast = 0.002;            // [m/s] least speed of an advance that counts
+constexpr double kTimesUsual = 5.0;        // [-] softer bone is drilled faster too, by less than this
+constexpr double kLeastAdvance = 1.5e-4;   // [m] a bit that slips off a voxel advances by less
+constexpr double kMostForce = 1.05;        // [-] of the usual force: bone that holds pushes back more when the hand advances faster
 
 }  // namespace
 
@@ -21,7 +26,7 @@ HandScript::HandScript(const HandScriptConfig& config, double mass, double perio
 
 Result<HandScript> HandScript::create(const HandScriptConfig& config, double mass, double period) {
   for (const double value : {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force, config.reach,
-                             config.standoff, config.tremor_amplitude, config.tremor_frequency})
+                             config.standoff, config.tremor_amplitude, config.tremor_frequency, config.cut_compliance})
     if (!(std::isfinite(value) && value >= 0.0))
       return Error{ErrorCode::out_of_range, "a value of the hand's script is negative or not finite", {}};
   if (!(config.follow_time > 0.0)) return Error{ErrorCode::out_of_range, "the hand's follow time must be above 0", {}};
@@ -60,6 +65,9 @@ void HandScript::follow(double felt, double height) noexcept {
       if (felt > config_.contact_force) {
         phase_ = HandPhase::lean;
         lean_tick_ = tick_;
+        usual_ = speed_;
+        usual_felt_ = felt;
+        fast_from_ = height;
       }
       break;
     case HandPhase::lean:
@@ -96,11 +104,24 @@ bool HandScript::loses_bone(double felt) noexcept {
   return false;
 }
 
+bool HandScript::runs_ahead(double felt, double height) noexcept {
+  if (held_ && speed_ > std::max(kFast, kTimesUsual * usual_)) {
+    const double least = std::max(kLeastAdvance, 0.5 * goal_.thrust * config_.cut_compliance);
+    return config_.detects && config_.cut_compliance > 0.0 && fast_from_ - height > least && felt < kMostForce * usual_felt_;
+  }
+  const double share = std::min(1.0, period_ / kUsualFilter);
+  usual_ += (speed_ - usual_) * share;
+  usual_felt_ += (felt - usual_felt_) * share;
+  fast_from_ = height;
+  return false;
+}
+
 void HandScript::lean(double felt, double height) noexcept {
   const double ramp = config_.ramp > 0.0 ? std::min(1.0, seconds_since(lean_tick_) / config_.ramp) : 1.0;
   goal_.thrust = config_.push * ramp;
   goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
-  if (phase_ == HandPhase::lean && loses_bone(felt)) {
+  const bool lost = loses_bone(felt), ahead = runs_ahead(felt, height);
+  if (phase_ == HandPhase::lean && (lost || ahead)) {
     phase_ = HandPhase::give_felt;
     give_tick_ = tick_;
   }

@@ -149,7 +149,9 @@ constexpr double kCoupling = 5000.0, kCut = 70e3;  // [N/m]
 struct Layers {
   double push = 28.0;                                 ///< [N]
   double expects = kCoupling / (kCoupling + kCut);    ///< [-] exit_drop of the hand
+  double compliance = 1.0 / kCut;                     ///< [m/N] cut_compliance of the hand
   double soft_from = 1e9, soft_to = 1e9;              ///< [s] softer bone: four times the feed
+  double thins_from = 1e9;                            ///< [s] a rim that thins: the feed grows by e in each 0.05 s
   double falls_at = 1e9, falls = 1.0, gone_at = 1e9;  ///< [s] share of the engagement that is then lost, and the time without any bone
 };
 
@@ -161,6 +163,7 @@ struct Felt {
 Felt drill(const Layers& layers, HandConfig config, double ends = 8.0) {
   config.push = layers.push;
   config.exit_drop = layers.expects;
+  config.cut_compliance = layers.compliance;
   SimulatedHand hand = make(config);
   const double series = kCoupling * kCut / (kCoupling + kCut);
   double face = 0.0, force = 0.0, changed_at = 0.0;
@@ -173,7 +176,8 @@ Felt drill(const Layers& layers, HandConfig config, double ends = 8.0) {
     if (passes(layers.falls_at)) face -= layers.falls * force / kCut;
     force = t < layers.gone_at ? std::max(0.0, series * (face - height)) : 0.0;
     const bool soft = t > layers.soft_from && t < layers.soft_to;
-    face -= force / 28.0 * (soft ? 1.6e-3 : 0.4e-3) * kPeriod;
+    const double thins = std::exp(std::max(0.0, t - layers.thins_from) / 0.05);
+    face -= force / 28.0 * (soft ? 1.6e-3 : 0.4e-3) * thins * kPeriod;
     hand.apply({{0.0, 0.0, force}, Vec3(0.0)});
   }
   return {};
@@ -200,7 +204,18 @@ TEST_CASE("SimulatedHand: a bit that loses its engagement is felt within 0.3 mm 
       CHECK(felt.advance < 0.3e-3);
     }
     // Sabotage: a hand that expects the whole thrust to be lost.
-    CHECK(drill({.push = push, .expects = 1.0, .falls_at = 3.0}, {}).tick == 0);
+    CHECK(drill({.push = push, .expects = 1.0, .compliance = 0.0, .falls_at = 3.0}, {}).tick == 0);
+  }
+}
+
+TEST_CASE("SimulatedHand: a rim that thins gradually is felt by its feed, though no force is missing") {
+  for (const double push : kPushes) {
+    CAPTURE(push);
+    // Five times the usual feed, but at least 2 mm/s, is reached in 0.05 ln(14) = 0.13 s at 10 N; half of the engagement follows.
+    const Felt felt = drill({.push = push, .thins_from = 3.0}, {}, 3.6);
+    CHECK(felt.tick > 3100);
+    CHECK(felt.tick < 3450);
+    CHECK(drill({.push = push, .compliance = 0.0, .thins_from = 3.0}, {}, 3.2).tick == 0);  // sabotage: the missing force alone
   }
 }
 
