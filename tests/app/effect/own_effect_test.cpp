@@ -32,8 +32,8 @@ struct Counts {
   double now_seen = -1.0;   // the sum of this tick
   std::uint64_t servo_seen_by_bone = 0, bone_seen_by_contact = 0;
   std::uint64_t bone_seen_by_servo = 0;
-  std::vector<std::uint64_t> shown;    // bone steps, of each picture
-  double pressed_seen_by_servo = 0.0;  // [N] sum over the ticks
+  std::vector<std::uint64_t> shown;            // bone steps, of each picture
+  double pressed_seen_by_servo = 0.0;          // [N] sum over the ticks
   const std::uint64_t* servo_there = nullptr;  // the servo's ticks as the simulation clock received them last
   // What `now` and `last` promise, and the order of clocks in lockstep. Not checked live, where each clock has a thread.
   bool in_order = true, lockstep = true;
