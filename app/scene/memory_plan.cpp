@@ -54,8 +54,6 @@ MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bo
   plan.import = import;
   plan.items = {{"program", kProgramBytes}, {"volume", volume_bytes(bone, context.window_voxels)}};
   if (needs.feels) plan.items.push_back({"coarse distance", CoarseDistance::bytes_for(bone.dims)});
-  // The window grows with the thrust: its fields are there twice while they are copied.
-  if (needs.holds_back) plan.items.push_back({"growth of the window", context.window_voxels * 4 * sizeof(float)});
   for (const EffectPlans::Item& item : scene.effects.items()) plan.items.push_back({item.table, item.plan->row(context).bytes});
   std::uint64_t run = 0;
   for (const MemoryItem& item : plan.items) run += item.bytes;

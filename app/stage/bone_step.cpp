@@ -49,7 +49,16 @@ Result<BoneStep> BoneStep::create(const StageConfig& config, const Needs& needs,
   out.last_ = world_from_tool;
   if (Status placed = voxmap.place_window(tool_box(tool, out.index_from_tool(world_from_tool), out.margins_.placed)); !placed)
     return Error{placed.error().code, "tool \"" + tool.name + "\" is too large for this bone's voxels: " + placed.error().message, {}};
+  // The window grows with the thrust. Arrays that grow with it would leave their former memory behind.
+  std::size_t most = voxmap.window().box.count();
+  if (needs.coupling_stiffness > 0.0) {
+    const Vec3 stretch = world_from_tool.rotate(Vec3(0.0, 0.0, -config.hand.push / needs.coupling_stiffness));
+    const Affine pressed = shifted(out.index_from_tool(world_from_tool), out.index_from_world_.linear * stretch);
+    most = voxmap.window().box.unite(tool_box(tool, pressed, out.margins_.placed)).count();
+  }
+  voxmap.reserve(most, 0);
   out.publisher_ = std::make_unique<ContactWindowPublisher>(voxmap, needs.fields);
+  out.publisher_->reserve(most);
   out.publisher_->publish(voxmap);
   if (needs.paper_grids) out.grids_ = std::make_unique<VdbContactGrids>(voxmap);
   return out;
