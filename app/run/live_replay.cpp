@@ -151,8 +151,22 @@ class Replay {
     return {};
   }
 
+  /// While a step provides what it read, the same clock's next step is never needed, except in rows that were changed.
+  class Providing {
+   public:
+    explicit Providing(bool& flag) noexcept : flag_(&flag) { flag = true; }
+    ~Providing() { *flag_ = false; }
+    Providing(const Providing&) = delete;
+    Providing& operator=(const Providing&) = delete;
+
+   private:
+    bool* flag_;
+  };
+
   Status contact() {
     if (contacts_ == order_.contact_hand.size()) return out_of_rows();
+    if (contact_waits_) return disorder();
+    const Providing providing(contact_waits_);
     // The evaluation read this copy of bone, so the steps that published it ran before. The order comes from the record alone: a replay
     // whose bone deviates still runs to its end, and its hashes differ.
     while (published_ < order_.contact_window[contacts_])
@@ -169,6 +183,11 @@ class Replay {
   }
   Status bone() {
     if (bones_ == order_.bone_contact.size()) return out_of_rows();
+    if (bone_waits_) return disorder();
+    const Providing providing(bone_waits_);
+    // An evaluation that read an older copy of bone than this step publishes began before it, even where its result came later.
+    while (contacts_ < order_.contact_window.size() && order_.contact_window[contacts_] < order_.bone_published[bones_])
+      if (Status ran = contact(); !ran) return ran;
     if (Status drawn = draw_stills(); !drawn) return drawn;
     const auto by = kept_.find(order_.bone_contact[bones_]);
     if (by == kept_.end()) return disorder();
@@ -193,7 +212,7 @@ class Replay {
   std::uint64_t contacts_ = 0;
   std::size_t bones_ = 0;
   std::uint64_t published_;  // copies of bone published so far, as recorded
-  bool ran_out_ = false;
+  bool ran_out_ = false, contact_waits_ = false, bone_waits_ = false;
   Hash64 sent_;
 };
 

@@ -4,7 +4,10 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "app/job/plan.h"
 #include "app/job/summary.h"
@@ -39,6 +42,9 @@ struct Counts {
   bool in_order = true, lockstep = true;
   void expect(bool holds) { in_order = in_order && holds; }
 };
+
+std::atomic<std::uint64_t> bone_seen_live{0};  // by the servo
+std::atomic<int> evaluations_to_hold{0};       // that feel bone: each is held until the servo has heard of two more steps of bone
 
 class Probe final : public Effect {
  public:
@@ -97,6 +103,7 @@ class Probe final : public Effect {
     *force_ += Vec3(0.0, 0.0, -config_.weight);
     *servo_ticks_ = ++counts_->servo;
     counts_->bone_seen_by_servo = *bone_there_;
+    bone_seen_live.store(*bone_there_);
     counts_->pressed_seen_by_servo += *pressed_there_;
     if (counts_->lockstep) counts_->expect(hand_->tick + 1 == counts_->servo);
   }
@@ -104,7 +111,15 @@ class Probe final : public Effect {
     ++counts_->contact;
     *pressed_ = glm::length(state_->on_hand.force);
     counts_->bone_seen_by_contact = *bone_steps_there_;
+    if (*pressed_ > 0.0 && evaluations_to_hold > 0) hold();
     if (counts_->lockstep) counts_->expect(*bone_steps_there_ == counts_->simulation);  // lockstep: bone is cut after contact
+  }
+  static void hold() {
+    const std::uint64_t until = bone_seen_live + 2;
+    const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (bone_seen_live < until && std::chrono::steady_clock::now() < latest) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    CHECK(bone_seen_live >= until);
+    --evaluations_to_hold;
   }
   void frame() {
     ++counts_->frame;
@@ -237,15 +252,22 @@ TEST_CASE("own effect: its session replays: each clock reads the messages that i
     loaded->scene.duration = 0.8;
     return std::move(*loaded);
   };
-  for (const bool live : {false, true}) {
+  struct Case {
+    bool live;
+    int held;
+  };
+  for (const auto& [live, held] : {Case{false, 0}, Case{true, 0}, Case{true, 5}}) {
     CAPTURE(live);
+    CAPTURE(held);
     counts = {};
     counts.lockstep = !live;
     SimulationOptions options;
     options.sink = &sink;
     options.live = live;
     DrillRun run(load(), options);
+    evaluations_to_hold = held;
     run_recorded(run, folder.file("run.sqlite"));
+    CHECK(evaluations_to_hold == 0);
     const Counts recorded = counts;
     CHECK(recorded.pressed_seen_by_servo > 0.0);
     CHECK(recorded.shown.back() > (live ? 0 : 70));  // a live run on a slow machine misses steps
