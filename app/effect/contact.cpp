@@ -152,7 +152,7 @@ class ContactPlan final : public EffectPlan {
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
     const Needs& needs = context.needs;
     if (!needs.holds_back) return;
-    if (needs.removes && context.config.tool.spin > 0.0 && !has_fixed_feed(context.config)) {
+    if (needs.removes && !needs.cutting_field && context.config.tool.spin > 0.0 && !has_fixed_feed(context.config)) {
       const double engaged = context.config.hand.push / needs.cutting_stiffness, edge = context.voxel_edge();
       if (engaged < edge)
         out.push_back(

@@ -41,7 +41,7 @@ struct ConstrainedToolConfig {
   double coupling_stiffness = 5000.0;  ///< [N/m] hand to tool
   double coupling_damping = 10.0;      ///< [N s/m]
   double turn_stiffness = 20.0;  ///< [N m/rad] hand to tool; infinite: the hand's rotation. Damped with the time constant of the coupling
-  double cutting_stiffness = 70e3;  ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
+  double cutting_stiffness = 140e3;  ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
   double bone_stiffness = 20e6;     ///< [N/m] of bone of relative stiffness 1 under one plane; scaled by max(relative stiffness, 0.1)
   double flank_friction = 1.0;      ///< [-] factor on the lateral stiffness of engaged flanks while cutting; 0: none
   /// [N] depenetration limit: the largest force per period with which bone that is cut moves penetrating points towards the surface;

@@ -16,7 +16,7 @@ struct FeedConditions {
   double thrust = 20.0;             ///< [N] along the feed
   double spin = 1000.0 / 60.0;      ///< [rev/s]
   double hardness = 1.0;            ///< [-] h in (0, 1]
-  double cutting_stiffness = 70e3;  ///< [N/m] K_cut; the default of a scene
+  double cutting_stiffness = 140e3;  ///< [N/m] K_cut; the default of a scene
 };
 
 /// Direction of the feed: along the shaft into bone (-z), or sideways (+x).

@@ -13,11 +13,10 @@ constexpr double kFilter = 0.005;          // [s] time constant of the filtered 
 constexpr double kPartOfDrop = 1.0 / 3.0;  // [-] the filter passes two thirds of a drop that 0.6 kg catch up with; half of it is the limit
 constexpr double kSettles = 0.1;           // [s] about one oscillation of the hand on the coupling
 constexpr double kEngages = 0.5;           // [s] after a change of the drive's speed
-constexpr double kUsualFilter = 0.3;       // [s] of the usual speed and force
-constexpr double kFast = 0.002;            // [m/s] least speed of an advance that counts
-constexpr double kTimesUsual = 5.0;        // [-] softer bone is drilled faster too, by less than this
+constexpr double kSmooth = 0.025;          // [s] time constant of the depth by which feed is measured: an oscillation is no advance
+constexpr double kTimesUsual = 4.0;        // [-] softer bone is drilled faster too, by less than this
+constexpr double kPartOfDepth = 0.75;      // [-] of the engaged depth, over which feed is measured: pores take a third of it
 constexpr double kLeastAdvance = 1.5e-4;   // [m] a bit that slips off a voxel advances by less
-constexpr double kMostForce = 1.05;        // [-] of the usual force: bone that holds pushes back more when the hand advances faster
 
 }  // namespace
 
@@ -65,9 +64,6 @@ void HandScript::follow(double felt, double height) noexcept {
       if (felt > config_.contact_force) {
         phase_ = HandPhase::lean;
         lean_tick_ = tick_;
-        usual_ = speed_;
-        usual_felt_ = felt;
-        fast_from_ = height;
       }
       break;
     case HandPhase::lean:
@@ -104,23 +100,22 @@ bool HandScript::loses_bone(double felt) noexcept {
   return false;
 }
 
-bool HandScript::runs_ahead(double felt, double height) noexcept {
-  if (held_ && speed_ > std::max(kFast, kTimesUsual * usual_)) {
-    const double least = std::max(kLeastAdvance, 0.5 * goal_.thrust * config_.cut_compliance);
-    return config_.detects && config_.cut_compliance > 0.0 && fast_from_ - height > least && felt < kMostForce * usual_felt_;
+bool HandScript::runs_ahead(double height) noexcept {
+  if (!(config_.detects && config_.cut_compliance > 0.0)) return false;
+  if (!held_ || goal_.thrust < config_.push) {
+    feed_.skip();
+    smooth_ = height;
+    return false;
   }
-  const double share = std::min(1.0, period_ / kUsualFilter);
-  usual_ += (speed_ - usual_) * share;
-  usual_felt_ += (felt - usual_felt_) * share;
-  fast_from_ = height;
-  return false;
+  smooth_ += (height - smooth_) * std::min(1.0, period_ / kSmooth);
+  return feed_.advance(-smooth_, std::max(kLeastAdvance, kPartOfDepth * goal_.thrust * config_.cut_compliance), period_) > kTimesUsual;
 }
 
 void HandScript::lean(double felt, double height) noexcept {
   const double ramp = config_.ramp > 0.0 ? std::min(1.0, seconds_since(lean_tick_) / config_.ramp) : 1.0;
   goal_.thrust = config_.push * ramp;
   goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
-  const bool lost = loses_bone(felt), ahead = runs_ahead(felt, height);
+  const bool lost = loses_bone(felt), ahead = runs_ahead(height);
   if (phase_ == HandPhase::lean && (lost || ahead)) {
     phase_ = HandPhase::give_felt;
     give_tick_ = tick_;

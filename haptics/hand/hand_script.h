@@ -3,8 +3,8 @@
 ///   Frame  approach frame: origin at the entry point, +z up the shaft, away from bone; depth = -z.   Units SI.   Thread servo.
 ///   Breakthrough: bone carries the thrust at any feed, so the hand is hardly accelerated. Where the bit leaves bone, the hand lacks at
 ///   least exit_drop of that force. The hand detects breakthrough when the force that accelerates it exceeds a third of that (docs/inputs.md).
-///   Where the bit leaves bone gradually, at a thin or oblique rim, no force is missing: there the hand detects an advance at five times the
-///   usual speed over half of the engaged depth, without more force. Pores and soft layers give way by less, or carry more force.
+///   Where the bit leaves bone gradually, at a thin or oblique rim, no force is missing: there the hand detects an advance over three
+///   quarters of the engaged depth at over four times the feed of the densest layer so far. Bone of a quarter of that density counts as none.
 ///   Source own work; times and forces are assumptions.
 #pragma once
 
@@ -13,6 +13,7 @@
 #include "core/base/assert.h"
 #include "core/base/geometry.h"
 #include "core/base/result.h"
+#include "haptics/hand/feed_memory.h"
 #include "haptics/hand/hand_source.h"
 
 namespace burrhole {
@@ -28,7 +29,7 @@ struct HandScriptConfig {
   /// [-] in (0, 1]: share of the thrust that bone ceases to carry, at least, when the bit loses all bone in which it is engaged:
   /// K / (K + K_cut) for a drill on a coupling K whose next face then engages, 1 if that is unknown.
   double exit_drop = 1.0;
-  double cut_compliance = 0.0;      ///< [m/N] engaged depth of the bit over the thrust, 1 / K_cut; 0: unknown, no rule of speed
+  double cut_compliance = 0.0;      ///< [m/N] engaged depth of the bit over the thrust, 1 / K_cut; 0: unknown, no rule of feed
   double reach = 0.08;              ///< [m] below the entry, at which the arm ends: the thrust is released
   double follow_time = 0.25;        ///< [s] time constant with which the rest position of the arm follows the drill while leaning
   double standoff = 0.003;          ///< [m] height above the entry where the script starts and ends
@@ -56,6 +57,7 @@ class HandScript {
     drive_tick_ = tick_;
     steady_ticks_ = 0;
     held_ = false;
+    feed_.clear();
   }
   [[nodiscard]] HandPhase phase() const noexcept { return phase_; }
   /// Number of ticks since creation.
@@ -66,7 +68,7 @@ class HandScript {
   void follow(double felt, double height) noexcept;
   void lean(double felt, double height) noexcept;
   [[nodiscard]] bool loses_bone(double felt) noexcept;
-  [[nodiscard]] bool runs_ahead(double felt, double height) noexcept;
+  [[nodiscard]] bool runs_ahead(double height) noexcept;
   [[nodiscard]] Vec3 tremor() const noexcept;
   [[nodiscard]] double seconds_since(std::uint64_t since) const noexcept { return static_cast<double>(tick_ - since) * period_; }
 
@@ -74,12 +76,11 @@ class HandScript {
   double mass_;
   double period_;
   HandPhase phase_ = HandPhase::approach;
-  double goal_height_ = 0.0;        // [m] rest position of the arm along the axis
-  double speed_ = 0.0;              // [m/s] into bone, low-pass filtered
-  double lacks_ = 0.0;              // [N] force that accelerates the hand into bone, filtered alike
-  double usual_ = 0.0;              // [m/s] the same over a longer time
-  double usual_felt_ = 0.0;         // [N] force over that time
-  double fast_from_ = 0.0;          // [m] height at which the present fast advance began
+  double goal_height_ = 0.0;  // [m] rest position of the arm along the axis
+  double speed_ = 0.0;        // [m/s] into bone, low-pass filtered
+  double lacks_ = 0.0;        // [N] force that accelerates the hand into bone, filtered alike
+  double smooth_ = 0.0;       // [m] height, low-pass filtered
+  FeedMemory feed_;
   bool held_ = false;               // bone carries the thrust
   std::uint64_t steady_ticks_ = 0;  // for so long the hand has not been accelerated
   std::uint64_t drive_tick_ = 0;    // of the last change

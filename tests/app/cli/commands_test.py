@@ -181,7 +181,7 @@ class OtherCommands(WithFolder):
         self.assertEqual([region["cuts"] for region in tool["regions"]], [True, False, False, False])
         plunge = tool["predicted"]["plunge"]
         # v = (F / K) e s / ln 2 = 0.2 mm * 0.1 * 16.67 / 0.693, over a ring of 12 and 10 mm to the lattice's own few per cent
-        self.assertAlmostEqual(plunge["feed_mm_per_s"], 20 / 70e3 * 1e3 * 0.1 * 1000 / 60, delta=1e-4)
+        self.assertAlmostEqual(plunge["feed_mm_per_s"], 20 / 140e3 * 1e3 * 0.2 * 1000 / 60, delta=1e-4)
         self.assertAlmostEqual(plunge["area_mm2"], math.pi * (36 - 25), delta=1.0)
         self.assertAlmostEqual(plunge["rate_mm3_per_s"], plunge["feed_mm_per_s"] * plunge["area_mm2"], delta=1e-6)
         self.assertEqual(json.loads(run("tools", "craniotome_2_3mm", "--json").stdout)["predicted"]["plunge"]["feed_mm_per_s"], 0)

@@ -134,9 +134,10 @@ TEST_CASE("plan: warns of walls on which the surface model may hold the bit, and
   }
 }
 
-TEST_CASE("plan: warns of an engaged depth under a voxel, and of drilling that is not felt") {
-  const Plan shallow = make_plan(load_small({.sets = {"contact.cutting_N_per_m=200e3"}}));
-  REQUIRE(shallow.warnings.size() == 1);
+TEST_CASE("plan: warns of an engaged depth under a voxel where bone is cut by whole voxels, and of drilling that is not felt") {
+  const Plan shallow = make_plan(load_small({.sets = {"contact.cutting_N_per_m=200e3", "erosion.subvoxel=false"}}));
+  REQUIRE(shallow.warnings.size() == 2);
+  CHECK(make_plan(load_small({.sets = {"contact.cutting_N_per_m=200e3"}})).warnings.empty());  // a face recedes by any part of a voxel
   CHECK(shallow.warnings.front() ==
         "engaged depth push_N / cutting_N_per_m = 0.100 mm is less than a voxel (0.250 mm): little will be cut; set push_N to 50 or "
         "more, or use a smaller spacing_mm");

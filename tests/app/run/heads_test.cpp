@@ -59,9 +59,9 @@ void drill_head(const char* name) {
   CHECK(ray > 3e-3);
   // The refined surface is the scan's own to a tenth of its voxel (see bone_from_scan_test), at both ends.
   CHECK(std::abs(run.simulation().approach().thickness - ray) < 0.4e-3);
-  // The tip leaves when the last engaged layer, F/K = 0.4 mm, is in the bit; with a voxel of the scan on top 1 mm.
-  CHECK(std::abs(*p.breakthrough_depth - ray) < 1e-3);
-  CHECK(p.removed_at_passing >= 1.0 - (0.4e-3 + 0.5 * run.voxel()) / ray);
+  // The tip leaves when the last engaged layer, F/K = 0.2 mm, is in the bit; with the 0.4 mm above and a voxel 0.85 mm.
+  CHECK(std::abs(*p.breakthrough_depth - ray) < 0.85e-3);
+  CHECK(p.removed_at_passing >= 1.0 - (0.2e-3 + 0.5 * run.voxel()) / ray);
 }
 
 }  // namespace

@@ -144,14 +144,14 @@ TEST_CASE("SimulatedHand: no breakthrough detection and no release while the wal
 // A bit of two faces in a cutting law of its own: the drill, without mass, is engaged by F / K_cut, on a coupling K to the hand, and the
 // face that carries it recedes in proportion to the force. Where that face leaves bone the bit falls by what is lost of its engagement.
 namespace {
-constexpr double kCoupling = 5000.0, kCut = 70e3;  // [N/m]
+constexpr double kCoupling = 5000.0, kCut = 140e3;  // [N/m]
 
 struct Layers {
   double push = 28.0;                                 ///< [N]
   double expects = kCoupling / (kCoupling + kCut);    ///< [-] exit_drop of the hand
   double compliance = 1.0 / kCut;                     ///< [m/N] cut_compliance of the hand
-  double soft_from = 1e9, soft_to = 1e9;              ///< [s] softer bone: four times the feed
-  double thins_from = 1e9;                            ///< [s] a rim that thins: the feed grows by e in each 0.05 s
+  double soft_from = 1e9, soft_to = 1e9;              ///< [s] softer bone: three times the feed
+  double thins_from = 1e9, thins_in = 0.05;           ///< [s] a rim that thins: the feed grows by e in each `thins_in`
   double falls_at = 1e9, falls = 1.0, gone_at = 1e9;  ///< [s] share of the engagement that is then lost, and the time without any bone
 };
 
@@ -176,8 +176,8 @@ Felt drill(const Layers& layers, HandConfig config, double ends = 8.0) {
     if (passes(layers.falls_at)) face -= layers.falls * force / kCut;
     force = t < layers.gone_at ? std::max(0.0, series * (face - height)) : 0.0;
     const bool soft = t > layers.soft_from && t < layers.soft_to;
-    const double thins = std::exp(std::max(0.0, t - layers.thins_from) / 0.05);
-    face -= force / 28.0 * (soft ? 1.6e-3 : 0.4e-3) * thins * kPeriod;
+    const double thins = std::exp(std::max(0.0, t - layers.thins_from) / layers.thins_in);
+    face -= force / 28.0 * (soft ? 1.2e-3 : 0.4e-3) * thins * kPeriod;
     hand.apply({{0.0, 0.0, force}, Vec3(0.0)});
   }
   return {};
@@ -211,11 +211,22 @@ TEST_CASE("SimulatedHand: a bit that loses its engagement is felt within 0.3 mm 
 TEST_CASE("SimulatedHand: a rim that thins gradually is felt by its feed, though no force is missing") {
   for (const double push : kPushes) {
     CAPTURE(push);
-    // Five times the usual feed, but at least 2 mm/s, is reached in 0.05 ln(14) = 0.13 s at 10 N; half of the engagement follows.
-    const Felt felt = drill({.push = push, .thins_from = 3.0}, {}, 3.6);
-    CHECK(felt.tick > 3100);
-    CHECK(felt.tick < 3450);
-    CHECK(drill({.push = push, .compliance = 0.0, .thins_from = 3.0}, {}, 3.2).tick == 0);  // sabotage: the missing force alone
+    for (const double thins_in : {0.05, 0.5, 2.0}) {
+      CAPTURE(thins_in);
+      // The feed v = v0 exp(t / T) is four times v0 after T ln 4. Over a window w it is so a little later: the bit has then advanced by
+      // T (v - v0) = 3 T v0 and w more at most, and a quarter of w until it is noticed. Then a quarter of an oscillation of the hand and
+      // its filter pass, 45 ms, in which T v0 and the advance grow by their e-th power.
+      const double starts = 8.0, v0 = 0.4e-3 * push / 28.0, w = std::max(0.15e-3, 0.75 * push / kCut);
+      Layers rim{.push = push, .thins_from = starts, .thins_in = thins_in};
+      const Felt felt = drill(rim, {}, starts + 4.0 * thins_in);
+      const double t = static_cast<double>(felt.tick) * kPeriod - starts;
+      REQUIRE(t > 0.0);
+      const double advance = thins_in * v0 * (std::exp(t / thins_in) - 1.0);
+      CHECK(advance > 3.0 * thins_in * v0);
+      CHECK(advance < (4.0 * thins_in * v0 + 1.25 * w) * std::exp(0.045 / thins_in) - thins_in * v0);
+      rim.compliance = 0.0;  // sabotage: the missing force alone
+      CHECK(drill(rim, {}, starts + std::min(4.0 * thins_in, t)).tick == 0);
+    }
   }
 }
 
