@@ -74,6 +74,75 @@ class Columns {
   std::unordered_map<long long, std::vector<Cell>> cells_;
 };
 
+/// Factors [1/rev] at the place of a face: at the place itself, and at the corners of a voxel round it.
+struct FaceFactors {
+  double low = 0.0, high = 0.0;
+  [[nodiscard]] double middle() const noexcept { return 0.5 * (low + high); }
+};
+
+FaceFactors factors_at(const Columns& columns, const FeedFrame& frame, const Vec3& face, double voxel_edge) {
+  const double near = columns.factor(face);
+  double sum = 0.0;
+  int count = 0;
+  for (const double a : {-0.5, 0.5})
+    for (const double b : {-0.5, 0.5}) {
+      Vec3 corner = face;
+      corner[frame.u] += a * voxel_edge;
+      corner[frame.v] += b * voxel_edge;
+      if (const double factor = columns.factor(corner); factor > 0.0) sum += factor, ++count;
+    }
+  if (count == 0 || !(sum / count > near)) return {near, near};
+  // The nearest erosion point may be half a lattice cell aside, where a factor that rises with the radius is higher: extrapolated.
+  const double high = sum / count;
+  return {std::max(0.0, 2.0 * near - high), high};
+}
+
+/// Whether the rim of a flat end rests on the fillet between floor and wall: points of the wall are too far from those of the end for
+/// contact to round the edge between them.
+bool has_coarse_rim(const Tool& tool, const FeedFrame& frame, double voxel_edge) {
+  constexpr double kEnd = 0.95, kWall = 0.1, kReach = 6.0;  // [-] cosines; [voxels] in which faces of an edge are found
+  double radius = 0.0, rim = 0.0, nearest = std::numeric_limits<double>::infinity();
+  const auto across = [&](const Vec3& p) { return std::hypot(p[frame.u], p[frame.v]); };
+  for (std::size_t n = 0; n < tool.shell.size(); ++n) {
+    if (tool.shell.cutting[n] == 0) continue;
+    radius = std::max(radius, across(tool.shell.positions[n]));
+    if (frame.back * tool.shell.inward_normals[n][frame.w] < kEnd) continue;
+    rim = std::max(rim, across(tool.shell.positions[n]));
+    for (std::size_t m = 0; m < tool.shell.size(); ++m)
+      if (tool.shell.cutting[m] != 0 && std::abs(tool.shell.inward_normals[m][frame.w]) < kWall)
+        nearest = std::min(nearest, glm::length(tool.shell.positions[m] - tool.shell.positions[n]));
+  }
+  return rim > 0.98 * radius && std::isfinite(nearest) && nearest > kReach * voxel_edge;
+}
+
+/// Whether the leading end is a point: within a voxel of it the faces are oblique.
+bool is_pointed(const Tool& tool, const FeedFrame& frame, double voxel_edge) {
+  constexpr double kOblique = 0.9;  // [-] cosine; a ball of three voxels is less oblique so near to its pole
+  double lead = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 0; n < tool.shell.size(); ++n)
+    if (tool.shell.cutting[n] != 0) lead = std::min(lead, frame.behind(tool.shell.positions[n]));
+  bool oblique = false, flat = false;
+  for (std::size_t n = 0; n < tool.shell.size(); ++n) {
+    if (tool.shell.cutting[n] == 0 || frame.behind(tool.shell.positions[n]) > lead + voxel_edge) continue;
+    const double facing = frame.back * tool.shell.inward_normals[n][frame.w];
+    oblique = oblique || (facing > kLeastFacing && facing < kOblique);
+    flat = flat || (facing >= kOblique && frame.behind(tool.shell.positions[n]) > lead);
+  }
+  return oblique && !flat;
+}
+
+/// @returns why a speed is not known to 10 %; empty: it is.
+std::string why_unknown(const Tool& tool, const FeedFrame& frame, const FeedPrediction& feed, const FeedConditions& conditions) {
+  constexpr double kKnown = 0.09;  // [-] of the middle of the range, which leaves 1 % of the 10 % for the steps of erosion
+  const double spread = (feed.most - feed.least) / (feed.most + feed.least);
+  if (spread > kKnown)
+    return "the erosion factor changes within a voxel of the slowest place, so the feed depends on where the axis lies between voxels";
+  if (has_coarse_rim(tool, frame, conditions.voxel_edge)) return "the shell points of the rim are too far apart for its edge to be rounded";
+  if (feed.engaged < conditions.voxel_edge && is_pointed(tool, frame, conditions.voxel_edge))
+    return "the end is pointed and engaged by less than a voxel, which does not resolve the point";
+  return {};
+}
+
 }  // namespace
 
 FeedPrediction predict_feed(const Tool& tool, FeedDirection direction, const FeedConditions& conditions) {
@@ -86,7 +155,7 @@ FeedPrediction predict_feed(const Tool& tool, FeedDirection direction, const Fee
   const double half = 0.5 * tool.erosion.pitch;
   // Sorted by k first: the ends of the list are the lowest and the highest layer.
   const double low = tool.erosion.positions.front().z - half, high = tool.erosion.positions.back().z + half;
-  double least = std::numeric_limits<double>::infinity();
+  FaceFactors least{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   for (std::size_t n = 0; n < tool.shell.size(); ++n) {
     const Vec3 &p = tool.shell.positions[n], &inward = tool.shell.inward_normals[n];
     const double facing = frame.back * inward[frame.w];
@@ -95,17 +164,24 @@ FeedPrediction predict_feed(const Tool& tool, FeedDirection direction, const Fee
     const bool clear = p.z > high - skin || (direction == FeedDirection::sideways && p.z < low + skin);
     if (facing < kLeastFacing || clear) continue;
     if (tool.shell.cutting[n] == 0) {
-      if (!columns.cut_ahead(p, out.engaged)) least = 0.0;
+      if (!columns.cut_ahead(p, out.engaged)) least = {};
       continue;
     }
     Vec3 face = p;  // where the face of bone is: the whole cutting part is engaged by one distance back along the push
     face[frame.w] += frame.back * out.engaged;
     // A part that is thinner than the lag cuts with its whole thickness.
-    const double factor = columns.factor(face);
-    least = std::min(least, factor > 0.0 ? factor : columns.factor(p));
+    const FaceFactors factors = factors_at(columns, frame, columns.factor(face) > 0.0 ? face : p, conditions.voxel_edge);
+    if (factors.middle() < least.middle()) least = factors;
   }
-  if (std::isfinite(least)) out.speed = least * out.engaged * conditions.spin / conditions.hardness;
+  if (!std::isfinite(least.low)) return out;
+  const double by_factor = out.engaged * conditions.spin / conditions.hardness;
+  out.speed = least.middle() * by_factor;
+  out.least = least.low * by_factor;
+  out.most = least.high * by_factor;
   out.rate = out.area * out.speed;
+  if (out.speed > 0.0) out.unknown = why_unknown(tool, frame, out, conditions);
+  if (out.speed > 0.0 && direction == FeedDirection::sideways && out.unknown.empty())
+    out.unknown = "feeds to the side are not measured";
   return out;
 }
 
