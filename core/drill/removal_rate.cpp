@@ -33,6 +33,7 @@ class Columns {
       cells_[key(cell(p[frame.u]), cell(p[frame.v]))].push_back({p, static_cast<double>(points.factors[n])});
     }
   }
+  [[nodiscard]] double pitch() const noexcept { return pitch_; }
   [[nodiscard]] double area() const noexcept { return static_cast<double>(cells_.size()) * pitch_ * pitch_; }
   /// @returns the factor [1/rev] of the nearest erosion point within a pitch along each axis; 0 if there is none.
   [[nodiscard]] double factor(const Vec3& q) const {
@@ -84,12 +85,14 @@ FaceFactors factors_at(const Columns& columns, const FeedFrame& frame, const Vec
   const double near = columns.factor(face);
   double sum = 0.0;
   int count = 0;
-  for (const double a : {-0.5, 0.5})
-    for (const double b : {-0.5, 0.5}) {
-      Vec3 corner = face;
-      corner[frame.u] += a * voxel_edge;
-      corner[frame.v] += b * voxel_edge;
-      if (const double factor = columns.factor(corner); factor > 0.0) sum += factor, ++count;
+  // A corner may lie between lattice cells: the mean of those round it.
+  const double corner = 0.5 * voxel_edge, beside = 0.25 * columns.pitch();
+  for (const double a : {-corner - beside, beside - corner, corner - beside, corner + beside})
+    for (const double b : {-corner - beside, beside - corner, corner - beside, corner + beside}) {
+      Vec3 place = face;
+      place[frame.u] += a;
+      place[frame.v] += b;
+      if (const double factor = columns.factor(place); factor > 0.0) sum += factor, ++count;
     }
   if (count == 0 || !(sum / count > near)) return {near, near};
   // The nearest erosion point may be half a lattice cell aside, where a factor that rises with the radius is higher: extrapolated.
@@ -97,30 +100,35 @@ FaceFactors factors_at(const Columns& columns, const FeedFrame& frame, const Vec
   return {std::max(0.0, 2.0 * near - high), high};
 }
 
+/// [m] of the foremost cutting point, backwards along the feed.
+double leading_end(const Tool& tool, const FeedFrame& frame) {
+  double lead = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 0; n < tool.shell.size(); ++n)
+    if (tool.shell.cutting[n] != 0) lead = std::min(lead, frame.behind(tool.shell.positions[n]));
+  return lead;
+}
+
 /// Whether the rim of a flat end rests on the fillet between floor and wall: points of the wall are too far from those of the end for
 /// contact to round the edge between them.
 bool has_coarse_rim(const Tool& tool, const FeedFrame& frame, double voxel_edge) {
-  constexpr double kEnd = 0.95, kWall = 0.1, kReach = 6.0;  // [-] cosines; [voxels] in which faces of an edge are found
-  double radius = 0.0, rim = 0.0, nearest = std::numeric_limits<double>::infinity();
-  const auto across = [&](const Vec3& p) { return std::hypot(p[frame.u], p[frame.v]); };
+  constexpr double kEnd = 0.95, kWall = 0.8, kReach = 6.0;  // [-] cosines; [voxels] in which faces of an edge are found
+  const double lead = leading_end(tool, frame);
+  double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t n = 0; n < tool.shell.size(); ++n) {
-    if (tool.shell.cutting[n] == 0) continue;
-    radius = std::max(radius, across(tool.shell.positions[n]));
-    if (frame.back * tool.shell.inward_normals[n][frame.w] < kEnd) continue;
-    rim = std::max(rim, across(tool.shell.positions[n]));
+    const Vec3& wall = tool.shell.positions[n];
+    if (tool.shell.cutting[n] == 0 || std::abs(tool.shell.inward_normals[n][frame.w]) > kWall) continue;
+    if (frame.behind(wall) > lead + voxel_edge) continue;
     for (std::size_t m = 0; m < tool.shell.size(); ++m)
-      if (tool.shell.cutting[m] != 0 && std::abs(tool.shell.inward_normals[m][frame.w]) < kWall)
-        nearest = std::min(nearest, glm::length(tool.shell.positions[m] - tool.shell.positions[n]));
+      if (tool.shell.cutting[m] != 0 && frame.back * tool.shell.inward_normals[m][frame.w] > kEnd)
+        nearest = std::min(nearest, glm::length(tool.shell.positions[m] - wall));
   }
-  return rim > 0.98 * radius && std::isfinite(nearest) && nearest > kReach * voxel_edge;
+  return std::isfinite(nearest) && nearest > kReach * voxel_edge;
 }
 
 /// Whether the leading end is a point: within a voxel of it the faces are oblique.
 bool is_pointed(const Tool& tool, const FeedFrame& frame, double voxel_edge) {
   constexpr double kOblique = 0.9;  // [-] cosine; a ball of three voxels is less oblique so near to its pole
-  double lead = std::numeric_limits<double>::infinity();
-  for (std::size_t n = 0; n < tool.shell.size(); ++n)
-    if (tool.shell.cutting[n] != 0) lead = std::min(lead, frame.behind(tool.shell.positions[n]));
+  const double lead = leading_end(tool, frame);
   bool oblique = false, flat = false;
   for (std::size_t n = 0; n < tool.shell.size(); ++n) {
     if (tool.shell.cutting[n] == 0 || frame.behind(tool.shell.positions[n]) > lead + voxel_edge) continue;
@@ -133,7 +141,7 @@ bool is_pointed(const Tool& tool, const FeedFrame& frame, double voxel_edge) {
 
 /// @returns why a speed is not known to 10 %; empty: it is.
 std::string why_unknown(const Tool& tool, const FeedFrame& frame, const FeedPrediction& feed, const FeedConditions& conditions) {
-  constexpr double kKnown = 0.09;  // [-] of the middle of the range, which leaves 1 % of the 10 % for the steps of erosion
+  constexpr double kKnown = 0.1;  // [-] of the middle of the range
   const double spread = (feed.most - feed.least) / (feed.most + feed.least);
   if (spread > kKnown)
     return "the erosion factor changes within a voxel of the slowest place, so the feed depends on where the axis lies between voxels";

@@ -6,7 +6,7 @@
 ///   feed. A passive point ahead of which nothing cuts stops the bit: v = 0. For a uniform factor: v = (F / K_cut) e s / h.
 ///   Where e changes within a voxel, as on the axis of a round burr, the face is interpolated between voxels, and v depends on where the axis
 ///   lies between them: from e at the place itself to the mean of e at the corners of a voxel round it. The speed is the middle of this
-///   range, and unknown if the range is wider than 9 % either way.
+///   range, and unknown if the range is wider than 10 % either way.
 ///   Accuracy: bits_feed_test.cpp measures every shipped bit: 10 %, or unknown.
 #pragma once
 

@@ -145,6 +145,36 @@ TEST_CASE("plan: warns of an engaged depth under a voxel, and of drilling that i
   CHECK(unfelt.warnings.front() == "no [contact]: no force acts on the hand, and the tool follows the script through bone");
 }
 
+TEST_CASE("plan: warns of a cutting feature under two voxels at the key, with the spacing that resolves it") {
+  const auto warned = [](const std::string& tool, double spacing) {
+    const std::string volume = "source = \"phantom:plate\"\nspacing_mm = " + std::to_string(spacing) + "\nextent_mm = [20, 20, 6]\n";
+    std::vector<std::string> out = make_plan(load_small({.volume = volume, .sets = {"tool.name=" + tool, "hand.push_N=200"}})).warnings;
+    std::erase_if(out, [](const std::string& line) { return line.find("do not resolve") == std::string::npos; });
+    return out;
+  };
+  struct Case {
+    const char* tool;
+    double feature_mm;
+    const char* what;
+  };
+  // Kerf, wall, ledge behind the pilot (7 - 5.3 mm), router, and the land and point of the drill together.
+  for (const Case& c : {Case{"sagittal_saw_12mm", 0.6, "depth of its region \"teeth\", 0.6 mm"},
+                        {"trephine_12mm", 1.0, "wall of its region \"teeth\", 1 mm"},
+                        {"perforator_14_11", 1.7, "step of its region \"outer drill\", 1.7 mm"},
+                        {"twist_drill_2_5mm", 1.251, "height of its region \"lips\", 1.25 mm"}}) {
+    CAPTURE(std::string(c.tool));
+    CHECK(warned(c.tool, 0.499 * c.feature_mm).empty());
+    const std::vector<std::string> lines = warned(c.tool, 0.51 * c.feature_mm);
+    REQUIRE(lines.size() == 1);
+    CHECK(lines.front().find(c.what) != std::string::npos);
+    CHECK(lines.front().starts_with("small.toml:"));
+    // The spacing that is named gives no warning.
+    const double fits = std::stod(lines.front().substr(lines.front().find("spacing_mm to ") + 14));
+    CHECK(fits > 0.4 * c.feature_mm);
+    CHECK(warned(c.tool, fits).empty());
+  }
+}
+
 TEST_CASE("explain: the JSON has the rows of the plan, times only when measured") {
   const LoadedScene loaded = load_small({});
   const Plan plan = make_plan(loaded);
