@@ -75,7 +75,8 @@ void add_drill(CLI::App& app, int& exit_code) {
       app, "drill", kDrillGroup,
       {.summary = "Drills a scene and writes pictures, figures and a report",
        .about = "Runs the scene offscreen, in lockstep, and writes into a folder: pictures, the drilled bone, a session that can be "
-                "replayed, summary.json with all figures, and report.html. Tables of the scene turn each off but summary.json. Equal scenes give bit-identical results. With --live the servo, "
+                "replayed, summary.json with all figures, and report.html. Tables of the scene turn each off but summary.json. Equal "
+                "scenes give bit-identical results. With --live the servo, "
                 "contact and simulation loops run on threads in real time, as with a device. The session then records the inputs of each "
                 "step, and a replay is bit-identical too. Ctrl-C ends the run cleanly and writes the results so far.",
        .examples = {"burrhole drill parietal --out out/parietal",

@@ -205,10 +205,10 @@ Status draw_sheet(const TomlDocument& document, const Tool& tool, const std::vec
   if (!fine) return issues.front();
   const NamedFeed& shown = feeds[0].feed.speed > 0.0 ? feeds[0] : feeds[1];
   ToolSheet sheet{&*fine, tool.title, {}};
-  sheet.subtitle = fmt::format("{}; {} shell points, {} of them on cutting faces; {} at {}: {}{:.3g} mm/s, {:.3g} mm3/s", size_text(tool),
-                               tool.shell.size(), cutting_points(tool), shown.label, conditions_text(),
-                               shown.feed.unknown.empty() ? "" : "about ", shown.feed.speed / kMillimetre,
-                               shown.feed.rate / (kMillimetre * kMillimetre * kMillimetre));
+  sheet.subtitle =
+      fmt::format("{}; {} shell points, {} of them on cutting faces; {} at {}: {}{:.3g} mm/s, {:.3g} mm3/s", size_text(tool),
+                  tool.shell.size(), cutting_points(tool), shown.label, conditions_text(), shown.feed.unknown.empty() ? "" : "about ",
+                  shown.feed.speed / kMillimetre, shown.feed.rate / (kMillimetre * kMillimetre * kMillimetre));
   return write_tool_sheet(sheet, path);
 }
 

@@ -102,10 +102,10 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
     }
     const double most_felt = config_.config.largest_force / needs.force_scale, push = context.config.hand.push;
     if (most_felt < push * (1.0 - 1e-9))
-      out.push_back(
-          fmt::format("[device] {} renders at most {:.3g} N of hand.push_N = {:g} at device.force_scale = {:.3g}: bone cannot hold the hand; "
-                      "set device.force_scale to {:.2g} or less, or omit it",
-                      config_.config.name, most_felt, push, needs.force_scale, config_.config.largest_force / push - 0.005));
+      out.push_back(fmt::format(
+          "[device] {} renders at most {:.3g} N of hand.push_N = {:g} at device.force_scale = {:.3g}: bone cannot hold the hand; "
+          "set device.force_scale to {:.2g} or less, or omit it",
+          config_.config.name, most_felt, push, needs.force_scale, config_.config.largest_force / push - 0.005));
     if (needs.force_scale < 1.0)
       out.push_back(
           fmt::format("[device] {} cannot render {:.0f} N: forces at the grip are {:.3g} times those on the drill; figures and "

@@ -141,7 +141,8 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
                                 by_update ? "use another law" : "set it to true"));
     if (context.needs.any_density && config_.subvoxel)
       out.push_back(
-          "[erosion] subvoxel = true moves the face at a density of 0.5, but contact.mode = \"paper\" is in contact where density is above 0, "
+          "[erosion] subvoxel = true moves the face at a density of 0.5, but contact.mode = \"paper\" is in contact where density is above "
+          "0, "
           "which is above that face: set erosion.subvoxel = false");
     if (context.needs.feels) return;
     if (config_.law == ErosionLaw::energy)

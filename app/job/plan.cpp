@@ -70,10 +70,11 @@ void warn_of_features(const LoadedScene& loaded, const ToolText& tool, std::vect
   if (!feature || feature->thickness >= kLeastVoxels * edge * (1.0 - 1e-9)) return;
   // Rounded down to two digits, so that the spacing named here gives no warning.
   const double fits = feature->thickness / kLeastVoxels / kMillimetre, unit = std::pow(10.0, std::floor(std::log10(fits)) - 1.0);
-  out.push_back(fmt::format("{}: voxels of {:.3g} mm do not resolve \"{}\": the {} of its region \"{}\", {:.3g} mm, is under two voxels; set "
-                            "volume.spacing_mm to {:.3g} or less",
-                            loaded.scene.volume.spacing_place, edge / kMillimetre, tool.name, feature->kind, feature->region,
-                            feature->thickness / kMillimetre, std::floor(fits / unit * (1.0 + 1e-9)) * unit));
+  out.push_back(
+      fmt::format("{}: voxels of {:.3g} mm do not resolve \"{}\": the {} of its region \"{}\", {:.3g} mm, is under two voxels; set "
+                  "volume.spacing_mm to {:.3g} or less",
+                  loaded.scene.volume.spacing_place, edge / kMillimetre, tool.name, feature->kind, feature->region,
+                  feature->thickness / kMillimetre, std::floor(fits / unit * (1.0 + 1e-9)) * unit));
 }
 
 }  // namespace

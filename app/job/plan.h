@@ -15,7 +15,7 @@ struct Plan {
   std::vector<std::string> not_built;  ///< effects without a table in the scene, and those of later versions
   std::vector<std::string> warnings;
   std::size_t scene_warnings = 0;  ///< number of warnings of the scene itself; those after them are of tools that inputs change to
-  MemoryPlan memory;  ///< of the whole process
+  MemoryPlan memory;               ///< of the whole process
 };
 
 /// Needs no display and no device. @param registry the known effects. @param run what the run needs beyond lockstep without inputs.

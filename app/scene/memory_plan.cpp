@@ -30,7 +30,8 @@ std::uint64_t live_bytes(const PlanContext& context, bool locked, bool draws) {
   // Occupancy, hardness and a label of the shell round the window: eight voxels thick, and twice that on the side that it moves to.
   constexpr std::uint64_t kAheadVoxelBytes = 2 * sizeof(float) + 1;
   const double edge = std::cbrt(static_cast<double>(context.window_voxels)), wide = edge + 3.0 * BonePrefetch::kAhead;
-  const double shell = std::min(wide * wide * wide - edge * edge * edge, static_cast<double>(VoxelBox{Vec3i(0), context.bone.dims}.count()));
+  const double shell =
+      std::min(wide * wide * wide - edge * edge * edge, static_cast<double>(VoxelBox{Vec3i(0), context.bone.dims}.count()));
   std::uint64_t sum = most * a_voxel + kReservedBlocks * sizeof(BlockValues) + static_cast<std::uint64_t>(shell) * kAheadVoxelBytes;
   if (!locked) return sum + kThreadBytes;
   return sum + kLockedBytes + (draws ? kLockedDriverBytes : 0);
@@ -88,7 +89,8 @@ std::uint64_t tool_bytes(const Tool& tool) noexcept {
   const auto mesh = [](const TriangleMesh& m) {
     return (m.positions.size() + m.normals.size()) * sizeof(Vec3f) + m.indices.size() * sizeof(std::uint32_t);
   };
-  return tool.shell.size() * (2 * sizeof(Vec3) + 1) + tool.erosion.size() * (sizeof(Vec3) + sizeof(float)) + mesh(tool.mesh) + mesh(tool.look);
+  return tool.shell.size() * (2 * sizeof(Vec3) + 1) + tool.erosion.size() * (sizeof(Vec3) + sizeof(float)) + mesh(tool.mesh) +
+         mesh(tool.look);
 }
 
 MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bone, std::uint64_t import, const MemoryRun& run) {
@@ -110,8 +112,7 @@ MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bo
   for (const EffectPlans::Item& item : scene.effects.items()) {
     // What an effect keeps for its tool grows to that of the largest.
     std::uint64_t most = 0;
-    for (const Tool* one : tools)
-      most = std::max(most, item.plan->row({scene, needs, *one, bone, context.window_voxels}).bytes);
+    for (const Tool* one : tools) most = std::max(most, item.plan->row({scene, needs, *one, bone, context.window_voxels}).bytes);
     plan.items.push_back({item.table, most});
   }
   if (run.inputs) plan.items.push_back({"history", BoneHistoryConfig{}.memory});

@@ -27,9 +27,9 @@ struct MemoryPlan {
 
 /// What a run needs beyond a run in lockstep without inputs.
 struct MemoryRun {
-  bool live = false;    ///< on threads: larger windows, bone read in advance, rows on their way to the session
-  bool locked = false;  ///< live: pages of libraries and stacks are locked in memory too; see may_lock_memory()
-  bool inputs = false;  ///< a history for undo and checkpoints
+  bool live = false;                    ///< on threads: larger windows, bone read in advance, rows on their way to the session
+  bool locked = false;                  ///< live: pages of libraries and stacks are locked in memory too; see may_lock_memory()
+  bool inputs = false;                  ///< a history for undo and checkpoints
   std::vector<const Tool*> tools = {};  ///< that inputs change to; not owned
 };
 

@@ -195,7 +195,8 @@ OutputScene read_output(TableReader table) {
   OutputScene out;
   out.bone = table.boolean("bone", out.bone, "bone.vdb: the drilled bone, for --restore and other programs; about as large as the bone");
   out.report = table.boolean("report", out.report, "report.html: figures, plot and pictures on one page");
-  out.plots = table.boolean("plots", out.plots, "the plot of force, depth and speed over time in the report; without it no samples are kept");
+  out.plots =
+      table.boolean("plots", out.plots, "the plot of force, depth and speed over time in the report; without it no samples are kept");
   table.finish();
   return out;
 }

@@ -45,8 +45,7 @@ BoneStep::BoneStep(const StageConfig& config, const Needs& needs, const Tool& to
       stretch_(needs.coupling_stiffness > 0.0 ? config.hand.push / needs.coupling_stiffness : 0.0) {}
 
 Result<BoneStep> BoneStep::create(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap,
-                                  const Pose& world_from_tool, StepGraph& graph, const Approach& approach,
-                                  const CoarseDistance* coarse) {
+                                  const Pose& world_from_tool, StepGraph& graph, const Approach& approach, const CoarseDistance* coarse) {
   BoneStep out(config, needs, tool, voxmap, graph, coarse);
   out.last_ = world_from_tool;
   if (Status placed = out.place_window(tool, world_from_tool); !placed) return placed.error();

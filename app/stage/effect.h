@@ -32,20 +32,20 @@ class Stage;
 struct Needs {
   ServoConfig servo;                                                                        ///< the scene's; effects tighten it
   ContactFields fields{.density = true, .gradient = false, .words = false, .records = {}};  ///< of the window's copies
-  bool reads_window = false;  ///< a step reads bone on the contact clock from a copy of the window; otherwise none is published
-  bool paper_grids = false;   ///< bone is read on the contact clock from the paper's sparse grids
-  int contact_hz = 0;                                                                       ///< [Hz] 0: the servo's
-  int simulation_hz = 0;                                                                    ///< [Hz] 0: a quarter of the servo's
-  int latency_ticks = -1;                                                                   ///< [servo ticks] -1: one contact period
-  double erosion_pitch_voxels = 0.5;                                                        ///< [voxels] between erosion points
-  bool cutting_field = false;                                                               ///< the tool's field for sub-voxel removal
-  bool feels = false;                                                                       ///< bone exerts forces on the tool
-  bool any_density = false;                                             ///< bone of any density above 0 collides, as in the papers
-  bool holds_back = false;                                              ///< the tool is a body of its own that bone holds back
-  bool removes = false;                                                 ///< bone is removed
-  double coupling_stiffness = 0.0;                                      ///< [N/m] from hand to tool, of a tool that is held back
-  double coupling_damping = 0.0;                                        ///< [N s/m] likewise
-  double cutting_stiffness = 0.0;                                       ///< [N/m] thrust over engaged depth, likewise
+  bool reads_window = false;          ///< a step reads bone on the contact clock from a copy of the window; otherwise none is published
+  bool paper_grids = false;           ///< bone is read on the contact clock from the paper's sparse grids
+  int contact_hz = 0;                 ///< [Hz] 0: the servo's
+  int simulation_hz = 0;              ///< [Hz] 0: a quarter of the servo's
+  int latency_ticks = -1;             ///< [servo ticks] -1: one contact period
+  double erosion_pitch_voxels = 0.5;  ///< [voxels] between erosion points
+  bool cutting_field = false;         ///< the tool's field for sub-voxel removal
+  bool feels = false;                 ///< bone exerts forces on the tool
+  bool any_density = false;           ///< bone of any density above 0 collides, as in the papers
+  bool holds_back = false;            ///< the tool is a body of its own that bone holds back
+  bool removes = false;               ///< bone is removed
+  double coupling_stiffness = 0.0;    ///< [N/m] from hand to tool, of a tool that is held back
+  double coupling_damping = 0.0;      ///< [N s/m] likewise
+  double cutting_stiffness = 0.0;     ///< [N/m] thrust over engaged depth, likewise
   double plane_reach_voxels = std::numeric_limits<double>::infinity();  ///< [voxels] how far from its pose a plane is used
   double force_scale = 1.0;                                             ///< [-] force at the grip over force in the world
   bool through_device = false;                                          ///< a device lies between hand and drill

@@ -84,7 +84,8 @@ std::optional<std::string> loop_warning(const StageConfig& config, const Needs& 
   const Settings settings = stable_settings(loop, needs);
   const char* of = needs.through_device ? "[device] the loop of device, hand and coupling is unstable"
                                         : "[contact] the loop of hand and coupling is unstable";
-  if (settings.over.empty()) return fmt::format("{}: no smaller contact.coupling_N_per_m or contact.coupling_N_s_per_m alone makes it stable", of);
+  if (settings.over.empty())
+    return fmt::format("{}: no smaller contact.coupling_N_per_m or contact.coupling_N_s_per_m alone makes it stable", of);
   return fmt::format("{}: {}; with {} it is stable", of, settings.over, settings.text);
 }
 

@@ -310,7 +310,7 @@ std::size_t CutFace::list_bytes(std::size_t nodes) noexcept {
   return nodes * (sizeof(Receding) + 2 * kPlace + kAsked * (kPlace + sizeof(float)) + sizeof(float) + sizeof(Lag) + sizeof(std::uint32_t));
 }
 
-/// Steps of a usual run then allocate nothing but blocks of the cut surface.
+/// Steps of a usual run then allocate only blocks of the cut surface.
 void CutFace::reserve_lists() {
   const std::size_t most = reserved_nodes(*field_, static_cast<double>(edge_));
   nodes_.reserve(most);

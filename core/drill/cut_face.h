@@ -112,7 +112,7 @@ class CutFace {
 
   /// @returns the number of nodes for which lists are reserved: every voxel within the band of known distances of the cutting surface.
   [[nodiscard]] static std::size_t reserved_nodes(const CuttingField& field, double edge) noexcept;
-  /// @returns the memory of the lists for so many nodes.
+  /// @returns the memory of the lists for that number of nodes.
   [[nodiscard]] static std::size_t list_bytes(std::size_t nodes) noexcept;
 
  private:

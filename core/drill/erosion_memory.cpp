@@ -15,13 +15,15 @@ namespace {
 constexpr std::uint64_t kBlockOverhead = 64;  // [bytes] of the allocator and of the table of blocks, for each block
 // [bytes] of the tile in which SurfaceReader makes the records of a block: 36 bytes a voxel of the block and seven voxels round it.
 constexpr std::uint64_t kTileBytes = 36 * 22 * 22 * 22;
-constexpr double kLongestStep = 2.0;          // [voxels] between two poses at which blocks are counted
+constexpr double kLongestStep = 2.0;  // [voxels] between two poses at which blocks are counted
 
 /// Distances [voxel edges] of voxels to a cutting part at a pose.
 class PosedField {
  public:
   PosedField(const CuttingField& field, const Affine& index_from_tool, double edge)
-      : sampler_(field), edge_(static_cast<float>(edge)), place_(Affine::scaling(1.0 / field.pitch, -field.origin / field.pitch) * index_from_tool.inverse()) {}
+      : sampler_(field),
+        edge_(static_cast<float>(edge)),
+        place_(Affine::scaling(1.0 / field.pitch, -field.origin / field.pitch) * index_from_tool.inverse()) {}
   [[nodiscard]] double operator()(const Vec3& index) const noexcept {
     return static_cast<double>(sampler_.distance(Vec3f(place_ * index)) / edge_);
   }

@@ -222,8 +222,8 @@ PointScatter::PointScatter(const ErosionPoints& points) : pitch_(points.pitch), 
 
 std::size_t PointScatter::bytes() const noexcept {
   const auto of = [](const auto&... lists) { return ((lists.capacity() * sizeof(lists[0])) + ...); };
-  return of(run_x_, run_y_, run_z_, run_span_, run_first_, distinct_, kind_, before_, step_offset_, step_x_, step_y_, step_z_, base_, carry_x_,
-            carry_y_, carry_z_, inside_);
+  return of(run_x_, run_y_, run_z_, run_span_, run_first_, distinct_, kind_, before_, step_offset_, step_x_, step_y_, step_z_, base_,
+            carry_x_, carry_y_, carry_z_, inside_);
 }
 
 void PointScatter::set_weights(std::span<const double> weights) {

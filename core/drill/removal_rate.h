@@ -13,7 +13,6 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "core/contact/constrained_tool.h"
 #include "core/tool/tool.h"
 
 namespace burrhole {
@@ -22,18 +21,18 @@ struct FeedConditions {
   double thrust = 20.0;             ///< [N] along the feed
   double spin = 1000.0 / 60.0;      ///< [rev/s]
   double hardness = 1.0;            ///< [-] h in (0, 1]
-  double cutting_stiffness = ConstrainedToolConfig{}.cutting_stiffness;  ///< [N/m] K_cut
-  double voxel_edge = 0.25e-3;                                           ///< [m] of the bone
+  double cutting_stiffness = 70e3;  ///< [N/m] K_cut; the default of a scene
+  double voxel_edge = 0.25e-3;      ///< [m] of the bone
 };
 
 /// Direction of the feed: along the shaft into bone (-z), or sideways (+x).
 enum class FeedDirection { plunge, sideways };
 
 struct FeedPrediction {
-  double engaged = 0.0;  ///< [m] F / K_cut
-  double speed = 0.0;    ///< [m/s] 0: a face that does not cut is ahead; an estimate if `unknown` is not empty
-  double area = 0.0;     ///< [m^2] of the cutting part, seen along the feed
-  double rate = 0.0;     ///< [m^3/s]
+  double engaged = 0.0;            ///< [m] F / K_cut
+  double speed = 0.0;              ///< [m/s] 0: a face that does not cut is ahead; an estimate if `unknown` is not empty
+  double area = 0.0;               ///< [m^2] of the cutting part, seen along the feed
+  double rate = 0.0;               ///< [m^3/s]
   double least = 0.0, most = 0.0;  ///< [m/s] range of the speed by where the limiting point lies between voxels
   std::string unknown{};           ///< why the speed is not known to 10 %; empty: it is
 };

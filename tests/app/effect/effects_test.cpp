@@ -56,10 +56,7 @@ TEST_CASE("window: a copy holds what its contact model and the monitor read, and
   words.words = true;
   records8.records = RecordPrecision::bits8;
   records16.records = RecordPrecision::bits16;
-  const Case cases[] = {{"model = \"voxmap\"\n", density},
-                        {planes, words},
-                        {"record_bits = \"8\"\n", records8},
-                        {kHeldKeys, records16}};
+  const Case cases[] = {{"model = \"voxmap\"\n", density}, {planes, words}, {"record_bits = \"8\"\n", records8}, {kHeldKeys, records16}};
   for (const Case& c : cases) {
     CAPTURE(c.contact);
     DrillRun run(SmallScene{.contact_keys = c.contact, .sets = {"duration_s=0.2"}});

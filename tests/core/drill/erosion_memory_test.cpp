@@ -56,8 +56,8 @@ Taken through_a_plate(const std::string& name, const ErosionConfig& config) {
   };
   Taken out;
   place(0.0);
-  out.predicted = static_cast<double>(erosion_bytes(config, tool, {pose(0.0), index_from_bone.linear * Vec3(0.0, 0.0, -kThickness)}, kEdge,
-                                                    voxmap.window().box.count()));
+  out.predicted = static_cast<double>(
+      erosion_bytes(config, tool, {pose(0.0), index_from_bone.linear * Vec3(0.0, 0.0, -kThickness)}, kEdge, voxmap.window().box.count()));
   clear_trap();
   std::shared_ptr<const CuttingField> field;
   std::optional<Erosion> erosion;
@@ -89,8 +89,9 @@ TEST_CASE("erosion's memory: predicted to 10 %, by every law and for wide and sl
       CAPTURE(static_cast<int>(config.law));
       CAPTURE(config.subvoxel);
       const Taken taken = through_a_plate(name, config);
-      MESSAGE(std::string(name) << ", law " << static_cast<int>(config.law) << std::string(config.subvoxel ? ", sub-voxel: " : ": ") << taken.predicted * 1e-6
-                   << " MB predicted, " << taken.counted * 1e-6 << " MB counted, ratio " << taken.predicted / taken.counted);
+      MESSAGE(std::string(name) << ", law " << static_cast<int>(config.law) << std::string(config.subvoxel ? ", sub-voxel: " : ": ")
+                                << taken.predicted * 1e-6 << " MB predicted, " << taken.counted * 1e-6 << " MB counted, ratio "
+                                << taken.predicted / taken.counted);
       CHECK(taken.removed > 1e-9);
       CHECK(std::abs(taken.predicted / taken.counted - 1.0) < 0.1);
     }
