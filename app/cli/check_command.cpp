@@ -31,7 +31,7 @@ void add_check(CLI::App& app, int& exit_code) {
     if (loaded) simulation = Simulation::create(loaded->scene, loaded->bone, loaded->tool, {}, issues);
     exit_code = report(issues);
     if (!issues.empty()) return;
-    for (const std::string& warning : make_plan(*loaded).warnings) fmt::print(stderr, "{}: warning: {}\n", loaded->scene.file, warning);
+    for (const std::string& warning : make_plan(*loaded).warnings) print_warning(loaded->scene.file, warning);
     const double thickness_mm = simulation->approach().thickness / kMillimetre, angle_deg = simulation->approach().angle / kDegree;
     constexpr double kGrazing = 45.0;  // [deg] a drill is held at a right angle to the skull; beyond this it slips before it cuts
     if (angle_deg > kGrazing)

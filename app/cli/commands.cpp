@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "app/cli/progress.h"
+#include "app/job/drill_job.h"
 #include "core/base/simd.h"
 
 namespace burrhole::cli {
@@ -94,7 +95,15 @@ Result<TomlDocument> SceneOption::document() const {
   return document;
 }
 
-std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet) {
+void print_warning(const std::string& file, const std::string& warning) {
+  const std::size_t end = warning.starts_with(file + ":") ? warning.find(": ", file.size()) : std::string::npos;
+  if (end == std::string::npos)
+    fmt::print(stderr, "{}: warning: {}\n", file, warning);
+  else
+    fmt::print(stderr, "{}: warning: {}\n", warning.substr(0, end), warning.substr(end + 2));
+}
+
+std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet, bool live, const std::string& inputs) {
   const auto document = option.document();
   if (!document) {
     exit_code = report(document.error());
@@ -105,6 +114,12 @@ std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_c
   LoadOptions options;
   options.progress = [&](double share) { progress.show(share, "reading the scan"); };
   options.say = [&](const std::string& line) { progress.say(line); };
+  options.live = live;
+  if (!inputs.empty())
+    options.input_tools = [&](const Scene& scene, Issues& found) {
+      const auto read = load_inputs(inputs, scene, scene_context(), found);
+      return read ? tools_of(*read).texts : std::vector<ToolText>();
+    };
   auto loaded = load_scene(*document, scene_context(), issues, options);
   if (!loaded) exit_code = report(issues);
   return loaded;

@@ -49,7 +49,12 @@ void add_shader_option(CLI::App& command, std::string& folder);
 
 /// Loads scene, bone and tool, with a progress bar on long reads. @returns nothing after an error, which is printed; `exit_code` is then
 /// set.
-[[nodiscard]] std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet = false);
+/// @param live, inputs of the run, which count for [limits] memory_mb: on threads; a file of timed inputs, empty for none.
+[[nodiscard]] std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet = false, bool live = false,
+                                                        const std::string& inputs = {});
+
+/// Prints "FILE: warning: TEXT" to stderr; a warning that begins with a place of the file keeps it in front.
+void print_warning(const std::string& file, const std::string& warning);
 
 /// @returns the numbers of "AxB" or "A,B,C"; nothing if the text is not exactly `count` finite numbers.
 [[nodiscard]] std::optional<std::vector<double>> split_numbers(const std::string& text, char separator, std::size_t count);

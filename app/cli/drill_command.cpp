@@ -46,7 +46,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   job.live = mode.live;
   job.require_realtime = mode.require_realtime;
   job.stop = &stop_flag;
-  job.warn = [&](const std::string& text) { fmt::print(stderr, "{}: warning: {}\n", loaded.scene.file, text); };
+  job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
   if (!quiet) job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
   job.progress = [&](double share, const std::string& text) { progress.show(share, text); };
   job.make_sink = [&](const DisplayConfig& display, const std::string& folder) {
@@ -75,7 +75,8 @@ void add_drill(CLI::App& app, int& exit_code) {
       app, "drill", kDrillGroup,
       {.summary = "Drills a scene and writes pictures, figures and a report",
        .about = "Runs the scene offscreen, in lockstep, and writes into a folder: pictures, the drilled bone, a session that can be "
-                "replayed, summary.json with all figures, and report.html. Equal scenes give bit-identical results. With --live the servo, "
+                "replayed, summary.json with all figures, and report.html. Tables of the scene turn each off but summary.json. Equal "
+                "scenes give bit-identical results. With --live the servo, "
                 "contact and simulation loops run on threads in real time, as with a device. The session then records the inputs of each "
                 "step, and a replay is bit-identical too. Ctrl-C ends the run cleanly and writes the results so far.",
        .examples = {"burrhole drill parietal --out out/parietal",
@@ -102,10 +103,10 @@ void add_drill(CLI::App& app, int& exit_code) {
       exit_code = report(bad_input("--require-realtime is valid only with --live"));
       return;
     }
-    const auto loaded = load_or_report(option->scene, exit_code, option->quiet);
+    const auto loaded = load_or_report(option->scene, exit_code, option->quiet, option->mode.live, option->files.inputs);
     if (!loaded) return;
     if (!option->quiet)
-      for (const std::string& warning : make_plan(*loaded).warnings) fmt::print(stderr, "{}: warning: {}\n", loaded->scene.file, warning);
+      for (const std::string& warning : make_plan(*loaded).warnings) print_warning(loaded->scene.file, warning);
     catch_signals();
     const auto summary = drill_scene(*loaded, option->files, option->quiet, option->mode);
     if (!summary) {

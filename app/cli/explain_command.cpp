@@ -3,6 +3,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/drilling.h"
+#include "app/job/drill_job.h"
 
 namespace burrhole::cli {
 namespace {
@@ -43,29 +44,39 @@ void add_explain(CLI::App& app, int& exit_code) {
   struct Options {
     SceneOption scene;
     DrillingFiles files;
-    bool json = false, measure = false;
+    bool json = false, measure = false, live = false;
   };
   CLI::App* command = add_command(
       app, "explain", kSceneGroup,
       {.summary = "Lists the steps of a scene with their rates and memory",
        .about = "Lists the effects that the scene's tables enable, in the order they run, and the effects that are not built. With "
                 "--measure it also runs the scene, without writing files, and adds the computation time of each effect.",
-       .examples = {"burrhole explain parietal", "burrhole explain my_scene.toml --measure --json"},
+       .examples = {"burrhole explain parietal", "burrhole explain my_scene.toml --measure --json", "burrhole explain parietal --live"},
        .exits = "Exit 130 if Ctrl-C ended a measured run."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   command->add_flag("--measure", option->measure, "run the scene without writing files, and add the time of each row");
+  command->add_flag("--live", option->live, "of a run on threads in real time instead of in lockstep");
+  command->add_option("--inputs", option->files.inputs, "of a run with this TOML file of timed inputs")->type_name(kFileValue);
   add_simd_option(*command);
   add_gl_option(*command, option->files.gl);
   command->add_flag("--json", option->json, "print only JSON on stdout");
   command->callback([option, &exit_code] {
-    const auto loaded = load_or_report(option->scene, exit_code);
+    const auto loaded = load_or_report(option->scene, exit_code, false, option->live, option->files.inputs);
     if (!loaded) return;
-    const Plan plan = make_plan(*loaded);
+    Issues issues;
+    InputTools tools;
+    if (!option->files.inputs.empty())
+      if (const auto inputs = load_inputs(option->files.inputs, loaded->scene, scene_context(), issues)) tools = tools_of(*inputs);
+    const Plan plan = make_run_plan(*loaded, option->live, tools, issues);
+    if (!issues.empty()) {
+      exit_code = report(issues);
+      return;
+    }
     std::optional<RunSummary> measured;
     if (option->measure) {
       catch_signals();
-      auto summary = drill_scene(*loaded, option->files, false);
+      auto summary = drill_scene(*loaded, option->files, false, {.live = option->live});
       if (!summary) {
         exit_code = report(summary.error());
         return;

@@ -118,14 +118,16 @@ std::string feed_text(const NamedFeed& named) {
   const double mm3 = kMillimetre * kMillimetre * kMillimetre;
   std::string text = fmt::format("  {:<14} ", named.label);
   if (feed.speed <= 0.0) return text + "0 mm3/s: the leading face does not cut\n";
-  return text + fmt::format("{:.3g} mm3/s, {:.3g} mm/s over {:.3g} mm2\n", feed.rate / mm3, feed.speed / kMillimetre,
-                            feed.area / (kMillimetre * kMillimetre));
+  const double mm2 = kMillimetre * kMillimetre;
+  if (!feed.unknown.empty())
+    return text + fmt::format("unknown, about {:.2g} mm/s over {:.3g} mm2: {}\n", feed.speed / kMillimetre, feed.area / mm2, feed.unknown);
+  return text + fmt::format("{:.3g} mm3/s, {:.3g} mm/s over {:.3g} mm2\n", feed.rate / mm3, feed.speed / kMillimetre, feed.area / mm2);
 }
 
 std::string conditions_text() {
   const FeedConditions c;
-  return fmt::format("{:.0f} N, {:.0f} rpm, hardness {:.3g}, cutting stiffness {:.0f} kN/m", c.thrust, c.spin / kRevPerMinute, c.hardness,
-                     1e-3 * c.cutting_stiffness);
+  return fmt::format("{:.0f} N, {:.0f} rpm, hardness {:.3g}, cutting stiffness {:.0f} kN/m, voxels of {:.3g} mm", c.thrust,
+                     c.spin / kRevPerMinute, c.hardness, 1e-3 * c.cutting_stiffness, c.voxel_edge / kMillimetre);
 }
 
 std::string size_text(const Tool& tool) {
@@ -168,10 +170,18 @@ nlohmann::ordered_json details_json(const Tool& tool, const ToolParts& parts, co
   predicted = {{"thrust_N", c.thrust},
                {"spin_rpm", c.spin / kRevPerMinute},
                {"hardness", c.hardness},
-               {"cutting_stiffness_N_per_m", c.cutting_stiffness}};
-  for (const NamedFeed& named : feeds)
-    predicted[named.key] = {
-        {"rate_mm3_per_s", named.feed.rate / mm3}, {"feed_mm_per_s", named.feed.speed / kMillimetre}, {"area_mm2", named.feed.area / mm2}};
+               {"cutting_stiffness_N_per_m", c.cutting_stiffness},
+               {"voxel_mm", c.voxel_edge / kMillimetre}};
+  for (const NamedFeed& named : feeds) {
+    const FeedPrediction& feed = named.feed;
+    nlohmann::ordered_json& row = predicted[named.key];
+    const bool known = feed.unknown.empty();
+    row["rate_mm3_per_s"] = known ? nlohmann::ordered_json(feed.rate / mm3) : nlohmann::ordered_json(nullptr);
+    row["feed_mm_per_s"] = known ? nlohmann::ordered_json(feed.speed / kMillimetre) : nlohmann::ordered_json(nullptr);
+    row["feed_range_mm_per_s"] = {feed.least / kMillimetre, feed.most / kMillimetre};
+    row["area_mm2"] = feed.area / mm2;
+    row["unknown"] = known ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(feed.unknown);
+  }
   return out;
 }
 
@@ -195,9 +205,10 @@ Status draw_sheet(const TomlDocument& document, const Tool& tool, const std::vec
   if (!fine) return issues.front();
   const NamedFeed& shown = feeds[0].feed.speed > 0.0 ? feeds[0] : feeds[1];
   ToolSheet sheet{&*fine, tool.title, {}};
-  sheet.subtitle = fmt::format("{}; {} shell points, {} of them on cutting faces; {} at {}: {:.3g} mm/s, {:.3g} mm3/s", size_text(tool),
-                               tool.shell.size(), cutting_points(tool), shown.label, conditions_text(), shown.feed.speed / kMillimetre,
-                               shown.feed.rate / (kMillimetre * kMillimetre * kMillimetre));
+  sheet.subtitle =
+      fmt::format("{}; {} shell points, {} of them on cutting faces; {} at {}: {}{:.3g} mm/s, {:.3g} mm3/s", size_text(tool),
+                  tool.shell.size(), cutting_points(tool), shown.label, conditions_text(), shown.feed.unknown.empty() ? "" : "about ",
+                  shown.feed.speed / kMillimetre, shown.feed.rate / (kMillimetre * kMillimetre * kMillimetre));
   return write_tool_sheet(sheet, path);
 }
 

@@ -119,6 +119,7 @@ class ContactPlan final : public EffectPlan {
     const ContactFormNeeds own = form_->needs();
     needs.fields = own.fields;
     needs.paper_grids = own.paper_grids;
+    needs.reads_window |= !own.paper_grids;
     needs.contact_hz = rate_hz_;
     needs.latency_ticks = latency_ticks_;
     needs.feels = true;
@@ -133,20 +134,15 @@ class ContactPlan final : public EffectPlan {
   }
 
   PlanRow row(const PlanContext& context) const override {
-    // Three copies, and once more what is derived for them and the master window does not hold.
-    const ContactFields fields = context.needs.fields;
-    ContactFields derived = fields;
-    derived.density = derived.gradient = false;
-    const std::uint64_t copies = context.window_voxels * (3 * bytes_a_voxel(fields) + bytes_a_voxel(derived));
     const std::uint64_t shell = context.tool.shell.size() * (2 * sizeof(Vec3) + 1 + sizeof(Contact));
     return {.table = "contact",
             .clock = Clock::contact,
-            .step = "point shell against the window copy",
+            .step = "point shell against the window copy, and its planes at the servo's rate",
             .needs = "window copy, hand motion",
             .gives = "contact state",
             .detail = fmt::format("{} points, {}", context.tool.shell.size(), form_->text()),
             .rate_hz = static_cast<double>(rate_hz_),
-            .bytes = copies + shell};
+            .bytes = shell};
   }
 
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {

@@ -96,24 +96,28 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
 
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
     const Needs& needs = context.needs;
+    if (!needs.feels) {
+      out.push_back("[device] without [contact]: no force acts, so the device renders none");
+      return;
+    }
     const double most_felt = config_.config.largest_force / needs.force_scale, push = context.config.hand.push;
     if (most_felt < push * (1.0 - 1e-9))
-      out.push_back(
-          fmt::format("[device] {} renders at most {:.3g} N of push_N = {:g} at force_scale = {:.3g}: bone cannot hold the hand; "
-                      "set force_scale to {:.2g} or less, or omit it",
-                      config_.config.name, most_felt, push, needs.force_scale, config_.config.largest_force / push - 0.005));
+      out.push_back(fmt::format(
+          "[device] {} renders at most {:.3g} N of hand.push_N = {:g} at device.force_scale = {:.3g}: bone cannot hold the hand; "
+          "set device.force_scale to {:.2g} or less, or omit it",
+          config_.config.name, most_felt, push, needs.force_scale, config_.config.largest_force / push - 0.005));
     if (needs.force_scale < 1.0)
       out.push_back(
           fmt::format("[device] {} cannot render {:.0f} N: forces at the grip are {:.3g} times those on the drill; figures and "
                       "records refer to the drill",
                       config_.config.name, context.config.hand.push, needs.force_scale));
-    if (!needs.holds_back) return;
+    if (!(needs.coupling_stiffness > 0.0)) return;  // a penalty model without a coupling: its stiffness depends on the points in contact
     const auto model = find_device(config_.config.name);
     if (!model || (*model)->library_stiffness.provenance == Provenance::absent) return;
     const double most = (*model)->library_stiffness.value;
     const double shown = needs.coupling_stiffness * config_.position_scale * needs.force_scale;
     if (shown > most)
-      out.push_back(fmt::format("coupling_N_per_m = {:.0f} is {:.0f} N/m at the grip of {}, whose library allows {:.0f}",
+      out.push_back(fmt::format("[device] contact.coupling_N_per_m = {:.0f} is {:.0f} N/m at the grip of {}, whose library allows {:.0f}",
                                 needs.coupling_stiffness, shown, config_.config.name, most));
   }
 

@@ -9,9 +9,8 @@
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
 #include "core/drill/energy.h"
+#include "core/drill/erosion_memory.h"
 #include "core/tool/cutting_field.h"
-#include "core/voxel/cut_surface.h"
-#include "core/voxel/surface_records.h"
 
 namespace burrhole {
 namespace {
@@ -27,12 +26,6 @@ const char* name_of(ErosionLaw law) {
 
 /// @returns the number that the shortest decimal text of a float means: 0.05 of 0.05f.
 double decimal_of(float value) { return std::stod(fmt::format("{}", value)); }
-
-/// @returns the size of the cut surface of a tool at one pose [bytes]: the blocks of voxels that it and the band of distances round it reach.
-std::uint64_t cut_bytes(const Bounds& tool, double edge) {
-  const Vec3 blocks = glm::ceil(((tool.hi - tool.lo) / edge + 2.0 * kRecordBand) / double{kBlockEdge} + 0.5);
-  return static_cast<std::uint64_t>(blocks.x * blocks.y * blocks.z) * sizeof(CutSurface::Block);
-}
 
 class ErosionEffect final : public Effect {
  public:
@@ -59,7 +52,7 @@ class ErosionEffect final : public Effect {
   void report(Figures& out) const override {
     out.add("removed_mass_mm3", removed_mass_ * 1e9);
     out.add("points_outside", outside_);
-    out.add("bytes", static_cast<std::uint64_t>(erosion_.bytes() + voxmap_->cut().bytes()));
+    out.add("bytes", static_cast<std::uint64_t>(voxmap_->cut().bytes()));
   }
   std::vector<NamedTimer> timers() const override { return {{"gradient", &commit_timer_, true}}; }
 
@@ -130,11 +123,6 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
 
   PlanRow row(const PlanContext& context) const override {
     const Tool& tool = context.tool;
-    const std::uint64_t points = 3 * tool.erosion.size() * (sizeof(Vec3) + sizeof(float));  // of the tool, the law and the removal
-    // By whole voxels a float of exposure a voxel of the window; sub-voxel the tool's own field, and a node a voxel where it cuts.
-    const std::uint64_t removal = config_.subvoxel && tool.cutting
-                                      ? tool.cutting->bytes() + cut_bytes(tool.cutting->bounds, context.voxel_edge())
-                                      : context.window_voxels * sizeof(float);
     return {.table = "erosion",
             .clock = Clock::simulation,
             .step = "erosion points along the tool's path",
@@ -142,7 +130,7 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
             .gives = "changed boxes",
             .detail = fmt::format("{} points, law {}{}", tool.erosion.size(), name_of(config_.law), config_.subvoxel ? ", sub-voxel" : ""),
             .rate_hz = static_cast<double>(rate_hz_),
-            .bytes = points + removal};
+            .bytes = erosion_bytes(config_, tool, drilling_way(context.config, context.bone), context.voxel_edge(), context.window_voxels)};
   }
 
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
@@ -153,9 +141,9 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
                                 by_update ? "use another law" : "set it to true"));
     if (context.needs.any_density && config_.subvoxel)
       out.push_back(
-          "[contact] mode = \"paper\" holds the bit where density is above 0, which is above the face that [erosion] subvoxel = true "
-          "moves: "
-          "set subvoxel = false");
+          "[erosion] subvoxel = true moves the face at a density of 0.5, but contact.mode = \"paper\" is in contact where density is above "
+          "0, "
+          "which is above that face: set erosion.subvoxel = false");
     if (context.needs.feels) return;
     if (config_.law == ErosionLaw::energy)
       out.push_back("[erosion] law = \"energy\" without [contact]: there is no thrust, so nothing is removed");

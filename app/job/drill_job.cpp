@@ -94,7 +94,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.title = loaded.scene.title;
   r.scene = loaded.scene.file;
   r.tool = loaded.tool.title;
-  for (const RunSample& sample : simulation.samples()) {
+  for (const RunSample& sample : simulation.samples()) {  // none are kept with plots off
     r.time_s.push_back(sample.time);
     r.force_N.push_back(sample.force);
     r.depth_mm.push_back(sample.depth * 1e3);
@@ -183,26 +183,26 @@ void remove_old_results(const std::string& folder) {
   for (const char* name : {kSummaryFile, kReportFile}) fs::remove(fs::path(folder) / name, ignored);
 }
 
-/// @returns the first error of the tools that the inputs name, which would otherwise end the run when they are applied.
-Status check_tools(const LoadedScene& loaded, const std::vector<Input>& inputs) {
-  const Needs needs = loaded.scene.effects.needs(loaded.scene);
-  for (const Input& input : inputs) {
-    if (input.kind != InputKind::tool) continue;
-    Issues issues;
-    if (!load_tool(input.data, input.text, loaded.scene, needs, loaded.bone->bone_from_index().mean_edge(), issues)) return issues.front();
-  }
-  return {};
-}
-
 Status write_results(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary, const std::vector<std::string>& pictures,
                      const std::string& folder) {
   const auto in_folder = [&](const char* name) { return (fs::path(folder) / name).string(); };
-  if (Status saved = simulation.voxmap().save(in_folder("bone.vdb")); !saved) return saved;
+  const OutputScene& output = loaded.scene.output;
+  if (output.bone)
+    if (Status saved = simulation.voxmap().save(in_folder("bone.vdb")); !saved) return saved;
   if (Status written = write_file(in_folder(kSummaryFile), summary_json(summary)); !written) return written;
+  if (!output.report) return {};
   return write_drill_report(make_report(loaded, simulation, summary, pictures), in_folder(kReportFile));
 }
 
 }  // namespace
+
+InputTools tools_of(const std::vector<Input>& inputs) {
+  InputTools out{.inputs = !inputs.empty(), .texts = {}};
+  for (const Input& input : inputs)
+    if (input.kind == InputKind::tool && std::ranges::find(out.texts, input.text, &ToolText::name) == out.texts.end())
+      out.texts.push_back({input.text, input.data});
+  return out;
+}
 
 std::optional<std::vector<Input>> load_inputs(const std::string& path, const Scene& scene, const SceneContext& context, Issues& issues) {
   const auto document = TomlDocument::load(path);
@@ -233,9 +233,14 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   options.warn = job.warn;
   options.inputs = job.inputs;
   options.history = !job.inputs.empty();
+  options.samples = !job.folder.empty() && loaded.scene.output.report && loaded.scene.output.plots;
   if (job.live && job.require_realtime)
     if (std::string refused = realtime_refusal(); !refused.empty()) return Error{ErrorCode::unavailable, std::move(refused), {}};
-  if (Status valid = check_tools(loaded, job.inputs); !valid) return valid.error();
+  Issues issues;  // of the tools that the inputs name, which would otherwise end the run when they are applied
+  const Plan plan = make_run_plan(loaded, job.live, tools_of(job.inputs), issues);
+  if (!issues.empty()) return issues.front();
+  if (job.warn)
+    for (std::size_t n = plan.scene_warnings; n < plan.warnings.size(); ++n) job.warn(plan.warnings[n]);
   std::unique_ptr<PictureSink> sink;
   if (const auto* display = loaded.scene.find<DisplayConfig>(); display != nullptr && job.make_sink) {
     auto made = job.make_sink(*display, job.folder);
@@ -251,7 +256,6 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
       job.progress(std::max(p.deepest / thickness * 0.95, time / loaded.scene.duration),
                    fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
   };
-  Issues issues;
   simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
   thickness = simulation->approach().thickness;
@@ -266,7 +270,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   const auto start = std::chrono::steady_clock::now();
   if (Status ran = simulation->run(); !ran) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  RunSummary summary = make_summary(loaded, *simulation, make_plan(loaded), wall);
+  RunSummary summary = make_summary(loaded, *simulation, plan, wall);
   std::vector<std::string> found;
   simulation->stage().warn(found);
   if (const auto left = simulation->inputs_left(); !left.empty())

@@ -35,8 +35,11 @@ struct DrillJob {
 [[nodiscard]] std::optional<std::vector<Input>> load_inputs(const std::string& path, const Scene& scene, const SceneContext& context,
                                                             Issues& issues);
 
-/// Runs the scene and writes pictures, the session, bone.vdb, summary.json and report.html. All checks come before the first file is
-/// written.
+/// @returns the tools that inputs change to, each once.
+[[nodiscard]] InputTools tools_of(const std::vector<Input>& inputs);
+
+/// Runs the scene and writes summary.json and, unless the scene turns them off, pictures, the session, bone.vdb and report.html. All checks
+/// come before the first file is written.
 /// Errors: those of the scene's effects, bad_input for a folder that cannot be written, unavailable for a refused priority.
 [[nodiscard]] Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job);
 

@@ -2,6 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <optional>
+
+#include "core/base/units.h"
+#include "core/tool/finest_feature.h"
+#include "core/tool/mesh_spec.h"
+#include "haptics/servo/realtime.h"
+
 namespace burrhole {
 namespace {
 
@@ -9,11 +17,26 @@ PlanRow volume_row(const LoadedScene& loaded, std::uint64_t window) {
   const Vec3i d = loaded.bone->dims();
   return {.table = "volume",
           .clock = Clock::simulation,
-          .step = "master window: slide, write back, publish",
+          .step = "master window: slide, write back",
           .needs = "bone model",
-          .gives = "window, window copy, bone grids",
+          .gives = "window, bone grids",
           .detail = fmt::format("{} x {} x {} voxels of {:.3g} mm", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge()),
-          .bytes = volume_bytes(shape_of(*loaded.bone), window)};
+          .bytes = volume_bytes(shape_of(*loaded.bone, loaded.scene.approach), window)};
+}
+
+/// The row of publishing; nothing in a scene in which no step reads a copy of bone.
+std::optional<PlanRow> publish_row(const PlanContext& context) {
+  const Needs& needs = context.needs;
+  if (!needs.reads_window && !needs.paper_grids) return std::nullopt;
+  return PlanRow{.table = "publish",
+                 .clock = Clock::simulation,
+                 .step = needs.paper_grids ? "the paper's grids follow the changed boxes" : "changed boxes to one of three window copies",
+                 .needs = "window, changed boxes",
+                 .gives = needs.paper_grids ? "density and gradient grids" : "window copy",
+                 .detail = needs.paper_grids ? std::string("the whole bone")
+                                             : fmt::format("{} voxels of {} bytes", context.window_voxels, bytes_a_voxel(needs.fields)),
+                 .rate_hz = needs.simulation_hz > 0 ? static_cast<double>(needs.simulation_hz) : 0.25 * context.config.servo_hz,
+                 .bytes = publish_bytes(context)};
 }
 
 PlanRow hand_row(const LoadedScene& loaded) {
@@ -34,14 +57,36 @@ PlanRow hand_row(const LoadedScene& loaded) {
           .rate_hz = static_cast<double>(loaded.scene.servo_hz)};
 }
 
+/// Warns of a bit whose finest cutting feature the voxels do not resolve: under two voxels, an edge is rounded as far as it is thick.
+void warn_of_features(const LoadedScene& loaded, const ToolText& tool, std::vector<std::string>& out) {
+  constexpr double kLeastVoxels = 2.0;
+  if (!loaded.scene.effects.needs(loaded.scene).removes) return;
+  Issues ignored;
+  const auto document = TomlDocument::parse(tool.text, tool.name);
+  if (!document || has_tool_mesh(*document)) return;
+  const auto spec = read_tool_spec(*document, ignored);
+  const auto feature = spec ? finest_cutting_feature(*spec) : std::nullopt;
+  const double edge = loaded.bone->bone_from_index().mean_edge();
+  if (!feature || feature->thickness >= kLeastVoxels * edge * (1.0 - 1e-9)) return;
+  // Rounded down to two digits, so that the spacing named here gives no warning.
+  const double fits = feature->thickness / kLeastVoxels / kMillimetre, unit = std::pow(10.0, std::floor(std::log10(fits)) - 1.0);
+  out.push_back(
+      fmt::format("{}: voxels of {:.3g} mm do not resolve \"{}\": the {} of its region \"{}\", {:.3g} mm, is under two voxels; set "
+                  "volume.spacing_mm to {:.3g} or less",
+                  loaded.scene.volume.spacing_place, edge / kMillimetre, tool.name, feature->kind, feature->region,
+                  feature->thickness / kMillimetre, std::floor(fits / unit * (1.0 + 1e-9)) * unit));
+}
+
 }  // namespace
 
-Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry) {
+Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry, const MemoryRun& run) {
   const Needs needs = loaded.scene.effects.needs(loaded.scene);
-  const BoneShape bone = shape_of(*loaded.bone);
+  const BoneShape bone = shape_of(*loaded.bone, loaded.scene.approach);
   const PlanContext context{loaded.scene, needs, loaded.tool, bone, window_voxels(loaded.scene, needs, loaded.tool, bone.bone_from_index)};
   Plan plan;
-  plan.rows = {volume_row(loaded, context.window_voxels), hand_row(loaded)};
+  plan.rows = {volume_row(loaded, context.window_voxels)};
+  if (auto publishing = publish_row(context)) plan.rows.push_back(std::move(*publishing));
+  plan.rows.push_back(hand_row(loaded));
   for (const EffectPlans::Item& item : loaded.scene.effects.items()) {
     plan.rows.push_back(item.plan->row(context));
     item.plan->warn(context, plan.warnings);
@@ -50,7 +95,18 @@ Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry) {
     if (!loaded.scene.effects.has(effect.table)) plan.not_built.emplace_back(effect.table);
   if (loaded.import)
     for (const std::string& line : loaded.import->scan.assumed) plan.warnings.push_back("[volume] assumed: " + line);
-  plan.memory = plan_memory(loaded.scene, loaded.tool, bone, loaded.scan_bytes);
+  warn_of_features(loaded, {loaded.tool.name, loaded.tool_text}, plan.warnings);
+  plan.scene_warnings = plan.warnings.size();
+  plan.memory = plan_memory(loaded.scene, loaded.tool, bone, loaded.scan_bytes, run);
+  return plan;
+}
+
+Plan make_run_plan(const LoadedScene& loaded, bool live, const InputTools& tools, Issues& issues) {
+  const std::vector<Tool> others = load_tools(tools.texts, loaded.scene, loaded.bone->bone_from_index().mean_edge(), issues);
+  MemoryRun run{.live = live, .locked = live && may_lock_memory(), .inputs = tools.inputs};
+  for (const Tool& other : others) run.tools.push_back(&other);
+  Plan plan = make_plan(loaded, shipped_effects(), run);
+  for (const ToolText& one : tools.texts) warn_of_features(loaded, one, plan.warnings);
   return plan;
 }
 

@@ -85,9 +85,7 @@ void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
                                 simulation.stage().figure("device", "shown_force_N")};
   }
   for (const PlanRow& row : plan.rows) {
-    RunSummary::EffectCost cost{row.table, row.step, 0.0, row.bytes, {}};
-    for (const TimedStep& step : timings)
-      if (step.table == row.table && !step.within_step) cost.time_us += step.timing.total_us;
+    RunSummary::EffectCost cost{row.table, row.step, charged_us(timings, row.table), row.bytes, {}};
     for (const Stage::MadeEffect& made : simulation.stage().effects())
       if (made.table == row.table) made.effect->report(cost.figures);
     out.effects.push_back(std::move(cost));
@@ -138,6 +136,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   add_drilling(out, simulation);
   add_costs(out, simulation, plan);
   if (const FrameStep* frame = simulation.frame_step()) out.uploaded_texels = frame->texels_sent();
+  out.window_copies = simulation.bone_step().window_copies();
   out.points_outside = simulation.bone_step().points_outside();
   out.contact_flags = simulation.contact_flags();
   out.voxel_hash = hash_text(simulation.voxmap().hash());
@@ -215,8 +214,10 @@ std::string summary_json(const RunSummary& s) {
                                {"time_us", effect.time_us},
                                {"bytes", effect.bytes},
                                {"figures", figures_json(effect.figures)}});
-  json["counters"] = {
-      {"uploaded_texels", s.uploaded_texels}, {"erosion_points_outside", s.points_outside}, {"contact_flags", s.contact_flags}};
+  json["counters"] = {{"uploaded_texels", s.uploaded_texels},
+                      {"window_copies", s.window_copies},
+                      {"erosion_points_outside", s.points_outside},
+                      {"contact_flags", s.contact_flags}};
   json["hash"] = {{"voxels", s.voxel_hash}, {"forces", s.force_hash}, {"image", text_or_null(s.image_hash)}};
   return json.dump(2) + "\n";
 }

@@ -41,7 +41,7 @@ struct RunSummary {
   std::optional<Live> live;           ///< of a live run
   std::uint64_t peak_bytes = 0;       ///< [bytes] largest resident memory of the process so far
   std::uint64_t predicted_bytes = 0;  ///< [bytes] the same as the plan predicts it
-  std::uint64_t uploaded_texels = 0, points_outside = 0;
+  std::uint64_t uploaded_texels = 0, window_copies = 0, points_outside = 0;
   std::uint32_t contact_flags = 0;
   struct EffectCost {
     std::string name, step;

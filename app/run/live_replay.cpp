@@ -69,7 +69,7 @@ class Replay {
         stills_(&session.stills()),
         order_(std::move(order)),
         needed_(order_.bone_contact.begin(), order_.bone_contact.end()),
-        published_(parts.bone->publisher().published()) {
+        published_(parts.bone->published()) {
     parts.graph.keep_messages();
   }
 
@@ -104,11 +104,11 @@ class Replay {
     if (rows.size() != 3) return disorder();
     if (Status done = until(static_cast<std::size_t>(rows[1]), static_cast<std::size_t>(rows[2])); !done) return done;
     if (Status drawn = draw_stills(); !drawn) return drawn;
-    const std::uint64_t before = parts_->bone->publisher().published();
+    const std::uint64_t before = parts_->bone->published();
     if (hooks_->apply)
       if (Status applied = hooks_->apply(input); !applied) return applied;
     ++parks_;
-    published_ += parts_->bone->publisher().published() - before;
+    published_ += parts_->bone->published() - before;
     parts_->graph.keep_messages();  // a tool change creates a new graph
     return {};
   }

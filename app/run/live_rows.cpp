@@ -50,7 +50,7 @@ ContactRow contact_row(const Stage& stage, std::uint64_t window) noexcept {
 BoneRow bone_row(Stage& stage, std::uint64_t contact) noexcept {
   BoneRow row;
   row.contact = contact;
-  row.published = stage.bone->publisher().published();
+  row.published = stage.bone->published();
   row.effects = effect_values(stage.graph, Clock::simulation);
   return row;
 }

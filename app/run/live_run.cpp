@@ -20,7 +20,6 @@ constexpr std::uint64_t kMostHandCatchUp = 50;  // most missed ticks by which a 
 constexpr double kStopGrace = 0.1;              // [s] beyond the soft stop, after which a servo that is still running is stopped
 constexpr std::size_t kPrefetchAtOnce = 64;     // blocks between two checks for the end of the run
 constexpr auto kPrefetchEvery = std::chrono::milliseconds(1);
-constexpr std::size_t kReservedBlocks = 2048;  // of 8^3 voxels, 2 KiB each, that differ from the bone as loaded: 28 cm^3 at 0.3 mm
 constexpr auto kPollEvery = std::chrono::milliseconds(5);
 
 }  // namespace
@@ -48,7 +47,7 @@ class Loops {
         options_(options),
         hand_off_(&hand_off),
         report_(&report),
-        prefetch_(parts.voxmap->bone(), needs_labels(parts.bone->publisher().fields())) {}
+        prefetch_(parts.voxmap->bone(), parts.needs.reads_window && needs_labels(parts.needs.fields)) {}
   ~Loops() { halt(); }
 
   Status run();
@@ -214,7 +213,7 @@ void Loops::start() {
   // Within these reserves slides and write-backs do not allocate.
   const std::size_t window_voxels = most_window_voxels(voxmap.window().box.count());
   voxmap.reserve(window_voxels, kReservedBlocks);
-  parts_->bone->publisher().reserve(window_voxels);
+  if (parts_->bone->publisher() != nullptr) parts_->bone->publisher()->reserve(window_voxels);
   voxmap.set_prefetch(&prefetch_);
   while (prefetch_.fill(kPrefetchAtOnce) > 0) continue;
   start_ = now_monotonic();

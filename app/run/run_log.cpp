@@ -61,7 +61,7 @@ Status RunLog::record_hand(const HandState& hand) {
 }
 
 Status RunLog::record_contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool) {
-  samples_.push_back(sample);
+  if (keep_samples_) samples_.push_back(sample);
   if (!drew_half_ && progress.depth > 0.5 * parts_->approach.thickness) {
     drew_half_ = true;
     if (Status drawn = draw("during", world_from_tool, false); !drawn) return drawn;

@@ -31,13 +31,14 @@ class RunLog {
  public:
   /// `parts` must outlive it. @param session null: nothing is written to a session. @param gather called before each picture: collects the
   /// changed texels (Stage::gather) on the thread that owns the bone, and returns when the batch is ready.
-  RunLog(Stage& parts, SessionWriter* session, std::function<void()> gather)
-      : parts_(&parts), session_(session), gather_(std::move(gather)) {}
+  /// @param keep_samples whether record_contact() stores its samples.
+  RunLog(Stage& parts, SessionWriter* session, std::function<void()> gather, bool keep_samples = true)
+      : parts_(&parts), session_(session), gather_(std::move(gather)), keep_samples_(keep_samples) {}
 
   [[nodiscard]] SessionWriter* session() noexcept { return session_; }
   /// Call at each servo tick. Records an event when the hand enters the next phase of its script.
   [[nodiscard]] Status record_hand(const HandState& hand);
-  /// Call with each contact result, in order. Stores the sample; draws a picture at half the thickness of bone and at breakthrough; records
+  /// Call with each contact result, in order. Stores the sample if samples are kept; draws a picture at half the thickness of bone and at breakthrough; records
   /// breakthrough, or that the tip passed uncut bone.
   [[nodiscard]] Status record_contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool);
   [[nodiscard]] Status record_event(double time, const std::string& kind, const std::string& text);
@@ -59,6 +60,7 @@ class RunLog {
   Stage* parts_;
   SessionWriter* session_;
   std::function<void()> gather_;
+  bool keep_samples_;
   std::vector<RunSample> samples_;
   std::vector<RunEvent> events_;
   std::vector<SessionStill> redrawn_;

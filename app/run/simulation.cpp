@@ -28,11 +28,21 @@ std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_p
   return std::unique_ptr<Simulation>(new Simulation(std::move(parts).value(), options));
 }
 
+double charged_us(std::span<const TimedStep> steps, std::string_view table) noexcept {
+  double sum = 0.0;
+  for (const TimedStep& step : steps) {
+    if (step.table == table && !step.within_step) sum += step.timing.total_us;
+    if (step.part_of == table) sum -= step.timing.total_us;
+  }
+  return sum;
+}
+
 void Simulation::set_session(SessionWriter* session) {
-  log_ = std::make_unique<RunLog>(*parts_, session, [this] {
+  const auto gather = [this] {
     // A recorded still shows every change up to its step, so it ignores the display's budget.
     if (!hand_off_.fetch(log_->session() != nullptr)) parts_->gather(log_->session() != nullptr);
-  });
+  };
+  log_ = std::make_unique<RunLog>(*parts_, session, gather, options_.samples);
 }
 
 Status Simulation::run() {
@@ -57,7 +67,7 @@ Status Simulation::run_lockstep() {
   while (tick_ < last) {
     if (Status applied = apply_inputs(tick_); !applied) return applied;
     // In a tick contact runs before bone, so it reads the newest copy. ContactTick::window() is not valid with storage "vdb".
-    const std::uint64_t window = parts_->bone->publisher().published();
+    const std::uint64_t window = parts_->bone->published();
     servo_now_ = steps.tick();
     tick_ = steps.ticks();
     sent_.add(servo_now_.force);
@@ -196,7 +206,9 @@ std::vector<TimedStep> Simulation::timings() {
   for (const StepGraph::StepInfo& step : parts_->graph.steps()) out.push_back({step.effect, step.name, step.timer->timing()});
   for (const Stage::MadeEffect& made : parts_->effects())
     for (const NamedTimer& timer : made.effect->timers()) out.push_back({made.table, timer.name, timer.timer->timing(), timer.within_step});
-  out.push_back({"volume", "publish", parts_->bone->publish_timer().timing()});
+  if (parts_->needs.feels) out.push_back({"contact", "planes", parts_->servo->multi_rate_timer().timing(), false, "hand"});
+  const bool axis = parts_->bone->axis() != nullptr;
+  out.push_back({axis ? "volume" : "publish", axis ? "axis" : "publish", parts_->bone->publish_timer().timing()});
   return out;
 }
 

@@ -37,6 +37,7 @@ struct SimulationOptions {
   std::function<void(const std::string&)> warn{};                     ///< receives refusals of the system and of inputs, and servo faults
   std::vector<Input> inputs{};                                        ///< timed, in order; recorded when they are applied
   bool history = false;                                               ///< keeps what undo, reset and checkpoints need
+  bool samples = true;                                                ///< keeps force and depth of every contact evaluation, for plots
 };
 
 /// What ended a run.
@@ -51,8 +52,12 @@ struct TimedStep {
   std::string table;  ///< of the effect; "hand" and "volume" for the steps of the stage itself
   std::string name;
   StepTiming timing;
-  bool within_step = false;  ///< already included in the time of another row
+  bool within_step = false;  ///< already included in the time of another step of the same table
+  std::string part_of{};     ///< table of another row whose step includes this time; it is charged to `table` instead; empty: none
 };
+
+/// @returns the time [us] of the steps of a table. Each duration is charged once.
+[[nodiscard]] double charged_us(std::span<const TimedStep> steps, std::string_view table) noexcept;
 
 class Simulation {
  public:
@@ -78,6 +83,7 @@ class Simulation {
   [[nodiscard]] std::uint64_t ticks() const noexcept { return tick_; }
   [[nodiscard]] const Approach& approach() const noexcept { return parts_->approach; }
   [[nodiscard]] const DrillProgress& progress() const noexcept { return parts_->contact->progress(); }
+  /// Force and depth of every contact evaluation; empty unless SimulationOptions::samples.
   [[nodiscard]] const std::vector<RunSample>& samples() const noexcept { return log_->samples(); }
   [[nodiscard]] const std::vector<RunEvent>& events() const noexcept { return log_->events(); }
   [[nodiscard]] const ContactState& contact_state() const noexcept { return parts_->contact->state(); }
@@ -89,7 +95,8 @@ class Simulation {
   [[nodiscard]] FrameStep* frame_step() noexcept { return parts_->frame(); }  ///< null without a display
   [[nodiscard]] Stage& stage() noexcept { return *parts_; }
   [[nodiscard]] const Stage& stage() const noexcept { return *parts_; }
-  /// Timings of the servo, then of the effects in the order of their steps, then of publishing and of the record.
+  /// Timings of the servo, then of the effects in the order of their steps, then of what the servo computes from contact results
+  /// ("planes"), and of publishing ("publish", or "axis" where the axis alone is published).
   [[nodiscard]] std::vector<TimedStep> timings();
   /// @returns one of timings() by its name; a count of 0 if there is none.
   [[nodiscard]] StepTiming timing(std::string_view name);

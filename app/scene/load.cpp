@@ -9,6 +9,7 @@
 #include "core/tool/cutting_field.h"
 #include "core/tool/make_tool.h"
 #include "core/tool/mesh_spec.h"
+#include "haptics/servo/realtime.h"
 #include "volumes/phantom/phantom.h"
 #include "volumes/read/mesh_file.h"
 
@@ -75,6 +76,23 @@ void scale_factors(Tool& tool, float scale) {
   tool.cutting = std::move(field);
 }
 
+/// @returns bad_input if the run is predicted to need more memory than the scene allows. Tools that cannot be loaded are reported later.
+Status check_limit(const LoadedScene& loaded, const std::string& tool_name, const std::vector<ToolText>& input_tools,
+                   const LoadOptions& options, const BoneShape& bone, std::uint64_t scan_bytes) {
+  const Scene& scene = loaded.scene;
+  if (!scene.memory_limit) return {};
+  const double edge = bone.bone_from_index.mean_edge();
+  Issues later;
+  const auto tool = load_tool(loaded.tool_text, tool_name, scene, scene.effects.needs(scene), edge, later);
+  if (!tool) return {};
+  MemoryRun run{.live = options.live, .locked = options.live && may_lock_memory(), .inputs = static_cast<bool>(options.input_tools)};
+  const std::vector<Tool> others = load_tools(input_tools, scene, edge, later);
+  for (const Tool& other : others) run.tools.push_back(&other);
+  const MemoryPlan memory = plan_memory(scene, *tool, bone, scan_bytes, run);
+  if (memory.peak <= *scene.memory_limit) return {};
+  return bad_input("limits.memory_mb is exceeded: the run may need " + memory.text() + " MB", scene.memory_place);
+}
+
 Result<std::string> text_of_file(const std::string& path) {
   std::ifstream file(path);
   std::ostringstream text;
@@ -100,6 +118,14 @@ std::optional<Tool> load_tool(const std::string& text, const std::string& name, 
   return tool;
 }
 
+std::vector<Tool> load_tools(const std::vector<ToolText>& texts, const Scene& scene, double voxel_edge, Issues& issues) {
+  const Needs needs = scene.effects.needs(scene);
+  std::vector<Tool> out;
+  for (const ToolText& one : texts)
+    if (auto tool = load_tool(one.text, one.name, scene, needs, voxel_edge, issues)) out.push_back(std::move(*tool));
+  return out;
+}
+
 Result<std::string> read_tool_text(const std::string& name, const std::string& scene_file, const SceneContext& context) {
   const auto path = find_tool(name, scene_file, context);
   if (!path) return bad_input("\"" + name + "\" is no tool (burrhole tools lists them)");
@@ -110,7 +136,10 @@ Result<std::string> read_tool_text(const std::string& name, const std::string& s
   return text_for_session(*text, *document);
 }
 
-BoneShape shape_of(const BoneModel& bone) { return {bone.dims(), bone.bone_from_index(), bone.bytes()}; }
+BoneShape shape_of(const BoneModel& bone, const ApproachScene& approach) {
+  const auto found = make_approach(bone, approach);
+  return {bone.dims(), bone.bone_from_index(), bone.bytes(), found ? found->thickness : 0.0};
+}
 
 std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
                                       const LoadOptions& options) {
@@ -133,16 +162,14 @@ std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneC
     out.tool_text = std::move(text).value();
   }
   const std::string name = tool_text ? "the session's tool" : out.scene.tool.path;
-  // A tool that cannot be loaded is reported below.
-  const AcceptBone within_limit = [&](const BoneShape& bone, std::uint64_t scan_bytes) -> Status {
-    if (!out.scene.memory_limit) return {};
-    Issues later;
-    const auto tool =
-        load_tool(out.tool_text, name, out.scene, out.scene.effects.needs(out.scene), bone.bone_from_index.mean_edge(), later);
-    if (!tool) return {};
-    const MemoryPlan memory = plan_memory(out.scene, *tool, bone, scan_bytes);
-    if (memory.peak <= *out.scene.memory_limit) return {};
-    return bad_input("limits.memory_mb is exceeded: the run may need " + memory.text() + " MB", out.scene.memory_place);
+  std::vector<ToolText> input_tools;
+  if (options.input_tools) {
+    const std::size_t before = issues.size();
+    input_tools = options.input_tools(out.scene, issues);
+    if (issues.size() > before) return std::nullopt;
+  }
+  const AcceptBone within_limit = [&](const BoneShape& bone, std::uint64_t scan_bytes) {
+    return check_limit(out, name, input_tools, options, bone, scan_bytes);
   };
   if (const Status loaded = load_bone(options, within_limit, out); !loaded) {
     issues.push_back(loaded.error());

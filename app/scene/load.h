@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/scene/scene.h"
 #include "core/tool/tool.h"
@@ -22,11 +23,21 @@ struct LoadedScene {
   std::optional<ImportReport> import;  ///< when the bone came from a scan or a mesh
 };
 
+/// The text of a tool's file.
+struct ToolText {
+  std::string name;  ///< for messages
+  std::string text;  ///< TOML
+};
+
 /// Options of load_scene() that are not part of the scene file.
 struct LoadOptions {
   std::optional<std::string> tool_text;         ///< use this instead of the tool's file (replay)
   std::function<void(double)> progress;         ///< receives the share of a long read that is done, 0..1; may be empty
   std::function<void(const std::string&)> say;  ///< receives one line on the memory that an import will allocate; may be empty
+  bool live = false;                            ///< the run will be on threads: counts for [limits] memory_mb
+  /// Reads the tools that the inputs of the run change to, which count for [limits] memory_mb; empty: a run without inputs. On an error it
+  /// pushes issues.
+  std::function<std::vector<ToolText>(const Scene& scene, Issues& issues)> input_tools{};
 };
 
 /// Makes the tool of a run from the text of its file. @param name for messages. @param needs of the scene's effects: pitch of the erosion
@@ -37,7 +48,11 @@ struct LoadOptions {
 /// bad_input: no such tool, or not TOML.
 [[nodiscard]] Result<std::string> read_tool_text(const std::string& name, const std::string& scene_file, const SceneContext& context);
 
-[[nodiscard]] BoneShape shape_of(const BoneModel& bone);
+/// @param approach gives the thickness; an approach that misses the bone leaves it unknown.
+/// @returns the tools of texts, in their order. Pushes the issues of those that cannot be made.
+[[nodiscard]] std::vector<Tool> load_tools(const std::vector<ToolText>& texts, const Scene& scene, double voxel_edge, Issues& issues);
+
+[[nodiscard]] BoneShape shape_of(const BoneModel& bone, const ApproachScene& approach);
 
 /// Reads scene, bone and tool; imports the bone where the scene names a scan. @returns nothing when any issue was pushed.
 /// A scene that is predicted to need more memory than [limits] memory_mb is refused when the headers of its volume have been read.

@@ -3,14 +3,39 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/stage/bone_step.h"
+#include "core/tool/cutting_field.h"
+#include "core/voxel/bone_history.h"
+#include "core/voxel/bone_prefetch.h"
 
 namespace burrhole {
 namespace {
 
 // Program, libraries and their tables: resident memory of a run whose scene names no effect, less its volume (Debian 12, amd64).
 constexpr std::uint64_t kProgramBytes = 55'000'000;
+
+constexpr std::uint64_t kMasterVoxelBytes = 4 * sizeof(float);  // occupancy, hardness, remaining, density
+
+// What a live run takes besides its arrays: stacks, rows for the session. Measured as kProgramBytes, less a run in lockstep.
+constexpr std::uint64_t kThreadBytes = 15'000'000;
+// Pages of program, libraries and stacks that a run in lockstep never touches and a live one locks; and those of Mesa's software driver.
+constexpr std::uint64_t kLockedBytes = 127'000'000, kLockedDriverBytes = 160'000'000;
+
+/// The part of a live run that depends on the scene: windows that may grow by a half, blocks of changed bone, bone read in advance.
+std::uint64_t live_bytes(const PlanContext& context, bool locked, bool draws) {
+  const std::uint64_t most = most_window_voxels(context.window_voxels) - context.window_voxels;
+  const std::uint64_t a_voxel = kMasterVoxelBytes + (context.window_voxels > 0 ? publish_bytes(context) / context.window_voxels : 0);
+  // Occupancy, hardness and a label of the shell round the window: eight voxels thick, and twice that on the side that it moves to.
+  constexpr std::uint64_t kAheadVoxelBytes = 2 * sizeof(float) + 1;
+  const double edge = std::cbrt(static_cast<double>(context.window_voxels)), wide = edge + 3.0 * BonePrefetch::kAhead;
+  const double shell =
+      std::min(wide * wide * wide - edge * edge * edge, static_cast<double>(VoxelBox{Vec3i(0), context.bone.dims}.count()));
+  std::uint64_t sum = most * a_voxel + kReservedBlocks * sizeof(BlockValues) + static_cast<std::uint64_t>(shell) * kAheadVoxelBytes;
+  if (!locked) return sum + kThreadBytes;
+  return sum + kLockedBytes + (draws ? kLockedDriverBytes : 0);
+}
 
 double in_megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) * 1e-6; }
 
@@ -36,8 +61,21 @@ std::uint64_t window_voxels(const Scene& scene, const Needs& needs, const Tool& 
 }
 
 std::uint64_t volume_bytes(const BoneShape& bone, std::uint64_t window_voxels) noexcept {
-  constexpr std::uint64_t kFields = 4;  // occupancy, hardness, remaining, density
-  return bone.bytes + window_voxels * kFields * sizeof(float);
+  return bone.bytes + window_voxels * kMasterVoxelBytes;
+}
+
+std::uint64_t publish_bytes(const PlanContext& context) noexcept {
+  const Needs& needs = context.needs;
+  // The paper's grids: density and gradient in leaves, as dense as bone at most.
+  constexpr double kNodes = 1.1;
+  if (needs.paper_grids)
+    return static_cast<std::uint64_t>(kNodes * (sizeof(float) + sizeof(Vec3f)) *
+                                      static_cast<double>(VoxelBox{Vec3i(0), context.bone.dims}.count()));
+  if (!needs.reads_window) return 0;
+  // Three copies, and once more what is derived for them and the master window does not hold.
+  ContactFields derived = needs.fields;
+  derived.density = derived.gradient = false;
+  return context.window_voxels * (3 * bytes_a_voxel(needs.fields) + bytes_a_voxel(derived));
 }
 
 std::uint64_t dense_bone_bytes(const Vec3i& dims) noexcept {
@@ -47,17 +85,41 @@ std::uint64_t dense_bone_bytes(const Vec3i& dims) noexcept {
   return static_cast<std::uint64_t>(kGrids * (kNodes * sizeof(float) * voxels + kUpperNodes));
 }
 
-MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bone, std::uint64_t import) {
+std::uint64_t tool_bytes(const Tool& tool) noexcept {
+  const auto mesh = [](const TriangleMesh& m) {
+    return (m.positions.size() + m.normals.size()) * sizeof(Vec3f) + m.indices.size() * sizeof(std::uint32_t);
+  };
+  return tool.shell.size() * (2 * sizeof(Vec3) + 1) + tool.erosion.size() * (sizeof(Vec3) + sizeof(float)) + mesh(tool.mesh) +
+         mesh(tool.look);
+}
+
+MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bone, std::uint64_t import, const MemoryRun& run) {
   const Needs needs = scene.effects.needs(scene);
-  const PlanContext context{scene, needs, tool, bone, window_voxels(scene, needs, tool, bone.bone_from_index)};
+  std::vector<const Tool*> tools{&tool};
+  tools.insert(tools.end(), run.tools.begin(), run.tools.end());
+  PlanContext context{scene, needs, tool, bone, 0};
+  std::uint64_t of_tools = 0;
+  for (const Tool* one : tools) {
+    context.window_voxels = std::max(context.window_voxels, window_voxels(scene, needs, *one, bone.bone_from_index));
+    of_tools += tool_bytes(*one);
+    if (one != &tool && one->cutting) of_tools += one->cutting->bytes();
+  }
   MemoryPlan plan;
   plan.import = import;
-  plan.items = {{"program", kProgramBytes}, {"volume", volume_bytes(bone, context.window_voxels)}};
+  plan.items = {{"program", kProgramBytes}, {"volume", volume_bytes(bone, context.window_voxels)}, {"tool", of_tools}};
+  if (const std::uint64_t copies = publish_bytes(context); copies > 0) plan.items.push_back({"publish", copies});
   if (needs.feels) plan.items.push_back({"coarse distance", CoarseDistance::bytes_for(bone.dims)});
-  for (const EffectPlans::Item& item : scene.effects.items()) plan.items.push_back({item.table, item.plan->row(context).bytes});
-  std::uint64_t run = 0;
-  for (const MemoryItem& item : plan.items) run += item.bytes;
-  plan.peak = std::max(run, kProgramBytes + bone.bytes + import);
+  for (const EffectPlans::Item& item : scene.effects.items()) {
+    // What an effect keeps for its tool grows to that of the largest.
+    std::uint64_t most = 0;
+    for (const Tool* one : tools) most = std::max(most, item.plan->row({scene, needs, *one, bone, context.window_voxels}).bytes);
+    plan.items.push_back({item.table, most});
+  }
+  if (run.inputs) plan.items.push_back({"history", BoneHistoryConfig{}.memory});
+  if (run.live) plan.items.push_back({"threads", live_bytes(context, run.locked, scene.effects.has("display"))});
+  std::uint64_t sum = 0;
+  for (const MemoryItem& item : plan.items) sum += item.bytes;
+  plan.peak = std::max(sum, kProgramBytes + bone.bytes + import);
   return plan;
 }
 

@@ -25,14 +25,28 @@ struct MemoryPlan {
   [[nodiscard]] std::string text() const;
 };
 
+/// What a run needs beyond a run in lockstep without inputs.
+struct MemoryRun {
+  bool live = false;                    ///< on threads: larger windows, bone read in advance, rows on their way to the session
+  bool locked = false;                  ///< live: pages of libraries and stacks are locked in memory too; see may_lock_memory()
+  bool inputs = false;                  ///< a history for undo and checkpoints
+  std::vector<const Tool*> tools = {};  ///< that inputs change to; not owned
+};
+
 /// @returns the voxels of the master window at the entry, under the scene's thrust.
 [[nodiscard]] std::uint64_t window_voxels(const Scene& scene, const Needs& needs, const Tool& tool, const Affine& bone_from_index);
 /// @returns the bytes of the bone model and the master window.
 [[nodiscard]] std::uint64_t volume_bytes(const BoneShape& bone, std::uint64_t window_voxels) noexcept;
+/// @returns the bytes of the copies of bone that the contact clock reads; 0 if nothing reads one.
+[[nodiscard]] std::uint64_t publish_bytes(const PlanContext& context) noexcept;
 /// @returns an upper bound of a bone model's bytes, if every voxel differs from its neighbours.
 [[nodiscard]] std::uint64_t dense_bone_bytes(const Vec3i& dims) noexcept;
 
+/// @returns the memory of a tool's points and meshes; its cutting field belongs to erosion.
+[[nodiscard]] std::uint64_t tool_bytes(const Tool& tool) noexcept;
+
 /// @param import [bytes] of the scan that is read; 0 for a phantom or a bone model.
-[[nodiscard]] MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bone, std::uint64_t import);
+[[nodiscard]] MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bone, std::uint64_t import,
+                                     const MemoryRun& run = {});
 
 }  // namespace burrhole

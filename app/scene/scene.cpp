@@ -191,6 +191,16 @@ void read_servo(TableReader table, Scene& scene) {
   table.finish();
 }
 
+OutputScene read_output(TableReader table) {
+  OutputScene out;
+  out.bone = table.boolean("bone", out.bone, "bone.vdb: the drilled bone, for --restore and other programs; about as large as the bone");
+  out.report = table.boolean("report", out.report, "report.html: figures, plot and pictures on one page");
+  out.plots =
+      table.boolean("plots", out.plots, "the plot of force, depth and speed over time in the report; without it no samples are kept");
+  table.finish();
+  return out;
+}
+
 void read_effects(TableReader& root, const SceneContext& context, Scene& scene, Issues& issues) {
   for (const EffectEntry& entry : *context.registry) {
     if (entry.read == nullptr) {
@@ -267,12 +277,14 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   if (auto table = root.table("limits", "what a run may take; a scene that is predicted to need more is refused")) {
     const double megabytes =
         table->number("memory_mb", {.fallback = 0.0, .min = 1.0, .max = 1e6},
-                      "largest resident memory of the process, as predicted from headers and tables for a run in lockstep without inputs; "
-                      "absent: no limit");
+                      "largest resident memory of the process, as predicted from headers and tables for the run that is asked for: in "
+                      "lockstep or live, with the tools and the history of its inputs; absent: no limit");
     if (table->has("memory_mb")) scene.memory_limit = static_cast<std::uint64_t>(megabytes * 1e6);
     scene.memory_place = table->place_of("memory_mb");
     table->finish();
   }
+  if (auto table = root.table("output", "files that a run writes besides summary.json, [display]'s pictures and [record]'s session"))
+    scene.output = read_output(*table);
   if (scene.hand.feels && scene.hand.push > scene.servo.largest_force)
     issues.push_back(bad_input(fmt::format("hand.push_N = {:g} is over the largest force on the hand, servo.force_N = {:g}: bone could not "
                                            "hold the hand",

@@ -12,8 +12,16 @@
 
 namespace burrhole {
 
+/// [output]: files that a run writes into its folder besides summary.json. Pictures and session have tables of their own.
+struct OutputScene {
+  bool bone = true;    ///< bone.vdb, from which a later run can start
+  bool report = true;  ///< report.html
+  bool plots = true;   ///< the plot of force, depth and speed over time in the report
+};
+
 struct Scene : StageConfig {
   EffectPlans effects;
+  OutputScene output;
 
   /// @returns the config struct of that type, of the first effect that has one; null if none has.
   template <class Config>

@@ -95,6 +95,7 @@ double length_unit(const std::string& name) {
 VolumeScene read_volume(TableReader table, const std::string& scene_file) {
   VolumeScene out;
   out.place = table.place_of("source");
+  out.spacing_place = table.has("spacing_mm") ? table.place_of("spacing_mm") : out.place;
   const std::string source = table.text("source", std::nullopt,
                                         "phantom:NAME, a DICOM folder, or a file that `burrhole import` reads; relative to the scene's "
                                         "folder, or $NAME/... with an environment variable");

@@ -41,27 +41,38 @@ BoneStep::BoneStep(const StageConfig& config, const Needs& needs, const Tool& to
       cover_(tool.shell.positions),
       near_(kNear * voxmap.bone().bone_from_index().mean_edge()),
       foresight_(foresight_of(config, needs)),
-      spin_(config.tool.spin) {}
+      spin_(config.tool.spin),
+      stretch_(needs.coupling_stiffness > 0.0 ? config.hand.push / needs.coupling_stiffness : 0.0) {}
 
 Result<BoneStep> BoneStep::create(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap,
-                                  const Pose& world_from_tool, StepGraph& graph, const CoarseDistance* coarse) {
+                                  const Pose& world_from_tool, StepGraph& graph, const Approach& approach, const CoarseDistance* coarse) {
   BoneStep out(config, needs, tool, voxmap, graph, coarse);
   out.last_ = world_from_tool;
-  if (Status placed = voxmap.place_window(tool_box(tool, out.index_from_tool(world_from_tool), out.margins_.placed)); !placed)
-    return Error{placed.error().code, "tool \"" + tool.name + "\" is too large for this bone's voxels: " + placed.error().message, {}};
-  // The window grows with the thrust. Arrays that grow with it would leave their former memory behind.
-  std::size_t most = voxmap.window().box.count();
-  if (needs.coupling_stiffness > 0.0) {
-    const Vec3 stretch = world_from_tool.rotate(Vec3(0.0, 0.0, -config.hand.push / needs.coupling_stiffness));
-    const Affine pressed = shifted(out.index_from_tool(world_from_tool), out.index_from_world_.linear * stretch);
-    most = voxmap.window().box.unite(tool_box(tool, pressed, out.margins_.placed)).count();
+  if (Status placed = out.place_window(tool, world_from_tool); !placed) return placed.error();
+  if (needs.paper_grids) {
+    out.grids_ = std::make_unique<VdbContactGrids>(voxmap);
+  } else if (needs.reads_window) {
+    out.publisher_ = std::make_unique<ContactWindowPublisher>(voxmap, needs.fields);
+    out.publisher_->reserve(out.most_);
+  } else {
+    out.axis_ = std::make_unique<AxisBone>(approach);
   }
-  voxmap.reserve(most, 0);
-  out.publisher_ = std::make_unique<ContactWindowPublisher>(voxmap, needs.fields);
-  out.publisher_->reserve(most);
-  out.publisher_->publish(voxmap);
-  if (needs.paper_grids) out.grids_ = std::make_unique<VdbContactGrids>(voxmap);
+  out.publish();
   return out;
+}
+
+Status BoneStep::place_window(const Tool& tool, const Pose& world_from_tool) {
+  const Affine at = index_from_tool(world_from_tool);
+  const VoxelBox box = tool_box(tool, at, margins_.placed);
+  // The window grows with the thrust. Arrays that grow with it would leave their former memory behind.
+  const Vec3 stretch = world_from_tool.rotate(Vec3(0.0, 0.0, -stretch_));
+  const VoxelBox pressed = box.unite(tool_box(tool, shifted(at, index_from_world_.linear * stretch), margins_.placed));
+  for (const VoxelBox& one : {box, pressed})
+    if (const Vec3i size = one.size(); std::max({size.x, size.y, size.z}) <= kMaxWindowEdge) most_ = std::max(most_, one.count());
+  voxmap_->reserve(most_, 0);
+  if (Status placed = voxmap_->place_window(box); !placed)
+    return Error{placed.error().code, "tool \"" + tool.name + "\" is too large for this bone's voxels: " + placed.error().message, {}};
+  return {};
 }
 
 void BoneStep::bind() {
@@ -148,8 +159,8 @@ void BoneStep::move_bone(const Pose& world_from_bone) {
 }
 
 Status BoneStep::change_tool(const Tool& tool) {
-  if (Status placed = voxmap_->place_window(tool_box(tool, index_from_tool(last_), margins_.placed)); !placed)
-    return Error{placed.error().code, "tool \"" + tool.name + "\" is too large for this bone's voxels: " + placed.error().message, {}};
+  if (Status placed = place_window(tool, last_); !placed) return placed;
+  if (publisher_) publisher_->reserve(most_);
   tool_ = &tool;
   cover_ = ShellCover(tool.shell.positions);
   publish();
@@ -157,8 +168,11 @@ Status BoneStep::change_tool(const Tool& tool) {
 }
 
 void BoneStep::publish() {
-  publisher_->publish(*voxmap_);
+  if (publisher_) publisher_->publish(*voxmap_);
   if (grids_) grids_->update(*voxmap_);
+  if (axis_) axis_->publish(*voxmap_);
+  published_window_ = voxmap_->window_epoch();
+  ++published_;
 }
 
 void BoneStep::operator()(const ContactState& found, double thrust, double dt) {
@@ -172,7 +186,7 @@ void BoneStep::operator()(const ContactState& found, double thrust, double dt) {
   // create() has checked the size of the tool. A rotated path may still not fit: then the window stays, and erosion counts the points
   // outside.
   (void)keep_window(foreseen(*cut_, found));
-  bool changed = voxmap_->window_epoch() != publisher_->published_epoch();
+  bool changed = voxmap_->window_epoch() != published_window_;
   graph_->receive(Clock::simulation);
   graph_->run_steps(Clock::simulation, {steps_++, dt});
   if (removal_ != nullptr) {

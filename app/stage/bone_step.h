@@ -1,4 +1,5 @@
-/// app/stage/bone_step.h: one simulation step: moves the window with the tool, runs the effects' steps, publishes the changed bone.
+/// app/stage/bone_step.h: one simulation step: moves the window with the tool, runs the effects' steps, publishes the changed bone in the
+///   form that the contact clock reads: a copy of the window, the paper's grids, or, without contact, the samples of the approach axis.
 ///   Frame  world unless stated; boxes in index coordinates.   Units  SI.   Errors  out_of_range.
 ///   Thread simulation, the only writer of bone.
 #pragma once
@@ -11,6 +12,7 @@
 #include "app/stage/slots.h"
 #include "core/base/step_timer.h"
 #include "core/contact/shell_cover.h"
+#include "core/measure/axis_bone.h"
 #include "core/tool/tool.h"
 #include "core/voxel/contact_window.h"
 
@@ -32,12 +34,17 @@ struct WindowMargins {
   return std::max(usual + usual / 2, kSmall);
 }
 
+/// Blocks of 8^3 voxels, 2 KiB each, that differ from the bone as loaded and for which a live run reserves memory: 28 cm^3 at 0.3 mm.
+inline constexpr std::size_t kReservedBlocks = 2048;
+
 class BoneStep {
  public:
   /// Places the window at the tool and publishes it. out_of_range: the tool does not fit in a window; the message states the sizes.
-  /// @param coarse bounds the distance of bone, so that the window can precede a fast tool; null: it follows the tool.
+  /// @param approach must outlive it. @param coarse bounds the distance of bone, so that the window can precede a fast tool; null: it
+  /// follows the tool.
   [[nodiscard]] static Result<BoneStep> create(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap,
-                                               const Pose& world_from_tool, StepGraph& graph, const CoarseDistance* coarse = nullptr);
+                                               const Pose& world_from_tool, StepGraph& graph, const Approach& approach,
+                                               const CoarseDistance* coarse = nullptr);
   /// Provides the slots of the stage. Call after the effects are bound.
   void bind();
 
@@ -55,8 +62,13 @@ class BoneStep {
   void operator()(const ContactState& found, double thrust, double dt);
   [[nodiscard]] double spin() const noexcept { return *spin_now_; }  ///< [rev/s] at present
   [[nodiscard]] double turned() const noexcept { return turned_; }   ///< [rev] angle of the spindle, 0..1
-  [[nodiscard]] ContactWindowPublisher& publisher() noexcept { return *publisher_; }
+  // What is published; exactly one of the three is not null.
+  [[nodiscard]] ContactWindowPublisher* publisher() noexcept { return publisher_.get(); }
   [[nodiscard]] const VdbContactGrids* grids() const noexcept { return grids_.get(); }
+  [[nodiscard]] AxisBone* axis() noexcept { return axis_.get(); }
+  [[nodiscard]] std::uint64_t published() const noexcept { return published_; }  ///< number of publications, of any form
+  /// @returns the number of window copies published; 0 in a scene in which nothing reads them.
+  [[nodiscard]] std::uint64_t window_copies() const noexcept { return publisher_ ? publisher_->published() : 0; }
   /// [m^3] of solid bone that erosion removed since the start, undone drilling included.
   [[nodiscard]] double removed_mass() const noexcept { return removed_mass_; }
   [[nodiscard]] std::uint64_t points_outside() const noexcept { return points_outside_; }  ///< sum of BoneRemoval::outside
@@ -74,6 +86,8 @@ class BoneStep {
   /// where it may be then.
   [[nodiscard]] ErosionPath foreseen(const Cut& cut, const ContactState& found) const noexcept;
   [[nodiscard]] Status keep_window(const ErosionPath& path);
+  /// Places the window round the tool at a pose and reserves what it grows by under thrust. out_of_range as create().
+  [[nodiscard]] Status place_window(const Tool& tool, const Pose& world_from_tool);
 
   const Tool* tool_;
   Voxmap* voxmap_;
@@ -85,6 +99,8 @@ class BoneStep {
   double near_ = 0.0;       // [m] bone at a smaller bound of its distance counts as near
   double foresight_ = 0.0;  // [s] from a contact result to the last evaluation that reads the window placed for it
   double spin_ = 0.0;       // [rev/s] of the scene, at full command
+  double stretch_ = 0.0;    // [m] of the coupling of a tool that is held back, under the scene's thrust
+  std::size_t most_ = 0;    // [voxels] of the largest window round a tool at rest so far
   double turned_ = 0.0;     // [rev]
   Cut* cut_ = nullptr;
   double* spin_asked_ = nullptr;
@@ -93,6 +109,8 @@ class BoneStep {
   const BoneRemoval* removal_ = nullptr;  // null: no effect removes bone
   std::unique_ptr<ContactWindowPublisher> publisher_;
   std::unique_ptr<VdbContactGrids> grids_;
+  std::unique_ptr<AxisBone> axis_;
+  std::uint64_t published_ = 0, published_window_ = 0;  // publications; window epoch of the last one
   Pose last_;
   double removed_mass_ = 0.0;  // [m^3]
   std::uint64_t points_outside_ = 0;

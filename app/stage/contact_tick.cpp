@@ -4,11 +4,20 @@
 
 namespace burrhole {
 
-std::uint64_t ContactBone::number() const noexcept { return grids != nullptr ? 0 : window->front().number; }
+namespace {
+
+const ContactWindow kNoWindow;  // in which no voxel is known
+
+}  // namespace
+
+std::uint64_t ContactBone::number() const noexcept {
+  if (grids != nullptr) return 0;
+  return window != nullptr ? window->front().number : axis->exchange().front().number;
+}
 
 BoneView ContactBone::view() const {
   if (grids != nullptr) return {ContactView(*grids, bone_from_index, world_from_bone), {}, world_from_bone};
-  const ContactWindow& copy = window->latest();
+  const ContactWindow& copy = window != nullptr ? window->latest() : kNoWindow;
   return {ContactView(copy, bone_from_index, world_from_bone), surface_view(copy, bone_from_index, world_from_bone, coarse),
           world_from_bone, coarse};
 }
@@ -28,6 +37,7 @@ const ContactState& ContactTick::operator()(const HandState& hand) noexcept {
   if (stalled_.load(std::memory_order_relaxed)) return state;
   graph_->receive(Clock::contact);
   const BoneView view = config_.bone.view();
+  const AxisSamples* const axis = config_.bone.axis != nullptr ? &config_.bone.axis->exchange().latest() : nullptr;
   window_ = config_.bone.number();
   const Timer::time_point start = Timer::now();
   *touch_ = {&view, hand};
@@ -48,7 +58,10 @@ const ContactState& ContactTick::operator()(const HandState& hand) noexcept {
   hand_tick_ = hand.tick;
   time_ = static_cast<double>(hand.tick) * config_.servo_period;
   const Vec3 tip = config_.bone.world_from_bone.inverse() * state.world_from_tool.translation;
-  monitor_.look(view.voxels, tip, state.on_hand.force, state.engagement, time_);
+  if (axis != nullptr)
+    monitor_.look(*axis, view.voxels.voxel_edge(), tip, time_);
+  else
+    monitor_.look(view.voxels, tip, state.on_hand.force, state.engagement, time_);
   return state;
 }
 

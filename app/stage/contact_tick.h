@@ -8,21 +8,24 @@
 #include "app/stage/slots.h"
 #include "app/stage/step_graph.h"
 #include "core/base/hash.h"
+#include "core/measure/axis_bone.h"
 #include "core/measure/drill_monitor.h"
 #include "core/voxel/contact_window.h"
 #include "core/voxel/vdb_contact_grids.h"
 
 namespace burrhole {
 
-/// Source of the bone that contact reads: the published window, or the paper's grids.
+/// Source of the bone that the contact clock reads: the published window, the paper's grids, or the samples of the approach axis. One of
+/// the three is not null.
 struct ContactBone {
   SnapshotBuffer<ContactWindow>* window = nullptr;
   const VdbContactGrids* grids = nullptr;
+  AxisBone* axis = nullptr;
   Affine bone_from_index;
   Pose world_from_bone;
   const CoarseDistance* coarse = nullptr;  ///< of the whole bone; null: contact knows only the window
 
-  /// @returns the newest copy; valid until the next call.
+  /// @returns the newest copy; valid until the next call. With the axis alone it knows no voxel.
   [[nodiscard]] BoneView view() const;
   /// @returns the number of that copy (ContactWindow::number); 0 for the paper's grids.
   [[nodiscard]] std::uint64_t number() const noexcept;

@@ -19,6 +19,7 @@
 #include "app/stage/stage_config.h"
 #include "app/stage/step_graph.h"
 #include "core/config/toml.h"
+#include "core/drill/erosion_memory.h"
 #include "core/tool/tool.h"
 #include "core/voxel/contact_window.h"
 #include "haptics/servo/loop_stability.h"
@@ -31,19 +32,20 @@ class Stage;
 struct Needs {
   ServoConfig servo;                                                                        ///< the scene's; effects tighten it
   ContactFields fields{.density = true, .gradient = false, .words = false, .records = {}};  ///< of the window's copies
-  bool paper_grids = false;                                                                 ///< the paper's sparse grids beside them
-  int contact_hz = 0;                                                                       ///< [Hz] 0: the servo's
-  int simulation_hz = 0;                                                                    ///< [Hz] 0: a quarter of the servo's
-  int latency_ticks = -1;                                                                   ///< [servo ticks] -1: one contact period
-  double erosion_pitch_voxels = 0.5;                                                        ///< [voxels] between erosion points
-  bool cutting_field = false;                                                               ///< the tool's field for sub-voxel removal
-  bool feels = false;                                                                       ///< bone exerts forces on the tool
-  bool any_density = false;                                             ///< bone of any density above 0 collides, as in the papers
-  bool holds_back = false;                                              ///< the tool is a body of its own that bone holds back
-  bool removes = false;                                                 ///< bone is removed
-  double coupling_stiffness = 0.0;                                      ///< [N/m] from hand to tool, of a tool that is held back
-  double coupling_damping = 0.0;                                        ///< [N s/m] likewise
-  double cutting_stiffness = 0.0;                                       ///< [N/m] thrust over engaged depth, likewise
+  bool reads_window = false;          ///< a step reads bone on the contact clock from a copy of the window; otherwise none is published
+  bool paper_grids = false;           ///< bone is read on the contact clock from the paper's sparse grids
+  int contact_hz = 0;                 ///< [Hz] 0: the servo's
+  int simulation_hz = 0;              ///< [Hz] 0: a quarter of the servo's
+  int latency_ticks = -1;             ///< [servo ticks] -1: one contact period
+  double erosion_pitch_voxels = 0.5;  ///< [voxels] between erosion points
+  bool cutting_field = false;         ///< the tool's field for sub-voxel removal
+  bool feels = false;                 ///< bone exerts forces on the tool
+  bool any_density = false;           ///< bone of any density above 0 collides, as in the papers
+  bool holds_back = false;            ///< the tool is a body of its own that bone holds back
+  bool removes = false;               ///< bone is removed
+  double coupling_stiffness = 0.0;    ///< [N/m] from hand to tool, of a tool that is held back
+  double coupling_damping = 0.0;      ///< [N s/m] likewise
+  double cutting_stiffness = 0.0;     ///< [N/m] thrust over engaged depth, likewise
   double plane_reach_voxels = std::numeric_limits<double>::infinity();  ///< [voxels] how far from its pose a plane is used
   double force_scale = 1.0;                                             ///< [-] force at the grip over force in the world
   bool through_device = false;                                          ///< a device lies between hand and drill
@@ -57,6 +59,7 @@ struct BoneShape {
   Vec3i dims{0};            ///< [voxels]
   Affine bone_from_index;   ///< [m] from index coordinates
   std::uint64_t bytes = 0;  ///< [bytes] of the bone model; an upper bound before it is read
+  double thickness = 0.0;   ///< [m] of bone along the approach axis; 0: not known before the bone is read
 };
 
 /// Input of a plan: the scene with its bone and tool, before the run.
@@ -68,6 +71,10 @@ struct PlanContext {
   std::uint64_t window_voxels = 0;                                                               ///< size of the master window at the entry
   [[nodiscard]] double voxel_edge() const noexcept { return bone.bone_from_index.mean_edge(); }  ///< [m]
 };
+
+/// @returns the line along which a scene drills: from the entry through the bone or to the stop of the hand; through the whole grid where
+/// the thickness of the bone is not known.
+[[nodiscard]] DrillingWay drilling_way(const StageConfig& config, const BoneShape& bone);
 
 /// A line of `burrhole explain`.
 struct PlanRow {

@@ -36,10 +36,10 @@ struct Settings {
   std::string text;  // "KEY = 0.4 or OTHER = 3"
 };
 Settings stable_settings(const ForceLoop& loop, const Needs& needs) {
-  const LoopKey keys[] = {{&ForceLoop::stiffness, "coupling_N_per_m", loop.stiffness, kOfLimit},
-                          {&ForceLoop::damping, "coupling_N_s_per_m", loop.damping, kOfDampingLimit},
-                          {&ForceLoop::gain, "force_scale", needs.force_scale, kOfLimit}};
-  const std::string at_scale = needs.through_device ? fmt::format(" at force_scale {:.3g}", needs.force_scale) : "";
+  const LoopKey keys[] = {{&ForceLoop::stiffness, "contact.coupling_N_per_m", loop.stiffness, kOfLimit},
+                          {&ForceLoop::damping, "contact.coupling_N_s_per_m", loop.damping, kOfDampingLimit},
+                          {&ForceLoop::gain, "device.force_scale", needs.force_scale, kOfLimit}};
+  const std::string at_scale = needs.through_device ? fmt::format(" at device.force_scale {:.3g}", needs.force_scale) : "";
   Settings out;
   for (const LoopKey& key : keys) {
     const bool scale = key.quantity == &ForceLoop::gain;
@@ -84,7 +84,8 @@ std::optional<std::string> loop_warning(const StageConfig& config, const Needs& 
   const Settings settings = stable_settings(loop, needs);
   const char* of = needs.through_device ? "[device] the loop of device, hand and coupling is unstable"
                                         : "[contact] the loop of hand and coupling is unstable";
-  if (settings.over.empty()) return fmt::format("{}: no smaller coupling_N_per_m or coupling_N_s_per_m alone makes it stable", of);
+  if (settings.over.empty())
+    return fmt::format("{}: no smaller contact.coupling_N_per_m or contact.coupling_N_s_per_m alone makes it stable", of);
   return fmt::format("{}: {}; with {} it is stable", of, settings.over, settings.text);
 }
 

@@ -107,12 +107,12 @@ Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> m
 
   const Pose start{world_from_approach().rotation, world_from_approach() * Vec3(0.0, 0.0, config.hand.standoff)};
   if (needs.feels) coarse_ = std::make_unique<CoarseDistance>(*model);
-  auto step = BoneStep::create(config, needs, *tool, *voxmap, start, graph, coarse_.get());
+  auto step = BoneStep::create(config, needs, *tool, *voxmap, start, graph, approach, coarse_.get());
   if (!step) return Error{step.error().code, step.error().message, config.tool.place};
   bone.emplace(std::move(step).value());
   contact.emplace(graph, approach,
-                  ContactTickConfig{{&bone->publisher().exchange(), bone->grids(), model->bone_from_index(), config.volume.world_from_bone,
-                                     coarse_.get()},
+                  ContactTickConfig{{bone->publisher() != nullptr ? &bone->publisher()->exchange() : nullptr, bone->grids(), bone->axis(),
+                                     model->bone_from_index(), config.volume.world_from_bone, coarse_.get()},
                                     period,
                                     contact_period});
   if (Status bound = bind(); !bound) return Error{bound.error().code, bound.error().message, config.file};
@@ -144,6 +144,8 @@ Status Stage::bind() {
   added_force_ = graph.is_written(slots::kAddedForce.name) ? graph.find(slots::kAddedForce) : nullptr;
   contact->bind();
   bone->bind();
+  if (bone->axis() != nullptr && graph.is_read(slots::kTouch.name))
+    return bad_input("a step reads \"touch\", but no effect requires a copy of bone (Needs::reads_window)");
   return graph.resolve();
 }
 

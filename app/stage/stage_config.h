@@ -26,6 +26,7 @@ struct VolumeScene {
   std::optional<PhantomSpec> phantom;
   std::optional<ScanScene> scan;     ///< when no phantom; .vdb files too
   std::string place;                 ///< place of key `source` in the file, for errors
+  std::string spacing_place;         ///< place of key `spacing_mm`, or of `source` without it, for warnings
   Pose world_from_bone;              ///< keys position_mm, turn_deg (about x, then y, then z)
   double gradient_dead_zone = 0.08;  ///< [1/voxel] shorter gradients of the density are zero
 };

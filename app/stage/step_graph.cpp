@@ -88,6 +88,13 @@ bool StepGraph::is_written(std::string_view name) const noexcept {
   return std::ranges::any_of(slots_, [&](const Slot& slot) { return slot.name == name && (slot.owner != kNone || !slot.adders.empty()); });
 }
 
+bool StepGraph::is_read(std::string_view name) const noexcept {
+  const auto reads = [&](const SlotUse& use) {
+    return slots_[use.slot].name == name && use.access != Access::own && use.access != Access::add;
+  };
+  return std::ranges::any_of(steps_, [&](const BoundStep& step) { return std::ranges::any_of(step.uses, reads); });
+}
+
 std::string StepGraph::who(const Slot& slot) const {
   for (const BoundStep& step : steps_)
     for (const SlotUse& use : step.uses)

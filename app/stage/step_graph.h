@@ -145,6 +145,8 @@ class StepGraph {
   [[nodiscard]] Status resolve();
   /// @returns whether a step owns or adds to the slot of that name.
   [[nodiscard]] bool is_written(std::string_view slot) const noexcept;
+  /// @returns whether a step reads the slot of that name.
+  [[nodiscard]] bool is_read(std::string_view slot) const noexcept;
 
   /// Runs one tick of a clock: receives messages of other clocks, resets `add` slots, runs the steps, sends the values that other clocks
   /// read.

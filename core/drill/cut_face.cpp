@@ -17,6 +17,8 @@ constexpr float kSharedDepth = 1.0f;                      // [voxel edges] bone 
 constexpr double kFacing = 0.3;                           // [-] cosine: a surface that faces the tool; the sides of a post do not
 constexpr float kSteepEnough = 0.1f;                      // [-] least slope with which a lag is extrapolated
 
+constexpr std::size_t kAsked = 6;  // most places asked for per node: for a new normal
+
 std::int16_t steps_of(float distance) noexcept {
   return static_cast<std::int16_t>(std::lrint(std::clamp(distance, -kBand, kBand) / static_cast<float>(kRecord16Distance)));
 }
@@ -112,6 +114,7 @@ CutFace::Sweep CutFace::aim(const Voxmap& voxmap, const Affine& index_from_tool,
     surface_.emplace(bone);
     edge_ = static_cast<float>(bone.mean_edge());
     longest_ = static_cast<float>(glm::length(field_->bounds.hi - field_->bounds.lo)) / edge_ + kBand;
+    reserve_lists();
   }
   const MasterWindow& window = voxmap.window();
   const double edge = bone.mean_edge(), reach = kRecordBand * edge;
@@ -294,8 +297,30 @@ void CutFace::keep() {
   }
 }
 
-std::size_t CutFace::bytes() const noexcept {
-  return scratch_.capacity() * sizeof(Record16) + nodes_.capacity() * (sizeof(Receding) + sizeof(Lag) + 14 * sizeof(float));
+std::size_t CutFace::reserved_nodes(const CuttingField& field, double edge) noexcept {
+  // Area of the cutting surface, from the nodes of the field within a pitch of it. Over it bone whose distance is known, and the ramp.
+  std::size_t near = 0;
+  for (const float distance : field.distance) near += std::abs(distance) < static_cast<float>(field.pitch) ? 1 : 0;
+  const double area = 0.5 * static_cast<double>(near) * field.pitch * field.pitch;
+  return static_cast<std::size_t>(area / (edge * edge) * (kRecordBand + static_cast<double>(kFree)));
+}
+
+std::size_t CutFace::list_bytes(std::size_t nodes) noexcept {
+  constexpr std::size_t kPlace = 3 * sizeof(float);
+  return nodes * (sizeof(Receding) + 2 * kPlace + kAsked * (kPlace + sizeof(float)) + sizeof(float) + sizeof(Lag) + sizeof(std::uint32_t));
+}
+
+/// Steps of a usual run then allocate only blocks of the cut surface.
+void CutFace::reserve_lists() {
+  const std::size_t most = reserved_nodes(*field_, static_cast<double>(edge_));
+  nodes_.reserve(most);
+  places_.reserve(most);
+  moved_.reserve(most);
+  asked_.reserve(kAsked * most);
+  sampled_.reserve(kAsked * most + kFieldPad);
+  after_.reserve(most);
+  lags_.reserve(most);
+  open_.reserve(most);
 }
 
 }  // namespace burrhole

@@ -65,6 +65,9 @@ struct FieldPlaces {
   std::vector<float> x, y, z;  ///< [nodes]
   std::size_t count = 0;
   void clear() noexcept { count = 0; }
+  void reserve(std::size_t most) {
+    for (std::vector<float>* list : {&x, &y, &z}) list->resize(most + kFieldPad);
+  }
   void add(const Vec3f& p) {
     resize(count + 1);
     set(count - 1, p);
@@ -93,6 +96,7 @@ class CutFace {
   std::uint32_t find(Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction);
   /// Those of the last find().
   [[nodiscard]] std::span<const Receding> nodes() const noexcept { return nodes_; }
+  [[nodiscard]] std::size_t reserved() const noexcept { return nodes_.capacity(); }  ///< nodes for which there is room
   /// Voxels with bone inside the tool of the last find(), if it overlaps no face: it was placed inside bone. The law thins them out
   /// evenly. Empty if nodes() is not.
   [[nodiscard]] std::span<const Buried> buried() const noexcept { return buried_; }
@@ -106,7 +110,10 @@ class CutFace {
   /// @returns the density of a node [-].
   [[nodiscard]] static float density_of(float phi) noexcept { return std::clamp(0.5f - phi / (2.0f * kRamp), 0.0f, 1.0f); }
 
-  [[nodiscard]] std::size_t bytes() const noexcept;
+  /// @returns the number of nodes for which lists are reserved: every voxel within the band of known distances of the cutting surface.
+  [[nodiscard]] static std::size_t reserved_nodes(const CuttingField& field, double edge) noexcept;
+  /// @returns the memory of the lists for that number of nodes.
+  [[nodiscard]] static std::size_t list_bytes(std::size_t nodes) noexcept;
 
  private:
   struct Sweep;
@@ -120,6 +127,7 @@ class CutFace {
   void visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at);
   void complete(const Voxmap& voxmap, const Vec3i& at, CutSurface::Block& block);
   void sample(const FieldPlaces& places);
+  void reserve_lists();
   void find_lags();
   [[nodiscard]] bool faces_tool(const CutSurface::Node& node, const Vec3f& place) const noexcept;
   void start(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place, float tool,

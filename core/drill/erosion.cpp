@@ -16,9 +16,12 @@ constexpr double kGone = 128.0;         // e^-128 x a float <= 1 rounds to 0; an
 
 }  // namespace
 
-Erosion::Erosion(const ErosionConfig& config, const ErosionPoints& points) : config_(config), points_(points), scatter_(points) {
-  if (points_.size() == 0) return;
-  tool_bounds_ = bounds_of_points(points_.positions);
+Erosion::Erosion(const ErosionConfig& config, const ErosionPoints& points, bool by_points) : config_(config), count_(points.size()) {
+  if (count_ == 0) return;
+  tool_bounds_ = bounds_of_points(points.positions);
+  if (!by_points) return;
+  points_ = points;
+  if (config.form == ErosionForm::scatter) scatter_ = PointScatter(points);
 }
 
 Erosion::Erosion(Erosion&&) noexcept = default;
@@ -35,7 +38,7 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
   for (std::size_t n = 0; n < points.size(); ++n)
     if (!is_finite(points.positions[n]) || !(points.factors[n] >= 0.0f) || !std::isfinite(points.factors[n]))
       return refuse("an erosion point is not finite or its factor is negative");
-  Erosion erosion(config, points);
+  Erosion erosion(config, points, !config.subvoxel && config.law != ErosionLaw::energy);
   if (config.subvoxel) {
     auto face = FaceRemoval::create(config, std::move(field));
     if (!face) return face.error();
@@ -47,8 +50,6 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
   }
   return erosion;
 }
-
-std::size_t Erosion::bytes() const noexcept { return face_ ? face_->bytes() : 0; }
 
 int Erosion::substeps_for(const ErosionPath& path) const noexcept {
   // Positions are affine in the corners, so the corner of the tool's box with the largest motion bounds every point.
@@ -66,7 +67,7 @@ ErosionOutcome Erosion::step(Voxmap& voxmap, const ErosionPath& path, double spi
 ErosionOutcome Erosion::step(Voxmap& voxmap, const ErosionPath& path, const CuttingLoad& load, double dt) {
   ErosionOutcome outcome;
   const double spin = load.spin;
-  if (!(spin > 0.0) || points_.size() == 0 || !(dt > 0.0)) return outcome;
+  if (!(spin > 0.0) || count_ == 0 || !(dt > 0.0)) return outcome;
   if (face_) return face_->step(voxmap, path, substeps_for(path), load, dt);
   if (engaged_) return engaged_->step(voxmap, path, substeps_for(path), load, dt);
   const MasterWindow& window = voxmap.window();

@@ -104,17 +104,16 @@ class Erosion {
 
   [[nodiscard]] const ErosionConfig& config() const noexcept { return config_; }
   [[nodiscard]] int substeps_for(const ErosionPath& path) const noexcept;
-  /// @returns the memory of the state between steps.
-  [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
-  Erosion(const ErosionConfig& config, const ErosionPoints& points);
+  Erosion(const ErosionConfig& config, const ErosionPoints& points, bool by_points);
   void weigh_points(double spin, double voxel_edge);
   std::uint32_t expose(const MasterWindow& window, const Affine& index_from_tool);
 
   ErosionConfig config_;
-  ErosionPoints points_;
-  PointScatter scatter_;
+  std::size_t count_;                        // points of the tool
+  ErosionPoints points_;                     // of the laws that are applied here; empty with face_ and engaged_, which keep what they need
+  PointScatter scatter_;                     // of points_
   StrengthField strength_;                   // of form gather, made at the first step
   Bounds tool_bounds_;                       // of the points, tool frame
   double weighed_for_ = 0.0;                 // [1] s of eq. 4 that the points' weights hold for; 0 when they are the factors

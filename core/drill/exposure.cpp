@@ -179,7 +179,9 @@ void ExposureField::place(const MasterWindow& window, const VoxelBox& part) {
   const int lead = (part.lo.x - window.box.lo.x) % 8;
   box.lo.x -= lead;
   box.hi.x = box.lo.x + (part.hi.x - box.lo.x + 7) / 8 * 8;
-  if (sums.size() < box.count()) sums.resize(box.count(), 0);
+  if (sums.size() >= box.count()) return;
+  sums = {};  // all zero: freed before the larger one is allocated
+  sums.resize(box.count(), 0);
 }
 
 PointScatter::PointScatter(const ErosionPoints& points) : pitch_(points.pitch), count_(static_cast<std::uint32_t>(points.size())) {
@@ -188,8 +190,10 @@ PointScatter::PointScatter(const ErosionPoints& points) : pitch_(points.pitch), 
   distinct_ = points.factors;
   std::ranges::sort(distinct_);
   distinct_.erase(std::unique(distinct_.begin(), distinct_.end()), distinct_.end());
+  distinct_.shrink_to_fit();
 
   const auto order = lattice_order(points);
+  if (distinct_.size() > 1) kind_.reserve(order.size());
   if (distinct_.size() > 1)
     for (const std::uint32_t n : order)
       kind_.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(distinct_, points.factors[n]) - distinct_.begin()));
@@ -214,6 +218,12 @@ PointScatter::PointScatter(const ErosionPoints& points) : pitch_(points.pitch), 
   for (std::vector<std::int32_t>* field : {&base_, &carry_x_, &carry_y_, &carry_z_, &inside_}) field->resize(padded);
   for (std::vector<std::int32_t>* field : {&step_offset_, &step_x_, &step_y_, &step_z_}) field->resize(longest_ + kStepPad);
   set_weights(std::vector<double>(distinct_.begin(), distinct_.end()));
+}
+
+std::size_t PointScatter::bytes() const noexcept {
+  const auto of = [](const auto&... lists) { return ((lists.capacity() * sizeof(lists[0])) + ...); };
+  return of(run_x_, run_y_, run_z_, run_span_, run_first_, distinct_, kind_, before_, step_offset_, step_x_, step_y_, step_z_, base_,
+            carry_x_, carry_y_, carry_z_, inside_);
 }
 
 void PointScatter::set_weights(std::span<const double> weights) {

@@ -42,6 +42,7 @@ class PointScatter {
   /// Places `field` around the points at a pose and adds the weight of each point to the voxel that contains it.
   /// @returns the number of points outside the erodible box of the window; they add nothing.
   std::uint32_t add(const MasterWindow& window, const Affine& index_from_tool, ExposureField& field);
+  [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
   void measure_steps(const Vec3& along, const Vec3i& strides);

@@ -74,6 +74,7 @@ ErosionOutcome FaceRemoval::step(Voxmap& voxmap, const ErosionPath& path, int su
 
 std::span<const float> FaceRemoval::recede(double turns) {
   shares_.clear();
+  shares_.reserve(face_.reserved());
   for (const Receding& node : face_.nodes()) shares_.push_back(share_of(node, turns));
   return face_.recede(shares_);
 }

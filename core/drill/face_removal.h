@@ -20,7 +20,6 @@ class FaceRemoval {
   /// @returns out_of_range if energies are not > 0, the law is `per_update`, or there is no field.
   [[nodiscard]] static Result<FaceRemoval> create(const ErosionConfig& config, std::shared_ptr<const CuttingField> field);
   ErosionOutcome step(Voxmap& voxmap, const ErosionPath& path, int substeps, const CuttingLoad& load, double dt);
-  [[nodiscard]] std::size_t bytes() const noexcept { return face_.bytes() + shares_.capacity() * sizeof(float); }
 
  private:
   FaceRemoval(const ErosionConfig& config, std::shared_ptr<const CuttingField> field) : config_(config), face_(std::move(field)) {}

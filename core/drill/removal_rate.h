@@ -4,8 +4,13 @@
 ///   of bone lags the tool by d. A face recedes at e s / h times its lag (core/drill/cut_face.h), e the erosion factor of the tool at the
 ///   face. So v = min of e d s / h over the points that face the feed, and Q = A v, with A the area of the cutting part seen along the
 ///   feed. A passive point ahead of which nothing cuts stops the bit: v = 0. For a uniform factor: v = (F / K_cut) e s / h.
-///   Accuracy: bits_drilling_test.cpp compares every shipped bit.
+///   Where e changes within a voxel, as on the axis of a round burr, the face is interpolated between voxels, and v depends on where the axis
+///   lies between them: from e at the place itself to the mean of e at the corners of a voxel round it. The speed is the middle of this
+///   range, and unknown if the range is wider than 10 % either way.
+///   Accuracy: bits_feed_test.cpp measures every shipped bit: 10 %, or unknown.
 #pragma once
+
+#include <string>
 
 #include "core/base/result.h"
 #include "core/tool/tool.h"
@@ -17,16 +22,19 @@ struct FeedConditions {
   double spin = 1000.0 / 60.0;      ///< [rev/s]
   double hardness = 1.0;            ///< [-] h in (0, 1]
   double cutting_stiffness = 140e3;  ///< [N/m] K_cut; the default of a scene
+  double voxel_edge = 0.25e-3;      ///< [m] of the bone
 };
 
 /// Direction of the feed: along the shaft into bone (-z), or sideways (+x).
 enum class FeedDirection { plunge, sideways };
 
 struct FeedPrediction {
-  double engaged = 0.0;  ///< [m] F / K_cut
-  double speed = 0.0;    ///< [m/s] 0: a face that does not cut is ahead
-  double area = 0.0;     ///< [m^2] of the cutting part, seen along the feed
-  double rate = 0.0;     ///< [m^3/s]
+  double engaged = 0.0;            ///< [m] F / K_cut
+  double speed = 0.0;              ///< [m/s] 0: a face that does not cut is ahead; an estimate if `unknown` is not empty
+  double area = 0.0;               ///< [m^2] of the cutting part, seen along the feed
+  double rate = 0.0;               ///< [m^3/s]
+  double least = 0.0, most = 0.0;  ///< [m/s] range of the speed by where the limiting point lies between voxels
+  std::string unknown{};           ///< why the speed is not known to 10 %; empty: it is
 };
 
 /// Points above the highest and (sideways) below the lowest cutting point are ignored: a shaft or a foot is assumed to be clear of bone.

@@ -10,40 +10,47 @@ constexpr double kCutLag = 0.01;
 
 }  // namespace
 
-void DrillMonitor::look(const ContactView& bone, const Vec3& tip_bone, const Vec3& force, double engagement, double time) noexcept {
+template <class Solid>
+void DrillMonitor::follow(const Tip& tip, double voxel_edge, const Solid& solid) noexcept {
   const Approach& a = *approach_;
-  const double depth = -(a.bone_from_approach.inverse() * tip_bone).z;
-  const double speed = time > last_time_ ? std::max(0.0, depth - progress_.depth) / (time - last_time_) : 0.0;
-  last_time_ = time;
+  const double depth = -(a.bone_from_approach.inverse() * tip.place).z;
+  const double speed = tip.time > last_time_ ? std::max(0.0, depth - progress_.depth) / (tip.time - last_time_) : 0.0;
+  last_time_ = tip.time;
   progress_.depth = depth;
   progress_.deepest = std::max(progress_.deepest, progress_.depth);
-  progress_.peak_force = std::max(progress_.peak_force, glm::length(force));
+  progress_.peak_force = std::max(progress_.peak_force, tip.force);
   if (progress_.breakthrough_time) return;
 
   std::size_t front = 0;
-  while (front < a.axis_index.size() && !solid(bone, front)) ++front;
+  while (front < a.axis_index.size() && !solid(front)) ++front;
   progress_.front = front < a.axis_index.size() ? a.axis_depth[front] : a.thickness;
-  progress_.largest_ahead = std::max(progress_.largest_ahead, progress_.depth - progress_.front - engagement);
+  progress_.largest_ahead = std::max(progress_.largest_ahead, progress_.depth - progress_.front - tip.engagement);
 
   for (std::size_t n = a.axis_index.size(); n-- > 0 && a.axis_depth[n] > progress_.depth;)
-    if (solid(bone, n)) return;
+    if (solid(n)) return;
   std::size_t cut = 0;
-  for (std::size_t n = 0; n < a.axis_index.size(); ++n) cut += solid(bone, n) ? 0 : 1;
+  for (std::size_t n = 0; n < a.axis_index.size(); ++n) cut += solid(n) ? 0 : 1;
   const double share = static_cast<double>(cut) / static_cast<double>(a.axis_index.size());
   if (!progress_.passed_time) {
-    progress_.passed_time = time;
+    progress_.passed_time = tip.time;
     progress_.removed_at_passing = share;
   }
-  const bool drilled = progress_.depth - progress_.front <= engagement + bone.voxel_edge() + speed * kCutLag && share >= kLeastCut;
+  const bool drilled = progress_.depth - progress_.front <= tip.engagement + voxel_edge + speed * kCutLag && share >= kLeastCut;
   if (front < a.axis_index.size() && !drilled) return;
-  progress_.breakthrough_time = time;
+  progress_.breakthrough_time = tip.time;
   progress_.breakthrough_depth = progress_.depth;
 }
 
-bool DrillMonitor::solid(const ContactView& bone, std::size_t place) noexcept {
-  const Vec3& index = approach_->axis_index[place];
-  if (bone.knows(voxel_of(index))) cut_[place] = bone.sample(index) < kSurfaceLevel ? 1 : 0;
-  return cut_[place] == 0;
+void DrillMonitor::look(const ContactView& bone, const Vec3& tip_bone, const Vec3& force, double engagement, double time) noexcept {
+  follow({tip_bone, glm::length(force), engagement, time}, bone.voxel_edge(), [&](std::size_t n) {
+    const Vec3& index = approach_->axis_index[n];
+    if (bone.knows(voxel_of(index))) cut_[n] = bone.sample(index) < kSurfaceLevel ? 1 : 0;
+    return cut_[n] == 0;
+  });
+}
+
+void DrillMonitor::look(const AxisSamples& axis, double voxel_edge, const Vec3& tip_bone, double time) noexcept {
+  follow({tip_bone, 0.0, 0.0, time}, voxel_edge, [&](std::size_t n) { return axis.bone[n] != 0; });
 }
 
 }  // namespace burrhole

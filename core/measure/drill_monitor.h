@@ -1,6 +1,6 @@
 /// core/measure/drill_monitor.h: progress of the tip along the planned axis: cutting front, breakthrough, plunge, tunnelling, peak force.
 ///   Frame  bone frame; depth along the axis from the entry, into bone.   Units  SI.   Errors  none.
-///   Thread  contact (reads the window copy).
+///   Thread  contact (reads the copy of bone that contact reads, or the axis alone).
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 
 #include "core/contact/contact_view.h"
 #include "core/measure/approach.h"
+#include "core/measure/axis_bone.h"
 
 namespace burrhole {
 
@@ -30,15 +31,24 @@ class DrillMonitor {
   explicit DrillMonitor(const Approach& approach) : approach_(&approach), cut_(approach.axis_index.size(), 0) {}
   /// Processes one contact tick. @param tip_bone [m] bone frame. @param force [N]. @param engagement [m]. @param time [s].
   void look(const ContactView& bone, const Vec3& tip_bone, const Vec3& force, double engagement, double time) noexcept;
+  /// The same in a scene without contact. @param voxel_edge [m].
+  void look(const AxisSamples& axis, double voxel_edge, const Vec3& tip_bone, double time) noexcept;
   [[nodiscard]] const DrillProgress& progress() const noexcept { return progress_; }
 
  private:
-  /// Whether bone is present at a sample of the axis. Outside the window the last known state is returned.
-  [[nodiscard]] bool solid(const ContactView& bone, std::size_t place) noexcept;
+  struct Tip {
+    Vec3 place;         // [m] bone frame
+    double force;       // [N]
+    double engagement;  // [m]
+    double time;        // [s]
+  };
+  /// @param solid(n) is whether sample n of the axis is bone now.
+  template <class Solid>
+  void follow(const Tip& tip, double voxel_edge, const Solid& solid) noexcept;
 
   const Approach* approach_;
   double last_time_ = 0.0;         // [s]
-  std::vector<std::uint8_t> cut_;  // 1: the axis sample was seen without bone
+  std::vector<std::uint8_t> cut_;  // 1: the axis sample was seen without bone; outside the window the last known state holds
   DrillProgress progress_;
 };
 

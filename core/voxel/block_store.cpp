@@ -21,7 +21,7 @@ void BlockPool::reserve(std::size_t blocks) {
   while (capacity() < blocks) {
     const std::size_t first = capacity();
     free_.reserve(first + kChunk);
-    chunks_.push_back(std::make_unique_for_overwrite<BlockValues[]>(kChunk));
+    chunks_.push_back(std::make_unique<BlockValues[]>(kChunk));
     for (std::size_t n = kChunk; n > 0; --n) free_.push_back(static_cast<Index>(first + n - 1));
   }
 }

@@ -41,7 +41,7 @@ class BlockPool {
   using Index = std::uint32_t;
   static constexpr std::size_t kChunk = 64;  ///< blocks that are allocated together
 
-  /// Reserves memory for `blocks` blocks in total, rounded up to whole chunks.
+  /// Reserves memory for `blocks` blocks in total, rounded up to whole chunks, and writes it: its pages are resident then.
   void reserve(std::size_t blocks);
   /// @returns a free block; allocates a chunk if there is none.
   [[nodiscard]] Index take();

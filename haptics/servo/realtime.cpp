@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <thread>
 
 #if defined(__SSE2__)
@@ -35,12 +36,23 @@ FlushToZero::FlushToZero() noexcept = default;
 FlushToZero::~FlushToZero() = default;
 #endif
 
+namespace {
+
+/// @returns the limit [bytes] under which this user may lock memory; nothing without a limit.
+std::optional<rlim_t> lock_limit() noexcept {
+  rlimit limit{};
+  if (::geteuid() == 0 || ::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  return limit.rlim_cur;
+}
+
+}  // namespace
+
+bool may_lock_memory() noexcept { return !lock_limit(); }
+
 LockedMemory::LockedMemory() noexcept {
   // Under a memory limit, locking may succeed now and later allocations of the program then fail.
-  rlimit limit{};
-  const bool limited = ::geteuid() != 0 && ::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
-  if (limited)
-    refusal_ = "at most " + std::to_string(limit.rlim_cur / 1024) + " KiB";
+  if (const auto limit = lock_limit())
+    refusal_ = "at most " + std::to_string(*limit / 1024) + " KiB";
   else if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
     refusal_ = std::strerror(errno);
 }

@@ -41,6 +41,9 @@ class LockedMemory {
   std::string refusal_;
 };
 
+/// @returns whether the user's limit lets LockedMemory lock the program's memory; the system may refuse it even so.
+[[nodiscard]] bool may_lock_memory() noexcept;
+
 inline constexpr int kServoAbove = 60, kContactAbove = 50,
                      kBoneAbove = 10;  ///< FIFO priorities of the live threads, above the lowest FIFO priority
 

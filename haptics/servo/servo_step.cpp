@@ -193,7 +193,7 @@ const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
   faults_ &= kServoLatched | kServoStopped;  // other bits are set again in each tick
   const ContactState& contact = contact_in_->latest();
   watch(contact);
-  output_.wanted = multi_rate_(contact, output_.hand, config_.period).force;
+  output_.wanted = multi_rate_timer_([&] { return multi_rate_(contact, output_.hand, config_.period).force; });
   if (added != Vec3(0.0)) output_.wanted += added;
   if (!burrhole::is_finite(output_.wanted) || !burrhole::is_finite(contact.on_hand.force)) {
     output_.wanted = Vec3(0.0);

@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "core/base/result.h"
+#include "core/base/step_timer.h"
 #include "core/base/triple_buffer.h"
 #include "core/contact/contact_state.h"
 #include "haptics/hand/hand_source.h"
@@ -106,6 +107,8 @@ class ServoStep {
   void use_tangential_law(TangentialLaw* law) noexcept { multi_rate_.use_tangential_law(law); }
   [[nodiscard]] std::uint32_t faults() const noexcept { return faults_; }
   [[nodiscard]] const ServoCounts& counts() const noexcept { return counts_; }
+  /// Durations of the part of a tick that computes the force from the latest contact result: by its local planes, or another scheme.
+  [[nodiscard]] const StepTimer& multi_rate_timer() const noexcept { return multi_rate_timer_; }
   [[nodiscard]] const Swing& swing() const noexcept { return swings_.largest(); }  ///< largest limit cycle since construction
 
  private:
@@ -124,6 +127,7 @@ class ServoStep {
   TripleBuffer<HandState>* hand_out_;
   std::atomic<bool> stop_requested_{false}, reset_requested_{false};
   MultiRate multi_rate_;
+  StepTimer multi_rate_timer_;
   EnergyObserver energy_;
   SwingDetector swings_;
   SlewLimit slew_;

@@ -20,7 +20,7 @@ shape = "cylinder"
 z_mm = 0
 height_mm = 5
 diameter_mm = 2
-erosion_factor = 0.2
+erosion_factor = 0.1
 )";
 constexpr const char* kPunch = R"(title = "Punch: a flat cutting cylinder of 4 mm"
 [shell]
@@ -31,7 +31,7 @@ shape = "cylinder"
 z_mm = 0
 height_mm = 6
 diameter_mm = 4
-erosion_factor = 0.2
+erosion_factor = 0.1
 )";
 constexpr const char* kBall = R"(title = "Ball: a cutting sphere of 2 mm"
 [shell]
@@ -41,7 +41,7 @@ name = "ball"
 shape = "sphere"
 z_mm = 0
 diameter_mm = 2
-erosion_factor = 0.2
+erosion_factor = 0.1
 )";
 
 void write_tools(const std::string& folder) {

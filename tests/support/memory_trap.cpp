@@ -1,8 +1,10 @@
 #include "tests/support/memory_trap.h"
 
 #include <dlfcn.h>
+#include <malloc.h>
 #include <pthread.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 
@@ -10,16 +12,27 @@ namespace {
 
 thread_local bool on_path = false;
 thread_local std::uint64_t allocations = 0, locks = 0;
+thread_local std::int64_t held = 0, most_held = 0;  // [bytes]
 
-void note_allocation() noexcept { allocations += on_path ? 1 : 0; }
+/// Adds a call, and the size of the block that it allocated or is about to free. @returns the block.
+void* note(void* block, int sign) noexcept {
+  if (!on_path) return block;
+  if (sign > 0) ++allocations;
+  held += sign * static_cast<std::int64_t>(malloc_usable_size(block));
+  most_held = std::max(most_held, held);
+  return block;
+}
 
 }  // namespace
 
 namespace burrhole::test {
 
 void set_trap(bool on) noexcept { on_path = on; }
-void clear_trap() noexcept { allocations = locks = 0; }
-TrapCounts trapped() noexcept { return {allocations, locks}; }
+void clear_trap() noexcept {
+  allocations = locks = 0;
+  held = most_held = 0;
+}
+TrapCounts trapped() noexcept { return {allocations, locks, held, most_held}; }
 
 void break_the_rules() noexcept {
   void* volatile block = std::malloc(16);
@@ -38,33 +51,21 @@ void* __libc_realloc(void* block, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void __libc_free(void* block);
 
-void* malloc(std::size_t size) {
-  note_allocation();
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  note_allocation();
-  return __libc_calloc(count, size);
-}
+void* malloc(std::size_t size) { return note(__libc_malloc(size), 1); }
+void* calloc(std::size_t count, std::size_t size) { return note(__libc_calloc(count, size), 1); }
 void* realloc(void* block, std::size_t size) {
-  note_allocation();
-  return __libc_realloc(block, size);
+  note(block, -1);
+  return note(__libc_realloc(block, size), 1);
 }
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  note_allocation();
-  return __libc_memalign(alignment, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) {
-  note_allocation();
-  return __libc_memalign(alignment, size);
-}
+void* aligned_alloc(std::size_t alignment, std::size_t size) { return note(__libc_memalign(alignment, size), 1); }
+void* memalign(std::size_t alignment, std::size_t size) { return note(__libc_memalign(alignment, size), 1); }
 int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
-  note_allocation();
-  *block = __libc_memalign(alignment, size);
+  *block = note(__libc_memalign(alignment, size), 1);
   return *block == nullptr ? ENOMEM : 0;
 }
 void free(void* block) {
-  note_allocation();
+  allocations += on_path ? 1 : 0;
+  note(block, -1);
   __libc_free(block);
 }
 

@@ -10,6 +10,8 @@ namespace burrhole::test {
 struct TrapCounts {
   std::uint64_t allocations = 0;  ///< malloc and its kin, free included
   std::uint64_t locks = 0;        ///< mutexes, read locks, waits on conditions
+  std::int64_t held = 0;          ///< [bytes] allocated less freed, as the allocator rounds them
+  std::int64_t most_held = 0;     ///< [bytes] largest value of held
 };
 
 void set_trap(bool on) noexcept;

@@ -29,7 +29,7 @@ class OtherCommands(WithFolder):
 
     def test_explain_tells_what_runs_and_what_does_not(self):
         plan = json.loads(run("explain", QUICK, "--json").stdout)
-        self.assertEqual([e["name"] for e in plan["effects"]], ["volume", "hand", "contact", "erosion", "display", "record"])
+        self.assertEqual([e["name"] for e in plan["effects"]], ["volume", "publish", "hand", "contact", "erosion", "display", "record"])
         self.assertIn("heat", plan["not_built"])
         self.assertIn("spindle", plan["not_built"])
         self.assertTrue(all(e["time_us"] is None for e in plan["effects"]))
@@ -54,10 +54,25 @@ class OtherCommands(WithFolder):
                 self.assertIn("limits.memory_mb is exceeded", refused.stderr)
                 self.assertFalse((self.folder / "none").exists())
 
+    def test_the_predicted_memory_counts_threads_tools_and_history(self):
+        inputs = self.folder / "inputs.toml"
+        inputs.write_text('[[input]]\ntime_s = 0.5\nkind = "tool"\nname = "trephine_12mm"\n')
+        scene = self.quick(append="[output]\nbone = false\n")
+        for arguments in (["--live"], ["--inputs", inputs], ["--live", "--inputs", inputs]):
+            with self.subTest(arguments=arguments):
+                out = self.folder / "run"
+                done = run("drill", scene, "--out", out, "--set", "duration_s=1.5", *arguments)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                memory = json.loads((out / "summary.json").read_text())["memory"]
+                self.assertLess(abs(memory["predicted_bytes"] / memory["peak_bytes"] - 1.0), 0.15, memory)
+                refused = run("drill", scene, "--out", self.folder / "none", "--set", f"limits.memory_mb={memory['predicted_bytes'] * 0.98e-6}", *arguments)
+                self.assertEqual(refused.returncode, 2)
+                self.assertIn("limits.memory_mb is exceeded", refused.stderr)
+
     def test_explain_has_a_row_for_a_spindle_and_bytes_by_the_model(self):
         scene = self.quick(append="[spindle]\n")
         measured = json.loads(run("explain", scene, "--json", "--measure", "--set", "duration_s=0.6").stdout)
-        self.assertEqual([e["name"] for e in measured["effects"]], ["volume", "hand", "contact", "erosion", "spindle", "display", "record"])
+        self.assertEqual([e["name"] for e in measured["effects"]], ["volume", "publish", "hand", "contact", "erosion", "spindle", "display", "record"])
         rows = {e["name"]: e for e in measured["effects"]}
         self.assertGreater(rows["spindle"]["time_us"], 0)
         self.assertGreater(rows["spindle"]["bytes"], 0)
@@ -65,13 +80,13 @@ class OtherCommands(WithFolder):
         self.assertRegex(run("explain", scene).stdout, r"(?m)^spindle +simulation +100 Hz")
         self.assertEqual([e["name"] for e in json.loads(run("explain", QUICK, "--json").stdout)["effects"]].count("spindle"), 0)
 
-        def contact_bytes(*sets):
+        def copy_bytes(*sets):
             # Without thrust: the window of a tool on a spring reaches to where the spring would take it.
             sets = ("hand.push_N=0", *sets)
             plan = json.loads(run("explain", QUICK, "--json", *[a for s in sets for a in ("--set", s)]).stdout)
-            return next(e["bytes"] for e in plan["effects"] if e["name"] == "contact")
-        voxmap, words = contact_bytes("contact.model=voxmap"), contact_bytes("contact.model=gradient-plane")
-        records8, records16 = contact_bytes("contact.record_bits=\"8\""), contact_bytes()
+            return next(e["bytes"] for e in plan["effects"] if e["name"] == "publish")
+        voxmap, words = copy_bytes("contact.model=voxmap"), copy_bytes("contact.model=gradient-plane")
+        records8, records16 = copy_bytes("contact.record_bits=\"8\""), copy_bytes()
         # A voxel's words are 4 bytes, its records 4 or 8 and one of hardness: 4 : 5 : 9 over the density that all copies hold.
         self.assertEqual((records8 - voxmap) * 4, (words - voxmap) * 5)
         self.assertEqual((records16 - voxmap) * 4, (words - voxmap) * 9)

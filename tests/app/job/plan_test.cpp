@@ -39,11 +39,12 @@ TEST_CASE("plan: the rows are the tables, in the order of their steps, and the r
   CHECK(least.warnings.empty());
 
   const Plan drilling = make_plan(load_small({.record = true}));
-  CHECK(row_names(drilling) == std::vector<std::string>{"volume", "hand", "contact", "erosion", "record"});
+  CHECK(row_names(drilling) == std::vector<std::string>{"volume", "publish", "hand", "contact", "erosion", "record"});
   CHECK(drilling.not_built == all_but({"contact", "erosion", "record"}));
-  CHECK(drilling.rows[1].rate_hz == 1000.0);
+  CHECK(drilling.rows[1].rate_hz == 100.0);
   CHECK(drilling.rows[2].rate_hz == 1000.0);
-  CHECK(drilling.rows[3].rate_hz == 100.0);
+  CHECK(drilling.rows[3].rate_hz == 1000.0);
+  CHECK(drilling.rows[4].rate_hz == 100.0);
   for (const PlanRow& row : drilling.rows) CHECK((row.bytes > 0 || row.table == "hand"));
 }
 
@@ -54,7 +55,7 @@ TEST_CASE("plan: the shipped scene has every row this version knows") {
   const auto loaded = load_scene(*document, test_context(), issues);
   REQUIRE_MESSAGE(loaded.has_value(), (issues.empty() ? "" : issues.front().text()));
   const Plan plan = make_plan(*loaded);
-  CHECK(row_names(plan) == std::vector<std::string>{"volume", "hand", "contact", "erosion", "display", "record"});
+  CHECK(row_names(plan) == std::vector<std::string>{"volume", "publish", "hand", "contact", "erosion", "display", "record"});
   CHECK(plan.not_built == all_but({"contact", "erosion", "display", "record"}));
   CHECK(plan.warnings.empty());
 }
@@ -67,7 +68,7 @@ const PlanRow& row_of(const Plan& plan, const std::string& name) {
 
 TEST_CASE("plan: [spindle] is a row between erosion and display, with its figures") {
   const Plan plan = make_plan(load_small({.spindle = true, .record = true, .sets = {"spindle.stall_torque_Nm=0.5"}}));
-  CHECK(row_names(plan) == std::vector<std::string>{"volume", "hand", "contact", "erosion", "spindle", "record"});
+  CHECK(row_names(plan) == std::vector<std::string>{"volume", "publish", "hand", "contact", "erosion", "spindle", "record"});
   CHECK(row_of(plan, "spindle").detail == "1000 rpm free, stalls at 0.5 N m");
   CHECK(row_of(plan, "spindle").rate_hz == 100.0);
   CHECK(plan.warnings.empty());
@@ -75,14 +76,13 @@ TEST_CASE("plan: [spindle] is a row between erosion and display, with its figure
 
 // By hand: three copies of density (4 bytes), and three of words (4) or records (8, or 4) with hardness (1), which are kept once more where
 // they are made.
-TEST_CASE("plan: bytes of contact are those of the fields that its model reads") {
+TEST_CASE("plan: bytes of publishing are those of the fields that its model reads") {
   const auto bytes = [](const std::string& keys) {
     // Without thrust: the window of a tool on a spring reaches to where the spring would take it.
-    return static_cast<std::int64_t>(row_of(make_plan(load_small({.contact_keys = keys, .sets = {"hand.push_N=0"}})), "contact").bytes);
+    return static_cast<std::int64_t>(row_of(make_plan(load_small({.contact_keys = keys, .sets = {"hand.push_N=0"}})), "publish").bytes);
   };
   const std::string planes = kPenaltyKeys;
   const std::int64_t density = bytes("model = \"voxmap\"\n");
-  CHECK(bytes(planes + "storage = \"vdb\"\n") >= density);
   const std::int64_t words = bytes(planes) - density, records8 = bytes("record_bits = \"8\"\n") - density, records16 = bytes("") - density;
   const std::int64_t voxels = words / (4 * 4);
   CHECK(voxels > 30 * 30 * 30);  // the ball of 8 voxels and 16 free ones round it
@@ -91,12 +91,12 @@ TEST_CASE("plan: bytes of contact are those of the fields that its model reads")
   CHECK(records16 == voxels * 4 * 9);
 }
 
-TEST_CASE("plan: the predicted bytes of contact are those of the run's window, before it slides") {
+TEST_CASE("plan: the predicted bytes of publishing are those of the run's window, before it slides") {
   for (const char* keys : {kPenaltyKeys, kHeldKeys}) {
     // Long enough for all three copies to be there.
     DrillRun run(SmallScene{.contact_keys = keys, .sets = {"duration_s=0.3", "hand.push_N=2"}});
-    const auto planned = static_cast<double>(row_of(make_plan(run.loaded()), "contact").bytes);
-    const auto taken = static_cast<double>(run.run().simulation().bone_step().publisher().bytes());
+    const auto planned = static_cast<double>(row_of(make_plan(run.loaded()), "publish").bytes);
+    const auto taken = static_cast<double>(run.run().simulation().bone_step().publisher()->bytes());
     MESSAGE(planned << " bytes planned, " << taken << " taken by the window's copies");
     // Words keep three bytes a voxel for their leaps besides, of 28; rounding of poses may make the window a voxel wider: 15 %.
     CHECK(std::abs(taken / planned - 1.0) < 0.15);
@@ -144,6 +144,36 @@ TEST_CASE("plan: warns of an engaged depth under a voxel where bone is cut by wh
   const Plan unfelt = make_plan(load_small({.contact = false}));
   REQUIRE(unfelt.warnings.size() == 1);
   CHECK(unfelt.warnings.front() == "no [contact]: no force acts on the hand, and the tool follows the script through bone");
+}
+
+TEST_CASE("plan: warns of a cutting feature under two voxels at the key, with the spacing that resolves it") {
+  const auto warned = [](const std::string& tool, double spacing) {
+    const std::string volume = "source = \"phantom:plate\"\nspacing_mm = " + std::to_string(spacing) + "\nextent_mm = [20, 20, 6]\n";
+    std::vector<std::string> out = make_plan(load_small({.volume = volume, .sets = {"tool.name=" + tool, "hand.push_N=200"}})).warnings;
+    std::erase_if(out, [](const std::string& line) { return line.find("do not resolve") == std::string::npos; });
+    return out;
+  };
+  struct Case {
+    const char* tool;
+    double feature_mm;
+    const char* what;
+  };
+  // Kerf, wall, ledge behind the pilot (7 - 5.3 mm), router, and the land and point of the drill together.
+  for (const Case& c : {Case{"sagittal_saw_12mm", 0.6, "depth of its region \"teeth\", 0.6 mm"},
+                        {"trephine_12mm", 1.0, "wall of its region \"teeth\", 1 mm"},
+                        {"perforator_14_11", 1.7, "step of its region \"outer drill\", 1.7 mm"},
+                        {"twist_drill_2_5mm", 1.251, "height of its region \"lips\", 1.25 mm"}}) {
+    CAPTURE(std::string(c.tool));
+    CHECK(warned(c.tool, 0.499 * c.feature_mm).empty());
+    const std::vector<std::string> lines = warned(c.tool, 0.51 * c.feature_mm);
+    REQUIRE(lines.size() == 1);
+    CHECK(lines.front().find(c.what) != std::string::npos);
+    CHECK(lines.front().starts_with("small.toml:"));
+    // The spacing that is named gives no warning.
+    const double fits = std::stod(lines.front().substr(lines.front().find("spacing_mm to ") + 14));
+    CHECK(fits > 0.4 * c.feature_mm);
+    CHECK(warned(c.tool, fits).empty());
+  }
 }
 
 TEST_CASE("explain: the JSON has the rows of the plan, times only when measured") {

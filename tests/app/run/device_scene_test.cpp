@@ -145,7 +145,7 @@ TEST_CASE("[device]: a push that the device cannot render at a set scale is a wa
     const std::vector<std::string> lines = make_plan(load_small(with(sets))).warnings;
     return std::ranges::any_of(lines, [&](const std::string& line) { return line.find(of) != std::string::npos; });
   };
-  CHECK(warned({"device.force_scale=1"}, "[device] generic renders at most 8 N of push_N = 20"));
+  CHECK(warned({"device.force_scale=1"}, "[device] generic renders at most 8 N of hand.push_N = 20"));
   CHECK_FALSE(warned({"device.force_scale=0.4"}, "renders at most"));
   CHECK_FALSE(warned({"device.name=\"generic\""}, "renders at most"));
 }

@@ -110,7 +110,7 @@ Drilled drill(LoadedScene& loaded, double deep, double longest) {
     hand->apply({felt, Vec3(0.0)});
     const HandState& now = hand->read();
     const HandMotion& motion = now;
-    const ContactBone window{&bone.publisher().exchange(), nullptr, loaded.bone->bone_from_index(), scene.volume.world_from_bone};
+    const ContactBone window{&bone.publisher()->exchange(), nullptr, nullptr, loaded.bone->bone_from_index(), scene.volume.world_from_bone};
     const SurfaceView view = *window.view().surface;
     const TwinStart before{view.world_from_bone.inverse() * tool->state().world_from_tool, engaged_of(*tool),
                            view.world_from_bone.inverse().rotate(tool->state().aside), hand_before};

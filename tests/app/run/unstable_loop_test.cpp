@@ -72,19 +72,19 @@ struct Loop {
 const Loop kLoops[] = {
     {"a coupling of 15880 N/m",
      {"contact.coupling_N_per_m=15880"},
-     "coupling_N_per_m = 15880 at force_scale 1 is over its limit of 7940",
+     "coupling_N_per_m = 15880 at device.force_scale 1 is over its limit of 7940",
      "contact.coupling_N_per_m=6300"},
     {"a light hand",
      {"device.hand=\"light\"", "device.stiffness_N_per_m=20", "contact.coupling_N_per_m=10028"},
-     "coupling_N_per_m = 10028 at force_scale 1 is over its limit of 5035",
+     "coupling_N_per_m = 10028 at device.force_scale 1 is over its limit of 5035",
      "contact.coupling_N_per_m=4000"},
     {"a damper of 2000 N s/m",
      {"contact.coupling_N_s_per_m=2000"},
-     "coupling_N_s_per_m = 2000 at force_scale 1 is over its limit of 161.7",
+     "coupling_N_s_per_m = 2000 at device.force_scale 1 is over its limit of 161.7",
      "contact.coupling_N_s_per_m=80"},
     {"a hand of 5 g",
      {"device.mass_kg=0.005"},
-     "coupling_N_per_m = 5000 at force_scale 1 is over its limit of 1728",
+     "coupling_N_per_m = 5000 at device.force_scale 1 is over its limit of 1728",
      "contact.coupling_N_per_m=1300"},
 };
 

@@ -1,0 +1,36 @@
+/// core/measure/axis_bone.h: which samples of the approach axis are bone now, published to the drill monitor of a scene in which nothing
+///   else reads a copy of bone.
+///   Frame  index.   Errors  none.   Thread  publish(): simulation; exchange().latest(): contact.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/snapshot_buffer.h"
+#include "core/measure/approach.h"
+#include "core/voxel/voxmap.h"
+
+namespace burrhole {
+
+/// State of the samples of Approach::axis_index.
+struct AxisSamples {
+  std::vector<std::uint8_t> bone;  ///< 1: the density at the sample is 0.5 or more
+  std::uint64_t number = 0;        ///< of the publication, from 1
+};
+
+class AxisBone {
+ public:
+  /// `approach` must outlive it. Before the first publication every sample is bone, as loaded.
+  explicit AxisBone(const Approach& approach);
+
+  /// Samples the axis where the master window holds it; elsewhere the last known state remains. Allocates nothing.
+  void publish(const Voxmap& voxmap) noexcept;
+  [[nodiscard]] SnapshotBuffer<AxisSamples>& exchange() noexcept { return buffer_; }
+
+ private:
+  const Approach* approach_;
+  AxisSamples now_;
+  SnapshotBuffer<AxisSamples> buffer_;
+};
+
+}  // namespace burrhole

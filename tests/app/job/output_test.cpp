@@ -1,0 +1,81 @@
+// What a run writes: everything by default, and of bone.vdb, report and plot only what the keys of [output] leave on.
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "app/job/drill_job.h"
+#include "tests/support/drill_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace burrhole::test {
+namespace {
+
+using Names = std::set<std::string>;
+
+struct Written {
+  Names files;
+  std::string report;       ///< text of the page
+  std::size_t samples = 0;  ///< that the run kept for plots
+};
+
+Written drill_into(const TemporaryFolder& folder, const std::string& tables, const std::string& name = "out") {
+  const LoadedScene loaded = load_text(scene_text({.record = true}) + tables, {"duration_s=0.3"});
+  Written out;
+  DrillJob job;
+  job.folder = folder.file(name);
+  job.watch = [&](Simulation& simulation) { out.samples = simulation.samples().size(); };
+  const auto summary = drill(loaded, job);
+  REQUIRE_MESSAGE(summary.ok(), (summary ? "" : summary.error().text()));
+  for (const auto& entry : std::filesystem::directory_iterator(job.folder)) out.files.insert(entry.path().filename().string());
+  std::ifstream page(job.folder + "/report.html");
+  out.report.assign(std::istreambuf_iterator<char>(page), {});
+  return out;
+}
+
+TEST_CASE("output: everything is written by default, also with an empty table") {
+  const TemporaryFolder folder;
+  for (const char* tables : {"", "[output]\n", "[output]\nbone = true\nreport = true\nplots = true\n"}) {
+    const Written all = drill_into(folder, tables);
+    CHECK(all.files == Names{"bone.vdb", "report.html", "session.sqlite", "summary.json"});
+    CHECK(all.report.find("Course") != std::string::npos);
+    CHECK(all.samples >= 200);  // one a millisecond, at the last report of progress
+  }
+}
+
+TEST_CASE("output: each key leaves out its file, and what only that file needs is not computed") {
+  const TemporaryFolder folder;
+  const Written no_bone = drill_into(folder, "[output]\nbone = false\n", "no_bone");
+  CHECK(no_bone.files == Names{"report.html", "session.sqlite", "summary.json"});
+  const Written no_plots = drill_into(folder, "[output]\nplots = false\n", "no_plots");
+  CHECK(no_plots.files == Names{"bone.vdb", "report.html", "session.sqlite", "summary.json"});
+  CHECK(no_plots.report.find("Course") == std::string::npos);
+  CHECK(no_plots.report.find("Peak force") != std::string::npos);
+  CHECK(no_plots.samples == 0);
+  const Written no_report = drill_into(folder, "[output]\nreport = false\n", "no_report");
+  CHECK(no_report.files == Names{"bone.vdb", "session.sqlite", "summary.json"});
+  CHECK(no_report.samples == 0);
+}
+
+TEST_CASE("output: a report of an earlier run does not stay beside the results of one that writes none; its bone does") {
+  const TemporaryFolder folder;
+  CHECK(drill_into(folder, "").files.contains("report.html"));
+  const Written again = drill_into(folder, "[output]\nreport = false\nbone = false\n");
+  CHECK(again.files == Names{"bone.vdb", "session.sqlite", "summary.json"});
+}
+
+TEST_CASE("output: the keys can be set from the command line's overrides, and others are refused") {
+  CHECK_FALSE(load_text(scene_text({}), {"output.bone=false"}).scene.output.bone);
+  const auto document = TomlDocument::parse(scene_text({}) + "[output]\nsummary = false\n", "small.toml");
+  REQUIRE(document);
+  Issues issues;
+  CHECK_FALSE(load_scene(*document, test_context(), issues).has_value());
+  REQUIRE(issues.size() == 1);
+  CHECK(issues.front().text().find("summary") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace burrhole::test
