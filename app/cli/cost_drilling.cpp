@@ -74,18 +74,11 @@ void add_drilling_cost(CLI::App& cost, int& exit_code) {
       ->type_name(kFolderValue)
       ->capture_default_str();
   CLI::Option* convergence = command->add_flag("--convergence", arguments->convergence, "check the bounds of holes by voxel edge and rate");
-  std::vector<std::string> bits, knobs;
-  for (const DrillingBit& bit : drilling_bits()) bits.push_back(bit.name);
-  for (const DrillingKnob& knob : drilling_knobs()) knobs.push_back(knob.name);
   command->add_option("--bit", arguments->options.bit, "bit that drills the hole")
-      ->check(CLI::IsMember(bits))
       ->type_name("BIT")
       ->capture_default_str()
       ->excludes(convergence);
-  command->add_option("--knob", arguments->options.only_knob, "vary only this setting")
-      ->check(CLI::IsMember(knobs))
-      ->type_name("KEY")
-      ->excludes(convergence);
+  command->add_option("--knob", arguments->options.only_knob, "vary only this setting")->type_name("KEY")->excludes(convergence);
   command->add_flag("--quick", arguments->options.quick, "a subset that takes minutes");
   command->add_option("--threads", arguments->options.runs.threads, "number of holes that are drilled in parallel; 0: one per core")
       ->capture_default_str();

@@ -98,7 +98,11 @@ Result<std::vector<DrillingPoint>> measure_drilling_cost(const DrillingCostOptio
     }
     ++references;
   }
-  if (points.empty()) return bad_input("there is no setting \"" + options.only_knob + "\" among those of the drilling study");
+  if (points.empty()) {
+    std::string known;
+    for (const DrillingKnob& knob : drilling_knobs()) known += (known.empty() ? "" : ", ") + knob.name;
+    return bad_input("the drilling study has no setting \"" + options.only_knob + "\"; it has " + known);
+  }
   const std::size_t each = trials.size() / points.size(), finer = finest.size();
   finest.insert(finest.end(), trials.begin(), trials.end());  // the finest take longest, so they come first
   const auto results = run_drillings(finest, options.runs);

@@ -37,7 +37,7 @@ struct DrillingPoint {
   double feed_percent = 0.0;          ///< on the bench, from the finer run
   double ripple_percent = 0.0;        ///< of that feed
   double roughness_um = 0.0;          ///< of the wall
-  double early_stops = 0.0;           ///< [runs] of the default hand without a breakthrough
+  double early_stops = 0.0;           ///< [-] runs of the default hand without a breakthrough
   double cpu_s = 0.0, wall_s = 0.0;   ///< of the run with the default hand
   double median_us = 0.0;             ///< CPU time of 100 ms of simulated time
   double p99_us = 0.0;                ///< the same

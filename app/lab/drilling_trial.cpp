@@ -157,7 +157,11 @@ std::string drilling_scene(const DrillingTrial& trial) {
 
 Result<LoadedScene> load_drilling(const DrillingTrial& trial, const std::string& tool_folder) {
   const DrillingBit* bit = find_drilling_bit(trial.bit);
-  if (bit == nullptr) return bad_input("there is no bit \"" + trial.bit + "\" among those of the drilling studies");
+  if (bit == nullptr) {
+    std::string known;
+    for (const DrillingBit& one : drilling_bits()) known += (known.empty() ? "" : ", ") + one.name;
+    return bad_input("the drilling study has no bit \"" + trial.bit + "\"; it has " + known);
+  }
   auto tool_text = drilling_bit_text(*bit, tool_folder);
   if (!tool_text) return tool_text.error();
   auto tool = TomlDocument::parse(*tool_text, trial.bit);
