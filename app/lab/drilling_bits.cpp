@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/report/file.h"
+#include "core/config/toml.h"
 
 namespace burrhole {
 namespace {
@@ -24,7 +24,7 @@ erosion_factor = 0.2
 name = "shank"
 shape = "cylinder"
 z_mm = 3
-height_mm = 22
+height_mm = 9
 diameter_mm = 3
 erosion_factor = 0
 pitch_mm = 1
@@ -47,7 +47,7 @@ erosion_factor = 0.2
 name = "shank"
 shape = "cylinder"
 z_mm = 4
-height_mm = 21
+height_mm = 8
 diameter_mm = 5
 erosion_factor = 0
 pitch_mm = 1
@@ -80,7 +80,7 @@ erosion_factor = 0.1
 name = "shank"
 shape = "cylinder"
 z_mm = 6
-height_mm = 20
+height_mm = 6
 diameter_mm = 6
 erosion_factor = 0
 pitch_mm = 1
@@ -90,13 +90,13 @@ pitch_mm = 1
 
 const std::vector<DrillingBit>& drilling_bits() {
   static const std::vector<DrillingBit> bits{
-      {"ball 6 mm", "round_burr_6mm", {}, {3e-3, 0.0}, 3e-3},
-      {"ball 2 mm", "round_burr_2mm", {}, {1e-3, 0.0}, 1e-3},
-      {"flat 4 mm", {}, kFlat, {2e-3, 0.0}, 0.0},
-      {"cone 8 mm", {}, kCone, {4e-3, 0.0}, 4e-3},
-      {"perforator 14/11 mm", "perforator_14_11", {}, {7e-3, 0.0}, 3e-3},
-      {"trephine 12 mm", "trephine_12mm", {}, {6e-3, 5e-3}, 0.0},
-      {"stepped 9/6 mm", {}, kStepped, {4.5e-3, 0.0}, 3e-3},
+      {"ball 6 mm", "round_burr_6mm", {}, {3e-3, 0.0}, 3e-3, 0.0625, "region[1].height_mm=8.4"},
+      {"ball 2 mm", "round_burr_2mm", {}, {1e-3, 0.0}, 1e-3, 0.0625, "region[1].height_mm=10.8"},
+      {"flat 4 mm", {}, kFlat, {2e-3, 0.0}, 0.0, 0.0625},
+      {"cone 8 mm", {}, kCone, {4e-3, 0.0}, 4e-3, 0.0625},
+      {"perforator 14/11 mm", "perforator_14_11", {}, {7e-3, 0.0}, 3e-3, 0.1, "region[3].height_mm=10"},
+      {"trephine 12 mm", "trephine_12mm", {}, {6e-3, 5e-3}, 0.0, 0.1, "region[3].height_mm=7"},
+      {"stepped 9/6 mm", {}, kStepped, {4.5e-3, 0.0}, 3e-3, 0.0625},
   };
   return bits;
 }
@@ -108,7 +108,10 @@ const DrillingBit* find_drilling_bit(const std::string& name) {
 
 Result<std::string> drilling_bit_text(const DrillingBit& bit, const std::string& tool_folder) {
   if (bit.shipped.empty()) return bit.text;
-  return read_file(tool_folder + "/" + bit.shipped + ".toml");
+  auto tool = TomlDocument::load(tool_folder + "/" + bit.shipped + ".toml");
+  if (!tool) return tool.error();
+  if (Status set = tool->set(bit.short_shank); !set) return set.error();
+  return tool->to_text();
 }
 
 }  // namespace burrhole

@@ -29,12 +29,12 @@ constexpr std::array kFigures{DrillingFigure{"volume_off", "%", "closed form", &
                               DrillingFigure{"wall", "s", "measured", &DrillingPoint::wall_s}};
 
 /// The runs of one setting: on the bench, then the default hand at each shift.
-std::vector<DrillingTrial> trials_of(const DrillingCostOptions& options, const DrillingKnob& knob, double multiple, double shipped) {
+std::vector<DrillingTrial> trials_of(const DrillingCostOptions& options, const DrillingKnob& knob, double value, double shipped) {
   std::vector<DrillingTrial> out;
   const int scripts = options.quick ? 1 : options.shifts;
   for (int n = -1; n < scripts; ++n) {
     DrillingTrial trial{.bit = options.bit, .hand = n < 0 ? DrillingHand::bench : DrillingHand::script};
-    if (multiple != 1.0) knob.set(multiple * shipped, shipped, trial);  // the default is what a scene gets that says nothing
+    if (value != shipped) knob.set(value, shipped, trial);  // the default is what a scene gets that says nothing
     if (n > 0) trial.sets.push_back(fmt::format("approach.entry_mm=[{:g}, 0, 0]", kShift * n));
     out.push_back(std::move(trial));
   }
@@ -78,6 +78,7 @@ std::span<const DrillingFigure> drilling_figures() noexcept { return kFigures; }
 Result<std::vector<DrillingPoint>> measure_drilling_cost(const DrillingCostOptions& options) {
   const auto loaded = load_drilling({.bit = options.bit}, options.runs.tool_folder);
   if (!loaded) return loaded.error();
+  const DrillingBit& bit = *find_drilling_bit(options.bit);
   std::vector<DrillingPoint> points;
   std::vector<DrillingTrial> trials;
   std::vector<std::size_t> reference_of;  // per point, of its knob
@@ -86,15 +87,18 @@ Result<std::vector<DrillingPoint>> measure_drilling_cost(const DrillingCostOptio
   for (const DrillingKnob& knob : drilling_knobs()) {
     if (!options.only_knob.empty() && options.only_knob != knob.name) continue;
     const double shipped = knob.shipped(*loaded);
-    const auto finer = trials_of(options, knob, options.quick ? knob.quick_finest : knob.finest, shipped);
+    const double finest_setting = finest_value(knob, bit, options.quick, shipped);
+    const auto finer = trials_of(options, knob, finest_setting, shipped);
     finest.insert(finest.end(), finer.begin(), finer.begin() + 2);  // without the shifts
     for (const double multiple : options.quick ? knob.quick : knob.multiples) {
-      DrillingPoint point{.knob = knob.name, .unit = knob.unit, .reference = knob.reference};
+      DrillingPoint point{
+          .knob = knob.name, .unit = knob.unit, .reference = fmt::format("{:.4g} {}{}", finest_setting, knob.unit, knob.note)};
       point.setting = multiple * shipped;
       point.shipped = shipped;
+      const double point_value = point.setting;
       points.push_back(std::move(point));
       reference_of.push_back(references);
-      for (DrillingTrial& trial : trials_of(options, knob, multiple, shipped)) trials.push_back(std::move(trial));
+      for (DrillingTrial& trial : trials_of(options, knob, point_value, shipped)) trials.push_back(std::move(trial));
     }
     ++references;
   }
@@ -108,7 +112,7 @@ Result<std::vector<DrillingPoint>> measure_drilling_cost(const DrillingCostOptio
   const auto results = run_drillings(finest, options.runs);
   if (!results) return results.error();
   const std::span<const DrillingResult> all(*results);
-  const double diameter_mm = 2.0 * find_drilling_bit(options.bit)->swept.radius / kMillimetre;
+  const double diameter_mm = 2.0 * bit.swept.radius / kMillimetre;
   for (std::size_t n = 0; n < points.size(); ++n)
     fill(all.subspan(finer + n * each, each), all.subspan(2 * reference_of[n], 2), diameter_mm, points[n]);
   return points;

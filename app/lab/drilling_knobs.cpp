@@ -67,18 +67,23 @@ void set_record_bits(double value, double, DrillingTrial& trial) { trial.sets.pu
 
 const std::vector<DrillingKnob>& drilling_knobs() {
   static const std::vector<DrillingKnob> knobs{
-      {kSpacing, "mm", "a quarter of the default edge", {0.6, 0.8, 1, 1.25, 2}, {1, 2}, 0.25, 0.5, spacing, plain<kSpacing>},
-      {kErosionRate, "Hz", "5 times the default rate", {0.2, 0.5, 1, 2}, {0.5, 1}, 5, 5, erosion_rate, plain<kErosionRate>},
-      {kSubstep, "voxels", "a quarter of the default length", {0.5, 1, 2}, {1, 2}, 0.25, 0.25, substep, plain<kSubstep>},
-      {kPointPitch, "voxels", "a quarter of the default pitch", {0.5, 1, 2}, {1, 2}, 0.25, 0.5, point_pitch, plain<kPointPitch>},
-      {kShellPitch, "mm", "a quarter of the bit's pitch", {0.5, 1, 2}, {1, 2}, 0.25, 0.25, shell_pitch, set_shell_pitch},
-      {kContactRate, "Hz", "servo and contact 4 times as fast", {0.05, 0.1, 0.2, 0.5, 1}, {0.1, 1}, 4, 4, contact_rate, set_contact_rate},
-      {kLatency, "ticks", "no latency", {1, 2, 5, 10}, {1, 10}, 0, 0, latency, plain<kLatency>},
-      {kCoupling, "N/m", "4 times as stiff", {0.25, 0.5, 1, 2}, {0.5, 1}, 4, 4, coupling, plain<kCoupling>},
-      {kCutting, "N/m", "4 times as stiff, at the same feed", {0.25, 0.5, 1, 2}, {0.5, 1}, 4, 4, cutting, set_cutting},
-      {kRecordBits, "bits", "16 bits", {0.5, 1}, {0.5, 1}, 1, 1, record_bits, set_record_bits},
+      {kSpacing, "mm", {}, {0.6, 0.8, 1, 1.25, 2}, {1, 2}, 0.25, 0.5, spacing, plain<kSpacing>},
+      {kErosionRate, "Hz", {}, {0.2, 0.5, 1, 2}, {0.5, 1}, 5, 5, erosion_rate, plain<kErosionRate>},
+      {kSubstep, "voxels", {}, {0.5, 1, 2}, {1, 2}, 0.25, 0.25, substep, plain<kSubstep>},
+      {kPointPitch, "voxels", {}, {0.5, 1, 2}, {1, 2}, 0.25, 0.5, point_pitch, plain<kPointPitch>},
+      {kShellPitch, "mm", {}, {0.5, 1, 2}, {1, 2}, 0.25, 0.25, shell_pitch, set_shell_pitch},
+      {kContactRate, "Hz", ", and the servo at that rate", {0.05, 0.1, 0.2, 0.5, 1}, {0.1, 1}, 4, 4, contact_rate, set_contact_rate},
+      {kLatency, "ticks", {}, {1, 2, 5, 10}, {1, 10}, 0, 0, latency, plain<kLatency>},
+      {kCoupling, "N/m", {}, {0.25, 0.5, 1, 2}, {0.5, 1}, 4, 4, coupling, plain<kCoupling>},
+      {kCutting, "N/m", ", at the same feed", {0.25, 0.5, 1, 2}, {0.5, 1}, 4, 4, cutting, set_cutting},
+      {kRecordBits, "bits", {}, {0.5, 1}, {0.5, 1}, 1, 1, record_bits, set_record_bits},
   };
   return knobs;
+}
+
+double finest_value(const DrillingKnob& knob, const DrillingBit& bit, bool quick, double shipped) {
+  const double value = (quick ? knob.quick_finest : knob.finest) * shipped;
+  return knob.name == kSpacing ? std::max(value, bit.finest_mm) : value;
 }
 
 }  // namespace burrhole

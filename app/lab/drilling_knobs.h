@@ -13,7 +13,7 @@ namespace burrhole {
 struct DrillingKnob {
   std::string name;                                           ///< "table.key", as in the file
   std::string unit;                                           ///< of the key
-  std::string reference;                                      ///< what the finer run is
+  std::string note;                                           ///< on the reference run, beside its value; may be empty
   std::vector<double> multiples;                              ///< [-] of the default; contains 1
   std::vector<double> quick;                                  ///< [-] those of the short study; contains 1
   double finest = 1.0;                                        ///< [-] multiple of the reference run
@@ -23,5 +23,7 @@ struct DrillingKnob {
 };
 
 [[nodiscard]] const std::vector<DrillingKnob>& drilling_knobs();
+/// @returns the value [unit of the key] of the reference run of a bit: the finest, as far as the bit fits into the window of bone.
+[[nodiscard]] double finest_value(const DrillingKnob& knob, const DrillingBit& bit, bool quick, double shipped);
 
 }  // namespace burrhole

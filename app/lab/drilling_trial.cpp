@@ -216,11 +216,13 @@ Result<std::vector<DrillingResult>> run_drillings(const std::vector<DrillingTria
   }
   std::vector<std::optional<Result<DrillingResult>>> results(unique.size());
   std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<bool> failed{false};
   std::mutex reporting;
   const auto work = [&] {
-    for (std::size_t n = next++; n < unique.size(); n = next++) {
+    for (std::size_t n = next++; n < unique.size() && !failed; n = next++) {
       const DrillingTrial& trial = trials[unique[n]];
       results[n] = run_drilling(trial, runs.tool_folder);
+      if (!*results[n]) failed = true;
       const std::scoped_lock lock(reporting);
       if (runs.progress) runs.progress(static_cast<double>(++done) / static_cast<double>(unique.size()), text_of(trial));
     }
@@ -230,12 +232,10 @@ Result<std::vector<DrillingResult>> run_drillings(const std::vector<DrillingTria
   for (std::size_t n = 1; n < std::min(asked, unique.size()); ++n) threads.emplace_back(work);
   work();
   for (std::thread& thread : threads) thread.join();
+  for (const auto& result : results)
+    if (result && !*result) return result->error();
   std::vector<DrillingResult> out;
-  for (std::size_t n = 0; n < trials.size(); ++n) {
-    const Result<DrillingResult>& result = *results[place[n]];
-    if (!result) return Error{result.error().code, text_of(trials[n]) + ": " + result.error().message, result.error().place};
-    out.push_back(*result);
-  }
+  for (const std::size_t at : place) out.push_back(**results[at]);
   return out;
 }
 
