@@ -15,10 +15,10 @@ namespace burrhole {
 
 struct DrillingCostOptions {
   DrillingRuns runs;
-  std::string bit = drilling_bits().front().name;
-  std::string only_knob{};  ///< empty: all
-  bool quick = false;       ///< two values per setting, and no shifts
-  int shifts = 3;           ///< positions of the entry, 1 nm apart, over which the plunge is compared
+  std::string bit = "flat 4 mm";  ///< cheap, and cuts alike all over
+  std::string only_knob{};        ///< empty: all
+  bool quick = false;             ///< two values per setting, and no shifts
+  int shifts = 3;                 ///< positions of the entry, 1 nm apart, over which the plunge is compared
 };
 
 /// One value of one setting. Errors are differences from the reference; NaN where one does not apply.

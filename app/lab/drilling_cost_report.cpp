@@ -65,14 +65,14 @@ constexpr Curve kErrors[] = {{"volume [%]", kPlotBlue, 7, &DrillingPoint::volume
                              {"time to breakthrough [%]", kPlotOrange, 5, &DrillingPoint::time_percent},
                              {"plunge [mm]", kPlotGreen, 9, &DrillingPoint::plunge_mm},
                              {"ripple of the feed [%]", kPlotViolet, 4, &DrillingPoint::ripple_percent}};
-constexpr double kTop = 200.0;  // of the axis
+constexpr double kTop = 10e3;  // of the axis: errors and the legend above them
 
 /// Errors of one knob, its CPU time over the default's, and a line at the default.
 PlotPanel panel_of(const KnobPoints& points) {
   const DrillingPoint& shipped = points[shipped_place(points)];
   PlotPanel panel;
   panel.title = fmt::format("{} [{}]", shipped.knob, shipped.unit);
-  panel.y_label = "error; CPU time over the default [-]";
+  panel.y_label = "error, in its unit; CPU ratio [-]";
   panel.y_range = {0.8 * kFloor, kTop};
   panel.x_range = {0.85 * points.front().setting, 1.18 * points.back().setting};
   panel.series.push_back({"default", {shipped.setting, shipped.setting}, {0.8 * kFloor, kTop}, line_style("#000000", "(4,3)", 1.0)});
@@ -96,9 +96,9 @@ PlotPanel panel_of(const KnobPoints& points) {
 Plot plot_of(const std::vector<KnobPoints>& knobs) {
   Plot plot;
   plot.x_label = "setting";
-  plot.width_px = 1380;
+  plot.width_px = 1600;
   plot.panel_height_px = 240;
-  plot.columns = 4;
+  plot.columns = 5;
   plot.log_x = plot.log_y = true;
   for (const KnobPoints& points : knobs) plot.panels.push_back(panel_of(points));
   return plot;
