@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/cli/commands.h"
+#include "app/cli/cost_drilling.h"
 #include "app/cli/progress.h"
 #include "app/lab/contact_accuracy.h"
 #include "app/lab/multirate.h"
@@ -169,6 +170,7 @@ void add_cost(CLI::App& app, int& exit_code) {
     exit_code = written ? kDone : report(written.error());
     if (written) print(fmt::format("{} rows in {}/cost.csv, plot surface_error.svg beside it\n", rows->size(), *surface_folder));
   });
+  add_drilling_cost(*command, exit_code);
   add_multirate(*command, exit_code);
 #ifdef BH_WITH_RENDER
   add_render_cost(*command, exit_code);

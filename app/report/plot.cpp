@@ -227,13 +227,24 @@ std::string stacked_panel(const Plot& plot, std::size_t index, const std::vector
   return out + series_commands(panel, index);
 }
 
-/// Marks at 1, 2 and 5 times the powers of ten.
-std::string log_tics(const Range& x) {
+std::string log_tics(const Range& x, std::span<const double> steps, int& count) {
   std::string out;
+  count = 0;
   for (double decade = std::pow(10.0, std::floor(std::log10(x.lo))); decade <= x.hi; decade *= 10.0)
-    for (const double step : {1.0, 2.0, 5.0})
-      if (decade * step >= x.lo && decade * step <= x.hi) out += fmt::format("{}{:g}", out.empty() ? "" : ", ", decade * step);
+    for (const double step : steps)
+      if (decade * step >= x.lo && decade * step <= x.hi) {
+        out += fmt::format("{}{:g}", out.empty() ? "" : ", ", decade * step);
+        ++count;
+      }
   return "set xtics (" + out + ")\n";
+}
+
+/// Marks at 1, 2 and 5 times the powers of ten; at more multiples where these are fewer than three.
+std::string log_tics(const Range& x) {
+  constexpr double kCoarse[] = {1.0, 2.0, 5.0}, kFine[] = {1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0};
+  int count = 0;
+  const std::string coarse = log_tics(x, kCoarse, count);
+  return count >= 3 ? coarse : log_tics(x, kFine, count);
 }
 
 std::string grid_panel(const Plot& plot, std::size_t index, const Place& place, int height_px) {

@@ -1,0 +1,89 @@
+#include "app/cli/cost_drilling.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/cli/commands.h"
+#include "app/cli/progress.h"
+#include "app/lab/drilling_convergence.h"
+#include "app/lab/drilling_cost.h"
+
+namespace burrhole::cli {
+namespace {
+
+struct DrillingCostArguments {
+  std::string folder = "out/cost_drilling";
+  DrillingCostOptions options;
+  bool convergence = false;
+};
+
+DrillingRuns runs_of(const DrillingCostArguments& arguments, Progress& progress) {
+  DrillingRuns runs = arguments.options.runs;
+  runs.tool_folder = (std::filesystem::path(share_folder()) / "tools").string();
+  runs.progress = [&](double share, const std::string& trial) { progress.show(share, trial); };
+  return runs;
+}
+
+int run_cost(const DrillingCostArguments& arguments) {
+  Progress progress(false);
+  DrillingCostOptions options = arguments.options;
+  options.runs = runs_of(arguments, progress);
+  const auto points = measure_drilling_cost(options);
+  if (!points) return report(points.error());
+  if (const Status written = write_drilling_cost(*points, options.bit, arguments.folder); !written) return report(written.error());
+  for (const std::string& sentence : drilling_sentences(*points)) print(sentence + "\n");
+  print(fmt::format("{} points in {}/cost.csv, drilling.md, drilling.svg and drilling.html beside it\n", points->size(), arguments.folder));
+  return kDone;
+}
+
+int run_convergence(const DrillingCostArguments& arguments) {
+  Progress progress(false);
+  ConvergenceOptions options;
+  options.runs = runs_of(arguments, progress);
+  options.quick = arguments.options.quick;
+  const auto rows = measure_convergence(options);
+  if (!rows) return report(rows.error());
+  if (const Status written = write_convergence(*rows, arguments.folder); !written) return report(written.error());
+  for (const StabilityRow& row : *rows)
+    if (!row.pass) print(fmt::format("{}: {} is {:.4g}, bound {:.4g}\n", row.subject, row.measure, row.value, row.bound));
+  const bool failed = convergence_failed(*rows);
+  print(fmt::format("{} figures in {}/convergence.csv, convergence.md and convergence.html beside it; {}\n", rows->size(), arguments.folder,
+                    failed ? "bounds failed" : "all within their bounds"));
+  return failed ? kCheckFailed : kDone;
+}
+
+}  // namespace
+
+void add_drilling_cost(CLI::App& cost, int& exit_code) {
+  CLI::App* command = add_command(
+      cost, "drilling", "Subjects",
+      {.summary = "Accuracy of a drilled hole against time, by the settings of a scene",
+       .about =
+           "Drills holes in lockstep, as drill does, with one setting at a time varied round its default: voxel edge, erosion rate, "
+           "sub-steps, pitch of erosion points and of the point shell, contact rate, latency, coupling, cutting stiffness and bits of the "
+           "surface records. Tables errors of volume, mass, diameters, depth, time to breakthrough, plunge, feed and wall against the "
+           "closed "
+           "form or a finer run, with CPU time, wall time and memory. --convergence instead checks that holes of several bits in several "
+           "bones, by both laws, do not depend on voxel edge and erosion rate.",
+       .examples = {"burrhole cost drilling --quick --out out/cost_drilling", "burrhole cost drilling --knob erosion.rate_hz",
+                    "burrhole cost drilling --convergence"},
+       .exits = "Exit 3 if a bound of --convergence fails."});
+  auto arguments = std::make_shared<DrillingCostArguments>();
+  command->add_option("--out", arguments->folder, "folder for the tables, the plot and the page")
+      ->type_name(kFolderValue)
+      ->capture_default_str();
+  CLI::Option* convergence = command->add_flag("--convergence", arguments->convergence, "check the bounds of holes by voxel edge and rate");
+  command->add_option("--bit", arguments->options.bit, "bit that drills the hole")
+      ->type_name("BIT")
+      ->capture_default_str()
+      ->excludes(convergence);
+  command->add_option("--knob", arguments->options.only_knob, "vary only this setting")->type_name("KEY")->excludes(convergence);
+  command->add_flag("--quick", arguments->options.quick, "a subset that takes minutes");
+  command->add_option("--threads", arguments->options.runs.threads, "number of holes that are drilled in parallel; 0: one per core")
+      ->capture_default_str();
+  add_simd_option(*command);
+  command->callback([arguments, &exit_code] { exit_code = arguments->convergence ? run_convergence(*arguments) : run_cost(*arguments); });
+}
+
+}  // namespace burrhole::cli

@@ -1,0 +1,110 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "app/lab/drilling_cost.h"
+#include "tests/support/source_folder.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace burrhole;
+
+namespace {
+
+DrillingCostOptions options_for(const std::string& knob, unsigned threads) {
+  DrillingCostOptions out;
+  out.runs.tool_folder = test::in_source("app/tools");
+  out.runs.threads = threads;
+  out.bit = "flat 4 mm";
+  out.only_knob = knob;
+  out.quick = true;
+  return out;
+}
+
+std::vector<DrillingPoint> points_of(const DrillingCostOptions& options) {
+  const auto points = measure_drilling_cost(options);
+  REQUIRE_MESSAGE(points.ok(), (points ? "" : points.error().text()));
+  return *points;
+}
+
+}  // namespace
+
+TEST_CASE("drilling cost: every setting has a default that is read from the scene or tool, and a scene that says it changes nothing") {
+  const auto loaded = load_drilling({.bit = "flat 4 mm"}, test::in_source("app/tools"));
+  REQUIRE(loaded.ok());
+  for (const DrillingKnob& knob : drilling_knobs()) {
+    CAPTURE(knob.name);
+    const double shipped = knob.shipped(*loaded);
+    REQUIRE(std::isfinite(shipped));
+    CHECK(std::ranges::count(knob.multiples, 1.0) == 1);
+    CHECK(std::ranges::count(knob.quick, 1.0) == 1);
+    // Each value is a valid scene, and is the one that the knob then reads.
+    for (const double multiple : knob.multiples) {
+      DrillingTrial trial{.bit = "flat 4 mm"};
+      knob.set(multiple * shipped, shipped, trial);
+      const auto varied = load_drilling(trial, test::in_source("app/tools"));
+      REQUIRE_MESSAGE(varied.ok(), (varied ? "" : varied.error().text()));
+      CHECK(knob.shipped(*varied) == doctest::Approx(multiple * shipped).epsilon(1e-5));
+    }
+  }
+}
+
+TEST_CASE("drilling cost: records of 8 bits cost memory less and accuracy more, with any number of threads") {
+  const auto points = points_of(options_for("contact.record_bits", 2)), again = points_of(options_for("contact.record_bits", 1));
+  REQUIRE(points.size() == 2);
+  const DrillingPoint &coarse = points[0], &shipped = points[1];
+  CHECK(coarse.setting == 8.0);
+  CHECK(shipped.setting == shipped.shipped);
+  CHECK(coarse.bytes < shipped.bytes);
+  CHECK(coarse.roughness_um > shipped.roughness_um);
+  // The reference of this setting is the default itself.
+  CHECK(shipped.time_percent == 0.0);
+  CHECK(std::abs(shipped.volume_percent) < 3.0);
+  CHECK(shipped.early_stops == 0.0);
+  for (std::size_t n = 0; n < points.size(); ++n)
+    for (const DrillingFigure& figure : drilling_figures()) {
+      const double one = points[n].*figure.value, other = again[n].*figure.value;
+      if (std::string(figure.reference != nullptr ? figure.reference : "") != "measured") CHECK((one == other || std::isnan(one)));
+    }
+}
+
+TEST_CASE("drilling cost: a row per point and figure, a sentence per setting, and a plot that marks the default") {
+  std::vector<DrillingPoint> points;
+  for (const double setting : {50.0, 100.0, 200.0})
+    points.push_back({.knob = "erosion.rate_hz",
+                      .unit = "Hz",
+                      .reference = "finer",
+                      .setting = setting,
+                      .shipped = 100.0,
+                      .volume_percent = 300.0 / setting,
+                      .time_percent = -200.0 / setting,
+                      .cpu_s = setting / 50.0,
+                      .bytes = 2e6});
+  const std::vector<CostRow> rows = drilling_cost_rows(points, "flat");
+  CHECK(rows.size() == points.size() * drilling_figures().size());
+  const std::vector<std::string> sentences = drilling_sentences(points);
+  REQUIRE(sentences.size() == 1);
+  CHECK(
+      sentences[0] ==
+      "`erosion.rate_hz`: the default, 100 Hz, has errors of +3.0 % of volume, -2.0 % of time and +0.00 mm of plunge; 50 Hz takes 0.50 of "
+      "the CPU time and 1.00 of the memory, with +6.0 % of volume, -4.0 % of time and +0.00 mm of plunge; 200 Hz takes 2.00 of the CPU "
+      "time and 1.00 of the memory, with +1.5 % of volume, -1.0 % of time and +0.00 mm of plunge (time and plunge against finer).");
+  const TemporaryFolder folder;
+  const Status written = write_drilling_cost(points, "flat", folder.path().string());
+  if (!written && written.error().code == ErrorCode::unavailable) return;  // no gnuplot
+  REQUIRE(written.ok());
+  std::ifstream svg(folder.path() / "drilling.svg");
+  std::ostringstream text;
+  text << svg.rdbuf();
+  CHECK(text.str().find("default") != std::string::npos);
+}
+
+TEST_CASE("drilling cost: an unknown bit or setting is refused") {
+  DrillingCostOptions options = options_for("no.such_key", 1);
+  CHECK(!measure_drilling_cost(options));
+  options = options_for("erosion.rate_hz", 1);
+  options.bit = "spoon";
+  CHECK(!measure_drilling_cost(options));
+}
