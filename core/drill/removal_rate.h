@@ -18,11 +18,11 @@
 namespace burrhole {
 
 struct FeedConditions {
-  double thrust = 20.0;             ///< [N] along the feed
-  double spin = 1000.0 / 60.0;      ///< [rev/s]
-  double hardness = 1.0;            ///< [-] h in (0, 1]
+  double thrust = 20.0;              ///< [N] along the feed
+  double spin = 1000.0 / 60.0;       ///< [rev/s]
+  double hardness = 1.0;             ///< [-] h in (0, 1]
   double cutting_stiffness = 140e3;  ///< [N/m] K_cut; the default of a scene
-  double voxel_edge = 0.25e-3;      ///< [m] of the bone
+  double voxel_edge = 0.25e-3;       ///< [m] of the bone
 };
 
 /// Direction of the feed: along the shaft into bone (-z), or sideways (+x).
