@@ -15,7 +15,7 @@ namespace {
 // within half the diagonal of a square; a little more, because rings beside each other may differ in their count.
 constexpr double kCellRadius = 0.78;
 constexpr double kOnSurface = 1e-8;    // [m] from a face: a point of the shell lies on it
-constexpr int kEllipseRounds = 5;      // each gains about two digits
+constexpr int kEllipseRounds = 3;      // each gains about two digits
 constexpr double kBeside = 1e-6;       // [m] from an edge
 constexpr double kSmoothJoint = 0.98;  // [-] cosine of 11 degrees: two faces that meet at less count as one
 
@@ -172,6 +172,8 @@ std::optional<Vec3> ToolSurface::nearest(const Vec3& p) const noexcept {
   Vec3 best(0.0);
   double least = std::numeric_limits<double>::infinity();
   for (const Part& part : parts_) {
+    const double beyond = std::max(part.solid.z_low - p.z, p.z - part.solid.z_high);
+    if (beyond > 0.0 && beyond * beyond >= least) continue;
     if (part.solid.contains(p)) return std::nullopt;
     const Vec3 at = nearest_of(part.solid, p), off = p - at;
     if (const double distance2 = glm::dot(off, off); distance2 < least) {
