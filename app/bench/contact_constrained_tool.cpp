@@ -201,7 +201,7 @@ Status bench_constrained_tool(Bench& bench) {
   const LoadedScene& loaded = *drilled->loaded;
   const Scene& scene = loaded.scene;
   auto tool = ConstrainedTool::create(*scene.find<ConstrainedToolConfig>(), loaded.tool.shell, loaded.bone->bone_from_index().mean_edge(),
-                                      loaded.tool.cutting);
+                                      {.cutting = loaded.tool.cutting, .surface = loaded.tool.surface});
   if (!tool) return tool.error();
   const std::vector<HandState>& all = drilled->hand->states();
   std::vector<HandMotion> motions;

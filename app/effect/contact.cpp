@@ -41,6 +41,7 @@ class ContactEffect final : public Effect {
   }
   Status change_tool(Stage& stage) override {
     options_.cutting = stage.tool->cutting;
+    options_.surface = stage.tool->surface;
     auto model = form_->make(stage.tool->shell, options_);
     if (!model) return model.error();
     model_ = std::move(model).value();
@@ -164,6 +165,7 @@ class ContactPlan final : public EffectPlan {
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
     const ContactOptions options{.voxel_edge = stage.voxel_edge(),
                                  .cutting = stage.tool->cutting,
+                                 .surface = stage.tool->surface,
                                  .planes = uses_planes(stage.config.servo.multi_rate.scheme),
                                  .foresight = stage.contact_period + stage.period * static_cast<double>(stage.latency)};
     auto model = form_->make(stage.tool->shell, options);

@@ -5,7 +5,7 @@
 #include "core/base/rotation.h"
 #include "core/contact/conforming_normal.h"
 #include "core/contact/distance_slope.h"
-#include "core/contact/worst_hit.h"
+#include "core/contact/tool_candidates.h"
 
 namespace burrhole {
 namespace {
@@ -61,96 +61,8 @@ Vec3 steadied(const SurfaceView& bone, const Vec3& bone_point, const Vec3& norma
 
 }  // namespace
 
-/// The hits of the last probe as candidate planes.
-class ConstrainedTool::Candidates final : public HoldCandidates {
- public:
-  Candidates(ConstrainedTool& tool, const SurfaceView& bone, bool spinning)
-      : tool_(&tool), bone_(&bone), spinning_(spinning), axes_(glm::mat3_cast(tool.bone_from_tool_.rotation)) {}
-  ~Candidates() override {
-    for (std::size_t n = 0; n < masked_; ++n) restore(n);
-  }
-  Candidates(const Candidates&) = delete;
-  Candidates& operator=(const Candidates&) = delete;
-
-  std::optional<HoldPlane> most_violated(const HoldProblem& problem, const HoldMove& move,
-                                         std::span<const HoldPlane> kept) noexcept override {
-    unmask_dropped(kept);
-    mask_kept(kept);
-    const ProbeHits& hits = tool_->hits_;
-    std::optional<WorstHit> worst;
-    const auto consider = [&](std::size_t first, std::size_t last, const Vec3& shift) {
-      // Slightly more than the tolerance: the decision is made in double precision below.
-      const float limit = worst ? worst->distance : static_cast<float>(-0.99 * problem.tolerance / tool_->edge_);
-      if (const auto found = find_worst(hits, first, last, motion(move, shift), limit)) worst = found;
-    };
-    consider(0, tool_->cutting_hits_, spinning_ ? move.engagement - problem.engaged : Vec3(0.0));
-    consider(tool_->cutting_hits_, hits.count, Vec3(0.0));
-    if (!worst || static_cast<double>(worst->distance) * tool_->edge_ > -problem.tolerance) return std::nullopt;
-    return plane_of(worst->hit);
-  }
-
-  [[nodiscard]] HoldPlane plane_of(std::size_t hit) const noexcept {
-    const ProbeHits& hits = tool_->hits_;
-    HoldPlane plane;
-    plane.point = hits.point[hit];
-    plane.arm = axes_ * tool_->cleared(plane.point);
-    plane.normal = Vec3(static_cast<double>(hits.nx[hit]), static_cast<double>(hits.ny[hit]), static_cast<double>(hits.nz[hit]));
-    const double length = glm::length(plane.normal);
-    // Where bone has no normal (deep inside, noise at one level) the tool's own outward direction replaces it.
-    plane.normal = length > 0.1 ? plane.normal / length : axes_ * tool_->shell_.inward_normals[plane.point];
-    plane.gap = static_cast<double>(hits.distance[hit]) * tool_->edge_;
-    plane.cutting = spinning_ && hit < tool_->cutting_hits_;
-    const Vec3 position = tool_->bone_from_tool_.translation + plane.arm + (plane.cutting ? tool_->engaged_ : Vec3(0.0));
-    plane.normal = plane.cutting ? tool_->cutting_normal(plane.point, plane.normal)
-                                 : tool_->direction(*bone_, plane, position, plane.normal, spinning_);
-    plane.yield = tool_->yield_of(*bone_, plane, position);
-    return plane;
-  }
-
- private:
-  [[nodiscard]] PointMotion motion(const HoldMove& move, const Vec3& shift) const noexcept {
-    PointMotion out;
-    for (std::size_t c = 0; c < 3; ++c) out.linear[c] = glm::cross(move.turn, axes_[c]) / tool_->edge_;
-    out.offset = (move.translation + shift + glm::cross(move.turn, axes_ * tool_->middle_)) / tool_->edge_;
-    return out;
-  }
-  /// A kept plane yields under its own load, so the search must skip it.
-  void mask_kept(std::span<const HoldPlane> kept) noexcept {
-    ProbeHits& hits = tool_->hits_;
-    for (const HoldPlane& plane : kept) {
-      const std::size_t hit = tool_->places_.find(hits, plane.point);
-      if (hit == hits.count || hits.distance[hit] == kHidden) continue;
-      hidden_[masked_++] = {hit, hits.distance[hit]};
-      hits.distance[hit] = kHidden;
-    }
-  }
-  void restore(std::size_t n) noexcept { tool_->hits_.distance[hidden_[n].hit] = hidden_[n].distance; }
-  void unmask_dropped(std::span<const HoldPlane> kept) noexcept {
-    std::size_t left = 0;
-    for (std::size_t n = 0; n < masked_; ++n) {
-      if (std::ranges::find(kept, tool_->hits_.point[hidden_[n].hit], &HoldPlane::point) != kept.end())
-        hidden_[left++] = hidden_[n];
-      else
-        restore(n);
-    }
-    masked_ = left;
-  }
-
-  static constexpr float kHidden = 1e9f;  // [voxel edges] beyond any hit
-  struct Hidden {
-    std::size_t hit;
-    float distance;
-  };
-  ConstrainedTool* tool_;
-  const SurfaceView* bone_;
-  bool spinning_;
-  Mat3 axes_;  // of the tool, bone frame
-  std::array<Hidden, kMaxHoldPlanes> hidden_{};
-  std::size_t masked_ = 0;
-};
-
-ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, std::shared_ptr<const CuttingField> field,
-                                 double voxel_edge)
+ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge,
+                                 ConstrainedToolParts parts)
     : config_(config),
       shell_(shell),
       middle_(middle_of(shell)),
@@ -158,16 +70,18 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
       flank_points_(even_part(points_.cutting, kFlankPoints)),
       facing_(shell, flank_points_),
       cleared_(shell, points_.cutting, middle_),
-      lens_(shell, std::move(field), voxel_edge),
+      lens_(shell, std::move(parts.cutting), voxel_edge),
       edge_(voxel_edge),
       regions_(shell),
       places_(points_),
-      cover_(shell.positions) {
+      cover_(shell.positions),
+      surface_(std::move(parts.surface)) {
+  if (surface_) cells_ = ShellCells(shell_, *surface_, edge_);
   hits_.reserve(shell_.size());
 }
 
 Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge,
-                                                std::shared_ptr<const CuttingField> field) {
+                                                ConstrainedToolParts parts) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
   if (!(std::isfinite(config.flank_friction) && config.flank_friction >= 0.0))
     return refuse("the share of the lateral stiffness must be finite and at least 0");
@@ -182,7 +96,7 @@ Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& con
   if (shell.size() == 0 || shell.size() > kMaxShellPoints) return refuse("the point shell must hold 1 to 200000 points");
   if (shell.inward_normals.size() != shell.size() || shell.cutting.size() != shell.size())
     return refuse("each point of the shell needs an inward normal and whether it cuts");
-  return ConstrainedTool(config, shell, std::move(field), voxel_edge);
+  return ConstrainedTool(config, shell, voxel_edge, std::move(parts));
 }
 
 void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
@@ -190,6 +104,7 @@ void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
   state_.world_from_tool = world_from_tool;
   engaged_ = Vec3(0.0);
   solver_.clear();
+  forget_places();
   flanks_.clear();
   hold_force_.clear();
   placed_ = false;
@@ -275,9 +190,12 @@ void ConstrainedTool::look(const SurfaceView& bone, bool spinning, double look_a
       bone.records.bone_from_index.inverse() * Affine::from_pose({bone_from_tool_.rotation, bone_from_tool_ * middle_});
   const Vec3 back = spinning ? bone.records.bone_from_index.inverse().linear * engaged_ : Vec3(0.0);
   hits_.clear(shell_.size() > kScannedHits);
-  probe_surface(bone.records, points_.cutting, moved(index_from_tool, back), look_ahead, hits_);
+  const bool between = follows_surface(spinning), far = between && far_look_due();
+  const auto reach = [&](double cells) { return far ? std::max(look_ahead, std::min(cells, kFarthestLook)) : look_ahead; };
+  probe_surface(bone.records, points_.cutting, moved(index_from_tool, back), reach(cells_.reach_of_cutting()), hits_);
   cutting_hits_ = hits_.count;
-  probe_surface(bone.records, points_.passive, index_from_tool, look_ahead, hits_);
+  probe_surface(bone.records, points_.passive, index_from_tool, reach(cells_.reach_of_passive()), hits_);
+  if (between) look_between(bone, far);
 }
 
 void ConstrainedTool::let_lie(double furthest_out) noexcept {
@@ -292,9 +210,12 @@ void ConstrainedTool::let_lie(double furthest_out) noexcept {
 HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_target, const Pull& pull, bool spinning) noexcept {
   const Affine index_from_bone = bone.records.bone_from_index.inverse();
   const RecordSampler records(bone.records);
+  const bool between = follows_surface(spinning);
+  const PlaceFinder finder(surface_.get(), bone.records, bone_from_tool_);
   if (constrained_) solver_.refresh([](const HoldPlane& plane) { return plane.point < kConstraintPoint || plane.both_ways; });
   solver_.refresh([&](HoldPlane& plane) {
     if (plane.both_ways) return false;  // added again below
+    if (between) return settle_kept(bone, finder, plane);
     plane.arm = bone_from_tool_.rotate(cleared(plane.point));
     plane.cutting = spinning && shell_.cutting[plane.point] != 0;
     const Vec3 position = bone_from_tool_.translation + plane.arm + (plane.cutting ? engaged_ : Vec3(0.0));
@@ -325,7 +246,7 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
 Vec3 ConstrainedTool::direction(const SurfaceView& bone, const HoldPlane& plane, const Vec3& position, const Vec3& normal,
                                 bool spinning) const noexcept {
   return conforming_normal(hits_, {spinning ? cutting_hits_ : 0, hits_.count},
-                           {.place = shell_.positions[plane.point] - middle_,
+                           {.place = (follows_surface(spinning) ? plane.place : shell_.positions[plane.point]) - middle_,
                             .gap = plane.gap / edge_,
                             .normal = normal,
                             .steadied = steadied(bone, position, normal)},
@@ -336,6 +257,7 @@ void ConstrainedTool::apply(const HoldMove& move, double part) noexcept {
   bone_from_tool_.translation += move.translation * part;
   bone_from_tool_.rotation = glm::normalize(rotation_of(move.turn * part) * bone_from_tool_.rotation);
   engaged_ += (move.engagement - engaged_) * part;
+  since_far_look_ += part * (glm::length(move.translation) + glm::length(move.turn) * (points_.reach + glm::length(middle_)));
   if (added_.tangential == nullptr) return;
   slip_.moved.translation += move.translation * part;
   slip_.moved.turn += move.turn * part;
@@ -477,6 +399,8 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
     placed_ = true;
   }
   bone_from_tool_ = world_from_bone_.inverse() * state_.world_from_tool;  // moves with a bone that moved
+  if (bone.world_from_bone.translation != world_from_bone_.translation || bone.world_from_bone.rotation != world_from_bone_.rotation)
+    since_far_look_ = 1.0;
   begin_added(added, spin.rate, dt, placed);
   const Pull pull = pull_of(hand, dt);
   spinning_ = spin.spinning;

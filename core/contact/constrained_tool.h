@@ -8,6 +8,8 @@
 ///   comes from the outer side of bone, at any engaged depth. Other points are tested at the tool's pose.
 ///   Equilibrium  Coupling forces and contact forces balance. The depenetration limit (push_out) bounds the force on points inside bone
 ///                that is cut.
+///   Places  At spin 0 contact is at places of the tool's surface: a plane follows the place of its contact (contact_place.h), and bone that
+///           reaches the tool between its shell points is searched for (shell_cells.h). A spinning tool touches at its shell points only.
 ///   Window  Outside the window the tool moves freely as far as the coarse distance proves that no bone is near. Beyond, it is held: the
 ///           force is that of its springs, as at a wall (hold_force.h).
 ///   Tangential loads, such as friction, come from a TangentialLaw (tangential_hold.h); without one the surface is frictionless.
@@ -30,6 +32,8 @@
 #include "core/contact/hold_solver.h"
 #include "core/contact/lens_shell.h"
 #include "core/contact/local_contact.h"
+#include "core/contact/searched_places.h"
+#include "core/contact/shell_cells.h"
 #include "core/contact/shell_cover.h"
 #include "core/contact/shell_regions.h"
 #include "core/contact/surface_view.h"
@@ -64,12 +68,19 @@ struct ConstrainedToolState {
   std::uint32_t flags = 0;  ///< ContactFlag
 };
 
+/// What is known of a tool beside the points of its shell.
+struct ConstrainedToolParts {
+  /// The cutting part as a solid, for bone that is cut at sub-voxel resolution; null: bone is cut by whole voxels.
+  std::shared_ptr<const CuttingField> cutting{};
+  /// The surface between the points; null: the tool is its points.
+  std::shared_ptr<const ToolSurface> surface{};
+};
+
 class ConstrainedTool {
  public:
   /// Errors: out_of_range when a stiffness is not above 0, damping is negative, or the shell is empty or too large.
-  /// @param field the cutting part as a solid, for bone that is cut at sub-voxel resolution; null: bone is cut by whole voxels.
   [[nodiscard]] static Result<ConstrainedTool> create(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge,
-                                                      std::shared_ptr<const CuttingField> field = nullptr);
+                                                      ConstrainedToolParts parts = {});
 
   /// Places the tool without a query of bone (start of a run, after a jump of the scene).
   void place(const Pose& world_from_tool) noexcept;
@@ -89,8 +100,9 @@ class ConstrainedTool {
 
  private:
   class Candidates;
-  ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, std::shared_ptr<const CuttingField> field,
-                  double voxel_edge);
+  static constexpr double kFarLookAfter = 0.05;  // [voxel edges]
+  static constexpr float kHidden = 1e9f;         // [voxel edges] beyond any hit
+  ConstrainedTool(const ConstrainedToolConfig& config, const PointShell& shell, double voxel_edge, ConstrainedToolParts parts);
   /// The equilibrium of springs and dampers without contact, and their total stiffness.
   struct Pull {
     Pose world_from_target;
@@ -106,6 +118,25 @@ class ConstrainedTool {
   /// Measures the lateral stiffness of what is engaged, at the tool's pose.
   void measure_flanks(const SurfaceView& bone, bool spinning) noexcept;
   void look(const SurfaceView& bone, bool spinning, double look_ahead) noexcept;
+  /// Whether contact is at places of the tool's surface, and not at its shell points only. A spinning tool tests its cutting points at the
+  /// proxy pose, where they are not on its surface.
+  [[nodiscard]] bool follows_surface(bool spinning) const noexcept { return surface_ != nullptr && !spinning; }
+  /// The part of look() for places between the points: bounds of all hits, and the places that are known.
+  void look_between(const SurfaceView& bone, bool far) noexcept;
+  /// Whether the tool has moved so far since bone was probed as far as the cells of its points reach that deep bone may be new.
+  [[nodiscard]] bool far_look_due() const noexcept { return since_far_look_ > kFarLookAfter * edge_; }
+  void forget_places() noexcept {
+    searched_.clear();
+    since_far_look_ = 1.0;
+  }
+  /// Moves a plane's place to the contact next to it, and sets all but the point. @returns false where bone is not near.
+  [[nodiscard]] bool settle(const SurfaceView& bone, const PlaceFinder& finder, HoldPlane& plane) const noexcept;
+  /// The same for a kept plane, and for the place that was searched for it.
+  [[nodiscard]] bool settle_kept(const SurfaceView& bone, const PlaceFinder& finder, HoldPlane& plane) noexcept;
+  /// @returns the shell point of the hit that is nearest to a place of the tool; `point` where there are no hits.
+  [[nodiscard]] std::uint32_t nearest_hit(const Vec3& place, std::uint32_t point) const noexcept;
+  /// Moves a place with the contact next to it. @returns false where it is no longer of use.
+  [[nodiscard]] bool follow(const PlaceFinder& finder, SearchedPlaces::Place& place, bool far) const noexcept;
   /// Limits depenetration: for a cutting point deeper than the compliance of bone under its load plus `furthest_out` [m], sets the gap so
   /// that bone holds the point there and moves it outwards by no more than `furthest_out`.
   void let_lie(double furthest_out) noexcept;
@@ -146,6 +177,10 @@ class ConstrainedTool {
   ShellRegions regions_;
   HitPlaces places_;
   ShellCover cover_;
+  std::shared_ptr<const ToolSurface> surface_;
+  ShellCells cells_;
+  SearchedPlaces searched_;
+  double since_far_look_ = 1.0;  // [m] way of the tool, at most
   ProbeHits hits_;
   std::size_t cutting_hits_ = 0;  // hits of cutting points come first; this is their number
   HoldSolver solver_;

@@ -17,11 +17,13 @@
 namespace burrhole {
 
 struct CuttingField;
+class ToolSurface;
 
 /// Parameters of a model that are fixed at creation.
 struct ContactOptions {
   double voxel_edge = 0.0;                        ///< [m] > 0, mean edge of the bone's voxels
   std::shared_ptr<const CuttingField> cutting{};  ///< the tool's cutting part, where bone is cut at sub-voxel resolution; null otherwise
+  std::shared_ptr<const ToolSurface> surface{};   ///< the tool's surface between the points of its shell; null: its points only
   bool planes = false;                            ///< whether ContactState::local is filled; false saves the cost
   double foresight = 0.0;  ///< [s] time for which `local` must be valid: a contact period plus the latency of its result
 };

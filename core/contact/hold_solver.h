@@ -33,6 +33,7 @@ struct HoldPlane {
   bool cutting = false;
   std::uint32_t point = 0;  ///< shell point of the plane; each point has at most one plane
   double force = 0.0;       ///< [N] out: >= 0, of either sign with both_ways
+  Vec3 place{0.0};          ///< [m] tool frame: the contact point as its source keeps it; the solver does not read it
   bool both_ways = false;   ///< also exerts attractive forces and is never dropped; not cutting
 };
 

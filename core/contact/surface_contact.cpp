@@ -38,7 +38,7 @@ class SurfaceContact final : public ContactModel {
 
 Result<std::unique_ptr<ContactModel>> make_surface_contact(const ConstrainedToolConfig& config, const PointShell& shell,
                                                            const ContactOptions& options) {
-  auto tool = ConstrainedTool::create(config, shell, options.voxel_edge, options.cutting);
+  auto tool = ConstrainedTool::create(config, shell, options.voxel_edge, {.cutting = options.cutting, .surface = options.surface});
   if (!tool) return tool.error();
   return std::unique_ptr<ContactModel>(std::make_unique<SurfaceContact>(std::move(tool).value(), options));
 }

@@ -35,7 +35,7 @@ struct Across {
 template <class Record>
 SurfaceSample between(const Record* first, const Vec3i& size, const Vec3& f, const Mat3& metric, bool cut, double distance_step,
                       double normal_step) {
-  SurfaceSample out{0.0, Vec3(0.0)};
+  SurfaceSample out{0.0, Vec3(0.0), 0.0};
   Across axes[3];
   double tangent = -kRecordBand;  // the highest
   const Vec3 rest = 1.0 - f;
@@ -58,6 +58,7 @@ SurfaceSample between(const Record* first, const Vec3i& size, const Vec3& f, con
   double sharp = 0.0;
   for (std::size_t a = 0; a < 3; ++a) {
     out.distance -= 0.5 * f[a] * rest[a] * axes[a].turn();
+    out.bend += axes[a].turn() / glm::dot(metric[a], metric[a]);
     sharp = std::max(sharp, axes[a].sharpness());
   }
   if (cut) out.distance += sharp * (tangent - out.distance);
@@ -77,7 +78,7 @@ void HitBlocks::reserve(std::size_t points) {
 
 void ProbeHits::reserve(std::size_t points) {
   // Vector stores may write up to one vector beyond the kept elements.
-  for (LineVector<float>* array : {&x, &y, &z, &distance, &nx, &ny, &nz}) array->assign(points + kShellPad, 0.0f);
+  for (LineVector<float>* array : {&x, &y, &z, &distance, &nx, &ny, &nz, &lower}) array->assign(points + kShellPad, 0.0f);
   point.assign(points + kShellPad, 0);
   blocks.reserve(points);
 }
@@ -88,6 +89,7 @@ void ProbeHits::clear(bool blocked) noexcept {
   blocks.wanted = blocked;
   nearest = static_cast<float>(kRecordBand);
   outside = false;
+  lowered = false;
 }
 
 void probe_surface(const RecordView& bone, const ContactShellPart& points, const Affine& index_from_tool, double look_ahead,

@@ -51,6 +51,8 @@ struct ProbeHits {
   LineVector<float> x, y, z;               ///< [m] tool frame
   LineVector<float> distance, nx, ny, nz;  ///< [voxels] in voxel edges, [-] bone frame, not normalised
   LineVector<std::uint32_t> point;         ///< index into the shell
+  LineVector<float> lower;                 ///< [voxels] lower bounds of the distance in the cells of the points (shell_cells.h)
+  bool lowered = false;                    ///< `lower` is set, and is what find_worst() compares; so are the minima of the blocks
   std::size_t count = 0;
   HitBlocks blocks;      ///< of all hits in order, or empty
   float nearest = 0.0f;  ///< [voxels] lower bound of the distances of all probed points; at most the records' band, also inside

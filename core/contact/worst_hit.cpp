@@ -46,6 +46,7 @@ HWY_INLINE void scan(const ProbeHits& hits, const WorstJob& job, const HitRange&
   const Floats df;
   const Ints di;
   const std::size_t lanes = hn::Lanes(df);
+  const float* const distance = hits.lowered ? hits.lower.data() : hits.distance.data();
   const Vi lane = hn::Iota(di, 0);  // made once: it is loaded from memory
   for (std::size_t n = range.first; n < range.last; n += lanes) {
     const Vf x = hn::LoadU(df, hits.x.data() + n), y = hn::LoadU(df, hits.y.data() + n), z = hn::LoadU(df, hits.z.data() + n);
@@ -53,7 +54,7 @@ HWY_INLINE void scan(const ProbeHits& hits, const WorstJob& job, const HitRange&
              mz = row_times(job.linear + 2, x, y, z, job.offset[2]);
     const Vf along = hn::Add(hn::Add(hn::Mul(hn::LoadU(df, hits.nx.data() + n), mx), hn::Mul(hn::LoadU(df, hits.ny.data() + n), my)),
                              hn::Mul(hn::LoadU(df, hits.nz.data() + n), mz));
-    const Vf after = hn::Add(hn::LoadU(df, hits.distance.data() + n), along);
+    const Vf after = hn::Add(hn::LoadU(df, distance + n), along);
     const auto better = hn::And(hn::FirstN(df, range.last - n), hn::Lt(after, least.value));
     least.value = hn::IfThenElse(better, after, least.value);
     least.place = hn::IfThenElse(hn::RebindMask(di, better), hn::Add(lane, hn::Set(di, static_cast<std::int32_t>(n))), least.place);

@@ -40,6 +40,7 @@ struct TriangleMesh {
 };
 
 struct CuttingField;
+class ToolSurface;
 
 /// A bit ready for use.
 struct Tool {
@@ -51,6 +52,7 @@ struct Tool {
   TriangleMesh look;  ///< for pictures: with flutes and cutting edges, or the mesh of the tool file
   bool turns = true;  ///< rotates about its axis; false for a blade and for a part that does not rotate with the bit
   std::shared_ptr<const CuttingField> cutting;  ///< core/tool/cutting_field.h; null unless ToolOptions requests it
+  std::shared_ptr<const ToolSurface> surface;   ///< core/tool/tool_surface.h: the surface between the points of the shell
   double bound_radius = 0.0;                    ///< [m] all shell and erosion points lie within this distance of the origin
   Vec3 bound_lo{0.0};                           ///< [m] bounding box of shell and erosion points, tool frame
   Vec3 bound_hi{0.0};                           ///< [m] upper corner

@@ -43,6 +43,7 @@ inline constexpr double kRecord8Normal = 1.0 / 127.0, kRecord16Normal = 1.0 / 32
 struct SurfaceSample {
   double distance = kRecordBand;  ///< [voxel unit] in voxel edges
   Vec3 normal{0.0};               ///< [-] outward, bone frame
+  double bend = 0.0;              ///< [1/voxel edge] sum of the principal curvatures, positive where bone is convex; RecordSampler only
 };
 
 /// Records of one window, i fastest over `box`.

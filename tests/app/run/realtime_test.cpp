@@ -90,6 +90,14 @@ TEST_CASE("real time: the constrained tool, its planes at the servo's rate, by e
   check_clean(drive(load_small(pressed(kHeldKeys))));
 }
 
+TEST_CASE("real time: contact at spin 0, between the points of the shell") {
+  covers("core/tool/tool_surface.h: nearest");
+  const Outcome outcome = drive(load_small(pressed(kHeldKeys, {"tool.spin_rpm=0"})));
+  CHECK(outcome.taken.allocations == 0);
+  CHECK(outcome.taken.locks == 0);
+  CHECK(outcome.largest_force > 0.1);
+}
+
 /// A hand that leaps from far away to a place under the outer face, faster than any window follows.
 class LeapingHand final : public HandSource {
  public:
