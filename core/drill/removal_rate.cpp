@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/bounds.h"
+
 namespace burrhole {
 namespace {
 
@@ -135,24 +137,22 @@ bool is_pointed(const Tool& tool, const FeedFrame& frame, double voxel_edge) {
     if (tool.shell.cutting[n] == 0 || frame.behind(tool.shell.positions[n]) > lead + voxel_edge) continue;
     const double facing = frame.back * tool.shell.inward_normals[n][frame.w];
     oblique = oblique || (facing > kLeastFacing && facing < kOblique);
-    flat = flat || (facing >= kOblique && frame.behind(tool.shell.positions[n]) > lead);
+    // The apex itself may face the feed.
+    flat =
+        flat || (facing >= kOblique && std::hypot(tool.shell.positions[n][frame.u], tool.shell.positions[n][frame.v]) > 0.25 * voxel_edge);
   }
   return oblique && !flat;
 }
 
 /// [m] largest depth of engagement for which the prediction holds: half the width of the cutting part, or half the height of a point.
 double deepest_lag(const Tool& tool, const FeedFrame& frame, bool pointed) {
-  Vec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;
+  const auto [lo, hi] = bounds_of_points(tool.erosion.positions);
   double height = 0.0;
   const double lead = leading_end(tool, frame);
-  for (std::size_t n = 0; n < tool.shell.size(); ++n) {
-    if (tool.shell.cutting[n] == 0) continue;
-    lo = glm::min(lo, tool.shell.positions[n]);
-    hi = glm::max(hi, tool.shell.positions[n]);
-    if (frame.back * tool.shell.inward_normals[n][frame.w] > kLeastFacing)
+  for (std::size_t n = 0; n < tool.shell.size(); ++n)
+    if (tool.shell.cutting[n] != 0 && frame.back * tool.shell.inward_normals[n][frame.w] > kLeastFacing)
       height = std::max(height, frame.behind(tool.shell.positions[n]) - lead);
-  }
-  const double width = std::min(hi[frame.u] - lo[frame.u], hi[frame.v] - lo[frame.v]);
+  const double width = tool.erosion.pitch + std::min(hi[frame.u] - lo[frame.u], hi[frame.v] - lo[frame.v]);
   return 0.5 * (pointed ? std::min(width, height) : width);
 }
 
