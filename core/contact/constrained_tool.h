@@ -46,8 +46,8 @@ struct ConstrainedToolConfig {
   double coupling_damping = 10.0;      ///< [N s/m]
   double turn_stiffness = 20.0;  ///< [N m/rad] hand to tool; infinite: the hand's rotation. Damped with the time constant of the coupling
   double cutting_stiffness = 140e3;  ///< [N/m] K_cut: thrust over engaged depth of a spinning tool
-  double bone_stiffness = 20e6;     ///< [N/m] of bone of relative stiffness 1 under one plane; scaled by max(relative stiffness, 0.1)
-  double flank_friction = 1.0;      ///< [-] factor on the lateral stiffness of engaged flanks while cutting; 0: none
+  double bone_stiffness = 20e6;      ///< [N/m] of bone of relative stiffness 1 under one plane; scaled by max(relative stiffness, 0.1)
+  double flank_friction = 1.0;       ///< [-] factor on the lateral stiffness of engaged flanks while cutting; 0: none
   /// [N] depenetration limit: the largest force per period with which bone that is cut moves penetrating points towards the surface;
   /// infinite: the full correction. Cutting stores no energy, so bone must not accelerate the tool outwards. Example: a ball whose widest
   /// part has passed a rim penetrates the far side of the rim, because of its clearance and because planes only approximate the surface. A
