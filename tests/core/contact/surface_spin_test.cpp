@@ -218,5 +218,5 @@ TEST_CASE("a spinning ball that comes through a ring: what holds it falls to not
   CHECK(held.least >= -ConstrainedToolConfig{}.push_out);  // what bone may push out with
   CHECK(std::abs(held.last) < 1e-6);
   CHECK(std::abs(held.height + 2e-3) < 1e-6);                     // where the hand would have it
-  CHECK(thrown.least < -4.0 * ConstrainedToolConfig{}.push_out);  // sabotage: moved out as far as the surface, it is pulled through
+  CHECK(thrown.least < -2.0 * ConstrainedToolConfig{}.push_out);  // sabotage: moved out as far as the surface, it is pulled through
 }

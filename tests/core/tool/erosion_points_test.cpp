@@ -88,9 +88,9 @@ TEST_CASE("erosion points: mirror symmetric in x and in y, factors too") {
 
 TEST_CASE("erosion points: the two drills of a perforator keep their own factors") {
   const ErosionPoints points = points_of(perforator(1e-3), 0.5e-3);
-  REQUIRE(std::ranges::count(points.factors, 0.056f) > 0);
-  REQUIRE(std::ranges::count(points.factors, 0.28f) > 0);
-  for (std::size_t i = 0; i < points.size(); ++i) CHECK(points.factors[i] == (points.positions[i].z < 3e-3 ? 0.056f : 0.28f));
+  REQUIRE(std::ranges::count(points.factors, 0.028f) > 0);
+  REQUIRE(std::ranges::count(points.factors, 0.14f) > 0);
+  for (std::size_t i = 0; i < points.size(); ++i) CHECK(points.factors[i] == (points.positions[i].z < 3e-3 ? 0.028f : 0.14f));
 }
 
 TEST_CASE("erosion points: passive regions have none, and the region listed first owns an overlap") {
