@@ -77,6 +77,7 @@ struct StabilitySabotage {
   bool does_not_stop = false;       ///< where the force should be zero, the largest force so far acts
   double turned = 0.0;              ///< [rad] the force on the grip is rotated about y, as if bone had friction
   bool only_window = false;         ///< contact knows bone in the window only
+  bool points_only = false;         ///< contact knows the tool by its shell points, not by its surface
   bool dead_contact = false;        ///< contact is not evaluated after the first touch: force and gradient stay constant
 };
 

@@ -38,6 +38,10 @@ inline constexpr double kDrag = 0.03;  ///< [mJ/mm] 1 % of those 3 N: bone has n
 [[nodiscard]] std::string ball(double pitch_mm = 0.5);
 /// A flat cylinder.
 [[nodiscard]] std::string pin(double diameter_mm, double pitch_mm);
+/// A cone with its tip down, on a cylinder.
+[[nodiscard]] std::string cone(double diameter_mm, double height_mm, double pitch_mm);
+/// A box along x, its narrow face down.
+[[nodiscard]] std::string blade(double width_mm, double depth_mm, double pitch_mm);
 
 struct SceneParts {
   std::string volume;       ///< keys of [volume]

@@ -1,5 +1,6 @@
 #include "app/lab/stability_rig.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -69,6 +70,7 @@ Status StabilityRig::put_together(const StabilityModel& model) {
   auto loaded = load_case(*case_, model, sabotaged_);
   if (!loaded) return loaded.error();
   loaded_ = std::move(loaded).value();
+  if (sabotaged_ && case_->sabotage.points_only) loaded_->tool.surface = nullptr;
   const Scene& scene = loaded_->scene;
   if (scene.find<DeviceConfig>() == nullptr || !scene.volume.phantom)
     return Error{ErrorCode::bad_input, "a hard case needs a device and a phantom", case_->name};
@@ -94,6 +96,12 @@ Status StabilityRig::put_together(const StabilityModel& model) {
   if (!parts) return parts.error();
   parts_ = std::move(parts).value();
   world_from_bone_ = scene.volume.world_from_bone;
+  if (model.constrained && !scene.effects.has("erosion") &&
+      std::ranges::any_of(case_->checks, [](const StabilityCheck& check) { return check.measure == StabilityMeasure::penetration; })) {
+    auto solid = SolidDepth::create(case_->tool, *bone);
+    if (!solid) return solid.error();
+    solid_.emplace(std::move(solid).value());
+  }
   if (sabotaged_ && case_->sabotage.only_window) parts_->contact->know(nullptr);
   if (Status placed = parts_->place({world_from_approach.rotation, world_from_approach * case_->start}); !placed) return placed;
   loop_.emplace(*parts_);
@@ -177,7 +185,7 @@ double StabilityRig::attractive_force_of(const StabilitySample& sample) const {
   const Pose bone_from_world = world_from_bone_.inverse();
   std::vector<Vec3> normals{bone_from_world.rotate(sample.normal)}, points;
   for (const Was& was : lately_)
-    for (const Vec3& point : loaded_->tool.shell.positions) points.push_back(was.bone_from_tool * point);
+    for (const Vec3& point : solid_ ? solid_->tool_points() : loaded_->tool.shell.positions) points.push_back(was.bone_from_tool * point);
   touched_normals(parts_->voxmap->window(), parts_->voxmap->bone().bone_from_index(), points, normals);
   return outside_cone(bone_from_world.rotate(sample.force), normals);
 }
@@ -212,9 +220,11 @@ double StabilityRig::depth_under(const Pose& bone_from_tool, const SurfaceDistan
   // determines the depth below the 0.5 surface, which differs slightly from the shape's own at edges. Deeper, the shape's distance is used.
   double densest = 0.0;
   for (const Vec3& point : loaded_->tool.shell.positions) densest = std::max(densest, density_at(bone_from_tool * point));
-  if (densest <= 0.0 || densest >= 1.0) return -least.signed_distance;
+  const double solid = solid_ ? solid_->deepest(bone_from_tool) : 0.0;
+  const auto or_solid = [solid](double points) { return solid > 0.0 ? std::max(points, solid) : points; };
+  if (densest <= 0.0 || densest >= 1.0) return or_solid(-least.signed_distance);
   const double width = std::abs(least.normal.x) + std::abs(least.normal.y) + std::abs(least.normal.z);
-  return (densest - 0.5) * 2.0 * width * parts_->voxmap->bone().bone_from_index().mean_edge();
+  return or_solid((densest - 0.5) * 2.0 * width * parts_->voxmap->bone().bone_from_index().mean_edge());
 }
 
 bool StabilityRig::bone_between(const Pose& world_from_tool, const Vec3& hand) const {

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "app/lab/oracle/solid_depth.h"
 #include "app/lab/stability_hand.h"
 #include "app/run/lockstep.h"
 #include "app/scene/load.h"
@@ -38,6 +39,7 @@ class StabilityRig {
   [[nodiscard]] bool bone_between(const Pose& world_from_tool, const Vec3& hand) const;
   /// Distance at the deepest point of the tool, or at the point nearest to bone as loaded.
   [[nodiscard]] SurfaceDistance nearest_of(const Pose& bone_from_tool) const;
+  /// [m] Of the tool's points below the 0.5 surface, or of bone inside the solid of the tool where that is more and asked for.
   [[nodiscard]] double depth_under(const Pose& bone_from_tool, const SurfaceDistance& least) const;
   [[nodiscard]] double density_at(const Vec3& in_bone) const;
   [[nodiscard]] SurfaceDistance nearest(const Vec3& in_bone) const;
@@ -46,6 +48,7 @@ class StabilityRig {
   bool sabotaged_;
   std::unique_ptr<LoadedScene> loaded_;
   std::unique_ptr<Truth> truth_;
+  std::optional<SolidDepth> solid_;  // where penetration is bounded
   std::unique_ptr<StabilityHand> hand_;
   std::unique_ptr<Stage> parts_;
   std::optional<Lockstep> loop_;

@@ -36,6 +36,39 @@ void add_edges(std::vector<StabilityCase>& out) {
   out.push_back(corner);
 }
 
+/// Tools with a flat face, a tip and a thin edge, pressed where bone reaches them between their shell points.
+void add_between_points(std::vector<StabilityCase>& out) {
+  const std::string edge = "source = \"phantom:wedge\"\nwedge_deg = 90\nextent_mm = [16, 16, 12]\n";
+  const std::string wedge = "source = \"phantom:wedge\"\nwedge_deg = 40\nextent_mm = [16, 16, 12]\n";
+  const std::string hole =
+      "source = \"phantom:pit\"\nthickness_mm = 7\nhole_depth_mm = 4\nextent_mm = [16, 16, 10]\nhole_radius_mm = 1.2\n";
+  const auto add = [&](std::string name, std::string shows, const std::string& volume, std::string tool, double entry_x_mm = 0.0) {
+    StabilityCase one = pressing(std::move(name), std::move(shows), volume, 3.0);
+    one.scene = scene({.volume = volume, .entry_x_mm = entry_x_mm});
+    one.tool = std::move(tool);
+    one.checks = with(one.checks, held_back());
+    one.sabotage = {.what = "contact knows the tool by its shell points only",
+                    .must_fail = StabilityMeasure::penetration,
+                    .sets = {},
+                    .points_only = true};
+    out.push_back(std::move(one));
+  };
+  add("flat_on_edge", "A flat pin with points 1 mm apart on an edge of bone that passes between them.", edge, pin(5.0, 1.0), 0.25);
+  add("cone_on_wedge", "A blunt cone with points 0.8 mm apart on the edge of a wedge of 40 degrees, its tip beside it.", wedge,
+      cone(5.0, 2.0, 0.8), 0.35);
+  // [N] The cone slides off under 2.4 N, and the measure's normals, from the densities of single cells, are off by 2 degrees on so sharp an edge.
+  for (StabilityCheck& check : out.back().checks)
+    if (check.measure == StabilityMeasure::attractive_force) check.bound = kAttractiveForce + 2.4 * 0.035;
+  StabilityCase ring = pressing("flat_on_rim", "A flat pin with points 1 mm apart beside the rim of a hole.", hole, 3.0);
+  add("blade_on_edge", "A thin blade across an edge of bone, its points 0.9 mm apart.", edge, blade(8.0, 0.5, 0.9));
+  ring.scene = scene({.volume = hole, .entry_x_mm = 3.0});
+  ring.tool = pin(3.0, 1.0);
+  ring.path = press(3.0, -1.5);
+  ring.start = {-1.5e-3, 0.0, 1e-3};
+  ring.checks = with(ring.checks, held_back(kPenetration + 0.25 / (4.0 * 1.2)));
+  out.push_back(ring);
+}
+
 void add_concave(std::vector<StabilityCase>& out) {
   const auto pit = [](double radius_mm) {
     return "source = \"phantom:pit\"\nthickness_mm = 7\nhole_depth_mm = 4\nextent_mm = [16, 16, 10]\nhole_radius_mm = " +
@@ -121,6 +154,7 @@ void add_shapes(std::vector<StabilityCase>& out) {
   flat.checks = with(flat.checks, held_back());
   out.push_back(flat);
   add_edges(out);
+  add_between_points(out);
   add_concave(out);
   add_deep(out);
   StabilityCase noisy = pressing("noisy", "A ball on bone whose voxels are off by up to 30 %.", plate("noise = 0.3\n"), 3.0);

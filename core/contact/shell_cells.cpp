@@ -41,9 +41,14 @@ ShellCells::ShellCells(const PointShell& shell, const ToolSurface& surface, doub
     Cell& cell = cells_[n];
     cell.faces = static_cast<int>(faces.count);
     cell.radius = static_cast<float>(faces.cell_radius / voxel_edge);
-    if (faces.count == 0) continue;
     double& reach = reach_[shell.cutting[n] != 0 ? 1 : 0];
     reach = std::max(reach, kSteepest * faces.cell_radius / voxel_edge + kMargin);
+    if (faces.count == 0) {
+      // A corner, an apex or a joint: the way into a face leads back from bone, so a flat face across it has the larger bound.
+      cell.faces = 1;
+      cell.outward = Vec3f(-shell.inward_normals[n]);
+      continue;
+    }
     cell.outward = Vec3f(faces.face[0].outward);
     cell.into = Vec3f(faces.face[0].into);
     if (faces.count == 1) {
@@ -79,7 +84,7 @@ void ShellCells::lower(const Mat3& bone_from_tool, ProbeHits& hits) const noexce
   for (std::size_t n = 0; n < hits.count; ++n) {
     const Cell& cell = cells_[hits.point[n]];
     hits.lower[n] = hits.distance[n];
-    if (cell.faces > 0) hits.lower[n] -= drop(cell, a * hits.nx[n] + b * hits.ny[n] + c * hits.nz[n]);
+    hits.lower[n] -= drop(cell, a * hits.nx[n] + b * hits.ny[n] + c * hits.nz[n]);
   }
   for (std::size_t n = 0; n < hits.blocks.count; ++n) {
     const HitRange range = hits.blocks.hits_of(n);

@@ -39,7 +39,7 @@ class ShellCells {
     Vec3f outward{0.0f}, into{0.0f}, outward2{0.0f}, into2{0.0f}, along{0.0f};  // [-] tool frame
     float radius = 0.0f;                                                        // [voxels]
     float curvature = 0.0f;                                                     // [1/voxels] least
-    int faces = 0;                                                              // 0: no bound
+    int faces = 1;                                                              // that meet at the point
   };
   [[nodiscard]] static float drop(const Cell& cell, const Vec3f& normal) noexcept;
 
