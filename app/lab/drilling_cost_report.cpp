@@ -36,6 +36,7 @@ std::size_t shipped_place(const KnobPoints& points) {
 std::string setting_text(const DrillingPoint& point) { return fmt::format("{:.4g} {}", point.setting, point.unit); }
 
 std::string errors_text(const DrillingPoint& p) {
+  if (p.early_stops > 0.0) return fmt::format("{:+.1f} % of volume and {:.0f} runs that ended early", p.volume_percent, p.early_stops);
   return fmt::format("{:+.1f} % of volume, {:+.1f} % of time and {:+.2f} mm of plunge", p.volume_percent, p.time_percent, p.plunge_mm);
 }
 
@@ -80,7 +81,8 @@ PlotPanel panel_of(const KnobPoints& points) {
     PlotSeries series{curve.name, {}, {}, linked_point_style(curve.colour, curve.type)};
     for (const DrillingPoint& point : points) {
       series.x.push_back(point.setting);
-      series.y.push_back(std::max(kFloor, std::abs(point.*curve.value)));
+      const double error = std::abs(point.*curve.value);
+      series.y.push_back(error < kFloor ? kFloor : error);  // NaN breaks the curve
     }
     panel.series.push_back(std::move(series));
   }
@@ -106,6 +108,7 @@ Plot plot_of(const std::vector<KnobPoints>& knobs) {
 
 // ---- tables
 
+std::string with_sign(double value, int decimals) { return std::isnan(value) ? "-" : fmt::format("{:+.{}f}", value, decimals); }
 std::string cell(double value) { return std::isnan(value) ? "-" : fmt::format("{:.3g}", value); }
 
 std::vector<std::string> heads() {
@@ -136,11 +139,10 @@ std::string markdown(const std::vector<KnobPoints>& knobs) {
   for (const KnobPoints& points : knobs)
     for (const DrillingPoint& p : points) {
       const bool shipped = p.setting == p.shipped;
-      out += fmt::format(
-          "| {0}`{1}` = {2:.4g}{0} | {3:+.2f} | {4:+.2f} | {5:+.3f} | {6:+.2f} | {7:+.3f} | {8} | {9:.1f} | {10:.1f} | {11:.1f} | {12:.0f} "
-          "|\n",
-          shipped ? "**" : "", p.knob, p.setting, p.volume_percent, p.mass_percent, p.outer_mm, p.time_percent, p.plunge_mm,
-          cell(p.spread_mm), p.ripple_percent, p.roughness_um, p.cpu_s, p.bytes * 1e-6);
+      out += fmt::format("| {0}`{1}` = {2:.4g}{0} | {3} | {4} | {5} | {6} | {7} | {8} | {9:.1f} | {10:.1f} | {11:.1f} | {12:.0f} |\n",
+                         shipped ? "**" : "", p.knob, p.setting, with_sign(p.volume_percent, 2), with_sign(p.mass_percent, 2),
+                         with_sign(p.outer_mm, 3), with_sign(p.time_percent, 2), with_sign(p.plunge_mm, 3), cell(p.spread_mm),
+                         p.ripple_percent, p.roughness_um, p.cpu_s, p.bytes * 1e-6);
     }
   out += "\n";
   for (const KnobPoints& points : knobs) out += "- " + sentence_of(points) + "\n";

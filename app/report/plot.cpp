@@ -241,7 +241,7 @@ std::string log_tics(const Range& x, std::span<const double> steps, int& count) 
 
 /// Marks at 1, 2 and 5 times the powers of ten; at more multiples where these are fewer than three.
 std::string log_tics(const Range& x) {
-  constexpr double kCoarse[] = {1.0, 2.0, 5.0}, kFine[] = {1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0};
+  constexpr double kCoarse[] = {1.0, 2.0, 5.0}, kFine[] = {1.0, 1.5, 2.0, 3.0, 5.0, 7.0};
   int count = 0;
   const std::string coarse = log_tics(x, kCoarse, count);
   return count >= 3 ? coarse : log_tics(x, kFine, count);
