@@ -160,7 +160,8 @@ TEST_CASE("unstable loops: without [device] the hand on the drill is checked ali
   CHECK(loop_line(held({})) == "");
   const LoadedScene stiff = held({"contact.coupling_N_per_m=80000"});
   MESSAGE(loop_line(stiff));
-  CHECK(loop_line(stiff).find("[contact] the loop of hand and coupling is unstable: contact.coupling_N_per_m = 80000 is over its limit of") == 0);
+  CHECK(loop_line(stiff).find(
+            "[contact] the loop of hand and coupling is unstable: contact.coupling_N_per_m = 80000 is over its limit of") == 0);
   const Found found = run(stiff, 2.0);
   REQUIRE(!found.warnings.empty());
   CHECK(found.warnings.back().find("limit cycle") != std::string::npos);
