@@ -32,21 +32,21 @@ namespace stability {
 std::string ball(double pitch_mm) {
   return fmt::format(
       "title = \"Ball of 4 mm\"\n[shell]\npitch_mm = {}\n[[region]]\nname = \"ball\"\nshape = \"sphere\"\nz_mm = 0\n"
-      "diameter_mm = 4\nerosion_factor = 0.1\n",
+      "diameter_mm = 4\nerosion_factor = 0.2\n",
       pitch_mm);
 }
 
 std::string pin(double diameter_mm, double pitch_mm) {
   return fmt::format(
       "title = \"Flat cylinder\"\n[shell]\npitch_mm = {}\n[[region]]\nname = \"pin\"\nshape = \"cylinder\"\nz_mm = 0\n"
-      "height_mm = 5\ndiameter_mm = {}\nerosion_factor = 0.1\n",
+      "height_mm = 5\ndiameter_mm = {}\nerosion_factor = 0.2\n",
       pitch_mm, diameter_mm);
 }
 
 std::string cone(double diameter_mm, double height_mm, double pitch_mm) {
   return fmt::format(
       "title = \"Cone\"\n[shell]\npitch_mm = {0}\n[[region]]\nname = \"cone\"\nshape = \"cone\"\nz_mm = 0\nheight_mm = {1}\n"
-      "diameter_mm = {2}\nerosion_factor = 0.1\n[[region]]\nname = \"shaft\"\nshape = \"cylinder\"\nz_mm = {1}\nheight_mm = 4\n"
+      "diameter_mm = {2}\nerosion_factor = 0.2\n[[region]]\nname = \"shaft\"\nshape = \"cylinder\"\nz_mm = {1}\nheight_mm = 4\n"
       "diameter_mm = {2}\nerosion_factor = 0\n",
       pitch_mm, height_mm, diameter_mm);
 }
@@ -54,7 +54,7 @@ std::string cone(double diameter_mm, double height_mm, double pitch_mm) {
 std::string blade(double width_mm, double depth_mm, double pitch_mm) {
   return fmt::format(
       "title = \"Blade\"\n[shell]\npitch_mm = {}\n[[region]]\nname = \"blade\"\nshape = \"box\"\nz_mm = 0\nheight_mm = 5\n"
-      "width_mm = {}\ndepth_mm = {}\nerosion_factor = 0.1\n",
+      "width_mm = {}\ndepth_mm = {}\nerosion_factor = 0.2\n",
       pitch_mm, width_mm, depth_mm);
 }
 
