@@ -37,7 +37,7 @@ class OtherCommands(WithFolder):
         costs = {e["name"]: e["time_us"] for e in json.loads(measured.stdout)["effects"]}
         self.assertGreater(costs["contact"], 0)
         self.assertEqual(list(self.folder.iterdir()), [], "measuring writes nothing")
-        self.assertIn("less than a voxel", " ".join(json.loads(run("explain", QUICK, "--json", "--set", "contact.cutting_N_per_m=1e7").stdout)["warnings"]))
+        self.assertIn("less than a voxel", " ".join(json.loads(run("explain", QUICK, "--json", "--set", "contact.cutting_N_per_m=1e7", "--set", "erosion.subvoxel=false").stdout)["warnings"]))
 
     def test_the_predicted_memory_is_within_15_percent_of_the_measured_one(self):
         for scene, sets in ((QUICK, ["display.size=[64,48]"]), (QUICK, []), ("parietal", ["duration_s=2"])):
