@@ -114,9 +114,9 @@ class Bits(unittest.TestCase):
         for bit in json.loads(printed("tools", "--json")):
             sheet = printed("tools", bit["name"])
             rates = [re.search(rf"^  {way} +(unknown|[\d.]+ mm3/s)", sheet, re.M).group(1) for way in ("plunging", "sideways")]
-            told = tuple("unknown" if rate == "unknown" else f"{float(rate.split()[0]):.2g}" if float(rate.split()[0]) > 0.0 else "-" for rate in rates)
+            printed_rates = tuple("unknown" if rate == "unknown" else f"{float(rate.split()[0]):.2g}" if float(rate.split()[0]) > 0.0 else "-" for rate in rates)
             with self.subTest(bit=bit["name"]):
-                self.assertEqual(table[bit["name"]], (bit["title"], str(bit["haptic_points"]), *told))
+                self.assertEqual(table[bit["name"]], (bit["title"], str(bit["haptic_points"]), *printed_rates))
 
 
 class Completion(unittest.TestCase):
