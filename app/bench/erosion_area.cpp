@@ -359,7 +359,7 @@ Status bench_erosion(Bench& bench) {
     const Bars& bars = random_order ? random : ordered;
     // e s of eq. 4 is small enough that every voxel still has bone when its last point is applied.
     for (const LawCase& c :
-         {LawCase{ErosionLaw::rate, spin, random_order, bars}, LawCase{ErosionLaw::per_update, 0.05, random_order, bars}})
+         {LawCase{ErosionLaw::rate, spin, random_order, bars}, LawCase{ErosionLaw::per_update, 0.025, random_order, bars}})
       if (Status done = compare_laws(bench, *bone, c); !done) return done;
   }
   if (Status done = compare_forms(bench, *bone, spin); !done) return done;
