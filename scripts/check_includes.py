@@ -71,6 +71,9 @@ WRAPPED = [
     (r"(thread|mutex|shared_mutex|condition_variable|future)$", "threading", ["app/", "haptics/", "core/voxel/vdb_grids.cpp"]),
 ]
 
+# Precompiled headers hide a missing include: a build without them fails. Namespace, and the folder of its headers.
+NAMED_LIBRARIES = {"fmt": "fmt/", "glm": "glm/", "CLI": "CLI/"}
+
 CODE_FOLDERS = ["core", "haptics", "volumes", "app"]
 SUFFIXES = {".h", ".cpp"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
@@ -122,16 +125,48 @@ def check_file(root, path):
     return faults, openvdb
 
 
+class Reach:
+    """Headers that a file includes, by way of our own headers or directly."""
+
+    def __init__(self, root):
+        self.root, self.known = root, {}
+
+    def of(self, path):
+        """@returns every name included from file `path` on."""
+        if path in self.known:
+            return self.known[path]
+        self.known[path] = names = set()
+        file = self.root / path
+        if not file.is_file():
+            return names
+        for found in map(INCLUDE.match, file.read_text(encoding="utf-8").splitlines()):
+            if found:
+                names.add(found.group(2))
+                if found.group(2).split("/")[0] in CODE_FOLDERS:
+                    names |= self.of(found.group(2))
+        return names
+
+    def faults(self, path):
+        """@returns the first line of file `path` that names a library of which no header is included, for each."""
+        lines, faults = (self.root / path).read_text(encoding="utf-8").splitlines(), []
+        for space, folder in NAMED_LIBRARIES.items():
+            used = re.compile(rf"(?<![\w:]){space}::")
+            line = next((n for n, text in enumerate(lines, start=1) if used.search(text.split("//")[0])), None)
+            if line and not any(name.startswith(folder) for name in self.of(path)):
+                faults.append(f"{path}:{line}: names {space}:: and includes no header of {folder}")
+        return faults
+
+
 def check_tree(root):
     """@returns every fault of the tree, in order of path and line."""
-    faults, openvdb_files = [], []
+    faults, openvdb_files, reach = [], [], Reach(root)
     for folder in CODE_FOLDERS:
         for file in sorted((root / folder).rglob("*")):
             if file.suffix not in SUFFIXES or not file.is_file():
                 continue
             path = file.relative_to(root).as_posix()
             found, openvdb = check_file(root, path)
-            faults += found
+            faults += found + reach.faults(path)
             if openvdb:
                 openvdb_files.append(path)
     if len(openvdb_files) > MAX_OPENVDB_FILES:

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
 #include "core/base/simd.h"

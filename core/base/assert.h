@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #if defined(NDEBUG)
-#define BH_ASSERT(condition) static_cast<void>(0)
+#define BH_ASSERT(condition) static_cast<void>(sizeof(!(condition)))  // not evaluated: what it names counts as used
 #else
 #define BH_ASSERT(condition)                                                        \
   do {                                                                              \

@@ -33,6 +33,16 @@ class Tree(unittest.TestCase):
         self.write("app/cli/drill.cpp", '#include "app/run/run.h"', "#include <CLI/CLI.hpp>")
         self.assertEqual(self.faults(), [])
 
+    def test_a_library_that_is_named_without_a_header_is_found_with_file_and_line(self):
+        self.write("core/base/a.h", "#include <fmt/format.h>")
+        self.write("core/base/by_header.cpp", '#include "core/base/a.h"', "void f() { fmt::print(1); }")
+        self.write("core/base/comment.cpp", "// glm::dot is not called")
+        self.assertEqual(self.faults(), [])
+        self.write("core/base/b.cpp", "#include <vector>", "void f() { fmt::print(1); }")
+        (fault,) = self.faults()
+        self.assertTrue(fault.startswith("core/base/b.cpp:2: "), fault)
+        self.assertIn("fmt/", fault)
+
     def test_an_include_against_an_arrow_is_found_with_file_and_line(self):
         self.write("core/base/a.h", "#pragma once", "", '#include "core/voxel/bone_model.h"')
         (fault,) = self.faults()
