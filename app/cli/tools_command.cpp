@@ -65,7 +65,8 @@ std::string region_text(const RegionSpec& region) {
   const ErosionRule& e = region.erosion;
   std::string text = fmt::format("  {:<14} ", region.name);
   text += e.base > 0.0 ? fmt::format("cuts, {:.3g} per revolution", e.base) : std::string("does not cut");
-  if (e.base > 0.0 && (e.axis != 1.0 || e.rim != 1.0)) text += fmt::format(", x{:.2g} on the axis to x{:.2g} at the rim", e.axis, e.rim);
+  if (e.base > 0.0 && (e.axis != 1.0 || e.rim != 1.0))
+    text += fmt::format(", x{:.2g} within {:g} mm of the axis to x{:.2g} at the rim", e.axis, e.core / kMillimetre, e.rim);
   if (e.base > 0.0) text += face_text(region);
   return text + "\n";
 }

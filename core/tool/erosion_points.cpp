@@ -66,7 +66,7 @@ double erosion_factor_at(const ToolSpec& spec, const Vec3& p) noexcept {
   const ErosionRule& law = region.erosion;
   if (law.base <= 0.0) return 0.0;
   const double r = std::sqrt(p.x * p.x + p.y * p.y);
-  const double radial = law.axis + (law.rim - law.axis) * (r / region.solid.largest_radius());
+  const double radial = law.radial(r, region.solid.largest_radius());
   if (!law.needs_depth()) return law.base * radial * law.interior;  // every face has the interior's factor: no distance needed
   const NearestFace near = find_nearest_face(spec.solids(), spec.outline, p);
   return law.base * radial * (near.distance < law.skin ? law.of_face(near.face) : law.interior);

@@ -99,7 +99,9 @@ ErosionRule read_erosion(TableReader& region, const Solid& solid) {
   ErosionRule law;
   law.base = region.number("erosion_factor", {.min = 0.0, .max = 100.0},
                            "share of bone removed in one revolution; 0 for a region that does not cut");
-  law.axis = multiplier("axis_factor", "multiplies erosion_factor on the axis, linear to rim_factor");
+  law.axis = multiplier("axis_factor", "multiplies erosion_factor within axis_core_mm of the axis, from there linear to rim_factor");
+  law.core = region.number("axis_core_mm", length_or_zero_mm(kMaxDiameter_mm, law.core / kMillimetre),
+                           "radius about the axis within which axis_factor holds; a voxel edge of 1.4 of it or less resolves it");
   law.rim = multiplier("rim_factor", "multiplies erosion_factor at the region's largest radius");
   law.interior = multiplier("interior_factor", "multiplies erosion_factor deeper inside than skin_mm");
   law.side = multiplier("side_factor", "multiplies erosion_factor near the side");
@@ -168,6 +170,11 @@ void assemble(ToolSpec& spec, TableReader& root, std::vector<TableReader>& reade
 }
 
 }  // namespace
+
+double ErosionRule::radial(double r, double largest) const noexcept {
+  if (largest <= core) return axis;
+  return axis + (rim - axis) * std::max(0.0, r - core) / (largest - core);
+}
 
 double ErosionRule::of_face(Face face) const noexcept {
   switch (face) {

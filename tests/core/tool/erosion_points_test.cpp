@@ -106,14 +106,20 @@ TEST_CASE("erosion points: passive regions have none, and the region listed firs
   for (const Vec3& p : bored.positions) CHECK((p.z < 2.4e-3 || std::hypot(p.x, p.y) > 0.9e-3));
 }
 
-TEST_CASE("erosion law: linear in the distance from the axis") {
+TEST_CASE("erosion law: constant in a core round the axis, then linear in the distance from it") {
   ToolSpec spec = single(make_cylinder(0.0, 4e-3, 2e-3));
   spec.regions[0].erosion.axis = 0.2;
   spec.regions[0].erosion.rim = 1.2;
   CHECK(erosion_factor_at(spec, {0.0, 0.0, 1e-3}) == doctest::Approx(0.1 * 0.2).epsilon(1e-12));
-  CHECK(erosion_factor_at(spec, {1e-3, 0.0, 1e-3}) == doctest::Approx(0.1 * 0.7).epsilon(1e-12));
+  CHECK(erosion_factor_at(spec, {0.0, 0.24e-3, 1e-3}) == doctest::Approx(0.1 * 0.2).epsilon(1e-12));
+  // half way from the core of 0.25 mm to the rim at 2 mm
+  CHECK(erosion_factor_at(spec, {1.125e-3, 0.0, 1e-3}) == doctest::Approx(0.1 * 0.7).epsilon(1e-12));
   CHECK(erosion_factor_at(spec, {0.0, -2e-3, 1e-3}) == doctest::Approx(0.1 * 1.2).epsilon(1e-12));
   CHECK(erosion_factor_at(spec, {0.0, 2.1e-3, 1e-3}) == 0.0);
+  spec.regions[0].erosion.core = 0.0;
+  CHECK(erosion_factor_at(spec, {1e-3, 0.0, 1e-3}) == doctest::Approx(0.1 * 0.7).epsilon(1e-12));
+  spec.regions[0].erosion.core = 2e-3;  // as wide as the region
+  CHECK(erosion_factor_at(spec, {1.9e-3, 0.0, 1e-3}) == doctest::Approx(0.1 * 0.2).epsilon(1e-12));
 }
 
 TEST_CASE("erosion law: by face within the skin, by interior_factor below it") {
