@@ -16,7 +16,11 @@ constexpr double kEngages = 0.5;           // [s] after a change of the drive's 
 constexpr double kSmooth = 0.025;          // [s] time constant of the depth by which feed is measured: an oscillation is no advance
 constexpr double kTimesUsual = 4.0;        // [-] softer bone is drilled faster too, by less than this
 constexpr double kPartOfDepth = 0.75;      // [-] of the engaged depth, over which feed is measured: pores take a third of it
+constexpr double kNothing = 0.1;           // [-] of the force that counts as contact
 constexpr double kLeastAdvance = 1.5e-4;   // [m] a bit that slips off a voxel advances by less
+
+/// @param part [-] of the time, 0 to 1. @returns part of the way, with the least jerk [FlashHogan85].
+double least_jerk(double part) noexcept { return part * part * part * (10.0 + part * (6.0 * part - 15.0)); }
 
 }  // namespace
 
@@ -25,7 +29,7 @@ HandScript::HandScript(const HandScriptConfig& config, double mass, double perio
 
 Result<HandScript> HandScript::create(const HandScriptConfig& config, double mass, double period) {
   for (const double value : {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force, config.reach,
-                             config.standoff, config.tremor_amplitude, config.tremor_frequency, config.cut_compliance})
+                             config.standoff, config.tremor_amplitude, config.tremor_frequency, config.cut_compliance, config.rough_drop})
     if (!(std::isfinite(value) && value >= 0.0))
       return Error{ErrorCode::out_of_range, "a value of the hand's script is negative or not finite", {}};
   if (!(config.follow_time > 0.0)) return Error{ErrorCode::out_of_range, "the hand's follow time must be above 0", {}};
@@ -64,6 +68,7 @@ void HandScript::follow(double felt, double height) noexcept {
       if (felt > config_.contact_force) {
         phase_ = HandPhase::lean;
         lean_tick_ = tick_;
+        lowest_ = height;
       }
       break;
     case HandPhase::lean:
@@ -92,12 +97,18 @@ void HandScript::follow(double felt, double height) noexcept {
 }
 
 bool HandScript::loses_bone(double felt) noexcept {
-  const double most = kPartOfDrop * config_.exit_drop * goal_.thrust;
+  const double rough = goal_.thrust < config_.push ? config_.rough_drop : 0.0;
+  const double most = std::max(kPartOfDrop * config_.exit_drop * goal_.thrust, rough);
   if (held_) return config_.detects && lacks_ > most;
   const bool steady = std::abs(lacks_) < most && felt > 0.5 * goal_.thrust && seconds_since(drive_tick_) > kEngages;
   steady_ticks_ = steady ? steady_ticks_ + 1 : 0;
   held_ = static_cast<double>(steady_ticks_) * period_ > kSettles;
   return false;
+}
+
+bool HandScript::feels_nothing(double felt, double height) noexcept {
+  if (felt > kNothing * config_.contact_force) lowest_ = std::min(lowest_, height);
+  return config_.detects && height < lowest_ - kLeastAdvance;
 }
 
 bool HandScript::runs_ahead(double height) noexcept {
@@ -113,10 +124,10 @@ bool HandScript::runs_ahead(double height) noexcept {
 
 void HandScript::lean(double felt, double height) noexcept {
   const double ramp = config_.ramp > 0.0 ? std::min(1.0, seconds_since(lean_tick_) / config_.ramp) : 1.0;
-  goal_.thrust = config_.push * ramp;
+  goal_.thrust = config_.push * least_jerk(ramp);
   goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
-  const bool lost = loses_bone(felt), ahead = runs_ahead(height);
-  if (phase_ == HandPhase::lean && (lost || ahead)) {
+  const bool lost = loses_bone(felt), ahead = runs_ahead(height), none = feels_nothing(felt, height);
+  if (phase_ == HandPhase::lean && (lost || ahead || none)) {
     phase_ = HandPhase::give_felt;
     give_tick_ = tick_;
   }

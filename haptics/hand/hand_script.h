@@ -3,6 +3,9 @@
 ///   Frame  approach frame: origin at the entry point, +z up the shaft, away from bone; depth = -z.   Units SI.   Thread servo.
 ///   Breakthrough: bone carries the thrust at any feed, so the hand is hardly accelerated. Where the bit leaves bone, the hand lacks at
 ///   least exit_drop of that force. The hand detects breakthrough when the force that accelerates it exceeds a third of that (docs/inputs.md).
+///   Where nothing is felt deeper than bone ever was, there is none left: also right after first contact, before anything else is known.
+///   While the thrust rises, a bit rests on few voxels, and a drop of the size of one is no breakthrough either.
+///   The thrust rises with the least jerk, as a person's does [FlashHogan85]: a ramp with a kink at its end lets a soft coupling swing.
 ///   Where the bit leaves bone gradually, at a thin or oblique rim, no force is missing: there the hand detects an advance over three
 ///   quarters of the engaged depth at over four times the feed of the densest layer so far. Bone of a quarter of that density counts as none.
 ///   Source own work; times and forces are assumptions.
@@ -29,6 +32,7 @@ struct HandScriptConfig {
   /// [-] in (0, 1]: share of the thrust that bone ceases to carry, at least, when the bit loses all bone in which it is engaged:
   /// K / (K + K_cut) for a drill on a coupling K whose next face then engages, 1 if that is unknown.
   double exit_drop = 1.0;
+  double rough_drop = 0.0;          ///< [N] of thrust, by which force falls where single voxels break away under a point; 0: unknown
   double cut_compliance = 0.0;      ///< [m/N] engaged depth of the bit over the thrust, 1 / K_cut; 0: unknown, no rule of feed
   double reach = 0.08;              ///< [m] below the entry, at which the arm ends: the thrust is released
   double follow_time = 0.25;        ///< [s] time constant with which the rest position of the arm follows the drill while leaning
@@ -68,6 +72,7 @@ class HandScript {
   void follow(double felt, double height) noexcept;
   void lean(double felt, double height) noexcept;
   [[nodiscard]] bool loses_bone(double felt) noexcept;
+  [[nodiscard]] bool feels_nothing(double felt, double height) noexcept;
   [[nodiscard]] bool runs_ahead(double height) noexcept;
   [[nodiscard]] Vec3 tremor() const noexcept;
   [[nodiscard]] double seconds_since(std::uint64_t since) const noexcept { return static_cast<double>(tick_ - since) * period_; }
@@ -80,6 +85,7 @@ class HandScript {
   double speed_ = 0.0;        // [m/s] into bone, low-pass filtered
   double lacks_ = 0.0;        // [N] force that accelerates the hand into bone, filtered alike
   double smooth_ = 0.0;       // [m] height, low-pass filtered
+  double lowest_ = 0.0;       // [m] height, the lowest at which bone was felt
   FeedMemory feed_;
   bool held_ = false;               // bone carries the thrust
   std::uint64_t steady_ticks_ = 0;  // for so long the hand has not been accelerated

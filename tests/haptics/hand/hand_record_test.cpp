@@ -50,16 +50,16 @@ std::array<Recorded, 5> recorded() {
              1e-3,
              4000,
              9000,
-             "3725d06db7724982",
-             {-0x1.e5d08dd77b85ap-21, 0x1.4cd4d85e975f3p-17, -0x1.251b50134c37dp-5, 0x1.58dc4aba567ap-10, 0x0p+0}};
+             "3f579d9fef8f25b2",
+             {-0x1.e5d08dd77b85ap-21, 0x1.4cd4d85e975f3p-17, -0x1.251ba925e60f2p-5, 0x1.58d9bdcdef8ap-10, 0x0p+0}};
   runs[1] = {"oblique approach",
              {},
              turned,
              1e-3,
              4000,
              9000,
-             "db58cd29e8b51c84",
-             {0x1.0ceaabf9ae77p-5, -0x1.6a98d0a0987eep-4, 0x1.6ab74c47f7a21p-3, 0x1.7c8e511bea472p-11, 0x0p+0}};
+             "4c87d15133323371",
+             {0x1.0cea81386edc8p-5, -0x1.6a98b5e7d0be5p-4, 0x1.6ab73e078d194p-3, 0x1.7c8b0d5df5911p-11, 0x0p+0}};
   runs[2] = {"light arm, short ramps, 2 kHz",
              {},
              turned,
@@ -87,8 +87,8 @@ std::array<Recorded, 5> recorded() {
              1e-3,
              5000,
              9000,
-             "25f8afe1eb292031",
-             {0x0p+0, 0x0p+0, -0x1.47adbbc0f0881p-9, -0x1.2f5ca731ep-25, 0x1.ep+3}};
+             "26f4e2b8ad550643",
+             {0x0p+0, 0x0p+0, -0x1.47add022691aep-9, -0x1.d55b0b84p-26, 0x1.ep+3}};
   runs[4].config.tremor_amplitude = 0.0;
   runs[4].config.reaction = 0.4;
   runs[4].config.push = 15.0;

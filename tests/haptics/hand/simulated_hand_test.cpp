@@ -75,7 +75,7 @@ TEST_CASE(
   CHECK(contact < earliest + pressing + 0.05);
 }
 
-TEST_CASE("SimulatedHand: thrust rises linearly to push over the ramp and the wall then carries it, whatever the wall's give") {
+TEST_CASE("SimulatedHand: thrust rises with least jerk to push over the ramp and the wall then carries it, whatever the wall's give") {
   HandConfig config;
   config.tremor_amplitude = 0.0;
   SimulatedHand hand = make(config);
@@ -85,8 +85,10 @@ TEST_CASE("SimulatedHand: thrust rises linearly to push over the ramp and the wa
   REQUIRE(lean > 0);
   for (const HandState& state : states) {
     const double since = (static_cast<double>(state.tick) - static_cast<double>(lean)) * kPeriod;
-    const double expected = config.push * std::clamp(since / config.ramp, 0.0, 1.0);
-    REQUIRE(std::abs(state.thrust - expected) < 1.01 * config.push * kPeriod / config.ramp);  // counted from the same tick, to one tick
+    const double part = std::clamp(since / config.ramp, 0.0, 1.0);
+    const double expected = config.push * (10.0 * std::pow(part, 3) - 15.0 * std::pow(part, 4) + 6.0 * std::pow(part, 5));
+    // Counted from the same tick, to one tick: the path is steepest half way, 15/8 of its mean.
+    REQUIRE(std::abs(state.thrust - expected) < 1.01 * 1.875 * config.push * kPeriod / config.ramp);
   }
   CHECK(states.back().thrust == config.push);
   // The arm's rest position follows the drill with time constant 0.25 s, so that after 2 s and more the spring carries 3e-4 of the thrust.
@@ -364,7 +366,7 @@ TEST_CASE("SimulatedHand: create refuses script values that are negative or not 
   };
   for (double HandConfig::*value :
        {&HandConfig::feed, &HandConfig::push, &HandConfig::ramp, &HandConfig::reaction, &HandConfig::release, &HandConfig::contact_force,
-        &HandConfig::exit_drop, &HandConfig::standoff, &HandConfig::tremor_amplitude, &HandConfig::tremor_frequency})
+        &HandConfig::exit_drop, &HandConfig::rough_drop, &HandConfig::standoff, &HandConfig::tremor_amplitude, &HandConfig::tremor_frequency})
     for (const double bad : {-1e-9, nan, infinity}) {
       HandConfig config;
       config.*value = bad;
