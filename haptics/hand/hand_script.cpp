@@ -55,13 +55,13 @@ const HandGoal& HandScript::advance(double felt, double height, double climb) no
   const double change = (-climb - speed_) * std::min(1.0, period_ / kFilter);
   speed_ += change;
   lacks_ = mass_ * change / period_;
-  follow(felt, height);
+  follow(felt, height, climb);
   goal_.rest = Vec3(0.0, 0.0, goal_height_) + tremor();
   ++tick_;
   return goal_;
 }
 
-void HandScript::follow(double felt, double height) noexcept {
+void HandScript::follow(double felt, double height, double climb) noexcept {
   switch (phase_) {
     case HandPhase::approach:
       goal_height_ -= config_.feed * period_;
@@ -73,7 +73,7 @@ void HandScript::follow(double felt, double height) noexcept {
       break;
     case HandPhase::lean:
     case HandPhase::give_felt:
-      lean(felt, height);
+      lean(felt, height, climb);
       break;
     case HandPhase::release: {
       // The rest position follows the hand while the thrust falls. If it stopped at once, the springs of arm and drill would eject the bit.
@@ -106,9 +106,13 @@ bool HandScript::loses_bone(double felt) noexcept {
   return false;
 }
 
-bool HandScript::feels_nothing(double felt, double height) noexcept {
-  if (felt > kNothing * config_.contact_force) lowest_ = std::min(lowest_, height);
-  return config_.detects && height < lowest_ - kLeastAdvance;
+bool HandScript::feels_nothing(double felt, double height, double climb) noexcept {
+  // A hand that a strong damper throws back feels nothing either, nor does it feel an impact before contact has answered.
+  if (felt > kNothing * config_.contact_force || climb >= 0.0 || height >= lowest_) {
+    lowest_ = std::min(lowest_, height);
+    lowest_tick_ = tick_;
+  }
+  return config_.detects && height < lowest_ - kLeastAdvance && seconds_since(lowest_tick_) > kFilter;
 }
 
 bool HandScript::runs_ahead(double height) noexcept {
@@ -122,11 +126,11 @@ bool HandScript::runs_ahead(double height) noexcept {
   return feed_.advance(-smooth_, std::max(kLeastAdvance, kPartOfDepth * goal_.thrust * config_.cut_compliance), period_) > kTimesUsual;
 }
 
-void HandScript::lean(double felt, double height) noexcept {
+void HandScript::lean(double felt, double height, double climb) noexcept {
   const double ramp = config_.ramp > 0.0 ? std::min(1.0, seconds_since(lean_tick_) / config_.ramp) : 1.0;
   goal_.thrust = config_.push * least_jerk(ramp);
   goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
-  const bool lost = loses_bone(felt), ahead = runs_ahead(height), none = feels_nothing(felt, height);
+  const bool lost = loses_bone(felt), ahead = runs_ahead(height), none = feels_nothing(felt, height, climb);
   if (phase_ == HandPhase::lean && (lost || ahead || none)) {
     phase_ = HandPhase::give_felt;
     give_tick_ = tick_;

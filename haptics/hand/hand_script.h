@@ -69,10 +69,10 @@ class HandScript {
 
  private:
   HandScript(const HandScriptConfig& config, double mass, double period);
-  void follow(double felt, double height) noexcept;
-  void lean(double felt, double height) noexcept;
+  void follow(double felt, double height, double climb) noexcept;
+  void lean(double felt, double height, double climb) noexcept;
   [[nodiscard]] bool loses_bone(double felt) noexcept;
-  [[nodiscard]] bool feels_nothing(double felt, double height) noexcept;
+  [[nodiscard]] bool feels_nothing(double felt, double height, double climb) noexcept;
   [[nodiscard]] bool runs_ahead(double height) noexcept;
   [[nodiscard]] Vec3 tremor() const noexcept;
   [[nodiscard]] double seconds_since(std::uint64_t since) const noexcept { return static_cast<double>(tick_ - since) * period_; }
@@ -85,12 +85,12 @@ class HandScript {
   double speed_ = 0.0;        // [m/s] into bone, low-pass filtered
   double lacks_ = 0.0;        // [N] force that accelerates the hand into bone, filtered alike
   double smooth_ = 0.0;       // [m] height, low-pass filtered
-  double lowest_ = 0.0;       // [m] height, the lowest at which bone was felt
+  double lowest_ = 0.0;       // [m] height, the lowest at which bone was felt or the hand did not advance
   FeedMemory feed_;
   bool held_ = false;               // bone carries the thrust
   std::uint64_t steady_ticks_ = 0;  // for so long the hand has not been accelerated
   std::uint64_t drive_tick_ = 0;    // of the last change
-  std::uint64_t tick_ = 0, lean_tick_ = 0, give_tick_ = 0, release_tick_ = 0;
+  std::uint64_t tick_ = 0, lean_tick_ = 0, lowest_tick_ = 0, give_tick_ = 0, release_tick_ = 0;
   double release_thrust_ = 0.0;  // [N] at the start of the release
   HandGoal goal_;
 };
