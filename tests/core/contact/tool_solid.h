@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "core/tool/tool_spec.h"
 #include "shipped_bone.h"
+#include "tests/support/shipped_spec.h"
 
 namespace burrhole::contact_test {
 
@@ -14,12 +14,8 @@ namespace burrhole::contact_test {
 class ToolSolid {
  public:
   explicit ToolSolid(const std::string& name) {
-    Issues issues;
-    auto document = TomlDocument::load(test::in_source("app/tools/") + name + ".toml");
-    REQUIRE(document.ok());
-    auto spec = read_tool_spec(document.value(), issues);
-    REQUIRE(spec);
-    for (const RegionSpec& region : spec->regions) solids_.push_back(region.solid);
+    const ToolSpec spec = test::shipped_spec(name);
+    for (const RegionSpec& region : spec.regions) solids_.push_back(region.solid);
   }
   [[nodiscard]] double distance(const Vec3& p) const {
     double least = 1e9;

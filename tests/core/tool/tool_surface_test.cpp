@@ -10,6 +10,7 @@
 #include "core/tool/mesh_spec.h"
 #include "core/tool/tool_spec.h"
 #include "tests/support/mesh_samples.h"
+#include "tests/support/shipped_spec.h"
 #include "tests/support/source_folder.h"
 
 using namespace burrhole;
@@ -20,15 +21,6 @@ const char* const kShipped[] = {"acorn_burr_7_5mm",    "acosta_liu_perforator", 
                                 "matchstick_burr_3mm", "perforator_14_11",      "round_burr_2mm",   "round_burr_4mm",
                                 "sagittal_saw_12mm",   "trephine_12mm",         "twist_drill_2_5mm"};
 
-ToolSpec spec_of(const std::string& name) {
-  Issues issues;
-  auto document = TomlDocument::load(test::in_source("app/tools/") + name + ".toml");
-  REQUIRE(document.ok());
-  auto spec = read_tool_spec(document.value(), issues);
-  REQUIRE(spec);
-  return std::move(*spec);
-}
-
 Vec3 random_point(std::uint64_t n) {
   return {10e-3 * uniform11(3, 3 * n), 10e-3 * uniform11(3, 3 * n + 1), 10e-3 + 12e-3 * uniform11(3, 3 * n + 2)};
 }
@@ -38,7 +30,7 @@ Vec3 random_point(std::uint64_t n) {
 TEST_CASE("tool surface: the nearest place is as far as the outline's distance says, and lies on the surface, for every shipped bit") {
   for (const std::string name : kShipped) {
     CAPTURE(name);
-    const ToolSpec spec = spec_of(name);
+    const ToolSpec spec = test::shipped_spec(name);
     const std::vector<Solid> solids = spec.solids();
     const ToolSurface surface(spec);
     // The outline's distance is of 128 chords an arc: accurate to 1e-4 of the radius.
