@@ -39,8 +39,9 @@ Result<DrilledScene> drill_parietal_half_way(bool quick) {
   const Scene& scene = out.loaded->scene;
   auto approach = make_approach(*out.loaded->bone, scene.approach);
   if (!approach) return approach.error();
-  auto hand = SimulatedHand::create(hand_config(scene, scene.effects.needs(scene), out.loaded->bone->bone_from_index().mean_edge()),
-                                    scene.volume.world_from_bone * approach->bone_from_approach, 1.0 / scene.servo_hz);
+  auto hand = SimulatedHand::create(
+      hand_config(scene, scene.effects.needs(scene), out.loaded->tool, out.loaded->bone->bone_from_index().mean_edge()),
+      scene.volume.world_from_bone * approach->bone_from_approach, 1.0 / scene.servo_hz);
   if (!hand) return hand.error();
   out.hand = std::make_unique<RecordingHand>(std::move(hand).value());
 

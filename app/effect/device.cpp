@@ -135,7 +135,7 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
     auto device = std::make_unique<SimulatedDevice>(std::move(created).value());
     const DeviceMap map{
         .world_from_device = stage.world_from_approach(), .position_scale = config_.position_scale, .force_scale = stage.needs.force_scale};
-    auto hand = ScriptedDeviceHand::create(*device, map, hand_config(stage.config, stage.needs, stage.voxel_edge()),
+    auto hand = ScriptedDeviceHand::create(*device, map, hand_config(stage.config, stage.needs, *stage.tool, stage.voxel_edge()),
                                            stage.world_from_approach(), stage.period, stage.config.hand.feels);
     if (!hand) return hand.error();
     auto effect = std::make_unique<DeviceEffect>(std::move(device), std::move(hand).value());

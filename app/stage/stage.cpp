@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "app/stage/force_loop.h"
+#include "core/drill/removal_rate.h"
 #include "haptics/servo/contact_age.h"
 
 namespace burrhole {
@@ -24,17 +25,18 @@ ServoConfig servo_config(const StageConfig& config, const Needs& needs, double v
   return out;
 }
 
-HandConfig hand_config(const StageConfig& config, const Needs& needs, double voxel_edge) {
+HandConfig hand_config(const StageConfig& config, const Needs& needs, const Tool& tool, double voxel_edge) {
   constexpr double kVoxelPart = 0.4;  // [-] of a voxel edge, by which a point falls at most when a voxel breaks away: 0.32 seen
   HandConfig out = config.hand;
   if (!(needs.holds_back && needs.removes && config.tool.spin > 0.0)) return out;
   out.cut_compliance = 1.0 / needs.cutting_stiffness;
+  out.softest *= feed_beside_pore(tool);
   out.rough_drop = kVoxelPart * voxel_edge * needs.coupling_stiffness;
   out.exit_drop = needs.coupling_stiffness / (needs.coupling_stiffness + needs.cutting_stiffness);
   return out;
 }
 
-Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const Needs& needs, double voxel_edge,
+Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const Needs& needs, const Tool& tool, double voxel_edge,
                                               const Pose& world_from_approach) {
   const double period = 1.0 / config.servo_hz;
   if (config.feed_hand) {
@@ -44,7 +46,7 @@ Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const N
     if (!hand) return hand.error();
     return std::unique_ptr<HandSource>(std::make_unique<FeedHand>(std::move(hand).value()));
   }
-  auto hand = SimulatedHand::create(hand_config(config, needs, voxel_edge), world_from_approach, period);
+  auto hand = SimulatedHand::create(hand_config(config, needs, tool, voxel_edge), world_from_approach, period);
   if (!hand) return hand.error();
   return std::unique_ptr<HandSource>(std::make_unique<SimulatedHand>(std::move(hand).value()));
 }
@@ -74,7 +76,7 @@ Status Stage::build_hand() {
   } else if (offered_hand_ != nullptr) {
     hand = offered_hand_;
   } else {
-    auto created = make_hand(config, needs, voxel_edge(), world_from_approach());
+    auto created = make_hand(config, needs, *tool, voxel_edge(), world_from_approach());
     if (!created) return created.error();
     own_hand_ = std::move(created).value();
     hand = own_hand_.get();

@@ -39,11 +39,11 @@ class MeanThrust {
 /// @returns the servo's configuration with the limits required by the effects, at the rates of the scene. @param voxel_edge [m].
 [[nodiscard]] ServoConfig servo_config(const StageConfig& config, const Needs& needs, double voxel_edge);
 /// @returns the script's configuration, with the drops of force that the contact of this scene shows where the bit leaves bone and where a
-/// voxel breaks away under it. @param voxel_edge [m].
-[[nodiscard]] HandConfig hand_config(const StageConfig& config, const Needs& needs, double voxel_edge);
+/// voxel breaks away under it, and the fastest feed of the bit in bone. @param voxel_edge [m].
+[[nodiscard]] HandConfig hand_config(const StageConfig& config, const Needs& needs, const Tool& tool, double voxel_edge);
 /// @returns the hand of [hand]. Errors as SimulatedHand and FeedHand.
-[[nodiscard]] Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const Needs& needs, double voxel_edge,
-                                                            const Pose& world_from_approach);
+[[nodiscard]] Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const Needs& needs, const Tool& tool,
+                                                            double voxel_edge, const Pose& world_from_approach);
 
 class Stage {
  public:

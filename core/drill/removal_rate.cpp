@@ -215,4 +215,16 @@ FeedPrediction predict_feed(const Tool& tool, FeedDirection direction, const Fee
   return out;
 }
 
+double feed_beside_pore(const Tool& tool) noexcept {
+  constexpr double kPore = 0.35e-3;  // [m] radius of a pore of the diploe, in which nothing is cut
+  double within = std::numeric_limits<double>::infinity(), beside = within;
+  for (std::size_t n = 0; n < tool.erosion.size(); ++n) {
+    const Vec3& p = tool.erosion.positions[n];
+    const double r = std::hypot(p.x, p.y);
+    double& least = r < kPore ? within : beside;
+    if (r < 2.0 * kPore && tool.erosion.factors[n] > 0.0f) least = std::min(least, static_cast<double>(tool.erosion.factors[n]));
+  }
+  return std::isfinite(within) && std::isfinite(beside) ? std::max(1.0, beside / within) : 1.0;
+}
+
 }  // namespace burrhole

@@ -41,4 +41,8 @@ struct FeedPrediction {
 /// Linear in the number of points. @pre conditions are finite and > 0.
 [[nodiscard]] FeedPrediction predict_feed(const Tool& tool, FeedDirection direction, const FeedConditions& conditions);
 
+/// A bit that cuts least near its axis, as a round burr, is faster where a pore of the diploe lies there.
+/// @returns by how many times: the least factor beside a pore of 0.35 mm radius on the axis over that within, at least 1.
+[[nodiscard]] double feed_beside_pore(const Tool& tool) noexcept;
+
 }  // namespace burrhole

@@ -14,7 +14,6 @@ constexpr double kPartOfDrop = 1.0 / 3.0;  // [-] the filter passes two thirds o
 constexpr double kSettles = 0.1;           // [s] about one oscillation of the hand on the coupling
 constexpr double kEngages = 0.5;           // [s] after a change of the drive's speed
 constexpr double kSmooth = 0.025;          // [s] time constant of the depth by which feed is measured: an oscillation is no advance
-constexpr double kTimesUsual = 4.0;        // [-] softer bone is drilled faster too, by less than this
 constexpr double kPartOfDepth = 0.75;      // [-] of the engaged depth, over which feed is measured: pores take a third of it
 constexpr double kNothing = 0.1;           // [-] of the force that counts as contact
 constexpr double kLeastAdvance = 1.5e-4;   // [m] a bit that slips off a voxel advances by less
@@ -28,8 +27,9 @@ HandScript::HandScript(const HandScriptConfig& config, double mass, double perio
     : config_(config), mass_(mass), period_(period), goal_height_(config.standoff) {}
 
 Result<HandScript> HandScript::create(const HandScriptConfig& config, double mass, double period) {
-  for (const double value : {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force, config.reach,
-                             config.standoff, config.tremor_amplitude, config.tremor_frequency, config.cut_compliance, config.rough_drop})
+  for (const double value :
+       {config.feed, config.push, config.ramp, config.reaction, config.release, config.contact_force, config.reach, config.standoff,
+        config.tremor_amplitude, config.tremor_frequency, config.cut_compliance, config.rough_drop, config.softest})
     if (!(std::isfinite(value) && value >= 0.0))
       return Error{ErrorCode::out_of_range, "a value of the hand's script is negative or not finite", {}};
   if (!(config.follow_time > 0.0)) return Error{ErrorCode::out_of_range, "the hand's follow time must be above 0", {}};
@@ -123,7 +123,7 @@ bool HandScript::runs_ahead(double height) noexcept {
     return false;
   }
   smooth_ += (height - smooth_) * std::min(1.0, period_ / kSmooth);
-  return feed_.advance(-smooth_, std::max(kLeastAdvance, kPartOfDepth * goal_.thrust * config_.cut_compliance), period_) > kTimesUsual;
+  return feed_.advance(-smooth_, std::max(kLeastAdvance, kPartOfDepth * goal_.thrust * config_.cut_compliance), period_) > config_.softest;
 }
 
 void HandScript::lean(double felt, double height, double climb) noexcept {

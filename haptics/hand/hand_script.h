@@ -7,7 +7,7 @@
 ///   While the thrust rises, a bit rests on few voxels, and a drop of the size of one is no breakthrough either.
 ///   The thrust rises with the least jerk, as a person's does [FlashHogan85]: a ramp with a kink at its end lets a soft coupling swing.
 ///   Where the bit leaves bone gradually, at a thin or oblique rim, no force is missing: there the hand detects an advance over three
-///   quarters of the engaged depth at over four times the feed of the densest layer so far. Bone of a quarter of that density counts as none.
+///   quarters of the engaged depth at over `softest` times the feed of the densest layer so far.
 ///   Source own work; times and forces are assumptions.
 #pragma once
 
@@ -33,6 +33,7 @@ struct HandScriptConfig {
   /// K / (K + K_cut) for a drill on a coupling K whose next face then engages, 1 if that is unknown.
   double exit_drop = 1.0;
   double rough_drop = 0.0;          ///< [N] of thrust, by which force falls where single voxels break away under a point; 0: unknown
+  double softest = 4.0;             ///< [-] feed in the softest bone, over that in the densest layer so far; a faster one is no bone
   double cut_compliance = 0.0;      ///< [m/N] engaged depth of the bit over the thrust, 1 / K_cut; 0: unknown, no rule of feed
   double reach = 0.08;              ///< [m] below the entry, at which the arm ends: the thrust is released
   double follow_time = 0.25;        ///< [s] time constant with which the rest position of the arm follows the drill while leaning

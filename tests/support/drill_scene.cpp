@@ -103,9 +103,9 @@ SimulatedHand make_hand(const LoadedScene& loaded) {
   const auto approach = make_approach(*loaded.bone, loaded.scene.approach);
   REQUIRE(approach);
   const Pose world_from_approach = loaded.scene.volume.world_from_bone * approach->bone_from_approach;
-  auto hand =
-      SimulatedHand::create(hand_config(loaded.scene, loaded.scene.effects.needs(loaded.scene), loaded.bone->bone_from_index().mean_edge()),
-                            world_from_approach, 1.0 / loaded.scene.servo_hz);
+  auto hand = SimulatedHand::create(
+      hand_config(loaded.scene, loaded.scene.effects.needs(loaded.scene), loaded.tool, loaded.bone->bone_from_index().mean_edge()),
+      world_from_approach, 1.0 / loaded.scene.servo_hz);
   REQUIRE(hand);
   return std::move(*hand);
 }

@@ -1,45 +1,86 @@
-// The hand of a scene takes no entry for a breakthrough: a point that rests on few voxels, and a coupling so soft that hardly any force is
-// missing where a bit leaves bone.
+// The hand of a scene takes no bone for its end: not a point that rests on few voxels, nor a coupling so soft that hardly any force is
+// missing where a bit leaves bone, nor a pore of the diploe under a round burr, which cuts least there.
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
+#include <sstream>
 
 #include "app/stage/stage.h"
 #include "core/measure/approach.h"
 #include "tests/support/drill_scene.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace burrhole::test {
 namespace {
 
-constexpr double kThick = 3e-3;  // [m]
-constexpr const char* kCone =
-    "title = \"Cone\"\n[shell]\npitch_mm = 0.5\n[[region]]\nshape = \"cone\"\nz_mm = 0\nheight_mm = 4\ndiameter_mm = 8\nerosion_factor = "
-    "0.2\n"
-    "[[region]]\nshape = \"cylinder\"\nz_mm = 4\nheight_mm = 8\ndiameter_mm = 5\nerosion_factor = 0\npitch_mm = 1\n";
-constexpr const char* kFlat =
-    "title = \"Flat\"\n[shell]\npitch_mm = 0.4\n[[region]]\nshape = \"cylinder\"\nz_mm = 0\nheight_mm = 3\ndiameter_mm = 4\nerosion_factor "
-    "= "
-    "0.2\n[[region]]\nshape = \"cylinder\"\nz_mm = 3\nheight_mm = 9\ndiameter_mm = 3\nerosion_factor = 0\npitch_mm = 1\n";
+using Sets = std::vector<std::string>;
+using Sabotage = std::function<void(HandConfig&)>;
 
-/// [m] that the tip comes to before the hand withdraws. @param sabotaged the hand does not know how rough voxels are.
-double reached(const char* tool, double spacing_mm, double push, const std::vector<std::string>& sets = {}, bool sabotaged = false) {
-  const TemporaryFolder folder;
-  std::ofstream(folder.file("bit.toml")) << tool;
-  std::vector<std::string> all{"volume.spacing_mm=" + std::to_string(spacing_mm), "hand.push_N=" + std::to_string(push),
-                               "tool.name=" + folder.file("bit.toml")};
-  all.insert(all.end(), sets.begin(), sets.end());
-  LoadedScene loaded = load_text(
-      "title = \"Entry\"\nduration_s = 30\n[volume]\nsource = \"phantom:plate\"\nextent_mm = [12, 12, 6]\nabove_mm = 1.5\nthickness_mm = "
-      "3\nhardness = 0.8\n[tool]\nspin_rpm = 1000\n[approach]\nentry_mm = [0, 0, 0]\n[hand]\nstandoff_mm = 1\n[contact]\n[erosion]\n",
-      all);
+constexpr const char* kCone = R"(title = "Cone"
+[shell]
+pitch_mm = 0.5
+[[region]]
+shape = "cone"
+z_mm = 0
+height_mm = 4
+diameter_mm = 8
+erosion_factor = 0.2
+[[region]]
+shape = "cylinder"
+z_mm = 4
+height_mm = 8
+diameter_mm = 5
+erosion_factor = 0
+pitch_mm = 1
+)";
+
+constexpr const char* kFlat = R"(title = "Flat"
+[shell]
+pitch_mm = 0.4
+[[region]]
+shape = "cylinder"
+z_mm = 0
+height_mm = 3
+diameter_mm = 4
+erosion_factor = 0.2
+[[region]]
+shape = "cylinder"
+z_mm = 3
+height_mm = 9
+diameter_mm = 3
+erosion_factor = 0
+pitch_mm = 1
+)";
+
+constexpr const char* kPlate = R"(title = "Plate"
+duration_s = 30
+[volume]
+source = "phantom:plate"
+extent_mm = [12, 12, 6]
+above_mm = 1.5
+thickness_mm = 3
+hardness = 0.8
+[tool]
+spin_rpm = 1000
+[approach]
+entry_mm = [0, 0, 0]
+[hand]
+standoff_mm = 1
+[contact]
+[erosion]
+)";
+
+/// @returns whether the default hand drills through before it withdraws. @param sabotage takes from what the hand knows.
+bool drills_through(LoadedScene loaded, const Sabotage& sabotage = {}) {
   const Scene& scene = loaded.scene;
   const auto approach = make_approach(*loaded.bone, scene.approach);
   REQUIRE(approach);
-  HandConfig config = hand_config(scene, scene.effects.needs(scene), spacing_mm * 1e-3);
-  if (sabotaged) config.rough_drop = 0.0;
+  HandConfig config = hand_config(scene, scene.effects.needs(scene), loaded.tool, loaded.bone->bone_from_index().mean_edge());
+  if (sabotage) sabotage(config);
   auto hand = SimulatedHand::create(config, scene.volume.world_from_bone * approach->bone_from_approach, 1.0 / scene.servo_hz);
   REQUIRE(hand);
   SimulationOptions options;
@@ -47,20 +88,43 @@ double reached(const char* tool, double spacing_mm, double push, const std::vect
   DrillRun run(std::move(loaded), options);
   run.run();
   double deepest = 0.0;
-  for (const auto& sample : run.simulation().samples()) deepest = std::max(deepest, sample.depth);
-  return deepest;
+  for (const RunSample& sample : run.simulation().samples()) deepest = std::max(deepest, sample.depth);
+  return deepest > approach->thickness;
+}
+
+LoadedScene plate(const char* tool, double spacing_mm, double push, const Sets& sets = {}) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("bit.toml")) << tool;
+  Sets all{"volume.spacing_mm=" + std::to_string(spacing_mm), "hand.push_N=" + std::to_string(push),
+           "tool.name=" + folder.file("bit.toml")};
+  all.insert(all.end(), sets.begin(), sets.end());
+  return load_text(kPlate, all);
+}
+
+LoadedScene shipped_patch(const Sets& sets) {
+  std::ostringstream text;
+  text << std::ifstream(in_source("app/scenes/parietal.toml")).rdbuf();
+  LoadedScene loaded = load_text(text.str(), sets);
+  (void)loaded.scene.effects.remove("display");  // no picture is looked at here
+  return loaded;
 }
 
 TEST_CASE("hand: a cone enters coarse voxels at any push and is no breakthrough, which it is to a hand that does not know them") {
-  CHECK(reached(kCone, 0.3125, 15.0) > kThick);
-  CHECK(reached(kCone, 0.3125, 40.0) > kThick);
-  CHECK(reached(kCone, 0.5, 28.0) > kThick);
-  CHECK(reached(kCone, 0.3125, 28.0, {}, true) < 0.5 * kThick);
+  CHECK(drills_through(plate(kCone, 0.3125, 15.0)));
+  CHECK(drills_through(plate(kCone, 0.3125, 40.0)));
+  CHECK(drills_through(plate(kCone, 0.5, 28.0)));
+  CHECK_FALSE(drills_through(plate(kCone, 0.3125, 28.0), [](HandConfig& hand) { hand.rough_drop = 0.0; }));
 }
 
 TEST_CASE("hand: the end of the ramp is no breakthrough, however soft the coupling or stiff the bit in bone") {
-  CHECK(reached(kFlat, 0.25, 28.0, {"contact.coupling_N_per_m=1250"}) > kThick);
-  CHECK(reached(kFlat, 0.25, 28.0, {"contact.cutting_N_per_m=560e3", "tool.erosion_scale=4"}) > kThick);
+  CHECK(drills_through(plate(kFlat, 0.25, 28.0, {"contact.coupling_N_per_m=1250"})));
+  CHECK(drills_through(plate(kFlat, 0.25, 28.0, {"contact.cutting_N_per_m=560e3", "tool.erosion_scale=4"})));
+}
+
+TEST_CASE("hand: a round burr crosses the pores of the diploe, where it is faster than soft bone is for a bit of one factor") {
+  const Sets burr{"tool.name=round_burr_4mm"};
+  CHECK(drills_through(shipped_patch(burr)));
+  CHECK_FALSE(drills_through(shipped_patch(burr), [](HandConfig& hand) { hand.softest = 4.0; }));
 }
 
 }  // namespace

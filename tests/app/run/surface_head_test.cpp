@@ -90,7 +90,7 @@ Drilled drill(LoadedScene& loaded, double deep, double longest) {
   REQUIRE(approach);
   const Pose world_from_approach = scene.volume.world_from_bone * approach->bone_from_approach;
   const double period = 1.0 / scene.servo_hz;
-  auto hand = SimulatedHand::create(hand_config(scene, scene.effects.needs(scene), loaded.bone->bone_from_index().mean_edge()),
+  auto hand = SimulatedHand::create(hand_config(scene, scene.effects.needs(scene), loaded.tool, loaded.bone->bone_from_index().mean_edge()),
                                     world_from_approach, period);
   REQUIRE(hand);
   const Pose start{world_from_approach.rotation, world_from_approach * Vec3(0.0, 0.0, scene.hand.standoff)};

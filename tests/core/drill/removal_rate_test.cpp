@@ -62,6 +62,18 @@ TEST_CASE("feed: a weak axis holds a burr back, a weak end a matchstick, a passi
   CHECK(predict_feed(foot, FeedDirection::sideways, c).speed > 0.0);
 }
 
+TEST_CASE("feed: beside a pore on the axis a round burr cuts with its factor at 0.35 mm, a bit of one factor as ever") {
+  const Tool burr = tool_of("[[region]]\nshape = \"sphere\"\nz_mm = 0\ndiameter_mm = 4\nerosion_factor = 0.1\naxis_factor = 0.2\n");
+  // the nearest cells of 0.1 mm lie up to half a cell farther out, where the factor is 9 % higher
+  const double beside = 0.2 + 0.8 * (0.35 - 0.25) / (2.0 - 0.25);
+  CHECK(feed_beside_pore(burr) >= (1.0 - 1e-6) * beside / 0.2);
+  CHECK(feed_beside_pore(burr) < 1.1 * beside / 0.2);
+  CHECK(feed_beside_pore(tool_of(kPin)) == 1.0);
+  const Tool crown = tool_of(
+      "[[region]]\nshape = \"tube\"\nz_mm = 0\nheight_mm = 2\ndiameter_mm = 8\ninner_diameter_mm = 6\nerosion_factor = 0.1\n");
+  CHECK(feed_beside_pore(crown) == 1.0);
+}
+
 TEST_CASE("feed: a crown's cap above its teeth is clear of bone, and the core is no part of the area") {
   const Tool crown = tool_of(
       "[[region]]\nshape = \"tube\"\nz_mm = 0\nheight_mm = 2\ndiameter_mm = 8\ninner_diameter_mm = 6\nerosion_factor = 0.1\n"

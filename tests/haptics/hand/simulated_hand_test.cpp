@@ -365,8 +365,8 @@ TEST_CASE("SimulatedHand: create refuses script values that are negative or not 
     return !hand.ok() && hand.error().code == ErrorCode::out_of_range;
   };
   for (double HandConfig::*value : {&HandConfig::feed, &HandConfig::push, &HandConfig::ramp, &HandConfig::reaction, &HandConfig::release,
-                                    &HandConfig::contact_force, &HandConfig::exit_drop, &HandConfig::rough_drop, &HandConfig::standoff,
-                                    &HandConfig::tremor_amplitude, &HandConfig::tremor_frequency})
+                                    &HandConfig::contact_force, &HandConfig::exit_drop, &HandConfig::rough_drop, &HandConfig::softest,
+                                    &HandConfig::standoff, &HandConfig::tremor_amplitude, &HandConfig::tremor_frequency})
     for (const double bad : {-1e-9, nan, infinity}) {
       HandConfig config;
       config.*value = bad;
