@@ -69,8 +69,8 @@ TEST_CASE("feed: beside a pore on the axis a round burr cuts with its factor at 
   CHECK(feed_beside_pore(burr) >= (1.0 - 1e-6) * beside / 0.2);
   CHECK(feed_beside_pore(burr) < 1.1 * beside / 0.2);
   CHECK(feed_beside_pore(tool_of(kPin)) == 1.0);
-  const Tool crown = tool_of(
-      "[[region]]\nshape = \"tube\"\nz_mm = 0\nheight_mm = 2\ndiameter_mm = 8\ninner_diameter_mm = 6\nerosion_factor = 0.1\n");
+  const Tool crown =
+      tool_of("[[region]]\nshape = \"tube\"\nz_mm = 0\nheight_mm = 2\ndiameter_mm = 8\ninner_diameter_mm = 6\nerosion_factor = 0.1\n");
   CHECK(feed_beside_pore(crown) == 1.0);
 }
 
