@@ -1,11 +1,11 @@
 #include "app/cli/commands.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-
-#include <fmt/format.h>
 
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"

@@ -8,6 +8,7 @@
 #include <functional>
 #include <sstream>
 
+#include "app/lab/drilling_bits.h"
 #include "app/stage/stage.h"
 #include "core/measure/approach.h"
 #include "tests/support/drill_scene.h"
@@ -19,42 +20,6 @@ namespace {
 
 using Sets = std::vector<std::string>;
 using Sabotage = std::function<void(HandConfig&)>;
-
-constexpr const char* kCone = R"(title = "Cone"
-[shell]
-pitch_mm = 0.5
-[[region]]
-shape = "cone"
-z_mm = 0
-height_mm = 4
-diameter_mm = 8
-erosion_factor = 0.2
-[[region]]
-shape = "cylinder"
-z_mm = 4
-height_mm = 8
-diameter_mm = 5
-erosion_factor = 0
-pitch_mm = 1
-)";
-
-constexpr const char* kFlat = R"(title = "Flat"
-[shell]
-pitch_mm = 0.4
-[[region]]
-shape = "cylinder"
-z_mm = 0
-height_mm = 3
-diameter_mm = 4
-erosion_factor = 0.2
-[[region]]
-shape = "cylinder"
-z_mm = 3
-height_mm = 9
-diameter_mm = 3
-erosion_factor = 0
-pitch_mm = 1
-)";
 
 constexpr const char* kPlate = R"(title = "Plate"
 duration_s = 30
@@ -92,9 +57,12 @@ bool drills_through(LoadedScene loaded, const Sabotage& sabotage = {}) {
   return deepest > approach->thickness;
 }
 
-LoadedScene plate(const char* tool, double spacing_mm, double push, const Sets& sets = {}) {
+/// A plate and a bit of the drilling study.
+LoadedScene plate(const char* bit, double spacing_mm, double push, const Sets& sets = {}) {
   const TemporaryFolder folder;
-  std::ofstream(folder.file("bit.toml")) << tool;
+  const auto text = drilling_bit_text(*find_drilling_bit(bit), in_source("app/tools"));
+  REQUIRE(text);
+  std::ofstream(folder.file("bit.toml")) << *text;
   Sets all{"volume.spacing_mm=" + std::to_string(spacing_mm), "hand.push_N=" + std::to_string(push),
            "tool.name=" + folder.file("bit.toml")};
   all.insert(all.end(), sets.begin(), sets.end());
@@ -110,15 +78,15 @@ LoadedScene shipped_patch(const Sets& sets) {
 }
 
 TEST_CASE("hand: a cone enters coarse voxels at any push and is no breakthrough, which it is to a hand that does not know them") {
-  CHECK(drills_through(plate(kCone, 0.3125, 15.0)));
-  CHECK(drills_through(plate(kCone, 0.3125, 40.0)));
-  CHECK(drills_through(plate(kCone, 0.5, 28.0)));
-  CHECK_FALSE(drills_through(plate(kCone, 0.3125, 28.0), [](HandConfig& hand) { hand.rough_drop = 0.0; }));
+  CHECK(drills_through(plate("cone 8 mm", 0.3125, 15.0)));
+  CHECK(drills_through(plate("cone 8 mm", 0.3125, 40.0)));
+  CHECK(drills_through(plate("cone 8 mm", 0.5, 28.0)));
+  CHECK_FALSE(drills_through(plate("cone 8 mm", 0.3125, 28.0), [](HandConfig& hand) { hand.rough_drop = 0.0; }));
 }
 
 TEST_CASE("hand: the end of the ramp is no breakthrough, however soft the coupling or stiff the bit in bone") {
-  CHECK(drills_through(plate(kFlat, 0.25, 28.0, {"contact.coupling_N_per_m=1250"})));
-  CHECK(drills_through(plate(kFlat, 0.25, 28.0, {"contact.cutting_N_per_m=560e3", "tool.erosion_scale=4"})));
+  CHECK(drills_through(plate("flat 4 mm", 0.25, 28.0, {"contact.coupling_N_per_m=1250"})));
+  CHECK(drills_through(plate("flat 4 mm", 0.25, 28.0, {"contact.cutting_N_per_m=560e3", "tool.erosion_scale=4"})));
 }
 
 TEST_CASE("hand: a round burr crosses the pores of the diploe, where it is faster than soft bone is for a bit of one factor") {
