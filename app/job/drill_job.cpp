@@ -276,6 +276,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (const auto left = simulation->inputs_left(); !left.empty())
     found.push_back(fmt::format("the run ended at {:.3f} s, before {} of {} inputs; the next was due at {:.3f} s", simulation->time(),
                                 left.size(), job.inputs.size(), static_cast<double>(left.front().tick) / loaded.scene.servo_hz));
+  if (auto unfinished = unfinished_warning(summary)) found.push_back(std::move(*unfinished));
   for (const std::string& line : found) {
     if (job.warn) job.warn(line);
     summary.warnings.push_back(line);

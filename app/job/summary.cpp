@@ -117,6 +117,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.tool = tool.name;
   out.spin_rpm = loaded.scene.tool.spin / kRevPerMinute;
   out.push_N = loaded.scene.hand.push;
+  out.bench = loaded.scene.feed_hand.has_value();
   out.warnings = plan.warnings;
   out.end = end_name(simulation.end());
   out.dims = loaded.bone->dims();
@@ -160,9 +161,20 @@ std::string outcome_text(const RunSummary& s) {
         "crown left its core there, the contact model failed to hold the bit; this is not a burrhole.",
         *s.passed_s, 100.0 * s.removed_at_passing.value_or(0.0));
   if (s.end == "stopped") return "The run was interrupted, " + how_far + ".";
+  if (s.end == "done" && s.bench) return "The feed reached its stop, " + how_far + ".";
   if (s.end == "done") return "The hand detected a breakthrough and withdrew, " + how_far + "; the bone was not drilled through.";
   const char* why = s.spin_rpm == 0.0 ? " The bit does not spin." : "";
   return fmt::format("The time of the scene ended, {}.{}", how_far, why);
+}
+
+std::optional<std::string> unfinished_warning(const RunSummary& s) {
+  const bool through = s.breakthrough_s || s.passed_s, stop_reached = s.bench && s.end == "done";
+  if (s.erosion_points == 0 || s.spin_rpm == 0.0 || s.end == "stopped" || through || stop_reached) return std::nullopt;
+  return "hand: " +
+         std::string(s.end == "done" ? "it detected a breakthrough"
+                     : s.bench       ? "its stop was not reached"
+                                     : "the time ended") +
+         fmt::format(" {:.2f} mm deep in {:.2f} mm of bone, which is not drilled through", s.reached_mm, s.thickness_mm);
 }
 
 std::string summary_json(const RunSummary& s) {

@@ -20,6 +20,7 @@ struct RunSummary {
   std::string scene, title, tool;
   std::string end;  ///< "done", "duration" or "stopped"
   double spin_rpm = 0.0, push_N = 0.0;
+  bool bench = false;                 ///< hand.kind = "feed"
   std::vector<std::string> warnings;  ///< of the plan
   Vec3i dims{0};
   double spacing_mm = 0.0;
@@ -62,6 +63,9 @@ struct RunSummary {
 
 /// @returns one sentence on how the run ended.
 [[nodiscard]] std::string outcome_text(const RunSummary& summary);
+/// @returns a warning if a run that drills ended with the bit in bone: neither through it nor, with a feed, at its stop; not if a person
+/// ended it.
+[[nodiscard]] std::optional<std::string> unfinished_warning(const RunSummary& summary);
 /// @returns the servo's latched faults of the run, a line each.
 [[nodiscard]] std::vector<std::string> fault_warnings(const Simulation& simulation);
 /// Collects the figures of a run and measures the hole. @param wall_s [s] duration of the run, measured by the caller.

@@ -105,7 +105,8 @@ void judge(const DrillingSetting& setting, const PointRuns& runs, std::vector<St
   const HoleErrors hole = hole_errors(runs.bench, runs.finest_bench);
   add("volume_off_percent", hole.volume, kVolume);
   add("mass_off_percent", hole.mass, kVolume);
-  add("early_stops", std::isnan(runs.script.drilled_s) ? 1.0 : 0.0, 0.0);
+  const auto stopped = [](const DrillingResult& run) { return unfinished_warning(run.summary) ? 1.0 : 0.0; };
+  add("early_stops", stopped(runs.bench) + stopped(runs.script), 0.0);
   add("time_off_percent", off(runs.script.drilled_s, runs.finest_script.drilled_s), kTime);
   add("plunge_off_mm", std::abs(runs.script.plunge_mm - runs.finest_script.plunge_mm),
       kPlunge + kPlungeVoxels * runs.script.summary.spacing_mm);

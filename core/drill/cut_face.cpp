@@ -72,10 +72,10 @@ bool CutFace::faces_tool(const CutSurface::Node& node, const Vec3f& place) const
   return -glm::dot(normal, away) > kFacing * glm::length(away);
 }
 
-/// Sets phi of a node that has none yet: the surface as it was, if it faces the tool, or the face as its neighbour knows it.
+/// Sets phi of a node that has none yet: the surface as it was, in air or if it faces the tool, or the face as its neighbour knows it.
 void CutFace::start(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place, float tool,
                     CutSurface::Node& node) const noexcept {
-  if (node.base > -kKnown && faces_tool(node, place))
+  if (node.base >= 0.0f || (node.base > -kKnown && faces_tool(node, place)))  // air has no face but the bone's
     node.cut = node.base;
   else
     node.cut = std::max(node.cut, from_neighbour(voxmap, sweep, voxel, place));
@@ -171,12 +171,12 @@ void CutFace::visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at) {
     CutSurface::Node& node = block->at(v);
     const std::size_t offset = window.box.offset_of(v);
     const bool bone = window.occupancy[offset] > 0.0f && window.remaining[offset] > 0.0f;
+    const float tool = sampled_[here];
+    const Vec3f place = asked_.at(here);
+    if (tool <= kBand && node.set() && node.cut <= -kKnown) start(voxmap, sweep, v, place, tool, node);
     if (node.cut > kFree && !bone) return;
     ++left;
-    const float tool = sampled_[here];
     if (tool > kBand || !node.set()) return;
-    const Vec3f place = asked_.at(here);
-    if (node.cut <= -kKnown) start(voxmap, sweep, v, place, tool, node);
     if (node.cut <= -kKnown) unknown_.push_back({&node, tool});
     const bool known = node.cut > -kKnown, overlaps = known && tool + node.cut < 0.0f;
     if (!overlaps && (!bone || !(tool < 0.0f) || (known && node.cut < 0.0f))) return;

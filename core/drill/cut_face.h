@@ -7,7 +7,7 @@
 ///   v h / (e s). A law that thins out all the bone inside the tool instead has the same mass, but its 0.5 level moves only when bone
 ///   that was entered ln 2 h / (e s) earlier has decayed: a delay that keeps every step of the feed for ever.
 ///   Each node keeps phi, the signed distance to the face, positive outside bone. phi starts as the distance to the surface of the bone,
-///   where that surface faces the tool.
+///   where that surface faces the tool, and outside bone.
 ///   Let D be the signed distance of the node to the tool. Bone without the tool is max(phi, -D), and the overlap is w = -D - phi. With
 ///   a = 1 - exp(-e s dt / h) a step sets phi to the larger of
 ///     phi + a w                                         the face recedes along the tool's normal
@@ -108,7 +108,9 @@ class CutFace {
   /// Writes the result of the last recede() into the nodes.
   void keep();
   /// @returns the density of a node [-].
-  [[nodiscard]] static float density_of(float phi) noexcept { return std::clamp(0.5f - phi / (2.0f * kRamp), 0.0f, 1.0f); }
+  [[nodiscard]] static float density_of(float phi, float ramp = kRamp) noexcept {
+    return std::clamp(0.5f - phi / (2.0f * ramp), 0.0f, 1.0f);
+  }
 
   /// @returns the number of nodes for which lists are reserved: every voxel within the band of known distances of the cutting surface.
   [[nodiscard]] static std::size_t reserved_nodes(const CuttingField& field, double edge) noexcept;

@@ -9,6 +9,7 @@ namespace burrhole {
 namespace {
 
 constexpr float kLeastDensity = 1e-3f;  // [-] a voxel that is thinned out ends here
+constexpr float kTail = 0.25f;          // [voxel edges] way of the face over which bone beyond the ramp goes
 
 template <class Node>
 float share_of(const Node& node, double turns) noexcept {
@@ -22,13 +23,13 @@ float thinned(const MasterWindow& window, const Buried& node, double turns) noex
   return window.occupancy[node.at] * after < kLeastDensity ? 0.0f : after;
 }
 
-/// @returns remaining [-] of a voxel whose face is at phi. The surface as loaded may be steeper than the ramp: there the ramp is scaled, so
-/// that nothing is lost before the face moves.
+/// @returns remaining [-] of a voxel whose face is at phi. Nothing is lost before the face moves: where the surface as loaded is steeper than
+/// the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches as far.
 float remaining_at(const MasterWindow& window, const Receding& node, float phi) noexcept {
-  const float occupancy = window.occupancy[node.at], loaded = CutFace::density_of(node.node->base);
-  if (occupancy == 0.0f) return window.remaining[node.at];
-  const bool surface = loaded > 0.0f && loaded < 1.0f;
-  return std::min(window.remaining[node.at], CutFace::density_of(phi) / (surface ? loaded : occupancy));
+  const float before = window.remaining[node.at], occupancy = window.occupancy[node.at];
+  if (occupancy == 0.0f || phi <= node.node->cut) return before;
+  const float ramp = std::max(CutFace::kRamp, node.node->base + kTail), loaded = CutFace::density_of(node.node->base, ramp);
+  return std::min(before, CutFace::density_of(phi, ramp) / (loaded < 1.0f ? loaded : occupancy));
 }
 
 }  // namespace
@@ -133,7 +134,7 @@ FaceRemoval::Sum FaceRemoval::apply(Voxmap& voxmap, double turns, ErosionOutcome
   const std::span<const float> after = recede(turns);
   for (std::size_t n = 0; n < after.size(); ++n) {
     const Receding& node = face_.nodes()[n];
-    if (after[n] > node.node->cut) write(node, remaining_at(window, node, after[n]));
+    write(node, remaining_at(window, node, after[n]));
   }
   face_.keep();
   bool open = false;

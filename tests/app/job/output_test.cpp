@@ -77,5 +77,45 @@ TEST_CASE("output: the keys can be set from the command line's overrides, and ot
   CHECK(issues.front().text().find("summary") != std::string::npos);
 }
 
+TEST_CASE("output: a run that drills and ends with the bit in bone says so, and no other") {
+  RunSummary s;
+  s.erosion_points = 1000, s.spin_rpm = 1000.0, s.thickness_mm = 7.04, s.reached_mm = 3.18;
+  const auto warning = [](RunSummary of, const char* end, bool bench) {
+    of.end = end, of.bench = bench;
+    return unfinished_warning(of).value_or("");
+  };
+  CHECK(warning(s, "done", false) == "hand: it detected a breakthrough 3.18 mm deep in 7.04 mm of bone, which is not drilled through");
+  CHECK(warning(s, "duration", false) == "hand: the time ended 3.18 mm deep in 7.04 mm of bone, which is not drilled through");
+  CHECK(warning(s, "duration", true) == "hand: its stop was not reached 3.18 mm deep in 7.04 mm of bone, which is not drilled through");
+  CHECK(warning(s, "done", true).empty());  // a blind hole
+  CHECK(warning(s, "stopped", false).empty());
+  CHECK(outcome_text([&] {
+          RunSummary b = s;
+          b.end = "done", b.bench = true;
+          return b;
+        }())
+            .find("breakthrough") == std::string::npos);
+  for (auto change : {+[](RunSummary& r) { r.breakthrough_s = 20.0; }, +[](RunSummary& r) { r.passed_s = 20.0; },
+                      +[](RunSummary& r) { r.spin_rpm = 0.0; }, +[](RunSummary& r) { r.erosion_points = 0; }}) {
+    RunSummary other = s;
+    change(other);
+    CHECK(warning(other, "done", false).empty());
+    CHECK(warning(other, "duration", false).empty());
+  }
+}
+
+TEST_CASE("output: the warning of an unfinished hole reaches the caller and summary.json") {
+  const LoadedScene loaded = load_text(scene_text({.record = true}), {"duration_s=0.3"});
+  std::vector<std::string> warned;
+  DrillJob job;
+  job.warn = [&](const std::string& line) { warned.push_back(line); };
+  const auto summary = drill(loaded, job);
+  REQUIRE(summary.ok());
+  REQUIRE(!summary->warnings.empty());
+  CHECK(summary->warnings.back() == unfinished_warning(*summary));
+  CHECK(warned.back() == summary->warnings.back());
+  CHECK(summary_json(*summary).find(warned.back()) != std::string::npos);
+}
+
 }  // namespace
 }  // namespace burrhole::test

@@ -17,6 +17,7 @@ constexpr double kFactor = 0.1, kSpin = 1000.0 / 60.0, kRate = kFactor * kSpin; 
 
 /// A plate whose face lies at `top` [voxels] along k, bone below it. The density is linear across it, so that its 0.5 level is exact.
 struct Plate {
+  double soft = 1.0;       ///< [voxels] width of the density's slope across the face: a scan blurs it over several
   double voxel = 0.25e-3;  ///< [m]
   double across = 7e-3;    ///< [m]
   double top = 20.3;       ///< [voxels]
@@ -27,7 +28,7 @@ struct Plate {
     dense.dims = Vec3i(n, n, static_cast<int>(std::ceil(top)) + 20);
     dense.bone_from_index = Affine::scaling(voxel, Vec3(0.0));
     for_each_voxel({Vec3i(0), dense.dims}, [&](const Vec3i& v) {
-      dense.occupancy.push_back(static_cast<float>(std::clamp(0.5 + 0.5 * (top - v.z), 0.0, 1.0)));
+      dense.occupancy.push_back(static_cast<float>(std::clamp(0.5 + 0.5 * (top - v.z) / soft, 0.0, 1.0)));
       dense.hardness.push_back(hardness);
     });
     return voxmap_of(dense);
@@ -219,6 +220,45 @@ TEST_CASE("cut face: law energy removes mu F v_rel dt of work, whatever the rate
       CHECK(energy == doctest::Approx(work).epsilon(0.01));
       CHECK(mass > 0.3e-9);
     }
+}
+
+TEST_CASE("cut face: law energy spends the work of a load that rises from nothing, on a sharp face and on a blurred one") {
+  constexpr int kSteps = 100;
+  constexpr double kDt = 0.002, kMost = 0.5;  // [s], [N]
+  for (const double soft : {1.0, 3.0}) {
+    const Plate plate{.soft = soft, .voxel = 0.3125e-3, .top = 20.3};
+    Voxmap voxmap = plate.make();
+    const SweptSolid shape = over(plate, true, 3e-3, 0.0);
+    Erosion erosion = subvoxel_erosion(shape, static_cast<float>(kFactor), {.law = ErosionLaw::energy, .subvoxel = true});
+    double energy = 0.0, work = 0.0;
+    for (int n = 1; n <= kSteps; ++n) {
+      const double share = static_cast<double>(n) / kSteps;
+      const SweptSolid solid = over(plate, true, 3e-3, share * 0.3 * plate.voxel);
+      const ErosionOutcome outcome = erosion.step(voxmap, {solid.from, solid.from}, CuttingLoad{kSpin, share * kMost}, kDt);
+      voxmap.commit(outcome.changed);
+      energy += outcome.energy;
+      work += 0.5 * share * kMost * 2.0 * std::numbers::pi * kSpin * outcome.rubbing_radius * kDt;
+    }
+    // What a step lacks or exceeds is carried to the next, so the last step's work, 2 / steps of all, is the most that can be missing.
+    CHECK(energy == doctest::Approx(work).epsilon(2.0 / kSteps));
+  }
+}
+
+TEST_CASE("cut face: in the air inside a tool no face overlaps it by more than it is deep in bone") {
+  const double deep = 0.3;  // [voxels]
+  for (const double radius : {0.4e-3, 0.8e-3, 2e-3}) {
+    const Plate plate{.top = 20.3};
+    Voxmap voxmap = plate.make();
+    const SweptSolid solid = over(plate, false, radius, deep * plate.voxel);
+    const auto field = field_of(solid, static_cast<float>(kFactor));
+    CutFace face(field);
+    static_cast<void>(face.find(voxmap, solid.from, {0.0, 0.0, 1.0}));
+    REQUIRE(!face.nodes().empty());
+    // The distance to the plate is exact. That to the tool is interpolated, and changes by no more than the way to the corners of a cell.
+    const double error = std::sqrt(0.75) * field->pitch / plate.voxel;
+    for (const Receding& node : face.nodes())
+      if (node.node->base >= 0.0f) CHECK(-static_cast<double>(node.tool + node.node->cut) < deep + error);
+  }
 }
 
 TEST_CASE("cut face: create asks for a field and a law that fits; voxels beyond the window are counted and left alone") {
