@@ -123,7 +123,8 @@ Status bench_contact(Bench& bench) {
   for (const auto& rows : {compare_depths(bench), count_points(bench, bone.value()), bench_contact_updates(bench)})
     if (!rows) return rows;
   bench_records(bench);
-  return bench_constrained_tool(bench);
+  if (Status done = bench_constrained_tool(bench); !done) return done;
+  return bench_surface_contact(bench);
 }
 
 }  // namespace burrhole

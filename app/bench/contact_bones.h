@@ -74,6 +74,8 @@ template <class Numbers, class F>
 
 /// Rows of the constrained tool.
 [[nodiscard]] Status bench_constrained_tool(Bench& bench);
+/// Rows of contact between the points of the shell.
+[[nodiscard]] Status bench_surface_contact(Bench& bench);
 /// Rows of updating and sliding the published window.
 [[nodiscard]] Status bench_contact_updates(Bench& bench);
 
