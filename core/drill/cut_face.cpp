@@ -17,23 +17,45 @@ constexpr float kSharedDepth = 1.0f;                      // [voxel edges] bone 
 constexpr double kFacing = 0.3;                           // [-] cosine: a surface that faces the tool; the sides of a post do not
 constexpr float kSteepEnough = 0.1f;                      // [-] least slope with which a lag is extrapolated
 
+constexpr double kReserve = 0.05;  // [voxel edges] of room: at the table's border distances are lower bounds
+
 constexpr std::size_t kAsked = 6;  // most places asked for per node: for a new normal
 
 std::int16_t steps_of(float distance) noexcept {
   return static_cast<std::int16_t>(std::lrint(std::clamp(distance, -kBand, kBand) / static_cast<float>(kRecord16Distance)));
 }
 
+/// @returns the largest change of an interpolated distance over the way [-]: 1 for exact distances.
+double steepest_of(const CuttingField& field) noexcept {
+  if (field.empty()) return 1.0;
+  const VoxelBox all{Vec3i(0), field.dims};
+  const std::size_t row = static_cast<std::size_t>(field.dims.x), slab = row * static_cast<std::size_t>(field.dims.y);
+  Vec3f most(0.0f);
+  for_each_voxel({Vec3i(0), field.dims - 1}, [&](const Vec3i& v) {
+    const float* const here = &field.distance[all.offset_of(v)];
+    most = glm::max(most, glm::abs(Vec3f(here[1], here[row], here[slab]) - *here));
+  });
+  // The last row of each axis lies at the border, where the distance to the cutting part changes by the way along it.
+  return std::max(1.0, glm::length(Vec3(most)) / field.pitch);
+}
+
+Vec3i voxel_of(const Vec3i& block, std::uint16_t inside) noexcept {
+  return block * kBlockEdge + Vec3i(inside % kBlockEdge, inside / kBlockEdge % kBlockEdge, inside / (kBlockEdge * kBlockEdge));
+}
+
 }  // namespace
 
 /// One pose of the tool.
 struct CutFace::Sweep {
-  Affine place;      // nodes of the field from index
-  VoxelBox box;      // voxels that the tool and the band round it can reach
-  VoxelBox allowed;  // the part of it that may be eroded
+  Affine place;  // nodes of the field from index
+  VoxelBox box;  // voxels that the tool and the band round it can reach
+  VoxelBox erodible;
+  VoxelBox allowed;  // the part of the box that may be eroded
   Vec3i ahead;       // [voxels] to the neighbour towards the face
 };
 
-CutFace::CutFace(std::shared_ptr<const CuttingField> field) : field_(std::move(field)), sampler_(*field_), job_(field_job(*field_)) {}
+CutFace::CutFace(std::shared_ptr<const CuttingField> field)
+    : field_(std::move(field)), sampler_(*field_), job_(field_job(*field_)), steepest_(steepest_of(*field_)) {}
 
 /// Fills sampled_ with the distances to the tool.
 void CutFace::sample(const FieldPlaces& places) {
@@ -75,10 +97,8 @@ bool CutFace::faces_tool(const CutSurface::Node& node, const Vec3f& place) const
 /// Sets phi of a node that has none yet: the surface as it was, in air or if it faces the tool, or the face as its neighbour knows it.
 void CutFace::start(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place, float tool,
                     CutSurface::Node& node) const noexcept {
-  if (node.base >= 0.0f || (node.base > -kKnown && faces_tool(node, place)))  // air has no face but the bone's
-    node.cut = node.base;
-  else
-    node.cut = std::max(node.cut, from_neighbour(voxmap, sweep, voxel, place));
+  if (node.base >= 0.0f || (node.base > -kKnown && faces_tool(node, place))) node.cut = node.base;  // air has no face but the bone's
+  if (node.base < 0.0f) node.cut = std::max(node.cut, from_neighbour(voxmap, sweep, voxel, place));
   if (node.cut > -kKnown || tool > kNearTool) return;
   // The tool moves across the force. Distances of neighbours differ by at most an edge.
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -117,7 +137,7 @@ CutFace::Sweep CutFace::aim(const Voxmap& voxmap, const Affine& index_from_tool,
     reserve_lists();
   }
   const MasterWindow& window = voxmap.window();
-  const double edge = bone.mean_edge(), reach = kRecordBand * edge;
+  const double edge = bone.mean_edge(), reach = static_cast<double>(kLook) * edge;
   along_ = Vec3f(reaction * (edge / field_->pitch));
   Sweep sweep;
   sweep.place = Affine::scaling(1.0 / field_->pitch, -field_->origin / field_->pitch) * index_from_tool.inverse();
@@ -127,7 +147,8 @@ CutFace::Sweep CutFace::aim(const Voxmap& voxmap, const Affine& index_from_tool,
   const Bounds near = bounds_under(index_from_tool, {field_->bounds.lo - reach, field_->bounds.hi + reach});
   const Vec3 low(window.box.lo - 2), high(window.box.hi + 2);
   sweep.box = {Vec3i(glm::ceil(glm::clamp(near.lo, low, high))), Vec3i(glm::floor(glm::clamp(near.hi, low, high))) + 1};
-  sweep.allowed = sweep.box.intersect(window.erodible_box());
+  sweep.erodible = window.erodible_box();
+  sweep.allowed = sweep.box.intersect(sweep.erodible);
   return sweep;
 }
 
@@ -142,7 +163,7 @@ std::uint32_t CutFace::find(Voxmap& voxmap, const Affine& index_from_tool, const
   const auto half = static_cast<float>(0.5 * std::sqrt(3.0) * (kBlockEdge - 1) * 1.05);
   if (!sweep.allowed.empty())
     for_each_voxel(blocks_of(sweep.allowed), [&](const Vec3i& at) {
-      if (tool_at(Vec3(at * kBlockEdge) + 0.5 * (kBlockEdge - 1)) <= kBand + half) visit(voxmap, sweep, at);
+      if (tool_at(Vec3(at * kBlockEdge) + 0.5 * (kBlockEdge - 1)) <= kLook + half) visit(voxmap, sweep, at);
     });
   if (!nodes_.empty()) buried_.clear();
   find_lags();
@@ -152,53 +173,98 @@ std::uint32_t CutFace::find(Voxmap& voxmap, const Affine& index_from_tool, const
   return outside;
 }
 
+bool CutFace::is_quiet(const Sweep& sweep, const Vec3i& at, bool has_block) const noexcept {
+  const auto found = quiet_.find(key_of_block(at));
+  if (found == quiet_.end() || !(found->second.far || has_block)) return false;
+  // Every voxel of the block moves, in the tool's frame, by at most what its middle moves and what its corners turn about it.
+  constexpr double kHalf = 0.5 * (kBlockEdge - 1);
+  const Affine& before = found->second.place;
+  const Mat3 turn = sweep.place.linear - before.linear;
+  const Vec3 moved = turn * (Vec3(at * kBlockEdge) + kHalf) + sweep.place.offset - before.offset;
+  const double turned = kHalf * std::sqrt(3.0 * (glm::dot(turn[0], turn[0]) + glm::dot(turn[1], turn[1]) + glm::dot(turn[2], turn[2])));
+  return (glm::length(moved) + turned) * steepest_ * field_->pitch < found->second.room * static_cast<double>(edge_);
+}
+
+void CutFace::gather(const MasterWindow& window, const Sweep& sweep, const VoxelBox& part, const CutSurface::Block* block) {
+  candidates_.clear();
+  asked_.resize(part.count());
+  std::size_t count = 0;
+  const Vec3f step(sweep.place.linear[0]);
+  for (int k = part.lo.z; k < part.hi.z; ++k)
+    for (int j = part.lo.y; j < part.hi.y; ++j) {
+      const Vec3f first(sweep.place * Vec3(part.lo.x, j, k));
+      const std::size_t row = window.box.offset_of({part.lo.x, j, k});
+      const auto inside = static_cast<std::size_t>(((k & 7) * kBlockEdge + (j & 7)) * kBlockEdge + (part.lo.x & 7));
+      for (int i = 0; i < part.hi.x - part.lo.x; ++i) {
+        const auto n = static_cast<std::size_t>(i);
+        const bool bone = window.occupancy[row + n] > 0.0f && window.remaining[row + n] > 0.0f;
+        if (block != nullptr && !bone && block->nodes[inside + n].cut > kFree) continue;
+        asked_.set(count++, first + static_cast<float>(i) * step);
+        candidates_.push_back({static_cast<std::uint32_t>(row + n), static_cast<std::uint16_t>(inside + n), bone});
+      }
+    }
+  asked_.resize(count);
+  sample(asked_);
+}
+
+/// What the law does to a voxel.
+CutRule CutFace::rule_at(const MasterWindow& window, std::uint32_t at, const Vec3f& place) const noexcept {
+  const Vec3 p = field_->origin + field_->pitch * Vec3(place);
+  return {sampler_.factor(place), std::max(window.hardness[at], 0.1f), static_cast<float>(std::sqrt(p.x * p.x + p.y * p.y))};
+}
+
 /// Appends the voxels of one block whose face overlaps the tool.
 void CutFace::visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at) {
   const MasterWindow& window = voxmap.window();
   CutSurface::Block* block = voxmap.cut().find(at);
-  if (block != nullptr && block->free) return;
-  const VoxelBox part = box_of_block(at).intersect(sweep.allowed);
-  asked_.clear();
-  for_each_voxel(part, [&](const Vec3i& v) { asked_.add(Vec3f(sweep.place * Vec3(v))); });
-  sample(asked_);
-  if (std::none_of(sampled_.begin(), sampled_.begin() + static_cast<std::ptrdiff_t>(asked_.size()), [](float d) { return d <= kBand; }))
+  if ((block != nullptr && block->free) || is_quiet(sweep, at, block != nullptr)) return;
+  const VoxelBox whole = box_of_block(at), part = whole.intersect(sweep.erodible);
+  const bool all = part == whole;
+  gather(window, sweep, part, block);
+  if (candidates_.empty()) {
+    if (block != nullptr) block->free = all;
     return;
+  }
+  const float nearest = *std::min_element(sampled_.begin(), sampled_.begin() + static_cast<std::ptrdiff_t>(asked_.size()));
+  if (nearest > kLook) {
+    if (all)
+      quiet_.insert_or_assign(key_of_block(at), Quiet{sweep.place, static_cast<double>(nearest - kLook) - kReserve, block == nullptr});
+    return;
+  }
   if (block == nullptr) block = &voxmap.cut().add(at);
   if (!block->complete) complete(voxmap, at, *block);
-  std::size_t n = 0, left = 0;
-  for_each_voxel(part, [&](const Vec3i& v) {
-    const std::size_t here = n++;
-    CutSurface::Node& node = block->at(v);
-    const std::size_t offset = window.box.offset_of(v);
-    const bool bone = window.occupancy[offset] > 0.0f && window.remaining[offset] > 0.0f;
-    const float tool = sampled_[here];
-    const Vec3f place = asked_.at(here);
-    if (tool <= kBand && node.set() && node.cut <= -kKnown) start(voxmap, sweep, v, place, tool, node);
-    if (node.cut > kFree && !bone) return;
-    ++left;
-    if (tool > kBand || !node.set()) return;
-    if (node.cut <= -kKnown) unknown_.push_back({&node, tool});
-    const bool known = node.cut > -kKnown, overlaps = known && tool + node.cut < 0.0f;
-    if (!overlaps && (!bone || !(tool < 0.0f) || (known && node.cut < 0.0f))) return;
-    const double x = field_->origin.x + field_->pitch * static_cast<double>(place.x);
-    const double y = field_->origin.y + field_->pitch * static_cast<double>(place.y);
-    const float factor = sampler_.factor(place), hardness = std::max(window.hardness[offset], 0.1f);
-    const auto radius = static_cast<float>(std::sqrt(x * x + y * y));
-    if (!overlaps) {
-      buried_.push_back({static_cast<std::uint32_t>(offset), &node, tool, factor, hardness, radius});
-      return;
+  float room = all ? kBand : 0.0f;
+  for (std::size_t n = 0; n < candidates_.size(); ++n) {
+    const Candidate& one = candidates_[n];
+    CutSurface::Node& node = block->nodes[one.inside];
+    const float tool = sampled_[n];
+    if (tool > kLook) {
+      room = std::min(room, tool - kLook);
+      continue;
     }
-    nodes_.push_back({.at = static_cast<std::uint32_t>(offset),
-                      .node = &node,
-                      .tool = tool,
-                      .behind = 0.0f,
-                      .rest = 0.0f,
-                      .factor = factor,
-                      .hardness = hardness,
-                      .radius = radius});
-    places_.add(place);
-  });
-  block->free = left == 0 && part == box_of_block(at);
+    if (!node.set()) {
+      room = 0.0f;
+      continue;
+    }
+    if (node.cut <= -kKnown) {
+      start(voxmap, sweep, voxel_of(at, one.inside), asked_.at(n), tool, node);
+      if (node.cut > kFree && !one.bone) continue;
+      if (node.cut <= -kKnown) {
+        room = 0.0f;
+        unknown_.push_back({&node, tool});
+        if (one.bone && tool < 0.0f) buried_.push_back({one.at, &node, tool, rule_at(window, one.at, asked_.at(n))});
+        continue;
+      }
+    }
+    room = std::min(room, std::max(0.0f, tool + node.cut));
+    if (tool + node.cut >= 0.0f) continue;
+    nodes_.push_back({one.at, &node, tool, 0.0f, 0.0f, rule_at(window, one.at, asked_.at(n))});
+    places_.add(asked_.at(n));
+  }
+  if (room > 0.0f)
+    quiet_.insert_or_assign(key_of_block(at), Quiet{sweep.place, static_cast<double>(room) - kReserve, false});
+  else
+    quiet_.erase(key_of_block(at));
 }
 
 /// Finds l of each node. The search starts at the usual lag. It is a secant, bounded below by the missing distance itself, since distances
@@ -302,7 +368,7 @@ std::size_t CutFace::reserved_nodes(const CuttingField& field, double edge) noex
   std::size_t near = 0;
   for (const float distance : field.distance) near += std::abs(distance) < static_cast<float>(field.pitch) ? 1 : 0;
   const double area = 0.5 * static_cast<double>(near) * field.pitch * field.pitch;
-  return static_cast<std::size_t>(area / (edge * edge) * (kRecordBand + static_cast<double>(kFree)));
+  return static_cast<std::size_t>(area / (edge * edge) * static_cast<double>(kLook + kFree));
 }
 
 std::size_t CutFace::list_bytes(std::size_t nodes) noexcept {

@@ -26,6 +26,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,13 @@
 
 namespace burrhole {
 
+/// What the law needs to know at a voxel.
+struct CutRule {
+  float factor;    ///< [1/rev] erosion factor
+  float hardness;  ///< [-] at least 0.1
+  float radius;    ///< [m] from the tool's axis
+};
+
 /// A voxel whose face overlaps the tool.
 struct Receding {
   std::uint32_t at;        ///< offset into the window
@@ -45,9 +53,7 @@ struct Receding {
   float tool;              ///< [voxel edges] signed distance to the tool
   float behind;            ///< [voxel edges] l; 0: the normal decides
   float rest;              ///< [voxel edges] error of l: -D(p - l u) - phi
-  float factor;            ///< [1/rev] erosion factor
-  float hardness;          ///< [-] at least 0.1
-  float radius;            ///< [m] from the tool's axis
+  CutRule rule;
 };
 
 /// A voxel inside a tool that overlaps no face.
@@ -55,9 +61,7 @@ struct Buried {
   std::uint32_t at;        ///< offset into the window
   CutSurface::Node* node;  ///< without a known distance
   float tool;              ///< [voxel edges] signed distance to the tool, below 0
-  float factor;            ///< [1/rev] erosion factor
-  float hardness;          ///< [-] at least 0.1
-  float radius;            ///< [m] from the tool's axis
+  CutRule rule;
 };
 
 /// Places in the cutting field as arrays [nodes], padded for the kernels.
@@ -85,6 +89,9 @@ struct FieldPlaces {
 class CutFace {
  public:
   static constexpr float kRamp = 0.75f;  ///< [voxel edges] half width of the ramp of density across a face
+  /// [voxel edges] from the tool, up to which faces are followed: more than the ramp and the cells in which contact interpolates. Farther
+  /// inside bone the known distance is that to the surface as it was.
+  static constexpr float kLook = 2.0f;
   static constexpr float kFree = 2.0f;   ///< [voxel edges] a node further out than this no longer changes
 
   /// @pre `field` is not null.
@@ -102,6 +109,8 @@ class CutFace {
   [[nodiscard]] std::span<const Buried> buried() const noexcept { return buried_; }
   /// Puts the face at the surface of the tool of the last find(): the bone inside it has been thinned out.
   void open() noexcept;
+  /// The next find() looks at every block, also at those that the tool cannot have reached since it looked there last: for tests.
+  void look_everywhere() noexcept { quiet_.clear(); }
   /// Computes phi of each node after a step. @param shares a of each node.
   /// @returns phi [voxel edges] of each.
   std::span<const float> recede(std::span<const float> shares);
@@ -119,6 +128,12 @@ class CutFace {
 
  private:
   struct Sweep;
+  /// A block without a voxel whose face overlaps the tool, and without one that must find its face.
+  struct Quiet {
+    Affine place;  ///< nodes of the field from index, when the block was looked at
+    double room;   ///< [voxel edges] that a distance to the tool can fall before the block must be looked at again
+    bool far;      ///< no voxel was within the band: this holds whatever is known of the block
+  };
   /// The search for one lag: missing(l) = -phi - D(p - l u) falls from above 0 to below.
   struct Lag {
     float near, near_missing;  ///< [voxel edges] largest lag known to be too small
@@ -127,6 +142,10 @@ class CutFace {
   };
   [[nodiscard]] Sweep aim(const Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction);
   void visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at);
+  [[nodiscard]] CutRule rule_at(const MasterWindow& window, std::uint32_t at, const Vec3f& place) const noexcept;
+  [[nodiscard]] bool is_quiet(const Sweep& sweep, const Vec3i& at, bool has_block) const noexcept;
+  /// Fills asked_, sampled_ and candidates_ with the voxels of a block that may still change.
+  void gather(const MasterWindow& window, const Sweep& sweep, const VoxelBox& part, const CutSurface::Block* block);
   void complete(const Voxmap& voxmap, const Vec3i& at, CutSurface::Block& block);
   void sample(const FieldPlaces& places);
   void reserve_lists();
@@ -141,6 +160,14 @@ class CutFace {
   FieldJob job_;
   std::optional<SurfaceReader> surface_;  // made at the first step, when the bone is known
   std::vector<Record16> scratch_;
+  std::unordered_map<std::uint64_t, Quiet> quiet_;  // by key_of_block()
+  double steepest_;                                 // [-] largest change of an interpolated distance over the way
+  struct Candidate {
+    std::uint32_t at;      // offset into the window
+    std::uint16_t inside;  // place in its block
+    bool bone;
+  };
+  std::vector<Candidate> candidates_;
   std::vector<Receding> nodes_;
   std::vector<Buried> buried_;
   std::vector<std::pair<CutSurface::Node*, float>> unknown_;  // nodes without a known distance, and that to the tool [voxel edges]

@@ -13,7 +13,7 @@ constexpr float kTail = 0.25f;          // [voxel edges] way of the face over wh
 
 template <class Node>
 float share_of(const Node& node, double turns) noexcept {
-  return static_cast<float>(1.0 - portable_exp(-turns * static_cast<double>(node.factor) / static_cast<double>(node.hardness)));
+  return static_cast<float>(1.0 - portable_exp(-turns * static_cast<double>(node.rule.factor) / static_cast<double>(node.rule.hardness)));
 }
 
 /// @returns remaining [-] of a voxel without a face; the part of it inside the tool is thinned out.
@@ -85,8 +85,8 @@ template <class Node>
 void FaceRemoval::add(const MasterWindow& window, const Node& node, float before, float after, Sum& sum) const noexcept {
   const double gone = static_cast<double>(window.occupancy[node.at]) * static_cast<double>(before - after);
   sum.mass += gone;
-  sum.moment += gone * static_cast<double>(node.radius);
-  sum.energy += gone * config_.energy.specific_energy * static_cast<double>(node.hardness);
+  sum.moment += gone * static_cast<double>(node.rule.radius);
+  sum.energy += gone * config_.energy.specific_energy * static_cast<double>(node.rule.hardness);
 }
 
 FaceRemoval::Sum FaceRemoval::weigh(const MasterWindow& window, double turns) {
@@ -106,7 +106,7 @@ double FaceRemoval::turns_for(const MasterWindow& window, double cell_volume, do
   Sum sum = weigh(window, trial_);
   sum.energy *= cell_volume;
   if (radius_ == 0.0 && !face_.nodes().empty()) {
-    for (const Receding& node : face_.nodes()) radius_ += static_cast<double>(node.radius);
+    for (const Receding& node : face_.nodes()) radius_ += static_cast<double>(node.rule.radius);
     radius_ /= static_cast<double>(face_.nodes().size());
   }
   if (!(wanted > 0.0)) return 0.0;

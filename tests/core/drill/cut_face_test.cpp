@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/random.h"
 #include "core/drill/cut_face.h"
 #include "tests/core/drill/subvoxel_cases.h"
 
@@ -259,6 +260,37 @@ TEST_CASE("cut face: in the air inside a tool no face overlaps it by more than i
     for (const Receding& node : face.nodes())
       if (node.node->base >= 0.0f) CHECK(-static_cast<double>(node.tool + node.node->cut) < deep + error);
   }
+}
+
+TEST_CASE("cut face: blocks that the tool cannot have reached are passed over, with the same faces as if all were looked at") {
+  const Plate plate{.top = 20.3};
+  Voxmap whole = plate.make(), quick = plate.make();
+  const SweptSolid solid = over(plate, true, 2e-3, 0.0);
+  const auto field = field_of(solid, static_cast<float>(kFactor));
+  CutFace all(field), some(field);
+  std::size_t most = 0;
+  for (std::uint64_t n = 0; n < 150; ++n) {
+    const auto by = [&](std::uint64_t counter) { return 2.0 * uniform01(7, 8 * n + counter) - 1.0; };
+    // Fed by a twentieth of a voxel a step, with a tremor of a fifth; every 20th step a jump of up to two voxels; tilted to and fro.
+    const double far = n % 20 == 19 ? 2.0 : 0.2;
+    const Vec3 aside(far * by(0), far * by(1), far * by(2) - 0.05 * static_cast<double>(n) - 0.5);
+    const Quat tilt = glm::angleAxis(0.05 * by(3), glm::normalize(Vec3(by(4), by(5), 0.1)));
+    const Affine pose{Mat3(glm::mat3_cast(tilt)) * solid.from.linear, solid.from.offset + aside};
+    all.look_everywhere();
+    CHECK(all.find(whole, pose, {0.0, 0.0, 1.0}) == some.find(quick, pose, {0.0, 0.0, 1.0}));
+    REQUIRE(all.nodes().size() == some.nodes().size());
+    most = std::max(most, all.nodes().size());
+    bool same = true;
+    for (std::size_t m = 0; m < all.nodes().size(); ++m) {
+      const Receding &a = all.nodes()[m], &b = some.nodes()[m];
+      same = same && a.at == b.at && a.tool == b.tool && a.node->cut == b.node->cut && a.behind == b.behind;
+    }
+    CHECK(same);
+    const std::vector<float> shares(all.nodes().size(), 0.1f);
+    (void)all.recede(shares), (void)some.recede(shares);
+    all.keep(), some.keep();
+  }
+  CHECK(most > 1000);
 }
 
 TEST_CASE("cut face: create asks for a field and a law that fits; voxels beyond the window are counted and left alone") {
