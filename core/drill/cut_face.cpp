@@ -1,6 +1,7 @@
 #include "core/drill/cut_face.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "core/base/bounds.h"
 
@@ -31,9 +32,9 @@ double steepest_of(const CuttingField& field) noexcept {
   const VoxelBox all{Vec3i(0), field.dims};
   const std::size_t row = static_cast<std::size_t>(field.dims.x), slab = row * static_cast<std::size_t>(field.dims.y);
   Vec3f most(0.0f);
-  for_each_voxel({Vec3i(0), field.dims - 1}, [&](const Vec3i& v) {
+  for_each_voxel({Vec3i(0), field.dims - Vec3i(1, field.revolved ? 0 : 1, 1)}, [&](const Vec3i& v) {
     const float* const here = &field.distance[all.offset_of(v)];
-    most = glm::max(most, glm::abs(Vec3f(here[1], here[row], here[slab]) - *here));
+    most = glm::max(most, glm::abs(Vec3f(here[1], field.revolved ? *here : here[row], here[slab]) - *here));
   });
   // The last row of each axis lies at the border, where the distance to the cutting part changes by the way along it.
   return std::max(1.0, glm::length(Vec3(most)) / field.pitch);
@@ -364,10 +365,14 @@ void CutFace::keep() {
 }
 
 std::size_t CutFace::reserved_nodes(const CuttingField& field, double edge) noexcept {
-  // Area of the cutting surface, from the nodes of the field within a pitch of it. Over it bone whose distance is known, and the ramp.
-  std::size_t near = 0;
-  for (const float distance : field.distance) near += std::abs(distance) < static_cast<float>(field.pitch) ? 1 : 0;
-  const double area = 0.5 * static_cast<double>(near) * field.pitch * field.pitch;
+  // Area of the cutting surface, from the nodes of the field within a pitch of it, each a cube or, of a solid of revolution, a ring. Over it
+  // bone whose face is followed, and the ramp.
+  double cubes = 0.0;  // [pitch^3] within a pitch of the surface
+  const auto row = static_cast<std::size_t>(field.dims.x);
+  for (std::size_t n = 0; n < field.distance.size(); ++n)
+    if (std::abs(field.distance[n]) < static_cast<float>(field.pitch))
+      cubes += field.revolved ? 2.0 * std::numbers::pi * static_cast<double>(n % row) : 1.0;
+  const double area = 0.5 * cubes * field.pitch * field.pitch;
   return static_cast<std::size_t>(area / (edge * edge) * static_cast<double>(kLook + kFree));
 }
 

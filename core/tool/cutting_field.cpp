@@ -12,22 +12,25 @@
 namespace burrhole {
 namespace {
 
-/// An empty table around the bounds, or the error.
-Result<CuttingField> make_table(const Bounds& bounds, const CuttingFieldSize& size) {
+/// An empty table around the bounds, or the error. @param revolved one plane, x the radius.
+Result<CuttingField> make_table(const Bounds& bounds, const CuttingFieldSize& size, bool revolved) {
   if (!(size.pitch > 0.0) || !std::isfinite(size.pitch) || !(size.margin >= 0.0) || !std::isfinite(size.margin))
     return Error{ErrorCode::out_of_range, "pitch and margin of a cutting field must be numbers, the pitch above 0", {}};
   CuttingField field;
   field.pitch = size.pitch;
   field.margin = size.margin;
   field.bounds = bounds;
-  const Vec3 cells = glm::ceil((bounds.hi - bounds.lo + 2.0 * size.margin) / size.pitch) + 1.0;
+  Vec3 cells = glm::ceil((bounds.hi - bounds.lo + 2.0 * size.margin) / size.pitch) + 1.0;
+  if (revolved) cells.x = std::ceil((bounds.hi.x + size.margin) / size.pitch) + 1.0, cells.y = 1.0;
   if (!is_finite(cells) || !(cells.x * cells.y * cells.z <= static_cast<double>(kMaxCuttingNodes)) ||
-      glm::any(glm::lessThan(cells, Vec3(2.0))))
+      glm::any(glm::lessThan(cells, Vec3(2.0, revolved ? 1.0 : 2.0, 2.0))))
     return Error{ErrorCode::out_of_range,
                  fmt::format("a cutting field of pitch {:g} mm would hold more than {} nodes", size.pitch * 1e3, kMaxCuttingNodes),
                  {}};
   field.dims = Vec3i(cells);
+  field.revolved = revolved;
   field.origin = 0.5 * (bounds.lo + bounds.hi) - 0.5 * size.pitch * (cells - 1.0);
+  if (revolved) field.origin.x = field.origin.y = 0.0;
   const std::size_t count = VoxelBox{Vec3i(0), field.dims}.count();
   field.distance.resize(count);
   field.factor.assign(count, 0.0f);
@@ -63,15 +66,19 @@ void extend_factors(CuttingField& field) {
 }
 
 /// Linear interpolation lies above a convex function, such as the distance to a convex solid: on average over a cell by a twelfth of the
-/// second differences along the three axes. Subtracting this at the nodes removes the bias, also on rounded edges.
+/// second differences along its axes. Subtracting this at the nodes removes the bias, also on rounded edges.
 void take_off_bias(CuttingField& field) {
   const VoxelBox all{Vec3i(0), field.dims};
   const std::size_t row = static_cast<std::size_t>(field.dims.x), slab = row * static_cast<std::size_t>(field.dims.y);
   const std::vector<float> plain = field.distance;
-  for_each_voxel(all.grown(-1), [&](const Vec3i& v) {
+  const Vec3i rim(field.revolved ? 0 : 1, field.revolved ? 0 : 1, 1);
+  for_each_voxel({rim, field.dims - Vec3i(1, rim.y, 1)}, [&](const Vec3i& v) {
     const std::size_t at = all.offset_of(v);
     float bend = 0.0f;
-    for (const std::size_t step : {std::size_t{1}, row, slab}) bend += plain[at - step] - 2.0f * plain[at] + plain[at + step];
+    const auto add = [&](std::size_t low, std::size_t high) { bend += plain[low] - 2.0f * plain[at] + plain[high]; };
+    add(v.x > 0 ? at - 1 : at + 1, at + 1);  // on the axis of a solid of revolution both neighbours are the same
+    if (!field.revolved) add(at - row, at + row);
+    add(at - slab, at + slab);
     field.distance[at] -= bend / 12.0f;
   });
 }
@@ -120,6 +127,7 @@ class CuttingSolid {
     }
     return all.value_or(Bounds{});
   }
+  [[nodiscard]] bool revolves() const { return std::ranges::all_of(solids_, &Solid::revolves); }
   [[nodiscard]] bool cuts_at_all() const {
     for (std::size_t n = 0; n < solids_.size(); ++n)
       if (cuts(n)) return true;
@@ -161,13 +169,14 @@ CuttingFieldSize cutting_field_size(double voxel_edge, double least_radius) noex
   return {.pitch = pitch * voxel_edge, .margin = 4.0 * voxel_edge};
 }
 
-Result<CuttingField> make_cutting_field(const Bounds& bounds, const std::function<double(const Vec3&)>& signed_distance,
-                                        const std::function<double(const Vec3&)>& factor, const CuttingFieldSize& size) {
-  auto field = make_table(bounds, size);
+namespace {
+
+Result<CuttingField> fill_table(Result<CuttingField> field, const std::function<double(const Vec3&)>& signed_distance,
+                                const std::function<double(const Vec3&)>& factor) {
   if (!field) return field;
   std::size_t at = 0;
   for_each_voxel({Vec3i(0), field->dims}, [&](const Vec3i& v) {
-    const Vec3 p = field->origin + size.pitch * Vec3(v);
+    const Vec3 p = field->origin + field->pitch * Vec3(v);
     const double d = signed_distance(p);
     field->distance[at] = static_cast<float>(d);
     if (d <= 0.0) field->factor[at] = static_cast<float>(factor(p));
@@ -178,12 +187,20 @@ Result<CuttingField> make_cutting_field(const Bounds& bounds, const std::functio
   return field;
 }
 
+}  // namespace
+
+Result<CuttingField> make_cutting_field(const Bounds& bounds, const std::function<double(const Vec3&)>& signed_distance,
+                                        const std::function<double(const Vec3&)>& factor, const CuttingFieldSize& size) {
+  return fill_table(make_table(bounds, size, false), signed_distance, factor);
+}
+
 Result<CuttingField> make_cutting_field(const ToolSpec& spec, const CuttingFieldSize& size) {
   const auto solid = CuttingSolid::create(spec);
   if (!solid) return solid.error();
   if (!solid->cuts_at_all()) return CuttingField{};
-  return make_cutting_field(
-      solid->bounds(), [&](const Vec3& p) { return solid->distance(p); }, [&](const Vec3& p) { return erosion_factor_at(spec, p); }, size);
+  return fill_table(
+      make_table(solid->bounds(), size, solid->revolves()), [&](const Vec3& p) { return solid->distance(p); },
+      [&](const Vec3& p) { return erosion_factor_at(spec, p); });
 }
 
 }  // namespace burrhole

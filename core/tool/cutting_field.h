@@ -1,6 +1,7 @@
 /// core/tool/cutting_field.h: the cutting part of a bit as a table of signed distances and erosion factors. The table defines the cutting
 ///   surface between the erosion points.
-///   Frame   tool frame; node (i, j, k) lies at origin + pitch * (i, j, k), i fastest.   Units  SI.
+///   Frame   tool frame; node (i, j, k) lies at origin + pitch * (i, j, k), i fastest. A bit that is a solid of revolution has one plane of
+///           nodes: i along the radius, dims.y = 1, origin.x = origin.y = 0.   Units  SI.
 ///   Errors  out_of_range for a size that is not positive or too many nodes.   Thread  any; immutable once made.
 ///   Source  own derivation. Linear interpolation between nodes differs by up to pitch^2 (1/R1 + 1/R2) / 8 from a surface with radii R1 and
 ///           R2. The nodes are lowered by the mean of this difference, so there is no bias. Sharp edges are rounded by a fraction of the
@@ -26,6 +27,7 @@ struct CuttingField {
   Vec3i dims{0};                ///< [nodes] at least 2 per axis; 0 if nothing cuts
   Bounds bounds;                ///< [m] of the cutting part
   std::vector<float> distance;  ///< [m] to the surface of the cutting part, negative inside
+  bool revolved = false;        ///< the table depends on radius and height only, and is one plane
   std::vector<float> factor;    ///< [1/rev] erosion factor; outside, the mean of the nearest nodes inside
   [[nodiscard]] bool empty() const noexcept { return distance.empty(); }
   [[nodiscard]] std::size_t bytes() const noexcept { return (distance.size() + factor.size()) * sizeof(float); }

@@ -19,6 +19,7 @@ struct FieldJob {
   std::int32_t row, slab;  ///< [nodes] offsets of a row and of a slab
   float end[3];            ///< [nodes] last node of each axis
   float margin, pitch;     ///< [m] of the field
+  bool revolved;           ///< the table is one plane: x the radius
 };
 
 [[nodiscard]] FieldJob field_job(const CuttingField& field) noexcept;

@@ -28,7 +28,8 @@ ToolSpec spec_of(const std::string& regions) {
 }
 
 double between(const CuttingField& field, const std::vector<float>& values, const Vec3& p) {
-  const Vec3 q = (p - field.origin) / field.pitch;
+  Vec3 q = (p - field.origin) / field.pitch;
+  if (field.revolved) q = Vec3(std::hypot(q.x, q.y), 0.0, q.z);
   const VoxelBox box{Vec3i(0), field.dims};
   return test::plain_trilinear(glm::clamp(q, Vec3(0.0), Vec3(field.dims - 1)),
                                [&](const Vec3i& v) { return values[box.offset_of(glm::min(v, box.hi - 1))]; });
@@ -40,7 +41,8 @@ double wrong(const ToolSpec& spec, const CuttingField& field, double skin) {
   int bad = 0;
   for (std::uint64_t n = 0; n < 20000; ++n) {
     const Vec3 u(uniform01(7, 3 * n), uniform01(7, 3 * n + 1), uniform01(7, 3 * n + 2));
-    const Vec3 p = field.origin + field.pitch * u * Vec3(field.dims - 1);
+    Vec3 p = field.origin + field.pitch * u * Vec3(field.dims - 1);
+    if (field.revolved) p = Vec3(p.x * std::cos(6.3 * u.y), p.x * std::sin(6.3 * u.y), p.z);
     const double d = between(field, field.distance, p);
     if (std::abs(d) > skin) bad += (d < 0.0) != (erosion_factor_at(spec, p) > 0.0) ? 1 : 0;
   }

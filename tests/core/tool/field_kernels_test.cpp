@@ -11,12 +11,15 @@
 
 using namespace burrhole;
 
-TEST_CASE("field kernels: distances are those of the plain sampler, inside the table and out, at every level, for lists of any length") {
+namespace {
+
+void compare_with_plain(bool revolved) {
   CuttingField field;
   field.pitch = 0.125e-3;
   field.margin = 0.5e-3;
-  field.dims = Vec3i(20, 17, 33);
-  field.origin = Vec3(-1e-3);
+  field.revolved = revolved;
+  field.dims = Vec3i(20, revolved ? 1 : 17, 33);
+  field.origin = revolved ? Vec3(0.0) : Vec3(-1e-3);
   std::uint64_t n = 0;
   for_each_voxel({Vec3i(0), field.dims}, [&](const Vec3i&) {
     field.distance.push_back(static_cast<float>(1e-3 * uniform11(1, n++)));
@@ -48,3 +51,11 @@ TEST_CASE("field kernels: distances are those of the plain sampler, inside the t
   }
   REQUIRE(choose_simd("auto").ok());
 }
+
+}  // namespace
+
+TEST_CASE("field kernels: distances are those of the plain sampler, inside the table and out, at every level, for lists of any length") {
+  compare_with_plain(false);
+}
+
+TEST_CASE("field kernels: the same for a solid of revolution") { compare_with_plain(true); }
