@@ -96,8 +96,9 @@ class ContactPlan final : public EffectPlan {
     for (const FormEntry& entry : kForms) words.emplace_back(entry.word);
     word_ =
         table.choice("model", words.front(), words,
-                     "contact model: a tool constrained by the bone's surface, or a penalty force by planes from the density gradient or "
-                     "perpendicular to the tool's normals; a penalty force can be overcome by a large thrust",
+                     "contact model; surface: a tool that is constrained by the bone's surface; gradient-plane: a penalty force by tangent "
+                     "planes from the density gradient; voxmap: a penalty force by planes perpendicular to the tool's inward normals; a "
+                     "large thrust can push the tool through bone against a penalty force",
                      {"mesh"});
     for (const FormEntry& entry : kForms)
       if (word_ == entry.word) form_ = entry.read(table);

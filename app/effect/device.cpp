@@ -43,7 +43,7 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
   DevicePlan(TableReader& table, const StageConfig& stage, Issues& issues) {
     if (stage.feed_hand) issues.push_back(bad_input("[device] has no effect on hand.kind = \"feed\", only on \"script\"", table.place()));
     DeviceConfig& out = config_;
-    const std::string name = table.text("name", "generic", "simulated device; `burrhole devices` lists them");
+    const std::string name = table.text("name", "generic", "simulated device; \"burrhole devices\" lists them");
     out.hand = table.text("hand", out.hand, "hand on the device: none, light, nominal, firm or arm");
     const auto model = find_device(name);
     const auto holder = find_hand(out.hand);
@@ -53,8 +53,10 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
     SimulatedDeviceConfig& c = out.config;
     out.position_scale =
         table.number("position_scale", above_zero(out.position_scale, 1.0, 100.0), "displacement of the drill over that of the grip");
-    out.force_scale = table.optional_number("force_scale", above_zero(1.0, 1.0, 1.0),
-                                            "force at the grip over force on the drill; absent: push_N is rendered as the largest force");
+    out.force_scale = table.optional_number(
+        "force_scale", above_zero(1.0, 1.0, 1.0),
+        "force at the grip over force on the drill; absent: 1 or, if push_N exceeds the largest force of the device, the "
+        "largest force over push_N");
     auto& body = c.plant.body;
     body.mass = table.number("mass_kg", above_zero(body.mass, 1.0, 10.0), "mass of device and hand");
     body.damping = table.number("damping_N_s_per_m", at_least_zero(body.damping, 1.0, 1e4), "damping of device and hand");
@@ -62,8 +64,8 @@ class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
                                   "stiffness of the hand; 0: the arm of [hand] moves the grip");
     c.plant.friction = table.number("friction_N", at_least_zero(c.plant.friction, 1.0, 10.0), "Coulomb friction on each axis");
     c.quantum =
-        table.number("step_mm", at_least_zero(c.quantum / kMillimetre, kMillimetre, 10.0), "quantisation step of the measured position");
-    c.largest_force = table.number("force_N", above_zero(c.largest_force, 1.0, 1e3), "largest force that the device renders");
+        table.number("step_mm", at_least_zero(c.quantum / kMillimetre, kMillimetre, 10.0), "quantum of the measured position, at the grip");
+    c.largest_force = table.number("force_N", above_zero(c.largest_force, 1.0, 1e3), "largest force that the device renders at its grip");
     c.delay = static_cast<int>(table.integer("delay_ticks", c.delay, 0, kMaxReadingDelay, "delay of the measured position"));
   }
 

@@ -15,9 +15,12 @@ namespace {
 TransferFunction read_transfer(TableReader& table) {
   TransferFunction out;
   for (TableReader& row : table.tables(
-           "transfer", "points of the piecewise linear transfer function from density to opacity and tint; default: translucent bone")) {
+           "transfer",
+           "points of the piecewise linear transfer function from density to opacity and tint; default: opacity 0 up to a density of 0.3, "
+           "then linear to 0.25 per mm at 1")) {
     TransferPoint point;
-    point.density = row.number("density", {.fallback = std::nullopt, .min = 0.0, .max = 1.0}, "remaining density of bone: 0 none, 1 solid");
+    point.density = row.number("density", {.fallback = std::nullopt, .min = 0.0, .max = 1.0},
+                               "density of bone, occupancy x remaining: 0 empty, 1 full");
     point.extinction = row.number("opacity_per_mm", {.fallback = std::nullopt, .min = 0.0, .max = 1000.0, .to_si = 1.0 / kMillimetre},
                                   "extinction: light is attenuated by exp(-value) per millimetre");
     const auto tint = row.numbers("tint", std::vector<double>{1.0, 1.0, 1.0}, 3, {.min = 0.0, .max = 1.0},
@@ -33,8 +36,10 @@ TransferFunction read_transfer(TableReader& table) {
 
 /// Reads the quality: key by key, or by a budget. @param rays bone is drawn by ray casting. @param finish it is drawn as a surface.
 void read_quality(TableReader& table, bool rays, bool finish, DisplayConfig& out) {
-  const std::string choice = table.choice("quality", "fixed", {"fixed", "auto"},
-                                          "fixed by the keys of this table, or the best quality within budget_ms on this machine");
+  const std::string choice =
+      table.choice("quality", "fixed", {"fixed", "auto"},
+                   "fixed: by the keys of this table; auto: the most accurate quality that is predicted to meet budget_ms on this "
+                   "machine");
   if (choice == "auto") {
     if (!rays) table.fault("quality", "needs method = \"raycast\"");
     out.budget = table.number("budget_ms", above_zero(100.0, 1e-3, 1e5), "time of a picture for which the quality is chosen");
@@ -47,9 +52,10 @@ void read_quality(TableReader& table, bool rays, bool finish, DisplayConfig& out
     quality.step_voxels =
         table.number("step_voxels", {.fallback = 0.5, .min = 0.0, .max = 1.0, .min_open = true}, "distance of samples along a ray");
   if (finish) {
-    quality.bisections =
-        static_cast<int>(table.integer("bisections", quality.bisections, 0, 16, "bisections of the step in which a ray hits bone"));
-    quality.finish = table.boolean("finish", true, "smooth normals, and ambient occlusion if enabled; false: plain lighting");
+    quality.bisections = static_cast<int>(
+        table.integer("bisections", quality.bisections, 0, 16, "bisections of the ray step that hits bone; each halves the error"));
+    quality.finish =
+        table.boolean("finish", true, "smoothed normals and soft highlights, and ambient occlusion if enabled; false: plain lighting");
   }
   quality.supersample =
       static_cast<int>(table.integer("supersample", quality.supersample, 1, 4, "rays along each edge of a pixel, for anti-aliasing"));
@@ -61,13 +67,15 @@ void read_quality(TableReader& table, bool rays, bool finish, DisplayConfig& out
 Appearance read_appearance(TableReader& table, bool surface, bool translucent) {
   Appearance out;
   out.labels = table.boolean("label_colours", true, "colours by tissue and mineral density; false: one ivory colour");
-  if (!translucent && table.choice("normals", "texture", {"texture", "recomputed"},
-                                   "normals from the texture, or from density differences in the shader") == "recomputed")
+  if (!translucent &&
+      table.choice("normals", "texture", {"texture", "recomputed"},
+                   "texture: normals as stored with the texels; recomputed: from density differences in the shader") == "recomputed")
     out.normals = NormalSource::recomputed;
   if (!surface) return out;
   out.tissue =
       table.choice("tissue", "procedural", {"procedural", "plain"},
-                   "procedural details: original surface, cut bone, pores of diploe, vessels on dura; or plain colours") == "procedural";
+                   "procedural: details of original surface, cut bone, pores of diploe and vessels on dura; plain: colours only") ==
+      "procedural";
   out.occlusion = table.boolean("ambient_occlusion", true, "ambient occlusion");
   out.shadow = table.boolean("shadow", false, "shadows of bone on bone");
   out.specular = table.boolean("specular", false, "specular highlights of a wet surface");
@@ -81,8 +89,10 @@ Vec3 read_color(TableReader& table, const char* key, const Vec3& fallback, const
 
 CutConfig read_cut(TableReader& table) {
   CutConfig out;
-  const std::string kind = table.choice("cut", "none", {"none", "plane", "tip"},
-                                        "clips the bone: at a plane, or at the depth of the tool's tip, perpendicular to the view");
+  const std::string kind =
+      table.choice("cut", "none", {"none", "plane", "tip"},
+                   "clips the bone; plane: at the plane of cut_point_mm and cut_normal; tip: at the plane through the tool's tip "
+                   "that is perpendicular to the view");
   if (kind == "none") return out;
   out.kind = kind == "tip" ? CutKind::tip : CutKind::plane;
   if (out.kind == CutKind::tip) return out;
@@ -98,9 +108,9 @@ CutConfig read_cut(TableReader& table) {
 
 StereoView read_stereo(TableReader& table, double distance) {
   StereoView out;
-  const std::string mode =
-      table.choice("stereo", "off", {"off", "side-by-side", "top-bottom", "anaglyph"},
-                   "pictures of two eyes in one, each of `size`; anaglyph: for red and cyan glasses", {"quad-buffered"});
+  const std::string mode = table.choice(
+      "stereo", "off", {"off", "side-by-side", "top-bottom", "anaglyph"},
+      "pictures of two eyes in one, each eye with the pixels of the key size; anaglyph: for red and cyan glasses", {"quad-buffered"});
   if (mode == "off") return out;
   out.mode = mode == "anaglyph" ? StereoMode::anaglyph : mode == "top-bottom" ? StereoMode::top_bottom : StereoMode::side_by_side;
   out.separation =
@@ -118,16 +128,18 @@ DisplayConfig read_display(TableReader& table) {
   out.method =
       table.choice("method", "raycast", {"raycast", "slices"}, "how bone is drawn: ray casting, or slices blended back to front", {"mesh"});
   if (out.method == "raycast") {
-    const std::string shading = table.choice("shading", "surface", {"surface", "translucent"},
-                                             "bone as an opaque surface, or as a translucent volume with a transfer function");
+    const std::string shading =
+        table.choice("shading", "surface", {"surface", "translucent"},
+                     "surface: bone as an opaque surface; translucent: as a translucent volume with a transfer function");
     if (shading == "translucent") out.transfer = read_transfer(table);
   }
   if (out.method == "slices") {
     out.slices_per_voxel = table.number("slices_per_voxel", {.fallback = out.slices_per_voxel, .min = 0.0, .max = 8.0, .min_open = true},
-                                        "slices per voxel along the view axis");
-    out.opacity_correction =
-        table.boolean("opacity_correction", out.opacity_correction,
-                      "opacity per voxel edge, independent of the distance between slices; false: per slice, as in the paper");
+                                        "slices per voxel along the volume axis nearest to the direction of view");
+    out.opacity_correction = table.boolean(
+        "opacity_correction", out.opacity_correction,
+        "true: a density is the opacity of a path of one mean voxel edge; false: that of one slice, at any distance between slices, as in "
+        "[AcostaLiu07]");
   }
   read_quality(table, out.method == "raycast", out.method == "raycast" && out.transfer.empty(), out);
   out.appearance = read_appearance(table, out.method == "raycast" && out.transfer.empty(), !out.transfer.empty());
@@ -138,19 +150,23 @@ DisplayConfig read_display(TableReader& table) {
                                   {.min = 16, .max = 8192}, "width and height of a picture in pixels");
   out.width = static_cast<int>(size[0]);
   out.height = static_cast<int>(size[1]);
-  out.upload_budget =
-      static_cast<std::size_t>(table.integer("upload_budget_kb", static_cast<std::int64_t>(out.upload_budget / 1024), 1, 4'000'000,
-                                             "largest amount of changed texels sent for one picture; the rest is sent for the next ones")) *
-      1024;
-  out.upload_time = table.number("upload_budget_ms", {.fallback = out.upload_time * 1e3, .min = 0.0, .max = 1000.0, .to_si = 1e-3},
-                                 "wall time for computing these texels; pictures then differ from run to run; 0: no limit");
-  out.azimuth = table.number("azimuth_deg", {.fallback = out.azimuth / kDegree, .min = -360, .max = 360, .to_si = kDegree},
-                             "angle of the camera about the approach axis, from the patient's -y");
+  out.upload_budget = static_cast<std::size_t>(table.integer(
+                          "upload_budget_kb", static_cast<std::int64_t>(out.upload_budget / 1024), 1, 4'000'000,
+                          "largest amount of changed texels sent for one picture, in 1024 bytes; the rest is sent for the next ones")) *
+                      1024;
+  out.upload_time =
+      table.number("upload_budget_ms", {.fallback = out.upload_time * 1e3, .min = 0.0, .max = 1000.0, .to_si = 1e-3},
+                   "limit of the wall time for computing these texels; with a limit pictures differ from run to run; 0: no limit");
+  out.azimuth = table.number(
+      "azimuth_deg", {.fallback = out.azimuth / kDegree, .min = -360, .max = 360, .to_si = kDegree},
+      "direction from target to camera: angle about +z of the approach frame, from its -y towards its +x; the target is on the "
+      "approach axis, 0.8 of the thickness of the bone below the entry");
   out.elevation = table.number("elevation_deg", {.fallback = out.elevation / kDegree, .min = -89, .max = 89, .to_si = kDegree},
-                               "angle of the camera above the entry's tangent plane");
+                               "direction from target to camera: angle above the xy plane of the approach frame");
   out.distance =
-      table.number("distance_mm", above_zero(out.distance / kMillimetre, kMillimetre, 5000.0), "distance of the camera from the entry");
-  out.scale_bar = table.boolean("scale_bar", out.scale_bar, "draws a scale bar, to scale at the distance of the camera's target");
+      table.number("distance_mm", above_zero(out.distance / kMillimetre, kMillimetre, 5000.0), "distance of the camera from that target");
+  out.scale_bar =
+      table.boolean("scale_bar", out.scale_bar, "draws a scale bar; its length is exact at the distance of the camera's target");
   out.cut = read_cut(table);
   out.stereo = read_stereo(table, out.distance);
   return out;
@@ -226,7 +242,8 @@ class NoDisplay final : public Effect {
   Status bind(StepGraph&) override { return {}; }
 };
 
-// [bytes] of Mesa's software driver with its compiler: resident memory of a run that draws 64 x 48 pixels, less that of one that draws nothing.
+// [bytes] of Mesa's software driver with its compiler: resident memory of a run that draws 64 x 48 pixels, less that of one that draws
+// nothing.
 constexpr std::uint64_t kDriverBytes = 91'000'000;
 
 class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
@@ -234,7 +251,8 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
   explicit DisplayPlan(TableReader& table) { config_ = read_display(table); }
 
   PlanRow row(const PlanContext& context) const override {
-    // A voxel: texture, tissue, and the distances that rays skip, twice. A sample of a picture: colour, two depths, hit, and the picture read.
+    // A voxel: texture, tissue, and the distances that rays skip, twice. A sample of a picture: colour, two depths, hit, and the picture
+    // that is read back.
     const std::uint64_t a_voxel = kTexelBytes + sizeof(Rgba8) + (config_.appearance.tissue ? sizeof(TissueTexel) : 0) + 2;
     constexpr std::uint64_t kSampleBytes = 20;
     const auto rays = static_cast<std::uint64_t>(config_.quality.supersample);

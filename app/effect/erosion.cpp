@@ -88,28 +88,30 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
     ErosionConfig& c = config_;
     std::vector<std::string> words;
     for (const auto& [word, law] : kLaws) words.emplace_back(word);
-    const std::string law =
-        table.choice("law", name_of(c.law), words,
-                     "erosion law: a rate, a factor per update (eq. 4 of the paper), or the cutting power of thrust and spin");
+    const std::string law = table.choice(
+        "law", name_of(c.law), words,
+        "erosion law; rate: removal in proportion to spin and time, over hardness; per-update: a factor per update, [AcostaLiu07] eq. 4; "
+        "energy: by the cutting power of thrust and spin");
     for (const auto& [word, value] : kLaws)
       if (law == word) c.law = value;
     if (c.law != ErosionLaw::per_update)
-      c.subvoxel = table.boolean(
-          "subvoxel", true,
-          "bone recedes from its face, which may lie inside a voxel, and the hole follows the tool's surface; false: by whole voxels");
+      c.subvoxel = table.boolean("subvoxel", true,
+                                 "true: bone recedes from its face, whose place inside a voxel is kept, and the hole follows the tool's "
+                                 "surface; false: every voxel that contains erosion points loses density gradually, so walls are rough "
+                                 "by a voxel");
     if (c.law == ErosionLaw::energy) {
       constexpr double kPerCubicMillimetre = 1e9;  // [J/m^3] of 1 J/mm^3
       c.energy.specific_energy =
           table.number("specific_energy_J_per_mm3", above_zero(c.energy.specific_energy / kPerCubicMillimetre, kPerCubicMillimetre, 1e3),
-                       "energy to remove a volume of bone of hardness 1; proportional to the hardness");
+                       "energy to remove 1 mm^3 of bone of hardness 1; in proportion to the hardness, with a hardness of at least 0.1");
       c.energy.cutting_ratio =
-          table.number("cutting_ratio", above_zero(c.energy.cutting_ratio, 1.0, 10.0), "cutting force over normal force");
+          table.number("cutting_ratio", above_zero(c.energy.cutting_ratio, 1.0, 10.0), "tangential cutting force over normal force");
     }
     c.minimum_density = static_cast<float>(
         table.number("minimum_density", {.fallback = decimal_of(c.minimum_density), .min = 0.0, .max = 0.5, .max_open = true},
-                     "density below which a voxel becomes empty"));
+                     "density below which a voxel becomes empty; not used with subvoxel = true"));
     c.longest_substep = table.number("substep_voxels", {.fallback = c.longest_substep, .min = 0.0, .max = 1.0, .min_open = true},
-                                     "longest path of the tool between two applications of the law");
+                                     "longest path of the tool's points between two applications of the law");
     rate_hz_ = read_rate(table, stage, rate_hz_, 1, "rate of erosion steps; divides servo_hz");
     pitch_voxels_ = table.number("point_pitch_voxels", within(pitch_voxels_, 0.1, 1.0), "distance between the tool's erosion points");
   }

@@ -1,6 +1,6 @@
 /// app/render/renderer.h: draws volume and tool offscreen. Only app/render uses OpenGL; this header has no GL type.
 ///   Frame  world, except where FrameView states another.   Units  SI; images: row 0 is the top, RGBA8, alpha 255.
-///   Errors unavailable, out_of_range, bad_input, as each function states.   Thread  one at a time.
+///   Errors unavailable, out_of_range, bad_input, as each function states; internal if OpenGL reports an error.   Thread  one at a time.
 ///   Source [AcostaLiu07] section 4: textures, eq. 5 and 6, the light; section 5: slices. Ray casting instead of slices is our own.
 #pragma once
 
@@ -23,29 +23,32 @@ namespace burrhole {
 /// empty space skipping, and no probe.
 struct SliceOptions {
   double per_voxel = 1.0;  ///< [-] (0, 8] slices per voxel along the axis
-  bool correct = true;  ///< opacity refers to a mean voxel edge for any distance of slices; off: to the distance of slices, as in the paper
+  /// true: a density is the opacity of a path of one mean voxel edge, so the picture hardly depends on the distance between slices.
+  /// false: a density is the opacity of one slice, at any distance between slices, as in [AcostaLiu07].
+  bool correct = true;
 };
 
-/// Options of accuracy and finish. A disabled option is not in the shader.
+/// Options of accuracy and finish. A disabled option is not in the shader. At most one of `slices` and `translucent` may be set; without
+/// both, rays draw the 0.5 surface.
 struct RenderOptions {
-  double step_voxels = 0.5;  ///< [voxels] in (0, 1], distance of samples along a ray, in index coordinates
-  int bisections = 5;        ///< 0..16, each halves the error of the hit
-  bool skip_empty = true;    ///< same picture with fewer samples
-  bool finish = true;        ///< smoothed normals and soft highlights; off: the light of the paper (and the headlight) only
-  Appearance appearance{};   ///< additional light options; tissue, occlusion, shadow and highlights only for surfaces drawn by rays
+  double step_voxels = 0.5;  ///< [voxels] in (0, 1], distance of samples along a ray, in index coordinates; not for slices
+  int bisections = 5;        ///< 0..16, each halves the error of the hit; surfaces only
+  bool skip_empty = true;    ///< true: rays skip empty space; the picture is the same, with fewer samples
+  bool finish = true;        ///< surfaces only; true: smoothed normals and soft highlights; false: the light of [AcostaLiu07] and headlight
+  Appearance appearance{};   ///< additional light options; tissue, occlusion, shadow and highlights for surfaces only
   int supersample = 1;       ///< 1..4, rays along each side of a pixel (antialiasing)
   double resolution = 1.0;   ///< [-] in [0.25, 1], share of the picture's width and height that is drawn, then enlarged
-  bool keep_picture = true;  ///< same picture; pixels that did not change are not drawn again
-  /// update() assumes that bone only disappears, unless forget() was called since the last picture. Off: it searches for bone that grew,
-  /// which takes several times as long as sending the texels.
+  bool keep_picture = true;  ///< true: only pixels that may have changed are drawn; false: all pixels; the picture is the same
+  /// true: the caller reports growth of bone by forget(). Without forget() since the last picture, update() assumes that bone only
+  /// disappears. false: each update() searches for bone that grew, which takes several times as long as sending the texels.
   bool growth_is_reported = false;
-  std::optional<SliceOptions> slices{};           ///< instead of rays
-  std::optional<TransferFunction> translucent{};  ///< bone as a translucent body, front to back, instead of its surface; no finish
-  /// Changed texels are sent through a ring of mapped buffers. Default: on a GPU, where a copy would wait for drawing; a software renderer
-  /// copies at once.
+  std::optional<SliceOptions> slices{};           ///< if set: slices instead of rays
+  std::optional<TransferFunction> translucent{};  ///< if set: bone as a translucent body, front to back, instead of its surface; no finish
+  /// Whether changed texels are sent through a ring of mapped buffers (upload_ring.h). Absent: true on a GPU, where a copy would wait until
+  /// drawing ends; false with a software renderer, which copies at once.
   std::optional<bool> upload_ring{};
   GlBackend gl = GlBackend::automatic;    ///< back end of OpenGL
-  std::filesystem::path shader_folder{};  ///< empty: the built-in shaders
+  std::filesystem::path shader_folder{};  ///< folder of shaders that create() reads and checks; empty: the built-in shaders
 };
 
 /// @returns the options of a quality and appearance options for surfaces drawn by rays; a quality without finish has no occlusion.
@@ -53,28 +56,31 @@ struct RenderOptions {
 
 /// Counters, not times.
 struct RenderCounters {
-  std::uint64_t volume_bytes = 0;  ///< texels, colours and tissue sent by the last set_volume()
-  std::uint64_t update_bytes = 0;  ///< texels sent by all calls of update()
-  std::uint64_t update_boxes = 0;
-  std::uint64_t skip_map_bytes = 0;  ///< for empty space skipping: by set_volume(), and where bone grew
-  std::uint64_t frames = 0;
-  std::uint64_t drawn_pixels = 0;   ///< drawn by all calls of draw(), without pixels that were kept
-  std::uint64_t probe_samples = 0;  ///< volume samples before the hit, all rays of the last probe()
+  std::uint64_t volume_bytes = 0;    ///< texels, colours and tissue sent by the last set_volume()
+  std::uint64_t update_bytes = 0;    ///< texels sent by all calls of update()
+  std::uint64_t update_boxes = 0;    ///< number of calls of update()
+  std::uint64_t skip_map_bytes = 0;  ///< sent for empty space skipping by all calls: by set_volume(), and by update() where bone grew
+  std::uint64_t frames = 0;          ///< pictures drawn, those of probe() included
+  std::uint64_t drawn_pixels = 0;    ///< by draw() and draw_at_pace(), at the drawn resolution, without pixels that were kept
+  std::uint64_t probe_samples = 0;   ///< sum of FrameProbe::samples of the last probe()
 };
 
 /// A frame with measurements; one value per pixel, row 0 at the top.
 struct FrameProbe {
   Image image;
   std::vector<Vec3f> hit_index;   ///< [voxels] position of the hit in index coordinates; valid where `hit` is 1
-  std::vector<std::uint8_t> hit;  ///< 1 where the pixel shows the volume
-  std::vector<float> view_depth;  ///< [m] along the direction of view, from the depth buffer, of bone or tool; undefined on the background
-  std::vector<int> samples;       ///< taken before the hit or the end of the ray; 0 where the tool is in front
+  std::vector<std::uint8_t> hit;  ///< 1 where the pixel shows the surface of bone or soft tissue, or a cut; always 0 for translucent bone
+  std::vector<float> view_depth;  ///< [m] of tool or surface along the direction of view; undefined where there is neither
+  /// Densities that the ray sampled at its steps, up to and including the hit, or to the end of the ray. Bisections and look-ups of the
+  /// skip map are not counted. Surfaces: a ray that crosses the volume without a hit counts one too many; 0 where the tool is in front.
+  std::vector<int> samples;
 };
 
 /// Owns its context. One thread at a time.
 class Renderer {
  public:
-  /// @returns ErrorCode::unavailable without OpenGL, ErrorCode::out_of_range for an option, ErrorCode::bad_input for an invalid shader.
+  /// @returns ErrorCode::unavailable without OpenGL, ErrorCode::out_of_range for an option outside its range or for slices together with a
+  /// transfer function, ErrorCode::bad_input for an invalid shader.
   [[nodiscard]] static Result<Renderer> create(const RenderOptions& options);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -87,21 +93,27 @@ class Renderer {
   /// Replaces the tool. @returns ErrorCode::bad_input for an invalid mesh; the old tool is then kept.
   [[nodiscard]] Status set_tool(const TriangleMesh& mesh);
 
-  /// Bone may have grown: until the next picture update() searches for bone that grew, and that picture is drawn completely.
+  /// Reports that bone may have grown. Call it before the update() of that bone. Until the next draw(), update() searches for bone that
+  /// grew, and that draw() draws all pixels.
   void forget() noexcept;
 
-  /// Changes the options of the following pictures; the next picture is drawn completely. @returns ErrorCode::out_of_range without any
-  /// change.
+  /// Changes the options of the following pictures; all pixels of the next picture are drawn. Ambient occlusion is on if the options of
+  /// create() and the finish of `quality` enable it. @returns ErrorCode::out_of_range without any change.
   [[nodiscard]] Status set_quality(const DrawingQuality& quality);
 
-  /// Draws one picture; without a volume, background and tool. The same view gives the same bytes. While camera, light, cut, pose of the
-  /// bone and size are unchanged, only the pixels are drawn that changed texels or the tool, at its old and new position, can affect.
-  /// @returns ErrorCode::out_of_range for a size, camera or light out of range.
+  /// Draws one picture. If no volume is set, it shows background and tool only. The same view, volume and tool give the same bytes. If only
+  /// texels or the pose of the tool have changed since the last picture, it draws the pixels that they can affect (the tool at its old and
+  /// new position) and keeps the others; after any other change, and without keep_picture, it draws all pixels.
+  /// @returns ErrorCode::out_of_range for a size, camera, light, background or cut outside its range; unavailable if the driver cannot draw
+  /// the size.
   [[nodiscard]] Result<Image> draw(const FrameView& view, int width, int height);
-  /// The same for a camera moved by hand. While the camera differs from that of the last call, the picture is drawn at the resolution of
-  /// `pace` and enlarged; when it is at rest, as draw(). Pictures of a moving camera depend on measured times.
+  /// As draw(), for a camera moved by hand. In the first call, and if the camera differs from that of the last call, the picture is drawn
+  /// at RenderOptions::resolution x pace.resolution() and enlarged, and its wall time is recorded in `pace`; such pictures depend on
+  /// measured times. If the camera is that of the last call, the picture is that of draw().
   [[nodiscard]] Result<Image> draw_at_pace(const FrameView& view, int width, int height, DynamicResolution& pace);
-  /// Draws the same picture with hit positions and sample counts; slower.
+  /// Draws a picture with hit positions and sample counts, by one ray per pixel at full resolution: `supersample` and `resolution` are
+  /// ignored. All pixels are drawn, and the values per pixel are read back, so it is slower than draw(). @returns ErrorCode::bad_input
+  /// without a volume or with slices; the errors of draw().
   [[nodiscard]] Result<FrameProbe> probe(const FrameView& view, int width, int height);
 
   /// Compiles and links all_shader_variants(). @returns the first error.

@@ -13,7 +13,7 @@
 namespace burrhole {
 
 /// One mapped buffer in three slots that are used in rotation; a fence signals that the GPU has read a slot. With Mesa's software renderer,
-/// which reads at once, a plain upload is faster. once, a plain upload is quicker.
+/// which reads at once, a plain upload is faster.
 class UploadRing {
  public:
   static constexpr std::size_t kSlots = 3, kSlotBytes = std::size_t{1} << 20;
@@ -23,10 +23,11 @@ class UploadRing {
   UploadRing& operator=(const UploadRing&) = delete;
   ~UploadRing();
 
-  /// Copies the parts, one after the other, into the next slot; uploads read from the buffer until finish().
-  /// @returns the offset of the first part in the buffer, as a pointer for uploads; nothing, without any change, if the parts do not fit
-  /// into a slot or the driver cannot map a buffer.
+  /// Copies the parts, one after the other, into the next slot, after the GPU has read its previous content. Uploads then read from the
+  /// buffer until finish(). @returns the offset [bytes] of the first part in the buffer, which an upload takes in place of a pointer;
+  /// nothing, without any change, if the parts do not fit into a slot or the driver could not map the buffer.
   [[nodiscard]] std::optional<std::size_t> stage(std::initializer_list<std::span<const std::byte>> parts);
+  /// Ends the uploads from the slot that stage() filled. Call it after each stage() that returned an offset.
   void finish();
 
  private:

@@ -6,10 +6,11 @@
 
 namespace burrhole {
 
-/// @returns `text` with Markdown's special characters escaped and line breaks replaced by spaces.
+/// @returns `text` with Markdown's special characters escaped and line breaks replaced by spaces, for a paragraph or a cell.
 [[nodiscard]] std::string markdown_text(std::string_view text);
 
-/// @returns `text` as a code span; it may contain backticks and |. @param text not empty.
+/// @returns `text` as a code span for a cell, with line breaks replaced by spaces; it may contain backticks. Each | is escaped, as a cell
+/// requires: outside a table the backslash before | is visible. @param text not empty.
 [[nodiscard]] std::string markdown_code(std::string_view text);
 
 }  // namespace burrhole

@@ -42,7 +42,7 @@ ToolScene read_tool(TableReader table, const std::string& file, const SceneConte
     }
   }
   out.spin = table.number("spin_rpm", {.fallback = std::nullopt, .min = 0.0, .max = 200e3, .to_si = kRevPerMinute}, "speed of the spindle");
-  out.erosion_scale = table.number("erosion_scale", at_least_zero(1.0, 1.0, 1e6), "multiplies every erosion factor of the tool");
+  out.erosion_scale = table.number("erosion_scale", at_least_zero(1.0, 1.0, 1e6), "factor on all erosion factors of the tool");
   table.finish();
   return out;
 }
@@ -51,8 +51,9 @@ ApproachScene read_approach(TableReader table) {
   ApproachScene out;
   out.place = table.place_of("entry_mm");
   const NumberRule length{.fallback = std::nullopt, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
-  out.entry = table.vector("entry_mm", std::nullopt, length,
-                           "point near the outer surface, bone frame; it is projected onto the bone along the axis");
+  out.entry =
+      table.vector("entry_mm", std::nullopt, length,
+                   "point within 20 mm of the outer surface along the axis, bone frame; the entry is where the axis through it meets bone");
   const Vec3 axis = table.vector("axis", Vec3(0, 0, -1), {.fallback = 0.0, .min = -1e6, .max = 1e6},
                                  "direction of drilling, bone frame; any length above 0");
   if (glm::length(axis) < 1e-9)
@@ -73,17 +74,18 @@ HandConfig read_script(TableReader& table) {
   read_body(table, out.dynamics);
   out.dynamics.stiffness = table.number("stiffness_N_per_m", at_least_zero(out.dynamics.stiffness, 1.0, 1e5), "stiffness of the arm");
   out.feed = table.number("feed_mm_per_s", above_zero(out.feed / kMillimetre, kMillimetre, 1e3),
-                          "speed of approach; the withdrawal is twice as fast");
+                          "speed of the approach; the withdrawal is twice as fast");
   out.push = table.number("push_N", at_least_zero(out.push, 1.0, 500.0), "thrust while drilling");
   out.ramp = table.number("ramp_s", at_least_zero(out.ramp, 1.0, 60.0), "time from first contact to full thrust");
   out.reaction = table.number("reaction_ms", at_least_zero(out.reaction * 1e3, 1e-3, 1e4),
                               "time from breakthrough detection to the start of the release");
-  out.release = table.number("release_s", at_least_zero(out.release, 1.0, 60.0), "time over which the thrust then falls to 0");
+  out.release = table.number("release_s", at_least_zero(out.release, 1.0, 60.0),
+                             "time in which the thrust falls to 0 after the start of the release");
   out.contact_force =
       table.number("contact_N", above_zero(out.contact_force, 1.0, 100.0), "force on the hand above which it is in contact");
   out.detects = table.boolean("detects", out.detects, "whether the hand detects breakthrough; false for comparison only");
   out.reach = table.number("reach_mm", above_zero(out.reach / kMillimetre, kMillimetre, 1e3),
-                           "depth at which the arm ends and the thrust is released");
+                           "depth below the entry at which the thrust is released, with or without breakthrough");
   out.follow_time = table.number("follow_s", above_zero(out.follow_time, 1.0, 60.0),
                                  "time constant with which the arm's rest position follows the drill while drilling");
   out.standoff =
@@ -160,34 +162,41 @@ void read_servo(TableReader table, Scene& scene) {
   ServoConfig& out = scene.servo;
   const std::string scheme = table.choice(
       "multirate", "planes", {"planes", "gradient", "hold", "linear"},
-      "force between two contact results: by the planes of the last one, by its gradient, constant, or linear interpolation to it");
+      "force between two contact results; planes: from all local planes of the last result, also those not touched yet; gradient: the last "
+      "force and its change with the motion since, by the planes that carry load; hold: the last force; linear: interpolation to the last "
+      "force, one contact period late");
   out.multi_rate.scheme = scheme == "planes"     ? MultiRateScheme::planes
                           : scheme == "gradient" ? MultiRateScheme::gradient
                           : scheme == "hold"     ? MultiRateScheme::hold
                                                  : MultiRateScheme::linear;
-  out.multi_rate.max_distance = table.number("reach_mm", above_zero(out.multi_rate.max_distance / kMillimetre, kMillimetre, 100.0),
-                                             "largest distance from the sampled pose at which planes and gradient extrapolate");
-  out.largest_force = table.number("force_N", above_zero(out.largest_force, 1.0, 1e4), "largest force on the hand");
+  out.multi_rate.max_distance =
+      table.number("reach_mm", above_zero(out.multi_rate.max_distance / kMillimetre, kMillimetre, 100.0),
+                   "only for planes and gradient: displacement of the hand since the last contact result up to which the force is "
+                   "extrapolated; beyond it the force is that at this displacement");
+  out.largest_force = table.number("force_N", above_zero(out.largest_force, 1.0, 1e4),
+                                   "largest force on the hand, in the world: before the force scale of a device");
   out.largest_slew = table.number("slew_N_per_s", at_least_zero(0.0, 1.0, 1e9), "largest rate of change of the force; 0 for no limit");
-  out.soft_start = table.number(
-      "soft_start_s", at_least_zero(out.soft_start, 1.0, 60.0),
-      "time in which the force rises from 0, at the start, after a latched fault and after a jump; skipped while the force is 0");
+  out.soft_start = table.number("soft_start_s", at_least_zero(out.soft_start, 1.0, 60.0),
+                                "time in which the force rises from 0 at the start, after the reset of a latched fault, after a jump and "
+                                "after stale contact; the rise ends early if the computed force is 0 meanwhile");
   out.soft_stop = table.number("soft_stop_s", at_least_zero(out.soft_stop, 1.0, 60.0),
                                "time in which the force falls to 0 when contact is stale or a stop is requested");
   out.jump_speed = table.number("jump_m_per_s", at_least_zero(out.jump_speed, 1.0, 1e3),
                                 "speed above which a change of position counts as a jump and not as motion; 0 for no limit");
   scene.relied_on =
       table.optional_number("relied_on_N_s_per_m", at_least_zero(0.0, 1.0, 1e4),
-                            "guaranteed damping of device and hand, for the energy detector; absent: 0, with [device] its own");
-  scene.energy_tolerance =
-      table.optional_number("energy_mJ", at_least_zero(0.0, 1e-3, 1e6),
-                            "passivity deficit above which a fault is latched; 0 for no detector; absent: 0, with [device] the "
-                            "energy that the coupling of a tool held back stores at twice push_N");
+                            "damping of device and hand, at the drill, that the energy detector counts as dissipation; absent: 0, with "
+                            "[device] the damping at its grip over (position_scale x force_scale)");
+  scene.energy_tolerance = table.optional_number(
+      "energy_mJ", at_least_zero(0.0, 1e-3, 1e6),
+      "passivity deficit above which a fault is latched; 0: no detector; absent: 0, but with [device] and contact.model = "
+      "\"surface\" F (F / (2 K) + s), where F is the smallest of 2 push_N, force_N, and force_N of [device] over its "
+      "force_scale, K is coupling_N_per_m of [contact], and s is step_mm x position_scale of [device]");
   out.energy.damping = scene.relied_on.value_or(0.0);
   out.energy.tolerance = scene.energy_tolerance.value_or(0.0);
   out.energy.largest_damping =
       table.number("passivity_N_s_per_m", at_least_zero(0.0, 1.0, 1e4),
-                   "largest damping that the passivity controller adds while there is a passivity deficit; 0 for none");
+                   "largest damping that the passivity controller adds while there is a passivity deficit; 0: no controller");
   table.finish();
 }
 
@@ -274,11 +283,12 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   scene.servo = shipped_servo();
   if (auto table = root.table("servo", "how forces are computed and limited at the servo's rate; without the table these defaults hold"))
     read_servo(*table, scene);
-  if (auto table = root.table("limits", "what a run may take; a scene that is predicted to need more is refused")) {
+  if (auto table = root.table("limits", "limits of the resources of a run; a scene that is predicted to exceed one is refused")) {
     const double megabytes =
         table->number("memory_mb", {.fallback = 0.0, .min = 1.0, .max = 1e6},
-                      "largest resident memory of the process, as predicted from headers and tables for the run that is asked for: in "
-                      "lockstep or live, with the tools and the history of its inputs; absent: no limit");
+                      "limit of the predicted peak of the resident memory of the process, 1 MB = 10^6 bytes; the prediction is computed "
+                      "before the run, which is not limited itself, and includes the schedule (lockstep or live), the tools and the "
+                      "history of inputs; absent: no limit");
     if (table->has("memory_mb")) scene.memory_limit = static_cast<std::uint64_t>(megabytes * 1e6);
     scene.memory_place = table->place_of("memory_mb");
     table->finish();

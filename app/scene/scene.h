@@ -23,7 +23,7 @@ struct Scene : StageConfig {
   EffectPlans effects;
   OutputScene output;
 
-  /// @returns the config struct of that type, of the first effect that has one; null if none has.
+  /// @returns the config struct of type Config of the first effect that has one; null if no effect has one.
   template <class Config>
   [[nodiscard]] Config* find() noexcept {
     return effects.find<Config>();
@@ -37,7 +37,7 @@ struct Scene : StageConfig {
 /// What the reading of a scene depends on, apart from its text.
 struct SceneContext {
   std::vector<std::string> tool_folders;                ///< searched in order for names of tools, after the scene's own folder
-  bool tool_given = false;                              ///< the caller has the tool's text (replay): its file is not searched for
+  bool tool_given = false;                              ///< true: the caller has the tool's text (replay), and its file is not searched for
   const EffectRegistry* registry = &shipped_effects();  ///< the known effects
 };
 
@@ -48,9 +48,10 @@ struct SceneContext {
 /// version.
 void add_effect(Scene& scene, const std::string& table);
 
-/// @returns nothing when any issue was pushed; every error of the file is pushed, not only the first: bad_input, or unavailable for what
-/// this version lacks (exit code 4).
-/// @param log also records the keys that were read; may be null.
+/// Pushes every error of the file, not only the first. @returns nothing if an issue was pushed. Codes: out_of_range for numbers outside
+/// their range; unavailable (exit code 4) for hand.kind = "device", which needs hardware; bad_input for all others, also for words and
+/// effects of later versions.
+/// @param log records the keys that were read; may be null.
 [[nodiscard]] std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
                                               KeyLog* log = nullptr);
 

@@ -35,8 +35,8 @@ std::string source_path(TableReader& table, const std::string& source, const std
 
 std::vector<HardnessPoint> read_hardness(TableReader& table) {
   std::vector<HardnessPoint> out;
-  for (TableReader& row :
-       table.tables("hardness", "points of the piecewise linear map from a scan's value to hardness; without them the map of CT density")) {
+  for (TableReader& row : table.tables(
+           "hardness", "points of the piecewise linear map from a scan's value to hardness; without them: from the mass density, for HU")) {
     HardnessPoint point;
     point.value =
         row.number("value", {.fallback = std::nullopt, .min = -1e6, .max = 1e6}, "value of the scan, in HU or the file's own unit");
@@ -52,14 +52,18 @@ ScanScene read_scan_keys(TableReader& table, std::string path) {
   ScanScene out;
   out.request.path = std::move(path);
   out.request.read.series =
-      table.text("series", "", "series of a DICOM folder by its number, or grid of another program's .vdb; empty: the largest");
+      table.text("series", "",
+                 "series of a DICOM folder by its name in the report of import, or grid of another program's .vdb; empty: a "
+                 "series without errors, CT before others, axial before others, then the largest; the grid with most active voxels");
   if (const auto unit =
           table.optional_choice("unit", length_unit_names(), "unit of length of a mesh or another program's .vdb, which carry none"))
     out.request.read.unit = length_unit(*unit);
   BoneOptions& bone = out.request.bone;
   const NumberRule value{.fallback = std::nullopt, .min = -1e6, .max = 1e6};
   if (const auto band = table.optional_numbers(
-          "bone_hu", 2, value, "values between which occupancy rises from 0 to 1, in HU or the file's own unit; default 250 to 400 HU")) {
+          "bone_hu", 2, value,
+          "band of bone: its middle is the surface, and occupancy rises over at least this range, in HU or the file's own "
+          "unit; default 250 to 400 HU")) {
     bone.band = {(*band)[0], (*band)[1]};
     if ((*band)[0] >= (*band)[1]) table.fault("bone_hu", "must increase");
   }
@@ -71,7 +75,7 @@ ScanScene read_scan_keys(TableReader& table, std::string path) {
   out.request.read.pitch = bone.spacing;
   if (const auto size = table.optional_numbers(
           "region_mm", 3, {.fallback = std::nullopt, .min = 1.0, .max = 1000.0, .to_si = kMillimetre},
-          "size of the box round the approach to which the scan is cropped, along the patient's axes; needs spacing_mm")) {
+          "size of the box around the approach to which the scan is cropped, along the patient's axes; needs spacing_mm")) {
     out.region = Vec3((*size)[0], (*size)[1], (*size)[2]);
     if (!bone.spacing) table.fault("region_mm", "needs spacing_mm: a region is cut out by resampling");
   }
@@ -97,7 +101,7 @@ VolumeScene read_volume(TableReader table, const std::string& scene_file) {
   out.place = table.place_of("source");
   out.spacing_place = table.has("spacing_mm") ? table.place_of("spacing_mm") : out.place;
   const std::string source = table.text("source", std::nullopt,
-                                        "phantom:NAME, a DICOM folder, or a file that `burrhole import` reads; relative to the scene's "
+                                        "phantom:NAME, a DICOM folder, or a file that \"burrhole import\" reads; relative to the scene's "
                                         "folder, or $NAME/... with an environment variable");
   if (source.starts_with(kPhantom))
     out.phantom = read_phantom(table, std::string_view(source).substr(kPhantom.size()));
@@ -105,7 +109,7 @@ VolumeScene read_volume(TableReader table, const std::string& scene_file) {
     out.scan = read_scan_keys(table, source_path(table, source, scene_file));
   const NumberRule length{.fallback = 0.0, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
   const NumberRule angle{.fallback = 0.0, .min = -360.0, .max = 360.0, .to_si = kDegree};
-  const Vec3 turn = table.vector("turn_deg", Vec3(0.0), angle, "rotation of the bone in the world about x, then y, then z");
+  const Vec3 turn = table.vector("turn_deg", Vec3(0.0), angle, "rotation of the bone about the world's x, then y, then z axis");
   const Quat rotation = turn_about(2, turn.z) * turn_about(1, turn.y) * turn_about(0, turn.x);
   out.world_from_bone = {rotation, table.vector("position_mm", Vec3(0.0), length, "position of the bone frame's origin in the world")};
   out.gradient_dead_zone = table.number("gradient_dead_zone", {.fallback = 0.08, .min = 0.0, .max = 0.49},

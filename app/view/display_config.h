@@ -32,9 +32,9 @@ struct DisplayConfig {
   int width = 1200, height = 900;                     ///< [pixels]
   std::size_t upload_budget = std::size_t{64} << 20;  ///< [byte] most texel data sent for one picture; key upload_budget_kb
   double upload_time = 0.0;                           ///< [s] limit for making these texels; 0: no limit; key upload_budget_ms
-  double azimuth = 35.0 * kDegree;                    ///< [rad] of the camera about the approach axis, from the patient's -y
-  double elevation = 42.0 * kDegree;                  ///< [rad] of the camera above the tangent plane at the entry
-  double distance = 0.074;                            ///< [m] of the camera from the entry
+  double azimuth = 35.0 * kDegree;                    ///< [rad] of the camera about +z of the approach frame, from -y towards +x
+  double elevation = 42.0 * kDegree;                  ///< [rad] of the camera above the xy plane of the approach frame
+  double distance = 0.074;                            ///< [m] of the camera from its target, 0.8 of the thickness below the entry
   bool scale_bar = true;
   CutConfig cut;
   StereoView stereo;

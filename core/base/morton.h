@@ -1,4 +1,5 @@
-/// core/base/morton.h: Morton (Z-order) code. Cells with nearby codes are close in space.
+/// core/base/morton.h: Morton (Z-order) code. The codes from k 8^n to (k + 1) 8^n - 1 are those of one aligned cube of 2^n cells per side,
+/// so cells sorted by code are grouped in cubes. Cells of consecutive codes may be far apart: the curve jumps where a cube ends.
 ///   Frame  any integer grid.   Units  cells.
 #pragma once
 

@@ -16,13 +16,16 @@ namespace burrhole {
 /// @returns the shortest text that reads back as the same number: -5, 0.25, nan.
 [[nodiscard]] std::string number_text(double value);
 
-/// @returns the condition of a rule on a number as written: "must be in (0, 20]", "must be > 0", "must be at least 1".
+// The numbers of the next three functions are in the unit of the file, before the conversion to SI.
+
+/// @returns the condition of a rule: "must be in (0, 20]", "must be > 0", "must be at least 1"; "must be finite" for a rule without limits.
 [[nodiscard]] std::string range_text(const NumberRule& rule);
 
-/// @returns whether a finite number as written obeys the rule.
+/// @returns whether a number is finite and inside the range of the rule.
 [[nodiscard]] bool within(double written, const NumberRule& rule) noexcept;
 
-/// @returns a number as written that obeys the rule: the fallback, else the middle of the range, else a value near its finite end.
+/// @returns a number that obeys the rule: the fallback if it does; else the middle of a range with two limits; else the only limit, or the
+/// number 1 inside it if the limit is excluded; else 0.
 [[nodiscard]] double value_inside(const NumberRule& rule) noexcept;
 
 /// @returns the name in `known` that is `word` plus a unit suffix ("radius" -> "radius_mm"), if there is one.

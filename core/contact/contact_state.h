@@ -19,11 +19,13 @@ struct ContactState {
   LocalContact local;          ///< tangent planes of the same contact, from which the servo computes forces until the next state
   double engagement = 0.0;     ///< [m] distance by which the cutting points are pressed into bone; penalty models: largest penetration
   double cutting_force = 0.0;  ///< [N] magnitude of the force between cutting points and bone; penalty models: of all points
-  double cutting_sum = 0.0;    ///< [N] running sum of cutting_force; its difference over that of `number` is the mean between two states
-  double spin = 1.0;           ///< [-] spin command at `tick`, as a fraction of the scene's spin, 0..1
-  std::uint64_t tick = 0;      ///< servo tick of world_from_hand
-  std::uint64_t number = 0;    ///< number of the evaluation, from 1; 0: none yet
-  std::uint32_t flags = 0;     ///< ContactFlag
+  /// [N] sum of cutting_force over all evaluations up to this one. Between two states, (difference of cutting_sum) / (difference of number)
+  /// is the mean of cutting_force over the evaluations after the first state.
+  double cutting_sum = 0.0;
+  double spin = 1.0;         ///< [-] spin command at `tick`, as a fraction of the scene's spin, 0..1
+  std::uint64_t tick = 0;    ///< servo tick of world_from_hand
+  std::uint64_t number = 0;  ///< number of the evaluation, from 1; 0: none yet
+  std::uint32_t flags = 0;   ///< ContactFlag
 };
 static_assert(std::is_trivially_copyable_v<ContactState>);
 

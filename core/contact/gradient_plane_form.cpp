@@ -13,7 +13,7 @@ class GradientPlaneForm final : public ContactForm {
     model_.paper_mode = table.choice("mode", "surface", {"surface", "paper"}, kPenaltyModeText) == "paper";
     model_.stiffness = table.number("stiffness_N_per_m", above_zero(model_.stiffness, 1.0, 1e7), kPenaltyStiffnessText);
     paper_grids_ = table.choice("storage", "window", {"window", "vdb"},
-                                "where bone is read: from a dense window, or from sparse grids as in the paper") == "vdb";
+                                "storage from which bone is read; window: a dense window; vdb: sparse grids, as in [AcostaLiu07]") == "vdb";
     coupling_ = read_coupling(table);
   }
 

@@ -8,16 +8,19 @@ namespace burrhole {
 
 std::optional<VirtualCouplingConfig> read_coupling(TableReader& table) {
   if (table.choice("coupling", "none", {"none", "virtual"},
-                   "whether the tool is where the hand is, or a body of its own on a spring and damper") == "none")
+                   "none: the tool has the pose of the hand; virtual: the tool is a rigid body on springs and dampers to the hand") ==
+      "none")
     return std::nullopt;
   VirtualCouplingConfig out;
   out.stiffness = table.number("coupling_N_per_m", within(out.stiffness, 1.0, 1e6), "stiffness of the spring from hand to tool");
-  out.damping = table.number("coupling_N_s_per_m", at_least_zero(out.damping, 1.0, 1e4), "damper from hand to tool");
+  out.damping = table.number("coupling_N_s_per_m", at_least_zero(out.damping, 1.0, 1e4), "coefficient of the damper from hand to tool");
   out.angular_stiffness =
-      table.number("coupling_Nm_per_rad", within(out.angular_stiffness, 1e-6, 1e4), "stiffness of that spring against turning");
-  out.angular_damping = table.number("coupling_Nm_s_per_rad", at_least_zero(out.angular_damping, 1.0, 100.0), "damper against turning");
-  out.mass = table.number("mass_kg", within(out.mass, 1e-6, 100.0), "mass of the body on the spring");
-  out.inertia = table.number("inertia_kg_m2", within(out.inertia, 1e-12, 10.0), "its inertia, the same about every axis");
+      table.number("coupling_Nm_per_rad", within(out.angular_stiffness, 1e-6, 1e4), "rotational stiffness of the coupling");
+  out.angular_damping =
+      table.number("coupling_Nm_s_per_rad", at_least_zero(out.angular_damping, 1.0, 100.0), "rotational damping of the coupling");
+  out.mass = table.number("mass_kg", within(out.mass, 1e-6, 100.0), "mass of the coupled tool");
+  out.inertia =
+      table.number("inertia_kg_m2", within(out.inertia, 1e-12, 10.0), "moment of inertia of the coupled tool, the same about every axis");
   return out;
 }
 

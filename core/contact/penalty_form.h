@@ -8,8 +8,9 @@
 
 namespace burrhole {
 
-inline constexpr const char* kPenaltyModeText = "what collides: the 0.5 surface of the bone, or, as in the papers, any density above 0";
-inline constexpr const char* kPenaltyStiffnessText = "stiffness of the penalty force, over the depth of a point";
+inline constexpr const char* kPenaltyModeText =
+    "bone that collides; surface: density of 0.5 or more; paper: any density above 0, as in [AcostaLiu07]";
+inline constexpr const char* kPenaltyStiffnessText = "penalty force of a point over its penetration depth";
 
 /// Reads the keys of the virtual coupling; empty where the tool pose is the device pose.
 [[nodiscard]] std::optional<VirtualCouplingConfig> read_coupling(TableReader& table);

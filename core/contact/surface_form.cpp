@@ -30,21 +30,25 @@ class SurfaceForm final : public ContactForm {
     tool_.coupling_stiffness =
         table.number("coupling_N_per_m", above_zero(tool_.coupling_stiffness, 1.0, 1e6), "stiffness of the spring from hand to tool");
     tool_.coupling_damping =
-        table.number("coupling_N_s_per_m", at_least_zero(tool_.coupling_damping, 1.0, 1e4), "damper from hand to tool");
-    const bool locked = table.choice("turning", "free", {"free", "locked"},
-                                     "whether bone may turn the tool in the hand against a spring, or the hand alone turns it") == "locked";
+        table.number("coupling_N_s_per_m", at_least_zero(tool_.coupling_damping, 1.0, 1e4), "coefficient of the damper from hand to tool");
+    const bool locked =
+        table.choice("turning", "free", {"free", "locked"},
+                     "free: bone may turn the tool against a rotational spring; locked: the tool has the orientation of the hand") ==
+        "locked";
     if (locked)
       tool_.turn_stiffness = std::numeric_limits<double>::infinity();
     else
       tool_.turn_stiffness = table.number("coupling_Nm_per_rad", above_zero(tool_.turn_stiffness, 1.0, 1e6),
-                                          "stiffness of that spring; damped with the time constant of the other one");
+                                          "stiffness of the rotational spring; its damping over its stiffness is that of the other spring");
     tool_.cutting_stiffness = table.number("cutting_N_per_m", above_zero(tool_.cutting_stiffness, 1.0, 1e9),
-                                           "thrust over the depth to which a spinning tool is engaged");
+                                           "cutting stiffness: force on the cutting points of a spinning tool over its engagement");
     tool_.bone_stiffness = table.number("bone_N_per_m", above_zero(tool_.bone_stiffness, 1.0, 1e12),
-                                        "stiffness of bone of hardness 1 under a point that does not cut; in proportion to the hardness");
-    if (auto labels = table.table("label_stiffness", "factors on that stiffness by tissue, for layers softer than their hardness says"))
+                                        "stiffness of bone of hardness 1 under one contact that does not cut; in proportion to the "
+                                        "hardness, with a hardness of at least 0.1");
+    if (auto labels = table.table("label_stiffness", "factors on bone_N_per_m by tissue, for layers that are softer than their hardness"))
       label_stiffness_ = read_label_stiffness(*labels);
-    if (table.choice("record_bits", "16", {"8", "16"}, "bits of each number stored of the surface: memory against accuracy") == "8")
+    if (table.choice("record_bits", "16", {"8", "16"},
+                     "bits of each number of a surface record: 8 needs less memory, 16 is more accurate") == "8")
       record_bits_ = RecordPrecision::bits8;
   }
 

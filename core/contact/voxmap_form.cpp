@@ -21,13 +21,16 @@ class VoxmapForm final : public ContactForm {
       words.emplace_back(word);
       if (stacking == model_.stacking) shipped = word;
     }
-    const std::string stacking =
-        table.choice("stacking", shipped, words, "how the forces of many points become one; sum-limited divides by n/10 above ten points");
+    const std::string stacking = table.choice(
+        "stacking", shipped, words,
+        "force of n colliding points; sum: the sum of their forces; sum-limited: for n above 10, that sum times 10 / n; average: the sum "
+        "over n; deepest: along the sum, as long as the longest projection of a point's force on it");
     for (const auto& [word, value] : kStackings)
       if (stacking == word) model_.stacking = value;
     model_.plane_voxel =
         table.choice("plane", model_.plane_voxel == PlaneVoxel::own ? "own" : "surface", {"own", "surface"},
-                     "the voxel that the tangent plane runs through: the point's own, or the last solid one along its vector") == "own"
+                     "voxel through whose centre the tangent plane runs; own: that of the point; surface: the last solid one along the "
+                     "point's inward normal") == "own"
             ? PlaneVoxel::own
             : PlaneVoxel::surface;
     coupling_ = read_coupling(table);

@@ -1,5 +1,6 @@
 /// core/tool/surface_mesh.h: a triangle mesh from a file, and the check that it encloses a solid.
-///   Frame  of the file.   Units  as the caller scaled it; SI after loading.   Errors  mesh_error() returns one sentence.
+///   Frame  of the file.   Units  any unit of length, the same for all members. Files are scaled to m on loading; mesh_error() requires m.
+///   Errors  mesh_error() returns one sentence.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +14,16 @@
 namespace burrhole {
 
 struct SurfaceMesh {
-  std::vector<Vec3> positions;         ///< [unit of the caller]
+  std::vector<Vec3> positions;         ///< [unit of the caller] vertices
   std::vector<std::uint32_t> indices;  ///< three per triangle, counter-clockwise seen from outside
 };
 
 /// Properties that prevent a mesh from being the surface of a solid.
 struct MeshCheck {
-  std::size_t triangles = 0, degenerate = 0;
+  std::size_t triangles = 0;           ///< all, degenerate ones included
+  std::size_t degenerate = 0;          ///< triangles with fewer than three distinct vertices; the following members ignore them
   std::size_t open_edges = 0;          ///< edges of one triangle only
-  std::size_t holes = 0;               ///< closed chains of open edges
+  std::size_t holes = 0;               ///< chains of connected open edges, also those that do not close
   double longest_hole = 0.0;           ///< [unit of positions] length of the longest such chain
   std::size_t non_manifold_edges = 0;  ///< edges of more than two triangles
   std::size_t flipped_edges = 0;       ///< edges that both triangles traverse in the same direction

@@ -42,9 +42,9 @@ class ContactWords {
   void slide(const MasterWindow& window);
 
   [[nodiscard]] const VoxelBox& box() const noexcept { return box_; }
-  /// i fastest over box().
   /// Reserves memory for windows of up to `window_voxels`.
   void reserve(std::size_t window_voxels);
+  /// Dense over box(), i fastest.
   [[nodiscard]] const std::vector<ContactWord>& words() const noexcept { return words_; }
   [[nodiscard]] std::size_t bytes() const noexcept;
 

@@ -1,6 +1,7 @@
-/// haptics/hand/simulated_hand.h: two hands of a surgeon on a drill: a mass on a spring-damper that follows a script and receives force.
-///   Frame  approach frame, as hand_script.h.   Units SI.   Thread servo.
-///   Source mass, damping and stiffness are assumed values for a firm grip of the handle.
+/// haptics/hand/simulated_hand.h: a surgeon who holds a drill with both hands: one mass on a spring and a damper. A script moves the rest
+///   position of the spring, and bone exerts a force on the mass. The orientation is constant: that of the approach frame.
+///   Frame  read() and apply() use the world frame; the script and the mass use the approach frame, as hand_script.h.
+///   Units SI.   Thread servo.   Source mass, damping and stiffness are assumed values for a firm grip of the handle.
 #pragma once
 
 #include "core/base/geometry.h"
@@ -13,16 +14,16 @@ namespace burrhole {
 
 struct HandConfig : HandScriptConfig {
   MassSpringDamperConfig dynamics;
-  bool feels = true;  ///< false: no force feedback (for comparison)
+  bool feels = true;  ///< false: apply() ignores the force (for comparison)
 };
 
 class SimulatedHand final : public HandSource {
  public:
-  /// Errors as MassSpringDamper and HandScript.
+  /// The hand starts at rest, at the standoff above the entry. @param period [s] of the servo. Errors as MassSpringDamper and HandScript.
   [[nodiscard]] static Result<SimulatedHand> create(const HandConfig& config, const Pose& world_from_approach, double period);
 
   [[nodiscard]] const HandState& read() noexcept BH_REALTIME override { return state_; }
-  /// Advances one tick. The hand uses the force of the wrench and ignores its torque.
+  /// Advances one tick under a wrench in the world frame. It uses the force [N] and ignores the torque.
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
   void drive_changed() noexcept BH_REALTIME override { script_.drive_changed(); }
 

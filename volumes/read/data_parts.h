@@ -17,8 +17,9 @@ inline constexpr std::size_t kMostHeaderBytes = 1048576;  ///< limit of the text
 /// @returns the start of a file as text, at most kMostHeaderBytes.
 [[nodiscard]] Result<std::string> read_header_text(const std::string& path);
 
-/// @returns one part per name, each name relative to the folder of `header_path`; bad_input if there are more names than slices, or a file
-/// does not exist.
+/// @returns one part per data file, in order. @param names of the files; not used if `numbered` is given. @param numbered a rule that
+/// generates the names (slice001.raw, slice002.raw, ...). @param slices of the volume. Names are relative to the folder of `header_path`.
+/// bad_input if there is no name, if there are more names than slices, or if a file does not exist.
 [[nodiscard]] Result<std::vector<VoxelPart>> parts_of(const std::string& header_path, const std::vector<std::string>& names,
                                                       const std::optional<NumberedNames>& numbered, int slices);
 
