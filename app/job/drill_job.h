@@ -17,17 +17,18 @@ namespace burrhole {
 struct DrillJob {
   std::string folder;                       ///< of the outputs; empty: nothing is written
   std::string restore_path;                 ///< checkpoint to start from; empty: bone as loaded
-  bool live = false;                        ///< on threads in real time instead of in lockstep
+  bool live = false;                        ///< true: on threads in real time; false: in lockstep
   bool require_realtime = false;            ///< live: a refused priority is an error
   MakePictureSink make_sink;                ///< for scenes with [display]; empty: no picture is drawn
   const std::atomic<bool>* stop = nullptr;  ///< may be set by any thread or signal handler: the run ends cleanly after the tick
-  /// Called ten times a simulated second with the share of the run that is done, 0..1, and a text. May be empty.
+  /// Called ten times a simulated second with an estimate of the share of the run that is done, and a text. The share is at least 0; it
+  /// exceeds 1 where the tip is deeper than the bone is thick by 5 % or more. May be empty.
   std::function<void(double share, const std::string& text)> progress;
-  /// Called as often, in lockstep only, between two ticks; may read bone and forces. May be empty.
+  /// Called at the same times, in lockstep only, between two ticks; may read bone and forces. May be empty.
   std::function<void(Simulation&)> watch;
   std::function<void(const std::string&)> say;   ///< receives the renderer's name, one line; may be empty
   std::function<void(const std::string&)> warn;  ///< receives one line per warning; may be empty
-  std::vector<Input> inputs;                     ///< timed, with the texts of their tools; see load_inputs()
+  std::vector<Input> inputs;                     ///< in order of time, with the texts of their tools; see load_inputs()
   std::string created;                           ///< ISO 8601, for the session; empty: now
 };
 
@@ -38,8 +39,8 @@ struct DrillJob {
 /// @returns the tools that inputs change to, each once.
 [[nodiscard]] InputTools tools_of(const std::vector<Input>& inputs);
 
-/// Runs the scene and writes summary.json and, unless the scene turns them off, pictures, the session, bone.vdb and report.html. All checks
-/// come before the first file is written.
+/// Runs the scene and writes summary.json and, unless the scene turns them off, pictures, the session, bone.vdb and report.html. Scene,
+/// tools and inputs are checked before the first file is written.
 /// Errors: those of the scene's effects, bad_input for a folder that cannot be written, unavailable for a refused priority.
 [[nodiscard]] Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job);
 

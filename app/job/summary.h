@@ -21,7 +21,7 @@ struct RunSummary {
   std::string end;  ///< "done", "duration" or "stopped"
   double spin_rpm = 0.0, push_N = 0.0;
   bool bench = false;                 ///< hand.kind = "feed"
-  std::vector<std::string> warnings;  ///< of the plan
+  std::vector<std::string> warnings;  ///< of the plan; drill() appends those of the run
   Vec3i dims{0};
   double spacing_mm = 0.0;
   std::string volume_format;         ///< "phantom:NAME", or the format of the scan
@@ -63,15 +63,17 @@ struct RunSummary {
 
 /// @returns one sentence on how the run ended.
 [[nodiscard]] std::string outcome_text(const RunSummary& summary);
-/// @returns a warning if a run that drills ended with the bit in bone: neither through it nor, with a feed, at its stop; not if a person
-/// ended it.
+/// @returns a warning if a run that drills (erosion, spin above 0) ended before the bit was through the bone. Nothing if a feed reached its
+/// stop, or if a person ended the run.
 [[nodiscard]] std::optional<std::string> unfinished_warning(const RunSummary& summary);
-/// @returns the servo's latched faults of the run, a line each.
+/// @returns one line for each latched servo fault of the run.
 [[nodiscard]] std::vector<std::string> fault_warnings(const Simulation& simulation);
 /// Collects the figures of a run and measures the hole. @param wall_s [s] duration of the run, measured by the caller.
 [[nodiscard]] RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const Plan& plan, double wall_s);
 [[nodiscard]] std::string summary_json(const RunSummary& summary);
-/// {schema, scene, effects[{name, steps, clock, rate_hz, bytes, time_us}], not_built[], warnings[]}; time_us null when not measured.
+/// @returns JSON {schema, scene, effects[{name, steps[], clock, rate_hz, needs, gives, detail, time_us, bytes}], not_built[],
+/// memory{predicted_bytes}, warnings[]}. rate_hz is null for steps that run at events only. @param measured a run of the same plan, for
+/// time_us; null: time_us is null.
 [[nodiscard]] std::string plan_json(const LoadedScene& loaded, const Plan& plan, const RunSummary* measured);
 
 }  // namespace burrhole

@@ -34,7 +34,7 @@ struct SimulationOptions {
   std::function<void(double time, const DrillProgress&)> progress{};  ///< called ten times a simulated second with the time [s]
   bool live = false;                                                  ///< on threads in real time, instead of in lockstep
   bool require_realtime = false;                                      ///< live: a refused priority is an error instead of a warning
-  std::function<void(const std::string&)> warn{};                     ///< receives refusals of the system and of inputs, and servo faults
+  std::function<void(const std::string&)> warn{};                     ///< receives priority refusals, inputs not possible, servo faults
   std::vector<Input> inputs{};                                        ///< timed, in order; recorded when they are applied
   bool history = false;                                               ///< keeps what undo, reset and checkpoints need
   bool samples = true;                                                ///< keeps force and depth of every contact evaluation, for plots
@@ -53,10 +53,10 @@ struct TimedStep {
   std::string name;
   StepTiming timing;
   bool within_step = false;  ///< already included in the time of another step of the same table
-  std::string part_of{};     ///< table of another row whose step includes this time; it is charged to `table` instead; empty: none
+  std::string part_of{};     ///< table of another step that includes this time; charged_us() moves it to `table`; empty: none
 };
 
-/// @returns the time [us] of the steps of a table. Each duration is charged once.
+/// @returns the total time [us] of the steps of a table. A duration that two steps include is counted once.
 [[nodiscard]] double charged_us(std::span<const TimedStep> steps, std::string_view table) noexcept;
 
 class Simulation {
@@ -88,25 +88,28 @@ class Simulation {
   [[nodiscard]] const std::vector<RunEvent>& events() const noexcept { return log_->events(); }
   [[nodiscard]] const ContactState& contact_state() const noexcept { return parts_->contact->state(); }
   [[nodiscard]] const ServoOutput& servo_output() const noexcept { return servo_now_; }
+  /// Hash of the wrench of every contact evaluation, in order.
   [[nodiscard]] std::uint64_t force_hash() const noexcept { return parts_->contact->hash(); }
+  /// Hash of all pictures; absent without a display.
   [[nodiscard]] std::optional<std::uint64_t> image_hash() const;
   [[nodiscard]] Voxmap& voxmap() noexcept { return *parts_->voxmap; }
   [[nodiscard]] BoneStep& bone_step() noexcept { return *parts_->bone; }
   [[nodiscard]] FrameStep* frame_step() noexcept { return parts_->frame(); }  ///< null without a display
   [[nodiscard]] Stage& stage() noexcept { return *parts_; }
   [[nodiscard]] const Stage& stage() const noexcept { return *parts_; }
-  /// Timings of the servo, then of the effects in the order of their steps, then of what the servo computes from contact results
-  /// ("planes"), and of publishing ("publish", or "axis" where the axis alone is published).
+  /// Timings, in this order: the servo; the effects' steps, clock by clock in execution order; further timers of the effects; with contact,
+  /// the computation of forces between two contact results ("planes"); the publication of bone ("publish", or "axis" where only the
+  /// approach axis is published).
   [[nodiscard]] std::vector<TimedStep> timings();
   /// @returns one of timings() by its name; a count of 0 if there is none.
   [[nodiscard]] StepTiming timing(std::string_view name);
   /// Report of a live run; nothing otherwise.
   [[nodiscard]] const std::optional<LiveReport>& live() const noexcept { return live_; }
-  /// Hash of all forces sent to the hand.
+  /// Hash of the forces that the servo sent to the hand at all ticks; compare force_hash().
   [[nodiscard]] std::uint64_t sent_hash() const noexcept { return live_ ? live_->force_hash : sent_.value(); }
   [[nodiscard]] std::uint32_t contact_flags() const noexcept { return parts_->contact->flags_seen(); }
 
-  /// @returns the inputs that the run ended before, in order.
+  /// @returns the inputs that were not applied, because the run ended before their time; in order.
   [[nodiscard]] std::span<const Input> inputs_left() const noexcept { return std::span(options_.inputs).subspan(next_input_); }
 
  private:
@@ -121,6 +124,7 @@ class Simulation {
   [[nodiscard]] bool input_is_due(std::uint64_t tick) const noexcept;
   /// Records the next input as of `tick` and applies it.
   [[nodiscard]] Status apply_next(std::uint64_t tick);
+  /// LiveOptions::inputs.
   [[nodiscard]] LiveInput live_input(std::uint64_t tick, bool parked, Status& status);
   /// Applies one input without recording it. An input that is not possible (nothing to undo, no such checkpoint) is a warning and an event.
   [[nodiscard]] Status apply(const Input& input);

@@ -7,11 +7,13 @@
 ///   columns(stream, position, name, unit, keep) of a stream's rows; stream = streams.position; keep is "exact" or "coarse"
 ///   blocks(stream, first_row, rows, data)       consecutive rows of a stream, about a second each (row_codec.h)
 ///   inputs(id, tick, kind, value, text, data)   what a person changed while drilling, in order; id counts from 1
-///   parks(input, stream, rows)                  of an input for which all clocks were parked: rows of each stream before it
+///   parks(input, stream, rows)                  of an input that parked the clocks: rows of each stream before it
 ///   events(id, time_s, tick, kind, text, data)  what happened, in order of id
-///   stills(id, bone_step, name, hash, view, parks)   pictures at a recorded bone step and after that number of parks, with all texels
+///   stills(id, bone_step, name, hash, view, parks)   pictures, drawn after that number of bone steps and of parks, with all texels
 ///   hashes(kind, value)                         of the run's results
 ///   ends(name, rows)                            written by close(): rows of each stream, and of "inputs"
+/// A park is a stop of all clocks between two steps, during which an input is applied that changes the tool or reads or replaces bone: tool
+/// change, undo, reset, checkpoint, restore.
 /// Schema 1 is read as well: one stream named "servo" (of a live run also "contact" and "bone"), rows of plain doubles, no inputs or
 /// stills.
 #pragma once
@@ -80,7 +82,7 @@ struct SessionInput {
   double value = 0.0;  ///< [-] finite; meaning depends on kind
   std::string text;    ///< of a tool change: the tool's name
   std::string data;    ///< of a tool change: the tool file's text
-  /// Rows of each stream before it, in the layout's order, where all clocks were parked for it; otherwise empty.
+  /// For an input that parked the clocks: number of rows of each stream before it, in the layout's order. Otherwise empty.
   std::vector<std::int64_t> rows_before;
   friend bool operator==(const SessionInput&, const SessionInput&) = default;
 };
@@ -99,7 +101,8 @@ struct SessionStill {
   std::string name;
   std::string hash;
   std::string view{};  ///< bytes, written by the display: sufficient to draw the picture again
-  /// Inputs before it for which all clocks were parked; counted by the writer. An undo changes bone between two bone steps.
+  /// Number of parks before it; counted by the writer. With bone_step it determines the state of bone, since an undo changes bone between
+  /// two bone steps.
   std::int64_t parks = 0;
   friend bool operator==(const SessionStill&, const SessionStill&) = default;
 };

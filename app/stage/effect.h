@@ -30,7 +30,7 @@ class Stage;
 
 /// Combined requirements of a scene's effects. The stage creates only what is required.
 struct Needs {
-  ServoConfig servo;                                                                        ///< the scene's; effects tighten it
+  ServoConfig servo;                                                                        ///< the scene's; effects may restrict it
   ContactFields fields{.density = true, .gradient = false, .words = false, .records = {}};  ///< of the window's copies
   bool reads_window = false;          ///< a step reads bone on the contact clock from a copy of the window; otherwise none is published
   bool paper_grids = false;           ///< bone is read on the contact clock from the paper's sparse grids
@@ -40,13 +40,13 @@ struct Needs {
   double erosion_pitch_voxels = 0.5;  ///< [voxels] between erosion points
   bool cutting_field = false;         ///< the tool's field for sub-voxel removal
   bool feels = false;                 ///< bone exerts forces on the tool
-  bool any_density = false;           ///< bone of any density above 0 collides, as in the papers
-  bool holds_back = false;            ///< the tool is a body of its own that bone holds back
+  bool any_density = false;           ///< bone of any density above 0 collides: contact.mode = "paper"; otherwise from 0.5 on
+  bool holds_back = false;            ///< contact has a constrained tool (model "surface"); otherwise a penalty model, or no contact
   bool removes = false;               ///< bone is removed
-  double coupling_stiffness = 0.0;    ///< [N/m] from hand to tool, of a tool that is held back
-  double coupling_damping = 0.0;      ///< [N s/m] likewise
-  double cutting_stiffness = 0.0;     ///< [N/m] thrust over engaged depth, likewise
-  double plane_reach_voxels = std::numeric_limits<double>::infinity();  ///< [voxels] how far from its pose a plane is used
+  double coupling_stiffness = 0.0;    ///< [N/m] from hand to constrained tool; 0 without one
+  double coupling_damping = 0.0;      ///< [N s/m] from hand to constrained tool; 0 without one
+  double cutting_stiffness = 0.0;     ///< [N/m] K_cut, thrust over engaged depth of a constrained tool; 0 without one
+  double plane_reach_voxels = std::numeric_limits<double>::infinity();  ///< [voxels] largest distance at which a plane is used
   double force_scale = 1.0;                                             ///< [-] force at the grip over force in the world
   bool through_device = false;                                          ///< a device lies between hand and drill
   ForceLoop grip{};            ///< of that device: body, reading delay, velocity and gain; the rest is not set
@@ -54,7 +54,7 @@ struct Needs {
   std::string not_live{};      ///< why the scene cannot run on threads; empty: it can
 };
 
-/// The grid of a bone model, which headers give before the bone is read.
+/// The grid of a bone model, known from file headers before the bone is read.
 struct BoneShape {
   Vec3i dims{0};            ///< [voxels]
   Affine bone_from_index;   ///< [m] from index coordinates
@@ -72,8 +72,8 @@ struct PlanContext {
   [[nodiscard]] double voxel_edge() const noexcept { return bone.bone_from_index.mean_edge(); }  ///< [m]
 };
 
-/// @returns the line along which a scene drills: from the entry through the bone or to the stop of the hand; through the whole grid where
-/// the thickness of the bone is not known.
+/// @returns the line along which a scene drills. It starts at the entry and ends at the smaller of two depths: the stop or reach of the
+/// hand, and the thickness of the bone, or the end of the grid where the thickness is not known.
 [[nodiscard]] DrillingWay drilling_way(const StageConfig& config, const BoneShape& bone);
 
 /// A line of `burrhole explain`.
@@ -82,9 +82,9 @@ struct PlanRow {
   Clock clock = Clock::simulation;
   std::string step;          ///< description of the computation, one line
   std::string needs, gives;  ///< grids and slots that it reads and writes
-  std::string detail;
-  double rate_hz = 0.0;     ///< [Hz] 0: runs at events only
-  std::uint64_t bytes = 0;  ///< predicted memory of the effect
+  std::string detail;        ///< figures of the settings, one line
+  double rate_hz = 0.0;      ///< [Hz] 0: runs at events only
+  std::uint64_t bytes = 0;   ///< predicted memory of the effect
 };
 
 /// Figures of a run: a name that includes the unit, and a number or a text.
@@ -111,7 +111,7 @@ class Effect {
   /// Declares steps, slot uses and columns. Called at the start and after a tool change, while no clock runs. May allocate.
   [[nodiscard]] virtual Status bind(StepGraph& graph) = 0;
   /// Sets the tool's pose (world from tool) without contact: at the start, after a tool change, and when bone was restored (undo, reset,
-  /// checkpoint). What an effect keeps of the bone round the tool is invalid then.
+  /// checkpoint). Anything that an effect has stored about the bone round the tool is invalid then.
   virtual void place(const Pose&) noexcept {}
   /// Adds figures of the run for summary.json, explain --measure and the report.
   virtual void report(Figures&) const {}
@@ -155,8 +155,8 @@ struct EffectEntry {
   const char* table;
   const char* about;
   std::unique_ptr<EffectPlan> (*read)(TableReader& table, const StageConfig& stage, Issues& issues);
-  /// Contents of the table that cover the branches of `read`, one text each, for the generated reference of scene files. The empty table is
-  /// always included.
+  /// For the generated reference of scene files: texts of the table (TOML without the header line) that together cover the branches of
+  /// `read`, so that every key appears. The empty table is always one of them and need not be listed.
   std::vector<std::string> samples = {};
 };
 /// Its order determines the order of plans, of sums, and of steps that do not depend on each other.

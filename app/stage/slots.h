@@ -22,22 +22,22 @@ struct Touch {
 
 /// Input of a simulation step: motion of the tool and cutting force.
 struct Cut {
-  ErosionPath path;              ///< index from tool, from the first place at which bone may be near to the end of the step
-  bool far = false;              ///< no bone is near the path: the window need not hold it
+  ErosionPath path;              ///< poses (index from tool) of the step, without the first part, on which no bone can be near
+  bool far = false;              ///< no bone is near anywhere in the step: nothing is eroded, the window need not hold the path
   double thrust = 0.0;           ///< [N] mean cutting force since the previous step
   Vec3 reaction{0.0, 0.0, 1.0};  ///< [-] unit, tool frame: direction of the last force of bone on the tool
 };
 
 /// Result of erosion in a simulation step.
 struct BoneRemoval {
-  double mass = 0.0;          ///< [m^3] of solid bone, in this step
+  double mass = 0.0;          ///< [m^3] removed mass of this step, in volume of full bone
   double torque = 0.0;        ///< [N m] load of cutting on the spindle
-  bool cutting = false;       ///< the spindle turned, so erosion ran
+  bool cutting = false;       ///< a spin is commanded (spin_asked > 0); the spindle itself may still be at rest
   bool changed = false;       ///< bone was removed and committed to the voxmap
-  std::uint32_t outside = 0;  ///< points beyond the window's edge: bone there is not eroded
+  std::uint32_t outside = 0;  ///< ErosionOutcome::outside of this step
 };
 
-/// A tangential contact law, and the tool's rotation rate, which gives the rim speed.
+/// A tangential contact law (friction), and the tool's rotation rate, from which the law has the speed of the rim.
 struct Tangential {
   TangentialLaw* law = nullptr;  ///< not owned
   double rate = 0.0;             ///< [rad/s] about +z of the tool

@@ -38,8 +38,9 @@ class MeanThrust {
 
 /// @returns the servo's configuration with the limits required by the effects, at the rates of the scene. @param voxel_edge [m].
 [[nodiscard]] ServoConfig servo_config(const StageConfig& config, const Needs& needs, double voxel_edge);
-/// @returns the script's configuration, with the drops of force that the contact of this scene shows where the bit leaves bone and where a
-/// voxel breaks away under it, and the fastest feed of the bit in bone. @param voxel_edge [m].
+/// @returns the script's configuration of [hand]. If a constrained tool drills, the values of breakthrough detection follow from the scene:
+/// exit_drop and cut_compliance from the stiffness of coupling and cutting, rough_drop from the voxel edge, `softest` from the bit.
+/// @param voxel_edge [m].
 [[nodiscard]] HandConfig hand_config(const StageConfig& config, const Needs& needs, const Tool& tool, double voxel_edge);
 /// @returns the hand of [hand]. Errors as SimulatedHand and FeedHand.
 [[nodiscard]] Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const Needs& needs, const Tool& tool,
@@ -61,11 +62,11 @@ class Stage {
   Stage& operator=(const Stage&) = delete;
   ~Stage();
 
-  /// Simulation thread: runs one simulation step up to the pose of the contact result.
+  /// Simulation thread: runs one simulation step, in which the tool moves from the pose of the previous step to that of `found`.
   void cut(const ContactState& found);
-  /// Servo thread, after the hand was read: runs the effects' steps, then computes and limits the force.
+  /// Servo thread, after the hand was read: runs the effects' steps, then computes and limits the force, and applies it to the hand.
   const ServoOutput& act() noexcept BH_REALTIME;
-  /// Simulation thread, between two steps: collects changed boxes for the display. @param all ignores the scene's budget.
+  /// Simulation thread, between two steps: collects changed boxes for the display. @param all true: ignores the scene's budget.
   void gather(bool all = false);
   /// Frame thread: draws one picture. @param world_from_tool absent: the tool is not drawn. @param opened clips bone at a plane through the
   /// approach axis.
@@ -87,7 +88,8 @@ class Stage {
   void offer_hand(HandSource& offered) noexcept { offered_hand_ = &offered; }
   /// For effects, in make(): sets the frame step that draws.
   void offer_frame(FrameStep& offered) noexcept { frame_ = &offered; }
-  /// For effects, in make(): asks for a session file, relative to the output folder, and has the time of its rows measured.
+  /// For effects, in make(): requests a session file. @param path relative to the output folder. @param timer receives the time in which
+  /// the rows of each servo tick are recorded.
   void offer_record(std::string path, StepTimer& timer) {
     record_path_ = std::move(path);
     record_timer_ = &timer;
@@ -96,7 +98,7 @@ class Stage {
   [[nodiscard]] StepTimer* record_timer() noexcept { return record_timer_; }  ///< null without a session file
   [[nodiscard]] const Outside& outside() const noexcept { return outside_; }
   [[nodiscard]] FrameStep* frame() noexcept { return frame_; }
-  /// @returns the number of simulation steps before the last gather(): the state that the next picture shows.
+  /// @returns the number of simulation steps completed before the last gather(). The next picture shows bone after these steps.
   [[nodiscard]] std::uint64_t frame_step() const noexcept { return gathered_; }
   [[nodiscard]] Pose world_from_approach() const noexcept { return config.volume.world_from_bone * approach.bone_from_approach; }
   [[nodiscard]] double voxel_edge() const noexcept { return voxmap->bone().bone_from_index().mean_edge(); }  ///< [m]
@@ -106,11 +108,11 @@ class Stage {
     std::unique_ptr<Effect> effect;
   };
   [[nodiscard]] const std::vector<MadeEffect>& effects() const noexcept { return effects_; }
-  /// @returns a number that an effect reports, by table and name; absent if there is none.
   /// Sets the tool's pose without contact, and places the window round it. out_of_range as BoneStep::place().
   [[nodiscard]] Status place(const Pose& world_from_tool);
   /// Adds the warnings of a run that has ended: those of the effects, and a limit cycle of the force.
   void warn(std::vector<std::string>& out) const;
+  /// @returns a number that an effect reports (Effect::report), by table and name; absent if there is none.
   [[nodiscard]] std::optional<double> figure(std::string_view table, std::string_view name) const;
 
   StageConfig config;
@@ -146,7 +148,7 @@ class Stage {
   std::optional<std::string> record_path_;
   StepTimer* record_timer_ = nullptr;
   std::unique_ptr<HandSource> own_hand_;
-  std::unique_ptr<CoarseDistance> coarse_;  // of the bone as loaded; null: nothing feels it
+  std::unique_ptr<CoarseDistance> coarse_;  // of the bone as loaded; null: bone exerts no force
   std::unique_ptr<BoneHistory> history_;    // of voxmap
   bool spun_ = false;                       // in the last step of bone
   MeanThrust thrust_;

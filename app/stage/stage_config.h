@@ -15,7 +15,7 @@
 
 namespace burrhole {
 
-/// A file or folder to import. The centre of the region follows from the approach.
+/// A file or folder to import. The centre of the cropped region is computed from the approach.
 struct ScanScene {
   ImportRequest request;
   std::optional<Vec3> region;  ///< [m] size of the box round the approach to which the scan is cropped; key region_mm
@@ -53,8 +53,10 @@ struct StageConfig {
   std::optional<std::uint64_t> memory_limit;  ///< [bytes] key memory_mb of [limits]; absent: none
   std::string memory_place;                   ///< place of that key in the file, for errors
   ServoConfig servo;                          ///< table [servo]; its rates follow from the effects' requirements
-  std::optional<double> relied_on;            ///< [N s/m] key relied_on_N_s_per_m of [servo]; absent: that of the effects
-  std::optional<double> energy_tolerance;     ///< [J] key energy_mJ of [servo]; absent: that of the effects
+  // Energy detector of the servo. Where a key is absent, energy_config() of force_loop.h computes the value from [device], and it is 0
+  // without [device].
+  std::optional<double> relied_on;         ///< [N s/m] guaranteed damping of device and hand; key relied_on_N_s_per_m of [servo]
+  std::optional<double> energy_tolerance;  ///< [J] passivity deficit above which a fault is latched; 0: off; key energy_mJ of [servo]
 };
 
 }  // namespace burrhole

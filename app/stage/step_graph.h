@@ -1,12 +1,13 @@
 /// app/stage/step_graph.h: the steps of a run, the values that they exchange (slots), and the execution order that follows from slot uses.
-///   A slot has a name and a type. While steps are bound, they declare how they use it:
-///     own     the only writer                          add     one of several contributors; the slot is reset before each tick of its
-///     clock now     reads after this tick's writers          last    reads before this tick's writer: the value of the previous tick
-///     latest  reads a slot of another clock: the newest message at the begin of the reader's tick; the number of the message is recorded
-///   A slot that steps add to has no value of the previous tick, so it cannot be read by `last`. Messages and columns of the frame and audio
-///   clocks are not recorded, so nothing else may read what these clocks write; a picture reads what the simulation wrote up to the step
-///   that it shows.
+///   A slot has a name and a type. While a step is bound, it declares its access to each slot that it uses:
+///     own     writes; the only writer
+///     add     writes; one of several contributors. The slot is reset before each tick of its clock.
+///     now     reads the value of this tick: runs after the writers
+///     last    reads the value of the previous tick: runs before the writer. Not for slots with `add`, which keep no previous value.
+///     latest  reads a slot of another clock: the newest message at the start of the reader's tick. The number of the message is recorded.
 ///   Steps of one clock run in an order that satisfies these uses. Steps that do not depend on each other run in the order of binding.
+///   A session has no rows for the frame and audio clocks. Therefore their steps have no columns, and steps of other clocks cannot read
+///   their slots. A picture reads the values that the simulation wrote up to the step that the picture shows.
 ///   Errors   bad_input, of resolve().
 ///   Threads  bind and resolve() while no clock runs. run(clock) by the thread of that clock: never waits, never allocates.
 #pragma once
@@ -52,11 +53,11 @@ struct Tick {
   double dt = 0.0;           ///< [s] duration of the tick; 0 on the frame clock
 };
 
-/// A recorded value: a column in the session's stream of the step's clock.
+/// A recorded value: a column in the session's stream of a clock.
 struct StepColumn {
   std::string name, unit;
   const double* value = nullptr;  ///< [unit] as in `unit`
-  bool exact = false;             ///< records every bit of every tick; otherwise reduced, for plots
+  bool exact = false;             ///< true: every bit of every tick is recorded; false: rounded, and not every tick, for plots
 };
 
 class StepGraph {
@@ -96,7 +97,7 @@ class StepGraph {
       return value;
     }
     /// Records `*value` with each tick of the step's clock.
-    /// @param exact records every bit of every tick; otherwise reduced, for plots.
+    /// @param exact as StepColumn::exact.
     Binder& column(std::string name, std::string unit, const double* value, bool exact = false);
 
    private:
@@ -140,8 +141,8 @@ class StepGraph {
   }
 
   /// Sorts the steps of each clock and connects clocks. bad_input, with the slot and the effects: a slot that is read but not written, two
-  /// owners, an owner and contributors, a slot of two types, `now` or `last` across clocks, `latest` within one clock, `last` of a slot that
-  /// is added to, a cycle, a column that cannot be recorded, more than kMaxColumns on a clock.
+  /// owners, an owner and contributors, a slot of two types, `now` or `last` across clocks, `latest` within one clock, `last` of a slot
+  /// that is added to, a cycle, a column that cannot be recorded, more than kMaxColumns on a clock.
   [[nodiscard]] Status resolve();
   /// @returns whether a step owns or adds to the slot of that name.
   [[nodiscard]] bool is_written(std::string_view slot) const noexcept;
@@ -151,21 +152,23 @@ class StepGraph {
   /// Runs one tick of a clock: receives messages of other clocks, resets `add` slots, runs the steps, sends the values that other clocks
   /// read.
   void run(Clock clock, const Tick& tick) BH_REALTIME;
-  /// The parts of run(), for a stage that hands over more than messages: what it publishes for another clock goes before send(), and what it
-  /// takes from another clock comes after receive(). So a message never precedes the copy of bone that belongs to it.
+  /// The parts of run(), for a stage that hands over more than messages: what it publishes for another clock goes before send(), and what
+  /// it takes from another clock comes after receive(). So a message never precedes the copy of bone that belongs to it.
   void receive(Clock clock) BH_REALTIME;
   void run_steps(Clock clock, const Tick& tick) BH_REALTIME;
   void send(Clock clock) BH_REALTIME;
   /// @returns whether the clock has no step.
   [[nodiscard]] bool empty(Clock clock) const noexcept { return lanes_[index(clock)].steps.empty(); }
 
-  /// @returns the columns of a clock's steps in the order of binding, then the message number of each clock whose messages it reads.
+  /// @returns the columns of a clock: those of its steps, in execution order, then one with the message number for each of sources().
   [[nodiscard]] const std::vector<StepColumn>& columns(Clock clock) const noexcept { return lanes_[index(clock)].columns; }
-  /// For replay: selects the messages that the next tick of `reader` receives from each clock, by number, in the order of its columns.
-  /// @returns the clock of the first message that does not exist yet; nothing when all exist.
+  /// For replay: selects the messages that the next tick of `reader` receives. @param numbers one message number for each of
+  /// sources(reader), in that order; 0: none. @returns the clock of the first message that does not exist yet; nothing when all exist.
   [[nodiscard]] std::optional<Clock> want(Clock reader, std::span<const double> numbers);
-  /// @returns the clocks whose messages `reader` receives, in the order of their columns.
+  /// @returns the clocks whose messages `reader` receives, in the order of the columns with their message numbers.
   [[nodiscard]] std::vector<Clock> sources(Clock reader) const;
+  /// For replay, before the first tick: from now on every message is kept until it has been received, and a tick receives the messages
+  /// selected by want() instead of the newest. The frame clock still receives the newest.
   void keep_messages() noexcept { keeps_messages_ = true; }
 
   /// Copies the timings of another graph's steps, by name, so that timings continue after a rebind.
@@ -232,10 +235,10 @@ class StepGraph {
     Clock writer, reader;
     std::vector<Copy> out, in;
     TripleBuffer<Message> buffer;
-    Message message;     // scratch of the writer
-    double taken = 0.0;  // number of the message that the reader took last
-    std::deque<Message> kept;
-    double wanted = -1.0;
+    Message message;           // scratch of the writer
+    double taken = 0.0;        // number of the message that the reader took last
+    std::deque<Message> kept;  // for replay: messages not received yet
+    double wanted = -1.0;      // for replay: number of the message to take next
   };
   struct Lane {                      // a clock
     std::vector<std::size_t> steps;  // sorted

@@ -14,8 +14,8 @@ namespace burrhole {
 /// Level of occupancy x remaining that defines the surface of bone for contact, display, meshes and measurement.
 inline constexpr float kSurfaceLevel = 0.5f;
 
-/// @returns whether an index fits an int with margin for a march. A device may report any position, and a cast beyond int is undefined.
-/// False for NaN.
+/// @returns whether each coordinate of an index is below 1e9 in magnitude; false for NaN. Such an index, and those that a march reaches
+/// from it, can be converted to int. A device may report any position, and the conversion of a number beyond the range of int is undefined.
 [[nodiscard]] inline bool holds_index(const Vec3& index) noexcept {
   constexpr double kLargest = 1e9;
   return std::abs(index.x) < kLargest && std::abs(index.y) < kLargest && std::abs(index.z) < kLargest;
@@ -44,11 +44,12 @@ class ContactView {
 
   /// True where density and gradient are both known.
   [[nodiscard]] bool knows(const Vec3i& v) const noexcept { return grids_ != nullptr || valid_.contains(v); }
-  /// 0 outside the known part.
+  /// Density [-] of a voxel; 0 outside the known part.
   [[nodiscard]] float density(const Vec3i& v) const noexcept {
     if (grids_ != nullptr) return grids_->density(v);
     return valid_.contains(v) ? density_[box_.offset_of(v)] : 0.0f;
   }
+  /// Gradient of the density [1/voxel], index axes; zero outside the known part.
   [[nodiscard]] Vec3f gradient(const Vec3i& v) const noexcept {
     if (grids_ != nullptr) return grids_->gradient(v);
     return valid_.contains(v) ? gradient_[box_.offset_of(v)] : Vec3f(0.0f);
@@ -63,8 +64,10 @@ class ContactView {
   /// Trilinear gradient [1/voxel], index axes.
   [[nodiscard]] Vec3 sample_gradient(const Vec3& index) const noexcept;
 
-  /// Finds the first crossing of the 0.5 level from a point inside bone along `direction` (unit, world), within `reach` [m], with three
-  /// steps of false position (below 0.002 voxel on smooth fields, tested). Empty when the ray stays in bone.
+  /// Searches the first crossing of the 0.5 level along a ray from a point inside bone, in steps of half a voxel edge, and refines it with
+  /// three steps of false position: the error is below 0.002 voxel on smooth fields (tested). The normal is that of the density; where the
+  /// density has no gradient, it is `direction`. @param from [m] world. @param direction unit vector, world. @param reach [m] length of the
+  /// ray. @returns nothing if the ray stays in bone.
   [[nodiscard]] std::optional<SurfacePoint> leave_bone(const Vec3& from, const Vec3& direction, double reach) const noexcept;
 
  private:

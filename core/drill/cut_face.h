@@ -1,24 +1,34 @@
-/// core/drill/cut_face.h: recession of the bone's face under a spinning tool, at sub-voxel resolution.
+/// core/drill/cut_face.h: recession of the face of bone under a spinning tool, at sub-voxel resolution.
 ///   Frame  index coordinates of the bone; nodes are voxel centres.   Units  as each member states.   Errors  none.   Thread  simulation.
-///   Source own derivation:
-///   The law dM/dt = -(e s / h) M holds for the bone M that lies inside the tool. It is taken off the face that the tool entered through,
-///   so that bone stays solid up to a sharp face: a face that overlaps the tool by w along its normal recedes at (e s / h) w. The pressure
-///   on a cutting face is proportional to w, so this is Preston's law of abrasive wear. A flat face fed at the speed v lags the tool by
-///   v h / (e s). A law that thins out all the bone inside the tool instead has the same mass, but its 0.5 level moves only when bone
-///   that was entered ln 2 h / (e s) earlier has decayed: a delay that keeps every step of the feed for ever.
-///   Each node keeps phi, the signed distance to the face, positive outside bone. phi starts as the distance to the surface of the bone,
-///   where that surface faces the tool, and outside bone.
-///   Let D be the signed distance of the node to the tool. Bone without the tool is max(phi, -D), and the overlap is w = -D - phi. With
-///   a = 1 - exp(-e s dt / h) a step sets phi to the larger of
-///     phi + a w                                         the face recedes along the tool's normal
-///     -D(p - (1 - a) l u), with l: -D(p - l u) = phi    the face, a copy of the tool's moved back by l along u, follows by the share a
-///   u is the direction of the force of bone on the tool. The two agree on smooth faces. At the rim of a flat end D is limited by the
-///   distance to the side, and the first alone would leave a fillet as high as the overlap.
-///   Remaining x occupancy = min(that before, 1/2 - phi / (2 kRamp)), so the 0.5 level lies at phi = 0, and a plane is reproduced to 0.02
-///   voxel. The mass of the ramp differs from that of the sharp face by kRamp^2 / 3 (1/R1 + 1/R2) / 2 per area, radii in voxels.
-///   Deeper than the band of known distances phi is unknown; a node there takes the l of its neighbour along u when the face comes near.
-///   A tool that was placed inside bone overlaps no face. There the law thins out each voxel, r -> r exp(-e s dt / h), and the face appears
-///   where the density falls below 0.5.
+///   Source own derivation.
+///   Symbols; lengths are in voxel edges:
+///     e, s   erosion factor [1/rev], spin [rev/s]
+///     h, dt  max(hardness, 0.1) [-], duration of a sub-step [s]
+///     a      share of the overlap that a sub-step removes, 1 - exp(-e s dt / h) for law `rate`
+///     phi    signed distance of a node to the face, positive outside bone
+///     D(p)   signed distance of a place p to the tool, negative inside; D without an argument: at the node
+///     w      overlap of face and tool at the node, w = -D - phi > 0
+///     u      unit vector, direction of the force of bone on the tool
+///     l      lag of the face behind the tool along u: -D(p - l u) = phi, with p the place of the node
+///   Law  Bone of mass M inside the tool decays: dM/dt = -(e s / h) M. The loss is taken off the face through which the tool entered. Bone
+///   therefore stays solid up to a sharp face, which recedes along its normal at the speed (e s / h) w. With a pressure on the cutting face
+///   proportional to w, this is Preston's law of abrasive wear. A flat face that is fed at the speed v lags the tool by v h / (e s).
+///   If instead the density of every voxel inside the tool decayed, the same mass would be removed, but the 0.5 level would pass a voxel
+///   ln 2 h / (e s) [s] after the tool entered it. With this delay any step of the feed would repeat without end.
+///   Start  phi of a node outside bone, or of one whose nearest surface faces the tool, starts as the distance to the surface of the bone.
+///   A node inside bone starts when the tool is kLook from it, and then takes phi from the lag of the neighbour in the direction u, if that is
+///   larger; close to the tool, from any neighbour that has a phi. A node without either has no phi until the face comes near.
+///   Step  max(phi, -D) is the distance to bone if all bone inside the tool were removed. A sub-step sets phi to the larger of
+///     phi + a w            the face recedes along the normal of the tool
+///     -D(p - (1 - a) l u)  the face, a copy of the tool's surface moved by l along u, follows the tool by the share a of its lag
+///   On smooth faces the two agree. At the rim of a flat end -D is at most the distance to the side of the tool, and the first alone would
+///   leave a fillet as high as the overlap.
+///   Density  Occupancy x remaining is lowered to 1/2 - phi / (2 kRamp), clamped to 0..1. Its 0.5 level lies at phi = 0 and reproduces a
+///   plane within 0.02 voxel edge. Where the surface as loaded is steeper or wider than this ramp, face_removal.cpp scales or widens it.
+///   The ramp and a sharp face differ in mass by kRamp^2 / 6 (1/R1 + 1/R2) per area, R1 and R2 the principal radii of curvature of the
+///   face.
+///   Tool placed inside bone  It overlaps no face. The density of the voxels inside it decays by the law. As soon as one of them is below
+///   0.5, the face is set to the surface of the tool.
 ///   When bone grows back (restore, undo), phi starts anew from the bone.
 #pragma once
 
@@ -49,22 +59,22 @@ struct CutRule {
 /// A voxel whose face overlaps the tool.
 struct Receding {
   std::uint32_t at;        ///< offset into the window
-  CutSurface::Node* node;  ///< phi and normal
-  float tool;              ///< [voxel edges] signed distance to the tool
-  float behind;            ///< [voxel edges] l; 0: the normal decides
+  CutSurface::Node* node;  ///< its phi (`cut`) and normal
+  float tool;              ///< [voxel edges] D
+  float behind;            ///< [voxel edges] l; 0: there is none, and phi + a w applies
   float rest;              ///< [voxel edges] error of l: -D(p - l u) - phi
   CutRule rule;
 };
 
-/// A voxel inside a tool that overlaps no face.
+/// A voxel with bone inside a tool that overlaps no face.
 struct Buried {
   std::uint32_t at;        ///< offset into the window
   CutSurface::Node* node;  ///< without a known distance
-  float tool;              ///< [voxel edges] signed distance to the tool, below 0
+  float tool;              ///< [voxel edges] D, below 0
   CutRule rule;
 };
 
-/// Places in the cutting field as arrays [nodes], padded for the kernels.
+/// Places in the cutting field, in units of its nodes, as arrays that are padded for the kernels.
 struct FieldPlaces {
   std::vector<float> x, y, z;  ///< [nodes]
   std::size_t count = 0;
@@ -86,42 +96,44 @@ struct FieldPlaces {
   [[nodiscard]] std::size_t size() const noexcept { return count; }
 };
 
+/// Moves the face of bone. One sub-step: find(), then recede() as often as needed, then keep().
 class CutFace {
  public:
   static constexpr float kRamp = 0.75f;  ///< [voxel edges] half width of the ramp of density across a face
   /// [voxel edges] from the tool, up to which faces are followed: more than the ramp and the cells in which contact interpolates. Farther
   /// inside bone the known distance is that to the surface as it was.
   static constexpr float kLook = 2.0f;
-  static constexpr float kFree = 2.0f;   ///< [voxel edges] a node further out than this no longer changes
+  static constexpr float kFree = 2.0f;  ///< [voxel edges] a node further out than this no longer changes
 
   /// @pre `field` is not null.
   explicit CutFace(std::shared_ptr<const CuttingField> field);
 
-  /// Finds the voxels whose face overlaps the tool, ordered by block, k, j, i. @param reaction unit, tool frame: direction of the force of
-  /// bone on the tool.
-  /// @returns the number of voxels that the tool overlaps outside the erodible box.
+  /// Finds the voxels whose face overlaps the tool, ordered by block, k, j, i. @param reaction u, tool frame.
+  /// @returns the number of voxels inside the tool but outside the erodible box.
   std::uint32_t find(Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction);
-  /// Those of the last find().
+  /// The voxels of the last find().
   [[nodiscard]] std::span<const Receding> nodes() const noexcept { return nodes_; }
   [[nodiscard]] std::size_t reserved() const noexcept { return nodes_.capacity(); }  ///< nodes for which there is room
-  /// Voxels with bone inside the tool of the last find(), if it overlaps no face: it was placed inside bone. The law thins them out
-  /// evenly. Empty if nodes() is not.
+  /// Voxels with bone inside the tool of the last find(), for a tool that was placed inside bone; empty unless nodes() is empty. Their
+  /// density decays by the law.
   [[nodiscard]] std::span<const Buried> buried() const noexcept { return buried_; }
-  /// Puts the face at the surface of the tool of the last find(): the bone inside it has been thinned out.
+  /// For a tool that was placed inside bone: sets phi of the nodes that have none to -D, with the tool of the last find(), so that the face
+  /// lies at its surface. To be called when the density of a voxel of buried() has fallen below 0.5.
   void open() noexcept;
   /// The next find() looks at every block, also at those that the tool cannot have reached since it looked there last: for tests.
   void look_everywhere() noexcept { quiet_.clear(); }
-  /// Computes phi of each node after a step. @param shares a of each node.
-  /// @returns phi [voxel edges] of each.
+  /// Computes phi after a sub-step; the nodes keep theirs. @param shares a of each node, 0..1, in the order of nodes().
+  /// @returns phi [voxel edges] of each node, in the same order.
   std::span<const float> recede(std::span<const float> shares);
-  /// Writes the result of the last recede() into the nodes.
+  /// Writes the result of the last recede() into the nodes, and computes the normals of faces that have moved.
   void keep();
-  /// @returns the density of a node [-].
+  /// @returns the density [-] of a voxel at the distance `phi` from the face. @param ramp [voxel edges] half width of the ramp.
   [[nodiscard]] static float density_of(float phi, float ramp = kRamp) noexcept {
     return std::clamp(0.5f - phi / (2.0f * ramp), 0.0f, 1.0f);
   }
 
   /// @returns the number of nodes for which lists are reserved: every voxel within the band of known distances of the cutting surface.
+  /// @param edge [m] of a voxel.
   [[nodiscard]] static std::size_t reserved_nodes(const CuttingField& field, double edge) noexcept;
   /// @returns the memory of the lists for that number of nodes.
   [[nodiscard]] static std::size_t list_bytes(std::size_t nodes) noexcept;

@@ -1,6 +1,8 @@
 /// core/drill/erosion.h: erosion points remove bone from the master window.
 ///   Frame  index coordinates of the bone.   Units  SI; remaining 0..1, float.   Errors  out_of_range from create().
 ///   Thread simulation, the only writer of bone.
+///   Pose   a step is divided into sub-steps. Removal by whole voxels uses the pose at the middle of each sub-step, sub-voxel removal the
+///          pose at its end.
 ///   Source [AcostaLiu07] section 3, eq. 4 (`per-update`); law `rate` is our own continuous form of it (see ErosionLaw).
 #pragma once
 
@@ -20,15 +22,16 @@
 namespace burrhole {
 
 enum class ErosionLaw {
-  /// dr/dt = -(lambda / h) r on the remaining fraction r, h = max(hardness, 0.1), lambda [1/s] = spin [rev/s] x sum over the points in the
-  /// voxel of e x (point pitch / voxel pitch)^3. The removed bone does not depend on the update rate or the pitch of the points. With
-  /// `subvoxel` the same mass inside the tool is taken off the face of bone (cut_face.h).
+  /// db/dt = -(lambda / h) b for remaining b, h = max(hardness, 0.1), lambda [1/s] = spin [rev/s] x sum over the points in the voxel of
+  /// e x (point pitch / voxel edge)^3, e [1/rev] the erosion factor. The removed bone does not depend on the update rate or the pitch of
+  /// the points. With `subvoxel` the same mass inside the tool is taken off the face of bone (cut_face.h).
   rate,
-  /// Eq. 4 as printed: b' = b (1 - e s), once per point in the voxel and update, without hardness; e s >= 1 gives 0. The product over the
-  /// points of a voxel is computed as exp(sum of ln(1 - e s)), which differs by the rounding of doubles.
+  /// [AcostaLiu07] eq. 4 as printed: at each update every erosion point in a voxel changes its remaining b to b (1 - e s), with e the
+  /// erosion factor and s the spin in rev/s; 0 if e s >= 1. Neither hardness nor the duration of the update has an effect. The product over
+  /// the points of a voxel is computed as exp(sum of ln(1 - e s)), which differs by the rounding of doubles.
   per_update,
-  /// Cutting power: the work mu F v_rel dt of a step is distributed over the engaged voxels, u0 h per volume of bone: Q = mu F v_rel / (u0
-  /// h).
+  /// Cutting power (energy.h): the force F and the rubbing speed v_rel do the work mu F v_rel dt in a step, and removal takes u0 h per
+  /// volume of bone, so the volume rate is mu F v_rel / (u0 h).
   energy,
 };
 
@@ -38,7 +41,7 @@ struct EnergyConfig {
   double cutting_ratio = 0.5;    ///< [-] > 0: mu, cutting force over normal force (an assumption)
 };
 
-/// How the exposure of voxels is computed from points.
+/// How the exposure of voxels is computed from points, for the laws `rate` and `per_update` by whole voxels; not used otherwise.
 enum class ErosionForm {
   scatter,  ///< each point adds to the voxel that contains it: exact
   gather,  ///< each voxel reads a table of the tool (strength_field.h): an approximation whose cost does not depend on the number of points
@@ -47,9 +50,9 @@ enum class ErosionForm {
 struct ErosionConfig {
   ErosionLaw law = ErosionLaw::rate;
   ErosionForm form = ErosionForm::scatter;
-  float minimum_density = 0.05f;  ///< [-] in [0, 0.5): lower densities become 0 (the minimum threshold of the paper)
-  double longest_substep = 0.5;   ///< [voxels] of path between two applications, so that a fast motion skips no bone
-  bool subvoxel = false;          ///< laws `rate` and `energy`: bone recedes from its face (cut_face.h), which may lie inside a voxel
+  float minimum_density = 0.05f;  ///< [-] in [0, 0.5): lower densities become 0 (as in [AcostaLiu07]); not used with `subvoxel`
+  double longest_substep = 0.5;   ///< [voxels] in (0, 1]: longest path of a point of the tool in a sub-step, so that no bone is skipped
+  bool subvoxel = false;          ///< laws `rate` and `energy`: the face of bone, which may lie inside a voxel, recedes (cut_face.h)
   EnergyConfig energy{};
 };
 
@@ -57,11 +60,15 @@ struct ErosionConfig {
 struct ErosionOutcome {
   double removed_mass = 0.0;  ///< [m^3] integral of occupancy x (loss of remaining)
   std::uint32_t substeps = 0;
-  std::uint32_t touched = 0;    ///< voxels whose remaining changed, counted once a sub-step
-  std::uint32_t outside = 0;    ///< points (sub-voxel: voxels) beyond the window's edge: bone there is not eroded (0 in a sound run)
-  double energy = 0.0;          ///< [J] law `energy`: work done on bone, at most what the load brings
-  double rubbing_radius = 0.0;  ///< [m] laws with a list of engaged voxels: radius at which they rub, by exposure; 0 when none is engaged
-  VoxelBoxes changed;           ///< disjoint boxes of all voxels changed: the caller hands them to Voxmap::commit
+  std::uint32_t touched = 0;  ///< voxels whose remaining changed, counted once a sub-step
+  std::uint32_t outside = 0;  ///< points (sub-voxel: voxels) beyond the window's edge, where bone is not eroded; should be 0
+  /// [J] law `energy`: work of the removal. It may exceed the work of the load; the excess is subtracted from the work of later sub-steps.
+  double energy = 0.0;
+  /// [m] mean radius from the tool's axis at which bone is rubbed. Law `energy` by whole voxels: of the engaged voxels, weighted by
+  /// exposure; 0 if none is engaged. Sub-voxel removal: of the removed bone, weighted by mass; if nothing was removed, that of the last
+  /// removal, 0 before the first. Laws `rate` and `per_update` by whole voxels: always 0.
+  double rubbing_radius = 0.0;
+  VoxelBoxes changed;  ///< disjoint boxes of all changed voxels; the caller passes them to Voxmap::commit()
 };
 
 /// The straight path of one step; tool poses in index coordinates of the bone: p_index = linear * p_tool + offset.
@@ -112,15 +119,15 @@ class Erosion {
 
   ErosionConfig config_;
   std::size_t count_;                        // points of the tool
-  ErosionPoints points_;                     // of the laws that are applied here; empty with face_ and engaged_, which keep what they need
+  ErosionPoints points_;                     // of `rate` and `per_update` by whole voxels; empty with face_ or engaged_
   PointScatter scatter_;                     // of points_
   StrengthField strength_;                   // of form gather, made at the first step
   Bounds tool_bounds_;                       // of the points, tool frame
-  double weighed_for_ = 0.0;                 // [1] s of eq. 4 that the points' weights hold for; 0 when they are the factors
+  double weighed_for_ = 0.0;                 // [rev/s] spin for which the weights of eq. 4 were computed; 0: the weights are the factors
   ExposureField exposure_;                   // zero between sub-steps
   TileMarks marks_;                          // of voxels changed in the current step
   std::unique_ptr<FaceRemoval> face_;        // sub-voxel removal; null otherwise
-  std::unique_ptr<EngagedRemoval> engaged_;  // law `energy` and sub-voxel removal; null otherwise
+  std::unique_ptr<EngagedRemoval> engaged_;  // law `energy` by whole voxels; null otherwise
 };
 
 }  // namespace burrhole

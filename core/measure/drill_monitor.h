@@ -13,13 +13,14 @@
 
 namespace burrhole {
 
+/// After breakthrough only depth, deepest and peak_force are updated.
 struct DrillProgress {
   double depth = 0.0;           ///< [m] of the tip now
-  double front = 0.0;           ///< [m] cutting front: depth of the first bone on the axis now; the thickness if no bone is left
+  double front = 0.0;           ///< [m] cutting front: depth of the first remaining bone on the axis; the thickness if none is left
   double deepest = -1e9;        ///< [m] greatest depth of the tip so far
   double peak_force = 0.0;      ///< [N] largest force magnitude so far
-  double largest_ahead = -1e9;  ///< [m] greatest (tip - cutting front - engagement) before breakthrough; more than a voxel is tunnelling
-  /// [s] first tick with no bone left on the axis except the bone that the bit is engaged in
+  double largest_ahead = -1e9;  ///< [m] greatest (tip - cutting front - engagement) up to breakthrough; more than a voxel is tunnelling
+  /// [s] first tick with no bone left on the axis, or with the tip beyond the last bone and only the bone left in which the bit is engaged
   std::optional<double> breakthrough_time;
   std::optional<double> breakthrough_depth;  ///< [m] of the tip at breakthrough_time
   std::optional<double> passed_time;         ///< [s] first tick with the tip beyond the last bone on the axis, by cutting or not
@@ -29,9 +30,10 @@ struct DrillProgress {
 class DrillMonitor {
  public:
   explicit DrillMonitor(const Approach& approach) : approach_(&approach), cut_(approach.axis_index.size(), 0) {}
-  /// Processes one contact tick. @param tip_bone [m] bone frame. @param force [N]. @param engagement [m]. @param time [s].
+  /// Processes one contact tick. @param tip_bone [m] position of the tip, bone frame. @param force [N] on the hand. @param engagement [m]
+  /// engaged depth of the bit. @param time [s].
   void look(const ContactView& bone, const Vec3& tip_bone, const Vec3& force, double engagement, double time) noexcept;
-  /// The same in a scene without contact. @param voxel_edge [m].
+  /// The same in a scene without contact: force and engagement are 0. @param voxel_edge [m].
   void look(const AxisSamples& axis, double voxel_edge, const Vec3& tip_bone, double time) noexcept;
   [[nodiscard]] const DrillProgress& progress() const noexcept { return progress_; }
 
@@ -48,7 +50,7 @@ class DrillMonitor {
 
   const Approach* approach_;
   double last_time_ = 0.0;         // [s]
-  std::vector<std::uint8_t> cut_;  // 1: the axis sample was seen without bone; outside the window the last known state holds
+  std::vector<std::uint8_t> cut_;  // 1: the axis sample is without bone; outside the window the last known state holds
   DrillProgress progress_;
 };
 

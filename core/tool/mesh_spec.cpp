@@ -44,11 +44,11 @@ Mat3 turned(const Vec3& degrees) {
 }
 
 void read_cutting(TableReader& table, MeshToolSpec& spec) {
-  spec.erosion_factor =
-      table.number("erosion_factor", {.min = 0.0, .max = 100.0}, "share of bone removed in one revolution; 0 for a tool that does not cut");
-  const std::vector<double> range =
-      table.numbers("cutting_range_mm", std::vector<double>{0.0, kMaxHeight / kMillimetre}, 2,
-                    {.min = 0.0, .max = kMaxHeight / kMillimetre, .to_si = kMillimetre}, "heights above the tip between which it cuts");
+  spec.erosion_factor = table.number("erosion_factor", {.min = 0.0, .max = 100.0},
+                                     "removal rate x per revolution: k revolutions leave exp(-k x) of bone of hardness 1; 0: does not cut");
+  const std::vector<double> range = table.numbers("cutting_range_mm", std::vector<double>{0.0, kMaxHeight / kMillimetre}, 2,
+                                                  {.min = 0.0, .max = kMaxHeight / kMillimetre, .to_si = kMillimetre},
+                                                  "lowest and highest height above the tip at which the tool cuts");
   spec.cut_from = range[0];
   spec.cut_to = range[1];
   if (!(spec.cut_from < spec.cut_to)) table.fault("cutting_range_mm", "must rise from its first height to its second");
@@ -57,9 +57,10 @@ void read_cutting(TableReader& table, MeshToolSpec& spec) {
 void read_frame(TableReader& table, MeshToolSpec& spec) {
   spec.unit = table.number("unit_mm", {.fallback = 1.0, .min = 0.0, .max = 1000.0, .min_open = true, .to_si = kMillimetre},
                            "length of one unit of the file");
-  spec.turn = turned(table.vector("turn_deg", Vec3(0.0), {.min = -360.0, .max = 360.0}, "turns about x, then y, then z, before the shift"));
+  spec.turn = turned(table.vector("turn_deg", Vec3(0.0), {.min = -360.0, .max = 360.0},
+                                  "rotation about the fixed axes x, then y, then z, before shift_mm"));
   spec.shift = table.vector("shift_mm", Vec3(0.0), {.min = -kMaxLength_mm, .max = kMaxLength_mm, .to_si = kMillimetre},
-                            "brings the turned file's tip to the origin");
+                            "translation after turn_deg, which places the tip at the origin");
 }
 
 std::optional<std::string> size_error(const Vec3& lo, const Vec3& hi) {
@@ -93,8 +94,8 @@ std::optional<MeshToolSpec> read_mesh_tool_spec(const TomlDocument& document, Is
   spec.title = root.text("title", std::nullopt, "what the tool is, one line");
   if (root.has("region")) root.fault("region", "cannot stand beside [mesh]: a tool is either regions or one surface");
   if (root.has("shell")) root.fault("shell", "cannot stand beside [mesh]: give mesh.pitch_mm");
-  if (auto table = root.table("mesh", "a closed surface in a file of its own")) {
-    spec.file = table->text("file", std::nullopt, "STL, OBJ or PLY file, seen from the tool file");
+  if (auto table = root.table("mesh", "the tool as a closed surface from a mesh file")) {
+    spec.file = table->text("file", std::nullopt, "STL, OBJ or PLY file; a relative path starts at the folder of the tool file");
     spec.path = (fs::path(document.file_name()).parent_path() / spec.file).string();
     spec.file_place = table->place_of("file");
     spec.pitch = table->number("pitch_mm", {.min = 0.01, .max = 20.0, .to_si = kMillimetre}, "largest gap between shell points");

@@ -72,14 +72,14 @@ Solid read_box(TableReader& region, double z) {
   box.size.y = region.number("depth_mm", length_mm(kMaxDiameter_mm), "edge of the box along y");
   box.height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region from its lower to its upper end");
   const NumberRule place{.fallback = 0.0, .min = -kMaxDiameter_mm, .max = kMaxDiameter_mm, .to_si = kMillimetre};
-  box.centre.x = region.number("x_mm", place, "x of the middle of the box, from the tool's axis");
-  box.centre.y = region.number("y_mm", place, "y of the middle of the box, from the tool's axis");
+  box.centre.x = region.number("x_mm", place, "x of the middle of the box, tool frame");
+  box.centre.y = region.number("y_mm", place, "y of the middle of the box, tool frame");
   return make_box(box);
 }
 
 Solid read_solid(TableReader& region) {
   const std::string shape = region.choice("shape", std::nullopt, {"cylinder", "cone", "frustum", "tube", "sphere", "ellipsoid", "box"},
-                                          "the primitive that the region is; all but the box have the tool's axis as their own");
+                                          "primitive of the region; all except the box are solids of revolution about the tool's axis");
   const double z =
       region.number("z_mm", length_or_zero_mm(kMaxHeight_mm), "height of the region's lower end above the tip; 0 for the lowest region");
   if (shape == "frustum") return read_frustum(region, z);
@@ -98,12 +98,14 @@ ErosionRule read_erosion(TableReader& region, const Solid& solid) {
   };
   ErosionRule law;
   law.base = region.number("erosion_factor", {.min = 0.0, .max = 100.0},
-                           "share of bone removed in one revolution; 0 for a region that does not cut");
-  law.axis = multiplier("axis_factor", "multiplies erosion_factor within axis_core_mm of the axis, from there linear to rim_factor");
-  law.core = region.number("axis_core_mm", length_or_zero_mm(kMaxDiameter_mm, law.core / kMillimetre),
-                           "radius about the axis within which axis_factor holds; a voxel edge of 1.4 of it or less resolves it");
+                           "removal rate x per revolution: k revolutions leave exp(-k x) of bone of hardness 1; 0: does not cut");
+  law.axis =
+      multiplier("axis_factor", "multiplies erosion_factor within axis_core_mm of the axis; from there it changes linearly to rim_factor");
+  law.core =
+      region.number("axis_core_mm", length_or_zero_mm(kMaxDiameter_mm, law.core / kMillimetre),
+                    "radius about the axis within which axis_factor applies; voxels with an edge of at most 1.4 times it resolve it");
   law.rim = multiplier("rim_factor", "multiplies erosion_factor at the region's largest radius");
-  law.interior = multiplier("interior_factor", "multiplies erosion_factor deeper inside than skin_mm");
+  law.interior = multiplier("interior_factor", "multiplies erosion_factor deeper than skin_mm below the surface");
   law.side = multiplier("side_factor", "multiplies erosion_factor near the side");
   if (solid.kind != SolidKind::ellipsoid) {
     law.bottom = multiplier("bottom_factor", "multiplies erosion_factor near the flat lower end");
@@ -113,27 +115,28 @@ ErosionRule read_erosion(TableReader& region, const Solid& solid) {
   law.flanks.fill(law.side);
   if (solid.kind == SolidKind::box) {
     constexpr std::array<std::pair<const char*, const char*>, 4> kFlanks{
-        {{"minus_x_factor", "multiplies erosion_factor near the face towards -x; side_factor unless said"},
-         {"plus_x_factor", "multiplies erosion_factor near the face towards +x; side_factor unless said"},
-         {"minus_y_factor", "multiplies erosion_factor near the face towards -y; side_factor unless said"},
-         {"plus_y_factor", "multiplies erosion_factor near the face towards +y; side_factor unless said"}}};
+        {{"minus_x_factor", "multiplies erosion_factor near the face towards -x; absent: side_factor"},
+         {"plus_x_factor", "multiplies erosion_factor near the face towards +x; absent: side_factor"},
+         {"minus_y_factor", "multiplies erosion_factor near the face towards -y; absent: side_factor"},
+         {"plus_y_factor", "multiplies erosion_factor near the face towards +y; absent: side_factor"}}};
     for (std::size_t i = 0; i < law.flanks.size(); ++i) law.flanks[i] = multiplier(kFlanks[i].first, kFlanks[i].second, law.side);
   }
-  law.skin = region.number("skin_mm", length_or_zero_mm(kMaxDiameter_mm, 0.5), "depth below a face to which that face's factor reaches");
+  law.skin = region.number("skin_mm", length_or_zero_mm(kMaxDiameter_mm, 0.5),
+                           "depth below the surface down to which the factor of the nearest face applies");
   return law;
 }
 
 ShellSampling read_sampling(TableReader& region, double default_pitch) {
   ShellSampling shell;
   shell.stacks =
-      static_cast<int>(region.integer("stacks", 0, 1, 1000, "rows of shell points along the side, as in the paper; stands with slices"));
-  shell.slices = static_cast<int>(region.integer("slices", 0, 4, 4000, "shell points round the widest ring; stands with stacks"));
+      static_cast<int>(region.integer("stacks", 0, 1, 1000, "rows of shell points along the side, as in [AcostaLiu07]; needs slices"));
+  shell.slices = static_cast<int>(region.integer("slices", 0, 4, 4000, "shell points on the widest ring; needs stacks"));
   const bool pitched = region.has("pitch_mm");
   shell.voxel = region.number("voxel_mm", length_mm(20.0, 0.0),
-                              "largest gap between rings of flat faces, beside stacks and slices; without it, the gap round the rim");
+                              "with stacks and slices: largest gap between rings on flat faces; absent: the gap along the rim");
   // 0 is outside the range: it means "as in [shell]" and is not a default of this key.
   shell.pitch = region.number("pitch_mm", {.fallback = 0.0, .min = 0.01, .max = 20.0, .to_si = kMillimetre},
-                              "largest gap between shell points; without it, that of [shell]");
+                              "largest gap between shell points; absent: that of [shell]");
   if (!pitched) shell.pitch = default_pitch;
   const bool stacked = region.has("stacks");
   if (stacked != region.has("slices")) region.fault(stacked ? "stacks" : "slices", stacked ? "needs slices too" : "needs stacks too");
@@ -146,7 +149,7 @@ ShellSampling read_sampling(TableReader& region, double default_pitch) {
 
 double read_default_pitch(TableReader& root) {
   double pitch = 0.0;
-  if (auto shell = root.table("shell", "sampling of the point shell, for the regions that do not say their own")) {
+  if (auto shell = root.table("shell", "sampling of the point shell, for regions with neither pitch_mm nor stacks")) {
     pitch = shell->number("pitch_mm", {.min = 0.01, .max = 20.0, .to_si = kMillimetre}, "largest gap between shell points");
     shell->finish();
   }
@@ -223,11 +226,11 @@ std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& iss
   spec.title = root.text("title", std::nullopt, "what the tool is, one line");
   const double default_pitch = read_default_pitch(root);
   std::vector<TableReader> readers =
-      root.tables("region", "the primitives that the tool is made of; where they overlap the one listed first owns the material");
+      root.tables("region", "primitives that the tool consists of; where several overlap, the first in the file sets the erosion factor");
   for (TableReader& reader : readers) {
     RegionSpec region;
-    region.name = reader.text("name", "region " + std::to_string(spec.regions.size() + 1),
-                              "what the region is called; without a name it is numbered");
+    region.name =
+        reader.text("name", "region " + std::to_string(spec.regions.size() + 1), "name of the region; absent: region and its number");
     region.solid = read_solid(reader);
     region.erosion = read_erosion(reader, region.solid);
     region.shell = read_sampling(reader, default_pitch);

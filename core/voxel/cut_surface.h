@@ -1,6 +1,6 @@
 /// core/voxel/cut_surface.h: the surface of bone near every place where a tool has cut, one node per voxel: distance and normal.
-///   Where a node is set, it replaces the record that would be computed from the density. Erosion writes it; it is finer than the density
-///   can represent, and its 0 level is the 0.5 level of the density.
+///   A node that is set replaces the surface record of its voxel, which would otherwise be computed from the density. Sub-voxel erosion
+///   writes the nodes. They resolve the surface more finely than the density does; their 0 level is its 0.5 level.
 ///   Frame  nodes at voxel centres, in blocks of 8^3; normals in the axes of the bone frame.   Units  [voxel unit] in voxel edges
 ///   (bone_from_index.mean_edge()).   Errors  none.   Thread  one, the simulation.   Source  own derivation (core/drill/cut_face.h).
 #pragma once
@@ -21,15 +21,17 @@ class CutSurface {
   /// Distance of a node that is not set.
   static constexpr float kUnset = std::numeric_limits<float>::max();
 
-  /// The normal is that of the nearer surface. A node inside bone that is nearly as near to a cut face has the normal of that one: contact
-  /// interpolates normals, and beside a cut face they must belong to it.
+  /// Distance and normal of one voxel. Bone is bounded by its surface before the cut and by the cut faces, so the larger of the two signed
+  /// distances applies, and the normal is that of the nearer surface. Exception: a node inside bone has the normal of the cut face also
+  /// where `cut` is up to one voxel edge smaller than `base`. Contact interpolates normals between nodes, and beside a cut face all of them
+  /// must belong to that face.
   struct Node {
-    float base = kUnset;                   ///< [voxel unit] to the surface as it was when the node was set, positive outside bone
-    float cut = -kUnset;                   ///< [voxel unit] to the faces cut since
+    float base = kUnset;                   ///< [voxel unit] signed distance to the surface when the node was set, positive outside bone
+    float cut = -kUnset;                   ///< [voxel unit] signed distance to the faces cut since; -kRecordBand or less: none is near
     std::array<std::int16_t, 3> normal{};  ///< [steps] of kRecord16Normal, outward; zero: unknown
-    std::int16_t normal_at = 0;            ///< [steps] of kRecord16Distance: `cut` when the normal was computed
+    std::int16_t normal_at = 0;            ///< [steps] of kRecord16Distance: value of `cut` for which the normal was computed; 0: not yet
     [[nodiscard]] bool set() const noexcept { return base != kUnset; }
-    /// @returns the distance to bone as it is [voxel unit].
+    /// @returns the signed distance to the present surface of bone [voxel unit].
     [[nodiscard]] float distance() const noexcept { return base > cut ? base : cut; }
   };
   struct Block {

@@ -1,5 +1,8 @@
-/// haptics/hand/feed_memory.h: the feed of a drill over distance: the recent one against the usual one in the bone so far.
+/// haptics/hand/feed_memory.h: compares the recent feed of a drill, measured over distance, with its usual feed in the bone so far.
 ///   Frame  depth along the drill's axis.   Units SI.   Errors none.   Thread servo.   Source own work.
+///   A window is a fixed distance of advance, its time the time that this advance took. Recent feed = window / time of the last window.
+///   Usual feed = window / third quartile of the times of the earlier windows. Feed is inversely proportional to hardness, so this is the
+///   feed in the hardest layer if at least a quarter of the windows lie in it. One stop of the drill lengthens the time of one window only.
 #pragma once
 
 #include <algorithm>
@@ -8,20 +11,19 @@
 
 namespace burrhole {
 
-/// Distance is counted in windows. The time of a window is measured four times per window, so an advance is noticed a quarter of it late.
+/// The recent feed is computed four times per window, so a change of feed is noticed up to a quarter of a window late.
 class FeedMemory {
  public:
   /// Forgets all.
   void clear() noexcept { *this = FeedMemory(); }
-  /// Forgets the advance of the present window: the drill was not held by bone.
+  /// Starts a new window and keeps the times of earlier ones: bone did not carry the thrust, so the present advance does not count.
   void skip() noexcept {
     known_ = false;
     parts_ = 0;
   }
-  /// Advances one tick. Only the deepest depth so far counts: a hand that vibrates does not advance.
-  /// @param depth [m]. @param window [m] > 0. @param dt [s].
-  /// @returns recent feed over usual feed if a quarter of a window has just ended, otherwise 0. The usual feed is that of the slowest
-  /// quarter of all windows before the recent one: feed in the densest layer, where a stop of the drill does not count for long.
+  /// Advances one tick. Only new depth counts, so a hand that vibrates does not advance.
+  /// @param depth [m]. @param window [m] > 0. @param dt [s] of the tick.
+  /// @returns [-] recent feed over usual feed if a quarter of a window has just ended; 0 otherwise, and in the first window.
   double advance(double depth, double window, double dt) noexcept {
     if (!known_) {
       known_ = true;

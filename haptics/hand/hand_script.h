@@ -1,13 +1,18 @@
-/// haptics/hand/hand_script.h: the goal of a surgeon at each tick of a burrhole, computed from the measured force and motion: approach,
-///   lean, detect breakthrough, release, withdraw. A simulated hand, or the hand on a simulated device, carries the goal out.
+/// haptics/hand/hand_script.h: the goal of a surgeon's hand at each servo tick of a burrhole, computed from the felt force and the motion:
+///   approach, lean, detect breakthrough, release, withdraw. A simulated hand, or the hand on a simulated device, follows the goal.
 ///   Frame  approach frame: origin at the entry point, +z up the shaft, away from bone; depth = -z.   Units SI.   Thread servo.
-///   Breakthrough: bone carries the thrust at any feed, so the hand is hardly accelerated. Where the bit leaves bone, the hand lacks at
-///   least exit_drop of that force. The hand detects breakthrough when the force that accelerates it exceeds a third of that (docs/inputs.md).
-///   Where nothing is felt deeper than bone ever was, there is none left: also right after first contact, before anything else is known.
-///   While the thrust rises, a bit rests on few voxels, and a drop of the size of one is no breakthrough either.
-///   The thrust rises with the least jerk, as a person's does [FlashHogan85]: a ramp with a kink at its end lets a soft coupling swing.
-///   Where the bit leaves bone gradually, at a thin or oblique rim, no force is missing: there the hand detects an advance over three
-///   quarters of the engaged depth at over `softest` times the feed of the densest layer so far.
+///   The thrust rises along the path of least jerk, as a person's does [FlashHogan85]. A linear ramp ends in a kink, which makes a hand on
+///   a soft coupling oscillate.
+///   Breakthrough is detected while the hand leans on the drill, by any of three rules (docs/inputs.md):
+///     Force     The hand is accelerated into bone by more than a third of the force that bone ceases to carry at the exit, exit_drop times
+///               the thrust. While bone carries the thrust, the hand is hardly accelerated. The force is m dv/dt, low-pass filtered with
+///               5 ms; until the thrust is full it must exceed rough_drop too. The rule acts once bone has carried the thrust for 0.1 s,
+///               beginning at least 0.5 s after a change of the drive.
+///     No force  The hand has felt less than a tenth of contact_force for 5 ms and is 0.15 mm deeper than it ever felt bone. The rule acts
+///               at any thrust.
+///     Feed      The feed over three quarters of the engaged depth, at least 0.15 mm, exceeds `softest` times the usual feed
+///               (feed_memory.h). This finds an exit at a thin or oblique rim, where bone ends gradually and no force is missing. The rule
+///               acts at full thrust, while the force rule acts.
 ///   Source own work; times and forces are assumptions.
 #pragma once
 
@@ -22,42 +27,48 @@
 namespace burrhole {
 
 struct HandScriptConfig {
-  double feed = 0.005;         ///< [m/s] approach and withdrawal
-  double push = 28.0;          ///< [N] thrust while leaning on the drill; a real force, not limited to a device's range
+  double feed = 0.005;         ///< [m/s] of the approach; the withdrawal is twice as fast
+  double push = 28.0;          ///< [N] thrust while leaning on the drill, in world units: not scaled to the range of a device
   double ramp = 1.0;           ///< [s] from first contact to full thrust
-  double reaction = 0.150;     ///< [s] from breakthrough detection to release (assumed)
+  double reaction = 0.150;     ///< [s] from breakthrough detection to the begin of the release (assumed)
   double release = 0.3;        ///< [s] over which the thrust falls to zero after the release begins
   double contact_force = 1.0;  ///< [N] force on the hand that counts as contact
-  bool detects = true;         ///< false: breakthrough is not detected, and the thrust ends at the reach
-  /// [-] in (0, 1]: share of the thrust that bone ceases to carry, at least, when the bit loses all bone in which it is engaged:
-  /// K / (K + K_cut) for a drill on a coupling K whose next face then engages, 1 if that is unknown.
+  bool detects = true;         ///< false: breakthrough is not detected, and the thrust ends at `reach`
+  /// [-] in (0, 1]: force rule, least share of the thrust that bone ceases to carry when the bit loses all bone in which it is engaged.
+  /// K / (K + K_cut) if the next face of the bit then engages, K the stiffness of the coupling from hand to tool; 1 if this is unknown.
   double exit_drop = 1.0;
-  double rough_drop = 0.0;          ///< [N] of thrust, by which force falls where single voxels break away under a point; 0: unknown
-  double softest = 4.0;             ///< [-] feed in the softest bone, over that in the densest layer so far; a faster one is no bone
-  double cut_compliance = 0.0;      ///< [m/N] engaged depth of the bit over the thrust, 1 / K_cut; 0: unknown, no rule of feed
-  double reach = 0.08;              ///< [m] below the entry, at which the arm ends: the thrust is released
+  /// [N] force rule: until the thrust is full, smaller drops of the force do not count. A point of the bit may then rest on single voxels,
+  /// and the force falls where one breaks away. 0: no such limit.
+  double rough_drop = 0.0;
+  /// [-] feed rule: largest feed in bone over the usual feed, that in the hardest layer so far; faster means no bone. Feed is inversely
+  /// proportional to hardness, so bone softer than 1 / softest of the hardest layer counts as none.
+  double softest = 4.0;
+  double cut_compliance = 0.0;      ///< [m/N] 1 / K_cut: engaged depth of the bit over the thrust; 0: unknown, there is no feed rule
+  double reach = 0.08;              ///< [m] depth of the hand below the entry at which the thrust is released without breakthrough
   double follow_time = 0.25;        ///< [s] time constant with which the rest position of the arm follows the drill while leaning
   double standoff = 0.003;          ///< [m] height above the entry where the script starts and ends
-  double tremor_amplitude = 40e-6;  ///< [m] lateral peak amplitude of the rest position
-  double tremor_frequency = 9.0;    ///< [Hz]
-  std::uint64_t seed = 1;
+  double tremor_amplitude = 40e-6;  ///< [m] peak amplitude of the rest position along x and along y
+  double tremor_frequency = 9.0;    ///< [Hz] along x; 1.13 times this along y
+  std::uint64_t seed = 1;           ///< of the phases of the tremor
 };
 
 /// The goal of the arm for one tick.
 struct HandGoal {
   Vec3 rest{0.0};       ///< [m] rest point of the arm's spring
-  double thrust = 0.0;  ///< [N] along -z, in addition to that spring
+  double thrust = 0.0;  ///< [N] along -z, in addition to the force of that spring
 };
 
 class HandScript {
  public:
-  /// Errors: out_of_range when a value is not finite or negative, or when follow_time, exit_drop, mass or period is not above 0, or
-  /// exit_drop is above 1. @param mass [kg] that the thrust accelerates when no bone carries it.
+  /// Errors: out_of_range when a value is not finite or negative, when follow_time, exit_drop, mass or period is not above 0, or when
+  /// exit_drop is above 1. @param mass [kg] that the thrust accelerates when no bone carries it. @param period [s] of a tick.
   [[nodiscard]] static Result<HandScript> create(const HandScriptConfig& config, double mass, double period);
 
-  /// Advances one tick. @param felt [N] force on the hand along +z. @param height, climb [m], [m/s] of the hand along z, now.
+  /// Advances one tick. @param felt [N] force on the hand along +z. @param height [m] z of the hand. @param climb [m/s] its z velocity.
   const HandGoal& advance(double felt, double height, double climb) noexcept BH_REALTIME;
-  /// The bit engages or disengages by F / K_cut: no breakthrough is detected until that is over.
+  /// To be called when the speed of the drive changes: the bit then engages or disengages by F / K_cut, which is no breakthrough. Pauses
+  /// the force rule and the feed rule for 0.5 s, and until bone has then carried the thrust for 0.1 s; the feed rule forgets its windows.
+  /// The rule "no force" goes on.
   void drive_changed() noexcept {
     drive_tick_ = tick_;
     steady_ticks_ = 0;
@@ -83,14 +94,14 @@ class HandScript {
   double period_;
   HandPhase phase_ = HandPhase::approach;
   double goal_height_ = 0.0;  // [m] rest position of the arm along the axis
-  double speed_ = 0.0;        // [m/s] into bone, low-pass filtered
-  double lacks_ = 0.0;        // [N] force that accelerates the hand into bone, filtered alike
-  double smooth_ = 0.0;       // [m] height, low-pass filtered
+  double speed_ = 0.0;        // [m/s] of the hand into bone, low-pass filtered with 5 ms
+  double lacks_ = 0.0;        // [N] force that accelerates the hand into bone: mass x change of speed_
+  double smooth_ = 0.0;       // [m] height, low-pass filtered with 25 ms
   double lowest_ = 0.0;       // [m] height, the lowest at which bone was felt or the hand did not advance
   FeedMemory feed_;
-  bool held_ = false;               // bone carries the thrust
-  std::uint64_t steady_ticks_ = 0;  // for so long the hand has not been accelerated
-  std::uint64_t drive_tick_ = 0;    // of the last change
+  bool held_ = false;               // bone carries the thrust: the rules of force and feed act
+  std::uint64_t steady_ticks_ = 0;  // number of ticks for which the hand has not been accelerated
+  std::uint64_t drive_tick_ = 0;    // of the last change of the drive
   std::uint64_t tick_ = 0, lean_tick_ = 0, lowest_tick_ = 0, give_tick_ = 0, release_tick_ = 0;
   double release_thrust_ = 0.0;  // [N] at the start of the release
   HandGoal goal_;

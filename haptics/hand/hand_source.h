@@ -11,7 +11,15 @@
 
 namespace burrhole {
 
-enum class HandPhase : std::uint32_t { approach, lean, give_felt, release, withdraw, done };
+/// Phases of a script (hand_script.h) or a bench (feed_hand.h, without give_felt and release). A real device is always in `approach`.
+enum class HandPhase : std::uint32_t {
+  approach,   ///< moves towards bone, until the force on the hand counts as contact
+  lean,       ///< presses the drill onto bone
+  give_felt,  ///< breakthrough was detected; the thrust goes on for the reaction time
+  release,    ///< the thrust falls to zero
+  withdraw,   ///< moves back, out of the hole
+  done        ///< at its start again; the run ends
+};
 
 /// Errors of a reading. The servo outputs no force for a reading with a flag.
 enum HandFlag : std::uint32_t {
@@ -30,7 +38,7 @@ struct HandState : HandMotion {
 };
 static_assert(std::is_trivially_copyable_v<HandState>);
 
-/// The servo calls read() once and then apply() once per tick.
+/// Source of the goal pose of the tool. The servo calls read() once and then apply() once per tick.
 class HandSource {
  public:
   virtual ~HandSource() = default;
@@ -39,7 +47,8 @@ class HandSource {
   /// Sets the wrench of the drill on the hand, held from now to the next tick: [N], [N m] about the hand's position, world frame. A
   /// simulated hand advances by one tick under it.
   virtual void apply(const Wrench& on_hand) noexcept BH_REALTIME = 0;
-  /// The drive has started, stopped or changed its speed: the bit is about to engage or disengage, and the one who did it expects that.
+  /// Called between read() and apply() when the commanded spin has changed. The bit is about to engage or disengage, and a script must not
+  /// take this for a breakthrough.
   virtual void drive_changed() noexcept BH_REALTIME {}
 };
 
