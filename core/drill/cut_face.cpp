@@ -138,7 +138,7 @@ CutFace::Sweep CutFace::aim(const Voxmap& voxmap, const Affine& index_from_tool,
     reserve_lists();
   }
   const MasterWindow& window = voxmap.window();
-  const double edge = bone.mean_edge(), reach = static_cast<double>(kLook) * edge;
+  const double edge = bone.mean_edge(), reach = static_cast<double>(kFollow) * edge;
   along_ = Vec3f(reaction * (edge / field_->pitch));
   Sweep sweep;
   sweep.place = Affine::scaling(1.0 / field_->pitch, -field_->origin / field_->pitch) * index_from_tool.inverse();
@@ -164,7 +164,7 @@ std::uint32_t CutFace::find(Voxmap& voxmap, const Affine& index_from_tool, const
   const auto half = static_cast<float>(0.5 * std::sqrt(3.0) * (kBlockEdge - 1) * 1.05);
   if (!sweep.allowed.empty())
     for_each_voxel(blocks_of(sweep.allowed), [&](const Vec3i& at) {
-      if (tool_at(Vec3(at * kBlockEdge) + 0.5 * (kBlockEdge - 1)) <= kLook + half) visit(voxmap, sweep, at);
+      if (tool_at(Vec3(at * kBlockEdge) + 0.5 * (kBlockEdge - 1)) <= kFollow + half) visit(voxmap, sweep, at);
     });
   if (!nodes_.empty()) buried_.clear();
   find_lags();
@@ -227,9 +227,9 @@ void CutFace::visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at) {
     return;
   }
   const float nearest = *std::min_element(sampled_.begin(), sampled_.begin() + static_cast<std::ptrdiff_t>(asked_.size()));
-  if (nearest > kLook) {
+  if (nearest > kFollow) {
     if (all)
-      quiet_.insert_or_assign(key_of_block(at), Quiet{sweep.place, static_cast<double>(nearest - kLook) - kReserve, block == nullptr});
+      quiet_.insert_or_assign(key_of_block(at), Quiet{sweep.place, static_cast<double>(nearest - kFollow) - kReserve, block == nullptr});
     return;
   }
   if (block == nullptr) block = &voxmap.cut().add(at);
@@ -239,8 +239,8 @@ void CutFace::visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at) {
     const Candidate& one = candidates_[n];
     CutSurface::Node& node = block->nodes[one.inside];
     const float tool = sampled_[n];
-    if (tool > kLook) {
-      room = std::min(room, tool - kLook);
+    if (tool > kFollow) {
+      room = std::min(room, tool - kFollow);
       continue;
     }
     if (!node.set()) {
@@ -373,7 +373,7 @@ std::size_t CutFace::reserved_nodes(const CuttingField& field, double edge) noex
     if (std::abs(field.distance[n]) < static_cast<float>(field.pitch))
       cubes += field.revolved ? 2.0 * std::numbers::pi * static_cast<double>(n % row) : 1.0;
   const double area = 0.5 * cubes * field.pitch * field.pitch;
-  return static_cast<std::size_t>(area / (edge * edge) * static_cast<double>(kLook + kFree));
+  return static_cast<std::size_t>(area / (edge * edge) * static_cast<double>(kFollow + kFree));
 }
 
 std::size_t CutFace::list_bytes(std::size_t nodes) noexcept {

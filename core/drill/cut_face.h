@@ -16,7 +16,7 @@
 ///   If instead the density of every voxel inside the tool decayed, the same mass would be removed, but the 0.5 level would pass a voxel
 ///   ln 2 h / (e s) [s] after the tool entered it. With this delay any step of the feed would repeat without end.
 ///   Start  phi of a node outside bone, or of one whose nearest surface faces the tool, starts as the distance to the surface of the bone.
-///   A node inside bone starts when the tool is kLook from it, and then takes phi from the lag of the neighbour in the direction u, if that is
+///   A node inside bone starts when the tool is kFollow from it, and then takes phi from the lag of the neighbour in the direction u, if that is
 ///   larger; close to the tool, from any neighbour that has a phi. A node without either has no phi until the face comes near.
 ///   Step  max(phi, -D) is the distance to bone if all bone inside the tool were removed. A sub-step sets phi to the larger of
 ///     phi + a w            the face recedes along the normal of the tool
@@ -102,7 +102,7 @@ class CutFace {
   static constexpr float kRamp = 0.75f;  ///< [voxel edges] half width of the ramp of density across a face
   /// [voxel edges] from the tool, up to which faces are followed: more than the ramp and the cells in which contact interpolates. Farther
   /// inside bone the known distance is that to the surface as it was.
-  static constexpr float kLook = 2.0f;
+  static constexpr float kFollow = 2.0f;
   static constexpr float kFree = 2.0f;  ///< [voxel edges] a node further out than this no longer changes
 
   /// @pre `field` is not null.
@@ -120,8 +120,8 @@ class CutFace {
   /// For a tool that was placed inside bone: sets phi of the nodes that have none to -D, with the tool of the last find(), so that the face
   /// lies at its surface. To be called when the density of a voxel of buried() has fallen below 0.5.
   void open() noexcept;
-  /// The next find() looks at every block, also at those that the tool cannot have reached since it looked there last: for tests.
-  void look_everywhere() noexcept { quiet_.clear(); }
+  /// For tests: the next find() visits every block, also those that the tool cannot have reached since the last visit.
+  void visit_all() noexcept { quiet_.clear(); }
   /// Computes phi after a sub-step; the nodes keep theirs. @param shares a of each node, 0..1, in the order of nodes().
   /// @returns phi [voxel edges] of each node, in the same order.
   std::span<const float> recede(std::span<const float> shares);
@@ -142,8 +142,8 @@ class CutFace {
   struct Sweep;
   /// A block without a voxel whose face overlaps the tool, and without one that must find its face.
   struct Quiet {
-    Affine place;  ///< nodes of the field from index, when the block was looked at
-    double room;   ///< [voxel edges] that a distance to the tool can fall before the block must be looked at again
+    Affine place;  ///< nodes of the field from index, at the last visit
+    double room;   ///< [voxel edges] by which a distance to the tool may fall before the next visit
     bool far;      ///< no voxel was within the band: this holds whatever is known of the block
   };
   /// The search for one lag: missing(l) = -phi - D(p - l u) falls from above 0 to below.

@@ -37,10 +37,10 @@ class PosedField {
 bool reaches(const PosedField& distance, const Vec3i& block) {
   constexpr double kHalf = 0.5 * (kBlockEdge - 1);
   const double middle = distance(Vec3(block * kBlockEdge) + kHalf);
-  if (middle <= static_cast<double>(CutFace::kLook)) return true;
-  if (middle > static_cast<double>(CutFace::kLook) + 1.05 * std::sqrt(3.0) * kHalf) return false;
+  if (middle <= static_cast<double>(CutFace::kFollow)) return true;
+  if (middle > static_cast<double>(CutFace::kFollow) + 1.05 * std::sqrt(3.0) * kHalf) return false;
   bool near = false;
-  for_each_voxel(box_of_block(block), [&](const Vec3i& v) { near = near || distance(Vec3(v)) <= static_cast<double>(CutFace::kLook); });
+  for_each_voxel(box_of_block(block), [&](const Vec3i& v) { near = near || distance(Vec3(v)) <= static_cast<double>(CutFace::kFollow); });
   return near;
 }
 
@@ -59,7 +59,7 @@ std::uint64_t scatter_bytes(const ErosionConfig& config, const ErosionPoints& po
 std::uint64_t count_cut_blocks(const CuttingField& field, const DrillingWay& way, double voxel_edge) {
   if (field.empty()) return 0;
   const int steps = std::max(1, static_cast<int>(std::ceil(glm::length(way.along) / kLongestStep)));
-  const double reach = static_cast<double>(CutFace::kLook) * voxel_edge;
+  const double reach = static_cast<double>(CutFace::kFollow) * voxel_edge;
   std::set<std::uint64_t> found;
   for (int n = 0; n <= steps; ++n) {
     const Affine pose{way.index_from_tool.linear, way.index_from_tool.offset + way.along * (static_cast<double>(n) / steps)};

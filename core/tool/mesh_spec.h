@@ -1,4 +1,4 @@
-/// core/tool/mesh_spec.h: the table [mesh] of a tool file: reads the table [mesh] of a tool file: a bit given by a closed triangle mesh in a separate file.
+/// core/tool/mesh_spec.h: reads the table [mesh] of a tool file: a bit given by a closed triangle mesh in a separate file.
 ///   Frame  tool frame: origin at the tip, +z along the shaft. A vertex p of the file lies at turn * (unit * p) + shift.   Units  SI.
 ///   The contact points do not rotate with the spindle: a fluted bit must be given by the envelope that its flutes sweep.
 ///   Errors  pushed to Issues with file:line:column.   Source  own schema.

@@ -262,7 +262,7 @@ TEST_CASE("cut face: in the air inside a tool no face overlaps it by more than i
   }
 }
 
-TEST_CASE("cut face: blocks that the tool cannot have reached are passed over, with the same faces as if all were looked at") {
+TEST_CASE("cut face: blocks that the tool cannot have reached are passed over, with the same faces as if all were visited") {
   const Plate plate{.top = 20.3};
   Voxmap whole = plate.make(), quick = plate.make();
   const SweptSolid solid = over(plate, true, 2e-3, 0.0);
@@ -276,7 +276,7 @@ TEST_CASE("cut face: blocks that the tool cannot have reached are passed over, w
     const Vec3 aside(far * by(0), far * by(1), far * by(2) - 0.05 * static_cast<double>(n) - 0.5);
     const Quat tilt = glm::angleAxis(0.05 * by(3), glm::normalize(Vec3(by(4), by(5), 0.1)));
     const Affine pose{Mat3(glm::mat3_cast(tilt)) * solid.from.linear, solid.from.offset + aside};
-    all.look_everywhere();
+    all.visit_all();
     CHECK(all.find(whole, pose, {0.0, 0.0, 1.0}) == some.find(quick, pose, {0.0, 0.0, 1.0}));
     REQUIRE(all.nodes().size() == some.nodes().size());
     most = std::max(most, all.nodes().size());
