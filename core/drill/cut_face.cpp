@@ -1,6 +1,7 @@
 #include "core/drill/cut_face.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/base/bounds.h"
@@ -12,11 +13,13 @@ constexpr float kBand = static_cast<float>(kRecordBand);  // [voxel edges]
 constexpr float kKnown = kBand - 0.1f;                    // [voxel edges] bone deeper than this has no known distance
 constexpr float kExact = 1e-4f;                           // [voxel edges] of a lag
 constexpr float kNearTool = 1.5f;                         // [voxel edges] bone nearer than this must know its face
-constexpr int kMostRounds = 8;                            // for a lag
-constexpr float kNewNormal = 1.0f / 16.0f;                // [voxel edges] a face that moved less keeps its normal
-constexpr float kSharedDepth = 1.0f;                      // [voxel edges] bone between two faces has the normal of the cut one up to here
-constexpr double kFacing = 0.3;                           // [-] cosine: a surface that faces the tool; the sides of a post do not
-constexpr float kSteepEnough = 0.1f;                      // [-] least slope with which a lag is extrapolated
+constexpr int kPart = kBlockEdge / 2;                     // [voxels] parts of a block are passed over where all of it is far from the tool
+constexpr double kPartMiddle = 0.5 * (kPart - 1);
+constexpr int kMostRounds = 8;              // for a lag
+constexpr float kNewNormal = 1.0f / 16.0f;  // [voxel edges] a face that moved less keeps its normal
+constexpr float kSharedDepth = 1.0f;        // [voxel edges] bone between two faces has the normal of the cut one up to here
+constexpr double kFacing = 0.3;             // [-] cosine: a surface that faces the tool; the sides of a post do not
+constexpr float kSteepEnough = 0.1f;        // [-] least slope with which a lag is extrapolated
 
 constexpr double kReserve = 0.05;  // [voxel edges] of room: at the table's border distances are lower bounds
 
@@ -53,6 +56,7 @@ struct CutFace::Sweep {
   VoxelBox erodible;
   VoxelBox allowed;  // the part of the box that may be eroded
   Vec3i ahead;       // [voxels] to the neighbour towards the face
+  float part_reach;  // [voxel edges] by which distances in a part of a block differ from that of its middle
 };
 
 CutFace::CutFace(std::shared_ptr<const CuttingField> field)
@@ -148,6 +152,11 @@ CutFace::Sweep CutFace::aim(const Voxmap& voxmap, const Affine& index_from_tool,
   const Bounds near = bounds_under(index_from_tool, {field_->bounds.lo - reach, field_->bounds.hi + reach});
   const Vec3 low(window.box.lo - 2), high(window.box.hi + 2);
   sweep.box = {Vec3i(glm::ceil(glm::clamp(near.lo, low, high))), Vec3i(glm::floor(glm::clamp(near.hi, low, high))) + 1};
+  double diagonal = 0.0;  // [nodes]
+  for (const double y : {-kPartMiddle, kPartMiddle})
+    for (const double z : {-kPartMiddle, kPartMiddle})
+      diagonal = std::max(diagonal, glm::length(sweep.place.linear * Vec3(kPartMiddle, y, z)));
+  sweep.part_reach = static_cast<float>(diagonal * steepest_ * field_->pitch / edge);
   sweep.erodible = window.erodible_box();
   sweep.allowed = sweep.box.intersect(sweep.erodible);
   return sweep;
@@ -187,23 +196,36 @@ bool CutFace::is_quiet(const Sweep& sweep, const Vec3i& at, bool has_block) cons
 }
 
 void CutFace::gather(const MasterWindow& window, const Sweep& sweep, const VoxelBox& part, const CutSurface::Block* block) {
-  candidates_.clear();
+  candidates_.resize(part.count());
   asked_.resize(part.count());
+  passed_over_ = std::numeric_limits<float>::infinity();
+  const Vec3i first_lo = block_of(part.lo) * kBlockEdge;
   std::size_t count = 0;
   const Vec3f step(sweep.place.linear[0]);
-  for (int k = part.lo.z; k < part.hi.z; ++k)
-    for (int j = part.lo.y; j < part.hi.y; ++j) {
-      const Vec3f first(sweep.place * Vec3(part.lo.x, j, k));
-      const std::size_t row = window.box.offset_of({part.lo.x, j, k});
-      const auto inside = static_cast<std::size_t>(((k & 7) * kBlockEdge + (j & 7)) * kBlockEdge + (part.lo.x & 7));
-      for (int i = 0; i < part.hi.x - part.lo.x; ++i) {
-        const auto n = static_cast<std::size_t>(i);
-        const bool bone = window.occupancy[row + n] > 0.0f && window.remaining[row + n] > 0.0f;
-        if (block != nullptr && !bone && block->nodes[inside + n].cut > kFree) continue;
-        asked_.set(count++, first + static_cast<float>(i) * step);
-        candidates_.push_back({static_cast<std::uint32_t>(row + n), static_cast<std::uint16_t>(inside + n), bone});
-      }
+  for_each_voxel({Vec3i(0), Vec3i(2)}, [&](const Vec3i& which) {
+    const Vec3i lo = first_lo + kPart * which;
+    const VoxelBox here = VoxelBox{lo, lo + kPart}.intersect(part);
+    if (here.empty()) return;
+    const float least = sampler_.distance(Vec3f(sweep.place * (Vec3(lo) + kPartMiddle))) / edge_ - sweep.part_reach;
+    if (least > kFollow) {
+      passed_over_ = std::min(passed_over_, least - kFollow);
+      return;
     }
+    for (int k = here.lo.z; k < here.hi.z; ++k)
+      for (int j = here.lo.y; j < here.hi.y; ++j) {
+        const Vec3f first(sweep.place * Vec3(here.lo.x, j, k));
+        const std::size_t row = window.box.offset_of({here.lo.x, j, k});
+        const auto inside = static_cast<std::size_t>(((k & 7) * kBlockEdge + (j & 7)) * kBlockEdge + (here.lo.x & 7));
+        for (int i = 0; i < here.hi.x - here.lo.x; ++i) {
+          const auto n = static_cast<std::size_t>(i);
+          const bool bone = window.occupancy[row + n] > 0.0f && window.remaining[row + n] > 0.0f;
+          if (block != nullptr && !bone && block->nodes[inside + n].cut > kFree) continue;
+          asked_.set(count, first + static_cast<float>(i) * step);
+          candidates_[count++] = {static_cast<std::uint32_t>(row + n), static_cast<std::uint16_t>(inside + n), bone};
+        }
+      }
+  });
+  candidates_.resize(count);
   asked_.resize(count);
   sample(asked_);
 }
@@ -222,11 +244,13 @@ void CutFace::visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at) {
   const VoxelBox whole = box_of_block(at), part = whole.intersect(sweep.erodible);
   const bool all = part == whole;
   gather(window, sweep, part, block);
-  if (candidates_.empty()) {
+  const bool none_far = passed_over_ == std::numeric_limits<float>::infinity();
+  if (candidates_.empty() && none_far) {
     if (block != nullptr) block->free = all;
     return;
   }
-  const float nearest = *std::min_element(sampled_.begin(), sampled_.begin() + static_cast<std::ptrdiff_t>(asked_.size()));
+  float nearest = kFollow + std::min(kBand, passed_over_);
+  for (std::size_t n = 0; n < candidates_.size(); ++n) nearest = std::min(nearest, sampled_[n]);
   if (nearest > kFollow) {
     if (all)
       quiet_.insert_or_assign(key_of_block(at), Quiet{sweep.place, static_cast<double>(nearest - kFollow) - kReserve, block == nullptr});
@@ -234,7 +258,7 @@ void CutFace::visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at) {
   }
   if (block == nullptr) block = &voxmap.cut().add(at);
   if (!block->complete) complete(voxmap, at, *block);
-  float room = all ? kBand : 0.0f;
+  float room = all ? std::min(kBand, passed_over_) : 0.0f;
   for (std::size_t n = 0; n < candidates_.size(); ++n) {
     const Candidate& one = candidates_[n];
     CutSurface::Node& node = block->nodes[one.inside];

@@ -180,6 +180,7 @@ class CutFace {
     bool bone;
   };
   std::vector<Candidate> candidates_;
+  float passed_over_ = 0.0f;  // [voxel edges] beyond kFollow, least distance of the parts that the last gather() passed over
   std::vector<Receding> nodes_;
   std::vector<Buried> buried_;
   std::vector<std::pair<CutSurface::Node*, float>> unknown_;  // nodes without a known distance, and that to the tool [voxel edges]

@@ -167,9 +167,9 @@ void make_tiles(const MasterWindow& window, const VoxelBox& part, const SurfaceM
 }  // namespace
 
 Record16 record_of(const CutSurface::Node& node, Record16*) noexcept {
-  const float steps = std::clamp(node.distance(), static_cast<float>(-kRecordBand), static_cast<float>(kRecordBand)) /
-                      static_cast<float>(kRecord16Distance);
-  return {static_cast<std::int16_t>(std::lrint(steps)), node.normal[0], node.normal[1], node.normal[2]};
+  const float distance = std::clamp(node.distance(), static_cast<float>(-kRecordBand), static_cast<float>(kRecordBand));
+  return {static_cast<std::int16_t>(std::lrint(distance / static_cast<float>(kRecord16Distance))), node.normal[0], node.normal[1],
+          node.normal[2]};
 }
 
 Record8 record_of(const CutSurface::Node& node, Record8*) noexcept {
