@@ -112,8 +112,7 @@ void add_import(CLI::App& app, int& exit_code) {
       ->required();
   command->add_option("--volume", option->volume, "bone model to write; a scene names it as [volume] source")->type_name("OUT.vdb");
   command->add_option("--series", option->series,
-                      "series of a DICOM folder, by its name in the report, or grid of another program's .vdb; default: a series without "
-                      "errors, CT before others, axial before others, then the largest; the grid with most active voxels");
+                      "series of a DICOM folder (by its name in the report) or grid of a .vdb; default: the best");
   command->add_option("--unit", option->unit, "unit of length of a mesh or another program's .vdb, which carry none")
       ->check(CLI::IsMember(length_unit_names()));
   command->add_option("--bone-hu", option->band, "values of occupancy 0 and 1, in HU or the file's own unit (default 250,400 HU)")

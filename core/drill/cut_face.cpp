@@ -20,8 +20,7 @@ constexpr float kNewNormal = 1.0f / 16.0f;  // [voxel edges] a face that moved l
 constexpr float kSharedDepth = 1.0f;        // [voxel edges] bone between two faces has the normal of the cut one up to here
 constexpr double kFacing = 0.3;             // [-] cosine: a surface that faces the tool; the sides of a post do not
 constexpr float kSteepEnough = 0.1f;        // [-] least slope with which a lag is extrapolated
-
-constexpr double kReserve = 0.05;  // [voxel edges] of room: at the table's border distances are lower bounds
+constexpr double kReserve = 0.05;           // [voxel edges] of room: beyond the border of the table distances are lower bounds
 
 constexpr std::size_t kAsked = 6;  // most places asked for per node: for a new normal
 
@@ -52,7 +51,7 @@ Vec3i voxel_of(const Vec3i& block, std::uint16_t inside) noexcept {
 /// One pose of the tool.
 struct CutFace::Sweep {
   Affine place;  // nodes of the field from index
-  VoxelBox box;  // voxels that the tool and the band round it can reach
+  VoxelBox box;  // voxels within kFollow of the bounds of the tool
   VoxelBox erodible;
   VoxelBox allowed;  // the part of the box that may be eroded
   Vec3i ahead;       // [voxels] to the neighbour towards the face
@@ -102,8 +101,10 @@ bool CutFace::faces_tool(const CutSurface::Node& node, const Vec3f& place) const
 /// Sets phi of a node that has none yet: the surface as it was, in air or if it faces the tool, or the face as its neighbour knows it.
 void CutFace::start(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place, float tool,
                     CutSurface::Node& node) const noexcept {
-  if (node.base >= 0.0f || (node.base > -kKnown && faces_tool(node, place))) node.cut = node.base;  // air has no face but the bone's
-  if (node.base < 0.0f) node.cut = std::max(node.cut, from_neighbour(voxmap, sweep, voxel, place));
+  if (node.base >= 0.0f || (node.base > -kKnown && faces_tool(node, place)))  // air has no face but the bone's
+    node.cut = node.base;
+  else
+    node.cut = std::max(node.cut, from_neighbour(voxmap, sweep, voxel, place));
   if (node.cut > -kKnown || tool > kNearTool) return;
   // The tool moves across the force. Distances of neighbours differ by at most an edge.
   for (std::size_t axis = 0; axis < 3; ++axis)

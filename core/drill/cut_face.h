@@ -16,8 +16,8 @@
 ///   If instead the density of every voxel inside the tool decayed, the same mass would be removed, but the 0.5 level would pass a voxel
 ///   ln 2 h / (e s) [s] after the tool entered it. With this delay any step of the feed would repeat without end.
 ///   Start  phi of a node outside bone, or of one whose nearest surface faces the tool, starts as the distance to the surface of the bone.
-///   A node inside bone starts when the tool is kFollow from it, and then takes phi from the lag of the neighbour in the direction u, if that is
-///   larger; close to the tool, from any neighbour that has a phi. A node without either has no phi until the face comes near.
+///   Other nodes, and those deeper in bone than the band of known distances, have no phi until the tool is kFollow from them. Then it is
+///   computed from the lag of the neighbour in the direction u; close to the tool, from any neighbour that has a phi.
 ///   Step  max(phi, -D) is the distance to bone if all bone inside the tool were removed. A sub-step sets phi to the larger of
 ///     phi + a w            the face recedes along the normal of the tool
 ///     -D(p - (1 - a) l u)  the face, a copy of the tool's surface moved by l along u, follows the tool by the share a of its lag
@@ -99,11 +99,9 @@ struct FieldPlaces {
 /// Moves the face of bone. One sub-step: find(), then recede() as often as needed, then keep().
 class CutFace {
  public:
-  static constexpr float kRamp = 0.75f;  ///< [voxel edges] half width of the ramp of density across a face
-  /// [voxel edges] from the tool, up to which faces are followed: more than the ramp and the cells in which contact interpolates. Farther
-  /// inside bone the known distance is that to the surface as it was.
-  static constexpr float kFollow = 2.0f;
-  static constexpr float kFree = 2.0f;  ///< [voxel edges] a node further out than this no longer changes
+  static constexpr float kRamp = 0.75f;                              ///< [voxel edges] half width of the ramp of density across a face
+  static constexpr float kFollow = static_cast<float>(kRecordBand);  ///< [voxel edges] from the tool, up to which faces are followed
+  static constexpr float kFree = 2.0f;                               ///< [voxel edges] a node further out than this no longer changes
 
   /// @pre `field` is not null.
   explicit CutFace(std::shared_ptr<const CuttingField> field);
@@ -132,7 +130,7 @@ class CutFace {
     return std::clamp(0.5f - phi / (2.0f * ramp), 0.0f, 1.0f);
   }
 
-  /// @returns the number of nodes for which lists are reserved: every voxel within the band of known distances of the cutting surface.
+  /// @returns the number of nodes for which lists are reserved: every voxel within kFollow of the cutting surface, and the ramp.
   /// @param edge [m] of a voxel.
   [[nodiscard]] static std::size_t reserved_nodes(const CuttingField& field, double edge) noexcept;
   /// @returns the memory of the lists for that number of nodes.

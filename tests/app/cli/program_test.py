@@ -180,8 +180,13 @@ class Drill(WithFolder):
         self.assertEqual(sorted(p.name for p in out.iterdir()), ["bone.vdb", "report.html", "summary.json"])
 
     def test_quiet_says_nothing_and_stdout_stays_empty_without_json(self):
-        result = run("drill", QUICK, "--out", self.folder, "--set", "duration_s=0.1", "--quiet")
+        result = run("drill", QUICK, "--out", self.folder, "--set", "duration_s=0.1", "--set", "tool.spin_rpm=0", "--quiet")
         self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+
+    def test_a_warning_is_printed_even_so_where_bone_is_not_drilled_through(self):
+        result = run("drill", QUICK, "--out", self.folder, "--set", "duration_s=0.1", "--quiet")
+        self.assertEqual(result.returncode, 0)
+        self.assertRegex(result.stderr, r"^\S+: warning: hand: the time ended -?\d+\.\d\d mm deep in \d+\.\d\d mm of bone, which is not drilled through\n$")
 
     def test_a_picture_of_an_earlier_run_does_not_stay(self):
         for name in ("breakthrough.png", "notes.png"):

@@ -149,7 +149,7 @@ TEST_CASE("surface on a real head: no spike of force in the outer table that a p
   Issues issues;
   auto loaded = load_scene(*document, test_context(), issues);
   REQUIRE_MESSAGE(loaded.has_value(), (issues.empty() ? "" : issues.front().text()));
-  Drilled drilled = drill(*loaded, kOuterTable, 20.0);
+  Drilled drilled = drill(*loaded, kOuterTable, 25.0);
   REQUIRE(drilled.depth >= kOuterTable);
   REQUIRE(drilled.forces.size() > 500);
   const double level = median(drilled.forces);
