@@ -152,8 +152,9 @@ TEST_CASE("spindle: a motor of 1000 N m is not slowed by a hand, and drills what
   // M / M_stall = 0.5 x 20 N x 1 mm / 1000 N m = 1e-5 of the speed, and of the feed. The volume of a cap rises with the square of its depth.
   constexpr double kSlower = 1e-5, kLess = 2.0 * kSlower;
   CHECK(slowest_spin(with.simulation()) > (1.0 - kSlower) * 1000.0 / 60.0);
-  const double removed = without.simulation().bone_step().removed_mass();
+  const double removed = without.simulation().bone_step().removed_mass(), depth = without.simulation().progress().depth;
   CHECK(removed > 0.1e-9);
+  CHECK(std::abs(with.simulation().progress().depth / depth - 1.0) < kSlower);
   CHECK(std::abs(with.simulation().bone_step().removed_mass() / removed - 1.0) < kLess);
   DrillRun weak = drilled({.name = "weak spindle", .sets = {"spindle.stall_torque_Nm=1"}, .spindle = true}, common);
   CHECK(std::abs(weak.simulation().bone_step().removed_mass() / removed - 1.0) > kLess);  // a thousandth of the strength shows
