@@ -10,6 +10,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/base/compact_lanes-inl.h"
+
 #ifndef BURRHOLE_HOLLOW_DIRECTION_ONCE
 #define BURRHOLE_HOLLOW_DIRECTION_ONCE
 namespace burrhole {
@@ -116,16 +118,14 @@ void FindPatch(const ConformingJob& job, ConformingPatch& patch) {
     const Vd bend = hn::Div(hn::Neg(dot(sub(normal, touch_normal), way)), hn::Add(way2, hn::Set(d, 0.25)));
     const Vd level = hn::Clamp(hn::Add(hn::Set(d, 1.5), hn::Div(bend, hn::Set(d, kBulge))), zero, one);
     const Vd nearness = hn::Sub(one, hn::Div(beyond, hn::Set(d, kNearly)));
-    const bool all = hn::AllTrue(d, counts);  // if all count, plain stores: compaction uses tables below 512 bits
-    const auto keep = [&](Vd v, double* list) HWY_ATTR {
-      all ? hn::StoreU(v, d, list + count) : static_cast<void>(hn::CompressStore(v, counts, d, list + count));
-    };
+    const CompactLanes<Doubles> lanes(d, counts);
+    const auto keep = [&](Vd v, double* list) HWY_ATTR { lanes.store(d, v, list + count); };
     keep(nearness, patch.nearness);
     keep(level, patch.level);
     keep(normal.x, patch.normal[0]);
     keep(normal.y, patch.normal[1]);
     keep(normal.z, patch.normal[2]);
-    count += hn::CountTrue(d, counts);
+    count += lanes.count();
   }
   patch.count = count;
   // Values that a vector reads beyond the last.

@@ -5,28 +5,21 @@
 #include <numbers>
 
 #include "core/base/bounds.h"
+#include "core/voxel/box_parts.h"
 
 namespace burrhole {
 namespace {
 
 constexpr float kBand = static_cast<float>(kRecordBand);  // [voxel edges]
 constexpr float kKnown = kBand - 0.1f;                    // [voxel edges] bone deeper than this has no known distance
-constexpr float kExact = 1e-4f;                           // [voxel edges] of a lag
 constexpr float kNearTool = 1.5f;                         // [voxel edges] bone nearer than this must know its face
-constexpr int kPart = kBlockEdge / 2;                     // [voxels] parts of a block are passed over where all of it is far from the tool
-constexpr double kPartMiddle = 0.5 * (kPart - 1);
-constexpr int kMostRounds = 8;              // for a lag
+constexpr int kPart = kBlockEdge / 2;                     // [voxels] parts of a block are passed over by themselves
+constexpr std::uint32_t kAllParts = 0xff;
 constexpr float kNewNormal = 1.0f / 16.0f;  // [voxel edges] a face that moved less keeps its normal
 constexpr float kSharedDepth = 1.0f;        // [voxel edges] bone between two faces has the normal of the cut one up to here
 constexpr double kFacing = 0.3;             // [-] cosine: a surface that faces the tool; the sides of a post do not
 constexpr float kSteepEnough = 0.1f;        // [-] least slope with which a lag is extrapolated
-constexpr double kReserve = 0.05;           // [voxel edges] of room: beyond the border of the table distances are lower bounds
-
-constexpr std::size_t kAsked = 6;  // most places asked for per node: for a new normal
-
-std::int16_t steps_of(float distance) noexcept {
-  return static_cast<std::int16_t>(std::lrint(std::clamp(distance, -kBand, kBand) / static_cast<float>(kRecord16Distance)));
-}
+constexpr float kReserve = 0.05f;           // [voxel edges] of room: beyond the border of the table distances are lower bounds
 
 /// @returns the largest change of an interpolated distance over the way [-]: 1 for exact distances.
 double steepest_of(const CuttingField& field) noexcept {
@@ -42,9 +35,12 @@ double steepest_of(const CuttingField& field) noexcept {
   return std::max(1.0, glm::length(Vec3(most)) / field.pitch);
 }
 
-Vec3i voxel_of(const Vec3i& block, std::uint16_t inside) noexcept {
-  return block * kBlockEdge + Vec3i(inside % kBlockEdge, inside / kBlockEdge % kBlockEdge, inside / (kBlockEdge * kBlockEdge));
+Vec3i place_in_block(std::uint32_t inside) noexcept {
+  const int n = static_cast<int>(inside);
+  return {n % kBlockEdge, n / kBlockEdge % kBlockEdge, n / (kBlockEdge * kBlockEdge)};
 }
+
+std::array<float, 3> array_of(const Vec3f& v) noexcept { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
@@ -55,18 +51,10 @@ struct CutFace::Sweep {
   VoxelBox erodible;
   VoxelBox allowed;  // the part of the box that may be eroded
   Vec3i ahead;       // [voxels] to the neighbour towards the face
-  float part_reach;  // [voxel edges] by which distances in a part of a block differ from that of its middle
 };
 
 CutFace::CutFace(std::shared_ptr<const CuttingField> field)
-    : field_(std::move(field)), sampler_(*field_), job_(field_job(*field_)), steepest_(steepest_of(*field_)) {}
-
-/// Fills sampled_ with the distances to the tool.
-void CutFace::sample(const FieldPlaces& places) {
-  sampled_.resize(places.size() + kFieldPad);
-  sample_field(job_, {places.size(), places.x.data(), places.y.data(), places.z.data()}, sampled_.data());
-  for (std::size_t n = 0; n < places.size(); ++n) sampled_[n] /= edge_;
-}
+    : field_(std::move(field)), sampler_(*field_), tool_{.field = field_job(*field_), .edge = 0.0f, .along = {}, .follow = kFollow, .free = kFree, .known = kKnown, .normal_from = {}}, steepest_(steepest_of(*field_)) {}
 
 /// Sets the nodes of a block from the density, as far as the window knows them.
 void CutFace::complete(const Voxmap& voxmap, const Vec3i& at, CutSurface::Block& block) {
@@ -77,43 +65,44 @@ void CutFace::complete(const Voxmap& voxmap, const Vec3i& at, CutSurface::Block&
   surface_->read(window, part, scratch_);
   block.complete = part == whole;
   for_each_voxel(part, [&](const Vec3i& v) {
-    CutSurface::Node& node = block.at(v);
-    if (node.set()) return;
-    const Record16& record = scratch_[part.offset_of(v)];
-    node.base = static_cast<float>(kRecord16Distance) * static_cast<float>(record.distance);
-    node.cut = -kBand;
-    node.normal = {record.nx, record.ny, record.nz};
+    const std::size_t n = CutSurface::Block::place(v);
+    if (block.base[n] != CutSurface::kUnset) return;
+    block.record[n] = scratch_[part.offset_of(v)];
+    block.base[n] = static_cast<float>(kRecord16Distance) * static_cast<float>(block.record[n].distance);
+    block.cut[n] = -kBand;
   });
 }
 
 /// @returns whether the surface at a node faces the tool.
-bool CutFace::faces_tool(const CutSurface::Node& node, const Vec3f& place) const noexcept {
+bool CutFace::faces_tool(const Record16& record, const Vec3f& place) const noexcept {
   Vec3f gradient(0.0f);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     Vec3f step(0.0f);
     step[axis] = 1.0f;
     gradient[axis] = sampler_.distance(place + step) - sampler_.distance(place - step);
   }
-  const Vec3 away = normal_from_node_ * Vec3(gradient), normal = kRecord16Normal * Vec3(node.normal[0], node.normal[1], node.normal[2]);
+  const Vec3 away = normal_from_node_ * Vec3(gradient), normal = kRecord16Normal * Vec3(record.nx, record.ny, record.nz);
   return -glm::dot(normal, away) > kFacing * glm::length(away);
 }
 
 /// Sets phi of a node that has none yet: the surface as it was, in air or if it faces the tool, or the face as its neighbour knows it.
-void CutFace::start(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place, float tool,
-                    CutSurface::Node& node) const noexcept {
-  if (node.base >= 0.0f || (node.base > -kKnown && faces_tool(node, place)))  // air has no face but the bone's
-    node.cut = node.base;
+void CutFace::start(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place, float tool, CutSurface::Block& block,
+                    std::size_t inside) const noexcept {
+  const float base = block.base[inside];
+  float& cut = block.cut[inside];
+  if (base >= 0.0f || (base > -kKnown && faces_tool(block.record[inside], place)))  // air has no face but the bone's
+    cut = base;
   else
-    node.cut = std::max(node.cut, from_neighbour(voxmap, sweep, voxel, place));
-  if (node.cut > -kKnown || tool > kNearTool) return;
+    cut = std::max(cut, from_neighbour(voxmap, sweep, voxel, place));
+  if (cut > -kKnown || tool > kNearTool) return;
   // The tool moves across the force. Distances of neighbours differ by at most an edge.
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const int side : {-1, 1}) {
       Vec3i next = voxel;
       next[axis] += side;
-      const CutSurface::Block* const block = voxmap.cut().find(block_of(next));
-      if (block == nullptr || block->at(next).cut <= -kKnown) continue;
-      node.cut = std::max(node.cut, std::min(block->at(next).cut - 1.0f, -tool));
+      const CutSurface::Block* const beside = voxmap.cut().find(block_of(next));
+      if (beside == nullptr || beside->at(next).cut <= -kKnown) continue;
+      cut = std::max(cut, std::min(beside->at(next).cut - 1.0f, -tool));
     }
 }
 
@@ -139,8 +128,9 @@ CutFace::Sweep CutFace::aim(const Voxmap& voxmap, const Affine& index_from_tool,
   if (!surface_) {
     surface_.emplace(bone);
     edge_ = static_cast<float>(bone.mean_edge());
+    tool_.edge = edge_;
     longest_ = static_cast<float>(glm::length(field_->bounds.hi - field_->bounds.lo)) / edge_ + kBand;
-    reserve_lists();
+    nodes_.make_room(reserved_nodes(*field_, bone.mean_edge()) / 2);
   }
   const MasterWindow& window = voxmap.window();
   const double edge = bone.mean_edge(), reach = static_cast<double>(kFollow) * edge;
@@ -148,26 +138,24 @@ CutFace::Sweep CutFace::aim(const Voxmap& voxmap, const Affine& index_from_tool,
   Sweep sweep;
   sweep.place = Affine::scaling(1.0 / field_->pitch, -field_->origin / field_->pitch) * index_from_tool.inverse();
   normal_from_node_ = glm::transpose(glm::inverse(bone.linear)) * glm::transpose(sweep.place.linear);
+  tool_.along = array_of(along_);
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t c = 0; c < 3; ++c) tool_.normal_from[3 * r + c] = static_cast<float>(normal_from_node_[c][r] * edge);
   const Vec3 u = index_from_tool.linear * reaction;
   sweep.ahead = Vec3i(glm::round(u / std::max({std::abs(u.x), std::abs(u.y), std::abs(u.z)})));
   const Bounds near = bounds_under(index_from_tool, {field_->bounds.lo - reach, field_->bounds.hi + reach});
   const Vec3 low(window.box.lo - 2), high(window.box.hi + 2);
   sweep.box = {Vec3i(glm::ceil(glm::clamp(near.lo, low, high))), Vec3i(glm::floor(glm::clamp(near.hi, low, high))) + 1};
-  double diagonal = 0.0;  // [nodes]
-  for (const double y : {-kPartMiddle, kPartMiddle})
-    for (const double z : {-kPartMiddle, kPartMiddle})
-      diagonal = std::max(diagonal, glm::length(sweep.place.linear * Vec3(kPartMiddle, y, z)));
-  sweep.part_reach = static_cast<float>(diagonal * steepest_ * field_->pitch / edge);
   sweep.erodible = window.erodible_box();
   sweep.allowed = sweep.box.intersect(sweep.erodible);
   return sweep;
 }
 
 std::uint32_t CutFace::find(Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction) {
-  nodes_.clear();
+  nodes_.count = 0;
+  runs_.clear();
   buried_.clear();
   unknown_.clear();
-  places_.clear();
   if (field_->empty()) return 0;
   const Sweep sweep = aim(voxmap, index_from_tool, reaction);
   const auto tool_at = [&](const Vec3& v) { return sampler_.distance(Vec3f(sweep.place * v)) / edge_; };
@@ -176,216 +164,219 @@ std::uint32_t CutFace::find(Voxmap& voxmap, const Affine& index_from_tool, const
     for_each_voxel(blocks_of(sweep.allowed), [&](const Vec3i& at) {
       if (tool_at(Vec3(at * kBlockEdge) + 0.5 * (kBlockEdge - 1)) <= kFollow + half) visit(voxmap, sweep, at);
     });
-  if (!nodes_.empty()) buried_.clear();
-  find_lags();
+  if (nodes_.count > 0) {
+    buried_.clear();
+    find_wear(tool_, voxmap.window().hardness.data(), kLeastHardness, nodes_);
+    find_lags(tool_, usual_, longest_, nodes_);
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < nodes_.count; ++n)
+      if (nodes_.behind[n] > 0.0f) sum += static_cast<double>(nodes_.behind[n]), ++count;
+    if (count > 0) usual_ = static_cast<float>(sum / static_cast<double>(count));
+  }
   std::uint32_t outside = 0;
   if (!(sweep.allowed == sweep.box))
     for_each_voxel(sweep.box, [&](const Vec3i& v) { outside += !sweep.allowed.contains(v) && tool_at(Vec3(v)) < 0.0f ? 1 : 0; });
   return outside;
 }
 
-bool CutFace::is_quiet(const Sweep& sweep, const Vec3i& at, bool has_block) const noexcept {
-  const auto found = quiet_.find(key_of_block(at));
-  if (found == quiet_.end() || !(found->second.far || has_block)) return false;
+bool CutFace::is_quiet(const Sweep& sweep, const Vec3i& at, const Quiet& part, bool has_block) const noexcept {
+  if (!(part.room > 0.0f && (part.far || has_block))) return false;
   // Every voxel of the block moves, in the tool's frame, by at most what its middle moves and what its corners turn about it.
   constexpr double kHalf = 0.5 * (kBlockEdge - 1);
-  const Affine& before = found->second.place;
-  const Mat3 turn = sweep.place.linear - before.linear;
-  const Vec3 moved = turn * (Vec3(at * kBlockEdge) + kHalf) + sweep.place.offset - before.offset;
+  const Mat3 turn = sweep.place.linear - part.place.linear;
+  const Vec3 moved = turn * (Vec3(at * kBlockEdge) + kHalf) + sweep.place.offset - part.place.offset;
   const double turned = kHalf * std::sqrt(3.0 * (glm::dot(turn[0], turn[0]) + glm::dot(turn[1], turn[1]) + glm::dot(turn[2], turn[2])));
-  return (glm::length(moved) + turned) * steepest_ * field_->pitch < found->second.room * static_cast<double>(edge_);
+  return (glm::length(moved) + turned) * steepest_ * field_->pitch < static_cast<double>(part.room * edge_);
 }
 
-void CutFace::gather(const MasterWindow& window, const Sweep& sweep, const VoxelBox& part, const CutSurface::Block* block) {
-  candidates_.resize(part.count());
-  asked_.resize(part.count());
-  passed_over_ = std::numeric_limits<float>::infinity();
-  const Vec3i first_lo = block_of(part.lo) * kBlockEdge;
-  std::size_t count = 0;
-  const Vec3f step(sweep.place.linear[0]);
-  for_each_voxel({Vec3i(0), Vec3i(2)}, [&](const Vec3i& which) {
-    const Vec3i lo = first_lo + kPart * which;
-    const VoxelBox here = VoxelBox{lo, lo + kPart}.intersect(part);
-    if (here.empty()) return;
-    const float least = sampler_.distance(Vec3f(sweep.place * (Vec3(lo) + kPartMiddle))) / edge_ - sweep.part_reach;
-    if (least > kFollow) {
-      passed_over_ = std::min(passed_over_, least - kFollow);
-      return;
+BlockSearch CutFace::search_of(const MasterWindow& window, const Sweep& sweep, const VoxelBox& box, const CutSurface::Block* block,
+                                 const QuietParts* parts) {
+  static const CutSurface::Block kNoNodes;
+  const bool has_block = block != nullptr;
+  if (!has_block) block = &kNoNodes;
+  const Vec3i at = block_of(box.lo), corner = at * kBlockEdge;
+  const auto step = [&](std::size_t axis) { return array_of(Vec3f(sweep.place.linear[axis])); };
+  const Vec3i lo = box.lo - corner, hi = box.hi - corner, size = window.box.size();
+  const auto row = static_cast<std::uint32_t>(size.x), slab = row * static_cast<std::uint32_t>(size.y);
+  const Vec3i in_window = corner - window.box.lo;
+  BlockSearch out{.first = array_of(Vec3f(sweep.place * Vec3(corner))),
+                  .step_i = step(0),
+                  .step_j = step(1),
+                  .step_k = step(2),
+                  .occupancy = occupancy_.data(),
+                  .remaining = remaining_.data(),
+                  .row = kBlockEdge,
+                  .slab = kBlockEdge * kBlockEdge,
+                  // A block may begin outside the window; offsets of its voxels are right modulo 2^32.
+                  .at = static_cast<std::uint32_t>(in_window.z) * slab + static_cast<std::uint32_t>(in_window.y) * row +
+                        static_cast<std::uint32_t>(in_window.x),
+                  .window_row = row,
+                  .window_slab = slab,
+                  .base = block->base.data(),
+                  .cut = block->cut.data(),
+                  .parts = 0,
+                  .lo = {lo.x, lo.y, lo.z},
+                  .hi = {hi.x, hi.y, hi.z}};
+  for (std::uint32_t part = 0; part < 8; ++part)
+    if (parts == nullptr || !is_quiet(sweep, at, (*parts)[part], has_block)) out.parts |= 1u << part;
+  const VoxelBox whole{corner, corner + kBlockEdge};
+  if (out.parts == 0) return out;
+  if (window.box.contains(whole)) {
+    out.occupancy = window.occupancy.data() + out.at;
+    out.remaining = window.remaining.data() + out.at;
+    out.row = row;
+    out.slab = slab;
+  } else {
+    occupancy_.fill(0.0f);
+    remaining_.fill(0.0f);
+    const VoxelBox inside = whole.intersect(window.box);
+    copy_part(inside, window.box, window.occupancy.data(), whole, occupancy_.data());
+    copy_part(inside, window.box, window.remaining.data(), whole, remaining_.data());
+  }
+  return out;
+}
+
+double CutFace::radius(std::size_t node) const noexcept {
+  const Vec3 p = field_->origin + field_->pitch * Vec3(Vec3f(nodes_.x[node], nodes_.y[node], nodes_.z[node]));
+  return std::sqrt(p.x * p.x + p.y * p.y);
+}
+
+void CutFace::start_lacking(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& at, const BlockSearch& search,
+                            CutSurface::Block& block) {
+  const MasterWindow& window = voxmap.window();
+  for (std::size_t n = 0; n < found_.lacking_count; ++n) {
+    const std::uint32_t inside = found_.lacking[n];
+    const float tool = found_.lacking_tool[n];
+    const Vec3i in_block = place_in_block(inside), part = in_block / kPart;
+    float& room = found_.room[static_cast<std::size_t>(part.x + 2 * part.y + 4 * part.z)];
+    if (block.base[inside] == CutSurface::kUnset) {
+      room = 0.0f;
+      continue;
     }
-    for (int k = here.lo.z; k < here.hi.z; ++k)
-      for (int j = here.lo.y; j < here.hi.y; ++j) {
-        const Vec3f first(sweep.place * Vec3(here.lo.x, j, k));
-        const std::size_t row = window.box.offset_of({here.lo.x, j, k});
-        const auto inside = static_cast<std::size_t>(((k & 7) * kBlockEdge + (j & 7)) * kBlockEdge + (here.lo.x & 7));
-        for (int i = 0; i < here.hi.x - here.lo.x; ++i) {
-          const auto n = static_cast<std::size_t>(i);
-          const bool bone = window.occupancy[row + n] > 0.0f && window.remaining[row + n] > 0.0f;
-          if (block != nullptr && !bone && block->nodes[inside + n].cut > kFree) continue;
-          asked_.set(count, first + static_cast<float>(i) * step);
-          candidates_[count++] = {static_cast<std::uint32_t>(row + n), static_cast<std::uint16_t>(inside + n), bone};
-        }
+    const Vec3i voxel = at * kBlockEdge + in_block;
+    const Vec3f i(in_block), place = Vec3f(search.first[0], search.first[1], search.first[2]) + Vec3f(sweep.place.linear * Vec3(i));
+    const std::size_t here = window.box.offset_of(voxel);
+    const bool bone = window.occupancy[here] > 0.0f && window.remaining[here] > 0.0f;
+    start(voxmap, sweep, voxel, place, tool, block, inside);
+    const float cut = block.cut[inside];
+    if (cut > kFree && !bone) continue;
+    if (cut <= -kKnown) {
+      room = 0.0f;
+      unknown_.push_back({&block.cut[inside], tool});
+      if (bone && tool < 0.0f) {
+        const Vec3 p = field_->origin + field_->pitch * Vec3(place);
+        buried_.push_back({static_cast<std::uint32_t>(here), &block.cut[inside], tool,
+                           sampler_.factor(place) / std::max(window.hardness[here], kLeastHardness),
+                           static_cast<float>(std::sqrt(p.x * p.x + p.y * p.y))});
       }
-  });
-  candidates_.resize(count);
-  asked_.resize(count);
-  sample(asked_);
+      continue;
+    }
+    room = std::min(room, std::max(0.0f, tool + cut));
+    if (tool + cut >= 0.0f) continue;
+    const std::size_t to = nodes_.count++;
+    nodes_.at[to] = static_cast<std::uint32_t>(here);
+    nodes_.inside[to] = inside;
+    nodes_.x[to] = place.x, nodes_.y[to] = place.y, nodes_.z[to] = place.z;
+    nodes_.tool[to] = tool, nodes_.cut[to] = cut, nodes_.base[to] = block.base[inside];
+  }
 }
 
-/// What the law does to a voxel.
-CutRule CutFace::rule_at(const MasterWindow& window, std::uint32_t at, const Vec3f& place) const noexcept {
-  const Vec3 p = field_->origin + field_->pitch * Vec3(place);
-  return {sampler_.factor(place), std::max(window.hardness[at], 0.1f), static_cast<float>(std::sqrt(p.x * p.x + p.y * p.y))};
+void CutFace::note_quiet(const Sweep& sweep, const BlockSearch& search, bool has_block, QuietParts& parts) const noexcept {
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    if ((search.parts >> part & 1u) == 0) continue;
+    const float room = has_block ? found_.room[part] : found_.nearest[part] - kFollow;
+    parts[part] = {sweep.place, std::max(0.0f, std::min(kBand, room) - kReserve), !has_block};
+  }
 }
 
 /// Appends the voxels of one block whose face overlaps the tool.
 void CutFace::visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at) {
   const MasterWindow& window = voxmap.window();
   CutSurface::Block* block = voxmap.cut().find(at);
-  if ((block != nullptr && block->free) || is_quiet(sweep, at, block != nullptr)) return;
-  const VoxelBox whole = box_of_block(at), part = whole.intersect(sweep.erodible);
-  const bool all = part == whole;
-  gather(window, sweep, part, block);
-  const bool none_far = passed_over_ == std::numeric_limits<float>::infinity();
-  if (candidates_.empty() && none_far) {
+  if (block != nullptr && block->free) return;
+  const VoxelBox whole = box_of_block(at), box = whole.intersect(sweep.erodible);
+  const bool all = box == whole;
+  QuietParts* const known = all ? &quiet_[key_of_block(at)] : nullptr;
+  BlockSearch search = search_of(window, sweep, box, block, known);
+  if (search.parts == 0) return;
+  const std::size_t first = nodes_.count;
+  nodes_.make_room(kBlockVoxels);
+  search_block(tool_, search, nodes_, found_);
+  const float nearest = *std::min_element(found_.nearest.begin(), found_.nearest.end());
+  if (search.parts == kAllParts && nearest == std::numeric_limits<float>::max()) {
     if (block != nullptr) block->free = all;
     return;
   }
-  float nearest = kFollow + std::min(kBand, passed_over_);
-  for (std::size_t n = 0; n < candidates_.size(); ++n) nearest = std::min(nearest, sampled_[n]);
   if (nearest > kFollow) {
-    if (all)
-      quiet_.insert_or_assign(key_of_block(at), Quiet{sweep.place, static_cast<double>(nearest - kFollow) - kReserve, block == nullptr});
+    if (known != nullptr) note_quiet(sweep, search, block != nullptr, *known);
     return;
   }
-  if (block == nullptr) block = &voxmap.cut().add(at);
-  if (!block->complete) complete(voxmap, at, *block);
-  float room = all ? std::min(kBand, passed_over_) : 0.0f;
-  for (std::size_t n = 0; n < candidates_.size(); ++n) {
-    const Candidate& one = candidates_[n];
-    CutSurface::Node& node = block->nodes[one.inside];
-    const float tool = sampled_[n];
-    if (tool > kFollow) {
-      room = std::min(room, tool - kFollow);
-      continue;
-    }
-    if (!node.set()) {
-      room = 0.0f;
-      continue;
-    }
-    if (node.cut <= -kKnown) {
-      start(voxmap, sweep, voxel_of(at, one.inside), asked_.at(n), tool, node);
-      if (node.cut > kFree && !one.bone) continue;
-      if (node.cut <= -kKnown) {
-        room = 0.0f;
-        unknown_.push_back({&node, tool});
-        if (one.bone && tool < 0.0f) buried_.push_back({one.at, &node, tool, rule_at(window, one.at, asked_.at(n))});
-        continue;
-      }
-    }
-    room = std::min(room, std::max(0.0f, tool + node.cut));
-    if (tool + node.cut >= 0.0f) continue;
-    nodes_.push_back({one.at, &node, tool, 0.0f, 0.0f, rule_at(window, one.at, asked_.at(n))});
-    places_.add(asked_.at(n));
+  if (block == nullptr || !block->complete) {
+    if (block == nullptr) block = &voxmap.cut().add(at);
+    complete(voxmap, at, *block);
+    search = search_of(window, sweep, box, block, nullptr);
+    nodes_.count = first;
+    search_block(tool_, search, nodes_, found_);
   }
-  if (room > 0.0f)
-    quiet_.insert_or_assign(key_of_block(at), Quiet{sweep.place, static_cast<double>(room) - kReserve, false});
-  else
-    quiet_.erase(key_of_block(at));
+  start_lacking(voxmap, sweep, at, search, *block);
+  if (nodes_.count > first) runs_.push_back({block, first});
+  if (known != nullptr) note_quiet(sweep, search, true, *known);
 }
 
-/// Finds l of each node. The search starts at the usual lag. It is a secant, bounded below by the missing distance itself, since distances
-/// change by at most the travel. A lag that does not settle belongs to a face along u, which the normal decides.
-void CutFace::find_lags() {
-  lags_.resize(nodes_.size());
-  open_.clear();
-  for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
-    const float missing = -(nodes_[n].tool + nodes_[n].node->cut);
-    lags_[n] = {0.0f, missing, -1.0f, 0.0f, std::max(usual_, missing)};
-    open_.push_back(n);
-  }
-  double sum = 0.0;
-  std::size_t count = 0;
-  for (int round = 0; round < kMostRounds && !open_.empty(); ++round) {
-    asked_.clear();
-    for (const std::uint32_t n : open_) asked_.add(places_.at(n) - lags_[n].now * along_);
-    sample(asked_);
-    std::size_t kept = 0;
-    for (std::size_t m = 0; m < open_.size(); ++m) {
-      const std::uint32_t n = open_[m];
-      Lag& lag = lags_[n];
-      const float missing = -nodes_[n].node->cut - sampled_[m], at = lag.now;
-      if (std::abs(missing) <= kExact) {
-        nodes_[n].behind = at;
-        nodes_[n].rest = missing;
-        sum += static_cast<double>(at), ++count;
-        continue;
-      }
-      if (missing < 0.0f) {
-        lag.far = at, lag.far_missing = missing;
-      } else {
-        const float slope = (lag.near_missing - missing) / (at - lag.near);
-        lag.near = at, lag.near_missing = missing;
-        lag.now = at + (slope > kSteepEnough ? std::max(missing, missing / slope) : missing);
-      }
-      if (lag.far >= 0.0f && (missing < 0.0f || lag.now >= lag.far))
-        lag.now = lag.near + (lag.far - lag.near) * lag.near_missing / (lag.near_missing - lag.far_missing);
-      if (lag.now <= longest_) open_[kept++] = n;
-    }
-    open_.resize(kept);
-  }
-  if (count > 0) usual_ = static_cast<float>(sum / static_cast<double>(count));
-}
-
-std::span<const float> CutFace::recede(std::span<const float> shares) {
-  moved_.resize(nodes_.size());
-  after_.resize(nodes_.size());
-  for (std::size_t n = 0; n < nodes_.size(); ++n) moved_.set(n, places_.at(n) - (1.0f - shares[n]) * nodes_[n].behind * along_);
-  sample(moved_);
-  for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    const Receding& node = nodes_[n];
-    const float before = node.node->cut, most = -node.tool;
-    after_[n] = std::clamp(before + shares[n] * (most - before), before, most);
-    const float followed = std::min(-sampled_[n] - node.rest, most);
-    if (node.behind > 0.0f && followed > after_[n])
-      after_[n] = followed;
-    else
-      moved_.set(n, places_.at(n));
-  }
-  return after_;
+std::span<const float> CutFace::recede(double turns) {
+  for (std::vector<float>* list : {&shares_, &after_, &back_})
+    if (list->size() < nodes_.count + kFieldPad) list->resize(nodes_.x.size());
+  find_shares(nodes_, static_cast<float>(turns), shares_.data());
+  recede_nodes(tool_, nodes_, shares_.data(), after_.data(), back_.data());
+  return {after_.data(), nodes_.count};
 }
 
 void CutFace::open() noexcept {
-  for (const auto& [node, tool] : unknown_) node->cut = std::max(node->cut, -tool);
+  for (const auto& [cut, tool] : unknown_) *cut = std::max(*cut, -tool);
 }
 
 void CutFace::keep() {
-  asked_.clear();
-  open_.clear();
-  for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
-    CutSurface::Node& node = *nodes_[n].node;
-    node.cut = after_[n];
-    if (node.cut < (node.base < 0.0f ? node.base - kSharedDepth : 0.0f)) continue;
-    const float since = after_[n] - static_cast<float>(kRecord16Distance) * static_cast<float>(node.normal_at);
-    if (std::abs(since) < kNewNormal && node.normal_at != 0) continue;
-    open_.push_back(n);
-    const Vec3f place = moved_.at(n);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      for (const float side : {1.0f, -1.0f}) {
-        Vec3f beside = place;
-        beside[axis] += side;
-        asked_.add(beside);
-      }
+  if (steps_.size() < nodes_.count + kFieldPad) steps_.resize(nodes_.x.size());
+  quantise_distances(after_.data(), nodes_.base.data(), nodes_.count, steps_.data());
+  turned_.clear();
+  asked_.resize(nodes_.count);
+  for (std::size_t r = 0; r < runs_.size(); ++r) {
+    CutSurface::Block& block = *runs_[r].block;
+    const std::size_t last = r + 1 < runs_.size() ? runs_[r + 1].first : nodes_.count;
+    for (std::size_t n = runs_[r].first; n < last; ++n) {
+      const std::uint32_t inside = nodes_.inside[n];
+      const float cut = after_[n], base = nodes_.base[n];
+      block.cut[inside] = cut;
+      block.record[inside].distance = steps_[n];
+      if (cut < (base < 0.0f ? base - kSharedDepth : 0.0f)) continue;
+      const std::int16_t known = block.normal_at[inside];
+      if (std::abs(cut - static_cast<float>(kRecord16Distance) * static_cast<float>(known)) < kNewNormal && known != 0) continue;
+      const std::size_t to = turned_.size();
+      turned_.push_back({&block, inside});
+      asked_.x[to] = nodes_.x[n] - back_[n] * along_.x;
+      asked_.y[to] = nodes_.y[n] - back_[n] * along_.y;
+      asked_.z[to] = nodes_.z[n] - back_[n] * along_.z;
+    }
   }
-  sample(asked_);
-  for (std::size_t m = 0; m < open_.size(); ++m) {
-    CutSurface::Node& node = *nodes_[open_[m]].node;
-    const float* const d = &sampled_[6 * m];
-    const Vec3 normal = -(normal_from_node_ * Vec3(Vec3f(d[0] - d[1], d[2] - d[3], d[4] - d[5])));
-    const double length = glm::length(normal);
-    if (!(length > 0.0)) continue;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      node.normal[axis] = static_cast<std::int16_t>(std::lrint(normal[axis] / length / kRecord16Normal));
-    node.normal_at = steps_of(node.cut);
+  asked_.count = turned_.size();
+  renew_normals();
+}
+
+/// Normals of faces that have moved.
+void CutFace::renew_normals() {
+  for (std::vector<std::int16_t>& list : normals_)
+    if (list.size() < asked_.count + kFieldPad) list.resize(2 * asked_.count + kFieldPad);
+  find_normals(tool_, {asked_.count, asked_.x.data(), asked_.y.data(), asked_.z.data()},
+               {normals_[0].data(), normals_[1].data(), normals_[2].data()});
+  for (std::size_t n = 0; n < asked_.count; ++n) {
+    const auto& [block, inside] = turned_[n];
+    Record16& record = block->record[inside];
+    const std::int16_t x = normals_[0][n], y = normals_[1][n], z = normals_[2][n];
+    if (x == 0 && y == 0 && z == 0) continue;
+    record.nx = x, record.ny = y, record.nz = z;
+    const float cut = std::clamp(block->cut[inside], -kBand, kBand);
+    block->normal_at[inside] = static_cast<std::int16_t>(std::lrint(cut / static_cast<float>(kRecord16Distance)));
   }
 }
 
@@ -402,21 +393,8 @@ std::size_t CutFace::reserved_nodes(const CuttingField& field, double edge) noex
 }
 
 std::size_t CutFace::list_bytes(std::size_t nodes) noexcept {
-  constexpr std::size_t kPlace = 3 * sizeof(float);
-  return nodes * (sizeof(Receding) + 2 * kPlace + kAsked * (kPlace + sizeof(float)) + sizeof(float) + sizeof(Lag) + sizeof(std::uint32_t));
-}
-
-/// Steps of a usual run then allocate only blocks of the cut surface.
-void CutFace::reserve_lists() {
-  const std::size_t most = reserved_nodes(*field_, static_cast<double>(edge_));
-  nodes_.reserve(most);
-  places_.reserve(most);
-  moved_.reserve(most);
-  asked_.reserve(kAsked * most);
-  sampled_.reserve(kAsked * most + kFieldPad);
-  after_.reserve(most);
-  lags_.reserve(most);
-  open_.reserve(most);
+  constexpr std::size_t kPlace = 3 * sizeof(float), kTurned = sizeof(std::pair<CutSurface::Block*, std::uint32_t>);
+  return nodes * (FaceNodes::bytes_of_node() + 3 * sizeof(float) + sizeof(std::int16_t) + kTurned + kPlace + 3 * sizeof(std::int16_t));
 }
 
 }  // namespace burrhole

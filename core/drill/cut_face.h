@@ -33,6 +33,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -41,6 +42,7 @@
 #include <vector>
 
 #include "core/drill/erosion.h"
+#include "core/drill/face_kernels.h"
 #include "core/tool/cutting_field.h"
 #include "core/tool/field_kernels.h"
 #include "core/tool/field_sampler.h"
@@ -49,51 +51,24 @@
 
 namespace burrhole {
 
-/// What the law needs to know at a voxel.
-struct CutRule {
-  float factor;    ///< [1/rev] erosion factor
-  float hardness;  ///< [-] at least 0.1
-  float radius;    ///< [m] from the tool's axis
-};
-
-/// A voxel whose face overlaps the tool.
-struct Receding {
-  std::uint32_t at;        ///< offset into the window
-  CutSurface::Node* node;  ///< its phi (`cut`) and normal
-  float tool;              ///< [voxel edges] D
-  float behind;            ///< [voxel edges] l; 0: there is none, and phi + a w applies
-  float rest;              ///< [voxel edges] error of l: -D(p - l u) - phi
-  CutRule rule;
-};
-
 /// A voxel with bone inside a tool that overlaps no face.
 struct Buried {
-  std::uint32_t at;        ///< offset into the window
-  CutSurface::Node* node;  ///< without a known distance
-  float tool;              ///< [voxel edges] D, below 0
-  CutRule rule;
+  std::uint32_t at;  ///< offset into the window
+  float* cut;        ///< [voxel edges] its phi, which is not known
+  float tool;        ///< [voxel edges] D, below 0
+  float wear;        ///< [1/rev] e / h
+  float radius;      ///< [m] from the tool's axis
 };
 
 /// Places in the cutting field, in units of its nodes, as arrays that are padded for the kernels.
 struct FieldPlaces {
   std::vector<float> x, y, z;  ///< [nodes]
   std::size_t count = 0;
-  void clear() noexcept { count = 0; }
-  void reserve(std::size_t most) {
-    for (std::vector<float>* list : {&x, &y, &z}) list->resize(most + kFieldPad);
-  }
-  void add(const Vec3f& p) {
-    resize(count + 1);
-    set(count - 1, p);
-  }
   void resize(std::size_t to) {
     count = to;
     if (x.size() >= count + kFieldPad) return;
     for (std::vector<float>* list : {&x, &y, &z}) list->resize(2 * count + kFieldPad);
   }
-  void set(std::size_t n, const Vec3f& p) noexcept { x[n] = p.x, y[n] = p.y, z[n] = p.z; }
-  [[nodiscard]] Vec3f at(std::size_t n) const noexcept { return {x[n], y[n], z[n]}; }
-  [[nodiscard]] std::size_t size() const noexcept { return count; }
 };
 
 /// Moves the face of bone. One sub-step: find(), then recede() as often as needed, then keep().
@@ -102,17 +77,18 @@ class CutFace {
   static constexpr float kRamp = 0.75f;                              ///< [voxel edges] half width of the ramp of density across a face
   static constexpr float kFollow = static_cast<float>(kRecordBand);  ///< [voxel edges] from the tool, up to which faces are followed
   static constexpr float kFree = 2.0f;                               ///< [voxel edges] a node further out than this no longer changes
+  static constexpr float kLeastHardness = 0.1f;                      ///< [-] of h
 
   /// @pre `field` is not null.
   explicit CutFace(std::shared_ptr<const CuttingField> field);
 
-  /// Finds the voxels whose face overlaps the tool, ordered by block, k, j, i. @param reaction u, tool frame.
+  /// Finds the voxels whose face overlaps the tool, ordered by block. @param reaction u, tool frame.
   /// @returns the number of voxels inside the tool but outside the erodible box.
   std::uint32_t find(Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction);
   /// The voxels of the last find().
-  [[nodiscard]] std::span<const Receding> nodes() const noexcept { return nodes_; }
-  [[nodiscard]] std::size_t reserved() const noexcept { return nodes_.capacity(); }  ///< nodes for which there is room
-  /// Voxels with bone inside the tool of the last find(), for a tool that was placed inside bone; empty unless nodes() is empty. Their
+  [[nodiscard]] const FaceNodes& nodes() const noexcept { return nodes_; }
+  [[nodiscard]] double radius(std::size_t node) const noexcept;  ///< [m] from the tool's axis
+  /// Voxels with bone inside the tool of the last find(), for a tool that was placed inside bone; empty unless there are no nodes. Their
   /// density decays by the law.
   [[nodiscard]] std::span<const Buried> buried() const noexcept { return buried_; }
   /// For a tool that was placed inside bone: sets phi of the nodes that have none to -D, with the tool of the last find(), so that the face
@@ -120,9 +96,8 @@ class CutFace {
   void open() noexcept;
   /// For tests: the next find() visits every block, also those that the tool cannot have reached since the last visit.
   void visit_all() noexcept { quiet_.clear(); }
-  /// Computes phi after a sub-step; the nodes keep theirs. @param shares a of each node, 0..1, in the order of nodes().
-  /// @returns phi [voxel edges] of each node, in the same order.
-  std::span<const float> recede(std::span<const float> shares);
+  /// Computes phi after a sub-step of `turns` [rev]; the nodes keep theirs. @returns phi [voxel edges] of each node, in their order.
+  std::span<const float> recede(double turns);
   /// Writes the result of the last recede() into the nodes, and computes the normals of faces that have moved.
   void keep();
   /// @returns the density [-] of a voxel at the distance `phi` from the face. @param ramp [voxel edges] half width of the ramp.
@@ -138,62 +113,60 @@ class CutFace {
 
  private:
   struct Sweep;
-  /// A block without a voxel whose face overlaps the tool, and without one that must find its face.
+  /// A part of a block without a voxel whose face overlaps the tool, and without one that must find its face.
   struct Quiet {
-    Affine place;  ///< nodes of the field from index, at the last visit
-    double room;   ///< [voxel edges] by which a distance to the tool may fall before the next visit
-    bool far;      ///< no voxel was within the band: this holds whatever is known of the block
+    Affine place;      ///< nodes of the field from index, at the last visit
+    float room = 0.0f; ///< [voxel edges] by which a distance to the tool may fall before the next visit; 0: it must be visited
+    bool far = false;  ///< no voxel was within the band: this holds whatever is known of the block
   };
-  /// The search for one lag: missing(l) = -phi - D(p - l u) falls from above 0 to below.
-  struct Lag {
-    float near, near_missing;  ///< [voxel edges] largest lag known to be too small
-    float far, far_missing;    ///< [voxel edges] smallest lag known to be too large; -1: none
-    float now;                 ///< [voxel edges] to be tried next
-  };
+  using QuietParts = std::array<Quiet, 8>;
   [[nodiscard]] Sweep aim(const Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction);
   void visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at);
-  [[nodiscard]] CutRule rule_at(const MasterWindow& window, std::uint32_t at, const Vec3f& place) const noexcept;
-  [[nodiscard]] bool is_quiet(const Sweep& sweep, const Vec3i& at, bool has_block) const noexcept;
-  /// Fills asked_, sampled_ and candidates_ with the voxels of a block that may still change.
-  void gather(const MasterWindow& window, const Sweep& sweep, const VoxelBox& part, const CutSurface::Block* block);
+  [[nodiscard]] bool is_quiet(const Sweep& sweep, const Vec3i& at, const Quiet& part, bool has_block) const noexcept;
+  /// @returns the search of a block. @param box the part of the block that may be eroded. @param block null: it has no nodes yet. @param
+  /// parts null: all parts are searched; else those that are quiet are left out.
+  [[nodiscard]] BlockSearch search_of(const MasterWindow& window, const Sweep& sweep, const VoxelBox& box, const CutSurface::Block* block,
+                                      const QuietParts* parts);
+  /// Notes which parts of a block need no visit.
+  void note_quiet(const Sweep& sweep, const BlockSearch& search, bool has_block, QuietParts& parts) const noexcept;
   void complete(const Voxmap& voxmap, const Vec3i& at, CutSurface::Block& block);
-  void sample(const FieldPlaces& places);
-  void reserve_lists();
-  void find_lags();
-  [[nodiscard]] bool faces_tool(const CutSurface::Node& node, const Vec3f& place) const noexcept;
-  void start(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place, float tool,
-             CutSurface::Node& node) const noexcept;
+  /// Sets phi of the nodes that the search of a block found without, and lowers the room of their parts.
+  void start_lacking(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& at, const BlockSearch& search, CutSurface::Block& block);
+  void start(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place, float tool, CutSurface::Block& block,
+             std::size_t inside) const noexcept;
+  [[nodiscard]] bool faces_tool(const Record16& record, const Vec3f& place) const noexcept;
   [[nodiscard]] float from_neighbour(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place) const noexcept;
+  void renew_normals();
+
+  /// The nodes from `first` on, up to the next run, are of one block.
+  struct Run {
+    CutSurface::Block* block;
+    std::size_t first;
+  };
 
   std::shared_ptr<const CuttingField> field_;
   FieldSampler sampler_;
-  FieldJob job_;
+  FaceTool tool_;
   std::optional<SurfaceReader> surface_;  // made at the first step, when the bone is known
   std::vector<Record16> scratch_;
-  std::unordered_map<std::uint64_t, Quiet> quiet_;  // by key_of_block()
-  double steepest_;                                 // [-] largest change of an interpolated distance over the way
-  struct Candidate {
-    std::uint32_t at;      // offset into the window
-    std::uint16_t inside;  // place in its block
-    bool bone;
-  };
-  std::vector<Candidate> candidates_;
-  float passed_over_ = 0.0f;  // [voxel edges] beyond kFollow, least distance of the parts that the last gather() passed over
-  std::vector<Receding> nodes_;
+  std::unordered_map<std::uint64_t, QuietParts> quiet_;  // by key_of_block()
+  double steepest_;                                      // [-] largest change of an interpolated distance over the way
+  BlockFound found_;
+  std::array<float, kBlockVoxels> occupancy_, remaining_;  // of a block that is partly outside the window
+  FaceNodes nodes_;
+  std::vector<Run> runs_;
   std::vector<Buried> buried_;
-  std::vector<std::pair<CutSurface::Node*, float>> unknown_;  // nodes without a known distance, and that to the tool [voxel edges]
-  FieldPlaces places_;                                        // of nodes_
-  FieldPlaces moved_;                                         // of nodes_, at which the distances of the last recede() were taken
-  FieldPlaces asked_;                                         // scratch
-  std::vector<float> sampled_;                                // [voxel edges] distances of the last sample()
-  std::vector<float> after_;                                  // [voxel edges] result of recede()
-  std::vector<Lag> lags_;
-  std::vector<std::uint32_t> open_;  // nodes without a settled lag
-  float edge_ = 0.0f;                // [m]
-  float longest_ = 0.0f;             // [voxel edges] largest lag that is searched for
-  float usual_ = 0.0f;               // [voxel edges] mean lag of the last step
-  Vec3f along_{0.0f};                // [nodes per voxel edge] u
-  Mat3 normal_from_node_{1.0};       // direction in the bone frame from a gradient in nodes
+  std::vector<std::pair<float*, float>> unknown_;  // phi of nodes without a known distance, and that to the tool [voxel edges]
+  std::vector<float> shares_, after_, back_;       // of the nodes; after_ and back_ are the results of recede_nodes()
+  std::vector<std::int16_t> steps_;                // [steps] of kRecord16Distance, of the nodes after keep()
+  std::vector<std::pair<CutSurface::Block*, std::uint32_t>> turned_;  // nodes that need a new normal
+  FieldPlaces asked_;                                                 // places of their faces
+  std::array<std::vector<std::int16_t>, 3> normals_;
+  float edge_ = 0.0f;     // [m]
+  float longest_ = 0.0f;  // [voxel edges] largest lag that is searched for
+  float usual_ = 0.0f;    // [voxel edges] mean lag of the last step
+  Vec3f along_{0.0f};     // [nodes per voxel edge] u
+  Mat3 normal_from_node_{1.0};  // direction in the bone frame from a gradient in nodes
 };
 
 }  // namespace burrhole

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/base/portable_math.h"
 
@@ -11,24 +12,23 @@ namespace {
 constexpr float kLeastDensity = 1e-3f;  // [-] a voxel that is thinned out ends here
 constexpr float kTail = 0.25f;          // [voxel edges] way of the face over which bone beyond the ramp goes
 
-template <class Node>
-float share_of(const Node& node, double turns) noexcept {
-  return static_cast<float>(1.0 - portable_exp(-turns * static_cast<double>(node.rule.factor) / static_cast<double>(node.rule.hardness)));
-}
-
 /// @returns remaining [-] of a voxel without a face; the part of it inside the tool is thinned out.
 float thinned(const MasterWindow& window, const Buried& node, double turns) noexcept {
   const float before = window.remaining[node.at], inside = CutFace::density_of(node.tool);
-  const float after = before * (1.0f - inside * share_of(node, turns));
+  const auto share = static_cast<float>(1.0 - portable_exp(-turns * static_cast<double>(node.wear)));
+  const float after = before * (1.0f - inside * share);
   return window.occupancy[node.at] * after < kLeastDensity ? 0.0f : after;
 }
 
-/// @returns remaining [-] of a voxel whose face is at phi. Nothing is lost before the face moves: where the surface as loaded is steeper than
-/// the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches as far.
-float remaining_at(const MasterWindow& window, const Receding& node, float phi) noexcept {
-  const float before = window.remaining[node.at], occupancy = window.occupancy[node.at];
-  if (occupancy == 0.0f || phi <= node.node->cut) return before;
-  const float ramp = std::max(CutFace::kRamp, node.node->base + kTail), loaded = CutFace::density_of(node.node->base, ramp);
+/// @returns remaining [-] of a voxel whose face moves from `cut` to `phi`. Nothing is lost before the face moves: where the surface as loaded
+/// is steeper than the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches as far.
+float remaining_at(const MasterWindow& window, std::uint32_t at, float cut, float base, float phi) noexcept {
+  const float before = window.remaining[at];
+  const float ramp = std::max(CutFace::kRamp, base + kTail);
+  if (phi <= cut || phi <= -ramp) return before;
+  const float occupancy = window.occupancy[at];
+  if (occupancy == 0.0f) return before;
+  const float loaded = CutFace::density_of(base, ramp);
   return std::min(before, CutFace::density_of(phi, ramp) / (loaded < 1.0f ? loaded : occupancy));
 }
 
@@ -55,7 +55,7 @@ ErosionOutcome FaceRemoval::step(Voxmap& voxmap, const ErosionPath& path, int su
   double moment = 0.0;
   for (int n = 0; n < substeps; ++n) {
     outcome.outside += face_.find(voxmap, path.at((n + 1.0) / substeps), load.reaction);
-    if (face_.nodes().empty() && face_.buried().empty()) continue;
+    if (face_.nodes().count == 0 && face_.buried().empty()) continue;
     double turns = load.spin * time, work = 0.0;
     if (by_energy) {
       work = cutting_torque(config_.energy.cutting_ratio, load.force, radius_) * 2.0 * std::numbers::pi * load.spin * time;
@@ -73,30 +73,30 @@ ErosionOutcome FaceRemoval::step(Voxmap& voxmap, const ErosionPath& path, int su
   return outcome;
 }
 
-std::span<const float> FaceRemoval::recede(double turns) {
-  shares_.clear();
-  shares_.reserve(face_.reserved());
-  for (const Receding& node : face_.nodes()) shares_.push_back(share_of(node, turns));
-  return face_.recede(shares_);
+/// Adds the removal of one voxel. @param radius [m] from the tool's axis.
+void FaceRemoval::add(const MasterWindow& window, std::uint32_t at, float before, float after, double radius, Sum& sum) const noexcept {
+  const double gone = static_cast<double>(window.occupancy[at]) * static_cast<double>(before - after);
+  sum.mass += gone;
+  sum.moment += gone * radius;
+  sum.energy += gone * config_.energy.specific_energy * static_cast<double>(std::max(window.hardness[at], CutFace::kLeastHardness));
 }
 
-/// Adds the removal of one voxel.
-template <class Node>
-void FaceRemoval::add(const MasterWindow& window, const Node& node, float before, float after, Sum& sum) const noexcept {
-  const double gone = static_cast<double>(window.occupancy[node.at]) * static_cast<double>(before - after);
-  sum.mass += gone;
-  sum.moment += gone * static_cast<double>(node.rule.radius);
-  sum.energy += gone * config_.energy.specific_energy * static_cast<double>(node.rule.hardness);
+template <class Use>
+void FaceRemoval::for_each_loss(const MasterWindow& window, double turns, const Use& use) {
+  const FaceNodes& nodes = face_.nodes();
+  const std::span<const float> after = face_.recede(turns);
+  for (std::size_t n = 0; n < after.size(); ++n) {
+    const std::uint32_t at = nodes.at[n];
+    const float left = remaining_at(window, at, nodes.cut[n], nodes.base[n], after[n]);
+    if (left != window.remaining[at]) use(at, left, face_.radius(n));
+  }
 }
 
 FaceRemoval::Sum FaceRemoval::weigh(const MasterWindow& window, double turns) {
   Sum sum;
-  const std::span<const float> after = recede(turns);
-  for (std::size_t n = 0; n < after.size(); ++n) {
-    const Receding& node = face_.nodes()[n];
-    add(window, node, window.remaining[node.at], remaining_at(window, node, after[n]), sum);
-  }
-  for (const Buried& node : face_.buried()) add(window, node, window.remaining[node.at], thinned(window, node, turns), sum);
+  const auto weigh_one = [&](std::uint32_t at, float left, double radius) { add(window, at, window.remaining[at], left, radius, sum); };
+  for_each_loss(window, turns, weigh_one);
+  for (const Buried& node : face_.buried()) weigh_one(node.at, thinned(window, node, turns), static_cast<double>(node.radius));
   return sum;
 }
 
@@ -105,9 +105,9 @@ double FaceRemoval::turns_for(const MasterWindow& window, double cell_volume, do
   if (!(trial_ > 0.0)) trial_ = spin_time;
   Sum sum = weigh(window, trial_);
   sum.energy *= cell_volume;
-  if (radius_ == 0.0 && !face_.nodes().empty()) {
-    for (const Receding& node : face_.nodes()) radius_ += static_cast<double>(node.rule.radius);
-    radius_ /= static_cast<double>(face_.nodes().size());
+  if (const std::size_t count = face_.nodes().count; radius_ == 0.0 && count > 0) {
+    for (std::size_t n = 0; n < count; ++n) radius_ += face_.radius(n);
+    radius_ /= static_cast<double>(count);
   }
   if (!(wanted > 0.0)) return 0.0;
   // Removal grows with k, and less than in proportion to it.
@@ -122,24 +122,19 @@ FaceRemoval::Sum FaceRemoval::apply(Voxmap& voxmap, double turns, ErosionOutcome
   const auto row = static_cast<std::size_t>(size.x), slab = row * static_cast<std::size_t>(size.y);
   Sum sum;
   if (!(turns > 0.0)) return sum;
-  const auto write = [&](const auto& node, float left) {
-    const float before = bone[node.at];
+  const auto write = [&](std::uint32_t at, float left, double radius) {
+    const float before = std::exchange(bone[at], left);
     if (left == before) return;
-    bone[node.at] = left;
-    add(window, node, before, left, sum);
-    const Vec3i v(static_cast<int>(node.at % row), static_cast<int>(node.at % slab / row), static_cast<int>(node.at / slab));
+    add(window, at, before, left, radius, sum);
+    const Vec3i v(static_cast<int>(at % row), static_cast<int>(at % slab / row), static_cast<int>(at / slab));
     marks_.mark({v.x & ~7, v.y, v.z}, 1u << (v.x & 7));
     ++outcome.touched;
   };
-  const std::span<const float> after = recede(turns);
-  for (std::size_t n = 0; n < after.size(); ++n) {
-    const Receding& node = face_.nodes()[n];
-    write(node, remaining_at(window, node, after[n]));
-  }
+  for_each_loss(window, turns, write);
   face_.keep();
   bool open = false;
   for (const Buried& node : face_.buried()) {
-    write(node, thinned(window, node, turns));
+    write(node.at, thinned(window, node, turns), static_cast<double>(node.radius));
     open = open || window.occupancy[node.at] * bone[node.at] < 0.5f;
   }
   if (open) face_.open();

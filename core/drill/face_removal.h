@@ -34,15 +34,16 @@ class FaceRemoval {
   };
   /// @returns the removal at `turns` [rev], computed without a change of bone.
   [[nodiscard]] Sum weigh(const MasterWindow& window, double turns);
-  template <class Node>
-  void add(const MasterWindow& window, const Node& node, float before, float after, Sum& sum) const noexcept;
-  [[nodiscard]] std::span<const float> recede(double turns);
+  void add(const MasterWindow& window, std::uint32_t at, float before, float after, double radius, Sum& sum) const noexcept;
+  /// Calls use(offset into the window, remaining [-] after, radius [m] from the tool's axis) for each voxel that loses bone at its face in
+  /// `turns` [rev].
+  template <class Use>
+  void for_each_loss(const MasterWindow& window, double turns, const Use& use);
   Sum apply(Voxmap& voxmap, double turns, ErosionOutcome& outcome);
   [[nodiscard]] double turns_for(const MasterWindow& window, double cell_volume, double spin_time, double work);
 
   ErosionConfig config_;
   CutFace face_;
-  std::vector<float> shares_;  // of the nodes
   TileMarks marks_;            // of voxels changed in the current step
   double radius_ = 0.0;        // [m] mean radius at which bone was removed last, weighted by mass
   double trial_ = 0.0;         // [rev] k of the last sub-step of law `energy`

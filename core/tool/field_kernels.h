@@ -16,6 +16,7 @@ inline constexpr std::size_t kFieldPad = 16;
 /// A cutting field. Valid while the field is.
 struct FieldJob {
   const float* distance;   ///< [m] of the nodes
+  const float* factor;     ///< [1/rev] of the nodes
   std::int32_t row, slab;  ///< [nodes] offsets of a row and of a slab
   float end[3];            ///< [nodes] last node of each axis
   float margin, pitch;     ///< [m] of the field

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/voxel/block_store.h"
+#include "core/voxel/surface_record.h"
 
 namespace burrhole {
 
@@ -21,27 +22,34 @@ class CutSurface {
   /// Distance of a node that is not set.
   static constexpr float kUnset = std::numeric_limits<float>::max();
 
-  /// Distance and normal of one voxel. Bone is bounded by its surface before the cut and by the cut faces, so the larger of the two signed
-  /// distances applies, and the normal is that of the nearer surface. Exception: a node inside bone has the normal of the cut face also
-  /// where `cut` is up to one voxel edge smaller than `base`. Contact interpolates normals between nodes, and beside a cut face all of them
-  /// must belong to that face.
+  /// Distances of one voxel. Bone is bounded by its surface before the cut and by the cut faces, so the larger of the two signed distances
+  /// applies.
   struct Node {
-    float base = kUnset;                   ///< [voxel unit] signed distance to the surface when the node was set, positive outside bone
-    float cut = -kUnset;                   ///< [voxel unit] signed distance to the faces cut since; -kRecordBand or less: none is near
-    std::array<std::int16_t, 3> normal{};  ///< [steps] of kRecord16Normal, outward; zero: unknown
-    std::int16_t normal_at = 0;            ///< [steps] of kRecord16Distance: value of `cut` for which the normal was computed; 0: not yet
+    float base = kUnset;  ///< [voxel unit] signed distance to the surface when the node was set, positive outside bone
+    float cut = -kUnset;  ///< [voxel unit] signed distance to the faces cut since; -kRecordBand or less: none is near
     [[nodiscard]] bool set() const noexcept { return base != kUnset; }
     /// @returns the signed distance to the present surface of bone [voxel unit].
     [[nodiscard]] float distance() const noexcept { return base > cut ? base : cut; }
   };
+  /// The nodes of 8^3 voxels, i fastest, as arrays.
   struct Block {
-    std::array<Node, kBlockVoxels> nodes;
+    alignas(64) std::array<float, kBlockVoxels> base, cut;  ///< [voxel unit] of Node
+    /// The record of the voxel: Node::distance() within the band, and the normal of the nearer surface. Exception: a node inside bone has the
+    /// normal of the cut face also where `cut` is up to one voxel edge smaller than `base`. Contact interpolates normals between nodes, and
+    /// beside a cut face all of them must belong to that face.
+    std::array<Record16, kBlockVoxels> record{};
+    /// [steps] of kRecord16Distance: value of `cut` for which the normal was computed; 0: not yet
+    std::array<std::int16_t, kBlockVoxels> normal_at{};
     bool complete = false;  ///< every node is set
     bool free = false;      ///< no node will change any more
-    [[nodiscard]] Node& at(const Vec3i& voxel) noexcept { return nodes[place(voxel)]; }
-    [[nodiscard]] const Node& at(const Vec3i& voxel) const noexcept { return nodes[place(voxel)]; }
-
-   private:
+    Block() noexcept {
+      base.fill(kUnset);
+      cut.fill(-kUnset);
+    }
+    [[nodiscard]] Node at(const Vec3i& voxel) const noexcept {
+      const std::size_t n = place(voxel);
+      return {base[n], cut[n]};
+    }
     [[nodiscard]] static std::size_t place(const Vec3i& v) noexcept {
       const int at = ((v.z & 7) * kBlockEdge + (v.y & 7)) * kBlockEdge + (v.x & 7);
       return static_cast<std::size_t>(at);

@@ -166,17 +166,15 @@ void make_tiles(const MasterWindow& window, const VoxelBox& part, const SurfaceM
 
 }  // namespace
 
-Record16 record_of(const CutSurface::Node& node, Record16*) noexcept {
-  const float distance = std::clamp(node.distance(), static_cast<float>(-kRecordBand), static_cast<float>(kRecordBand));
-  return {static_cast<std::int16_t>(std::lrint(distance / static_cast<float>(kRecord16Distance))), node.normal[0], node.normal[1],
-          node.normal[2]};
-}
+Record16 converted(const Record16& record, Record16*) noexcept { return record; }
 
-Record8 record_of(const CutSurface::Node& node, Record8*) noexcept {
-  const auto narrow = [](float value) { return static_cast<std::int8_t>(std::lrint(value)); };
-  const auto turn = [&](std::int16_t n) { return narrow(static_cast<float>(n) * static_cast<float>(kRecord16Normal / kRecord8Normal)); };
-  const float distance = std::clamp(node.distance(), static_cast<float>(-kRecordBand), static_cast<float>(kRecordBand));
-  return {narrow(distance / static_cast<float>(kRecord8Distance)), turn(node.normal[0]), turn(node.normal[1]), turn(node.normal[2])};
+Record8 converted(const Record16& record, Record8*) noexcept {
+  const auto narrow = [](std::int16_t value, double step) {
+    return static_cast<std::int8_t>(std::lrint(static_cast<float>(value) * static_cast<float>(step)));
+  };
+  constexpr double kTurn = kRecord16Normal / kRecord8Normal;
+  return {narrow(record.distance, kRecord16Distance / kRecord8Distance), narrow(record.nx, kTurn), narrow(record.ny, kTurn),
+          narrow(record.nz, kTurn)};
 }
 
 void SurfaceRecords::overlay(const CutSurface* cut, const VoxelBox& part) {
@@ -185,13 +183,17 @@ void SurfaceRecords::overlay(const CutSurface* cut, const VoxelBox& part) {
     const CutSurface::Block* const block = cut->find(at);
     if (block == nullptr) return;
     const VoxelBox here = box_of_block(at).intersect(part);
+    const auto count = static_cast<std::size_t>(here.hi.x - here.lo.x);
     std::visit(
         [&](auto& records) {
           using Record = typename std::decay_t<decltype(records)>::value_type;
-          for_each_voxel(here, [&](const Vec3i& v) {
-            const CutSurface::Node& node = block->at(v);
-            if (node.set()) records[box_.offset_of(v)] = record_of(node, static_cast<Record*>(nullptr));
-          });
+          for (int k = here.lo.z; k < here.hi.z; ++k)
+            for (int j = here.lo.y; j < here.hi.y; ++j) {
+              const std::size_t from = CutSurface::Block::place({here.lo.x, j, k});
+              Record* const to = &records[box_.offset_of({here.lo.x, j, k})];
+              for (std::size_t n = 0; n < count; ++n)
+                if (block->base[from + n] != CutSurface::kUnset) to[n] = converted(block->record[from + n], static_cast<Record*>(nullptr));
+            }
         },
         records_);
   });
