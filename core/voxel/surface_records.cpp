@@ -166,6 +166,8 @@ void make_tiles(const MasterWindow& window, const VoxelBox& part, const SurfaceM
 
 }  // namespace
 
+namespace {
+
 Record16 converted(const Record16& record, Record16*) noexcept { return record; }
 
 Record8 converted(const Record16& record, Record8*) noexcept {
@@ -177,6 +179,20 @@ Record8 converted(const Record16& record, Record8*) noexcept {
           narrow(record.nz, kTurn)};
 }
 
+/// Writes the records of a row of nodes that are set.
+template <class Record>
+void write_row(const CutSurface::Block& block, std::size_t from, std::size_t count, Record* to) noexcept {
+  const auto convert = [](const Record16& record) { return converted(record, static_cast<Record*>(nullptr)); };
+  if (block.complete) {
+    std::transform(&block.record[from], &block.record[from] + count, to, convert);
+    return;
+  }
+  for (std::size_t n = 0; n < count; ++n)
+    if (block.base[from + n] != CutSurface::kUnset) to[n] = convert(block.record[from + n]);
+}
+
+}  // namespace
+
 void SurfaceRecords::overlay(const CutSurface* cut, const VoxelBox& part) {
   if (cut == nullptr || cut->empty() || part.empty()) return;
   for_each_voxel(blocks_of(part), [&](const Vec3i& at) {
@@ -186,13 +202,10 @@ void SurfaceRecords::overlay(const CutSurface* cut, const VoxelBox& part) {
     const auto count = static_cast<std::size_t>(here.hi.x - here.lo.x);
     std::visit(
         [&](auto& records) {
-          using Record = typename std::decay_t<decltype(records)>::value_type;
           for (int k = here.lo.z; k < here.hi.z; ++k)
             for (int j = here.lo.y; j < here.hi.y; ++j) {
-              const std::size_t from = CutSurface::Block::place({here.lo.x, j, k});
-              Record* const to = &records[box_.offset_of({here.lo.x, j, k})];
-              for (std::size_t n = 0; n < count; ++n)
-                if (block->base[from + n] != CutSurface::kUnset) to[n] = converted(block->record[from + n], static_cast<Record*>(nullptr));
+              const Vec3i first(here.lo.x, j, k);
+              write_row(*block, CutSurface::Block::place(first), count, &records[box_.offset_of(first)]);
             }
         },
         records_);
