@@ -56,7 +56,7 @@ const FeedCase& case_of(const std::string& name) {
 }
 
 /// @param more [erosion] keys.
-LoadedScene bench(const FeedCase& c, double push, const std::string& entry, const std::string& more) {
+LoadedScene bench(const FeedCase& c, double push, const std::string& entry, const std::string& more = "") {
   const std::string across = std::to_string(c.across_mm);
   return load_text(
       "title = \"Feed\"\nduration_s = 100\n[volume]\nsource = \"phantom:plate\"\nspacing_mm = " + std::to_string(c.spacing_mm) +
