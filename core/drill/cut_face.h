@@ -110,6 +110,8 @@ class CutFace {
   [[nodiscard]] static std::size_t reserved_nodes(const CuttingField& field, double edge) noexcept;
   /// @returns the memory of the lists for that number of nodes.
   [[nodiscard]] static std::size_t list_bytes(std::size_t nodes) noexcept;
+  /// @returns the memory of what is known of a block from earlier visits.
+  [[nodiscard]] static constexpr std::size_t quiet_bytes() noexcept { return sizeof(QuietParts); }
 
  private:
   struct Sweep;

@@ -85,7 +85,7 @@ struct BlockCase {
   std::array<float, kBlockVoxels> occupancy{}, remaining{};
   BlockSearch search;
 
-  explicit BlockCase(std::uint64_t seed) {
+  BlockCase(const CuttingField& field, std::uint64_t seed) {
     for (std::size_t n = 0; n < kBlockVoxels; ++n) {
       const auto by = [&](std::uint64_t counter) { return static_cast<float>(uniform11(seed, 8 * n + counter)); };
       occupancy[n] = by(0) > 0.0f ? 1.0f : 0.0f;
@@ -93,7 +93,10 @@ struct BlockCase {
       block.cut[n] = by(2) > 0.9f ? -CutSurface::kUnset : by(2) > 0.8f ? -3.5f : 3.0f * by(3);
       block.base[n] = by(4);
     }
-    const auto place = [&](std::uint64_t counter) { return 24.0f + 18.0f * static_cast<float>(uniform11(seed, 5000 + counter)); };
+    const Vec3f middle(-field.origin / field.pitch);
+    const auto place = [&](std::size_t axis) {
+      return middle[axis] - 8.0f + 18.0f * static_cast<float>(uniform11(seed, 5000 + axis));
+    };
     search = {.first = {place(0), place(1), place(2)},
               .step_i = {1.9f, 0.1f, -0.2f},
               .step_j = {-0.1f, 2.0f, 0.1f},
@@ -127,7 +130,7 @@ void plain_search(const FaceTool& tool, const CuttingField& field, const BlockSe
     Vec3f p;
     for (std::size_t c = 0; c < 3; ++c) {
       const float start = b.first[c] + static_cast<float>(v.y) * b.step_j[c] + static_cast<float>(v.z) * b.step_k[c];
-      p[static_cast<int>(c)] = start + static_cast<float>(v.x) * b.step_i[c];
+      p[c] = start + static_cast<float>(v.x) * b.step_i[c];
     }
     const float d = sampler.distance(p) / tool.edge;
     found.nearest[part] = std::min(found.nearest[part], d);
@@ -160,7 +163,7 @@ TEST_CASE("face kernels: a search finds the nodes, rooms and lacking nodes that 
     std::size_t nodes_seen = 0, lacking_seen = 0;
     at_every_level([&] {
       for (std::uint64_t seed = 1; seed < 40; ++seed) {
-        const BlockCase one(seed);
+        const BlockCase one(field, seed);
         FaceNodes plain, fast;
         plain.make_room(kBlockVoxels), fast.make_room(kBlockVoxels);
         static BlockFound expected, found;
@@ -272,14 +275,14 @@ TEST_CASE("face kernels: distances are rounded to steps within the band, and nor
     for (std::size_t n = 0; n < nodes.count; ++n) {
       REQUIRE(steps[n] == std::lrint(std::clamp(std::max(nodes.cut[n], nodes.base[n]), -3.5f, 3.5f) * 4096.0f));
       Vec3 slope(0.0);
-      for (int axis = 0; axis < 3; ++axis) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
         Vec3f step(0.0f);
         step[axis] = 1.0f;
         slope[axis] = static_cast<double>(sampler.distance(place_of(nodes, n) + step) - sampler.distance(place_of(nodes, n) - step));
       }
       const Vec3 normal = -glm::normalize(Vec3(slope.x + 0.2 * slope.y, slope.y, 0.1 * slope.x + slope.z));
-      for (int axis = 0; axis < 3; ++axis)  // a few roundings of floats, and half a step
-        REQUIRE(std::abs(normals[static_cast<std::size_t>(axis)][n] - 32767.0 * normal[axis]) < 1.0);
+      for (std::size_t axis = 0; axis < 3; ++axis)  // a few roundings of floats, and half a step
+        REQUIRE(std::abs(normals[axis][n] - 32767.0 * normal[axis]) < 1.0);
     }
   });
 }
