@@ -393,8 +393,9 @@ std::size_t CutFace::reserved_nodes(const CuttingField& field, double edge) noex
 }
 
 std::size_t CutFace::list_bytes(std::size_t nodes) noexcept {
-  constexpr std::size_t kPlace = 3 * sizeof(float), kTurned = sizeof(std::pair<CutSurface::Block*, std::uint32_t>);
-  return nodes * (FaceNodes::bytes_of_node() + 3 * sizeof(float) + sizeof(std::int16_t) + kTurned + kPlace + 3 * sizeof(std::int16_t));
+  // A face turns once it has moved by kNewNormal: half of the nodes at most in a usual step.
+  constexpr std::size_t kTurned = sizeof(std::pair<CutSurface::Block*, std::uint32_t>) + 3 * sizeof(std::int16_t), kPlace = 3 * sizeof(float);
+  return nodes * (FaceNodes::bytes_of_node() + 3 * sizeof(float) + sizeof(std::int16_t) + kPlace + kTurned / 2);
 }
 
 }  // namespace burrhole
