@@ -1,4 +1,4 @@
-/// core/base/lane_orders.h: table of the orders of lanes that bring those of a mask to the front (compact_lanes-inl.h).
+/// core/base/lane_orders.h: table of the orders of lanes that put those of a mask first (compact_lanes-inl.h).
 ///   Frame  none.   Units  [lanes].   Errors  none.   Thread  any.
 #pragma once
 

@@ -54,7 +54,10 @@ struct CutFace::Sweep {
 };
 
 CutFace::CutFace(std::shared_ptr<const CuttingField> field)
-    : field_(std::move(field)), sampler_(*field_), tool_{.field = field_job(*field_), .edge = 0.0f, .along = {}, .follow = kFollow, .free = kFree, .known = kKnown, .normal_from = {}}, steepest_(steepest_of(*field_)) {}
+    : field_(std::move(field)),
+      sampler_(*field_),
+      tool_{.field = field_job(*field_), .edge = 0.0f, .along = {}, .follow = kFollow, .free = kFree, .known = kKnown, .normal_from = {}},
+      steepest_(steepest_of(*field_)) {}
 
 /// Sets the nodes of a block from the density, as far as the window knows them.
 void CutFace::complete(const Voxmap& voxmap, const Vec3i& at, CutSurface::Block& block) {
@@ -191,7 +194,7 @@ bool CutFace::is_quiet(const Sweep& sweep, const Vec3i& at, const Quiet& part, b
 }
 
 BlockSearch CutFace::search_of(const MasterWindow& window, const Sweep& sweep, const VoxelBox& box, const CutSurface::Block* block,
-                                 const QuietParts* parts) {
+                               const QuietParts* parts) {
   static const CutSurface::Block kNoNodes;
   const bool has_block = block != nullptr;
   if (!has_block) block = &kNoNodes;
@@ -394,7 +397,8 @@ std::size_t CutFace::reserved_nodes(const CuttingField& field, double edge) noex
 
 std::size_t CutFace::list_bytes(std::size_t nodes) noexcept {
   // A face turns once it has moved by kNewNormal: half of the nodes at most in a usual step.
-  constexpr std::size_t kTurned = sizeof(std::pair<CutSurface::Block*, std::uint32_t>) + 3 * sizeof(std::int16_t), kPlace = 3 * sizeof(float);
+  constexpr std::size_t kTurned = sizeof(std::pair<CutSurface::Block*, std::uint32_t>) + 3 * sizeof(std::int16_t),
+                        kPlace = 3 * sizeof(float);
   return nodes * (FaceNodes::bytes_of_node() + 3 * sizeof(float) + sizeof(std::int16_t) + kPlace + kTurned / 2);
 }
 

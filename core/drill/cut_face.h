@@ -117,9 +117,9 @@ class CutFace {
   struct Sweep;
   /// A part of a block without a voxel whose face overlaps the tool, and without one that must find its face.
   struct Quiet {
-    Affine place;      ///< nodes of the field from index, at the last visit
-    float room = 0.0f; ///< [voxel edges] by which a distance to the tool may fall before the next visit; 0: it must be visited
-    bool far = false;  ///< no voxel was within the band: this holds whatever is known of the block
+    Affine place;       ///< nodes of the field from index, at the last visit
+    float room = 0.0f;  ///< [voxel edges] by which a distance to the tool may fall before the next visit; 0: it must be visited
+    bool far = false;   ///< no voxel was within the band: this holds whatever is known of the block
   };
   using QuietParts = std::array<Quiet, 8>;
   [[nodiscard]] Sweep aim(const Voxmap& voxmap, const Affine& index_from_tool, const Vec3& reaction);
@@ -164,10 +164,10 @@ class CutFace {
   std::vector<std::pair<CutSurface::Block*, std::uint32_t>> turned_;  // nodes that need a new normal
   FieldPlaces asked_;                                                 // places of their faces
   std::array<std::vector<std::int16_t>, 3> normals_;
-  float edge_ = 0.0f;     // [m]
-  float longest_ = 0.0f;  // [voxel edges] largest lag that is searched for
-  float usual_ = 0.0f;    // [voxel edges] mean lag of the last step
-  Vec3f along_{0.0f};     // [nodes per voxel edge] u
+  float edge_ = 0.0f;           // [m]
+  float longest_ = 0.0f;        // [voxel edges] largest lag that is searched for
+  float usual_ = 0.0f;          // [voxel edges] mean lag of the last step
+  Vec3f along_{0.0f};           // [nodes per voxel edge] u
   Mat3 normal_from_node_{1.0};  // direction in the bone frame from a gradient in nodes
 };
 

@@ -78,7 +78,8 @@ std::uint64_t erosion_bytes(const ErosionConfig& config, const Tool& tool, const
   if (config.subvoxel) {
     if (!tool.cutting) return 0;
     const std::size_t nodes = CutFace::reserved_nodes(*tool.cutting, voxel_edge);
-    return tool.cutting->bytes() + count_cut_blocks(*tool.cutting, way, voxel_edge) * (sizeof(CutSurface::Block) + CutFace::quiet_bytes() + 2 * kBlockOverhead) +
+    return tool.cutting->bytes() +
+           count_cut_blocks(*tool.cutting, way, voxel_edge) * (sizeof(CutSurface::Block) + CutFace::quiet_bytes() + 2 * kBlockOverhead) +
            CutFace::list_bytes(nodes) + sizeof(CutFace) + kTileBytes;
   }
   if (config.law != ErosionLaw::energy) return scatter_bytes(config, tool.erosion, way.index_from_tool);

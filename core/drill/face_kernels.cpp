@@ -15,9 +15,9 @@
 #define BURRHOLE_FACE_KERNELS_ONCE
 namespace burrhole {
 
-inline constexpr float kExactLag = 1e-4f;     // [voxel unit] of a lag
-inline constexpr float kSteepEnough = 0.1f;   // [-] least slope with which a lag is extrapolated
-inline constexpr int kMostRounds = 8;         // for a lag
+inline constexpr float kExactLag = 1e-4f;    // [voxel unit] of a lag
+inline constexpr float kSteepEnough = 0.1f;  // [-] least slope with which a lag is extrapolated
+inline constexpr int kMostRounds = 8;        // for a lag
 
 }  // namespace burrhole
 #endif
@@ -44,7 +44,8 @@ HWY_INLINE void store(F value, std::vector<float>& list, std::size_t n) { hn::St
 /// Lanes beyond the last entry have the place of the field's first node.
 HWY_INLINE F3 place_of(const FaceNodes& nodes, std::size_t n) {
   const auto used = hn::FirstN(Floats(), nodes.count - n);
-  return {hn::IfThenElseZero(used, load(nodes.x, n)), hn::IfThenElseZero(used, load(nodes.y, n)), hn::IfThenElseZero(used, load(nodes.z, n))};
+  return {hn::IfThenElseZero(used, load(nodes.x, n)), hn::IfThenElseZero(used, load(nodes.y, n)),
+          hn::IfThenElseZero(used, load(nodes.z, n))};
 }
 HWY_INLINE F3 moved_back(const FaceTool& tool, const F3& p, F by) {
   return {hn::Sub(p.x, hn::Mul(by, set(tool.along[0]))), hn::Sub(p.y, hn::Mul(by, set(tool.along[1]))),
@@ -119,7 +120,8 @@ void SearchBlock(const FaceTool& tool, const BlockSearch& b, FaceNodes& nodes, B
         lower(hn::And(wanted, hn::Or(known, hn::Gt(distance, follow))), spare, room[pair] + i);
         const M overlaps = hn::And(near, hn::And(known, hn::Lt(left, zero)));
         if (!hn::AllFalse(d, overlaps))
-          append(overlaps, p, distance, cut, b.base + inside + i, at + static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(inside + i));
+          append(overlaps, p, distance, cut, b.base + inside + i, at + static_cast<std::uint32_t>(i),
+                 static_cast<std::uint32_t>(inside + i));
         const M lacks = hn::AndNot(known, near);
         if (hn::AllFalse(d, lacks)) continue;
         const CompactLanes<Floats> lanes(d, lacks);
@@ -207,7 +209,8 @@ void RecedeNodes(const FaceTool& tool, const FaceNodes& nodes, const float* shar
   const Floats d;
   const Field<kRevolved> field(tool.field);
   for (std::size_t n = 0; n < nodes.count; n += hn::Lanes(d)) {
-    const F share = hn::LoadU(d, shares + n), before = load(nodes.cut, n), most = hn::Neg(load(nodes.tool, n)), behind = load(nodes.behind, n);
+    const F share = hn::LoadU(d, shares + n), before = load(nodes.cut, n), most = hn::Neg(load(nodes.tool, n)),
+            behind = load(nodes.behind, n);
     const F by = hn::IfThenElseZero(hn::FirstN(d, nodes.count - n), hn::Mul(hn::Sub(set(1.0f), share), behind));
     const F3 p = moved_back(tool, place_of(nodes, n), by);
     const F there = hn::Div(field.distance(p.x, p.y, p.z), set(tool.edge));
@@ -251,8 +254,7 @@ void FindNormals(const FaceTool& tool, const PlaceList& places, const std::array
     }
     const F length = hn::Sqrt(square);
     const F per_length = hn::IfThenElseZero(hn::Gt(length, hn::Zero(d)), hn::Div(scale, length));
-    for (std::size_t r = 0; r < 3; ++r)
-      hn::StoreU(hn::DemoteTo(d16, hn::NearestInt(hn::Mul(out[r], per_length))), d16, normals[r] + n);
+    for (std::size_t r = 0; r < 3; ++r) hn::StoreU(hn::DemoteTo(d16, hn::NearestInt(hn::Mul(out[r], per_length))), d16, normals[r] + n);
   }
 }
 

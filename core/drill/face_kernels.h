@@ -16,12 +16,12 @@ namespace burrhole {
 /// A sub-step's tool.
 struct FaceTool {
   FieldJob field;
-  float edge;                       ///< [m] voxel edge
-  std::array<float, 3> along;       ///< [nodes per voxel edge] u
-  float follow;                     ///< [voxel unit] from the tool, up to which faces are followed
-  float free;                       ///< [voxel unit] a node without bone further out than this no longer changes
-  float known;                      ///< [voxel unit] a node with phi <= -known has no known distance
-  std::array<float, 9> normal_from; ///< rows: direction in the bone frame from a gradient in nodes
+  float edge;                        ///< [m] voxel edge
+  std::array<float, 3> along;        ///< [nodes] u, per voxel edge
+  float follow;                      ///< [voxel unit] from the tool, up to which faces are followed
+  float free;                        ///< [voxel unit] a node without bone further out than this no longer changes
+  float known;                       ///< [voxel unit] a node with phi <= -known has no known distance
+  std::array<float, 9> normal_from;  ///< [-] rows: direction in the bone frame from a gradient in nodes
 };
 
 /// The voxels whose face overlaps the tool, as lists.
@@ -60,7 +60,7 @@ struct BlockFound {
   std::array<float, 8> room;
   /// Place in the block of the nodes within `follow` of the tool without a known distance, and D [voxel unit].
   std::array<std::uint32_t, kBlockVoxels + kFieldPad> lacking;
-  std::array<float, kBlockVoxels + kFieldPad> lacking_tool;
+  std::array<float, kBlockVoxels + kFieldPad> lacking_tool;  ///< [voxel unit]
   std::size_t lacking_count;
 };
 

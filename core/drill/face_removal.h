@@ -44,10 +44,10 @@ class FaceRemoval {
 
   ErosionConfig config_;
   CutFace face_;
-  TileMarks marks_;            // of voxels changed in the current step
-  double radius_ = 0.0;        // [m] mean radius at which bone was removed last, weighted by mass
-  double trial_ = 0.0;         // [rev] k of the last sub-step of law `energy`
-  double debt_ = 0.0;          // [J] work of removal less work of the load so far; below 0: work of the last sub-step that was not used
+  TileMarks marks_;      // of voxels changed in the current step
+  double radius_ = 0.0;  // [m] mean radius at which bone was removed last, weighted by mass
+  double trial_ = 0.0;   // [rev] k of the last sub-step of law `energy`
+  double debt_ = 0.0;    // [J] work of removal less work of the load so far; below 0: work of the last sub-step that was not used
 };
 
 }  // namespace burrhole

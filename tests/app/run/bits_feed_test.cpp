@@ -63,7 +63,8 @@ LoadedScene bench(const FeedCase& c, double push, const std::string& entry, cons
           "\nextent_mm = [" + across + ", " + across + ", " + std::to_string(c.thickness_mm + 3.0) +
           "]\nabove_mm = 1.5\nthickness_mm = " + std::to_string(c.thickness_mm) + "\nhardness = 1\n[tool]\nname = \"" + c.name +
           "\"\nspin_rpm = 1000\n[approach]\nentry_mm = " + entry + "\n[hand]\nkind = \"feed\"\npush_N = " + std::to_string(push) +
-          "\nramp_s = 0.1\nfeed_mm_per_s = 5\nstandoff_mm = 0.5\nstop_mm = " + std::to_string(c.to_mm + 0.1) + "\n[contact]\n[erosion]\n" + more,
+          "\nramp_s = 0.1\nfeed_mm_per_s = 5\nstandoff_mm = 0.5\nstop_mm = " + std::to_string(c.to_mm + 0.1) + "\n[contact]\n[erosion]\n" +
+          more,
       {});
 }
 

@@ -94,9 +94,7 @@ struct BlockCase {
       block.base[n] = by(4);
     }
     const Vec3f middle(-field.origin / field.pitch);
-    const auto place = [&](std::size_t axis) {
-      return middle[axis] - 8.0f + 18.0f * static_cast<float>(uniform11(seed, 5000 + axis));
-    };
+    const auto place = [&](std::size_t axis) { return middle[axis] - 8.0f + 18.0f * static_cast<float>(uniform11(seed, 5000 + axis)); };
     search = {.first = {place(0), place(1), place(2)},
               .step_i = {1.9f, 0.1f, -0.2f},
               .step_j = {-0.1f, 2.0f, 0.1f},
