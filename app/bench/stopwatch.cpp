@@ -3,16 +3,9 @@
 #include <time.h>
 
 #include <algorithm>
-#include <vector>
 
 namespace burrhole {
 namespace {
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// @returns the time of one run [s], the mean of `repeats` successive runs.
 double sample(const Side& side, int repeats) {
@@ -28,13 +21,19 @@ int repeats_for(const StopwatchPlan& plan, const Side& side) {
   return static_cast<int>(std::min(1e4, plan.least_sample / std::max(once, 1e-8))) + 1;
 }
 
+}  // namespace
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 double median(std::vector<double> samples) {
   const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
   std::nth_element(samples.begin(), middle, samples.end());
   return *middle;
 }
-
-}  // namespace
 
 Medians time_paired(const StopwatchPlan& plan, const Side& baseline, const Side& value) {
   const int baseline_repeats = repeats_for(plan, baseline), value_repeats = repeats_for(plan, value);

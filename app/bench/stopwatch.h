@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 namespace burrhole {
 
@@ -21,6 +22,11 @@ struct StopwatchPlan {
 struct Medians {
   double baseline = 0.0, value = 0.0;  ///< [s] of one run
 };
+
+/// @returns the CPU time of all threads of the process so far [s].
+[[nodiscard]] double cpu_seconds();
+/// @returns the upper median. @pre not empty.
+[[nodiscard]] double median(std::vector<double> samples);
 
 /// Runs each side once without timing, then baseline and value in alternation. @returns the medians.
 [[nodiscard]] Medians time_paired(const StopwatchPlan& plan, const Side& baseline, const Side& value);
