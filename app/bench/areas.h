@@ -8,6 +8,8 @@ namespace burrhole {
 
 [[nodiscard]] Status bench_contact(Bench& bench);
 [[nodiscard]] Status bench_erosion(Bench& bench);
+/// The account of one bone step.
+[[nodiscard]] Status bench_step(Bench& bench);
 /// The live loops, in real time: takes minutes on every machine.
 [[nodiscard]] Status bench_servo(Bench& bench);
 /// Needs the real slices of $BURRHOLE_DATA; without them it prints a line and adds no row.

@@ -30,7 +30,7 @@ constexpr std::array kAreas{
 #ifdef BH_WITH_RENDER
     Area{"render", bench_render},
 #endif
-    Area{"servo", bench_servo},  // last: it locks the process's memory, which would change the memory that other areas measure
+    Area{"step", bench_step},       Area{"servo", bench_servo},  // last: it locks the process's memory, which would change the memory that other areas measure
 };
 
 constexpr const char* kAbout = "Compares computation times with baselines that are timed in the same run.";
@@ -69,7 +69,7 @@ void add_frames_options(CLI::App& app, FramesRequest& frames) {
 #endif
 
 void add_options(CLI::App& app, Request& request) {
-  app.add_option("AREA", request.names, "contact, erosion, import, render or servo; default: all");
+  app.add_option("AREA", request.names, "contact, erosion, import, render, servo or step; default: all");
   app.add_option("--out", request.out, "folder of bench.json")->type_name("DIR")->capture_default_str();
   app.add_option("--revision", request.revision, "of the sources, written into bench.json")->type_name("TEXT");
   app.add_option_function<std::string>(
