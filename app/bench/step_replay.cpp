@@ -8,10 +8,6 @@ namespace {
 
 using Blocks = std::vector<std::pair<Vec3i, CutSurface::Block>>;
 
-bool same(const CutSurface::Node& a, const CutSurface::Node& b) noexcept {
-  return a.base == b.base && a.cut == b.cut && a.normal == b.normal && a.normal_at == b.normal_at;
-}
-
 bool same(const Record16& a, const Record16& b) noexcept {
   return a.distance == b.distance && a.nx == b.nx && a.ny == b.ny && a.nz == b.nz;
 }
@@ -23,7 +19,8 @@ std::size_t count_changed_nodes(const CutSurface& before, const CutSurface& now)
     const CutSurface::Block *was = before.find(at), *is = now.find(at);
     if (is == nullptr) return;
     if (was == nullptr) was = &none;
-    for (std::size_t n = 0; n < kBlockVoxels; ++n) changed += same(was->nodes[n], is->nodes[n]) ? 0 : 1;
+    for (std::size_t n = 0; n < kBlockVoxels; ++n)
+      changed += was->base[n] == is->base[n] && was->cut[n] == is->cut[n] && same(was->record[n], is->record[n]) ? 0 : 1;
   });
   return changed;
 }
