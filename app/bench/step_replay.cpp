@@ -6,6 +6,7 @@
 namespace burrhole {
 namespace {
 
+constexpr std::size_t kNodeBytes = 2 * sizeof(float) + sizeof(Record16) + sizeof(std::int16_t);  // of CutSurface::Block, by node
 using Blocks = std::vector<std::pair<Vec3i, CutSurface::Block>>;
 
 bool same(const Record16& a, const Record16& b) noexcept {
@@ -45,11 +46,11 @@ std::span<const Record16> records_of(const ContactWindow& copy) {
 //   commit      occupancy and remaining in, density out, of all voxels of the committed boxes
 //   publishing  records that change; all fields of the voxels that are copied to the snapshot
 std::size_t StepCounts::bytes_read() const noexcept {
-  return nodes * sizeof(CutSurface::Node) + 3 * sizeof(float) * voxels + 2 * sizeof(float) * committed + copied_bytes;
+  return nodes * kNodeBytes + 3 * sizeof(float) * voxels + 2 * sizeof(float) * committed + copied_bytes;
 }
 
 std::size_t StepCounts::bytes_written() const noexcept {
-  return nodes * sizeof(CutSurface::Node) + sizeof(float) * voxels + sizeof(float) * committed + sizeof(Record16) * records + copied_bytes;
+  return nodes * kNodeBytes + sizeof(float) * voxels + sizeof(float) * committed + sizeof(Record16) * records + copied_bytes;
 }
 
 Result<StepReplay> StepReplay::create(RecordedSteps& recorded) {
