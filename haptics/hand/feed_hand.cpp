@@ -2,16 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace burrhole {
 namespace {
 
 constexpr double kUnload = 1.0;  // [m/s] of the carriage while it takes the load off the coupling; the bit cuts on until that is over
+// [s] Where the bit advances at once, as after an erosion step, the coupling's damper takes from the force for some milliseconds. How far the
+// coupling is compressed is the largest force of this time at least, and of twice this time at most.
+constexpr double kDamped = 5e-3;
 
 }  // namespace
 
 FeedHand::FeedHand(const FeedHandConfig& config, const Pose& world_from_approach, double period, const MassSpringDamper& carriage)
-    : config_(config), world_from_approach_(world_from_approach), period_(period), carriage_(carriage), height_(config.standoff) {
+    : config_(config),
+      world_from_approach_(world_from_approach),
+      period_(period),
+      carriage_(carriage),
+      damped_ticks_(std::max(1ll, std::llround(kDamped / period))),
+      height_(config.standoff) {
   state_.world_from_hand = {world_from_approach.rotation, world_from_approach * Vec3(0.0, 0.0, height_)};
 }
 
@@ -49,7 +58,10 @@ void FeedHand::advance(double felt) noexcept {
     climb_ = -config_.feed;
     height_ += climb_ * period_;
   }
-  const double lowest = -(config_.stop + std::max(0.0, felt) * config_.compliance);
+  if (state_.tick % damped_ticks_ == 0) largest_before_ = std::exchange(largest_, 0.0);
+  largest_ = std::max(largest_, felt);
+  if (felt < config_.contact_force) largest_ = largest_before_ = std::max(0.0, felt);  // bone has ended
+  const double lowest = -(config_.stop + std::max(largest_, largest_before_) * config_.compliance);
   if (height_ > lowest) return;
   height_ = std::min(lowest, before);  // the force may have fallen since the carriage was there
   climb_ = 0.0;

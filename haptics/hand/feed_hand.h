@@ -4,6 +4,7 @@
 ///   Source own work. With a fixed thrust F: m x'' + b x' = F - force of the drill, as a weight moves a carriage.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "core/base/geometry.h"
@@ -32,8 +33,8 @@ class FeedHand final : public HandSource {
   [[nodiscard]] static Result<FeedHand> create(const FeedHandConfig& config, const Pose& world_from_approach, double period);
 
   [[nodiscard]] const HandState& read() noexcept BH_REALTIME override { return state_; }
-  /// Advances one tick. The carriage uses the force along its axis and ignores the others. Its stop is `stop` plus what the coupling is
-  /// loaded with. Where the drill leaves bone it advances by that load at once, F * compliance, which no carriage can prevent.
+  /// Advances one tick. The carriage uses the force along its axis and ignores the others. Its stop is `stop` plus what the
+  /// coupling is compressed by. Where the drill leaves bone it advances by that load at once, F * compliance, which no carriage can prevent.
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
 
  private:
@@ -46,9 +47,11 @@ class FeedHand final : public HandSource {
   Pose world_from_approach_;
   double period_;
   MassSpringDamper carriage_;
-  double height_;                // [m]
-  double climb_ = 0.0;           // [m/s]
-  double contact_thrust_ = 0.0;  // [N] that the carriage exerted at contact
+  std::uint64_t damped_ticks_;
+  double height_;                                // [m]
+  double climb_ = 0.0;                           // [m/s]
+  double contact_thrust_ = 0.0;                  // [N] that the carriage exerted at contact
+  double largest_ = 0.0, largest_before_ = 0.0;  // [N] of the present and of the last damped_ticks_
   std::uint64_t lean_tick_ = 0;
   HandState state_;
 };
