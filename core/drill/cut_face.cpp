@@ -117,8 +117,10 @@ float CutFace::from_neighbour(const Voxmap& voxmap, const Sweep& sweep, const Ve
   const float phi = block->at(next).cut;
   if (phi <= -kKnown) return -kBand;
   const Vec3f there(sweep.place * Vec3(next));
-  float l = usual_;  // and one step of the secant
-  const float missing = -phi - sampler_.distance(there) / edge_, rest = -phi - sampler_.distance(there - l * along_) / edge_;
+  // One step of the secant. A lag is at least what is missing, which a removal that has just been made knows it by.
+  const float missing = -phi - sampler_.distance(there) / edge_;
+  float l = std::max(usual_, missing);
+  const float rest = -phi - sampler_.distance(there - l * along_) / edge_;
   if (missing <= 0.0f)
     l = 0.0f;
   else if (missing - rest > kSteepEnough * l)
@@ -269,8 +271,7 @@ void CutFace::start_lacking(const Voxmap& voxmap, const Sweep& sweep, const Vec3
       unknown_.push_back({&block.cut[inside], tool});
       if (bone && tool < 0.0f) {
         const Vec3 p = field_->origin + field_->pitch * Vec3(place);
-        buried_.push_back({static_cast<std::uint32_t>(here), &block.cut[inside], tool,
-                           sampler_.factor(place) / std::max(window.hardness[here], kLeastHardness),
+        buried_.push_back({static_cast<std::uint32_t>(here), tool, sampler_.factor(place) / std::max(window.hardness[here], kLeastHardness),
                            static_cast<float>(std::sqrt(p.x * p.x + p.y * p.y))});
       }
       continue;

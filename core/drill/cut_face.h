@@ -54,7 +54,6 @@ namespace burrhole {
 /// A voxel with bone inside a tool that overlaps no face.
 struct Buried {
   std::uint32_t at;  ///< offset into the window
-  float* cut;        ///< [voxel edges] its phi, which is not known
   float tool;        ///< [voxel edges] D, below 0
   float wear;        ///< [1/rev] e / h
   float radius;      ///< [m] from the tool's axis

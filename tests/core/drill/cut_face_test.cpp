@@ -200,6 +200,40 @@ TEST_CASE("cut face: after a restore drilling continues within a fiftieth of wha
   CHECK(run(true) == doctest::Approx(plain).epsilon(0.02));
 }
 
+TEST_CASE("cut face: a removal that is made anew in the middle of a hole, as for a change of tool, goes on where the other ended") {
+  const Plate plate;
+  SweptSolid solid = over(plate, false, 2e-3, 0.0);
+  // At a tenth of a voxel a step, one of ten steps finds a new layer of nodes ahead.
+  const int before = 40, after = 50;
+  const Vec3 step(0.0, 0.0, -0.1);
+  const auto go_on = [&](Voxmap& voxmap, Erosion& erosion, int from, int to) {
+    for (int n = from; n < to; ++n) {
+      SweptSolid now = solid;
+      now.from.offset += step * static_cast<double>(n);
+      now.way = step;
+      (void)drill(voxmap, erosion, now.path(), kSpin, 0.05, 1);
+    }
+  };
+  for (int phase = 0; phase < 10; ++phase) {
+    Voxmap one = plate.make(), two = plate.make();
+    const auto made = [&] { return subvoxel_erosion(solid, static_cast<float>(kFactor)); };
+    Erosion whole = made(), first = made(), second = made();
+    go_on(one, whole, 0, before + phase + after);
+    go_on(two, first, 0, before + phase);
+    go_on(two, second, before + phase, before + phase + after);
+    // The end is flat, so a lag is exact whatever it is searched from: floats remain, of lags of half a voxel and more.
+    CHECK(std::abs(felt_depth(one, plate) - felt_depth(two, plate)) < 1e-3 * plate.voxel);
+    float most = 0.0f;
+    for_each_voxel(one.window().box, [&](const Vec3i& v) {
+      const Vec3 aside = (Vec3(v) - plate.middle()) * plate.voxel;
+      if (std::hypot(aside.x, aside.y) > solid.radius - 2.0 * plate.voxel) return;  // at the rim D bends
+      const std::size_t n = one.window().box.offset_of(v);
+      most = std::max(most, std::abs(one.window().remaining[n] - two.window().remaining[n]));
+    });
+    CHECK(most < 2e-3f);
+  }
+}
+
 TEST_CASE("cut face: law energy removes mu F v_rel dt of work, whatever the rate and the voxel") {
   const double force = 20.0, time = 0.05;
   for (const double voxel : {0.2e-3, 0.3125e-3})
