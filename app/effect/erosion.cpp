@@ -163,7 +163,7 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
   }
 
  private:
-  int rate_hz_ = 100;          // [Hz]
+  int rate_hz_ = 50;           // [Hz]
   double pitch_voxels_ = 0.5;  // [voxels] between erosion points
 };
 

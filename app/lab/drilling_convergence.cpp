@@ -19,6 +19,7 @@ constexpr DrillingBone kBones[] = {DrillingBone::plate, DrillingBone::edge, Dril
 constexpr const char* kLaws[] = {"rate", "energy"};
 constexpr double kSpacings[] = {0.15, 0.2, 0.25, 0.3125};  // [mm] finest first
 constexpr int kRates[] = {500, 200, 100, 50};              // [Hz] finest first
+constexpr int kSlowRate = 20;                              // [Hz] below the default
 constexpr double kFactors[] = {0.02, 0.05, 0.1};           // [1/rev]
 constexpr const char* kStepped = "stepped 9/6 mm";
 
@@ -157,7 +158,7 @@ Result<std::vector<DrillingSetting>> convergence_settings(const ConvergenceOptio
   };
   if (options.quick) {
     add(&DrillingSetting::spacing_mm, std::array{kSpacings[3]});
-    add(&DrillingSetting::erosion_hz, std::array{kRates[3]});
+    add(&DrillingSetting::erosion_hz, std::array{kSlowRate});
     return out;
   }
   add(&DrillingSetting::bit, kBits);
@@ -165,6 +166,7 @@ Result<std::vector<DrillingSetting>> convergence_settings(const ConvergenceOptio
   add(&DrillingSetting::law, kLaws);
   add(&DrillingSetting::spacing_mm, kSpacings);
   add(&DrillingSetting::erosion_hz, kRates);
+  add(&DrillingSetting::erosion_hz, std::array{kSlowRate});
   for (int n = 0; n < options.corners; ++n) out.push_back(defaults->without(corner(options.seed, static_cast<std::uint64_t>(n))));
   return out;
 }

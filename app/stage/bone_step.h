@@ -77,6 +77,8 @@ class BoneStep {
  private:
   BoneStep(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap, StepGraph& graph, const CoarseDistance* coarse);
   [[nodiscard]] Affine index_from_tool(const Pose& world_from_tool) const;
+  /// @returns [m] world frame, from the tool's pose now to its representative pose of this step (bone_step.cpp, "Lead").
+  [[nodiscard]] Vec3 lead(const ContactState& found) noexcept;
   [[nodiscard]] bool is_near(const Affine& index_from_tool) const noexcept;
   /// @returns the share of a path, 0..1, at which bone may be near the tool first; nothing if it is near nowhere.
   [[nodiscard]] std::optional<double> first_near(const ErosionPath& path) const noexcept;
@@ -98,6 +100,7 @@ class BoneStep {
   ShellCover cover_;
   double near_ = 0.0;       // [m] bone at a smaller bound of its distance counts as near
   double foresight_ = 0.0;  // [s] from a contact result to the last evaluation that reads the window placed for it
+  bool leads_;              // faces move by the overlap, which whole voxels do not
   double spin_ = 0.0;       // [rev/s] of the scene, at full command
   double stretch_ = 0.0;    // [m] of the coupling of a tool that is held back, under the scene's thrust
   std::size_t most_ = 0;    // [voxels] of the largest window round a tool at rest so far
@@ -112,6 +115,9 @@ class BoneStep {
   std::unique_ptr<AxisBone> axis_;
   std::uint64_t published_ = 0, published_window_ = 0;  // publications; window epoch of the last one
   Pose last_;
+  Vec3 mean_{0.0}, position_sum_{0.0};  // [m] world: mean position of the tool in the last step; of the last ContactState
+  std::uint64_t number_ = 0;            // of the last ContactState
+  bool mean_known_ = false;
   double removed_mass_ = 0.0;  // [m^3]
   std::uint64_t points_outside_ = 0;
   double unsaved_for_ = 0.0;  // [s] since the last Voxmap::write_back()

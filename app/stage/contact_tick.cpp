@@ -52,6 +52,7 @@ const ContactState& ContactTick::operator()(const HandState& hand) noexcept {
   state.hand_velocity = hand.velocity;
   ++state.number;
   state.cutting_sum += state.cutting_force;
+  state.position_sum += state.world_from_tool.translation;
   flags_seen_ |= state.flags;
   hash_.add(state.on_hand.force);
   hash_.add(state.on_hand.torque);

@@ -80,7 +80,7 @@ class OtherCommands(WithFolder):
         self.assertGreater(rows["spindle"]["time_us"], 0)
         self.assertGreater(rows["spindle"]["bytes"], 0)
         self.assertIn("1000 rpm free", rows["spindle"]["detail"])
-        self.assertRegex(run("explain", scene).stdout, r"(?m)^spindle +simulation +100 Hz")
+        self.assertRegex(run("explain", scene).stdout, r"(?m)^spindle +simulation +50 Hz")
         self.assertEqual([e["name"] for e in json.loads(run("explain", QUICK, "--json").stdout)["effects"]].count("spindle"), 0)
 
         def copy_bytes(*sets):

@@ -38,13 +38,13 @@ TEST_CASE("plan: the rows are the tables, in the order of their steps, and the r
   CHECK(least.not_built == all_but({}));
   CHECK(least.warnings.empty());
 
-  const Plan drilling = make_plan(load_small({.record = true}));
+  const Plan drilling = make_plan(load_small({.record = true, .sets = {"erosion.rate_hz=200"}}));
   CHECK(row_names(drilling) == std::vector<std::string>{"volume", "publish", "hand", "contact", "erosion", "record"});
   CHECK(drilling.not_built == all_but({"contact", "erosion", "record"}));
-  CHECK(drilling.rows[1].rate_hz == 100.0);
+  CHECK(drilling.rows[1].rate_hz == 200.0);
   CHECK(drilling.rows[2].rate_hz == 1000.0);
   CHECK(drilling.rows[3].rate_hz == 1000.0);
-  CHECK(drilling.rows[4].rate_hz == 100.0);
+  CHECK(drilling.rows[4].rate_hz == 200.0);
   for (const PlanRow& row : drilling.rows) CHECK((row.bytes > 0 || row.table == "hand"));
 }
 
@@ -67,10 +67,11 @@ const PlanRow& row_of(const Plan& plan, const std::string& name) {
 }
 
 TEST_CASE("plan: [spindle] is a row between erosion and display, with its figures") {
-  const Plan plan = make_plan(load_small({.spindle = true, .record = true, .sets = {"spindle.stall_torque_Nm=0.5"}}));
+  const Plan plan =
+      make_plan(load_small({.spindle = true, .record = true, .sets = {"erosion.rate_hz=200", "spindle.stall_torque_Nm=0.5"}}));
   CHECK(row_names(plan) == std::vector<std::string>{"volume", "publish", "hand", "contact", "erosion", "spindle", "record"});
   CHECK(row_of(plan, "spindle").detail == "1000 rpm free, stalls at 0.5 N m");
-  CHECK(row_of(plan, "spindle").rate_hz == 100.0);
+  CHECK(row_of(plan, "spindle").rate_hz == 200.0);
   CHECK(plan.warnings.empty());
 }
 

@@ -72,8 +72,8 @@ TEST_CASE("convergence: the study varies one factor at a time and has seeded cor
   ConvergenceOptions options = quick();
   options.quick = false;
   const std::vector<DrillingSetting> settings = settings_of(options);
-  // The defaults; five more bits, two bones, a law, three voxel edges and three rates, which are not the defaults.
-  CHECK(settings.size() == 1 + 5 + 2 + 1 + 3 + 3 + 12);
+  // The defaults; five more bits, two bones, a law, three voxel edges and four rates, which are not the defaults.
+  CHECK(settings.size() == 1 + 5 + 2 + 1 + 3 + 4 + 12);
   CHECK(settings == settings_of(options));
   for (const DrillingSetting& setting : settings) CHECK(!(setting.spacing_mm == 0.15 && setting.erosion_hz == 500));
   options.seed = 2;

@@ -55,14 +55,16 @@ const FeedCase& case_of(const std::string& name) {
   return kCases[0];
 }
 
-LoadedScene bench(const FeedCase& c, double push, const std::string& entry) {
+/// @param more [erosion] keys.
+LoadedScene bench(const FeedCase& c, double push, const std::string& entry, const std::string& more = "") {
   const std::string across = std::to_string(c.across_mm);
   return load_text(
       "title = \"Feed\"\nduration_s = 100\n[volume]\nsource = \"phantom:plate\"\nspacing_mm = " + std::to_string(c.spacing_mm) +
           "\nextent_mm = [" + across + ", " + across + ", " + std::to_string(c.thickness_mm + 3.0) +
           "]\nabove_mm = 1.5\nthickness_mm = " + std::to_string(c.thickness_mm) + "\nhardness = 1\n[tool]\nname = \"" + c.name +
           "\"\nspin_rpm = 1000\n[approach]\nentry_mm = " + entry + "\n[hand]\nkind = \"feed\"\npush_N = " + std::to_string(push) +
-          "\nramp_s = 0.1\nfeed_mm_per_s = 5\nstandoff_mm = 0.5\nstop_mm = " + std::to_string(c.to_mm + 0.1) + "\n[contact]\n[erosion]\n",
+          "\nramp_s = 0.1\nfeed_mm_per_s = 5\nstandoff_mm = 0.5\nstop_mm = " + std::to_string(c.to_mm + 0.1) + "\n[contact]\n[erosion]\n" +
+          more,
       {});
 }
 
@@ -71,12 +73,12 @@ struct Feed {
   FeedPrediction predicted;
 };
 
-Feed feed_of(const FeedCase& c, double push, const std::string& entry = "[0, 0, 0]") {
+Feed feed_of(const FeedCase& c, double push, const std::string& entry = "[0, 0, 0]", const std::string& more = "") {
   std::atomic<bool> stop{false};
   SimulationOptions options;
   options.stop = &stop;
   options.progress = [&](double, const DrillProgress& p) { stop = p.depth > (c.to_mm + 0.02) * 1e-3; };
-  DrillRun run(bench(c, push, entry), options);
+  DrillRun run(bench(c, push, entry, more), options);
   run.run();
   const Simulation& simulation = run.simulation();
   Feed out;
@@ -143,6 +145,21 @@ TEST_CASE("feeds: a round burr feeds alike in voxels of 0.15 to 0.3125 mm, where
       CHECK(feed.predicted.unknown.empty());
       CHECK(std::abs(feed.simulated / feed.predicted.speed - 1.0) < 0.05);
     }
+  }
+}
+
+TEST_CASE("feeds: a bit feeds alike at 20 to 500 erosion steps a second") {
+  FeedCase crown = case_of("trephine_12mm");
+  crown.thickness_mm = 8.0;
+  crown.to_mm = 6.0;
+  const auto at_rate = [&](int rate) { return feed_of(crown, 20.0, "[0, 0, 0]", "rate_hz = " + std::to_string(rate) + "\n"); };
+  const Feed fine = at_rate(500);
+  const double time = (crown.to_mm - crown.from_mm) * 1e-3 / fine.simulated;
+  for (const int rate : {20, 50}) {
+    // Of second order in x, the share of the overlap that a step removes; depths are reached within a step.
+    const double dt = 1.0 / rate, x = fine.predicted.speed / fine.predicted.engaged * dt, bound = x * x / 12.0 + dt / time + 1e-3;
+    CHECK(std::abs(at_rate(rate).simulated / fine.simulated - 1.0) < bound);
+    CHECK(0.5 * x > 2.0 * bound);  // with the pose at the end of each step the feed would be lower by x / 2
   }
 }
 
