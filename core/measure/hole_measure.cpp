@@ -1,7 +1,12 @@
 #include "core/measure/hole_measure.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "core/base/bounds.h"
 #include "core/base/trilinear.h"
@@ -18,17 +23,37 @@ struct Field {
   [[nodiscard]] float at(const Vec3i& v) const { return box.contains(v) ? values[box.offset_of(v)] : 0.0f; }
   [[nodiscard]] double sample(const Vec3& p) const {
     const Vec3i base = floor_int(p);
+    if (box.contains(base) && box.contains(base + 1)) return trilinear(box, values.data(), p);
     return trilinear(p - Vec3(base), [&](unsigned n) { return static_cast<double>(at(base + cell_corner(n))); });
   }
 };
 
+/// Smallest and largest of the 27 values round a voxel, on which the trilinear samples in its cell depend.
+struct Around {
+  float least = std::numeric_limits<float>::max(), most = std::numeric_limits<float>::lowest();
+  Around(const Field& field, std::size_t at, std::size_t row, std::size_t slab) {
+    for (std::size_t n = 0; n < 27; ++n) {
+      const float value = field.values[at + n % 3 + n / 3 % 3 * row + n / 9 * slab - 1 - row - slab];
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  }
+};
+
+/// @param box at least a voxel inside those of the fields, which are the same.
 double removed_volume(const Field& before, const Field& after, const VoxelBox& box, double cell_volume) {
   constexpr int kSub = 4;
   std::uint64_t gone = 0;
+  const auto row = static_cast<std::size_t>(before.box.size().x), slab = row * static_cast<std::size_t>(before.box.size().y);
   for_each_voxel(box, [&](const Vec3i& v) {
-    bool same = true;  // trilinear samples in this cell depend on its 27 neighbours only
-    for_each_voxel({v - 1, v + 2}, [&](const Vec3i& n) { same = same && before.at(n) == after.at(n); });
-    if (same) return;
+    const std::size_t at = before.box.offset_of(v);
+    const Around was(before, at, row, slab), is(after, at, row, slab);
+    const auto level = static_cast<float>(kSurfaceLevel);
+    if (was.most < level || is.least >= level) return;
+    if (was.least >= level && is.most < level) {
+      gone += kSub * kSub * kSub;
+      return;
+    }
     for_each_voxel({Vec3i(0), Vec3i(kSub)}, [&](const Vec3i& o) {
       const Vec3 p = Vec3(v) + (Vec3(o) + 0.5) / static_cast<double>(kSub) - 0.5;
       if (before.sample(p) >= kSurfaceLevel && after.sample(p) < kSurfaceLevel) ++gone;
@@ -37,16 +62,13 @@ double removed_volume(const Field& before, const Field& after, const VoxelBox& b
   return static_cast<double>(gone) / (kSub * kSub * kSub) * cell_volume;
 }
 
-/// Depths along the axis [m] of the first and the last bone as loaded on a ray from `top` down to `bottom`.
-std::optional<std::pair<double, double>> bone_span(const Field& field, const Affine& index_from_approach, double x, double y, double top,
-                                                   double bottom, double step) {
-  std::optional<std::pair<double, double>> span;
-  for (double z = top; z > bottom; z -= step) {
-    if (field.sample(index_from_approach * Vec3(x, y, z)) < kSurfaceLevel) continue;
-    if (!span) span = std::pair{z, z};
-    span->second = z;
-  }
-  return span;
+/// Heights along the axis [m] of the first and the last bone on a ray, among those of `heights`, which fall.
+std::optional<std::pair<double, double>> bone_span(const Field& field, const Affine& index_from_approach, double x, double y,
+                                                   const std::vector<double>& heights) {
+  const auto is_bone = [&](double z) { return field.sample(index_from_approach * Vec3(x, y, z)) >= kSurfaceLevel; };
+  const auto first = std::ranges::find_if(heights, is_bone);
+  if (first == heights.end()) return std::nullopt;
+  return std::pair{*first, *std::find_if(heights.rbegin(), std::make_reverse_iterator(first), is_bone)};
 }
 
 }  // namespace
@@ -69,11 +91,15 @@ HoleMeasure measure_hole(Voxmap& voxmap, const Approach& approach) {
   const Affine approach_from_index = Affine::from_pose(approach.bone_from_approach.inverse()) * bone_from_index;
   const Affine index_from_approach = approach_from_index.inverse();
   const auto [lo, hi] = bounds_under(approach_from_index, {Vec3(box.lo), Vec3(box.hi)});
+  const Bounds hole = bounds_under(approach_from_index, {Vec3(changed.lo), Vec3(changed.hi)});
   const double pitch = 0.5 * edge, step = 0.25 * edge;
+  std::vector<double> heights;
+  for (double z = hi.z; z > lo.z; z -= step) heights.push_back(z);
   std::uint64_t outer = 0, inner = 0;
   for (double y = lo.y; y < hi.y; y += pitch)
     for (double x = lo.x; x < hi.x; x += pitch) {
-      const auto span = bone_span(before, index_from_approach, x, y, hi.z, lo.z, step);
+      if (x < hole.lo.x || x > hole.hi.x || y < hole.lo.y || y > hole.hi.y) continue;
+      const auto span = bone_span(before, index_from_approach, x, y, heights);
       if (!span) continue;
       const auto gone = [&](double z) { return after.sample(index_from_approach * Vec3(x, y, z)) < kSurfaceLevel; };
       outer += gone(span->first - 0.5 * edge) ? 1 : 0;
