@@ -30,7 +30,9 @@ std::optional<PlanRow> publish_row(const PlanContext& context) {
   if (!needs.reads_window && !needs.paper_grids) return std::nullopt;
   return PlanRow{.table = "publish",
                  .clock = Clock::simulation,
-                 .step = needs.paper_grids ? "the paper's grids follow the changed boxes" : "changed boxes to one of three window copies",
+                 .step = needs.paper_grids ? "the paper's grids follow the changed boxes"
+                         : context.live    ? "changed boxes to one of three window copies"
+                                           : "changed boxes to the window copy",
                  .needs = "window, changed boxes",
                  .gives = needs.paper_grids ? "density and gradient grids" : "window copy",
                  .detail = needs.paper_grids ? std::string("the whole bone")
@@ -82,7 +84,8 @@ void warn_of_features(const LoadedScene& loaded, const ToolText& tool, std::vect
 Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry, const MemoryRun& run) {
   const Needs needs = loaded.scene.effects.needs(loaded.scene);
   const BoneShape bone = shape_of(*loaded.bone, loaded.scene.approach);
-  const PlanContext context{loaded.scene, needs, loaded.tool, bone, window_voxels(loaded.scene, needs, loaded.tool, bone.bone_from_index)};
+  const PlanContext context{loaded.scene, needs, loaded.tool, bone, window_voxels(loaded.scene, needs, loaded.tool, bone.bone_from_index),
+                            run.live};
   Plan plan;
   plan.rows = {volume_row(loaded, context.window_voxels)};
   if (auto publishing = publish_row(context)) plan.rows.push_back(std::move(*publishing));

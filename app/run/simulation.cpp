@@ -17,8 +17,8 @@ std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_p
       issues.push_back(bad_input(needs.not_live, scene.file));
       return nullptr;
     }
-  auto parts =
-      Stage::make(scene, scene.effects, std::move(bone), tool, {options.sink, options.hand, options.restore_path, options.history});
+  auto parts = Stage::make(scene, scene.effects, std::move(bone), tool,
+                           {options.sink, options.hand, options.restore_path, options.history, !options.live});
   if (!parts) {
     Error error = parts.error();
     if (error.place.empty()) error.place = scene.file;

@@ -72,10 +72,12 @@ std::uint64_t publish_bytes(const PlanContext& context) noexcept {
     return static_cast<std::uint64_t>(kNodes * (sizeof(float) + sizeof(Vec3f)) *
                                       static_cast<double>(VoxelBox{Vec3i(0), context.bone.dims}.count()));
   if (!needs.reads_window) return 0;
-  // Three copies, and once more what is derived for them and the master window does not hold.
+  // The copies, and once more what is derived for them and the master window does not hold.
   ContactFields derived = needs.fields;
   derived.density = derived.gradient = false;
-  return context.window_voxels * (3 * bytes_a_voxel(needs.fields) + bytes_a_voxel(derived));
+  constexpr std::uint64_t kLeapBytes = 3;  // a voxel, in which ContactWords finds leaps
+  const std::uint64_t copies = context.live ? 3 : 1, leaps = derived.words ? kLeapBytes : 0;
+  return context.window_voxels * (copies * bytes_a_voxel(needs.fields) + bytes_a_voxel(derived) + leaps);
 }
 
 std::uint64_t dense_bone_bytes(const Vec3i& dims) noexcept {
@@ -97,7 +99,7 @@ MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bo
   const Needs needs = scene.effects.needs(scene);
   std::vector<const Tool*> tools{&tool};
   tools.insert(tools.end(), run.tools.begin(), run.tools.end());
-  PlanContext context{scene, needs, tool, bone, 0};
+  PlanContext context{scene, needs, tool, bone, 0, run.live};
   std::uint64_t of_tools = 0;
   for (const Tool* one : tools) {
     context.window_voxels = std::max(context.window_voxels, window_voxels(scene, needs, *one, bone.bone_from_index));

@@ -55,14 +55,15 @@ BoneStep::BoneStep(const StageConfig& config, const Needs& needs, const Tool& to
       stretch_(needs.coupling_stiffness > 0.0 ? config.hand.push / needs.coupling_stiffness : 0.0) {}
 
 Result<BoneStep> BoneStep::create(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap,
-                                  const Pose& world_from_tool, StepGraph& graph, const Approach& approach, const CoarseDistance* coarse) {
+                                  const Pose& world_from_tool, StepGraph& graph, const Approach& approach, const CoarseDistance* coarse,
+                                  bool one_thread) {
   BoneStep out(config, needs, tool, voxmap, graph, coarse);
   out.last_ = world_from_tool;
   if (Status placed = out.place_window(tool, world_from_tool); !placed) return placed.error();
   if (needs.paper_grids) {
     out.grids_ = std::make_unique<VdbContactGrids>(voxmap);
   } else if (needs.reads_window) {
-    out.publisher_ = std::make_unique<ContactWindowPublisher>(voxmap, needs.fields);
+    out.publisher_ = std::make_unique<ContactWindowPublisher>(voxmap, needs.fields, one_thread);
     out.publisher_->reserve(out.most_);
   } else {
     out.axis_ = std::make_unique<AxisBone>(approach);

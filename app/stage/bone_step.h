@@ -41,10 +41,10 @@ class BoneStep {
  public:
   /// Places the window at the tool and publishes it. out_of_range: the tool does not fit in a window; the message states the sizes.
   /// @param approach must outlive it. @param coarse bounds the distance of bone, so that the window can precede a fast tool; null: it
-  /// follows the tool.
+  /// follows the tool. @param one_thread contact runs on the simulation thread.
   [[nodiscard]] static Result<BoneStep> create(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap,
                                                const Pose& world_from_tool, StepGraph& graph, const Approach& approach,
-                                               const CoarseDistance* coarse = nullptr);
+                                               const CoarseDistance* coarse = nullptr, bool one_thread = false);
   /// Provides the slots of the stage. Call after the effects are bound.
   void bind();
 

@@ -69,6 +69,7 @@ struct PlanContext {
   const Tool& tool;
   const BoneShape& bone;
   std::uint64_t window_voxels = 0;                                                               ///< size of the master window at the entry
+  bool live = false;                                                                             ///< steps run on several threads
   [[nodiscard]] double voxel_edge() const noexcept { return bone.bone_from_index.mean_edge(); }  ///< [m]
 };
 

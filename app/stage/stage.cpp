@@ -112,7 +112,7 @@ Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> m
 
   const Pose start{world_from_approach().rotation, world_from_approach() * Vec3(0.0, 0.0, config.hand.standoff)};
   if (needs.feels) coarse_ = std::make_unique<CoarseDistance>(*model);
-  auto step = BoneStep::create(config, needs, *tool, *voxmap, start, graph, approach, coarse_.get());
+  auto step = BoneStep::create(config, needs, *tool, *voxmap, start, graph, approach, coarse_.get(), outside_.one_thread);
   if (!step) return Error{step.error().code, step.error().message, config.tool.place};
   bone.emplace(std::move(step).value());
   contact.emplace(graph, approach,

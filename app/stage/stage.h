@@ -54,6 +54,7 @@ class Stage {
     HandSource* hand = nullptr;  ///< null: the scene's own hand
     std::string restore_path{};  ///< checkpoint to start from; empty: bone as loaded
     bool history = false;        ///< enables undo and checkpoints
+    bool one_thread = false;     ///< all steps run on one thread: contact reads one copy of bone instead of three
   };
   /// `tool` and the objects in `outside` must outlive the stage. Errors include the scene's place if there is one.
   [[nodiscard]] static Result<std::unique_ptr<Stage>> make(const StageConfig& config, const EffectPlans& plans,

@@ -11,10 +11,12 @@ namespace burrhole {
 
 /// Three slots: the writer owns one, the reader owns one, and the third is exchanged. After each publish() the writer owns a slot with an
 /// older value and must bring it up to date, so it must track what that slot missed. The reader never waits and never sees a partly written
-/// value.
+/// value. Where one thread writes and reads, one slot suffices.
 template <class T>
 class SnapshotBuffer {
  public:
+  /// Before the first use: one thread writes and reads, and back() is always what latest() returns.
+  void use_one_slot() noexcept { shared_ = back_ = front_ = 0; }
   /// Writer: the slot to update before publish().
   [[nodiscard]] T& back() noexcept { return slots_[back_]; }
   [[nodiscard]] std::size_t back_index() const noexcept { return back_; }

@@ -1,6 +1,7 @@
 #include "core/voxel/contact_window.h"
 
 #include <algorithm>
+#include <span>
 
 #include "core/voxel/box_parts.h"
 
@@ -62,12 +63,18 @@ std::size_t ContactWindowPublisher::bytes() const noexcept {
   return sum;
 }
 
+ContactWindowPublisher::ContactWindowPublisher(Voxmap& voxmap, const ContactFields& fields, bool one_thread)
+    : listener_(voxmap.add_listener()), fields_(fields), copies_(one_thread ? 1 : 3), growth_epoch_(voxmap.growth_epoch()) {
+  if (fields.records) records_.emplace(voxmap.bone().bone_from_index(), *fields.records);
+  if (one_thread) buffer_.use_one_slot();
+}
+
 void ContactWindowPublisher::reserve(std::size_t window_voxels) {
   const auto reserve_array = [&](auto& array) { array.reserve(window_voxels); };
   if (fields_.words) words_.reserve(window_voxels);
   if (records_) records_->reserve(window_voxels);
   if (records_) stiffness_.reserve(window_voxels);
-  for (ContactWindow& copy : buffer_.slots()) {
+  for (ContactWindow& copy : std::span(buffer_.slots()).first(copies_)) {
     if (fields_.density) copy.density.reserve(window_voxels);
     if (fields_.gradient) copy.gradient.reserve(window_voxels);
     if (fields_.words) copy.words.reserve(window_voxels);
@@ -80,7 +87,7 @@ void ContactWindowPublisher::reserve(std::size_t window_voxels) {
 }
 
 void ContactWindowPublisher::note(const VoxelBox& changed) {
-  for (VoxelBoxes& missed : missed_) missed.add(changed);
+  for (VoxelBoxes& missed : std::span(missed_).first(copies_)) missed.add(changed);
 }
 
 void ContactWindowPublisher::find_stiffness(const Voxmap& voxmap, const VoxelBox& part) {

@@ -56,17 +56,15 @@ struct ContactWindow {
   [[nodiscard]] std::size_t bytes() const noexcept;
 };
 
-/// Writer of the copies. It holds three copies, and for each the boxes that changed since its last update. Publishing updates one copy and
+/// Writer of the copies. It holds three copies (one if one thread writes and reads), and for each the boxes that changed since its last update. Publishing updates one copy and
 /// swaps an index. Fields derived from the master window are stored once and copied like the others, so the leaps of a copy always belong
 /// to the same step as its density. After a slide of the window, values that remain are moved and new ones are copied.
 /// Thread: publish() by the simulation; exchange().latest() by contact.
 class ContactWindowPublisher {
  public:
-  /// Registers itself as a listener of `voxmap`, whose window must be placed.
-  explicit ContactWindowPublisher(Voxmap& voxmap, const ContactFields& fields = {})
-      : listener_(voxmap.add_listener()), fields_(fields), growth_epoch_(voxmap.growth_epoch()) {
-    if (fields.records) records_.emplace(voxmap.bone().bone_from_index(), *fields.records);
-  }
+  /// Registers itself as a listener of `voxmap`, whose window must be placed. @param one_thread publish() and exchange().latest() are called
+  /// by the same thread: one copy is kept instead of three.
+  explicit ContactWindowPublisher(Voxmap& voxmap, const ContactFields& fields = {}, bool one_thread = false);
 
   void publish(Voxmap& voxmap);
   /// Reserves memory for windows of up to `window_voxels`, so that sliding allocates nothing. Call before the reader starts.
@@ -77,7 +75,7 @@ class ContactWindowPublisher {
   [[nodiscard]] std::uint64_t published_epoch() const noexcept { return published_epoch_; }
   [[nodiscard]] std::uint64_t published() const noexcept { return published_; }  ///< number of publications
   [[nodiscard]] std::uint64_t copied_voxels() const noexcept { return copied_voxels_; }
-  /// @returns the memory of the three copies and of the derived fields.
+  /// @returns the memory of the copies and of the derived fields.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
@@ -97,6 +95,7 @@ class ContactWindowPublisher {
   std::vector<std::uint8_t> stiffness_;  // of the master, relative, in bytes
   VoxelBox box_;                         // of the master at the last publishing
   SnapshotBuffer<ContactWindow> buffer_;
+  std::size_t copies_;  // the first slots of the buffer are in use
   std::array<VoxelBoxes, 3> missed_;
   std::uint64_t published_epoch_ = 0;
   std::uint64_t published_ = 0;

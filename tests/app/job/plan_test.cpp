@@ -75,31 +75,34 @@ TEST_CASE("plan: [spindle] is a row between erosion and display, with its figure
   CHECK(plan.warnings.empty());
 }
 
-// By hand: three copies of density (4 bytes), and three of words (4) or records (8, or 4) with hardness (1), which are kept once more where
-// they are made.
-TEST_CASE("plan: bytes of publishing are those of the fields that its model reads") {
-  const auto bytes = [](const std::string& keys) {
-    // Without thrust: the window of a tool on a spring reaches to where the spring would take it.
-    return static_cast<std::int64_t>(row_of(make_plan(load_small({.contact_keys = keys, .sets = {"hand.push_N=0"}})), "publish").bytes);
-  };
-  const std::string planes = kPenaltyKeys;
-  const std::int64_t density = bytes("model = \"voxmap\"\n");
-  const std::int64_t words = bytes(planes) - density, records8 = bytes("record_bits = \"8\"\n") - density, records16 = bytes("") - density;
-  const std::int64_t voxels = words / (4 * 4);
-  CHECK(voxels > 30 * 30 * 30);  // the ball of 8 voxels and 16 free ones round it
-  CHECK(words == voxels * 4 * 4);
-  CHECK(records8 == voxels * 4 * 5);
-  CHECK(records16 == voxels * 4 * 9);
+// By hand: copies of density (4 bytes), and of words (4) or records (8, or 4) with hardness (1), which are kept once more where they are made:
+// one copy where all steps run on one thread, three in a live run.
+TEST_CASE("plan: bytes of publishing are those of the fields that its model reads, for one copy and for three") {
+  for (const bool live : {false, true}) {
+    const auto bytes = [&](const std::string& keys) {
+      // Without thrust: the window of a tool on a spring reaches to where the spring would take it.
+      const LoadedScene loaded = load_small({.contact_keys = keys, .sets = {"hand.push_N=0"}});
+      return static_cast<std::int64_t>(row_of(make_plan(loaded, shipped_effects(), {.live = live}), "publish").bytes);
+    };
+    const std::string planes = kPenaltyKeys;
+    const std::int64_t copies = live ? 3 : 1, density = bytes("model = \"voxmap\"\n");
+    const std::int64_t words = bytes(planes) - density, records8 = bytes("record_bits = \"8\"\n") - density,
+                       records16 = bytes("") - density, voxels = density / (4 * copies);
+    CHECK(voxels > 30 * 30 * 30);                     // the ball of 8 voxels and 16 free ones round it
+    CHECK(words == voxels * (4 * (copies + 1) + 3));  // and three bytes for their leaps
+    CHECK(records8 == voxels * 5 * (copies + 1));
+    CHECK(records16 == voxels * 9 * (copies + 1));
+  }
 }
 
 TEST_CASE("plan: the predicted bytes of publishing are those of the run's window, before it slides") {
   for (const char* keys : {kPenaltyKeys, kHeldKeys}) {
-    // Long enough for all three copies to be there.
+    // Long enough for the copy to be there.
     DrillRun run(SmallScene{.contact_keys = keys, .sets = {"duration_s=0.3", "hand.push_N=2"}});
     const auto planned = static_cast<double>(row_of(make_plan(run.loaded()), "publish").bytes);
     const auto taken = static_cast<double>(run.run().simulation().bone_step().publisher()->bytes());
     MESSAGE(planned << " bytes planned, " << taken << " taken by the window's copies");
-    // Words keep three bytes a voxel for their leaps besides, of 28; rounding of poses may make the window a voxel wider: 15 %.
+    // Rounding of poses may make the window of 42 voxels two wider along each axis: 15 %.
     CHECK(std::abs(taken / planned - 1.0) < 0.15);
   }
 }
@@ -240,7 +243,7 @@ TEST_CASE("summary: every promised key is there, with numbers where the run has 
 }
 
 TEST_CASE("summary: an effect reports its own figures, and nothing where it is not") {
-  DrillRun with(SmallScene{.spindle = true, .sets = {"duration_s=0.5", "spindle.stall_torque_Nm=0.02"}});
+  DrillRun with(SmallScene{.spindle = true, .sets = {"duration_s=0.5", "erosion.rate_hz=100", "spindle.stall_torque_Nm=0.02"}});
   const Json json = summary_of(with);
   CHECK(json.at("timing").at("spindle").at("count") == 50);
   const Json& row =
