@@ -6,6 +6,8 @@
 #include <cmath>
 #include <new>
 #include <optional>
+#include <thread>
+#include <vector>
 
 #include "core/base/random.h"
 #include "volumes/phantom/skull_layers.h"
@@ -30,11 +32,26 @@ void allocate(DenseBone& bone, bool with_soft) {
   bone.labels.resize(count);
 }
 
-/// Calls f(offset, p_bone) for each voxel, i fastest.
+/// Calls f(box, offset of its first voxel) for each layer of voxels along k, on all cores.
 template <class F>
-void for_each_centre(const DenseBone& bone, F&& f) {
-  std::size_t at = 0;
-  for_each_voxel({Vec3i(0), bone.dims}, [&](const Vec3i& v) { f(at++, bone.bone_from_index * Vec3(v)); });
+void for_each_layer(const DenseBone& bone, const F& f) {
+  const std::size_t layer = static_cast<std::size_t>(bone.dims.x) * static_cast<std::size_t>(bone.dims.y);
+  const int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, bone.dims.z);
+  const auto run = [&](int first) {
+    for (int k = first; k < bone.dims.z; k += threads)
+      f(VoxelBox{Vec3i(0, 0, k), Vec3i(bone.dims.x, bone.dims.y, k + 1)}, static_cast<std::size_t>(k) * layer);
+  };
+  std::vector<std::jthread> others;
+  for (int n = 1; n < threads; ++n) others.emplace_back(run, n);
+  run(0);
+}
+
+/// Calls f(offset, p_bone) for each voxel, on all cores.
+template <class F>
+void for_each_centre(const DenseBone& bone, const F& f) {
+  for_each_layer(bone, [&](const VoxelBox& layer, std::size_t at) {
+    for_each_voxel(layer, [&](const Vec3i& v) { f(at++, bone.bone_from_index * Vec3(v)); });
+  });
 }
 
 void fill_uniform(const Truth& truth, const PhantomSpec& spec, DenseBone& bone) {
@@ -66,10 +83,12 @@ void add_noise(const PhantomSpec& spec, DenseBone& bone) {
     const double factor = (1.0 - spec.noise) + spec.noise * uniform11(seed ^ stream, at);
     return static_cast<float>(std::clamp(density * factor, 0.0, 1.0));
   };
-  for (std::size_t at = 0; at < bone.occupancy.size(); ++at) {
-    bone.occupancy[at] = shaken(bone.occupancy[at], kOccupancyStream, at);
-    bone.hardness[at] = shaken(bone.hardness[at], kHardnessStream, at);
-  }
+  for_each_layer(bone, [&](const VoxelBox& layer, std::size_t from) {
+    for (std::size_t at = from; at < from + layer.count(); ++at) {
+      bone.occupancy[at] = shaken(bone.occupancy[at], kOccupancyStream, at);
+      bone.hardness[at] = shaken(bone.hardness[at], kHardnessStream, at);
+    }
+  });
 }
 
 std::optional<Error> first_error(const PhantomSpec& spec) {
