@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
+#include <future>
 #include <optional>
 
 #include "app/render/overlay.h"
@@ -43,11 +44,16 @@ class OffscreenSink final : public PictureSink {
       hash.add(static_cast<std::uint64_t>(p.r) << 24 | static_cast<std::uint64_t>(p.g) << 16 | static_cast<std::uint64_t>(p.b) << 8 | p.a);
     if (options_.folder.empty()) return {};
     const std::string file = (std::filesystem::path(options_.folder) / (name + ".png")).string();
-    if (Status written = write_png(file, *image); !written) return written;
+    if (Status written = wait(); !written) return written;
+    // A picture takes as long to compress as ten bone steps.
+    writing_ = std::async(std::launch::async, [file, of = std::move(image).value()] { return write_png(file, of); });
     files_.push_back(file);
     return {};
   }
-  const std::vector<std::string>& files() const override { return files_; }
+  Result<std::vector<std::string>> files() override {
+    if (Status written = wait(); !written) return written.error();
+    return files_;
+  }
   std::string driver() const override { return renderer_.driver(); }
   RunSummary::Display display() const override {
     constexpr double kMs = 1e3;
@@ -58,6 +64,9 @@ class OffscreenSink final : public PictureSink {
   }
 
  private:
+  /// Waits for the last picture's file.
+  Status wait() { return writing_.valid() ? writing_.get() : Status{}; }
+
   /// Chooses the quality from the time of one picture at the lowest quality. The first picture is not timed: it compiles shaders.
   Status choose(const FrameView& view, int width, int height) {
     const auto front = shipped_front(translucent_);
@@ -106,6 +115,7 @@ class OffscreenSink final : public PictureSink {
   StereoView stereo_;
   bool scale_bar_;
   std::vector<std::string> files_;
+  std::future<Status> writing_;  // last: its destructor waits
 };
 
 }  // namespace

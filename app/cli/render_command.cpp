@@ -87,7 +87,9 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   if (!simulation) return issues.front();
   fmt::print(stderr, "renderer: {}\n", (*sink)->driver());
   const std::optional<Pose> tool = option.no_tool ? std::nullopt : std::optional(tool_pose(option, *simulation, loaded.scene));
-  return simulation->stage().draw(image.stem().string(), tool, option.cut);
+  if (Status drawn = simulation->stage().draw(image.stem().string(), tool, option.cut); !drawn) return drawn;
+  const auto files = (*sink)->files();
+  return files ? Status{} : Status(files.error());
 }
 
 }  // namespace

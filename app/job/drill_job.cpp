@@ -285,10 +285,10 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (sink) summary.display = sink->display();
   if (*session)
     if (Status closed = close_session(**session, summary, simulation->sent_hash()); !closed) return closed.error();
-  if (!job.folder.empty())
-    if (Status written = write_results(loaded, *simulation, summary, sink ? sink->files() : std::vector<std::string>(), job.folder);
-        !written)
-      return written.error();
+  if (job.folder.empty()) return summary;
+  auto pictures = sink ? sink->files() : std::vector<std::string>();
+  if (!pictures) return pictures.error();
+  if (Status written = write_results(loaded, *simulation, summary, *pictures, job.folder); !written) return written.error();
   return summary;
 }
 
