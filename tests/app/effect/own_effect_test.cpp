@@ -186,7 +186,10 @@ EffectRegistry with_probe() {
 }
 
 std::optional<LoadedScene> load_with(const EffectRegistry& registry, const std::string& tables, Issues& issues) {
-  const auto document = TomlDocument::parse(scene_text({.record = true, .display = true}) + tables, "probe.toml");
+  std::string text = scene_text({.record = true, .display = true});
+  const std::string erosion = "[erosion]\n";
+  text.insert(text.find(erosion) + erosion.size(), "rate_hz = 100\n");
+  const auto document = TomlDocument::parse(text + tables, "probe.toml");
   REQUIRE(document);
   SceneContext context = test_context();
   context.registry = &registry;
