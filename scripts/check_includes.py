@@ -67,8 +67,13 @@ WRAPPED = [
     (r"gdcm", "GDCM", ["volumes/read/gdcm_codecs.cpp"]),
     (r"zlib\.h$", "zlib", ["app/session/row_codec.cpp", "volumes/read/"]),
     (r"hwy/", "Highway", ["core/"]),
-    # vdb_grids.cpp: OpenVDB must be initialised once, from whichever thread comes first. phantom.cpp: layers of voxels on all cores.
-    (r"(thread|mutex|shared_mutex|condition_variable|future)$", "threading", ["app/", "haptics/", "core/voxel/vdb_grids.cpp", "volumes/phantom/phantom.cpp"]),
+    # vdb_grids.cpp: OpenVDB must be initialised once, from whichever thread comes first. phantom.cpp: layers of voxels on all
+    # cores.
+    (
+        r"(thread|mutex|shared_mutex|condition_variable|future)$",
+        "threading",
+        ["app/", "haptics/", "core/voxel/vdb_grids.cpp", "volumes/phantom/phantom.cpp"],
+    ),
 ]
 
 # Precompiled headers hide a missing include: a build without them fails. Namespace, and the folder of its headers.

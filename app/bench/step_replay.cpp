@@ -67,8 +67,8 @@ Status StepReplay::begin() {
   auto erosion = Erosion::create(*loaded.scene.find<ErosionConfig>(), loaded.tool.erosion, loaded.tool.cutting);
   if (!erosion) return erosion.error();
   erosion_.emplace(std::move(erosion).value());
-  // The first step of an Erosion searches for lags from what is missing, the others from the mean lag of the step before: at a rim the last
-  // digits differ. It is taken on a copy of its own.
+  // An Erosion knows no mean lag in its first step, and finds lags at a rim that differ by the last digits. That step is taken on a copy of
+  // its own.
   for (const bool first : {true, false}) {
     auto bone = copy_of_bone(loaded.bone, *recorded_->before, recorded_->window);
     if (!bone) return bone.error();

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <future>
 #include <optional>
+#include <system_error>
 
 #include "app/render/overlay.h"
 #include "app/render/png.h"
@@ -43,11 +44,18 @@ class OffscreenSink final : public PictureSink {
     for (const Rgba8& p : image->pixels)
       hash.add(static_cast<std::uint64_t>(p.r) << 24 | static_cast<std::uint64_t>(p.g) << 16 | static_cast<std::uint64_t>(p.b) << 8 | p.a);
     if (options_.folder.empty()) return {};
-    const std::string file = (std::filesystem::path(options_.folder) / (name + ".png")).string();
     if (Status written = wait(); !written) return written;
-    // A picture takes as long to compress as ten bone steps.
-    writing_ = std::async(std::launch::async, [file, of = std::move(image).value()] { return write_png(file, of); });
-    files_.push_back(file);
+    const std::string file = (std::filesystem::path(options_.folder) / (name + ".png")).string();
+    // Compression takes long: drilling goes on meanwhile.
+    auto write = [file, of = std::move(image).value()] { return write_png(file, of); };
+    try {
+      writing_ = std::async(std::launch::async, write);
+    } catch (const std::system_error&) {  // there is no thread to be had
+      std::promise<Status> written;
+      written.set_value(write());
+      writing_ = written.get_future();
+    }
+    writing_file_ = file;
     return {};
   }
   Result<std::vector<std::string>> files() override {
@@ -64,8 +72,15 @@ class OffscreenSink final : public PictureSink {
   }
 
  private:
-  /// Waits for the last picture's file.
-  Status wait() { return writing_.valid() ? writing_.get() : Status{}; }
+  /// Waits for the last picture's file. @returns the error of the first file that could not be written.
+  Status wait() {
+    if (!writing_.valid()) return failed_;
+    if (Status written = writing_.get(); written)
+      files_.push_back(writing_file_);
+    else
+      failed_ = written;
+    return failed_;
+  }
 
   /// Chooses the quality from the time of one picture at the lowest quality. The first picture is not timed: it compiles shaders.
   Status choose(const FrameView& view, int width, int height) {
@@ -115,7 +130,9 @@ class OffscreenSink final : public PictureSink {
   StereoView stereo_;
   bool scale_bar_;
   std::vector<std::string> files_;
-  std::future<Status> writing_;  // last: its destructor waits
+  std::future<Status> writing_;
+  std::string writing_file_;
+  Status failed_{};
 };
 
 }  // namespace

@@ -15,8 +15,8 @@ namespace burrhole {
 
 class PictureSink : public FrameSink {
  public:
-  /// Waits until the pictures drawn so far are in their files. @returns the paths; the error of a picture that could not be written, which
-  /// the next draw() returns too.
+  /// Waits until the pictures drawn so far are in their files. @returns the paths, or the error of the first that could not be written; draw()
+  /// returns that error too.
   [[nodiscard]] virtual Result<std::vector<std::string>> files() = 0;
   [[nodiscard]] virtual std::string driver() const = 0;  ///< name of the renderer, one line
   /// Renderer and drawing quality for summary.json. A quality chosen by a budget is known after the first picture.

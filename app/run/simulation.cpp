@@ -18,7 +18,11 @@ std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_p
       return nullptr;
     }
   auto parts = Stage::make(scene, scene.effects, std::move(bone), tool,
-                           {options.sink, options.hand, options.restore_path, options.history, !options.live});
+                           {.sink = options.sink,
+                            .hand = options.hand,
+                            .restore_path = options.restore_path,
+                            .history = options.history,
+                            .one_thread = !options.live});
   if (!parts) {
     Error error = parts.error();
     if (error.place.empty()) error.place = scene.file;

@@ -2,17 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "core/base/bounds.h"
 
-// Lead. Sub-voxel removal integrates the law over a step with the tool at one pose. The pose below makes the result of second order in the
-//   step. Let T be the tool's position, S that of the face, dS/dt = r (T - S). Bone is published at the end of each step, so S is constant while contact
-//   moves T, and the mean overlap of the last step is that of the mean position M. By Adams and Bashforth's method of second order the face
-//   advances by r dt (w + (w - w') / 2), w and w' the mean overlaps of this step and of the one before. A share 1 - exp(-r dt) of the overlap
-//   at the pose M + (M - M') / 2 is the same up to terms of third order. Under constant feed this is the pose at the end of the step. Under
-//   constant thrust, where the tool follows each advance of the face at once, it is half an advance ahead of it: at the end pose the bit would
-//   be slower by r dt / 2.
 namespace burrhole {
 namespace {
 
@@ -20,7 +12,6 @@ constexpr double kWriteBackEvery = 0.1;  // [s]
 constexpr double kLeastForce = 1e-6;     // [N] of a contact that has a direction
 // [voxel edges] above kLeastFree of the constrained tool, which stops later on the way to bone
 constexpr double kNear = 2.0;
-constexpr double kMostLead = 0.1;  // [voxel edges] a tool that is stopped has led by no more
 
 /// A contact period, and two bone steps: one until the window is placed, and one by which a live bone step may be late.
 double foresight_of(const StageConfig& config, const Needs& needs) {
@@ -50,7 +41,6 @@ BoneStep::BoneStep(const StageConfig& config, const Needs& needs, const Tool& to
       cover_(tool.shell.positions),
       near_(kNear * voxmap.bone().bone_from_index().mean_edge()),
       foresight_(foresight_of(config, needs)),
-      leads_(needs.cutting_field),
       spin_(config.tool.spin),
       stretch_(needs.coupling_stiffness > 0.0 ? config.hand.push / needs.coupling_stiffness : 0.0) {}
 
@@ -58,6 +48,8 @@ Result<BoneStep> BoneStep::create(const StageConfig& config, const Needs& needs,
                                   const Pose& world_from_tool, StepGraph& graph, const Approach& approach, const CoarseDistance* coarse,
                                   bool one_thread) {
   BoneStep out(config, needs, tool, voxmap, graph, coarse);
+  if (needs.cutting_field)
+    out.lead_.emplace(voxmap.bone().bone_from_index().mean_edge());  // faces move by the overlap, whole voxels do not
   out.last_ = world_from_tool;
   if (Status placed = out.place_window(tool, world_from_tool); !placed) return placed.error();
   if (needs.paper_grids) {
@@ -186,24 +178,13 @@ void BoneStep::publish() {
   ++published_;
 }
 
-Vec3 BoneStep::lead(const ContactState& found) noexcept {
-  if (!leads_ || found.number <= number_) return Vec3(0.0);
-  const Vec3 mean = (found.position_sum - position_sum_) / static_cast<double>(found.number - number_), before = mean_;
-  const bool known = std::exchange(mean_known_, true);
-  number_ = found.number;
-  position_sum_ = found.position_sum;
-  mean_ = mean;
-  if (!known) return Vec3(0.0);
-  const Vec3 lead = mean + 0.5 * (mean - before) - found.world_from_tool.translation;
-  const double most = kMostLead * bone_from_index_.mean_edge(), length = glm::length(lead);
-  return length > most ? lead * (most / length) : lead;
-}
-
 void BoneStep::operator()(const ContactState& found, double thrust, double dt) {
   const double force = glm::length(found.on_hand.force);
-  const Vec3 reaction = force > kLeastForce ? glm::conjugate(found.world_from_tool.rotation) * found.on_hand.force / force : cut_->reaction;
-  const Vec3 ahead = index_from_world_.linear * lead(found);
-  *cut_ = {.path = {shifted(index_from_tool(last_), ahead), shifted(index_from_tool(found.world_from_tool), ahead)},
+  const Vec3 away = force > kLeastForce ? found.on_hand.force / force : Vec3(0.0);
+  const Vec3 reaction = force > kLeastForce ? glm::conjugate(found.world_from_tool.rotation) * away : cut_->reaction;
+  const Vec3 before = ahead_;
+  if (lead_) ahead_ = index_from_world_.linear * (*lead_)(found, away);
+  *cut_ = {.path = {shifted(index_from_tool(last_), before), shifted(index_from_tool(found.world_from_tool), ahead_)},
            .thrust = thrust,
            .reaction = reaction};
   trim(*cut_);

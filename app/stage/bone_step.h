@@ -10,6 +10,7 @@
 
 #include "app/stage/effect.h"
 #include "app/stage/slots.h"
+#include "app/stage/tool_lead.h"
 #include "core/base/step_timer.h"
 #include "core/contact/shell_cover.h"
 #include "core/measure/axis_bone.h"
@@ -48,7 +49,7 @@ class BoneStep {
   /// Provides the slots of the stage. Call after the effects are bound.
   void bind();
 
-  /// Sets the tool's pose; places the window round it and publishes it. out_of_range as create().
+  /// Before the first step: sets the tool's pose, places the window round it and publishes it. out_of_range as create().
   [[nodiscard]] Status place(const Pose& world_from_tool);
   /// Sets the bone's pose from the next step on.
   void move_bone(const Pose& world_from_bone);
@@ -58,7 +59,8 @@ class BoneStep {
   void publish();
   [[nodiscard]] std::uint64_t steps() const noexcept { return steps_; }  ///< number of steps completed
 
-  /// Runs one step. The tool moves from its previous pose to that of `found` in `dt` [s]; `thrust` [N] is the mean cutting force.
+  /// Runs one step. The tool moves from its previous pose to that of `found` in `dt` [s], both with their lead (tool_lead.h); `thrust` [N] is
+  /// the mean cutting force.
   void operator()(const ContactState& found, double thrust, double dt);
   [[nodiscard]] double spin() const noexcept { return *spin_now_; }  ///< [rev/s] at present
   [[nodiscard]] double turned() const noexcept { return turned_; }   ///< [rev] angle of the spindle, 0..1
@@ -77,8 +79,6 @@ class BoneStep {
  private:
   BoneStep(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap, StepGraph& graph, const CoarseDistance* coarse);
   [[nodiscard]] Affine index_from_tool(const Pose& world_from_tool) const;
-  /// @returns [m] world frame, from the tool's pose now to its representative pose of this step (bone_step.cpp, "Lead").
-  [[nodiscard]] Vec3 lead(const ContactState& found) noexcept;
   [[nodiscard]] bool is_near(const Affine& index_from_tool) const noexcept;
   /// @returns the share of a path, 0..1, at which bone may be near the tool first; nothing if it is near nowhere.
   [[nodiscard]] std::optional<double> first_near(const ErosionPath& path) const noexcept;
@@ -100,7 +100,6 @@ class BoneStep {
   ShellCover cover_;
   double near_ = 0.0;       // [m] bone at a smaller bound of its distance counts as near
   double foresight_ = 0.0;  // [s] from a contact result to the last evaluation that reads the window placed for it
-  bool leads_;              // faces move by the overlap, which whole voxels do not
   double spin_ = 0.0;       // [rev/s] of the scene, at full command
   double stretch_ = 0.0;    // [m] of the coupling of a tool that is held back, under the scene's thrust
   std::size_t most_ = 0;    // [voxels] of the largest window round a tool at rest so far
@@ -115,10 +114,9 @@ class BoneStep {
   std::unique_ptr<AxisBone> axis_;
   std::uint64_t published_ = 0, published_window_ = 0;  // publications; window epoch of the last one
   Pose last_;
-  Vec3 mean_{0.0}, position_sum_{0.0};  // [m] world: mean position of the tool in the last step; of the last ContactState
-  std::uint64_t number_ = 0;            // of the last ContactState
-  bool mean_known_ = false;
-  double removed_mass_ = 0.0;  // [m^3]
+  std::optional<ToolLead> lead_;  // with sub-voxel removal only
+  Vec3 ahead_{0.0};               // [voxels] lead of the last step
+  double removed_mass_ = 0.0;     // [m^3]
   std::uint64_t points_outside_ = 0;
   double unsaved_for_ = 0.0;  // [s] since the last Voxmap::write_back()
   std::uint64_t steps_ = 0;

@@ -22,7 +22,8 @@ struct Touch {
 
 /// Input of a simulation step: motion of the tool and cutting force.
 struct Cut {
-  ErosionPath path;              ///< poses (index from tool) of the step, without the first part, on which no bone can be near
+  /// Poses (index from tool) of the step, with their lead (tool_lead.h), without the first part, on which no bone can be near.
+  ErosionPath path;
   bool far = false;              ///< no bone is near anywhere in the step: nothing is eroded, the window need not hold the path
   double thrust = 0.0;           ///< [N] mean cutting force since the previous step
   Vec3 reaction{0.0, 0.0, 1.0};  ///< [-] unit, tool frame: direction of the last force of bone on the tool

@@ -117,7 +117,8 @@ float CutFace::from_neighbour(const Voxmap& voxmap, const Sweep& sweep, const Ve
   const float phi = block->at(next).cut;
   if (phi <= -kKnown) return -kBand;
   const Vec3f there(sweep.place * Vec3(next));
-  // One step of the secant. A lag is at least what is missing, which a removal that has just been made knows it by.
+  // One step of the secant, from the mean lag of the last step, or from what is missing if that is more: a lag is at least that. A removal
+  // that has just been made knows no mean lag.
   const float missing = -phi - sampler_.distance(there) / edge_;
   float l = std::max(usual_, missing);
   const float rest = -phi - sampler_.distance(there - l * along_) / edge_;

@@ -45,12 +45,18 @@ double removed_volume(const Field& before, const Field& after, const VoxelBox& b
   constexpr int kSub = 4;
   std::uint64_t gone = 0;
   const auto row = static_cast<std::size_t>(before.box.size().x), slab = row * static_cast<std::size_t>(before.box.size().y);
+  const auto changed = [&](std::size_t at) {
+    for (std::size_t n = 0; n < 9; ++n) {
+      const std::size_t first = at + n % 3 * row + n / 3 * slab - 1 - row - slab;
+      if (!std::equal(&before.values[first], &before.values[first] + 3, &after.values[first])) return true;
+    }
+    return false;
+  };
   for_each_voxel(box, [&](const Vec3i& v) {
     const std::size_t at = before.box.offset_of(v);
     const Around was(before, at, row, slab), is(after, at, row, slab);
-    const auto level = static_cast<float>(kSurfaceLevel);
-    if (was.most < level || is.least >= level) return;
-    if (was.least >= level && is.most < level) {
+    if (was.most < kSurfaceLevel || is.least >= kSurfaceLevel || !changed(at)) return;
+    if (was.least >= kSurfaceLevel && is.most < kSurfaceLevel) {
       gone += kSub * kSub * kSub;
       return;
     }
@@ -62,7 +68,7 @@ double removed_volume(const Field& before, const Field& after, const VoxelBox& b
   return static_cast<double>(gone) / (kSub * kSub * kSub) * cell_volume;
 }
 
-/// Heights along the axis [m] of the first and the last bone on a ray, among those of `heights`, which fall.
+/// Heights along the axis [m] of the first and the last bone on a ray, among those of `heights`, in falling order.
 std::optional<std::pair<double, double>> bone_span(const Field& field, const Affine& index_from_approach, double x, double y,
                                                    const std::vector<double>& heights) {
   const auto is_bone = [&](double z) { return field.sample(index_from_approach * Vec3(x, y, z)) >= kSurfaceLevel; };
@@ -101,7 +107,10 @@ HoleMeasure measure_hole(Voxmap& voxmap, const Approach& approach) {
       if (x < hole.lo.x || x > hole.hi.x || y < hole.lo.y || y > hole.hi.y) continue;
       const auto span = bone_span(before, index_from_approach, x, y, heights);
       if (!span) continue;
-      const auto gone = [&](double z) { return after.sample(index_from_approach * Vec3(x, y, z)) < kSurfaceLevel; };
+      const auto gone = [&](double z) {
+        const Vec3 p = index_from_approach * Vec3(x, y, z);
+        return before.sample(p) >= kSurfaceLevel && after.sample(p) < kSurfaceLevel;
+      };
       outer += gone(span->first - 0.5 * edge) ? 1 : 0;
       inner += gone(span->second + 0.5 * edge) ? 1 : 0;
     }

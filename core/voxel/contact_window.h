@@ -56,14 +56,15 @@ struct ContactWindow {
   [[nodiscard]] std::size_t bytes() const noexcept;
 };
 
-/// Writer of the copies. It holds three copies (one if one thread writes and reads), and for each the boxes that changed since its last update. Publishing updates one copy and
-/// swaps an index. Fields derived from the master window are stored once and copied like the others, so the leaps of a copy always belong
-/// to the same step as its density. After a slide of the window, values that remain are moved and new ones are copied.
+/// Writer of the copies. It holds three copies, one if one thread writes and reads, and for each the boxes that changed since its last
+/// update. Publishing updates one copy and swaps an index. Fields derived from the master window are stored once and copied like the others,
+/// so the leaps of a copy always belong to the same step as its density. After a slide of the window, values that remain are moved and new
+/// ones are copied.
 /// Thread: publish() by the simulation; exchange().latest() by contact.
 class ContactWindowPublisher {
  public:
-  /// Registers itself as a listener of `voxmap`, whose window must be placed. @param one_thread publish() and exchange().latest() are called
-  /// by the same thread: one copy is kept instead of three.
+  /// Registers itself as a listener of `voxmap`, whose window must be placed. @param one_thread one thread calls publish() and
+  /// exchange().latest(): one copy is kept instead of three, and what latest() returned changes with the next publish().
   explicit ContactWindowPublisher(Voxmap& voxmap, const ContactFields& fields = {}, bool one_thread = false);
 
   void publish(Voxmap& voxmap);

@@ -8,8 +8,8 @@ namespace burrhole {
 namespace {
 
 constexpr double kUnload = 1.0;  // [m/s] of the carriage while it takes the load off the coupling; the bit cuts on until that is over
-// [s] Where the bit advances at once, as after an erosion step, the coupling's damper takes from the force for some milliseconds. How far the
-// coupling is compressed is the largest force of this time at least, and of twice this time at most.
+// [s] Where the bit advances at once, as after an erosion step, the coupling's damper lowers the force for some milliseconds. So its
+// compression follows from the largest force of this time at least, and of twice this time at most.
 constexpr double kDamped = 5e-3;
 
 }  // namespace

@@ -33,8 +33,10 @@ class FeedHand final : public HandSource {
   [[nodiscard]] static Result<FeedHand> create(const FeedHandConfig& config, const Pose& world_from_approach, double period);
 
   [[nodiscard]] const HandState& read() noexcept BH_REALTIME override { return state_; }
-  /// Advances one tick. The carriage uses the force along its axis and ignores the others. Its stop is `stop` plus what the
-  /// coupling is compressed by. Where the drill leaves bone it advances by that load at once, F * compliance, which no carriage can prevent.
+  /// Advances one tick. The carriage uses the force along its axis and ignores the others. Its stop is `stop` plus the
+  /// compression of the coupling, F * compliance. F is the largest force of the last 5 to 10 ms, because the damper of the coupling lowers the
+  /// force for milliseconds after the bit has advanced; it is the present force if that is below contact_force. Where the drill leaves bone it
+  /// advances by F * compliance at once, which no carriage can prevent.
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
 
  private:
@@ -51,7 +53,7 @@ class FeedHand final : public HandSource {
   double height_;                                // [m]
   double climb_ = 0.0;                           // [m/s]
   double contact_thrust_ = 0.0;                  // [N] that the carriage exerted at contact
-  double largest_ = 0.0, largest_before_ = 0.0;  // [N] of the present and of the last damped_ticks_
+  double largest_ = 0.0, largest_before_ = 0.0;  // [N] felt in this and in the last block of damped_ticks_
   std::uint64_t lean_tick_ = 0;
   HandState state_;
 };

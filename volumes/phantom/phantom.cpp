@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <new>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -32,18 +34,23 @@ void allocate(DenseBone& bone, bool with_soft) {
   bone.labels.resize(count);
 }
 
-/// Calls f(box, offset of its first voxel) for each layer of voxels along k, on all cores.
+/// Calls f(box, offset of its first voxel) for each layer of voxels along k, on all cores. f must not throw.
 template <class F>
 void for_each_layer(const DenseBone& bone, const F& f) {
   const std::size_t layer = static_cast<std::size_t>(bone.dims.x) * static_cast<std::size_t>(bone.dims.y);
-  const int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, bone.dims.z);
-  const auto run = [&](int first) {
-    for (int k = first; k < bone.dims.z; k += threads)
+  std::atomic<int> next{0};
+  const auto run = [&] {
+    for (int k = next++; k < bone.dims.z; k = next++)
       f(VoxelBox{Vec3i(0, 0, k), Vec3i(bone.dims.x, bone.dims.y, k + 1)}, static_cast<std::size_t>(k) * layer);
   };
+  constexpr std::size_t kLeast = 50'000;  // [voxels] for which a thread is worth starting
+  const std::size_t threads = std::min<std::size_t>(std::thread::hardware_concurrency(), bone.occupancy.size() / kLeast);
   std::vector<std::jthread> others;
-  for (int n = 1; n < threads; ++n) others.emplace_back(run, n);
-  run(0);
+  try {
+    while (others.size() + 1 < threads) others.emplace_back(run);
+  } catch (const std::system_error&) {
+  }  // fewer threads do as well
+  run();
 }
 
 /// Calls f(offset, p_bone) for each voxel, on all cores.

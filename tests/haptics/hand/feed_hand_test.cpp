@@ -116,6 +116,22 @@ TEST_CASE("FeedHand: a coupling that gives is added to the carriage's way, so th
   }
 }
 
+TEST_CASE("FeedHand: a force that is low for milliseconds, as a damper makes it where the bit advances, does not end the advance early") {
+  for (const double push : {0.0, 20.0}) {
+    CAPTURE(push);
+    FeedHandConfig config{.feed = 0.0005, .stop = 0.002, .compliance = 1.0 / 5000.0};
+    if (push > 0.0) config.push = push;
+    Bone bone;
+    int tick = 0;
+    run(make(config), [&](double height) {
+      const double force = bone(height);
+      return tick++ % 20 < 3 ? 0.8 * force : force;  // 0.8 mm of the coupling at 20 N
+    });
+    CHECK(-bone.face >= config.stop - 1e-12);
+    CHECK(-bone.face < config.stop + 0.02e-3);
+  }
+}
+
 TEST_CASE("FeedHand: a fixed thrust rises over the ramp, is carried by bone, and drills at the speed of its force") {
   const FeedHandConfig config{.feed = 0.005, .push = 20.0, .stop = 0.003, .ramp = 0.5, .compliance = 1.0 / 5000.0};
   Bone bone;
