@@ -17,7 +17,8 @@ struct HoleMeasure {
 };
 
 /// Casts rays parallel to the approach axis, half a voxel apart, over the box of changed bone. The area of a ray counts as hole if the bone
-/// half a voxel behind the first (inner surface: last) surface as loaded was there and is gone. The volume uses 4x4x4 trilinear samples per voxel.
+/// half a voxel behind the first (inner surface: last) surface as loaded was there and is gone. The volume uses 4x4x4 trilinear samples per
+/// voxel.
 [[nodiscard]] HoleMeasure measure_hole(Voxmap& voxmap, const Approach& approach);
 
 }  // namespace burrhole
