@@ -67,12 +67,11 @@ WRAPPED = [
     (r"gdcm", "GDCM", ["volumes/read/gdcm_codecs.cpp"]),
     (r"zlib\.h$", "zlib", ["app/session/row_codec.cpp", "volumes/read/"]),
     (r"hwy/", "Highway", ["core/"]),
-    # vdb_grids.cpp: OpenVDB must be initialised once, from whichever thread comes first. phantom.cpp: layers of voxels on all
-    # cores.
+    # vdb_grids.cpp: OpenVDB must be initialised once, from whichever thread comes first. parallel.cpp: loops on all cores.
     (
         r"(thread|mutex|shared_mutex|condition_variable|future)$",
         "threading",
-        ["app/", "haptics/", "core/voxel/vdb_grids.cpp", "volumes/phantom/phantom.cpp"],
+        ["app/", "haptics/", "core/base/parallel.cpp", "core/voxel/vdb_grids.cpp"],
     ),
 ]
 

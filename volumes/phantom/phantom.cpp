@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <new>
 #include <optional>
-#include <system_error>
-#include <thread>
 #include <vector>
 
+#include "core/base/parallel.h"
 #include "core/base/random.h"
 #include "volumes/phantom/skull_layers.h"
 
@@ -38,19 +36,10 @@ void allocate(DenseBone& bone, bool with_soft) {
 template <class F>
 void for_each_layer(const DenseBone& bone, const F& f) {
   const std::size_t layer = static_cast<std::size_t>(bone.dims.x) * static_cast<std::size_t>(bone.dims.y);
-  std::atomic<int> next{0};
-  const auto run = [&] {
-    for (int k = next++; k < bone.dims.z; k = next++)
-      f(VoxelBox{Vec3i(0, 0, k), Vec3i(bone.dims.x, bone.dims.y, k + 1)}, static_cast<std::size_t>(k) * layer);
-  };
   constexpr std::size_t kLeast = 50'000;  // [voxels] for which a thread is worth starting
-  const std::size_t threads = std::min<std::size_t>(std::thread::hardware_concurrency(), bone.occupancy.size() / kLeast);
-  std::vector<std::jthread> others;
-  try {
-    while (others.size() + 1 < threads) others.emplace_back(run);
-  } catch (const std::system_error&) {
-  }  // fewer threads do as well
-  run();
+  for_each_number(bone.dims.z, std::max<std::size_t>(bone.occupancy.size() / kLeast, 1), [&](int k) {
+    f(VoxelBox{Vec3i(0, 0, k), Vec3i(bone.dims.x, bone.dims.y, k + 1)}, static_cast<std::size_t>(k) * layer);
+  });
 }
 
 /// Calls f(offset, p_bone) for each voxel, on all cores.

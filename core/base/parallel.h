@@ -1,0 +1,16 @@
+/// core/base/parallel.h: calls a function for the numbers 0 to count - 1 on all cores.
+///   Units none.   Errors  none: where threads cannot be had, fewer do the work.
+///   Thread any; it returns when all calls have returned. The order of the calls is not fixed, so results must not depend on it.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace burrhole {
+
+/// @param f must not throw. @param most_threads at least 1; the number of cores is a further limit.
+void for_each_number(int count, std::size_t most_threads, const std::function<void(int)>& f);
+/// On all cores.
+void for_each_number(int count, const std::function<void(int)>& f);
+
+}  // namespace burrhole
