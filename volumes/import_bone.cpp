@@ -23,10 +23,10 @@ Error at(Error error, const std::string& path) {
   return error;
 }
 
-/// Bytes of the three fields, if every voxel were bone, and of the nodes of the sparse grids.
-double most_bytes(const Vec3i& dims) {
+/// Estimated bytes of the three fields, and of the nodes of the sparse grids.
+double likely_bytes(const BoneGrid& grid) {
   constexpr double kFields = 3.0, kNodes = 1.1, kRoots = 0.2e6;
-  return kFields * (kNodes * sizeof(float) * dims.x * dims.y * dims.z + kRoots);
+  return kFields * (kNodes * sizeof(float) * grid.bone_share * grid.dims.x * grid.dims.y * grid.dims.z + kRoots);
 }
 
 void describe_bone(const BoneModel& bone, ImportReport& report) {
@@ -140,18 +140,22 @@ Result<ImportedBone> import_bone(const ImportRequest& request, const std::functi
   ImportedBone out;
   out.report.source = request.path;
   out.report.scan = std::move(read->report);
-  const auto before = [&](const BoneGrid& grid) {
+  Status refused;
+  const auto before = [&](const BoneGrid& grid) -> Status {
     out.report.resampled = grid.resampled;
     if (say)
-      say(fmt::format("{} voxels read, {:.1f} MB; bone of {} voxels takes up to about {:.1f} MB", size_text(scan.dims),
+      say(fmt::format("{} voxels read, {:.1f} MB; bone of {} voxels takes about {:.1f} MB", size_text(scan.dims),
                       static_cast<double>(scan.values.size() * sizeof(float)) / kMegabyte, size_text(grid.dims),
-                      most_bytes(grid.dims) / kMegabyte));
+                      likely_bytes(grid) / kMegabyte));
+    if (request.accept) refused = request.accept(grid, sizeof(float) * scan.values.size());
+    return refused;
   };
   BoneOptions bone = request.bone;
   // A mesh was sampled at the requested spacing already.
   if (scan.quantity == Quantity::occupancy && request.read.pitch && !bone.region && !out.report.scan.format.starts_with("OpenVDB"))
     bone.spacing.reset();
   auto made = make_bone(scan, bone, out.report.scan.assumed, before);
+  if (!refused) return refused.error();
   if (!made) return at(made.error(), request.path);
   out.report.dims = scan.dims;
   out.report.grid = describe_grid(scan.bone_from_index);

@@ -20,7 +20,7 @@ struct ImportRequest {
   ReadOptions read;
   BoneOptions bone;
   /// Called with the grid of the bone and the bytes of the scan after the headers and before values are read (of a mesh and of a bone model,
-  /// after the file is read); its error ends the import. May be empty.
+  /// after the file is read), and again before bone is made, when its share is known; its error ends the import. May be empty.
   std::function<Status(const BoneGrid& grid, std::uint64_t scan_bytes)> accept = {};
 };
 

@@ -39,7 +39,8 @@ Status load_bone(const LoadOptions& options, const AcceptBone& accept, LoadedSce
   bool refused = false;
   request.accept = [&](const BoneGrid& grid, std::uint64_t scan_bytes) {
     out.scan_bytes = scan_bytes;
-    Status accepted = accept({grid.dims, grid.bone_from_index, dense_bone_bytes(grid.dims)}, scan_bytes);
+    const auto bytes = static_cast<std::uint64_t>(grid.bone_share * static_cast<double>(dense_bone_bytes(grid.dims)));
+    Status accepted = accept({grid.dims, grid.bone_from_index, bytes}, scan_bytes);
     refused = !accepted.ok();
     return accepted;
   };

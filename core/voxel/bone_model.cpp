@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/base/parallel.h"
 #include "core/voxel/vdb_grids.h"
 
 namespace burrhole {
@@ -35,11 +36,9 @@ Status check_field(const std::vector<float>& field, std::size_t count, const cha
 
 BoneModel::BoneModel(const Vec3i& dims, const Affine& bone_from_index, std::unique_ptr<Grids> grids, std::string notes)
     : dims_(dims), bone_from_index_(bone_from_index), grids_(std::move(grids)), notes_(std::move(notes)) {
-  grids_->occupancy.for_each_sorted([this](const Vec3i& v, float value) {
-    if (value < 0.5f) return;
-    ++bone_voxels_;
-    bone_box_.include(v);
-  });
+  const FloatVdb::Part bone = grids_->occupancy.part_from(0.5f);
+  bone_voxels_ = bone.voxels;
+  bone_box_ = bone.box;
 }
 BoneModel::~BoneModel() = default;
 
@@ -69,11 +68,19 @@ Status BoneModelBuilder::add(const VoxelBox& box, const DenseBone& fields) {
     if (const Status status = check_field(fields.soft, box.count(), "soft"); !status) return status;
   if (!fields.labels.empty() && fields.labels.size() != box.count()) return bad_input("labels and dims disagree");
 
-  grids_->occupancy.write_box(box, fields.occupancy);
-  grids_->hardness.write_box(box, fields.hardness);
-  if (!fields.soft.empty()) grids_->soft.write_box(box, fields.soft);
-  if (!fields.labels.empty()) grids_->labels.write_box(box, std::vector<float>(fields.labels.begin(), fields.labels.end()));
+  // Each grid on a core of its own.
+  constexpr std::size_t kLeast = 50'000;  // [voxels] for which a thread is worth starting
+  for_each_number(4, box.count() / kLeast + 1, [&](int n) {
+    if (n == 0) grids_->occupancy.write_box(box, fields.occupancy);
+    if (n == 1) grids_->hardness.write_box(box, fields.hardness);
+    if (n == 2 && !fields.soft.empty()) grids_->soft.write_box(box, fields.soft);
+    if (n == 3 && !fields.labels.empty()) grids_->labels.write_box(box, std::vector<float>(fields.labels.begin(), fields.labels.end()));
+  });
   return {};
+}
+
+std::size_t BoneModelBuilder::bytes() const {
+  return grids_->occupancy.bytes() + grids_->hardness.bytes() + grids_->soft.bytes() + grids_->labels.bytes();
 }
 
 std::shared_ptr<const BoneModel> BoneModelBuilder::finish(std::string notes) {
@@ -103,6 +110,10 @@ std::size_t BoneModel::bytes() const {
   return grids_->occupancy.bytes() + grids_->hardness.bytes() + grids_->soft.bytes() + grids_->labels.bytes();
 }
 void BoneModel::for_each_region(const std::function<void(const VoxelBox&)>& f) const { grids_->occupancy.for_each_region(f); }
+void BoneModel::for_each_drawn_region(const std::function<void(const VoxelBox&)>& f) const {
+  grids_->occupancy.for_each_region(f);
+  grids_->soft.for_each_region(f);
+}
 void BoneModel::read_occupancy(const VoxelBox& box, std::span<float> out) const { grids_->occupancy.read_box(box, out); }
 void BoneModel::read_hardness(const VoxelBox& box, std::span<float> out) const { grids_->hardness.read_box(box, out); }
 void BoneModel::read_soft(const VoxelBox& box, std::span<float> out) const { grids_->soft.read_box(box, out); }

@@ -69,6 +69,8 @@ class BoneModel {
   [[nodiscard]] std::size_t bytes() const;
   /// Calls f for boxes that together hold all voxels with an occupancy above 0; each holds at least one. Unordered.
   void for_each_region(const std::function<void(const VoxelBox&)>& f) const;
+  /// The same for all voxels with an occupancy of bone or soft tissue above 0; boxes of the two may overlap.
+  void for_each_drawn_region(const std::function<void(const VoxelBox&)>& f) const;
   // Dense copies of a box, i fastest; the box may reach outside the grid, where all fields are 0.
   void read_occupancy(const VoxelBox& box, std::span<float> out) const;
   void read_hardness(const VoxelBox& box, std::span<float> out) const;
@@ -102,6 +104,7 @@ class BoneModelBuilder {
   /// Adds the fields of one box, in any order of boxes. `fields.dims` is the size of the box; `fields.bone_from_index` is ignored.
   /// bad_input as BoneModel::create, or if the box is not inside the grid.
   [[nodiscard]] Status add(const VoxelBox& box, const DenseBone& fields);
+  [[nodiscard]] std::size_t bytes() const;
   /// @returns the model; the builder is empty afterwards.
   [[nodiscard]] std::shared_ptr<const BoneModel> finish(std::string notes = {});
 

@@ -111,9 +111,17 @@ void FloatVdb::write_box(const VoxelBox& box, std::span<const float> in) {
   for_each_leaf_box(box, [&](const openvdb::Coord& origin, const VoxelBox& part) {
     Leaf* leaf = tree.probeLeaf(origin);
     if (leaf == nullptr) {
-      bool same = tree.getValue(origin) == background;
-      if (same) for_each_voxel(part, [&](const Vec3i& v) { same = same && in[box.offset_of(v)] == background; });
-      if (same) return;
+      const auto is_background = [&] {
+        for (int k = part.lo.z; k < part.hi.z; ++k)
+          for (int j = part.lo.y; j < part.hi.y; ++j) {
+            const float* row = &in[box.offset_of({part.lo.x, j, k})];
+            bool same = true;
+            for (int i = 0; i < part.hi.x - part.lo.x; ++i) same = same && row[i] == background;
+            if (!same) return false;
+          }
+        return true;
+      };
+      if (tree.getValue(origin) == background && is_background()) return;
       leaf = tree.touchLeaf(origin);
     }
     for_each_voxel(part, [&](const Vec3i& v) {
@@ -125,6 +133,29 @@ void FloatVdb::write_box(const VoxelBox& box, std::span<const float> in) {
         leaf->setValueOn(n, value);
     });
   });
+}
+
+FloatVdb::Part FloatVdb::part_from(float least) const {
+  Part out;
+  const auto& tree = impl_->grid->tree();
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    const openvdb::Coord origin = leaf->origin();
+    for (openvdb::Index n = 0; n < Leaf::SIZE; ++n) {
+      if (!leaf->isValueOn(n) || !(leaf->getValue(n) >= least)) continue;
+      const openvdb::Coord at = origin + Leaf::offsetToLocalCoord(n);
+      out.box.include({at.x(), at.y(), at.z()});
+      ++out.voxels;
+    }
+  }
+  auto tile = tree.cbeginValueOn();
+  tile.setMaxDepth(Tree::ValueOnCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    if (!(*tile >= least)) continue;
+    const VoxelBox box = box_of(tile.getBoundingBox());
+    out.box = out.box.unite(box);
+    out.voxels += box.count();
+  }
+  return out;
 }
 
 void FloatVdb::for_each_sorted(const std::function<void(const Vec3i&, float)>& f) const {

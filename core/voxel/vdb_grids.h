@@ -34,6 +34,13 @@ class FloatVdb {
   /// Calls f for boxes that together hold all voxels that differ from the background; each holds at least one. Unordered.
   void for_each_region(const std::function<void(const VoxelBox&)>& f) const;
   [[nodiscard]] VoxelBox active_bounds() const;
+  /// Number and bounding box of voxels.
+  struct Part {
+    std::size_t voxels = 0;
+    VoxelBox box;
+  };
+  /// @returns the voxels that differ from the background and whose value is at least `least`.
+  [[nodiscard]] Part part_from(float least) const;
   [[nodiscard]] std::size_t bytes() const;
   void clear();
 

@@ -7,7 +7,10 @@
 #include <limits>
 #include <span>
 
+#include "core/base/parallel.h"
 #include "core/base/units.h"
+#include "volumes/read/memory_check.h"
+#include "volumes/read/resample.h"
 
 namespace burrhole {
 namespace {
@@ -137,48 +140,6 @@ void fill_native(const Scan& scan, int k_lo, Slab& slab) {
     }
 }
 
-/// Catmull-Rom weights of the four voxels around a fraction t: interpolating, exact for quadratics. At an edge as wide as a slice it moves
-/// the surface by up to 0.12 slices; linear interpolation moves it by up to 0.16 slices.
-struct CubicAxis {
-  std::array<std::ptrdiff_t, 4> offset;
-  std::array<double, 4> weight;
-
-  CubicAxis(double at, int size, std::ptrdiff_t stride) {
-    const double p = std::clamp(at, 0.0, static_cast<double>(size - 1));
-    const int base = std::min(static_cast<int>(p), std::max(size - 2, 0));
-    const double t = p - base, t2 = t * t, t3 = t2 * t;
-    weight = {0.5 * (-t3 + 2 * t2 - t), 0.5 * (3 * t3 - 5 * t2 + 2), 0.5 * (-3 * t3 + 4 * t2 + t), 0.5 * (t3 - t2)};
-    for (std::size_t n = 0; n < 4; ++n) offset[n] = stride * std::clamp(base + static_cast<int>(n) - 1, 0, size - 1);
-  }
-};
-
-/// Outside the outer faces of the scan's voxels the value is `nothing`; in their outer halves it is that of the border.
-float sample(const Scan& scan, const Vec3& index, float nothing) {
-  if (glm::any(glm::lessThan(index, Vec3(-0.5))) || glm::any(glm::greaterThan(index, Vec3(scan.dims) - 0.5))) return nothing;
-  const std::ptrdiff_t row = scan.dims.x, layer = row * scan.dims.y;
-  const CubicAxis x(index.x, scan.dims.x, 1), y(index.y, scan.dims.y, row), z(index.z, scan.dims.z, layer);
-  double sum = 0.0;
-  for (std::size_t k = 0; k < 4; ++k) {
-    double plane = 0.0;
-    for (std::size_t j = 0; j < 4; ++j) {
-      const float* v = scan.values.data() + z.offset[k] + y.offset[j];
-      double line = 0.0;
-      for (std::size_t i = 0; i < 4; ++i) line += x.weight[i] * static_cast<double>(v[x.offset[i]]);
-      plane += y.weight[j] * line;
-    }
-    sum += z.weight[k] * plane;
-  }
-  return static_cast<float>(sum);
-}
-
-void fill_resampled(const Scan& scan, const Affine& scan_from_grid, float nothing, int k_lo, Slab& slab) {
-  const Vec3i size = slab.padded();
-  std::size_t n = 0;
-  for (int k = 0; k < size.z; ++k)
-    for (int j = 0; j < size.y; ++j)
-      for (int i = 0; i < size.x; ++i) slab.values[n++] = sample(scan, scan_from_grid * Vec3(i - 1, j - 1, k_lo + k - 1), nothing);
-}
-
 // ---- occupancy and hardness ----
 
 struct Rule {
@@ -195,27 +156,60 @@ struct Rule {
   }
 };
 
+/// Row by row on all cores; first the occupancy of a row, then the hardness of its bone.
 void classify(const Slab& slab, const Rule& rule, DenseBone& out) {
   const Vec3i size = slab.padded();
-  const std::ptrdiff_t dx = 1, dy = size.x, dz = std::ptrdiff_t{size.x} * size.y;
+  const std::ptrdiff_t dy = size.x, dz = std::ptrdiff_t{size.x} * size.y;
   const float middle = static_cast<float>(0.5 * (rule.band[0] + rule.band[1]));
   const float half_band = static_cast<float>(0.5 * (rule.band[1] - rule.band[0]));
   const float offset = static_cast<float>(rule.offset);
-  std::size_t n = 0;
-  for (int k = 0; k < slab.dims.z; ++k)
-    for (int j = 0; j < slab.dims.y; ++j) {
-      const float* v = slab.values.data() + (k + 1) * dz + (j + 1) * dy + 1;
-      for (int i = 0; i < slab.dims.x; ++i, ++v, ++n) {
-        const float here = *v;
-        const auto step = [&](std::ptrdiff_t d) { return std::max(std::abs(v[d] - here), std::abs(v[-d] - here)); };
-        const float ramp = rule.given_occupancy ? half_band : std::max(half_band, step(dx) + step(dy) + step(dz));
-        const float value = here + offset;
-        const float occupancy = std::clamp(0.5f + (value - middle) / (2.0f * ramp), 0.0f, 1.0f);
-        out.occupancy[n] = occupancy;
-        out.hardness[n] = occupancy > 0.0f ? rule.hardness_at(static_cast<double>(value)) : 0.0f;
-        out.labels[n] = static_cast<std::uint8_t>(occupancy >= 0.5f ? VoxelLabel::bone : VoxelLabel::none);
-      }
+  for_each_number(slab.dims.z * slab.dims.y, [&](int row) {
+    const int j = row % slab.dims.y, k = row / slab.dims.y, width = slab.dims.x;
+    const float* v = slab.values.data() + (k + 1) * dz + (j + 1) * dy + 1;
+    const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
+    float* occupancy = out.occupancy.data() + at;
+    float most = 0.0f;
+    for (int i = 0; i < width; ++i) {
+      const float here = v[i];
+      const auto step = [&](std::ptrdiff_t d) { return std::max(std::abs(v[i + d] - here), std::abs(v[i - d] - here)); };
+      const float ramp = rule.given_occupancy ? half_band : std::max(half_band, step(1) + step(dy) + step(dz));
+      occupancy[i] = std::clamp(0.5f + (here + offset - middle) / (2.0f * ramp), 0.0f, 1.0f);
+      most = std::max(most, occupancy[i]);
     }
+    if (most == 0.0f) {
+      std::fill_n(out.hardness.data() + at, width, 0.0f);
+      std::fill_n(out.labels.data() + at, width, static_cast<std::uint8_t>(VoxelLabel::none));
+      return;
+    }
+    for (int i = 0; i < width; ++i) {
+      const bool has_bone = occupancy[i] > 0.0f;
+      out.hardness[at + static_cast<std::size_t>(i)] = has_bone ? rule.hardness_at(static_cast<double>(v[i] + offset)) : 0.0f;
+      out.labels[at + static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(occupancy[i] >= 0.5f ? VoxelLabel::bone : VoxelLabel::none);
+    }
+  });
+}
+
+/// Estimated share of the voxels of the grid in blocks with bone: the share of the scan within a voxel of bone. Blocks of the sparse grids
+/// reach about as far beyond bone.
+double share_near_bone(const Scan& scan, const Rule& rule) {
+  const VoxelBox all{Vec3i(0), scan.dims};
+  const auto middle = static_cast<float>(0.5 * (rule.band[0] + rule.band[1]) - rule.offset);
+  std::vector<std::uint8_t> near(scan.values.size());
+  for (std::size_t n = 0; n < near.size(); ++n) near[n] = scan.values[n] > middle ? 1 : 0;
+  std::size_t stride = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<std::uint8_t> grown = near;
+    const auto length = static_cast<std::size_t>(scan.dims[axis]);
+    for (std::size_t n = 0; n < near.size(); ++n) {
+      const std::size_t at = n / stride % length;
+      if (at > 0) grown[n] |= near[n - stride];
+      if (at + 1 < length) grown[n] |= near[n + stride];
+    }
+    near = std::move(grown);
+    stride *= length;
+  }
+  const auto count = std::count(near.begin(), near.end(), std::uint8_t{1});
+  return static_cast<double>(count) / static_cast<double>(all.count());
 }
 
 }  // namespace
@@ -254,7 +248,8 @@ Status check_options(const BoneOptions& options) {
 
 Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options) {
   if (const Status checked = check_options(options); !checked) return checked.error();
-  if (!options.spacing) return BoneGrid{scan.dims, scan.bone_from_index, false};
+  const double share = options.region || scan.quantity == Quantity::occupancy ? 1.0 : 0.0;
+  if (!options.spacing) return BoneGrid{scan.dims, scan.bone_from_index, false, share};
   const double pitch = *options.spacing;
   auto [lo, hi] = bounds_of({Vec3i(0), scan.dims}, scan.bone_from_index);
   if (options.region) {
@@ -262,7 +257,8 @@ Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options) {
     if (glm::any(glm::greaterThan(low, hi)) || glm::any(glm::lessThan(high, lo)))
       return bad_input(fmt::format("the region round {} mm lies outside the scan, which spans {} to {} mm", mm_text(options.region->centre),
                                    mm_text(lo), mm_text(hi)));
-    lo = glm::max(lo, low);
+    // On the voxels of the whole scan, so that a region has the values of the whole.
+    lo += pitch * glm::max(glm::ceil((low - lo) / pitch - 1e-6), 0.0);
     hi = glm::min(hi, high);
   }
   const Vec3 count = glm::floor((hi - lo) / pitch + 1e-6) + 1.0;
@@ -271,11 +267,11 @@ Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options) {
         fmt::format("{:.0f} x {:.0f} x {:.0f} voxels of {:g} mm are {:.0f} M, more than {:.0f} M: take a coarser spacing, or a "
                     "region (--region-mm with --centre-mm; region_mm in a scene)",
                     count.x, count.y, count.z, pitch / kMillimetre, voxels / 1e6, kMaxResampledVoxels / 1e6));
-  return BoneGrid{Vec3i(count), Affine::scaling(pitch, lo), true};
+  return BoneGrid{Vec3i(count), Affine::scaling(pitch, lo), true, share};
 }
 
 Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,
-                               const std::function<void(const BoneGrid&)>& before) {
+                               const std::function<Status(const BoneGrid&)>& before) {
   if (scan.values.empty() || scan.values.size() != VoxelBox{Vec3i(0), scan.dims}.count()) return bad_input("the scan has no voxels");
   const ValueFacts facts = collect_facts(scan.values);
   Meaning meaning;
@@ -288,31 +284,36 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
     if (!meaning.hounsfield && options.hardness.empty())
       assumed.push_back(fmt::format("hardness is {:g} everywhere: values that are not in HU give no density", kMeshHardness));
   }
-  const auto grid = plan_grid(scan, options);
+  auto grid = plan_grid(scan, options);
   if (!grid) return grid.error();
-  if (before) before(*grid);
   auto builder = BoneModelBuilder::create(grid->dims, grid->bone_from_index);
   if (!builder) return builder.error();
 
   const bool given = scan.quantity == Quantity::occupancy;
   const Rule rule{given ? kOccupancyBand : meaning.band, meaning.offset, given, meaning.hounsfield, options.hardness};
+  if (!options.region && !given) grid->bone_share = share_near_bone(scan, rule);
+  if (before)
+    if (const Status accepted = before(*grid); !accepted) return accepted.error();
+  const std::optional<double> memory = available_memory();
   // Outside the scan: no bone, independent of the lowest value of the scan.
   const double nothing = std::min(facts.min, rule.band[0] - meaning.offset);
-  const Affine scan_from_grid = scan.bone_from_index.inverse() * grid->bone_from_index;
+  Resampler resampler(scan, scan.bone_from_index.inverse() * grid->bone_from_index, grid->dims, static_cast<float>(nothing));
+  Slab slab;
+  DenseBone part;
   for (int k = 0; k < grid->dims.z; k += kSlab) {
     const VoxelBox where{{0, 0, k}, {grid->dims.x, grid->dims.y, std::min(k + kSlab, grid->dims.z)}};
-    Slab slab{where.size(), {}};
+    slab.dims = where.size();
     slab.values.resize(VoxelBox{Vec3i(0), slab.padded()}.count());
     if (grid->resampled)
-      fill_resampled(scan, scan_from_grid, static_cast<float>(nothing), k, slab);
+      resampler.fill(k, where.hi.z, slab.values);
     else
       fill_native(scan, k, slab);
-    DenseBone part;
     part.occupancy.resize(where.count());
     part.hardness.resize(where.count());
     part.labels.resize(where.count());
     classify(slab, rule, part);
     if (const Status added = builder->add(where, part); !added) return added.error();
+    if (const auto error = memory_error(static_cast<double>(builder->bytes()), memory)) return Error{ErrorCode::unavailable, *error, {}};
   }
   report_cut_region(options, *grid, assumed);
   BoneFromScan out;

@@ -20,8 +20,8 @@
 
 namespace burrhole {
 
-/// [voxels] Largest resampled grid, as for a phantom.
-inline constexpr double kMaxResampledVoxels = 300e6;
+/// [voxels] Largest resampled grid: a body at 0.25 mm. Only blocks with bone take memory.
+inline constexpr double kMaxResampledVoxels = 8e9;
 
 /// A point of a piecewise linear table. Values outside the table take the hardness of its first or last point.
 struct HardnessPoint {
@@ -55,6 +55,8 @@ struct BoneGrid {
   Vec3i dims{0};  ///< [voxels]
   Affine bone_from_index;
   bool resampled = false;
+  /// [-] Estimated share of the voxels that are in blocks with bone. Before the values are read: 1 for a region, 0 for a whole scan.
+  double bone_share = 1.0;
 };
 
 /// @returns bad_input if the band does not increase, or a region is given without a spacing.
@@ -75,10 +77,11 @@ struct BoneFromScan {
   bool hounsfield = false;                  ///< the values are interpreted as HU
 };
 
-/// @param assumed receives one line per assumption. @param before is called when the grid is known, before its memory is allocated; may be
-/// empty. @returns bad_input: values that are not HU without a band, a band that does not increase, no bone in the band (with the range of
-/// the values). Works in slabs: in addition to the scan it needs the grids of the bone and about 120 bytes per voxel of one layer.
+/// @param assumed receives one line per assumption. @param before is called when grid and share of bone are known, before the memory of the
+/// bone is allocated; its error ends the work; may be empty. @returns bad_input: values that are not HU without a band, a band that does not
+/// increase, no bone in the band (with the range of the values); unavailable: more bone than the machine has memory for. Works in slabs: in
+/// addition to the scan it needs the grids of the bone and about 250 bytes per voxel of one layer. Uses all cores.
 [[nodiscard]] Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,
-                                             const std::function<void(const BoneGrid&)>& before = {});
+                                             const std::function<Status(const BoneGrid&)>& before = {});
 
 }  // namespace burrhole

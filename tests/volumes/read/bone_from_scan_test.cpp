@@ -130,6 +130,33 @@ TEST_CASE("make_bone: voxels far from the surface are exactly 0 and 1, hardness 
   CHECK(glm::length(bounds_of(made->bone->bone_box(), made->bone->bone_from_index()).hi - Vec3(kBallRadius)) < std::sqrt(3.0) * 1.0 * kMm);
 }
 
+TEST_CASE("make_bone: a region lies on the voxels of the whole and has its values") {
+  std::vector<std::string> assumed;
+  BoneOptions options;
+  options.spacing = 0.37 * kMm;
+  const auto whole = make_bone(ball_scan(), options, assumed);
+  REQUIRE(whole);
+  const BoneModel& all = *whole->bone;
+  for (const double off : {0.0, 0.123, 0.3}) {
+    options.region = BoneRegion{Vec3(1.0 + off, -2.0, 3.0 + 2.0 * off) * kMm, Vec3(9.0, 7.0, 8.0) * kMm};
+    const auto part = make_bone(ball_scan(), options, assumed);
+    REQUIRE(part);
+    const BoneModel& region = *part->bone;
+    const Vec3 place = all.bone_from_index().inverse() * region.bone_from_index().offset;
+    const Vec3i at(glm::round(place));
+    CHECK(glm::length(place - Vec3(at)) < 1e-6);
+    CHECK(glm::all(glm::lessThanEqual(region.bone_from_index().offset, options.region->centre)));
+    double worst = 0.0, most = 0.0;
+    for_each_voxel(region.bounds(), [&](const Vec3i& v) {
+      worst = std::max(worst, std::abs(static_cast<double>(region.occupancy(v) - all.occupancy(at + v))));
+      most = std::max(most, static_cast<double>(region.occupancy(v)));
+    });
+    CHECK(most == 1.0);
+    // At the faces of the region the ramp knows neighbours outside it, as that of the whole does.
+    CHECK(worst < 1e-5);  // floats of 1000 HU, rounded at places that differ by 1e-16 m
+  }
+}
+
 TEST_CASE("make_bone: one slab, many slabs and odd sizes give the same fields as the voxel on its own") {
   // The plain twin: each voxel by the formula of the header, from the whole scan.
   const Vec3i dims(7, 5, 19);
