@@ -12,7 +12,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 world_from_bone[3];     // columns of the rotation
   vec4 dims;                   // xyz voxels; w: step [voxels]
   vec4 light;                  // xyz towards the light, unit length, world; w: bisections
-  vec4 light_terms;            // ambient, diffuse, headlight fill, 0
+  vec4 light_terms;            // ambient, diffuse, headlight fill, voxels of this volume per voxel of the bone
   vec4 cut;                    // xyz normal (world, unit length), w offset [m]; points with dot(normal, p) > offset are cut away
   vec4 lens;                   // near [m], far [m], width, height [pixels]
   vec4 edges;                  // voxel edges [m], longest in w
@@ -23,7 +23,16 @@ layout(std140, binding = 0) uniform Frame {
   vec4 slices;                 // axis 0..2, count, how many of them lie beyond the eye along the axis, length an opacity holds over [m]
   vec4 background_bottom;      // rgb
   vec4 background_top;
+  // A large bone is two volumes: the whole at coarser voxels (HOLE) and a part at its own voxels (DETAIL). Otherwise these are 0, part.w 1.
+  vec4 hole_lo;                // HOLE, index: the box that rays skip, since the detail is drawn there; w: 1
+  vec4 hole_hi;                // w: bone voxels per voxel of this volume
+  vec4 part;                   // DETAIL: xyz bone voxel at index 0; w: voxels of this volume per voxel of the whole one
+  vec4 whole_dims;             // DETAIL: xyz voxels of the whole volume
+  vec4 blend;                  // DETAIL: x, y [voxels]: up to x from its faces the part equals the whole, from x + y on it has its own texels
 };
+
+// Factor of the hit depths of a detail, which distinguishes them from those of the whole volume. A power of two changes no bit of a float.
+const float kOfDetail = 1099511627776.0;
 
 // View depth [m] to the depth buffer's 0..1 and back.
 float depth_from_view(float t) { return lens.y / (lens.y - lens.x) * (1.0 - lens.x / t); }

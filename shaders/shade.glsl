@@ -16,14 +16,15 @@ vec3 shade(vec3 p, vec3 world, vec3 normal, vec3 to_eye, bool is_face) {
   // Colour from below the surface: half of the texels filtered at the surface itself are outside the bone.
   vec3 outward = index_from_displacement(normal);
   outward /= length(outward);
-  vec3 inside = is_face ? p : p - 0.75 * outward;
+  vec3 inside = is_face ? p : p - 0.75 * grain_at(p) * outward;
 #ifdef LABELS
   vec3 color = textureLod(color_soft, texture_from_index(inside), 0.0).rgb;
 #else
   vec3 color = vec3(0.93, 0.88, 0.76);   // ivory
 #endif
 #ifdef TISSUE
-  color = tissue_color(color, p, inside, outward, is_face);
+  // Patterns of tissue are those at the same depth in bone for voxels of any size.
+  color = tissue_color(color, p, inside, is_face ? p : p - 0.75 * light_terms.w * outward, outward, is_face);
 #endif
   float sky = 1.0;
 #ifdef OCCLUSION

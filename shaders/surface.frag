@@ -11,6 +11,13 @@ void main() {
   vec3 direction_index = forward_index.xyz + ndc.x * right_index.xyz + ndc.y * up_index.xyz;
   vec3 direction_world = forward_world.xyz + ndc.x * right_world.xyz + ndc.y * up_world.xyz;
   float found = texelFetch(hit_depth, ivec2(gl_FragCoord.xy), 0).r;
+#ifdef HOLE
+  if (abs(found) > 1e6) discard;   // the detail is in front
+#endif
+#ifdef DETAIL
+  if (abs(found) < 1e6) discard;   // the whole volume is in front
+  found /= kOfDetail;
+#endif
   bool is_face = found < 0.0;
   float t = abs(found);
   vec3 p = eye_index.xyz + t * direction_index;

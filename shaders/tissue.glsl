@@ -7,7 +7,7 @@ layout(binding = 5) uniform sampler3D tissue;   // R: occupancy as loaded; G: sp
 // 0 on the original surface .. 1 on a cut: share of bone removed three quarters of a voxel outside the surface. outward: index, one voxel
 // long.
 float cut_share(vec3 p, vec3 outward) {
-  vec3 before = p + 0.75 * outward;
+  vec3 before = p + 0.75 * grain_at(p) * outward;
   return smoothstep(0.08, 0.3, textureLod(tissue, texture_from_index(before), 0.0).r - bone_at(before));
 }
 
@@ -58,10 +58,14 @@ float deep_share(vec3 p) {
   return smoothstep(0.4, 0.9, least);
 }
 
-// color: of the tissue at `inside` (index), the point of the volume that determines the colour of surface point p; is_face: p lies on a cut
-// plane.
-vec3 tissue_color(vec3 color, vec3 p, vec3 inside, vec3 outward, bool is_face) {
-  vec3 metres = inside * edges.xyz;
+// color: of the tissue at `inside` (index), the point of the volume that determines the colour of surface point p; pattern: the point of the
+// patterns; is_face: p lies on a cut plane.
+vec3 tissue_color(vec3 color, vec3 p, vec3 inside, vec3 pattern, vec3 outward, bool is_face) {
+#ifdef DETAIL
+  vec3 metres = (pattern + part.xyz) * edges.xyz;
+#else
+  vec3 metres = pattern * edges.xyz;
+#endif
   float kind = textureLod(tissue, texture_from_index(inside), 0.0).g;
 #ifdef SOFT
   if (soft_at(inside) > bone_at(inside)) return soft_tissue(color, kind, metres, is_face);

@@ -12,13 +12,34 @@ float soft_at(vec3 index) { return textureLod(color_soft, texture_from_index(ind
 // The density whose 0.5 level is drawn.
 float density_at(vec3 index) { return textureLod(seen_field, texture_from_index(index), 0.0).r; }
 
+// Number of voxels over which the density near p is a mean: lengths in voxels are multiplied by it. 1 except near the faces of a detail.
+#ifdef DETAIL
+layout(binding = 7) uniform sampler3D whole_field;     // as seen_field, of the whole volume
+float grain_at(vec3 p) {
+  vec3 inside = min(p, dims.xyz - 1.0 - p);
+  return mix(part.w, 1.0, smoothstep(blend.x, blend.x + blend.y, min(inside.x, min(inside.y, inside.z))));
+}
+#else
+float grain_at(vec3 p) { return 1.0; }
+#endif
+
 // The drawn density: 0 outside the box of the cells and on the far side of the cut. p: index, world: the same point.
 float drawn_density_at(vec3 p, vec3 world) {
+#ifdef DETAIL
+  vec3 q = (p + part.xyz) / part.w;
+  bool inside = all(greaterThan(q, vec3(-0.5))) && all(lessThan(q, whole_dims.xyz - 0.5));
+  bool near = all(greaterThanEqual(p, vec3(0.0))) && all(lessThanEqual(p, dims.xyz - 1.0));
+#else
   bool inside = all(greaterThan(p, vec3(-0.5))) && all(lessThan(p, dims.xyz - 0.5));
+#endif
 #ifdef CUT
   inside = inside && dot(cut.xyz, world) <= cut.w;
 #endif
+#ifdef DETAIL
+  return inside ? (near ? density_at(p) : textureLod(whole_field, (q + 0.5) / whole_dims.xyz, 0.0).r) : 0.0;
+#else
   return inside ? density_at(p) : 0.0;
+#endif
 }
 
 // Gradient in index coordinates to world direction (covariant, correct for sheared volumes); displacements use the transposed map.
@@ -36,9 +57,10 @@ vec3 stored_normal(vec3 p) {
 // axes.
 vec3 surface_normal(vec3 p, vec3 fallback) {
   vec3 g = vec3(0.0);
+  float grain = grain_at(p);
   for (int c = 0; c < 8; ++c) {
     vec3 corner = 2.0 * vec3(c & 1, (c >> 1) & 1, c >> 2) - 1.0;
-    g -= 0.25 * corner * density_at(p + 0.5 * corner);
+    g -= 0.25 * corner * density_at(p + 0.5 * grain * corner);
   }
   vec3 n = world_from_gradient(g);
   float size = length(n);
@@ -51,7 +73,8 @@ vec3 surface_normal(vec3 p, vec3 fallback) {
 #ifdef FINISH
   // A wider mean removes the steps of a surface with an edge of one voxel.
   n *= 0.25;
-  for (int c = 0; c < 8; ++c) n += 0.09375 * stored_normal(p + 1.25 * (vec3(c & 1, (c >> 1) & 1, c >> 2) - 0.5) * 2.0);
+  float grain = grain_at(p);
+  for (int c = 0; c < 8; ++c) n += 0.09375 * stored_normal(p + 1.25 * grain * (vec3(c & 1, (c >> 1) & 1, c >> 2) - 0.5) * 2.0);
 #endif
   float size = length(n);
   return size > 0.15 ? n / size : fallback;

@@ -4,6 +4,7 @@
 
 #include "app/effect/registry.h"
 #include "app/stage/stage.h"
+#include "app/view/detail.h"
 #include "app/view/display_config.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
@@ -165,6 +166,12 @@ DisplayConfig read_display(TableReader& table) {
                                "direction from target to camera: angle above the xy plane of the approach frame");
   out.distance =
       table.number("distance_mm", above_zero(out.distance / kMillimetre, kMillimetre, 5000.0), "distance of the camera from that target");
+  out.whole_voxels = static_cast<std::size_t>(table.integer(
+      "whole_voxels", static_cast<std::int64_t>(out.whole_voxels), 1000, 1'000'000'000,
+      "largest texture of the whole bone; a larger bone is drawn at coarser voxels, and by method = \"raycast\" with shading = "
+      "\"surface\" a part around the entry, or where bone is cut, at its own voxels"));
+  if (out.method == "raycast" && out.transfer.empty())
+    out.detail = table.number("detail_mm", above_zero(out.detail / kMillimetre, kMillimetre, 500.0), "edge of that part");
   out.scale_bar =
       table.boolean("scale_bar", out.scale_bar, "draws a scale bar; its length is exact at the distance of the camera's target");
   out.cut = read_cut(table);
@@ -193,6 +200,34 @@ std::string method_text(const DisplayConfig& display) {
   if (display.method != "slices") return display.method + appearance;
   return fmt::format("slices, {:g} a voxel{}{}", display.slices_per_voxel, display.opacity_correction ? "" : ", opacity a slice",
                      appearance);
+}
+
+/// Volumes that are drawn.
+struct Levels {
+  int factor = 1;  ///< [voxels] of the bone, edge of a voxel of the whole volume
+  bool has_detail = false;
+  std::uint64_t voxels = 0;  ///< of all volumes
+};
+
+Levels levels_of(const DisplayConfig& display, const BoneShape& bone) {
+  Levels out;
+  out.factor = coarse_factor(bone.dims, display.whole_voxels);
+  out.voxels = VoxelBox{Vec3i(0), out.factor == 1 ? bone.dims : CoarseBone::dims_of(bone.dims, out.factor)}.count();
+  out.has_detail = out.factor > 1 && display.method == "raycast" && display.transfer.empty();
+  if (out.has_detail) {
+    const double edge = display.detail / bone.bone_from_index.mean_edge();
+    out.voxels += place_detail(bone.dims, out.factor, Vec3(bone.dims / 2), Vec3(edge)).box.count();
+  }
+  return out;
+}
+
+std::string levels_text(const DisplayConfig& display, const BoneShape& bone) {
+  const Levels levels = levels_of(display, bone);
+  if (levels.factor == 1) return {};
+  const double edge = bone.bone_from_index.mean_edge() / kMillimetre;
+  std::string out = fmt::format(", the whole bone at voxels of {:.3g} mm", levels.factor * edge);
+  if (levels.has_detail) out += fmt::format(" and {:.3g} mm around the entry at {:.3g} mm", display.detail / kMillimetre, edge);
+  return out;
 }
 
 /// @returns the options of cut, stereo and scale bar.
@@ -263,9 +298,9 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
             .step = "changed boxes to the texture, one picture",
             .needs = "changed boxes, tool pose",
             .gives = "pictures",
-            .detail = fmt::format("{}{}, {} x {} pixels{}, at events", method_text(config_), picture_text(config_), config_.width,
-                                  config_.height, budget),
-            .bytes = VoxelBox{Vec3i(0), context.bone.dims}.count() * a_voxel + samples * kSampleBytes + kDriverBytes};
+            .detail = fmt::format("{}{}{}, {} x {} pixels{}, at events", method_text(config_), levels_text(config_, context.bone),
+                                  picture_text(config_), config_.width, config_.height, budget),
+            .bytes = levels_of(config_, context.bone).voxels * a_voxel + samples * kSampleBytes + kDriverBytes};
   }
 
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {

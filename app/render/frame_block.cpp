@@ -32,6 +32,21 @@ void fill_volume(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, c
   block.edges = vec4({glm::length(cell[0]), glm::length(cell[1]), glm::length(cell[2])}, world_from_index.longest_edge());
 }
 
+void fill_hole(FrameBlock& block, const DetailGrid& grid) {
+  // A coarse voxel inside the faces of the detail: a surface between the last sample before the hole and the hole is found by the detail.
+  const double factor = grid.factor;
+  block.light_terms.w = static_cast<float>(1.0 / factor);
+  block.hole_lo = vec4(Vec3(grid.box.lo) / factor + 1.0, 1.0);
+  block.hole_hi = vec4(Vec3(grid.box.hi - 1) / factor - 1.0, factor);
+}
+
+void fill_part(FrameBlock& block, const DetailGrid& grid, const Vec3i& whole_dims) {
+  block.light_terms.w = 1.0f;
+  block.part = vec4(Vec3(grid.box.lo), grid.factor);
+  block.whole_dims = vec4(Vec3(whole_dims));
+  block.blend = vec4({grid.ring(), grid.blend(), 0.0});
+}
+
 void fill_slices(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, const Affine& world_from_index, double per_voxel) {
   const Affine index_from_world = world_from_index.inverse();
   const Mat3 rows = glm::transpose(index_from_world.linear);
@@ -53,7 +68,7 @@ void fill_slices(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, c
 
 void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
   block.light = vec4(glm::normalize(view.light.direction_to_light));
-  block.light_terms = vec4({view.light.ambient, view.light.diffuse, view.light.fill});
+  block.light_terms = vec4({view.light.ambient, view.light.diffuse, view.light.fill}, 1.0);
   block.background_bottom = vec4(view.background.bottom);
   block.background_top = vec4(view.background.top);
   if (!view.cut) return;

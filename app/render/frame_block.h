@@ -21,12 +21,17 @@ struct FrameBlock {
   glm::fmat4 clip_from_tool{1}, world_from_tool{1}, clip_from_index{1}, world_from_index{1};  ///< [unit of frame.glsl]
   Vec4f slices{0};                                                                            ///< [unit of frame.glsl]
   Vec4f background_bottom{0}, background_top{0};                                              ///< [-]
+  Vec4f hole_lo{0}, hole_hi{0}, part{0}, whole_dims{0}, blend{0};                             ///< [voxels]
 };
-static_assert(sizeof(FrameBlock) == 39 * 16);
+static_assert(sizeof(FrameBlock) == 44 * 16);
 
 void fill_camera(FrameBlock& block, const CameraRays& rays);
 /// @param dims [voxels] > 0.
 void fill_volume(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, const Affine& world_from_index);
+/// For the whole volume: leaves out the box in which the detail is drawn.
+void fill_hole(FrameBlock& block, const DetailGrid& grid);
+/// For the detail. @param whole_dims [voxels] of the whole volume.
+void fill_part(FrameBlock& block, const DetailGrid& grid, const Vec3i& whole_dims);
 /// Chooses the axis whose slices face the view most directly, their number, and their order. @param per_voxel slices per voxel along the
 /// axis.
 void fill_slices(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, const Affine& world_from_index, double per_voxel);

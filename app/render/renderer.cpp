@@ -59,6 +59,7 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
     const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
     append_corners(volume->dims(), world_from_index, points);
     fill_volume(block, rays.value(), volume->dims(), world_from_index);
+    if (detail) fill_hole(block, grid);
   }
   block.dims.w = static_cast<float>(options.step_voxels);
   block.light.w = static_cast<float>(options.bisections);
@@ -84,6 +85,14 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   return block;
 }
 
+FrameBlock Renderer::Impl::make_detail_block(const FrameBlock& whole, const FrameView& view) const {
+  FrameBlock block = whole;
+  fill_volume(block, rays_of(whole), detail->dims(), Affine::from_pose(view.world_from_bone) * detail->bone_from_index());
+  block.dims.w = whole.dims.w;
+  fill_part(block, grid, volume->dims());
+  return block;
+}
+
 Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height) {
   const int n = options.supersample;
   const Vec2i drawn = n * Vec2i(width, height);
@@ -93,8 +102,8 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   if (!block) return block.error();
   const bool cut = view.cut.has_value();
   std::string shaders;
-  if (volume) shaders = volume_variant(cut, false, has_soft()).name;
-  if (volume && has_surface()) shaders += " " + light_variant(cut, has_tissue(), has_soft()).name;
+  if (volume) shaders = volume_variant(cut, false, has_soft(), outer_level()).name;
+  if (volume && has_surface()) shaders += " " + light_variant(cut, has_tissue(), has_soft(), outer_level()).name;
   FrameKey key = make_frame_key(std::move(shaders), block.value());
   std::optional<Affine> world_from_index;
   if (volume) world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
@@ -166,10 +175,33 @@ Status Renderer::set_volume(const VolumeView& view) {
   if (!current) return current;
   auto made = VolumeTexture::create(impl_->gl, view, impl_->seen_from);
   if (!made) return made.error();
+  std::optional<VolumeTexture> detail;
+  if (view.detail && impl_->has_surface()) {
+    auto part = VolumeTexture::create(impl_->gl, view.detail->volume, impl_->seen_from);
+    if (!part) return part.error();
+    detail = std::move(part).value();
+    impl_->grid = view.detail->grid;
+  }
   impl_->volume = std::move(made).value();
+  impl_->detail = std::move(detail);
   impl_->cache.forget();
-  impl_->counters.volume_bytes = impl_->volume->initial_bytes().texels;
-  impl_->counters.skip_map_bytes += impl_->volume->initial_bytes().skip_map;
+  impl_->counters.volume_bytes = 0;
+  for (const VolumeTexture* one : {&*impl_->volume, impl_->detail ? &*impl_->detail : nullptr}) {
+    if (one == nullptr) continue;
+    impl_->counters.volume_bytes += one->initial_bytes().texels;
+    impl_->counters.skip_map_bytes += one->initial_bytes().skip_map;
+  }
+  return {};
+}
+
+Status Renderer::set_detail(const DetailView& view) {
+  if (!impl_->detail) return {};
+  if (Status current = impl_->context.make_current(); !current) return current;
+  auto made = VolumeTexture::create(impl_->gl, view.volume, impl_->seen_from);
+  if (!made) return made.error();
+  impl_->detail = std::move(made).value();
+  impl_->grid = view.grid;
+  impl_->cache.forget();
   return {};
 }
 
@@ -178,9 +210,11 @@ void Renderer::update(const TexelBox& texels) {
   const Status current = impl_->context.make_current();
   BH_ASSERT(current.ok());
   static_cast<void>(current);
+  if (texels.of_detail && !impl_->detail) return;
+  VolumeTexture& volume = texels.of_detail ? *impl_->detail : *impl_->volume;
   const UploadedBytes sent =
-      impl_->volume->update(texels, !impl_->options.growth_is_reported || impl_->may_grow, impl_->ring ? &*impl_->ring : nullptr);
-  impl_->cache.texels_changed(texels.box);
+      volume.update(texels, !impl_->options.growth_is_reported || impl_->may_grow, impl_->ring ? &*impl_->ring : nullptr);
+  impl_->cache.texels_changed(texels.of_detail ? impl_->grid.coarse_box(texels.box) : texels.box);
   impl_->counters.update_bytes += sent.texels;
   impl_->counters.skip_map_bytes += sent.skip_map;
   ++impl_->counters.update_boxes;

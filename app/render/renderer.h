@@ -88,6 +88,9 @@ class Renderer {
 
   /// Replaces the volume. @returns ErrorCode::bad_input, out_of_range or unavailable with the reason; the old volume is then kept.
   [[nodiscard]] Status set_volume(const VolumeView& view);
+  /// Replaces the detail of the volume. Without one, as with slices and translucent bone, nothing happens. @returns the errors of
+  /// set_volume(); the old detail is then kept.
+  [[nodiscard]] Status set_detail(const DetailView& view);
   /// Sends the texels of the box before the next frame is drawn. @pre a volume is set and contains the box.
   void update(const TexelBox& texels);
   /// Replaces the tool. @returns ErrorCode::bad_input for an invalid mesh; the old tool is then kept.

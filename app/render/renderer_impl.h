@@ -25,13 +25,15 @@ struct Renderer::Impl {
   const GladGLContext& gl;
   ProgramCache programs;
   RenderCounters counters;
-  GlObject no_vertices, frame_buffer;
+  GlObject no_vertices, frame_buffer, detail_buffer;
   GlTarget target;
   DepthRange range;  ///< of the last picture
   GlObject transfer, opaque_depth;
   bool tinted = false;                    ///< the transfer function has a tint
   std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
   std::optional<VolumeTexture> volume;
+  std::optional<VolumeTexture> detail;  ///< a part of it at finer voxels
+  DetailGrid grid;                      ///< of the detail
   std::optional<UploadRing> ring;
   std::optional<ToolMesh> tool;
   FrameCache cache;
@@ -48,6 +50,8 @@ struct Renderer::Impl {
     no_vertices = make_vertex_array(gl);
     frame_buffer = make_buffer(gl);
     gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
+    detail_buffer = make_buffer(gl);
+    gl.NamedBufferStorage(detail_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
     if (options.upload_ring.value_or(!context.is_software())) ring.emplace(gl);
     if (options.skip_empty && !options.slices) seen_from = kSolidOpacity;
     if (!options.translucent) return;
@@ -60,21 +64,29 @@ struct Renderer::Impl {
   Impl& operator=(const Impl&) = delete;
   ~Impl() { static_cast<void>(context.make_current()); }  // the members delete their names in it
 
-  [[nodiscard]] bool has_soft() const noexcept { return volume && volume->has_soft(); }
+  struct Programs {
+    GLuint background, volume, light, tool;  ///< light: on the surface that rays hit
+    GLuint detail, detail_light;             ///< those of the detail, if there is one
+    PixelRect detail_rect;                   ///< pixels whose rays may meet the detail
+  };
+  [[nodiscard]] bool has_soft() const noexcept { return volume && (volume->has_soft() || (detail && detail->has_soft())); }
   [[nodiscard]] bool has_tissue() const noexcept { return volume && volume->has_tissue(); }
-  [[nodiscard]] ShaderVariant volume_variant(bool cut, bool probe, bool soft) const;
+  [[nodiscard]] ShaderVariant volume_variant(bool cut, bool probe, bool soft, VolumeLevel level) const;
+  /// @returns the level that draws all of the volume, or all but the detail.
+  [[nodiscard]] VolumeLevel outer_level() const noexcept { return detail ? VolumeLevel::whole : VolumeLevel::only; }
   [[nodiscard]] bool has_surface() const noexcept { return !options.slices && !options.translucent; }
-  [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft) const;
+  [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft, VolumeLevel level) const;
   [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
   void draw_screen(GLuint program) const;
   void draw_tool(GLuint program) const;
   void draw_slices(GLuint program, int count) const;
   void draw_translucent(GLuint program, const PixelRect& part) const;
   void draw_light(GLuint program) const;
+  template <class F>
+  void with_detail(const PixelRect& part, const Programs& used, const F& f) const;
+  void draw_levels(const PixelRect& part, const Programs& used) const;
   Result<FrameBlock> make_block(const FrameView& view, int width, int height);
-  struct Programs {
-    GLuint background, volume, light, tool;  ///< light: on the surface that rays hit
-  };
+  [[nodiscard]] FrameBlock make_detail_block(const FrameBlock& whole, const FrameView& view) const;
   Result<Programs> find_programs(bool cut, bool probe);
   Status prepare_target(int width, int height, bool probe);
   [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;

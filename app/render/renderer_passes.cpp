@@ -58,21 +58,49 @@ void Renderer::Impl::draw_light(GLuint program) const {
   target.bind();
 }
 
-ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft) const {
-  SurfaceChoice choice{.cut = cut, .soft = false, .finish = options.finish, .appearance = options.appearance};
+/// Calls f with the detail's textures and block bound, for the part of the picture where it may be.
+template <class F>
+void Renderer::Impl::with_detail(const PixelRect& part, const Programs& used, const F& f) const {
+  const PixelRect drawn = used.detail_rect.intersect(part);
+  if (drawn.empty()) return;
+  gl.Scissor(drawn.lo.x, drawn.lo.y, drawn.size().x, drawn.size().y);
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, detail_buffer.name());
+  detail->bind();
+  volume->bind_field(7);
+  f();
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer.name());
+  gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
+}
+
+/// Both levels: the nearer hit of each ray, then the light on the hits of each.
+void Renderer::Impl::draw_levels(const PixelRect& part, const Programs& used) const {
+  volume->bind();
+  draw_screen(used.volume);
+  with_detail(part, used, [&] {
+    gl.DepthFunc(GL_LESS);  // a ray without a hit, at the far plane, changes nothing
+    draw_screen(used.detail);
+    gl.DepthFunc(GL_LEQUAL);
+  });
+  volume->bind();
+  draw_light(used.light);
+  with_detail(part, used, [&] { draw_light(used.detail_light); });
+}
+
+ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft, VolumeLevel level) const {
+  SurfaceChoice choice{.cut = cut, .soft = false, .finish = options.finish, .appearance = options.appearance, .level = level};
   choice.appearance.tissue = choice.appearance.tissue && tissue;
   choice.soft = choice.appearance.tissue && soft;
   return surface_variant(choice);
 }
 
-ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft) const {
+ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft, VolumeLevel level) const {
   const Appearance& appearance = options.appearance;
   if (options.slices)
     return slices_variant({.cut = cut, .correct = options.slices->correct, .labels = appearance.labels, .normals = appearance.normals});
   if (options.translucent)
     return translucent_variant(
         {.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = appearance.labels, .tint = tinted});
-  return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe});
+  return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe, .level = level});
 }
 
 /// A user's faulty shader is found at once and not at the first picture that takes it: every program the options may call for, as if the
@@ -80,8 +108,8 @@ ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft) co
 Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
   std::vector<ShaderVariant> asked{background_variant(), tool_variant(false)};
   for (const bool cut : {false, true}) {
-    asked.push_back(volume_variant(cut, false, true));
-    if (has_surface()) asked.push_back(light_variant(cut, true, true));
+    asked.push_back(volume_variant(cut, false, true, VolumeLevel::only));
+    if (has_surface()) asked.push_back(light_variant(cut, true, true, VolumeLevel::only));
   }
   for (const ShaderVariant& variant : asked) {
     const auto linked = programs.find_or_link(variant);
@@ -106,13 +134,21 @@ Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
 Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool probe) {
   const auto empty = programs.find_or_link(background_variant());
   if (!empty) return empty.error();
-  const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe, has_soft())) : empty;
+  const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe, has_soft(), outer_level())) : empty;
   if (!bone) return bone.error();
-  const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut, has_tissue(), has_soft())) : empty;
+  const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut, has_tissue(), has_soft(), outer_level())) : empty;
   if (!light) return light.error();
   const auto steel = programs.find_or_link(tool_variant(probe));
   if (!steel) return steel.error();
-  return Programs{empty.value(), bone.value(), light.value(), steel.value()};
+  Programs out{empty.value(), bone.value(), light.value(), steel.value(), 0, 0, {}};
+  if (!detail) return out;
+  const auto part = programs.find_or_link(volume_variant(cut, probe, has_soft(), VolumeLevel::detail));
+  if (!part) return part.error();
+  const auto part_light = programs.find_or_link(light_variant(cut, has_tissue(), has_soft(), VolumeLevel::detail));
+  if (!part_light) return part_light.error();
+  out.detail = part.value();
+  out.detail_light = part_light.value();
+  return out;
 }
 
 std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const {
@@ -127,9 +163,13 @@ void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, c
   gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   const bool opaque = !volume || has_surface();
-  if (opaque && volume) volume->bind();
-  draw_screen(opaque ? used.volume : used.background);
-  if (opaque && volume) draw_light(used.light);
+  if (opaque && detail) {
+    draw_levels(part, used);
+  } else {
+    if (opaque && volume) volume->bind();
+    draw_screen(opaque ? used.volume : used.background);
+    if (opaque && volume) draw_light(used.light);
+  }
   if (with_tool) draw_tool(used.tool);
   if (!opaque && options.slices) draw_slices(used.volume, static_cast<int>(block.slices.y));
   if (!opaque && options.translucent) draw_translucent(used.volume, part);
@@ -137,8 +177,15 @@ void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, c
 
 Status Renderer::Impl::render(const PixelRegion& region, const FrameView& view, const FrameBlock& block,
                               const std::optional<DrawnTool>& drawn_tool, bool probe) {
-  const auto used = find_programs(view.cut.has_value(), probe);
+  auto used = find_programs(view.cut.has_value(), probe);
   if (!used) return used.error();
+  if (detail) {
+    const FrameBlock of_detail = make_detail_block(block, view);
+    gl.NamedBufferSubData(detail_buffer.name(), 0, sizeof(FrameBlock), &of_detail);
+    std::vector<Vec3> corners;
+    append_corners(detail->dims(), Affine::from_pose(view.world_from_bone) * detail->bone_from_index(), corners);
+    used->detail_rect = find_footprint(rays_of(block), corners, {static_cast<int>(block.lens.z), static_cast<int>(block.lens.w)});
+  }
   gl.NamedBufferSubData(frame_buffer.name(), 0, sizeof(FrameBlock), &block);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer.name());
   target.bind();

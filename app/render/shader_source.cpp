@@ -78,6 +78,11 @@ void add_define(ShaderVariant& variant, bool on, const char* define, const char*
   variant.name += suffix;
 }
 
+void add_level(ShaderVariant& variant, VolumeLevel level) {
+  add_define(variant, level == VolumeLevel::whole, "HOLE", "_whole");
+  add_define(variant, level == VolumeLevel::detail, "DETAIL", "_detail");
+}
+
 }  // namespace
 
 ShaderVariant raycast_variant(const RaycastChoice& choice) {
@@ -85,6 +90,7 @@ ShaderVariant raycast_variant(const RaycastChoice& choice) {
   add_define(variant, choice.cut, "CUT", "_cut");
   add_define(variant, choice.skip, "SKIP", "_skip");
   add_define(variant, choice.probe, "PROBE", "_probe");
+  add_level(variant, choice.level);
   return variant;
 }
 
@@ -93,6 +99,7 @@ ShaderVariant surface_variant(const SurfaceChoice& choice) {
   add_define(variant, choice.cut, "CUT", "_cut");
   add_define(variant, choice.soft, "SOFT", "_soft");
   add_define(variant, choice.finish, "FINISH", "_finish");
+  add_level(variant, choice.level);
   const Appearance& appearance = choice.appearance;
   add_define(variant, appearance.tissue, "TISSUE", "_tissue");
   add_define(variant, appearance.occlusion, "OCCLUSION", "_occlusion");
@@ -141,11 +148,14 @@ std::vector<ShaderVariant> all_shader_variants() {
                       .labels = bit(bits, 4),
                       .normals = bit(bits, 5) ? NormalSource::recomputed : NormalSource::texture};
   };
-  for (unsigned bits = 0; bits < 8; ++bits)
-    variants.push_back(raycast_variant({.cut = bit(bits, 0), .skip = bit(bits, 1), .probe = bit(bits, 2)}));
+  for (const VolumeLevel level : {VolumeLevel::only, VolumeLevel::whole, VolumeLevel::detail})
+    for (unsigned bits = 0; bits < 8; ++bits)
+      variants.push_back(raycast_variant({.cut = bit(bits, 0), .skip = bit(bits, 1), .probe = bit(bits, 2), .level = level}));
   constexpr unsigned kDrawn = 8, kOptions = 6, kAllOptions = (1u << kOptions) - 1u;
   const auto add = [&](unsigned bits, unsigned chosen) {
-    variants.push_back(surface_variant({.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .appearance = options(chosen)}));
+    for (const VolumeLevel level : {VolumeLevel::only, VolumeLevel::whole, VolumeLevel::detail})
+      variants.push_back(surface_variant(
+          {.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .appearance = options(chosen), .level = level}));
   };
   constexpr unsigned kDefault = 0b010011u;  // tissue, occlusion, labels
   for (unsigned bits = 0; bits < kDrawn; ++bits)

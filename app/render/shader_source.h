@@ -24,11 +24,15 @@ struct ShaderVariant {
   std::vector<std::string> defines;
 };
 
+/// Part of a bone that a program draws: all of it in one volume; or the whole at coarser voxels, without the box of the detail; or the detail.
+enum class VolumeLevel { only, whole, detail };
+
 /// Options of rays to the surface; a disabled option is not in the expanded source.
 struct RaycastChoice {
   bool cut = false;    ///< part of the volume is cut away
   bool skip = false;   ///< empty space is skipped by the distance map
   bool probe = false;  ///< writes hit positions and sample counts beside the picture
+  VolumeLevel level = VolumeLevel::only;
 };
 
 /// Options of the light on the surface that rays hit.
@@ -37,6 +41,7 @@ struct SurfaceChoice {
   bool soft = false;    ///< the volume contains dura or brain
   bool finish = false;  ///< smoothed normals and soft highlights
   Appearance appearance{.labels = false};
+  VolumeLevel level = VolumeLevel::only;
 };
 
 /// Options of slices.

@@ -158,6 +158,8 @@ void VolumeTexture::bind() const {
   if (has_tissue()) gl_->BindTextureUnit(5, tissue_.name());
 }
 
+void VolumeTexture::bind_field(GLuint unit) const { gl_->BindTextureUnit(unit, field_.name()); }
+
 UploadedBytes VolumeTexture::initial_bytes() const noexcept {
   const std::uint64_t count = VoxelBox{Vec3i(0), dims_}.count();
   return {count * (texel_bytes_ + sizeof(Rgba8) + (has_tissue() ? sizeof(TissueTexel) : 0)), has_skip_map() ? count : 0};

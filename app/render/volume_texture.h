@@ -37,6 +37,8 @@ class VolumeTexture {
   UploadedBytes update(const TexelBox& texels, bool may_grow, UploadRing* ring);
   void bind() const;  ///< texture units 0, 1, 6; with a skip map 2, with tissue 5
 
+  void bind_field(GLuint unit) const;
+
   [[nodiscard]] const Vec3i& dims() const noexcept { return dims_; }
   [[nodiscard]] const Affine& bone_from_index() const noexcept { return bone_from_index_; }
   [[nodiscard]] bool has_soft() const noexcept { return has_soft_; }

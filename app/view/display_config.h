@@ -28,6 +28,10 @@ struct DisplayConfig {
   DrawingQuality quality{.supersample = 2};  ///< four rays per pixel: anti-aliased edges
   std::optional<double> budget;  ///< [s] time of one picture, used to select `quality` (quality = "auto"); absent: `quality` is used
   Appearance appearance{.tissue = true, .occlusion = true};
+  /// [voxels] largest texture of a whole bone. A larger bone is drawn at coarser voxels, and by rays to a surface also a part around the
+  /// entry at its own voxels. Key whole_voxels.
+  std::size_t whole_voxels = 32'000'000;
+  double detail = 0.048;  ///< [m] edge of that part; key detail_mm
   BackgroundView background;
   int width = 1200, height = 900;                     ///< [pixels]
   std::size_t upload_budget = std::size_t{64} << 20;  ///< [byte] most texel data sent for one picture; key upload_budget_kb

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace burrhole {
 namespace {
@@ -66,8 +67,76 @@ Result<FrameStep> FrameStep::create(const DisplayConfig& display, const Pose& wo
                                     Voxmap& voxmap, FrameSink& sink) {
   FrameStep out(display, world_from_bone, approach, voxmap, sink);
   out.turns_ = tool.turns;
-  if (Status started = sink.start(make_volume_view(voxmap, display.appearance.tissue), tool.look); !started) return started.error();
+  const auto volume = out.make_levels(approach.bone_from_approach.translation);
+  if (!volume) return volume.error();
+  if (Status started = sink.start(*volume, tool.look); !started) return started.error();
   return out;
+}
+
+Result<VolumeView> FrameStep::make_levels(const Vec3& entry) {
+  const BoneModel& bone = voxmap_->bone();
+  const bool tissue = display_.appearance.tissue;
+  const int factor = coarse_factor(bone.dims(), display_.whole_voxels);
+  if (factor == 1) return make_volume_view(*voxmap_, tissue);
+  auto coarse = CoarseBone::create(bone, factor);
+  if (!coarse) return coarse.error();
+  coarse_ = std::move(coarse).value();
+  VolumeView whole = make_volume_view(coarse_->drawn(*voxmap_), coarse_->loaded().bounds(), tissue);
+  if (display_.method != "raycast" || !display_.transfer.empty()) return whole;
+  const Affine& affine = bone.bone_from_index();
+  const Vec3 edge(display_.detail / glm::length(affine.linear[0]), display_.detail / glm::length(affine.linear[1]),
+                  display_.detail / glm::length(affine.linear[2]));
+  detail_ = place_detail(bone.dims(), factor, affine.inverse() * entry, edge);
+  whole.detail = std::make_shared<const DetailView>(make_detail_view(*detail_, *coarse_, *voxmap_, tissue));
+  return whole;
+}
+
+/// Moves the detail to where bone is cut, once that is no longer inside it.
+void FrameStep::follow(const VoxelBox& changed) {
+  if (!detail_ || changed.empty()) return;
+  const VoxelBox box = changed.intersect(voxmap_->bone().bounds());
+  const Vec3i size = detail_->box.size();
+  // A change larger than a detail is no cut: bone was restored, or the window reloaded.
+  if (box.empty() || glm::any(glm::greaterThan(2 * box.size(), size)) || !is_blended(*detail_, box)) return;
+  const DetailGrid moved = place_detail(voxmap_->bone().dims(), detail_->factor, 0.5 * Vec3(box.lo + box.hi - 1), Vec3(size - 1));
+  // At an end of the bone, or in one that is thinner than a detail, there may be no better place.
+  const auto depth = [&](const DetailGrid& grid) {
+    const Vec3i inside = glm::min(box.lo - grid.box.lo, grid.box.hi - box.hi);
+    return std::min({inside.x, inside.y, inside.z});
+  };
+  if (depth(moved) < depth(*detail_) + 2 * moved.factor) return;
+  detail_ = moved;
+  moved_ = make_detail_view(moved, *coarse_, *voxmap_, display_.appearance.tissue);
+  // The new detail has all changes so far.
+  for (std::size_t n = 0; n < filled_; ++n) batch_[n].own.box = {};
+}
+
+void FrameStep::read_change(const VoxelBox& box, Change& out) const {
+  out.own.box = out.coarse.box = {};
+  if (!coarse_) return read_texel_source(drawn_bone(*voxmap_), box, out.own);
+  // A density and the normals next to it.
+  VoxelBox coarse = coarse_->coarse_of(box).grown(1).intersect(coarse_->loaded().bounds());
+  const VoxelBox own = detail_ ? detail_of(*detail_, box) : VoxelBox{};
+  if (!own.empty()) {
+    read_texel_source(drawn_bone(*voxmap_), own, out.own);
+    if (is_blended(*detail_, own)) coarse = coarse.unite(coarse_around(*detail_, own, coarse_->loaded().dims()));
+  }
+  read_texel_source(coarse_->drawn(*voxmap_), coarse, out.coarse);
+}
+
+void FrameStep::make_change(const Change& change, std::vector<TexelBox>& out) const {
+  const float dead_zone = voxmap_->config().gradient_dead_zone;
+  if (!coarse_) {
+    out.push_back(make_texels(voxmap_->bone(), dead_zone, change.own));
+    return;
+  }
+  out.push_back(make_texels(coarse_->loaded(), dead_zone, change.coarse));
+  if (change.own.box.empty()) return;
+  TexelBox own = make_texels(voxmap_->bone(), dead_zone, change.own);
+  if (is_blended(*detail_, own.box)) blend_with_coarse(*detail_, out.back(), own);
+  own.box = {own.box.lo - detail_->box.lo, own.box.hi - detail_->box.lo};
+  own.of_detail = true;
+  out.push_back(std::move(own));
 }
 
 void FrameStep::gather(double turned) {
@@ -85,7 +154,10 @@ void FrameStep::fill_batch(std::size_t most, double seconds) {
   constexpr std::size_t kBetweenChecks = 4096;  // texels, a fraction of a millisecond
   make_time_ = seconds;
   timers_.texels([&] {
-    for (const VoxelBox& box : voxmap_->take_dirty(listener_)) queue_.add(box.intersect(voxmap_->bone().bounds()));
+    for (const VoxelBox& box : voxmap_->take_dirty(listener_)) {
+      queue_.add(box.intersect(voxmap_->bone().bounds()));
+      follow(box);
+    }
     const auto end = in_seconds(seconds);
     const std::size_t chunk = seconds > 0.0 ? std::min(most, kBetweenChecks) : most;
     std::size_t left = most - std::min(most, texels_in_batch());
@@ -93,8 +165,8 @@ void FrameStep::fill_batch(std::size_t most, double seconds) {
     do {
       for (const VoxelBox& box : queue_.take(chunk)) {
         if (filled_ == batch_.size()) batch_.emplace_back();
-        read_texel_source(*voxmap_, box, batch_[filled_++]);
-        left -= std::min(left, box.count());
+        read_change(box, batch_[filled_++]);
+        left -= std::min(left, batch_[filled_ - 1].texels());
       }
     } while (seconds > 0.0 && !queue_.empty() && left >= chunk && Clock::now() < end);
   });
@@ -104,32 +176,37 @@ void FrameStep::fill_batch(std::size_t most, double seconds) {
 
 std::size_t FrameStep::texels_in_batch() const noexcept {
   std::size_t sum = 0;
-  for (std::size_t n = 0; n < filled_; ++n) sum += batch_[n].box.count();
+  for (std::size_t n = 0; n < filled_; ++n) sum += batch_[n].texels();
   return sum;
 }
 
 /// Makes the texels of the batch and sends them. Boxes for which no time is left stay in the batch.
-void FrameStep::send_batch() {
+Status FrameStep::send_batch() {
+  if (moved_) {
+    const Status moved = sink_->move_detail(*std::exchange(moved_, std::nullopt));
+    if (!moved) return moved;
+  }
   std::vector<TexelBox> made;
+  std::size_t sources = 0;
   timers_.texels([&] {
     const auto end = in_seconds(make_time_);
-    while (made.size() < filled_ && (made.empty() || make_time_ == 0.0 || Clock::now() < end))
-      made.push_back(make_texels(voxmap_->bone(), voxmap_->config().gradient_dead_zone, batch_[made.size()]));
+    while (sources < filled_ && (sources == 0 || make_time_ == 0.0 || Clock::now() < end)) make_change(batch_[sources++], made);
   });
-  const auto first = batch_.begin(), sent = first + static_cast<std::ptrdiff_t>(made.size());
+  const auto first = batch_.begin(), sent = first + static_cast<std::ptrdiff_t>(sources);
   std::rotate(first, sent, first + static_cast<std::ptrdiff_t>(filled_));
-  filled_ -= made.size();
+  filled_ -= sources;
   timers_.upload([&] {
     for (const TexelBox& texels : made) {
       texels_sent_ += texels.normal_opacity.size();
       sink_->update(texels);
     }
   });
+  return {};
 }
 
 Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut) {
   if (has_grown_) sink_->forget();
-  send_batch();
+  if (Status sent = send_batch(); !sent) return sent;
   has_grown_ = has_grown_ && (filled_ > 0 || !queue_.empty());  // boxes that are not sent yet may have grown
   FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach_, thickness_, cut);
   if (world_from_tool) view.world_from_tool = turns_ ? turned_tool(*world_from_tool, turned_) : *world_from_tool;

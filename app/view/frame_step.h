@@ -3,8 +3,11 @@
 ///   Thread  one at a time: gather() by the owner of the bone, draw() by the frame thread.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "app/view/detail.h"
 #include "app/view/display_config.h"
 #include "app/view/texel_queue.h"
 #include "app/view/texels.h"
@@ -21,6 +24,8 @@ class FrameSink {
   virtual ~FrameSink() = default;
   [[nodiscard]] virtual Status start(const VolumeView& volume, const TriangleMesh& tool) = 0;
   virtual void update(const TexelBox& texels) = 0;
+  /// Replaces the detail of a bone in two levels.
+  [[nodiscard]] virtual Status move_detail(const DetailView&) { return {}; }
   /// Replaces the tool from the next picture on.
   [[nodiscard]] virtual Status change_tool(const TriangleMesh&) { return {}; }
   /// Discards everything cached from earlier pictures. Called when bone may have been restored.
@@ -35,7 +40,7 @@ struct FrameStepTimers {
 
 class FrameStep {
  public:
-  /// Sends the whole volume once.
+  /// Sends the whole volume once; a bone that is too large for one texture in two levels (detail.h). Errors also of CoarseBone.
   [[nodiscard]] static Result<FrameStep> create(const DisplayConfig& display, const Pose& world_from_bone, const Approach& approach,
                                                 const Tool& tool, Voxmap& voxmap, FrameSink& sink);
   /// Copies changed density into the batch, up to the scene's budget; the rest stays queued for the next call. Called by the owner of the
@@ -57,6 +62,13 @@ class FrameStep {
   [[nodiscard]] std::size_t texels_waiting() const noexcept { return queue_.texels(); }  ///< queued for a later batch
 
  private:
+  /// Density from which the texels of one changed box are made.
+  struct Change {
+    TexelSource own;     // at the bone's voxels: of the whole bone, or of the detail
+    TexelSource coarse;  // of the whole bone; empty if it is drawn at its own voxels
+    [[nodiscard]] std::size_t texels() const noexcept { return own.box.count() + coarse.box.count(); }
+  };
+
   FrameStep(const DisplayConfig& display, const Pose& world_from_bone, const Approach& approach, Voxmap& voxmap, FrameSink& sink);
   DisplayConfig display_;
   Pose world_from_bone_, world_from_approach_;
@@ -67,11 +79,18 @@ class FrameStep {
   Voxmap* voxmap_;
   FrameSink* sink_;
   std::size_t listener_;
+  [[nodiscard]] Result<VolumeView> make_levels(const Vec3& entry);
+  void read_change(const VoxelBox& box, Change& out) const;
+  void make_change(const Change& change, std::vector<TexelBox>& out) const;
+  void follow(const VoxelBox& changed);
   void fill_batch(std::size_t most, double seconds);
-  void send_batch();
+  [[nodiscard]] Status send_batch();
   [[nodiscard]] std::size_t texels_in_batch() const noexcept;
   TexelQueue queue_;
-  std::vector<TexelSource> batch_;  // the batch is the first `filled_`; the others are reused memory
+  std::optional<CoarseBone> coarse_;  // absent: the bone is drawn at its own voxels
+  std::optional<DetailGrid> detail_;  // absent: no part is drawn at other voxels than the rest
+  std::optional<DetailView> moved_;   // to be sent before the batch
+  std::vector<Change> batch_;         // the batch is the first `filled_`; the others are reused memory
   std::size_t filled_ = 0;
   double make_time_ = 0.0;  // [s] limit for making texels of the batch; 0: no limit
   std::uint64_t growth_epoch_ = 0;

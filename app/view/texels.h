@@ -3,8 +3,8 @@
 ///   Source [AcostaLiu07] section 4, eq. 5. Colours are our own, from labels and hardness.
 #pragma once
 
+#include "app/view/drawn_bone.h"
 #include "app/view/view.h"
-#include "core/voxel/voxmap.h"
 
 namespace burrhole {
 
@@ -16,10 +16,10 @@ struct TexelSource {
 
 /// Reads the present density of a box, clipped to the volume, into `out`, whose memory is reused. Does not access OpenVDB if the window
 /// contains box.grown(1).
-void read_texel_source(const Voxmap& voxmap, const VoxelBox& box, TexelSource& out);
-/// @returns the texels of `source`. Soft tissue is read from `bone`, which is constant. @param dead_zone [density/voxel] shorter gradients
+void read_texel_source(const DrawnBone& bone, const VoxelBox& box, TexelSource& out);
+/// @returns the texels of `source`. Soft tissue is read from `loaded`, which is constant. @param dead_zone [density/voxel] shorter gradients
 /// are zero.
-[[nodiscard]] TexelBox make_texels(const BoneModel& bone, float dead_zone, const TexelSource& source);
+[[nodiscard]] TexelBox make_texels(const BoneModel& loaded, float dead_zone, const TexelSource& source);
 
 /// @returns the present texels of a box, clipped to the volume; empty if the box is outside the volume.
 [[nodiscard]] TexelBox make_texels(const Voxmap& voxmap, const VoxelBox& box);
@@ -27,7 +27,10 @@ void read_texel_source(const Voxmap& voxmap, const VoxelBox& box, TexelSource& o
 /// @returns normals, opacities and field of the whole volume before rounding.
 [[nodiscard]] PreciseTexels make_precise_texels(const Voxmap& voxmap);
 
-/// @returns the whole volume with colours. @param with_tissue also the state of each voxel as loaded.
+/// @returns a part of the bone with colours, as a volume of its own. Uses all cores. @param with_tissue also the state of each voxel as
+/// loaded. @pre part lies inside the bone.
+[[nodiscard]] VolumeView make_volume_view(const DrawnBone& bone, const VoxelBox& part, bool with_tissue);
+/// @returns the whole bone at its own voxels.
 [[nodiscard]] VolumeView make_volume_view(const Voxmap& voxmap, bool with_tissue = false);
 
 }  // namespace burrhole

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -32,9 +33,10 @@ struct Rgba8 {
 /// normal is stored as 0.5, 0.5, 0.5. field: the visible density, 0..65535: the larger of bone's occupancy x remaining and the occupancy of
 /// soft tissue.
 struct TexelBox {
-  VoxelBox box;
+  VoxelBox box;  ///< [voxels] of the volume, or of its detail
   std::vector<Rgba8> normal_opacity;
   std::vector<std::uint16_t> field;
+  bool of_detail = false;
 };
 
 /// [bytes] sent for one changed voxel.
@@ -58,6 +60,8 @@ struct PreciseTexels {
   std::vector<float> field;               ///< [-]
 };
 
+struct DetailView;
+
 /// The volume as first sent: every texel and its colour. Alpha of `color` is the occupancy of soft tissue (dura, brain), 0..255. Its 0.5
 /// level is drawn as a surface, but has no contact.
 struct VolumeView {
@@ -65,9 +69,37 @@ struct VolumeView {
   Affine bone_from_index;  ///< [m]
   std::vector<Rgba8> normal_opacity;
   std::vector<Rgba8> color;
-  std::vector<std::uint16_t> field{};  ///< as TexelBox::field; empty: computed from the alphas of both
-  std::vector<TissueTexel> tissue{};   ///< empty if no picture needs it
-  PreciseTexels precise{};             ///< if not empty, drawn instead of normal_opacity and field, for measurements
+  std::vector<std::uint16_t> field{};          ///< as TexelBox::field; empty: computed from the alphas of both
+  std::vector<TissueTexel> tissue{};           ///< empty if no picture needs it
+  PreciseTexels precise{};                     ///< if not empty, drawn instead of normal_opacity and field, for measurements
+  std::shared_ptr<const DetailView> detail{};  ///< a part with finer voxels; null: there is none
+};
+
+/// Position of a part that is drawn at the bone's own voxels, in a bone that is otherwise drawn at coarser voxels, every `factor`-th one.
+/// Within `ring` voxels of its faces its texels are those of the coarse volume, interpolated; over the next `blend` voxels they change to
+/// those of its own voxels. So there is no seam.
+struct DetailGrid {
+  VoxelBox box;    ///< [voxels] of the bone; box.lo and box.hi - 1 are multiples of factor
+  int factor = 1;  ///< [voxels] of the bone, edge of a coarse voxel
+
+  [[nodiscard]] double ring() const noexcept { return 2.0 * factor; }   ///< [voxels]
+  [[nodiscard]] double blend() const noexcept { return 4.0 * factor; }  ///< [voxels]
+  /// @returns 0..1, the weight of the part's own texels at voxel v of the bone.
+  [[nodiscard]] double own_share(const Vec3i& v) const noexcept {
+    const Vec3i inside = glm::min(v - box.lo, box.hi - 1 - v);
+    const double t = std::clamp((std::min({inside.x, inside.y, inside.z}) - ring()) / blend(), 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+  }
+  /// @returns the coarse voxels around a box of the part. @param inner [voxels] of the part.
+  [[nodiscard]] VoxelBox coarse_box(const VoxelBox& inner) const noexcept {
+    return {(box.lo + inner.lo) / factor, (box.lo + inner.hi - 1) / factor + 2};
+  }
+};
+
+/// The part itself: a volume over grid.box.
+struct DetailView {
+  DetailGrid grid;
+  VolumeView volume;
 };
 
 /// Options that trade the accuracy of a picture for time.

@@ -188,6 +188,13 @@ void Voxmap::read_density(const VoxelBox& box, std::span<float> out) const {
   }
 }
 
+bool Voxmap::is_as_loaded(const VoxelBox& box) const {
+  if (!box.intersect(window_.box).empty()) return false;
+  bool same = true;
+  for_each_voxel(blocks_of(box), [&](const Vec3i& block) { same = same && blocks_.find(block) == nullptr; });
+  return same;
+}
+
 void Voxmap::read_gradient(const VoxelBox& box, std::span<Vec3f> out) const {
   const VoxelBox halo = box.grown(1);
   std::vector<float> density(halo.count());

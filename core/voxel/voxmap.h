@@ -106,6 +106,8 @@ class Voxmap {
   void put_blocks(std::span<const BlockChange> changes);
   /// @returns the blocks that differ from the bone as loaded; up to date after write_back().
   [[nodiscard]] const BlockStore& blocks() const noexcept { return blocks_; }
+  /// @returns true: no voxel of the box was changed. false: one may have been, as in the window.
+  [[nodiscard]] bool is_as_loaded(const VoxelBox& box) const;
   /// Sets the keeper that receives every block before it changes; null: none. Changes not yet written back are reported to the new keeper.
   void set_keeper(BlockKeeper* keeper) noexcept { keeper_ = keeper; }
 

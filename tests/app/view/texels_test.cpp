@@ -98,7 +98,7 @@ TEST_CASE("texels: made from what the bone's owner read, they are those made of 
   for (const VoxelBox& box :
        {all, cut, VoxelBox{window.hi - 3, window.hi + 3}, VoxelBox{all.hi - 5, all.hi + 5}, VoxelBox{all.hi, all.hi + 2}}) {
     const TexelBox direct = make_texels(voxmap, box);
-    read_texel_source(voxmap, box, source);
+    read_texel_source(drawn_bone(voxmap), box, source);
     const TexelBox made = make_texels(voxmap.bone(), voxmap.config().gradient_dead_zone, source);
     CHECK(made.box == direct.box);
     CHECK(made.field == direct.field);
