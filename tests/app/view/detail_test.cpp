@@ -55,8 +55,7 @@ struct Drawn {
 };
 
 // 33 x 33 x 33 voxels; coarse voxels of two, a part whose faces cross the hole.
-const std::vector<std::string> kTwoLevels{"display.whole_voxels=6000", "display.detail_mm=6.6", "duration_s=1.5",
-                                          "hand.push_N=40"};
+const std::vector<std::string> kTwoLevels{"display.whole_voxels=6000", "display.detail_mm=6.6", "duration_s=1.5", "hand.push_N=40"};
 
 TexelBox texels_as_loaded(const BoneModel& bone, const VoxelBox& box) {
   TexelSource source;
