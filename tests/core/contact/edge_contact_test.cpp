@@ -2,63 +2,29 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "surface_support.h"
-#include "tool_solid.h"
+#include "edge_support.h"
 
 using namespace burrhole;
 using namespace burrhole::contact_test;
 
 namespace {
 
-struct Bit {
-  std::string name;
-  Tool tool;
-  ToolSolid solid;
-  explicit Bit(const std::string& n) : name(n), solid(n) {
-    Issues issues;
-    auto made = load_tool(test::in_source("app/tools/") + n + ".toml", {.erosion_pitch = 1e-3}, issues);
-    REQUIRE(made);
-    tool = std::move(*made);
-    // Far up the shaft the window of a test would end.
-    PointShell low;
-    for (std::size_t k = 0; k < tool.shell.size(); ++k) {
-      if (tool.shell.positions[k].z > 6e-3) continue;
-      low.positions.push_back(tool.shell.positions[k]);
-      low.inward_normals.push_back(tool.shell.inward_normals[k]);
-      low.cutting.push_back(tool.shell.cutting[k]);
-    }
-    tool.shell = std::move(low);
-  }
-};
-
 constexpr double kHole = 1.2e-3;  ///< [m] radius
 
-struct Place {
-  std::string name;
-  PhantomSpec spec;
-  bool smooth = false;
-};
-
-PhantomSpec spec_for(PhantomKind kind, double edge) {
-  PhantomSpec spec = spec_of(kind);
-  spec.pitch = edge;
-  spec.extent = Vec3(0.014, 0.014, 0.010);
-  return spec;
-}
-
 std::vector<Place> places(double edge) {
+  const auto spec_for = [&](PhantomKind kind) { return edge_spec(kind, edge, Vec3(0.014, 0.014, 0.010)); };
   std::vector<Place> out;
-  out.push_back({"plate", spec_for(PhantomKind::plate, edge), true});
+  out.push_back({"plate", spec_for(PhantomKind::plate), true});
   out.back().spec.plate_normal = Vec3(0.37, -0.22, 1.0);
-  out.push_back({"ball", spec_for(PhantomKind::sphere, edge), true});
+  out.push_back({"ball", spec_for(PhantomKind::sphere), true});
   out.back().spec.sphere_radius = 5e-3;
-  out.push_back({"edge", spec_for(PhantomKind::wedge, edge)});
+  out.push_back({"edge", spec_for(PhantomKind::wedge)});
   out.back().spec.wedge_angle = 90.0 * kDegree;
-  out.push_back({"wedge", spec_for(PhantomKind::wedge, edge)});
+  out.push_back({"wedge", spec_for(PhantomKind::wedge)});
   out.back().spec.wedge_angle = 40.0 * kDegree;
-  out.push_back({"corner", spec_for(PhantomKind::block, edge)});
+  out.push_back({"corner", spec_for(PhantomKind::block)});
   out.back().spec.block_size = Vec3(0.006, 0.006, 0.004);
-  out.push_back({"rim", spec_for(PhantomKind::pit, edge)});
+  out.push_back({"rim", spec_for(PhantomKind::pit)});
   out.back().spec.hole_radius = kHole;
   out.back().spec.hole_depth = 3e-3;
   return out;
@@ -103,25 +69,12 @@ constexpr double kSlideDepth = 0.4e-3;  // [m] of the hand beyond the first touc
 Slide slide(const Place& place, const ShippedBone& bone, const std::vector<Vec3>& points, const Bit& bit, double lean, double aside,
             bool follows = true) {
   const double edge = bone.edge();
-  auto made = ConstrainedTool::create(locked(), bit.tool.shell, edge, {.surface = follows ? bit.tool.surface : nullptr});
+  auto made = ConstrainedTool::create(locked(), bit.shell, edge, {.surface = follows ? bit.surface : nullptr});
   REQUIRE(made.ok());
   ConstrainedTool& tool = *made;
-  const Quat turn = glm::angleAxis(lean, glm::normalize(Vec3(0.3, 1.0, 0.0)));
-  const auto deepest = [&](const Pose& pose) {
-    double out = -1e9;
-    const Pose back = pose.inverse();
-    for (const Vec3& p : points) {
-      const Vec3 q = back * p;
-      if (!bit.solid.near(q, std::max(0.0, -out))) continue;
-      out = std::max(out, -bit.solid.distance(q));
-    }
-    return out;
-  };
-  // The lowest height at which nothing is inside.
-  double lo = -8e-3, hi = 8e-3;
-  for (int n = 0; n < 16; ++n) (deepest({turn, Vec3(aside, 0.0, 0.5 * (lo + hi))}) > 0.0 ? lo : hi) = 0.5 * (lo + hi);
+  const Quat turn = leaning(lean);
   Slide out;
-  Vec3 hand(aside, 0.0, hi + 0.2e-3), before(0.0), truth_before(0.0);
+  Vec3 hand(aside, 0.0, first_touch(bit.solid, points, turn, Vec3(aside, 0.0, 0.0)) + 0.2e-3), before(0.0), truth_before(0.0);
   tool.place({turn, hand});
   const auto step = [&](const Vec3& by) {
     hand += by;
@@ -133,7 +86,7 @@ Slide slide(const Place& place, const ShippedBone& bone, const std::vector<Vec3>
   for (int n = 0; n < kTicks; ++n) {
     step(Vec3(10e-6, 0.0, 0.0));
     const Pose& pose = tool.state().world_from_tool;
-    if (n % 6 == 0) out.depth = std::max(out.depth, deepest(pose) / edge);
+    if (n % 6 == 0) out.depth = std::max(out.depth, deepest_inside(bit.solid, points, pose) / edge);
     const Vec3 force = tool.state().on_hand.force;
     if (place.smooth) {
       out.degrees = std::max(out.degrees, degrees_between(force, true_normal(place, bit, pose)));
