@@ -188,7 +188,8 @@ Status write_results(const LoadedScene& loaded, Simulation& simulation, const Ru
   const auto in_folder = [&](const char* name) { return (fs::path(folder) / name).string(); };
   const OutputScene& output = loaded.scene.output;
   if (output.bone)
-    if (Status saved = simulation.voxmap().save(in_folder("bone.vdb")); !saved) return saved;
+    if (Status saved = simulation.voxmap().save(in_folder("bone.vdb"), output.whole_bone ? SavedBone::whole : SavedBone::changes); !saved)
+      return saved;
   if (Status written = write_file(in_folder(kSummaryFile), summary_json(summary)); !written) return written;
   if (!output.report) return {};
   return write_drill_report(make_report(loaded, simulation, summary, pictures), in_folder(kReportFile));

@@ -203,6 +203,11 @@ void read_servo(TableReader table, Scene& scene) {
 OutputScene read_output(TableReader table) {
   OutputScene out;
   out.bone = table.boolean("bone", out.bone, "bone.vdb: the drilled bone, for --restore and other programs; about as large as the bone");
+  if (out.bone)
+    out.whole_bone =
+        table.boolean("whole_bone", out.whole_bone,
+                      "true: bone.vdb holds the bone as loaded too, so it can be a source; false: only blocks that were changed, for "
+                      "--restore with the same bone; small and quick for a whole head");
   out.report = table.boolean("report", out.report, "report.html: figures, plot and pictures on one page");
   out.plots =
       table.boolean("plots", out.plots, "the plot of force, depth and speed over time in the report; without it no samples are kept");

@@ -14,7 +14,8 @@ namespace burrhole {
 
 /// [output]: files that a run writes into its folder besides summary.json. Pictures and session have tables of their own.
 struct OutputScene {
-  bool bone = true;    ///< bone.vdb, from which a later run can start
+  bool bone = true;        ///< bone.vdb, from which a later run can start
+  bool whole_bone = true;  ///< it holds the bone as loaded too; false: only what was changed
   bool report = true;  ///< report.html
   bool plots = true;   ///< the plot of force, depth and speed over time in the report
 };

@@ -213,11 +213,12 @@ void Voxmap::read_labels(const VoxelBox& box, std::span<float> out) const {
   });
 }
 
-Status Voxmap::save(const std::string& path) {
+Status Voxmap::save(const std::string& path, SavedBone saved) {
   write_back();
   FloatVdb remaining("remaining", 1.0f);
   blocks_.for_each_block([&](const Vec3i& block, const BlockValues& values) { remaining.write_box(box_of_block(block), values); });
-  std::vector<const FloatVdb*> grids = bone_->grids();
+  std::vector<const FloatVdb*> grids;
+  if (saved == SavedBone::whole) grids = bone_->grids();
   grids.push_back(&remaining);
   return write_vdb(path, bone_->dims(), bone_->bone_from_index(), grids, bone_->notes());
 }
@@ -231,6 +232,9 @@ Status Voxmap::restore(const std::string& path) {
   if (found == nullptr) return bad_input("holds no grid named remaining: it is not a checkpoint", path);
   if (content->dims != bone_->dims() || found->background() != 1.0f)
     return bad_input("was saved from another bone: the dimensions differ", path);
+  const Affine &saved = content->bone_from_index, &here = bone_->bone_from_index();
+  if (saved.linear != here.linear || saved.offset != here.offset)
+    return bad_input("was saved from another bone: it lies at another place", path);
   if (!bone_->bounds().grown(2 * kMaxWindowEdge).contains(found->active_bounds()))
     return bad_input("holds a remaining far outside its bone", path);
   bool sound = true;

@@ -59,6 +59,9 @@ struct BlockChange {
   const BlockValues* values = nullptr;
 };
 
+/// Contents of a saved file: bone as loaded and its present state; or the blocks that differ from as loaded alone.
+enum class SavedBone { whole, changes };
+
 class Voxmap {
  public:
   [[nodiscard]] static Result<Voxmap> create(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config);
@@ -118,8 +121,8 @@ class Voxmap {
   /// Labels of the bone as loaded, as numbers; read from the prefetch if possible.
   void read_labels(const VoxelBox& box, std::span<float> out) const;
 
-  /// Saves bone and remaining as one .vdb (temporary name, then rename).
-  [[nodiscard]] Status save(const std::string& path);
+  /// Saves one .vdb (temporary name, then rename). restore() reads either.
+  [[nodiscard]] Status save(const std::string& path, SavedBone saved = SavedBone::whole);
   /// Reads `remaining` from a file saved from the same bone; increments the growth epoch. bad_input: the grids do not match the bone.
   [[nodiscard]] Status restore(const std::string& path);
 

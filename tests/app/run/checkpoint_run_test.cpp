@@ -38,6 +38,34 @@ TEST_CASE("checkpoint: a saved bone comes back to the bit, raises the growth epo
   CHECK(first_contact(second.simulation()) > first_contact(fresh.simulation()) + 0.05);
 }
 
+TEST_CASE("checkpoint: a file of the changes alone restores the same bone, and is no source") {
+  const TemporaryFolder folder;
+  DrillRun first(SmallScene{.sets = {"duration_s=0.7"}});
+  first.run();
+  REQUIRE(first.simulation().voxmap().save(folder.file("whole.vdb"), SavedBone::whole));
+  REQUIRE(first.simulation().voxmap().save(folder.file("changes.vdb"), SavedBone::changes));
+  SimulationOptions options;
+  options.restore_path = folder.file("changes.vdb");
+  DrillRun second(SmallScene{}, options);
+  CHECK(second.voxel_hash() == first.voxel_hash());
+  CHECK(second.voxel_hash() != DrillRun(SmallScene{}).voxel_hash());
+  CHECK(BoneModel::load(folder.file("whole.vdb")).ok());
+  CHECK_FALSE(BoneModel::load(folder.file("changes.vdb")).ok());
+}
+
+TEST_CASE("checkpoint: one of a bone at another place is refused") {
+  const TemporaryFolder folder;
+  DrillRun other(SmallScene{.sets = {"volume.above_mm=1.75"}});
+  REQUIRE(other.simulation().voxmap().save(folder.file("other.vdb"), SavedBone::changes));
+  const LoadedScene loaded = load_small({});
+  SimulationOptions options;
+  options.restore_path = folder.file("other.vdb");
+  Issues issues;
+  CHECK(Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues) == nullptr);
+  REQUIRE(issues.size() == 1);
+  CHECK(issues.front().text() == folder.file("other.vdb") + ": was saved from another bone: it lies at another place");
+}
+
 TEST_CASE("checkpoint: that of another bone is refused with its name") {
   const TemporaryFolder folder;
   DrillRun other(SmallScene{.sets = {"volume.extent_mm=[5,5,6]"}});
