@@ -16,8 +16,8 @@ namespace burrhole {
 struct OutputScene {
   bool bone = true;        ///< bone.vdb, from which a later run can start
   bool whole_bone = true;  ///< it holds the bone as loaded too; false: only what was changed
-  bool report = true;  ///< report.html
-  bool plots = true;   ///< the plot of force, depth and speed over time in the report
+  bool report = true;      ///< report.html
+  bool plots = true;       ///< the plot of force, depth and speed over time in the report
 };
 
 struct Scene : StageConfig {
