@@ -152,17 +152,17 @@ std::vector<ShaderVariant> all_shader_variants() {
     for (unsigned bits = 0; bits < 8; ++bits)
       variants.push_back(raycast_variant({.cut = bit(bits, 0), .skip = bit(bits, 1), .probe = bit(bits, 2), .level = level}));
   constexpr unsigned kDrawn = 8, kOptions = 6, kAllOptions = (1u << kOptions) - 1u;
-  const auto add = [&](unsigned bits, unsigned chosen) {
-    for (const VolumeLevel level : {VolumeLevel::only, VolumeLevel::whole, VolumeLevel::detail})
-      variants.push_back(surface_variant(
-          {.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .appearance = options(chosen), .level = level}));
+  const auto add = [&](unsigned bits, unsigned chosen, VolumeLevel level) {
+    variants.push_back(surface_variant(
+        {.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .appearance = options(chosen), .level = level}));
   };
   constexpr unsigned kDefault = 0b010011u;  // tissue, occlusion, labels
   for (unsigned bits = 0; bits < kDrawn; ++bits)
-    for (const unsigned chosen : {0u, kDefault, kAllOptions}) add(bits, chosen);
+    for (const unsigned chosen : {0u, kDefault, kAllOptions})
+      for (const VolumeLevel level : {VolumeLevel::only, VolumeLevel::whole, VolumeLevel::detail}) add(bits, chosen, level);
   for (const unsigned bits : {0u, kDrawn - 1u})
     for (unsigned n = 0; n < kOptions; ++n)
-      for (const unsigned chosen : {1u << n, kAllOptions ^ 1u << n}) add(bits, chosen);
+      for (const unsigned chosen : {1u << n, kAllOptions ^ 1u << n}) add(bits, chosen, VolumeLevel::only);
   for (unsigned bits = 0; bits < 64; ++bits)
     variants.push_back(translucent_variant({.cut = bit(bits, 0),
                                             .soft = bit(bits, 1),

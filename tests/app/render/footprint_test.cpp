@@ -131,13 +131,15 @@ TEST_CASE("footprint: its reach is that of the shaders") {
   CHECK(holds("occlusion.glsl", "ring < 3"));
   CHECK(holds("occlusion.glsl", "float reach = 0.0011 * exp2(1.15 * float(ring));"));
   CHECK(holds("occlusion.glsl", "vec3 offset = reach * normalize("));
-  CHECK(holds("occlusion.glsl", "+ 1.2 * edges.w * n;"));
-  CHECK(holds("volume.glsl", "stored_normal(p + 1.25 * (vec3("));
-  CHECK(holds("volume.glsl", "density_at(p + 0.5 * corner)"));
-  CHECK(holds("shadow.glsl", "vec3 start = 1.5 * edges.w * n;"));
+  CHECK(holds("occlusion.glsl", "+ 1.2 * voxel * n;"));
+  CHECK(holds("volume.glsl", "stored_normal(p + 1.25 * grain * (vec3("));
+  CHECK(holds("volume.glsl", "density_at(p + 0.5 * grain * corner)"));
+  CHECK(holds("shadow.glsl", "vec3 start = 1.5 * voxel * n;"));
   CHECK(holds("shadow.glsl", "i < 28"));
-  CHECK(holds("shadow.glsl", "way += min(0.7 * edges.w * pow(1.08, float(i)), 0.001);"));
-  CHECK(holds("tissue.glsl", "vec3 before = p + 0.75 * outward;"));
+  CHECK(holds("shadow.glsl", "way += min(0.7 * voxel * pow(1.08, float(i)), 0.001);"));
+  CHECK(holds("tissue.glsl", "vec3 before = p + 0.75 * grain_at(p) * outward;"));
+  // Lengths near the faces of a detail are at most those of coarse voxels, in which changes of a bone in two levels are given.
+  CHECK(holds("volume.glsl", "return mix(part.w, 1.0, smoothstep("));
   const Reach surface = reach_of({.appearance = {.occlusion = true}}, 0.25e-3);
   CHECK(surface.metres == doctest::Approx(0.0011 * std::exp2(2.3) + 1.2 * 0.25e-3));
   CHECK(surface.voxels + surface.metres / 0.25e-3 > 2.25);
