@@ -1,7 +1,7 @@
 #include "app/view/coarse_bone.h"
 
 #include <algorithm>
-#include <set>
+#include <map>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -66,7 +66,7 @@ std::uint8_t label_at(const Vec3i& centre, int factor, const VoxelBox& support, 
   return static_cast<std::uint8_t>(label);
 }
 
-DenseBone make_tile(const BoneModel& bone, const VoxelBox& coarse, int factor) {
+DenseBone make_part(const BoneModel& bone, const VoxelBox& coarse, int factor) {
   const VoxelBox support = support_of(coarse, factor);
   std::vector<float> occupancy(support.count()), hardness(support.count()), soft(support.count()), labels(support.count());
   bone.read_occupancy(support, occupancy);
@@ -94,18 +94,19 @@ DenseBone make_tile(const BoneModel& bone, const VoxelBox& coarse, int factor) {
   return out;
 }
 
-/// The tiles that hold bone or soft tissue, in a fixed order.
-std::vector<VoxelBox> find_tiles(const BoneModel& bone, const CoarseBone& grid, const VoxelBox& all) {
-  std::set<std::tuple<int, int, int>> found;
+/// The parts of tiles that hold bone or soft tissue, in a fixed order. The rest of a tile is empty, and thin bone fills little of it.
+std::vector<VoxelBox> find_parts(const BoneModel& bone, const CoarseBone& grid, const VoxelBox& all) {
+  std::map<std::tuple<int, int, int>, VoxelBox> found;
   bone.for_each_drawn_region([&](const VoxelBox& region) {
     const VoxelBox coarse = grid.coarse_of(region).intersect(all);
-    for_each_voxel({coarse.lo / kTile, (coarse.hi - 1) / kTile + 1}, [&](const Vec3i& t) { found.emplace(t.z, t.y, t.x); });
+    for_each_voxel({coarse.lo / kTile, (coarse.hi - 1) / kTile + 1}, [&](const Vec3i& t) {
+      VoxelBox& part = found[{t.z, t.y, t.x}];
+      part = part.unite(VoxelBox{kTile * t, kTile * (t + 1)}.intersect(coarse));
+    });
   });
   std::vector<VoxelBox> out;
-  for (const auto& [z, y, x] : found) {
-    const Vec3i lo = kTile * Vec3i(x, y, z);
-    out.push_back(VoxelBox{lo, lo + kTile}.intersect(all));
-  }
+  out.reserve(found.size());
+  for (const auto& [tile, part] : found) out.push_back(part);
   return out;
 }
 
@@ -117,16 +118,16 @@ Result<CoarseBone> CoarseBone::create(const BoneModel& bone, int factor) {
   const Affine& fine = bone.bone_from_index();
   auto builder = BoneModelBuilder::create(dims, {fine.linear * static_cast<double>(factor), fine.offset});
   if (!builder) return builder.error();
-  const std::vector<VoxelBox> tiles = find_tiles(bone, CoarseBone(nullptr, factor), {Vec3i(0), dims});
-  constexpr std::size_t kBatch = 64;  // tiles in memory at a time
-  for (std::size_t first = 0; first < tiles.size(); first += kBatch) {
-    std::vector<DenseBone> made(std::min(kBatch, tiles.size() - first));
+  const std::vector<VoxelBox> parts = find_parts(bone, CoarseBone(nullptr, factor), {Vec3i(0), dims});
+  constexpr std::size_t kBatch = 64;  // in memory at a time
+  for (std::size_t first = 0; first < parts.size(); first += kBatch) {
+    std::vector<DenseBone> made(std::min(kBatch, parts.size() - first));
     for_each_number(static_cast<int>(made.size()), [&](int n) {
       const auto at = static_cast<std::size_t>(n);
-      made[at] = make_tile(bone, tiles[first + at], factor);
+      made[at] = make_part(bone, parts[first + at], factor);
     });
     for (std::size_t n = 0; n < made.size(); ++n)
-      if (const Status added = builder->add(tiles[first + n], made[n]); !added) return added.error();
+      if (const Status added = builder->add(parts[first + n], made[n]); !added) return added.error();
   }
   return CoarseBone(builder->finish(bone.notes()), factor);
 }
