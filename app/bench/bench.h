@@ -39,10 +39,12 @@ template <class Range>
 class Bench {
  public:
   /// @param quick few iterations, for the test of the program. @param sabotage flips one bit of every result before it is compared.
-  Bench(bool quick, bool sabotage) : quick_(quick), sabotage_(sabotage) {}
+  /// @param folder of bench.json, and of the pictures of the areas.
+  Bench(bool quick, bool sabotage, std::string folder) : quick_(quick), sabotage_(sabotage), folder_(std::move(folder)) {}
 
   void start_area(std::string area) { area_ = std::move(area); }
   [[nodiscard]] bool quick() const noexcept { return quick_; }
+  [[nodiscard]] const std::string& folder() const noexcept { return folder_; }
 
   /// @returns whether both are equal and not empty; otherwise records a disagreement of row `name`.
   bool agree(const std::string& name, std::span<const std::byte> baseline, std::span<const std::byte> value);
@@ -64,7 +66,7 @@ class Bench {
 
  private:
   bool quick_, sabotage_;
-  std::string area_;
+  std::string folder_, area_;
   std::vector<BenchRow> rows_;
   std::vector<std::string> disagreements_;
 };

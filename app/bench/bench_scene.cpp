@@ -11,6 +11,13 @@ constexpr double kShippedVoxel = 0.25e-3;  // [m] of the scene
 
 Error first_of(const Issues& issues) { return issues.empty() ? Error{ErrorCode::internal, "no reason was given", {}} : issues.front(); }
 
+Result<std::unique_ptr<LoadedScene>> load_document(const TomlDocument& document) {
+  Issues issues;
+  auto loaded = load_scene(document, {.tool_folders = {kTools}}, issues);
+  if (!loaded) return first_of(issues);
+  return std::make_unique<LoadedScene>(std::move(*loaded));
+}
+
 }  // namespace
 
 Result<std::unique_ptr<LoadedScene>> load_parietal_scene(const std::vector<std::string>& overrides) {
@@ -18,10 +25,13 @@ Result<std::unique_ptr<LoadedScene>> load_parietal_scene(const std::vector<std::
   if (!document) return document.error();
   for (const std::string& assignment : overrides)
     if (Status set = document->set(assignment); !set) return set.error();
-  Issues issues;
-  auto loaded = load_scene(*document, {.tool_folders = {kTools}}, issues);
-  if (!loaded) return first_of(issues);
-  return std::make_unique<LoadedScene>(std::move(*loaded));
+  return load_document(*document);
+}
+
+Result<std::unique_ptr<LoadedScene>> load_scene_text(const std::string& text, const std::string& name) {
+  auto document = TomlDocument::parse(text, name);
+  if (!document) return document.error();
+  return load_document(*document);
 }
 
 Result<Tool> load_shipped_tool(const std::string& name, double erosion_pitch) {

@@ -13,6 +13,8 @@ namespace burrhole {
 
 /// Loads app/scenes/parietal.toml with overrides ("table.key=value").
 [[nodiscard]] Result<std::unique_ptr<LoadedScene>> load_parietal_scene(const std::vector<std::string>& overrides);
+/// Loads a scene from its text, with the tools of app/tools. @param name of the text, for messages.
+[[nodiscard]] Result<std::unique_ptr<LoadedScene>> load_scene_text(const std::string& text, const std::string& name);
 /// Loads a tool file of app/tools. @param erosion_pitch [m].
 [[nodiscard]] Result<Tool> load_shipped_tool(const std::string& name, double erosion_pitch);
 

@@ -11,6 +11,7 @@
 
 #include "app/bench/areas.h"
 #ifdef BH_WITH_RENDER
+#include "app/bench/growth_run.h"
 #include "app/bench/render_frames.h"
 #endif
 #include "app/report/file.h"
@@ -28,7 +29,7 @@ struct Area {
 constexpr std::array kAreas{
     Area{"contact", bench_contact}, Area{"erosion", bench_erosion}, Area{"import", bench_import},
 #ifdef BH_WITH_RENDER
-    Area{"render", bench_render},
+    Area{"growth", bench_growth},   Area{"render", bench_render},
 #endif
     Area{"step", bench_step},       Area{"servo", bench_servo},  // last: it locks the process's memory, which would change the memory that other areas measure
 };
@@ -44,6 +45,7 @@ struct Request {
   bool quick = false, sabotage = false;
 #ifdef BH_WITH_RENDER
   FramesRequest frames;  ///< gl empty: not requested
+  int growth_edge = 0;   ///< [voxels] 0: not requested
 #endif
 };
 
@@ -69,7 +71,7 @@ void add_frames_options(CLI::App& app, FramesRequest& frames) {
 #endif
 
 void add_options(CLI::App& app, Request& request) {
-  app.add_option("AREA", request.names, "contact, erosion, import, render, servo or step; default: all");
+  app.add_option("AREA", request.names, "contact, erosion, growth, import, render, servo or step; default: all");
   app.add_option("--out", request.out, "folder of bench.json")->type_name("DIR")->capture_default_str();
   app.add_option("--revision", request.revision, "of the sources, written into bench.json")->type_name("TEXT");
   app.add_option_function<std::string>(
@@ -83,6 +85,9 @@ void add_options(CLI::App& app, Request& request) {
   app.add_flag("--sabotage", request.sabotage, "flips one bit of every result before it is compared: every comparison must then fail");
 #ifdef BH_WITH_RENDER
   add_frames_options(app, request.frames);
+  app.add_option("--growth-edge", request.growth_edge, "only prints the figures of one volume of the area growth, which calls this")
+      ->type_name("VOXELS")
+      ->check(CLI::IsMember(growth_edges()));
 #endif
   app.footer(kFooter);
 }
@@ -127,7 +132,7 @@ int report(const Error& error) {
 
 /// Runs the areas and writes their rows. @returns the exit code.
 int run(const Request& request) {
-  Bench bench(request.quick, request.sabotage);
+  Bench bench(request.quick, request.sabotage, request.out);
   int code = 0;
   for (const Area& area : request.areas) {
     fmt::print(stderr, "bench: {}\n", area.name);
@@ -163,6 +168,12 @@ int main(int count, char** arguments) {
     fmt::print(stderr, "bench: {} (see --help)\n", error.what());
     return 2;
   }
+#ifdef BH_WITH_RENDER
+  if (request.growth_edge > 0) {
+    const Status done = print_growth(request.growth_edge, request.quick);
+    return done.ok() ? 0 : report(done.error());
+  }
+#endif
   if (const Status found = find_areas(request); !found) return report(found.error());
   return run(request);
 }
