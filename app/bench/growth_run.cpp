@@ -128,7 +128,10 @@ class GrowthSink final : public FrameSink {
   void update(const TexelBox& texels) override { renderer_.update(texels); }
   Status move_detail(const DetailView& view) override { return renderer_.set_detail(view); }
   void forget() override { renderer_.forget(); }
+  /// Without drawing, a picture consists of making and sending texels.
+  void set_drawing(bool draws) noexcept { draws_ = draws; }
   Status draw(const std::string&, const FrameView& view, int width, int height, Hash64& hash) override {
+    if (!draws_) return {};
     const auto image = renderer_.draw(view, width, height);
     if (!image) return image.error();
     for (const Rgba8& p : image->pixels) hash.add(std::uint64_t{p.r} << 16 | std::uint64_t{p.g} << 8 | std::uint64_t{p.b});
@@ -137,6 +140,7 @@ class GrowthSink final : public FrameSink {
 
  private:
   Renderer renderer_;
+  bool draws_ = true;
 };
 
 /// One simulation, its steps called as in `burrhole drill`.
@@ -184,12 +188,11 @@ class Drilling {
       sink_->forget();
       whole.push_back(seconds_of([&] { status = picture(); }));
     }
+    sink_->set_drawing(false);
     for (int n = 0; status.ok() && n < repetitions(); ++n) {
       do steps_.tick();
       while (!steps_.ran_bone());
-      const double before = texel_seconds();
-      status = picture();
-      texels.push_back(texel_seconds() - before);
+      texels.push_back(seconds_of([&] { status = picture(); }));
     }
     if (!status.ok()) return status;
     out.picture = median(whole);
@@ -218,10 +221,6 @@ class Drilling {
   Status picture() {
     frame_->gather_rest(stage_->bone->turned());
     return frame_->draw("growth", stage_->contact->state().world_from_tool, false);
-  }
-  /// @returns the time spent so far on making and sending texels [s].
-  [[nodiscard]] double texel_seconds() const {
-    return kSmall * (frame_->timers().texels.timing().total_us + frame_->timers().upload.timing().total_us);
   }
   /// Of `remaining` in steps of 2^-14: between volumes its last bits may differ, as index coordinates are rounded differently.
   [[nodiscard]] std::uint64_t hash_round_entry() const {

@@ -22,7 +22,7 @@ struct GrowthRun {
   double undo = 0.0;         ///< [s] the hole is undone, and published
   double first = 0.0;        ///< [s] texels of the whole volume, upload, shaders, and the first picture
   double picture = 0.0;      ///< [s] a picture of which all pixels are drawn
-  double texels = 0.0;       ///< [s] texels that one bone step changes are made and sent; by the clock
+  double texels = 0.0;       ///< [s] texels that one bone step changes are made and sent
   double model_bytes = 0.0;  ///< [bytes] of the bone model
   double peak = 0.0;         ///< [bytes] peak resident memory of the process up to the end of drilling
   double peak_drawn = 0.0;   ///< [bytes] the same with pictures
