@@ -151,7 +151,7 @@ class Drilling {
 
   void drill(GrowthRun& out) {
     const double seconds = kApproach + (quick_ ? 0.1 : 1.0) * kInBone;
-    const auto ticks = static_cast<std::uint64_t>(seconds / stage_->period + 0.5);
+    const auto ticks = static_cast<std::uint64_t>(std::llround(seconds / stage_->period));
     out.drilling = seconds_of([&] {
       while (steps_.ticks() < ticks) {
         steps_.tick();
