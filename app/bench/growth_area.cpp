@@ -33,6 +33,7 @@ struct Quantity {
   double GrowthRun::*member;
   const char* colour;  // of its line in the plot; null: not plotted
   int point;           // of gnuplot
+  bool of_start = false;
 };
 constexpr std::array kQuantities{
     Quantity{"contact tick", "us", 1e6, &GrowthRun::contact, kPlotBlue, 6},
@@ -42,11 +43,11 @@ constexpr std::array kQuantities{
     Quantity{"drilling", "CPU-ms", 1e3, &GrowthRun::drilling, nullptr, 0},
     Quantity{"texels of a bone step", "CPU-ms", 1e3, &GrowthRun::texels, kPlotGrey, 12},
     Quantity{"picture", "CPU-ms", 1e3, &GrowthRun::picture, kPlotGrey, 5},
-    Quantity{"first picture", "CPU-s", 1.0, &GrowthRun::first, kPlotBlue, 7},
-    Quantity{"load", "CPU-s", 1.0, &GrowthRun::load, kPlotOrange, 9},
+    Quantity{"first picture", "CPU-s", 1.0, &GrowthRun::first, kPlotBlue, 7, true},
+    Quantity{"load", "CPU-s", 1.0, &GrowthRun::load, kPlotOrange, 9, true},
     Quantity{"bone model", "MB", 1.0 / kMegabyte, &GrowthRun::model_bytes, nullptr, 0},
-    Quantity{"peak memory of drilling", "MB", 1.0 / kMegabyte, &GrowthRun::peak, kPlotGreen, 11},
-    Quantity{"peak memory with pictures", "MB", 1.0 / kMegabyte, &GrowthRun::peak_drawn, kPlotViolet, 13},
+    Quantity{"peak memory of drilling", "MB", 1.0 / kMegabyte, &GrowthRun::peak, kPlotGreen, 11, true},
+    Quantity{"peak memory with pictures", "MB", 1.0 / kMegabyte, &GrowthRun::peak_drawn, kPlotViolet, 13, true},
 };
 
 struct Volume {
@@ -93,8 +94,12 @@ void add_rows(Bench& bench, const Volume& baseline, const Volume& volume) {
                      {.ship = kSparseMemory, .aim = {}});
 }
 
+/// Two panels: costs of drilling and drawing, then those of the start.
 Plot make_plot(const std::vector<Volume>& volumes) {
-  PlotPanel panel{.y_label = fmt::format("over {} voxels per edge [-]", volumes.front().edge), .series = {}, .bands = {}};
+  Plot plot{.x_label = "voxels per edge", .panels = std::vector<PlotPanel>(2), .events = {}};
+  for (PlotPanel& panel : plot.panels) panel.y_label = fmt::format("over {} voxels per edge [-]", volumes.front().edge);
+  plot.panels[0].y_range = {0.7, 100.0};
+  plot.panels[1].y_range = {0.7, 1000.0};
   for (const Quantity& quantity : kQuantities) {
     if (quantity.colour == nullptr) continue;
     PlotSeries series{.name = quantity.name, .x = {}, .y = {}, .style = linked_point_style(quantity.colour, quantity.point)};
@@ -102,10 +107,9 @@ Plot make_plot(const std::vector<Volume>& volumes) {
       series.x.push_back(volume.edge);
       series.y.push_back(volume.cost(quantity) / volumes.front().cost(quantity));
     }
-    panel.series.push_back(std::move(series));
+    plot.panels[quantity.of_start ? 1 : 0].series.push_back(std::move(series));
   }
-  Plot plot{.x_label = "voxels per edge", .panels = {std::move(panel)}, .events = {}};
-  plot.panel_height_px = 420;
+  plot.panel_height_px = 260;
   plot.log_x = plot.log_y = true;
   return plot;
 }

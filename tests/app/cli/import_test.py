@@ -151,7 +151,7 @@ cutting_N_per_m = 25e3
         result = run("check", self.scene(self.scan, "spacing_mm = 0.25\nregion_mm = [8, 8, 8]"))
         self.assertEqual(result.returncode, 0, result.stderr)
         result = run("import", self.scan, "--spacing-mm", "0.25")
-        self.assertIn("takes up to about", result.stderr)
+        self.assertIn("takes about", result.stderr)
         self.assertIn("outside the scan", self.refused(self.scan, "--spacing-mm", "0.25", "--region-mm", "5,5,5", "--centre-mm", "0,0,300"))
         self.assertIn("must be given together", self.refused(self.scan, "--region-mm", "5,5,5"))
         result = run("check", self.scene(self.scan, "region_mm = [8, 8, 8]"))
