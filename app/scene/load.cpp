@@ -24,7 +24,8 @@ Status load_bone(const LoadOptions& options, const AcceptBone& accept, LoadedSce
   const VolumeScene& volume = out.scene.volume;
   if (volume.phantom) {
     const Vec3i dims = phantom_dims(*volume.phantom);
-    if (Status accepted = accept({dims, phantom_bone_from_index(*volume.phantom), dense_bone_bytes(dims)}, 0); !accepted) return accepted;
+    if (Status accepted = accept({dims, phantom_bone_from_index(*volume.phantom), dense_bone_bytes(dims, true)}, 0); !accepted)
+      return accepted;
     auto phantom = make_phantom(*volume.phantom);
     if (!phantom) return phantom.error();
     auto bone = BoneModel::create(phantom->bone);
@@ -39,7 +40,8 @@ Status load_bone(const LoadOptions& options, const AcceptBone& accept, LoadedSce
   bool refused = false;
   request.accept = [&](const BoneGrid& grid, std::uint64_t scan_bytes) {
     out.scan_bytes = scan_bytes;
-    const auto bytes = static_cast<std::uint64_t>(grid.bone_share * static_cast<double>(dense_bone_bytes(grid.dims)));
+    const auto bytes =
+        static_cast<std::uint64_t>(grid.bone_share * static_cast<double>(dense_bone_bytes(grid.dims, false)));  // a scan has none
     Status accepted = accept({grid.dims, grid.bone_from_index, bytes}, scan_bytes);
     refused = !accepted.ok();
     return accepted;

@@ -80,11 +80,12 @@ std::uint64_t publish_bytes(const PlanContext& context) noexcept {
   return context.window_voxels * (copies * bytes_a_voxel(needs.fields) + bytes_a_voxel(derived) + leaps);
 }
 
-std::uint64_t dense_bone_bytes(const Vec3i& dims) noexcept {
-  // Occupancy, hardness, soft tissue, labels; of each the nodes round its leaves, and the tables of the upper nodes.
-  constexpr double kGrids = 4.0, kNodes = 1.1, kUpperNodes = 0.3e6;
+std::uint64_t dense_bone_bytes(const Vec3i& dims, bool soft) noexcept {
+  // Occupancy, hardness, labels, soft tissue; of each the nodes round its leaves, and the tables of the upper nodes.
+  const double grids = soft ? 4.0 : 3.0;
+  constexpr double kNodes = 1.1, kUpperNodes = 0.3e6;
   const auto voxels = static_cast<double>(VoxelBox{Vec3i(0), dims}.count());
-  return static_cast<std::uint64_t>(kGrids * (kNodes * sizeof(float) * voxels + kUpperNodes));
+  return static_cast<std::uint64_t>(grids * (kNodes * sizeof(float) * voxels + kUpperNodes));
 }
 
 std::uint64_t tool_bytes(const Tool& tool) noexcept {

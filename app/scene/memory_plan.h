@@ -39,8 +39,8 @@ struct MemoryRun {
 [[nodiscard]] std::uint64_t volume_bytes(const BoneShape& bone, std::uint64_t window_voxels) noexcept;
 /// @returns the bytes of the copies of bone that the contact clock reads; 0 if nothing reads one.
 [[nodiscard]] std::uint64_t publish_bytes(const PlanContext& context) noexcept;
-/// @returns an upper bound of a bone model's bytes, if every voxel differs from its neighbours.
-[[nodiscard]] std::uint64_t dense_bone_bytes(const Vec3i& dims) noexcept;
+/// @returns an upper bound of a bone model's bytes, if every voxel differs from its neighbours. @param soft whether there may be soft tissue.
+[[nodiscard]] std::uint64_t dense_bone_bytes(const Vec3i& dims, bool soft) noexcept;
 
 /// @returns the memory of a tool's points and meshes; its cutting field belongs to erosion.
 [[nodiscard]] std::uint64_t tool_bytes(const Tool& tool) noexcept;

@@ -38,7 +38,7 @@ TEST_CASE("limits: the predicted memory decides to the megabyte, and the line na
   const LoadedScene loaded = load_text(scene_text({}), {});
   const Vec3i dims = loaded.bone->dims();
   // What load_scene() knows before the bone exists: its grid, and no more than an upper bound of its bytes.
-  const BoneShape shape{dims, loaded.bone->bone_from_index(), dense_bone_bytes(dims)};
+  const BoneShape shape{dims, loaded.bone->bone_from_index(), dense_bone_bytes(dims, true)};
   CHECK(shape.bytes >= loaded.bone->bytes());
   const double peak = static_cast<double>(plan_memory(loaded.scene, loaded.tool, shape, 0).peak) * 1e-6;
   CHECK(refusal(scene_text({}) + limit(peak + 0.001)).empty());
