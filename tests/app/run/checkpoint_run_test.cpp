@@ -53,30 +53,20 @@ TEST_CASE("checkpoint: a file of the changes alone restores the same bone, and i
   CHECK_FALSE(BoneModel::load(folder.file("changes.vdb")).ok());
 }
 
-TEST_CASE("checkpoint: one of a bone at another place is refused") {
-  const TemporaryFolder folder;
-  DrillRun other(SmallScene{.sets = {"volume.above_mm=1.75"}});
-  REQUIRE(other.simulation().voxmap().save(folder.file("other.vdb"), SavedBone::changes));
-  const LoadedScene loaded = load_small({});
-  SimulationOptions options;
-  options.restore_path = folder.file("other.vdb");
-  Issues issues;
-  CHECK(Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues) == nullptr);
-  REQUIRE(issues.size() == 1);
-  CHECK(issues.front().text() == folder.file("other.vdb") + ": was saved from another bone: it lies at another place");
-}
-
-TEST_CASE("checkpoint: that of another bone is refused with its name") {
-  const TemporaryFolder folder;
-  DrillRun other(SmallScene{.sets = {"volume.extent_mm=[5,5,6]"}});
-  REQUIRE(other.simulation().voxmap().save(folder.file("other.vdb")));
-  const LoadedScene loaded = load_small({});
-  SimulationOptions options;
-  options.restore_path = folder.file("other.vdb");
-  Issues issues;
-  CHECK(Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues) == nullptr);
-  REQUIRE(issues.size() == 1);
-  CHECK(issues.front().text() == folder.file("other.vdb") + ": was saved from another bone: the dimensions differ");
+TEST_CASE("checkpoint: that of another bone, or of one at another place, is refused with its name") {
+  for (const auto& [key, why] :
+       {std::pair("volume.extent_mm=[5,5,6]", "the dimensions differ"), std::pair("volume.above_mm=1.75", "it lies at another place")}) {
+    const TemporaryFolder folder;
+    DrillRun other(SmallScene{.sets = {key}});
+    REQUIRE(other.simulation().voxmap().save(folder.file("other.vdb")));
+    const LoadedScene loaded = load_small({});
+    SimulationOptions options;
+    options.restore_path = folder.file("other.vdb");
+    Issues issues;
+    CHECK(Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues) == nullptr);
+    REQUIRE(issues.size() == 1);
+    CHECK(issues.front().text() == folder.file("other.vdb") + ": was saved from another bone: " + why);
+  }
 }
 
 }  // namespace
