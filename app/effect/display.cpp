@@ -170,7 +170,7 @@ DisplayConfig read_display(TableReader& table) {
       "whole_voxels", static_cast<std::int64_t>(out.whole_voxels), 1000, 1'000'000'000,
       "largest texture of the whole bone; a larger bone is drawn at coarser voxels, and by method = \"raycast\" with shading = "
       "\"surface\" a part around the entry, or where bone is cut, at its own voxels"));
-  if (out.method == "raycast" && out.transfer.empty())
+  if (draws_detail(out))
     out.detail = table.number("detail_mm", above_zero(out.detail / kMillimetre, kMillimetre, 500.0), "edge of that part");
   out.scale_bar =
       table.boolean("scale_bar", out.scale_bar, "draws a scale bar; its length is exact at the distance of the camera's target");
@@ -213,11 +213,9 @@ Levels levels_of(const DisplayConfig& display, const BoneShape& bone) {
   Levels out;
   out.factor = coarse_factor(bone.dims, display.whole_voxels);
   out.voxels = VoxelBox{Vec3i(0), out.factor == 1 ? bone.dims : CoarseBone::dims_of(bone.dims, out.factor)}.count();
-  out.has_detail = out.factor > 1 && display.method == "raycast" && display.transfer.empty();
-  if (out.has_detail) {
-    const double edge = display.detail / bone.bone_from_index.mean_edge();
-    out.voxels += place_detail(bone.dims, out.factor, Vec3(bone.dims / 2), Vec3(edge)).box.count();
-  }
+  out.has_detail = out.factor > 1 && draws_detail(display);
+  if (out.has_detail)
+    out.voxels += place_detail(bone.dims, out.factor, Vec3(bone.dims / 2), detail_edge(display, bone.bone_from_index)).box.count();
   return out;
 }
 

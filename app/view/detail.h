@@ -6,12 +6,19 @@
 #include <cstddef>
 
 #include "app/view/coarse_bone.h"
+#include "app/view/display_config.h"
 #include "app/view/view.h"
 
 namespace burrhole {
 
 /// @returns the edge of a coarse voxel [voxels] with which the whole bone has at most `most` texels; 1 if it has no more as it is.
 [[nodiscard]] int coarse_factor(const Vec3i& dims, std::size_t most) noexcept;
+
+/// @returns whether a large bone has a detail: rays to a surface. Slices and translucent bone show coarse voxels alone.
+[[nodiscard]] bool draws_detail(const DisplayConfig& display) noexcept;
+
+/// @returns the edge of the detail on each axis.
+[[nodiscard]] Vec3 detail_edge(const DisplayConfig& display, const Affine& bone_from_index) noexcept;
 
 /// @param centre of the part. @param edge of the part. @returns the part, inside the bone. @pre factor is above 1.
 [[nodiscard]] DetailGrid place_detail(const Vec3i& dims, int factor, const Vec3& centre, const Vec3& edge) noexcept;

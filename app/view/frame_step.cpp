@@ -82,11 +82,9 @@ Result<VolumeView> FrameStep::make_levels(const Vec3& entry) {
   if (!coarse) return coarse.error();
   coarse_ = std::move(coarse).value();
   VolumeView whole = make_volume_view(coarse_->drawn(*voxmap_), coarse_->loaded().bounds(), tissue);
-  if (display_.method != "raycast" || !display_.transfer.empty()) return whole;
+  if (!draws_detail(display_)) return whole;
   const Affine& affine = bone.bone_from_index();
-  const Vec3 edge(display_.detail / glm::length(affine.linear[0]), display_.detail / glm::length(affine.linear[1]),
-                  display_.detail / glm::length(affine.linear[2]));
-  detail_ = place_detail(bone.dims(), factor, affine.inverse() * entry, edge);
+  detail_ = place_detail(bone.dims(), factor, affine.inverse() * entry, detail_edge(display_, affine));
   whole.detail = std::make_shared<const DetailView>(make_detail_view(*detail_, *coarse_, *voxmap_, tissue));
   return whole;
 }
