@@ -57,8 +57,6 @@ int coarse_factor(const Vec3i& dims, std::size_t most) noexcept {
   return factor;
 }
 
-bool draws_detail(const DisplayConfig& display) noexcept { return display.method == "raycast" && display.transfer.empty(); }
-
 Vec3 detail_edge(const DisplayConfig& display, const Affine& bone_from_index) noexcept {
   const Mat3& cell = bone_from_index.linear;
   return display.detail / Vec3(glm::length(cell[0]), glm::length(cell[1]), glm::length(cell[2]));

@@ -14,9 +14,6 @@ namespace burrhole {
 /// @returns the edge of a coarse voxel [voxels] with which the whole bone has at most `most` texels; 1 if it has no more as it is.
 [[nodiscard]] int coarse_factor(const Vec3i& dims, std::size_t most) noexcept;
 
-/// @returns whether a large bone has a detail: rays to a surface. Slices and translucent bone show coarse voxels alone.
-[[nodiscard]] bool draws_detail(const DisplayConfig& display) noexcept;
-
 /// @returns the edge of the detail on each axis.
 [[nodiscard]] Vec3 detail_edge(const DisplayConfig& display, const Affine& bone_from_index) noexcept;
 

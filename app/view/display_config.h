@@ -44,4 +44,9 @@ struct DisplayConfig {
   StereoView stereo;
 };
 
+/// @returns whether a large bone has a detail: rays to a surface. Slices and translucent bone show coarse voxels alone.
+[[nodiscard]] inline bool draws_detail(const DisplayConfig& display) noexcept {
+  return display.method == "raycast" && display.transfer.empty();
+}
+
 }  // namespace burrhole
