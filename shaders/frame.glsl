@@ -29,6 +29,8 @@ layout(std140, binding = 0) uniform Frame {
   vec4 part;                   // DETAIL: xyz bone voxel at index 0; w: voxels of this volume per voxel of the whole one
   vec4 whole_dims;             // DETAIL: xyz voxels of the whole volume
   vec4 blend;                  // DETAIL: x, y [voxels]: up to x from its faces the part equals the whole, from x + y on it has its own texels
+  vec4 changed_lo;             // index: the box outside which no look-up reads a texel that has changed since the last picture
+  vec4 changed_hi;
 };
 
 // Factor of the hit depths of a detail, which distinguishes them from those of the whole volume. A power of two changes no bit of a float.

@@ -10,10 +10,6 @@
 namespace burrhole {
 namespace {
 
-/// A filtered texture access reads texels less than a voxel away.
-constexpr double kFilter = 1.0;
-/// Error of a ray's point in single precision, a few 1e-4 voxel, and of a filter with 8-bit weights.
-constexpr double kSlackVoxels = 0.05;
 /// [pixels] rounding of the ray, and the 1/256 grid of a rasteriser.
 constexpr double kSlackPixels = 0.125;
 /// volume.glsl, surface_normal with RECOMPUTED: corners of the voxel around the point.
@@ -22,7 +18,7 @@ constexpr double kCorners = 0.5;
 constexpr double kWiderMean = 1.25;
 /// tissue.glsl, cut_share: bone in front of the surface.
 constexpr double kBefore = 0.75;
-/// occlusion.glsl, open_sky: the outermost ring, and its distance above the surface [voxel edges].
+/// occlusion.glsl: the outermost ring, and its distance above the surface [voxel edges].
 const double kSkyMetres = 0.0011 * std::exp2(1.15 * 2.0);
 constexpr double kSkyLift = 1.2;
 
@@ -57,15 +53,16 @@ void PixelRegion::add(const PixelRect& rect) {
 }
 
 Reach reach_of(const RenderOptions& options, double longest_edge) noexcept {
-  Reach out{kFilter + kSlackVoxels, 0.0};
+  Reach out{kLookUpVoxels, 0.0, 0.0};
   if (options.translucent) return out;  // normals as stored
-  const auto sees = [&out](double voxels) { out.voxels = std::max(out.voxels, kFilter + kSlackVoxels + voxels); };
+  const auto sees = [&out](double voxels) { out.voxels = std::max(out.voxels, kLookUpVoxels + voxels); };
   if (options.appearance.normals == NormalSource::recomputed) sees(kCorners);
   if (options.slices) return out;
   if (options.finish) sees(kWiderMean);
   if (options.appearance.tissue) sees(kBefore);
-  if (options.appearance.occlusion) out.metres = kSkyMetres + kSkyLift * longest_edge;
-  if (options.appearance.shadow) out.metres = std::max(out.metres, shadow_metres(longest_edge));
+  if (options.appearance.occlusion) out.sky = kSkyMetres + kSkyLift * longest_edge;
+  if (options.appearance.shadow) out.metres = std::max(out.sky, shadow_metres(longest_edge));
+  if (out.sky <= out.metres) out.sky = 0.0;
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/render/footprint.h"
 #include "core/base/bounds.h"
 
 namespace burrhole {
@@ -40,7 +41,16 @@ void fill_hole(FrameBlock& block, const DetailGrid& grid) {
   block.hole_hi = vec4(Vec3(grid.box.hi - 1) / factor - 1.0, factor);
 }
 
+void fill_changed(FrameBlock& block, const VoxelBox& changed) {
+  block.changed_lo = vec4(Vec3(changed.lo) - kLookUpVoxels);
+  block.changed_hi = vec4(Vec3(changed.hi - 1) + kLookUpVoxels);
+}
+
 void fill_part(FrameBlock& block, const DetailGrid& grid, const Vec3i& whole_dims) {
+  // Changes are given in voxels of the whole volume.
+  const auto of_part = [&](const Vec4f& index) { return vec4(Vec3(index) * static_cast<double>(grid.factor) - Vec3(grid.box.lo)); };
+  block.changed_lo = of_part(block.changed_lo);
+  block.changed_hi = of_part(block.changed_hi);
   block.light_terms.w = 1.0f;
   block.part = vec4(Vec3(grid.box.lo), grid.factor);
   block.whole_dims = vec4(Vec3(whole_dims));

@@ -22,8 +22,9 @@ struct FrameBlock {
   Vec4f slices{0};                                                                            ///< [unit of frame.glsl]
   Vec4f background_bottom{0}, background_top{0};                                              ///< [-]
   Vec4f hole_lo{0}, hole_hi{0}, part{0}, whole_dims{0}, blend{0};                             ///< [voxels]
+  Vec4f changed_lo{0}, changed_hi{0};                                                         ///< [voxels]
 };
-static_assert(sizeof(FrameBlock) == 44 * 16);
+static_assert(sizeof(FrameBlock) == 46 * 16);
 
 void fill_camera(FrameBlock& block, const CameraRays& rays);
 /// @param dims [voxels] > 0.
@@ -32,6 +33,8 @@ void fill_volume(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, c
 void fill_hole(FrameBlock& block, const DetailGrid& grid);
 /// For the detail. @param whole_dims [voxels] of the whole volume.
 void fill_part(FrameBlock& block, const DetailGrid& grid, const Vec3i& whole_dims);
+/// @param changed [voxels] of the volume of the block: round all texels that changed.
+void fill_changed(FrameBlock& block, const VoxelBox& changed);
 /// Chooses the axis whose slices face the view most directly, their number, and their order. @param per_voxel slices per voxel along the
 /// axis.
 void fill_slices(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, const Affine& world_from_index, double per_voxel);

@@ -20,6 +20,17 @@ bool same(const std::optional<DrawnTool>& a, const std::optional<DrawnTool>& b) 
 /// The smallest rectangle of whole blocks of n x n pixels that contains r.
 PixelRect in_blocks(const PixelRect& r, int n) { return {r.lo / n * n, (r.hi + n - 1) / n * n}; }
 
+/// @returns disjoint rectangles that cover what `rects`, which are disjoint, have outside of all `holes`.
+std::vector<PixelRect> outside(std::span<const PixelRect> rects, std::span<const PixelRect> holes) {
+  std::vector<PixelRect> out(rects.begin(), rects.end());
+  for (const PixelRect& hole : holes) {
+    std::vector<PixelRect> left;
+    for (const PixelRect& rect : out) append_outside(rect, hole, left);
+    out = std::move(left);
+  }
+  return out;
+}
+
 /// Row 0 is the top row of pictures and the bottom row of rectangles.
 void paste(const Image& part, const PixelRect& place, Image& picture) {
   BH_ASSERT(part.width == place.size().x && part.height == place.size().y);
@@ -53,12 +64,13 @@ void FrameCache::texels_changed(const VoxelBox& box) {
   if (key_) changed_.add(box);
 }
 
-PixelRegion FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
+StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
                                    const std::optional<Affine>& world_from_index, const Reach& reach) const {
-  PixelRegion region;
+  StalePixels out;
+  PixelRegion& region = out.drawn;
   if (!key_ || !same(*key_, key) || Vec2i(picture_.width, picture_.height) * supersample_ != drawn) {
     region.add({Vec2i(0), drawn});
-    return region;
+    return out;
   }
   BH_ASSERT(changed_.empty() || world_from_index);
   const CameraRays rays = rays_of(key.block);
@@ -67,17 +79,28 @@ PixelRegion FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, cons
   if (!same(tool_, tool))
     for (const std::optional<DrawnTool>& one : {tool_, tool})
       if (one) region.add(in_blocks(one->footprint, supersample_));
-  return region;
+  if (reach.sky <= 0.0 || changed_.empty()) return out;
+  PixelRegion wide;
+  for (const VoxelBox& box : changed_)
+    wide.add(in_blocks(find_footprint(rays, reached_corners(box, reach.with_sky(), *world_from_index), drawn), supersample_));
+  // A tool at rest hides hits, and their light must not be drawn over it.
+  if (tool)
+    for (const PixelRect& rect : wide.rects())
+      if (!rect.intersect(tool->footprint).empty()) region.add(in_blocks(tool->footprint, supersample_));
+  out.relit = outside(wide.rects(), region.rects());
+  out.changed = changed_.bounds();
+  return out;
 }
 
-void FrameCache::keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, const PixelRegion& region,
+void FrameCache::keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, std::span<const PixelRect> rects,
                       std::span<const Image> shrunk) {
+  BH_ASSERT(rects.size() == shrunk.size());
   const Vec2i size = drawn / supersample_;
   picture_.width = size.x;
   picture_.height = size.y;
   picture_.pixels.resize(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y));
   for (std::size_t n = 0; n < shrunk.size(); ++n) {
-    const PixelRect& r = region.rects()[n];
+    const PixelRect& r = rects[n];
     paste(shrunk[n], {r.lo / supersample_, r.hi / supersample_}, picture_);
   }
   key_ = std::move(key);

@@ -28,6 +28,13 @@ struct DrawnTool {
   PixelRect footprint;
 };
 
+/// What a picture must draw.
+struct StalePixels {
+  PixelRegion drawn;             ///< everything: rays, light, tool
+  std::vector<PixelRect> relit;  ///< beside `drawn`, disjoint: the light of those hits whose ambient occlusion may read a changed texel
+  VoxelBox changed;              ///< round all texels that changed since the last picture
+};
+
 class FrameCache {
  public:
   /// @param supersample drawn pixels per pixel of the picture, along each side.
@@ -37,12 +44,13 @@ class FrameCache {
   void forget() noexcept { key_.reset(); }
   void texels_changed(const VoxelBox& box);
 
-  /// @returns the region that the picture of `key` must draw, in whole pixels of the picture. @param drawn size in drawn pixels.
-  /// @param world_from_index, reach of the volume; absent without a volume, whose texels then do not change.
-  [[nodiscard]] PixelRegion find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
+  /// @returns what the picture of `key` must draw, in whole pixels of the picture. @param drawn size in drawn pixels.
+  /// @param world_from_index, reach of the volume; absent without a volume, whose texels then do not change. @param reach if its `sky` is
+  /// not 0, hits are relit, for which the target must hold the hits of the last picture.
+  [[nodiscard]] StalePixels find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
                                        const std::optional<Affine>& world_from_index, const Reach& reach) const;
-  /// Stores the drawn parts of the picture. @param shrunk one image per rectangle of the region, in pixels of the picture.
-  void keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, const PixelRegion& region,
+  /// Stores the drawn parts of the picture. @param shrunk one image per rectangle, in pixels of the picture.
+  void keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, std::span<const PixelRect> rects,
             std::span<const Image> shrunk);
   [[nodiscard]] const Image& picture() const noexcept { return picture_; }
 

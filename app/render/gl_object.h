@@ -50,6 +50,13 @@ class GlObject {
   return {gl, name, [](const GladGLContext& g, GLuint n) { g.DeleteVertexArrays(1, &n); }};
 }
 
+/// Counts fragments that pass.
+[[nodiscard]] inline GlObject make_count_query(const GladGLContext& gl) {
+  GLuint name = 0;
+  gl.CreateQueries(GL_SAMPLES_PASSED, 1, &name);
+  return {gl, name, [](const GladGLContext& g, GLuint n) { g.DeleteQueries(1, &n); }};
+}
+
 [[nodiscard]] inline GlObject make_framebuffer(const GladGLContext& gl) {
   GLuint name = 0;
   gl.CreateFramebuffers(1, &name);

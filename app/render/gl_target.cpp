@@ -30,13 +30,14 @@ Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height
   target.width_ = width;
   target.height_ = height;
   target.kind_ = kind;
-  const bool with_probe = kind == TargetKind::probed, with_hits = kind != TargetKind::floats;
+  const bool with_probe = kind == TargetKind::probed, with_hits = kind != TargetKind::floats, marked = kind == TargetKind::marked;
+  const GLenum depth_place = marked ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT;
   target.framebuffer_ = make_framebuffer(gl);
   target.color_ = make_renderbuffer(gl, kind == TargetKind::floats ? GL_RGBA32F : GL_RGBA8, width, height);
-  target.depth_ = make_renderbuffer(gl, GL_DEPTH_COMPONENT32F, width, height);
+  target.depth_ = make_renderbuffer(gl, marked ? GL_DEPTH32F_STENCIL8 : GL_DEPTH_COMPONENT32F, width, height);
   const GLuint framebuffer = target.framebuffer_.name();
   gl.NamedFramebufferRenderbuffer(framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color_.name());
-  gl.NamedFramebufferRenderbuffer(framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth_.name());
+  gl.NamedFramebufferRenderbuffer(framebuffer, depth_place, GL_RENDERBUFFER, target.depth_.name());
   const GLenum outputs[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
   bool complete = true;
   if (with_hits) {
@@ -48,7 +49,7 @@ Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height
     target.light_framebuffer_ = make_framebuffer(gl);
     const GLuint light = target.light_framebuffer_.name();
     gl.NamedFramebufferRenderbuffer(light, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color_.name());
-    gl.NamedFramebufferRenderbuffer(light, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth_.name());
+    gl.NamedFramebufferRenderbuffer(light, depth_place, GL_RENDERBUFFER, target.depth_.name());
     complete = gl.CheckNamedFramebufferStatus(light, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
   }
   if (with_probe) {

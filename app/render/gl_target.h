@@ -11,8 +11,9 @@
 
 namespace burrhole {
 
-/// Format of a pixel: `bytes` RGBA8; `floats` RGBA32F, for hundreds of blend operations; `probed` RGBA8 and four floats.
-enum class TargetKind { bytes, floats, probed };
+/// Format of a pixel: `bytes` RGBA8; `marked` RGBA8 and a stencil; `floats` RGBA32F, for hundreds of blend operations; `probed` RGBA8 and
+/// four floats.
+enum class TargetKind { bytes, marked, floats, probed };
 
 /// Colour, 32-bit float depth and, except for `floats`, the hit depth of rays in a texture of one float.
 class GlTarget {

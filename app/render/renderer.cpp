@@ -98,7 +98,7 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   const Vec2i drawn = n * Vec2i(width, height);
   if (const Status current = context.make_current(); !current) return current.error();
   if (const Status made = prepare_target(drawn.x, drawn.y, false); !made) return made.error();
-  const auto block = make_block(view, drawn.x, drawn.y);
+  auto block = make_block(view, drawn.x, drawn.y);
   if (!block) return block.error();
   const bool cut = view.cut.has_value();
   std::string shaders;
@@ -107,20 +107,25 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   FrameKey key = make_frame_key(std::move(shaders), block.value());
   std::optional<Affine> world_from_index;
   if (volume) world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
-  const Reach reach = reach_of(options, world_from_index ? world_from_index->longest_edge() : 0.0);
+  Reach reach = reach_of(options, world_from_index ? world_from_index->longest_edge() : 0.0);
+  if (!holds_hits) reach = reach.with_sky();
   const std::optional<DrawnTool> drawn_tool = place_tool(view, block.value(), drawn);
   if (!options.keep_picture) cache.forget();
-  const PixelRegion region = cache.find_stale(key, drawn, drawn_tool, world_from_index, reach);
-  if (const Status done = render(region, view, block.value(), drawn_tool, false); !done) {
+  const StalePixels stale = cache.find_stale(key, drawn, drawn_tool, world_from_index, reach);
+  fill_changed(block.value(), stale.changed);
+  if (const Status done = render(stale, view, block.value(), drawn_tool, false); !done) {
     cache.forget();
     return done.error();
   }
+  std::vector<PixelRect> rects(stale.drawn.rects().begin(), stale.drawn.rects().end());
+  rects.insert(rects.end(), stale.relit.begin(), stale.relit.end());
   std::vector<Image> parts;
-  for (const PixelRect& part : region.rects()) parts.push_back(shrink(target.read_part(part), n));
-  cache.keep(std::move(key), drawn, drawn_tool, region, parts);
+  for (const PixelRect& part : rects) parts.push_back(shrink(target.read_part(part), n));
+  cache.keep(std::move(key), drawn, drawn_tool, rects, parts);
+  holds_hits = true;
   may_grow = false;
   ++counters.frames;
-  counters.drawn_pixels += static_cast<std::uint64_t>(region.pixels() / (n * n));
+  counters.drawn_pixels += (static_cast<std::uint64_t>(stale.drawn.pixels()) + relit) / static_cast<std::uint64_t>(n * n);
   return cache.picture();
 }
 
@@ -129,8 +134,8 @@ Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) 
   if (const Status made = prepare_target(width, height, true); !made) return made;
   const auto block = make_block(view, width, height);
   if (!block) return block.error();
-  PixelRegion whole;
-  whole.add({Vec2i(0), Vec2i(width, height)});
+  StalePixels whole;
+  whole.drawn.add({Vec2i(0), Vec2i(width, height)});
   if (const Status done = render(whole, view, block.value(), place_tool(view, block.value(), Vec2i(width, height)), true); !done)
     return done;
   ++counters.frames;

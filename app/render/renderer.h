@@ -61,8 +61,9 @@ struct RenderCounters {
   std::uint64_t update_boxes = 0;    ///< number of calls of update()
   std::uint64_t skip_map_bytes = 0;  ///< sent for empty space skipping by all calls: by set_volume(), and by update() where bone grew
   std::uint64_t frames = 0;          ///< pictures drawn, those of probe() included
-  std::uint64_t drawn_pixels = 0;    ///< by draw() and draw_at_pace(), at the drawn resolution, without pixels that were kept
-  std::uint64_t probe_samples = 0;   ///< sum of FrameProbe::samples of the last probe()
+  /// By draw() and draw_at_pace(), at the drawn resolution, without pixels that were kept; pixels that were only lit again count.
+  std::uint64_t drawn_pixels = 0;
+  std::uint64_t probe_samples = 0;  ///< sum of FrameProbe::samples of the last probe()
 };
 
 /// A frame with measurements; one value per pixel, row 0 at the top.

@@ -25,9 +25,10 @@ struct Renderer::Impl {
   const GladGLContext& gl;
   ProgramCache programs;
   RenderCounters counters;
-  GlObject no_vertices, frame_buffer, detail_buffer;
+  GlObject no_vertices, frame_buffer, detail_buffer, count_query;
   GlTarget target;
-  DepthRange range;  ///< of the last picture
+  bool holds_hits = false;  ///< the target holds depths and hits of the last picture that was kept
+  DepthRange range;         ///< of the last picture
   GlObject transfer, opaque_depth;
   bool tinted = false;                    ///< the transfer function has a tint
   std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
@@ -37,6 +38,7 @@ struct Renderer::Impl {
   std::optional<UploadRing> ring;
   std::optional<ToolMesh> tool;
   FrameCache cache;
+  std::uint64_t relit = 0;                ///< drawn pixels of the last picture that were only lit again
   bool may_grow = false;                  ///< forget() came since the last picture
   std::optional<CameraView> last_camera;  ///< of draw_at_pace
 
@@ -52,6 +54,7 @@ struct Renderer::Impl {
     gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
     detail_buffer = make_buffer(gl);
     gl.NamedBufferStorage(detail_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
+    count_query = make_count_query(gl);
     if (options.upload_ring.value_or(!context.is_software())) ring.emplace(gl);
     if (options.skip_empty && !options.slices) seen_from = kSolidOpacity;
     if (!options.translucent) return;
@@ -67,6 +70,7 @@ struct Renderer::Impl {
   struct Programs {
     GLuint background, volume, light, tool;  ///< light: on the surface that rays hit
     GLuint detail, detail_light;             ///< those of the detail, if there is one
+    GLuint stale_sky, detail_stale_sky;      ///< mark the hits to be relit, if any
     PixelRect detail_rect;                   ///< pixels whose rays may meet the detail
   };
   [[nodiscard]] bool has_soft() const noexcept { return volume && (volume->has_soft() || (detail && detail->has_soft())); }
@@ -75,7 +79,10 @@ struct Renderer::Impl {
   /// @returns the level that draws all of the volume, or all but the detail.
   [[nodiscard]] VolumeLevel outer_level() const noexcept { return detail ? VolumeLevel::whole : VolumeLevel::only; }
   [[nodiscard]] bool has_surface() const noexcept { return !options.slices && !options.translucent; }
+  /// @returns whether ambient occlusion reaches further than what else is drawn, so that some hits are only lit again.
+  [[nodiscard]] bool relights() const noexcept { return reach_of(options, 0.0).sky > 0.0; }
   [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft, VolumeLevel level) const;
+  [[nodiscard]] ShaderVariant sky_variant(bool cut, VolumeLevel level) const;
   [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
   void draw_screen(GLuint program) const;
   void draw_tool(GLuint program) const;
@@ -85,13 +92,17 @@ struct Renderer::Impl {
   template <class F>
   void with_detail(const PixelRect& part, const Programs& used, const F& f) const;
   void draw_levels(const PixelRect& part, const Programs& used) const;
+  void light_levels(const PixelRect& part, GLuint outer, GLuint inner, const Programs& used) const;
+  /// @returns the number of drawn pixels whose light was drawn again.
+  std::uint64_t relight(std::span<const PixelRect> parts, const Programs& used) const;
   Result<FrameBlock> make_block(const FrameView& view, int width, int height);
   [[nodiscard]] FrameBlock make_detail_block(const FrameBlock& whole, const FrameView& view) const;
-  Result<Programs> find_programs(bool cut, bool probe);
+  Result<Programs> find_programs(bool cut, bool probe, bool relights);
   Status prepare_target(int width, int height, bool probe);
   [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
   void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;
-  Status render(const PixelRegion& region, const FrameView& view, const FrameBlock& block, const std::optional<DrawnTool>& drawn_tool,
+  /// Sets `relit`.
+  Status render(const StalePixels& stale, const FrameView& view, const FrameBlock& block, const std::optional<DrawnTool>& drawn_tool,
                 bool probe);
   Result<Image> draw(const FrameView& view, int width, int height);
   Status draw_probe(const FrameView& view, int width, int height);

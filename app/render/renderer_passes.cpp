@@ -81,9 +81,49 @@ void Renderer::Impl::draw_levels(const PixelRect& part, const Programs& used) co
     draw_screen(used.detail);
     gl.DepthFunc(GL_LEQUAL);
   });
+  light_levels(part, used.light, used.detail_light, used);
+}
+
+/// Runs one program on the hits of all of the volume, or of all but the detail, and one on those of the detail.
+void Renderer::Impl::light_levels(const PixelRect& part, GLuint outer, GLuint inner, const Programs& used) const {
   volume->bind();
-  draw_light(used.light);
-  with_detail(part, used, [&] { draw_light(used.detail_light); });
+  draw_light(outer);
+  if (detail) with_detail(part, used, [&] { draw_light(inner); });
+}
+
+/// A program that first looks whether its pixel is concerned costs as much as one that draws it: Mesa executes both branches of each `if`.
+/// Therefore one pass marks the pixels by stencil, and a second draws light there.
+std::uint64_t Renderer::Impl::relight(std::span<const PixelRect> parts, const Programs& used) const {
+  const auto scissor = [&](const PixelRect& part) { gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y); };
+  const auto each = [&](GLuint outer, GLuint inner) {
+    for (const PixelRect& part : parts) {
+      scissor(part);
+      light_levels(part, outer, inner, used);
+    }
+  };
+  for (const PixelRect& part : parts) {
+    scissor(part);
+    gl.Clear(GL_STENCIL_BUFFER_BIT);
+  }
+  gl.Enable(GL_STENCIL_TEST);
+  gl.StencilFunc(GL_ALWAYS, 1, 0xff);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  gl.BeginQuery(GL_SAMPLES_PASSED, count_query.name());
+  each(used.stale_sky, used.detail_stale_sky);
+  gl.EndQuery(GL_SAMPLES_PASSED);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.StencilFunc(GL_EQUAL, 1, 0xff);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+  each(used.light, used.detail_light);
+  gl.Disable(GL_STENCIL_TEST);
+  GLuint64 marked = 0;
+  gl.GetQueryObjectui64v(count_query.name(), GL_QUERY_RESULT, &marked);
+  return marked;
+}
+
+ShaderVariant Renderer::Impl::sky_variant(bool cut, VolumeLevel level) const {
+  return stale_sky_variant({.cut = cut, .finish = options.finish, .appearance = options.appearance, .level = level});
 }
 
 ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft, VolumeLevel level) const {
@@ -110,6 +150,7 @@ Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
   for (const bool cut : {false, true}) {
     asked.push_back(volume_variant(cut, false, true, VolumeLevel::only));
     if (has_surface()) asked.push_back(light_variant(cut, true, true, VolumeLevel::only));
+    if (relights()) asked.push_back(sky_variant(cut, VolumeLevel::only));
   }
   for (const ShaderVariant& variant : asked) {
     const auto linked = programs.find_or_link(variant);
@@ -122,8 +163,11 @@ Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
 }
 
 Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
-  const TargetKind kind = probe ? TargetKind::probed : (options.slices ? TargetKind::floats : TargetKind::bytes);
+  TargetKind kind = options.slices ? TargetKind::floats : TargetKind::bytes;
+  if (relights()) kind = TargetKind::marked;
+  if (probe) kind = TargetKind::probed;
   if (target.fits(width, height, kind)) return {};
+  holds_hits = false;
   auto made = GlTarget::create(gl, width, height, kind);
   if (!made) return made.error();
   target = std::move(made).value();
@@ -131,7 +175,7 @@ Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
   return {};
 }
 
-Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool probe) {
+Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool probe, bool relights) {
   const auto empty = programs.find_or_link(background_variant());
   if (!empty) return empty.error();
   const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe, has_soft(), outer_level())) : empty;
@@ -140,7 +184,12 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool pr
   if (!light) return light.error();
   const auto steel = programs.find_or_link(tool_variant(probe));
   if (!steel) return steel.error();
-  Programs out{empty.value(), bone.value(), light.value(), steel.value(), 0, 0, {}};
+  Programs out{empty.value(), bone.value(), light.value(), steel.value(), 0, 0, 0, 0, {}};
+  if (relights) {
+    const auto sky = programs.find_or_link(sky_variant(cut, outer_level()));
+    if (!sky) return sky.error();
+    out.stale_sky = sky.value();
+  }
   if (!detail) return out;
   const auto part = programs.find_or_link(volume_variant(cut, probe, has_soft(), VolumeLevel::detail));
   if (!part) return part.error();
@@ -148,6 +197,11 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool pr
   if (!part_light) return part_light.error();
   out.detail = part.value();
   out.detail_light = part_light.value();
+  if (relights) {
+    const auto part_sky = programs.find_or_link(sky_variant(cut, VolumeLevel::detail));
+    if (!part_sky) return part_sky.error();
+    out.detail_stale_sky = part_sky.value();
+  }
   return out;
 }
 
@@ -175,9 +229,9 @@ void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, c
   if (!opaque && options.translucent) draw_translucent(used.volume, part);
 }
 
-Status Renderer::Impl::render(const PixelRegion& region, const FrameView& view, const FrameBlock& block,
+Status Renderer::Impl::render(const StalePixels& stale, const FrameView& view, const FrameBlock& block,
                               const std::optional<DrawnTool>& drawn_tool, bool probe) {
-  auto used = find_programs(view.cut.has_value(), probe);
+  auto used = find_programs(view.cut.has_value(), probe, !stale.relit.empty());
   if (!used) return used.error();
   if (detail) {
     const FrameBlock of_detail = make_detail_block(block, view);
@@ -193,8 +247,9 @@ Status Renderer::Impl::render(const PixelRegion& region, const FrameView& view, 
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LEQUAL);
   gl.Enable(GL_SCISSOR_TEST);
-  for (const PixelRect& part : region.rects())
+  for (const PixelRect& part : stale.drawn.rects())
     draw_part(part, block, used.value(), drawn_tool && !drawn_tool->footprint.intersect(part).empty());
+  relit = stale.relit.empty() ? 0 : relight(stale.relit, *used);
   if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
   return {};
 }

@@ -64,6 +64,8 @@ struct TranslucentChoice {
 
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
 [[nodiscard]] ShaderVariant surface_variant(const SurfaceChoice& choice);
+/// Marks the hits whose ambient occlusion may have changed; the appearance counts for their normals only.
+[[nodiscard]] ShaderVariant stale_sky_variant(const SurfaceChoice& choice);
 [[nodiscard]] ShaderVariant translucent_variant(const TranslucentChoice& choice);
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
 [[nodiscard]] ShaderVariant tool_variant(bool probe);

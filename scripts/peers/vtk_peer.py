@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""VTK's fixed-point ray caster on a volume that burrhole_bench wrote, for a row beside our own of the same run.
+"""VTK's fixed-point ray caster, or its ray caster for GPUs, on a volume that burrhole_bench wrote, for a row beside our own of the same run.
 
   vtk_peer.py --raw FILE --dims X Y Z --edge-mm E E E --origin-mm X Y Z --eye X Y Z --target X Y Z --up X Y Z --fov-deg F
-              --size W H --box X Y Z SIDE [--step VOXELS] [--budget S] [--threads N] [--picture OUT.ppm]
+              --size W H --box X Y Z SIDE [--step VOXELS] [--budget S] [--threads N] [--mapper fixed|gpu] [--shade on|off]
+              [--picture OUT.ppm]
 
 FILE holds bytes, x fastest: density x 255. Opacity is the density per voxel length, colour one ivory, Phong shading by a headlight, linear
 interpolation, samples --step voxels apart, one ray a pixel, no multisampling. Positions in mm in the frame of the volume.
@@ -26,6 +27,7 @@ try:
     from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume, vtkVolumeProperty,
                                              vtkWindowToImageFilter)
     from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
+    from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 except ImportError as missing:
     print(f"{missing} (Debian: python3-vtk9)", file=sys.stderr)
     sys.exit(77)
@@ -67,18 +69,22 @@ def make_volume(a, image):
     look.SetColor(colour)
     look.SetScalarOpacityUnitDistance(edge)
     look.SetInterpolationTypeToLinear()
-    look.ShadeOn()
+    look.SetShade(a.shade == "on")
     look.SetAmbient(0.35)
     look.SetDiffuse(0.75)
     look.SetSpecular(0.0)
-    mapper = vtkFixedPointVolumeRayCastMapper()
-    if a.threads:
-        mapper.SetNumberOfThreads(a.threads)
+    if a.mapper == "gpu":
+        mapper = vtkOpenGLGPUVolumeRayCastMapper()
+        mapper.UseJitteringOff()
+    else:
+        mapper = vtkFixedPointVolumeRayCastMapper()
+        mapper.SetInteractiveSampleDistance(a.step * edge)
+        if a.threads:
+            mapper.SetNumberOfThreads(a.threads)
     mapper.SetInputData(image)
     mapper.SetAutoAdjustSampleDistances(0)
     mapper.LockSampleDistanceToInputSpacingOff()
     mapper.SetSampleDistance(a.step * edge)
-    mapper.SetInteractiveSampleDistance(a.step * edge)
     mapper.SetImageSampleDistance(1.0)
     mapper.SetBlendModeToComposite()
     volume = vtkVolume()
@@ -127,6 +133,8 @@ def read_arguments():
     p.add_argument("--step", type=float, default=1.0)
     p.add_argument("--budget", type=float, default=3.0, help="seconds a measurement")
     p.add_argument("--threads", type=int, default=0, help="0: VTK's own choice")
+    p.add_argument("--mapper", choices=("fixed", "gpu"), default="fixed", help="gpu: by OpenGL, in software where there is no GPU")
+    p.add_argument("--shade", choices=("on", "off"), default="on")
     p.add_argument("--picture", default="")
     return p.parse_args()
 

@@ -62,7 +62,7 @@ TEST_CASE("footprint: holds every pixel whose ray meets the box, and by two pixe
     REQUIRE(rays.ok());
     const Vec3i lo(Vec3(uniform(0, 40), uniform(0, 40), uniform(0, 40)));
     const VoxelBox box{lo, lo + Vec3i(Vec3(uniform(1, 20), uniform(1, 20), uniform(1, 20)))};
-    const Reach reach{uniform(0.0, 2.0), uniform(0.0, 2e-3)};
+    const Reach reach{uniform(0.0, 2.0), uniform(0.0, 2e-3), 0.0};
     const PixelRect rect = find_footprint(*rays, reached_corners(box, reach, world_from_index), picture);
     // The same growth, from the inverse map's rows.
     const Affine inverse = world_from_index.inverse();
@@ -129,9 +129,9 @@ TEST_CASE("footprint: its reach is that of the shaders") {
   const auto holds = [&](const char* file, const char* text) { return files.find(file)->second.find(text) != std::string::npos; };
   // The figures of footprint.cpp stand in these lines; whoever changes one must change the other.
   CHECK(holds("occlusion.glsl", "ring < 3"));
-  CHECK(holds("occlusion.glsl", "float reach = 0.0011 * exp2(1.15 * float(ring));"));
+  CHECK(holds("occlusion.glsl", "return 0.0011 * exp2(1.15 * float(ring));"));
   CHECK(holds("occlusion.glsl", "vec3 offset = reach * normalize("));
-  CHECK(holds("occlusion.glsl", "+ 1.2 * voxel * n;"));
+  CHECK(holds("occlusion.glsl", "return 1.2 * (edges.w * grain_at(p)) * n;"));
   CHECK(holds("volume.glsl", "stored_normal(p + 1.25 * grain * (vec3("));
   CHECK(holds("volume.glsl", "density_at(p + 0.5 * grain * corner)"));
   CHECK(holds("shadow.glsl", "vec3 start = 1.5 * voxel * n;"));
@@ -141,13 +141,18 @@ TEST_CASE("footprint: its reach is that of the shaders") {
   // Lengths near the faces of a detail are at most those of coarse voxels, in which changes of a bone in two levels are given.
   CHECK(holds("volume.glsl", "return mix(part.w, 1.0, smoothstep("));
   const Reach surface = reach_of({.appearance = {.occlusion = true}}, 0.25e-3);
-  CHECK(surface.metres == doctest::Approx(0.0011 * std::exp2(2.3) + 1.2 * 0.25e-3));
-  CHECK(surface.voxels + surface.metres / 0.25e-3 > 2.25);
+  CHECK(surface.metres == 0.0);
+  CHECK(surface.sky == doctest::Approx(0.0011 * std::exp2(2.3) + 1.2 * 0.25e-3));
+  CHECK(surface.with_sky().metres == surface.sky);
+  CHECK(surface.voxels + surface.sky / 0.25e-3 > 2.25);
   CHECK(reach_of({.finish = false}, 0.25e-3).metres == 0.0);
   CHECK(reach_of({.finish = false}, 0.25e-3).voxels >= 1.0);
   CHECK(reach_of({.finish = false, .appearance = {.normals = NormalSource::recomputed}}, 0.25e-3).voxels >= 1.5);
   CHECK(reach_of({.finish = false, .appearance = {.tissue = true}}, 0.25e-3).voxels >= 1.75);
   CHECK(reach_of({.finish = true}, 0.25e-3).voxels >= 2.25);
+  const Reach both = reach_of({.appearance = {.occlusion = true, .shadow = true}}, 0.25e-3);
+  CHECK(both.sky == 0.0);
+  CHECK(both.metres > surface.sky);
   const double shaded = reach_of({.appearance = {.shadow = true}}, 0.25e-3).metres;
   CHECK(shaded > 14e-3);
   CHECK(shaded < 17e-3);

@@ -2,10 +2,14 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 #include "app/render/footprint.h"
+#include "app/render/shader_source.h"
 #include "tests/app/render/render_scenes.h"
 #include "tests/support/image_compare.h"
+#include "tests/support/source_folder.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -170,8 +174,33 @@ TEST_CASE("redraw: rays draw the bytes of a whole picture by the pixels that cha
 }
 
 TEST_CASE("redraw: ambient occlusion reaches further, and no byte differs") {
-  check_sequence("occlusion", {.appearance = {.occlusion = true}}, 0.6);
-  check_sequence("occlusion-smooth", {.appearance = {.occlusion = true}, .supersample = 2}, 0.6);
+  check_sequence("occlusion", {.appearance = {.occlusion = true}}, 0.3);
+  check_sequence("occlusion-smooth", {.appearance = {.occlusion = true}, .supersample = 2}, 0.3);
+  check_sequence("occlusion-recomputed", {.appearance = {.tissue = true, .occlusion = true, .normals = NormalSource::recomputed}}, 0.3);
+}
+
+TEST_CASE("redraw: marks that leave out a ring of ambient occlusion, or its width, are noticed") {
+  const auto differing = [](const std::string& right, const std::string& wrong) {
+    const std::filesystem::path folder = test::in_build("test-shaders-marks");
+    std::filesystem::create_directories(folder);
+    for (auto [name, text] : embedded_shaders()) {
+      if (const auto at = text.find(right); name == "occlusion.glsl") {
+        REQUIRE(at != std::string::npos);
+        text.replace(at, right.size(), wrong);
+      }
+      std::ofstream(folder / name) << text;
+    }
+    Pair pair({.appearance = {.occlusion = true}, .shader_folder = folder});
+    static_cast<void>(pair.kept.draw(pair.view, kWidth, kHeight));
+    static_cast<void>(pair.whole.draw(pair.view, kWidth, kHeight));
+    pair.update(filled({{40, 8, 20}, {46, 14, 44}}, 255));  // a post darkens the plate on which it stands
+    const auto by_parts = pair.kept.draw(pair.view, kWidth, kHeight), at_once = pair.whole.draw(pair.view, kWidth, kHeight);
+    REQUIRE((by_parts.ok() && at_once.ok()));
+    return compare_pictures(*by_parts, *at_once, 0).differing_share > 0.0;
+  };
+  CHECK_FALSE(differing("vec3 half_box = kSkySlope * reach * extent;", "vec3 half_box = kSkySlope * reach * extent;"));
+  CHECK(differing("vec3 half_box = kSkySlope * reach * extent;", "vec3 half_box = 0.0 * extent;"));
+  CHECK(differing("float reach = across * sky_reach(ring);", "float reach = across * sky_reach(0);"));
 }
 
 TEST_CASE("redraw: smooth and recomputed normals, a shadow and a glint draw the bytes of a whole picture") {
@@ -241,7 +270,7 @@ TEST_CASE("redraw: a footprint two pixels smaller, one without the sky's reach, 
   const double edge = world_from_index.longest_edge();
   const VoxelBox box{{8, 10, 40}, {56, 52, 52}};
   const auto footprint = [&](const RenderOptions& options) {
-    return find_footprint(*rays, reached_corners(box, reach_of(options, edge), world_from_index), Vec2i(kSmall));
+    return find_footprint(*rays, reached_corners(box, reach_of(options, edge).with_sky(), world_from_index), Vec2i(kSmall));
   };
   for (const bool occlusion : {false, true}) {
     const RenderOptions options{.finish = false, .appearance = {.occlusion = occlusion}, .keep_picture = false};
