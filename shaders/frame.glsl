@@ -21,7 +21,7 @@ layout(std140, binding = 0) uniform Frame {
   mat4 clip_from_index;
   mat4 world_from_index;
   vec4 slices;                 // axis 0..2, count, how many of them lie beyond the eye along the axis, length an opacity holds over [m]
-  vec4 background_bottom;      // rgb
+  vec4 background_bottom;      // rgb; w: blocks of w x w rays, of one pixel, share the samples of ambient occlusion
   vec4 background_top;
   // A large bone is two volumes: the whole at coarser voxels (HOLE) and a part at its own voxels (DETAIL). Otherwise these are 0, part.w 1.
   vec4 hole_lo;                // HOLE, index: the box that rays skip, since the detail is drawn there; w: 1

@@ -4,23 +4,25 @@ float sky_reach(int ring) { return 0.0011 * exp2(1.15 * float(ring)); }   // [m]
 const float kSkySlope = 1.1;   // tangent of the angle from the normal
 vec3 sky_lift(vec3 p, vec3 n) { return 1.2 * (edges.w * grain_at(p)) * n; }
 
+// A block of N rays of one pixel shares the samples: ray r takes every Nth, from r on. Light is linear in the result, so the mean of the rays
+// is that of all samples.
 float open_sky(vec3 p, vec3 world, vec3 n) {
+  const int kSpokes = 5, kSamples = 3 * kSpokes;
   vec3 a = normalize(abs(n.z) < 0.8 ? cross(n, vec3(0, 0, 1)) : cross(n, vec3(1, 0, 0)));
   vec3 b = cross(n, a);
-  float blocked = 0.0;
   vec3 lift = sky_lift(p, n);
-  float weight_sum = 0.0;
-  for (int ring = 0; ring < 3; ++ring) {
-    float reach = sky_reach(ring);
-    for (int spoke = 0; spoke < 5; ++spoke) {
-      float angle = 1.2566371 * (float(spoke) + 0.37 * float(ring));
-      vec3 offset = reach * normalize(n + kSkySlope * (cos(angle) * a + sin(angle) * b)) + lift;
-      float weight = 1.0 - 0.2 * float(ring);
-      blocked += weight * smoothstep(0.15, 0.85, drawn_density_at(p + index_from_displacement(offset), world + offset));
-      weight_sum += weight;
-    }
+  int side = int(background_bottom.w);
+  ivec2 place = ivec2(gl_FragCoord.xy) % side;
+  float blocked = 0.0;
+  for (int k = place.y * side + place.x; k < kSamples; k += side * side) {
+    int ring = k / kSpokes;
+    float angle = 1.2566371 * (float(k - kSpokes * ring) + 0.37 * float(ring));
+    vec3 offset = sky_reach(ring) * normalize(n + kSkySlope * (cos(angle) * a + sin(angle) * b)) + lift;
+    float weight = 1.0 - 0.2 * float(ring);
+    blocked += weight * smoothstep(0.15, 0.85, drawn_density_at(p + index_from_displacement(offset), world + offset));
   }
-  return 1.0 - 0.85 * blocked / weight_sum;
+  const float kWeights = float(kSpokes) * (1.0 + 0.8 + 0.6);
+  return 1.0 - 0.85 * float(side * side) * blocked / kWeights;
 }
 
 // Whether the bounding box of a ring of samples, in index coordinates, meets the box of what changed.

@@ -44,7 +44,7 @@ Status check_view(const FrameView& view) {
 
 }  // namespace
 
-Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, int height) {
+Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, int height, int rays_a_side) {
   const Status valid = check_view(view);
   if (!valid) return valid.error();
   const auto rays = make_camera_rays(view.camera, static_cast<double>(width) / static_cast<double>(height));
@@ -63,6 +63,7 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   }
   block.dims.w = static_cast<float>(options.step_voxels);
   block.light.w = static_cast<float>(options.bisections);
+  block.background_bottom.w = rays_a_side % 2 == 0 ? 2.0f : 1.0f;
   const bool with_tool = tool && view.world_from_tool;
   if (with_tool)
     for (const Vec3& corner : tool->corners()) points.push_back(*view.world_from_tool * corner);
@@ -98,7 +99,7 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   const Vec2i drawn = n * Vec2i(width, height);
   if (const Status current = context.make_current(); !current) return current.error();
   if (const Status made = prepare_target(drawn.x, drawn.y, false); !made) return made.error();
-  auto block = make_block(view, drawn.x, drawn.y);
+  auto block = make_block(view, drawn.x, drawn.y, n);
   if (!block) return block.error();
   const bool cut = view.cut.has_value();
   std::string shaders;
@@ -132,7 +133,7 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
 Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) {
   if (const Status current = context.make_current(); !current) return current;
   if (const Status made = prepare_target(width, height, true); !made) return made;
-  const auto block = make_block(view, width, height);
+  const auto block = make_block(view, width, height, 1);
   if (!block) return block.error();
   StalePixels whole;
   whole.drawn.add({Vec2i(0), Vec2i(width, height)});

@@ -95,7 +95,8 @@ struct Renderer::Impl {
   void light_levels(const PixelRect& part, GLuint outer, GLuint inner, const Programs& used) const;
   /// @returns the number of drawn pixels whose light was drawn again.
   std::uint64_t relight(std::span<const PixelRect> parts, const Programs& used) const;
-  Result<FrameBlock> make_block(const FrameView& view, int width, int height);
+  /// @param width, height [pixels] drawn. @param rays_a_side of a pixel of the picture.
+  Result<FrameBlock> make_block(const FrameView& view, int width, int height, int rays_a_side);
   [[nodiscard]] FrameBlock make_detail_block(const FrameBlock& whole, const FrameView& view) const;
   Result<Programs> find_programs(bool cut, bool probe, bool relights);
   Status prepare_target(int width, int height, bool probe);

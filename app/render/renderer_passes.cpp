@@ -91,7 +91,7 @@ void Renderer::Impl::light_levels(const PixelRect& part, GLuint outer, GLuint in
   if (detail) with_detail(part, used, [&] { draw_light(inner); });
 }
 
-/// A program that first looks whether its pixel is concerned costs as much as one that draws it: Mesa executes both branches of each `if`.
+/// A program that first tests whether its pixel is concerned costs as much as one that lights it: Mesa executes both branches of each `if`.
 /// Therefore one pass marks the pixels by stencil, and a second draws light there.
 std::uint64_t Renderer::Impl::relight(std::span<const PixelRect> parts, const Programs& used) const {
   const auto scissor = [&](const PixelRect& part) { gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y); };

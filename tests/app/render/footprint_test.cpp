@@ -128,9 +128,9 @@ TEST_CASE("footprint: its reach is that of the shaders") {
   const ShaderFiles files = embedded_shaders();
   const auto holds = [&](const char* file, const char* text) { return files.find(file)->second.find(text) != std::string::npos; };
   // The figures of footprint.cpp stand in these lines; whoever changes one must change the other.
-  CHECK(holds("occlusion.glsl", "ring < 3"));
+  CHECK(holds("occlusion.glsl", "kSamples = 3 * kSpokes;"));
   CHECK(holds("occlusion.glsl", "return 0.0011 * exp2(1.15 * float(ring));"));
-  CHECK(holds("occlusion.glsl", "vec3 offset = reach * normalize("));
+  CHECK(holds("occlusion.glsl", "vec3 offset = sky_reach(ring) * normalize("));
   CHECK(holds("occlusion.glsl", "return 1.2 * (edges.w * grain_at(p)) * n;"));
   CHECK(holds("volume.glsl", "stored_normal(p + 1.25 * grain * (vec3("));
   CHECK(holds("volume.glsl", "density_at(p + 0.5 * grain * corner)"));

@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 
+#include "app/render/shader_source.h"
 #include "tests/support/skip.h"
+#include "tests/support/source_folder.h"
 
 namespace burrhole::test {
 namespace {
@@ -60,6 +64,20 @@ FrameView oblique_view() {
   FrameView view;
   view.camera = {.eye = {0.05, -0.09, 0.07}, .target = {0.0, 0.0, 0.0}, .up = {0.0, 0.0, 1.0}, .vertical_fov = 0.4};
   return view;
+}
+
+std::string changed_shaders(const std::string& name, const std::string& file, const std::string& right, const std::string& wrong) {
+  const std::filesystem::path folder = in_build("test-shaders-" + name);
+  std::filesystem::create_directories(folder);
+  for (auto [known, text] : embedded_shaders()) {
+    if (known == file) {
+      const auto at = text.find(right);
+      if (at == std::string::npos) std::cerr << file << " does not say: " << right << "\n", std::abort();
+      text.replace(at, right.size(), wrong);
+    }
+    std::ofstream(folder / known) << text;
+  }
+  return folder.string();
 }
 
 TriangleMesh square(double half, double z) {

@@ -139,6 +139,25 @@ TEST_CASE("appearance: a volume without tissue is drawn plain, and sends none") 
   CHECK_FALSE(renderer.set_volume(volume).ok());
 }
 
+TEST_CASE("appearance: rays of a pixel that share the samples of ambient occlusion draw what rays with all samples draw") {
+  // Pixels whose rays meet several surfaces may differ: those at outlines, one in fifty here.
+  const auto post_on_plate = [](const std::string& folder) {
+    Renderer renderer = require_renderer({.appearance = {.occlusion = true}, .supersample = 2, .shader_folder = folder});
+    REQUIRE(renderer.set_volume(ball_on_plate()).ok());
+    const VoxelBox post{{40, 8, 20}, {46, 14, 44}};
+    renderer.update(
+        {post, std::vector<Rgba8>(post.count(), Rgba8{128, 128, 255, 255}), std::vector<std::uint16_t>(post.count(), field_of(255, 0))});
+    auto image = renderer.draw(oblique_view(), 160, 120);
+    REQUIRE(image.ok());
+    return std::move(image).value();
+  };
+  const std::string side = "int side = int(background_bottom.w);", place = "ivec2 place = ivec2(gl_FragCoord.xy) % side;";
+  const Image all = post_on_plate(changed_shaders("sky-all", "occlusion.glsl", side, "int side = 1;"));
+  CHECK(pictures_agree("sky-shared", post_on_plate({}), all, {.level = 4, .share = 0.02}));
+  const Image one_of_four = post_on_plate(changed_shaders("sky-quarter", "occlusion.glsl", place, "ivec2 place = ivec2(0);"));
+  CHECK(compare_pictures(one_of_four, all, 4).differing_share > 0.02);
+}
+
 TEST_CASE("appearance: the length of a wall's shadow follows the slope of the light") {
   constexpr double kWall = 5e-3;
   const VolumeView volume = make_volume({.dims = Vec3i(64),

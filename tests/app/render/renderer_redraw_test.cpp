@@ -2,14 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "app/render/footprint.h"
-#include "app/render/shader_source.h"
 #include "tests/app/render/render_scenes.h"
 #include "tests/support/image_compare.h"
-#include "tests/support/source_folder.h"
 
 using namespace burrhole;
 using namespace burrhole::test;
@@ -181,15 +177,7 @@ TEST_CASE("redraw: ambient occlusion reaches further, and no byte differs") {
 
 TEST_CASE("redraw: marks that leave out a ring of ambient occlusion, or its width, are noticed") {
   const auto differing = [](const std::string& right, const std::string& wrong) {
-    const std::filesystem::path folder = test::in_build("test-shaders-marks");
-    std::filesystem::create_directories(folder);
-    for (auto [name, text] : embedded_shaders()) {
-      if (const auto at = text.find(right); name == "occlusion.glsl") {
-        REQUIRE(at != std::string::npos);
-        text.replace(at, right.size(), wrong);
-      }
-      std::ofstream(folder / name) << text;
-    }
+    const std::string folder = changed_shaders("marks", "occlusion.glsl", right, wrong);
     Pair pair({.appearance = {.occlusion = true}, .shader_folder = folder});
     static_cast<void>(pair.kept.draw(pair.view, kWidth, kHeight));
     static_cast<void>(pair.whole.draw(pair.view, kWidth, kHeight));
