@@ -4,6 +4,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/drilling.h"
+#include "app/cli/film.h"
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
 
@@ -23,6 +24,13 @@ void print_figures(const RunSummary& s) {
       "in {:.1f} s\n{}\n",
       s.thickness_mm, mm(s.depth_mm), mm(s.plunge_mm), mm(s.hole_diameter_mm), mm(s.inner_diameter_mm), s.peak_force_N, s.duration_s,
       s.wall_s, outcome_text(s));
+}
+
+Result<std::unique_ptr<FilmWriter>> make_film(const Scene& scene, const DrillingFiles& files) {
+  if (scene.find<DisplayConfig>() == nullptr) return bad_input("--video needs the table [display]", scene.file);
+  if (scene.servo_hz % files.video_fps != 0)
+    return bad_input(fmt::format("--video-fps {} does not divide the servo rate, {} Hz", files.video_fps, scene.servo_hz), scene.file);
+  return FilmWriter::create(files.video, files.video_fps);
 }
 
 }  // namespace
@@ -49,11 +57,21 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
   if (!quiet) job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
   job.progress = [&](double share, const std::string& text) { progress.show(share, text); };
+  std::unique_ptr<FilmWriter> film;
+  if (!files.video.empty()) {
+    auto made = make_film(loaded.scene, files);
+    if (!made) return made.error();
+    film = std::move(made).value();
+    job.film_hz = files.video_fps;
+  }
   job.make_sink = [&](const DisplayConfig& display, const std::string& folder) {
-    return make_picture_sink(
-        display, {.folder = folder, .gl = files.gl, .shader_folder = files.shader_folder, .report = [quiet](const std::string& line) {
-                    if (!quiet) fmt::print(stderr, "quality: {}\n", line);
-                  }});
+    return make_picture_sink(display, {.folder = folder,
+                                       .gl = files.gl,
+                                       .shader_folder = files.shader_folder,
+                                       .film = film.get(),
+                                       .report = [quiet](const std::string& line) {
+                                         if (!quiet) fmt::print(stderr, "quality: {}\n", line);
+                                       }});
   };
   if (!files.inputs.empty()) {
     Issues issues;
@@ -61,7 +79,11 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
     if (!inputs) return issues.front();
     job.inputs = std::move(*inputs);
   }
-  return drill(loaded, job);
+  auto summary = drill(loaded, job);
+  if (!summary || !film) return summary;
+  if (Status finished = film->finish(); !finished) return finished.error();
+  if (!quiet) fmt::print(stderr, "film: {} frames, {} a second, in {}\n", film->frames(), files.video_fps, files.video);
+  return summary;
 }
 
 void add_drill(CLI::App& app, int& exit_code) {
@@ -81,8 +103,11 @@ void add_drill(CLI::App& app, int& exit_code) {
                 "step, and a replay is bit-identical too. Ctrl-C ends the run cleanly and writes the results so far.",
        .examples = {"burrhole drill parietal --out out/parietal",
                     "burrhole drill parietal --set tool.spin_rpm=800 --set hand.push_N=35 --out out/harder",
-                    "burrhole drill parietal --live --out out/live", "burrhole drill parietal --json --quiet | jq .drilling"},
-       .exits = "Exit 130 after Ctrl-C; 4 if a scene needs pictures and there is no OpenGL, or if --require-realtime is refused."});
+                    "burrhole drill parietal --video out/parietal.mp4", "burrhole drill parietal --live --out out/live",
+                    "burrhole drill parietal --json --quiet | jq .drilling"},
+       .exits = "Exit 130 after Ctrl-C; 4 if a scene needs pictures and there is no OpenGL, if a video needs ffmpeg and it is missing or "
+                "fails, or "
+                "if --require-realtime is refused."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   command->add_option("--out", option->files.folder, "folder for the results")->type_name(kFolderValue)->capture_default_str();
@@ -93,6 +118,11 @@ void add_drill(CLI::App& app, int& exit_code) {
   add_simd_option(*command);
   add_gl_option(*command, option->files.gl);
   add_shader_option(*command, option->files.shader_folder);
+  command->add_option("--video", option->files.video, "also draws a film: a folder of frames, or .mp4, .mkv or .webm, which needs ffmpeg")
+      ->type_name("PATH");
+  command->add_option("--video-fps", option->files.video_fps, "frames of the film per second of drilling; divides the servo rate")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command->add_flag("--live", option->mode.live, "on threads in real time instead of in lockstep");
   command->add_flag("--require-realtime", option->mode.require_realtime, "exit if the system refuses real-time priority (with --live)");
   command->add_flag("--offscreen", option->offscreen, "no window (this version never opens one)");
@@ -101,6 +131,10 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->callback([option, &exit_code] {
     if (option->mode.require_realtime && !option->mode.live) {
       exit_code = report(bad_input("--require-realtime is valid only with --live"));
+      return;
+    }
+    if (option->mode.live && !option->files.video.empty()) {
+      exit_code = report(bad_input("--video is not valid with --live: a film is drawn in lockstep"));
       return;
     }
     const auto loaded = load_or_report(option->scene, exit_code, option->quiet, option->mode.live, option->files.inputs);

@@ -22,6 +22,8 @@ struct DrillingFiles {
   std::string gl = "auto";      ///< value of --gl
   std::string shader_folder{};  ///< value of --shader-dir; empty: the built-in shaders
   std::string inputs{};         ///< value of --inputs, a file of timed inputs; empty: none
+  std::string video{};          ///< value of --video, a folder or a video file; empty: no film
+  int video_fps = 25;           ///< [1/s] frames of the film, of simulated time
 };
 
 struct LiveMode {

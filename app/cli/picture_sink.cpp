@@ -5,12 +5,11 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
-#include <future>
 #include <optional>
-#include <system_error>
 
+#include "app/cli/film.h"
+#include "app/cli/png_writer.h"
 #include "app/render/overlay.h"
-#include "app/render/png.h"
 #include "app/render/renderer.h"
 #include "app/view/quality.h"
 #include "app/view/stereo.h"
@@ -45,23 +44,17 @@ class OffscreenSink final : public PictureSink {
     for (const Rgba8& p : image->pixels)
       hash.add(static_cast<std::uint64_t>(p.r) << 24 | static_cast<std::uint64_t>(p.g) << 16 | static_cast<std::uint64_t>(p.b) << 8 | p.a);
     if (options_.folder.empty()) return {};
-    if (Status written = wait(); !written) return written;
-    const std::string file = (std::filesystem::path(options_.folder) / (name + ".png")).string();
-    // Compression takes long: drilling goes on meanwhile.
-    auto write = [file, of = std::move(image).value()] { return write_png(file, of); };
-    try {
-      writing_ = std::async(std::launch::async, write);
-    } catch (const std::system_error&) {  // there is no thread to be had
-      std::promise<Status> written;
-      written.set_value(write());
-      writing_ = written.get_future();
-    }
-    writing_file_ = file;
-    return {};
+    return writer_.add((std::filesystem::path(options_.folder) / (name + ".png")).string(), std::move(image).value());
+  }
+  Status film(const FrameView& view, int width, int height) override {
+    if (options_.film == nullptr) return {};
+    auto image = draw_eyes(view, width, height);
+    if (!image) return image.error();
+    return options_.film->add(*image);
   }
   Result<std::vector<std::string>> files() override {
-    if (Status written = wait(); !written) return written.error();
-    return files_;
+    if (Status written = writer_.wait(); !written) return written.error();
+    return writer_.files();
   }
   std::string driver() const override { return renderer_.driver(); }
   RunSummary::Display display() const override {
@@ -73,16 +66,6 @@ class OffscreenSink final : public PictureSink {
   }
 
  private:
-  /// Waits for the last picture's file. @returns the error of the first file that could not be written.
-  Status wait() {
-    if (!writing_.valid()) return failed_;
-    if (Status written = writing_.get(); written)
-      files_.push_back(writing_file_);
-    else
-      failed_ = written;
-    return failed_;
-  }
-
   /// Chooses the quality from the time of one picture at the lowest quality. The first picture is not timed: it compiles shaders.
   Status choose(const FrameView& view, int width, int height) {
     const auto front = shipped_front(translucent_);
@@ -130,10 +113,7 @@ class OffscreenSink final : public PictureSink {
   std::optional<double> budget_, expected_;  // [s]
   StereoView stereo_;
   bool scale_bar_;
-  std::vector<std::string> files_;
-  std::future<Status> writing_;
-  std::string writing_file_;
-  Status failed_{};
+  PngWriter writer_;
 };
 
 }  // namespace

@@ -11,10 +11,13 @@
 
 namespace burrhole::cli {
 
+class FilmWriter;
+
 struct PictureOptions {
   std::string folder;                                ///< of the pictures; empty: none is written
   std::string gl = "auto";                           ///< value of --gl
   std::string shader_folder{};                       ///< value of --shader-dir; empty: the built-in shaders
+  FilmWriter* film = nullptr;                        ///< receives the frames of a film; must outlive the sink
   std::function<void(const std::string&)> report{};  ///< receives one line when a budget has chosen the quality; may be empty
 };
 

@@ -262,7 +262,10 @@ class DisplayEffect final : public Effect {
   }
 
  private:
-  void run() { **error_ = frame_.draw(*picture_->name, picture_->world_from_tool, picture_->cut); }
+  void run() {
+    **error_ =
+        picture_->film ? frame_.film(*picture_->world_from_tool) : frame_.draw(*picture_->name, picture_->world_from_tool, picture_->cut);
+  }
 
   FrameStep frame_;
   const Picture* picture_ = nullptr;

@@ -234,6 +234,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   options.warn = job.warn;
   options.inputs = job.inputs;
   options.history = !job.inputs.empty();
+  options.film_hz = job.film_hz;
   options.samples = !job.folder.empty() && loaded.scene.output.report && loaded.scene.output.plots;
   if (job.live && job.require_realtime)
     if (std::string refused = realtime_refusal(); !refused.empty()) return Error{ErrorCode::unavailable, std::move(refused), {}};

@@ -66,6 +66,7 @@ Status Simulation::run_lockstep() {
   const ContactTick& contact = *parts_->contact;
   const auto last = static_cast<std::uint64_t>(config.duration * config.servo_hz + 0.5);
   const auto progress_every = static_cast<std::uint64_t>(kProgressEvery * config.servo_hz);
+  const auto film_every = options_.film_hz > 0.0 ? static_cast<std::uint64_t>(config.servo_hz / options_.film_hz + 0.5) : 0;
   Lockstep steps(*parts_);
   end_ = RunEnd::duration;
   while (tick_ < last) {
@@ -86,11 +87,19 @@ Status Simulation::run_lockstep() {
       const RunSample sample{contact.time(), glm::length(contact.state().on_hand.force), contact.progress().depth};
       if (Status seen = log_->record_contact(sample, contact.progress(), contact.state().world_from_tool); !seen) return seen;
     }
+    if (film_every > 0 && tick_ % film_every == 0)
+      if (Status filmed = film(); !filmed) return filmed;
     if (options_.progress && progress_every > 0 && tick_ % progress_every == 0) options_.progress(time(), progress());
     if (finished()) break;
   }
   servo_timer_ = steps.servo_timer();
   return {};
+}
+
+Status Simulation::film() {
+  if (parts_->frame() == nullptr) return {};
+  parts_->gather(true);
+  return parts_->film(parts_->contact->state().world_from_tool);
 }
 
 Status Simulation::apply(const Input& input) {

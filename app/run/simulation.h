@@ -36,6 +36,7 @@ struct SimulationOptions {
   bool require_realtime = false;                                      ///< live: a refused priority is an error instead of a warning
   std::function<void(const std::string&)> warn{};                     ///< receives priority refusals, inputs not possible, servo faults
   std::vector<Input> inputs{};                                        ///< timed, in order; recorded when they are applied
+  double film_hz = 0.0;                                               ///< [Hz] frames of a film, in lockstep; divides servo_hz; 0: no film
   bool history = false;                                               ///< keeps what undo, reset and checkpoints need
   bool samples = true;                                                ///< keeps force and depth of every contact evaluation, for plots
 };
@@ -118,6 +119,8 @@ class Simulation {
   [[nodiscard]] Status run_on_threads();
   /// Records the rows of the steps that ran in the last tick.
   [[nodiscard]] Status record_rows(const Lockstep& steps, std::uint64_t window);
+  /// Draws the next frame of the film.
+  [[nodiscard]] Status film();
   [[nodiscard]] bool finished();
   /// Records and applies the inputs that are due before a tick.
   [[nodiscard]] Status apply_inputs(std::uint64_t tick);

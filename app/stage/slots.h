@@ -62,6 +62,7 @@ struct Picture {
   const std::string* name = nullptr;
   std::optional<Pose> world_from_tool;  ///< absent: the tool is not drawn
   bool cut = false;                     ///< bone is clipped at a plane through the approach axis
+  bool film = false;                    ///< a frame of the run's film; `name` is null then
 };
 
 namespace slots {

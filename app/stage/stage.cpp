@@ -236,7 +236,13 @@ void Stage::gather(bool all) {
 }
 
 Status Stage::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool opened) {
-  *picture_slot_ = {&name, world_from_tool, opened};
+  return draw_picture({.name = &name, .world_from_tool = world_from_tool, .cut = opened});
+}
+
+Status Stage::film(const Pose& world_from_tool) { return draw_picture({.world_from_tool = world_from_tool, .film = true}); }
+
+Status Stage::draw_picture(const Picture& picture) {
+  *picture_slot_ = picture;
   Status drawn;
   *picture_error_ = &drawn;
   graph.run_steps(Clock::frame, {pictures_++, 0.0});

@@ -72,6 +72,8 @@ class Stage {
   /// Frame thread: draws one picture. @param world_from_tool absent: the tool is not drawn. @param opened clips bone at a plane through the
   /// approach axis.
   [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool opened);
+  /// Frame thread: draws the next frame of the run's film, which is not one of its pictures.
+  [[nodiscard]] Status film(const Pose& world_from_tool);
 
   // Inputs of a user between two ticks, while no clock runs. Changes are published at once, and the force is ramped up again.
   /// Replaces the tool, which must outlive the stage. out_of_range: too large for the bone's voxels. After an error the run must end.
@@ -138,6 +140,7 @@ class Stage {
   [[nodiscard]] Status build(const EffectPlans& plans, std::shared_ptr<const BoneModel> model);
   [[nodiscard]] Status build_hand();
   [[nodiscard]] Status bind();
+  [[nodiscard]] Status draw_picture(const Picture& picture);
   void watch_spin(double command);
   void place_effects(const Pose& world_from_tool);
   void bone_was_changed();

@@ -202,14 +202,31 @@ Status FrameStep::send_batch() {
   return {};
 }
 
-Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut) {
+FrameView FrameStep::view_of(const std::optional<Pose>& world_from_tool, bool cut) const {
+  FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach_, thickness_, cut);
+  if (world_from_tool) view.world_from_tool = turns_ ? turned_tool(*world_from_tool, turned_) : *world_from_tool;
+  const Vec3 tip = world_from_tool ? world_from_tool->translation : tip_;
+  if (!cut) view.cut = make_scene_cut(display_.cut, view.camera, world_from_bone_, tip);
+  return view;
+}
+
+Status FrameStep::send_changes() {
   if (has_grown_) sink_->forget();
   if (Status sent = send_batch(); !sent) return sent;
   has_grown_ = has_grown_ && (filled_ > 0 || !queue_.empty());  // boxes that are not sent yet may have grown
-  FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach_, thickness_, cut);
-  if (world_from_tool) view.world_from_tool = turns_ ? turned_tool(*world_from_tool, turned_) : *world_from_tool;
+  return {};
+}
+
+Status FrameStep::film(const Pose& world_from_tool) {
+  if (Status sent = send_changes(); !sent) return sent;
+  const FrameView view = view_of(world_from_tool, false);
+  return timers_.frame([&] { return sink_->film(view, display_.width, display_.height); });
+}
+
+Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut) {
+  if (Status sent = send_changes(); !sent) return sent;
+  const FrameView view = view_of(world_from_tool, cut);
   if (world_from_tool) tip_ = world_from_tool->translation;
-  if (!cut) view.cut = make_scene_cut(display_.cut, view.camera, world_from_bone_, tip_);
   Hash64 picture;
   if (Status drawn = timers_.frame([&] { return sink_->draw(name, view, display_.width, display_.height, picture); }); !drawn) return drawn;
   picture_hash_ = picture.value();

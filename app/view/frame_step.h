@@ -32,6 +32,8 @@ class FrameSink {
   virtual void forget() {}
   /// Draws and stores one picture, and adds its pixels to `hash`.
   [[nodiscard]] virtual Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) = 0;
+  /// Draws the next frame of the run's film.
+  [[nodiscard]] virtual Status film(const FrameView&, int, int) { return {}; }
 };
 
 struct FrameStepTimers {
@@ -51,6 +53,8 @@ class FrameStep {
   /// Sends the batch, then draws. @param world_from_tool absent: the tool is not drawn. @param cut clips the bone at a plane through the
   /// approach axis instead of the scene's own cut. A cut at the tip uses the latest tip position, or the entry if there is none yet.
   [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);
+  /// Sends the batch, then draws the next frame of the film, as the scene shows the bone. It has no part in image_hash().
+  [[nodiscard]] Status film(const Pose& world_from_tool);
   [[nodiscard]] Status change_tool(const Tool& tool) {
     turns_ = tool.turns;
     return sink_->change_tool(tool.look);
@@ -85,6 +89,8 @@ class FrameStep {
   void follow(const VoxelBox& changed);
   void fill_batch(std::size_t most, double seconds);
   [[nodiscard]] Status send_batch();
+  [[nodiscard]] Status send_changes();
+  [[nodiscard]] FrameView view_of(const std::optional<Pose>& world_from_tool, bool cut) const;
   [[nodiscard]] std::size_t texels_in_batch() const noexcept;
   TexelQueue queue_;
   std::optional<CoarseBone> coarse_;  // absent: the bone is drawn at its own voxels
