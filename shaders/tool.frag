@@ -3,6 +3,9 @@
 layout(location = 0) in vec3 world_normal;
 layout(location = 1) in vec3 world_position;
 layout(location = 0) out vec4 picture;
+#ifdef LAYER
+layout(binding = 4) uniform sampler2D hit_depth;   // of raycast.frag: the bone, which is drawn in a picture of its own
+#endif
 #ifdef PROBE
 layout(location = 2) out vec4 probe;   // the tool is not a hit of the volume
 #endif
@@ -14,6 +17,11 @@ vec3 room(vec3 d) {
 }
 
 void main() {
+#ifdef LAYER
+  float bone = abs(texelFetch(hit_depth, ivec2(gl_FragCoord.xy), 0).r);
+  bone = bone > 1e6 ? bone / kOfDetail : bone;
+  if (bone > 0.0 && view_from_depth(gl_FragCoord.z) > bone) discard;
+#endif
   vec3 to_eye = normalize(eye_world.xyz - world_position);
   vec3 n = normalize(world_normal);
   n = dot(n, to_eye) < 0.0 ? -n : n;

@@ -287,10 +287,10 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
   explicit DisplayPlan(TableReader& table) { config_ = read_display(table); }
 
   PlanRow row(const PlanContext& context) const override {
-    // A voxel: texture, tissue, and the distances that rays skip, twice. A sample of a picture: colour, two depths, hit, and the picture
-    // that is read back.
+    // A voxel: texture, tissue, and the distances that rays skip, twice. A sample of a picture: colour, depth, stencil and hit of the bone,
+    // colour and depth with the tool, and the picture that is read back.
     const std::uint64_t a_voxel = kTexelBytes + sizeof(Rgba8) + (config_.appearance.tissue ? sizeof(TissueTexel) : 0) + 2;
-    constexpr std::uint64_t kSampleBytes = 20;
+    constexpr std::uint64_t kSampleBytes = 28;
     const auto rays = static_cast<std::uint64_t>(config_.quality.supersample);
     const std::uint64_t samples = rays * rays * static_cast<std::uint64_t>(config_.width) * static_cast<std::uint64_t>(config_.height);
     const std::string budget = config_.budget ? fmt::format(", quality for {:g} ms a picture", *config_.budget * 1e3) : std::string();

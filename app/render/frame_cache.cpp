@@ -65,7 +65,7 @@ void FrameCache::texels_changed(const VoxelBox& box) {
 }
 
 StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
-                                   const std::optional<Affine>& world_from_index, const Reach& reach) const {
+                                   const std::optional<Affine>& world_from_index, const Reach& reach, bool layers) const {
   StalePixels out;
   PixelRegion& region = out.drawn;
   if (!key_ || !same(*key_, key) || Vec2i(picture_.width, picture_.height) * supersample_ != drawn) {
@@ -74,21 +74,30 @@ StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, cons
   }
   BH_ASSERT(changed_.empty() || world_from_index);
   const CameraRays rays = rays_of(key.block);
-  for (const VoxelBox& box : changed_)
-    region.add(in_blocks(find_footprint(rays, reached_corners(box, reach, *world_from_index), drawn), supersample_));
+  const auto footprints = [&](const Reach& of, PixelRegion& into) {
+    for (const VoxelBox& box : changed_)
+      into.add(in_blocks(find_footprint(rays, reached_corners(box, of, *world_from_index), drawn), supersample_));
+  };
+  footprints(layers ? reach : reach.with_sky(), region);
+  PixelRegion moved;
   if (!same(tool_, tool))
     for (const std::optional<DrawnTool>& one : {tool_, tool})
-      if (one) region.add(in_blocks(one->footprint, supersample_));
-  if (reach.sky <= 0.0 || changed_.empty()) return out;
-  PixelRegion wide;
-  for (const VoxelBox& box : changed_)
-    wide.add(in_blocks(find_footprint(rays, reached_corners(box, reach.with_sky(), *world_from_index), drawn), supersample_));
-  // A tool at rest hides hits, and their light must not be drawn over it.
-  if (tool)
-    for (const PixelRect& rect : wide.rects())
-      if (!rect.intersect(tool->footprint).empty()) region.add(in_blocks(tool->footprint, supersample_));
-  out.relit = outside(wide.rects(), region.rects());
-  out.changed = changed_.bounds();
+      if (one) (layers ? moved : region).add(in_blocks(one->footprint, supersample_));
+  if (!layers) return out;
+  if (reach.sky > 0.0 && !changed_.empty()) {
+    PixelRegion wide;
+    footprints(reach.with_sky(), wide);
+    out.relit = outside(wide.rects(), region.rects());
+    out.changed = changed_.bounds();
+  }
+  out.tool = outside(outside(moved.rects(), region.rects()), out.relit);
+  return out;
+}
+
+std::vector<PixelRect> StalePixels::all() const {
+  std::vector<PixelRect> out(drawn.rects().begin(), drawn.rects().end());
+  out.insert(out.end(), relit.begin(), relit.end());
+  out.insert(out.end(), tool.begin(), tool.end());
   return out;
 }
 

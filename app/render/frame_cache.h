@@ -30,9 +30,13 @@ struct DrawnTool {
 
 /// What a picture must draw.
 struct StalePixels {
-  PixelRegion drawn;             ///< everything: rays, light, tool
+  PixelRegion drawn;             ///< rays and light; without layers also the tool
   std::vector<PixelRect> relit;  ///< beside `drawn`, disjoint: the light of those hits whose ambient occlusion may read a changed texel
+  std::vector<PixelRect> tool;   ///< with layers, beside both, disjoint: where the tool is, or was in the last picture
   VoxelBox changed;              ///< round all texels that changed since the last picture
+
+  /// @returns all rectangles.
+  [[nodiscard]] std::vector<PixelRect> all() const;
 };
 
 class FrameCache {
@@ -45,10 +49,10 @@ class FrameCache {
   void texels_changed(const VoxelBox& box);
 
   /// @returns what the picture of `key` must draw, in whole pixels of the picture. @param drawn size in drawn pixels.
-  /// @param world_from_index, reach of the volume; absent without a volume, whose texels then do not change. @param reach if its `sky` is
-  /// not 0, hits are relit, for which the target must hold the hits of the last picture.
+  /// @param world_from_index, reach of the volume; absent without a volume, whose texels then do not change. @param layers the tool is drawn
+  /// over a copy of the picture of the bone; then hits can be relit, if `reach.sky` is not 0.
   [[nodiscard]] StalePixels find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
-                                       const std::optional<Affine>& world_from_index, const Reach& reach) const;
+                                       const std::optional<Affine>& world_from_index, const Reach& reach, bool layers) const;
   /// Stores the drawn parts of the picture. @param shrunk one image per rectangle, in pixels of the picture.
   void keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, std::span<const PixelRect> rects,
             std::span<const Image> shrunk);

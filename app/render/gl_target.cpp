@@ -30,7 +30,8 @@ Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height
   target.width_ = width;
   target.height_ = height;
   target.kind_ = kind;
-  const bool with_probe = kind == TargetKind::probed, with_hits = kind != TargetKind::floats, marked = kind == TargetKind::marked;
+  const bool with_probe = kind == TargetKind::probed, with_hits = kind != TargetKind::floats && kind != TargetKind::shown,
+             marked = kind == TargetKind::marked;
   const GLenum depth_place = marked ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT;
   target.framebuffer_ = make_framebuffer(gl);
   target.color_ = make_renderbuffer(gl, kind == TargetKind::floats ? GL_RGBA32F : GL_RGBA8, width, height);
@@ -78,25 +79,34 @@ Image GlTarget::read_part(const PixelRect& part) const {
   Image image{size.x, size.y, {}};
   image.pixels.resize(static_cast<std::size_t>(part.count()));
   gl_->NamedFramebufferReadBuffer(framebuffer_.name(), GL_COLOR_ATTACHMENT0);
+  gl_->BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
   gl_->ReadPixels(part.lo.x, part.lo.y, size.x, size.y, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
   flip_rows(image.pixels, size.x, size.y);
   return image;
 }
 
-GlObject GlTarget::make_depth_texture() const {
-  GlObject texture = make_texture(*gl_, GL_TEXTURE_2D);
-  gl_->TextureStorage2D(texture.name(), 1, GL_DEPTH_COMPONENT32F, width_, height_);
-  gl_->TextureParameteri(texture.name(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  gl_->TextureParameteri(texture.name(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  return texture;
+void GlTarget::make_depth_copy() {
+  depth_copy_ = make_texture(*gl_, GL_TEXTURE_2D);
+  gl_->TextureStorage2D(depth_copy_.name(), 1, GL_DEPTH_COMPONENT32F, width_, height_);
+  gl_->TextureParameteri(depth_copy_.name(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl_->TextureParameteri(depth_copy_.name(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 }
 
-void GlTarget::copy_depth(GLuint texture, const PixelRect& part) const {
+GLuint GlTarget::copy_depth(const PixelRect& part) const {
+  BH_ASSERT(depth_copy_);
   gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-  gl_->CopyTextureSubImage2D(texture, 0, part.lo.x, part.lo.y, part.lo.x, part.lo.y, part.size().x, part.size().y);
+  gl_->CopyTextureSubImage2D(depth_copy_.name(), 0, part.lo.x, part.lo.y, part.lo.x, part.lo.y, part.size().x, part.size().y);
+  return depth_copy_.name();
+}
+
+void GlTarget::copy_picture(const GlTarget& to, const PixelRect& part) const {
+  gl_->NamedFramebufferReadBuffer(framebuffer_.name(), GL_COLOR_ATTACHMENT0);
+  gl_->BlitNamedFramebuffer(framebuffer_.name(), to.framebuffer_.name(), part.lo.x, part.lo.y, part.hi.x, part.hi.y, part.lo.x, part.lo.y,
+                            part.hi.x, part.hi.y, GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 std::vector<float> GlTarget::read_depth() const {
+  gl_->BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
   std::vector<float> values(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   gl_->ReadPixels(0, 0, width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, values.data());
   flip_rows(values, width_, height_);
@@ -107,6 +117,7 @@ std::vector<glm::fvec4> GlTarget::read_probe() const {
   BH_ASSERT(probe_);
   std::vector<glm::fvec4> values(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   gl_->NamedFramebufferReadBuffer(framebuffer_.name(), GL_COLOR_ATTACHMENT2);
+  gl_->BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
   gl_->ReadPixels(0, 0, width_, height_, GL_RGBA, GL_FLOAT, values.data());
   flip_rows(values, width_, height_);
   return values;

@@ -11,11 +11,11 @@
 
 namespace burrhole {
 
-/// Format of a pixel: `bytes` RGBA8; `marked` RGBA8 and a stencil; `floats` RGBA32F, for hundreds of blend operations; `probed` RGBA8 and
-/// four floats.
-enum class TargetKind { bytes, marked, floats, probed };
+/// Format of a pixel: `bytes` RGBA8; `marked` RGBA8 and a stencil; `shown` RGBA8 without hits; `floats` RGBA32F, for hundreds of blend
+/// operations, without hits; `probed` RGBA8 and four floats.
+enum class TargetKind { bytes, marked, shown, floats, probed };
 
-/// Colour, 32-bit float depth and, except for `floats`, the hit depth of rays in a texture of one float.
+/// Colour, 32-bit float depth and, for most kinds, the hit depth of rays in a texture of one float.
 class GlTarget {
  public:
   GlTarget() = default;
@@ -27,17 +27,19 @@ class GlTarget {
   void bind_for_light() const;  ///< picture and depth only; the hit depth can then be read as texture hits()
   [[nodiscard]] GLuint hits() const noexcept { return hits_.name(); }
   [[nodiscard]] Image read_picture() const { return read_part({Vec2i(0), Vec2i(width_, height_)}); }
-  [[nodiscard]] Image read_part(const PixelRect& part) const;    ///< row 0 at the top
-  [[nodiscard]] std::vector<glm::fvec4> read_probe() const;      ///< row 0 at the top; @pre the target is `probed`
-  void copy_depth(GLuint texture, const PixelRect& part) const;  ///< to the same position in a texture of make_depth_texture()
-  [[nodiscard]] GlObject make_depth_texture() const;             ///< of the size of the target
-  [[nodiscard]] std::vector<float> read_depth() const;           ///< 0..1, row 0 at the top
+  [[nodiscard]] Image read_part(const PixelRect& part) const;  ///< row 0 at the top
+  [[nodiscard]] std::vector<glm::fvec4> read_probe() const;    ///< row 0 at the top; @pre the target is `probed`
+  /// Copies to the same position in a texture. @returns its name. @pre make_depth_copy() was called.
+  GLuint copy_depth(const PixelRect& part) const;
+  void copy_picture(const GlTarget& to, const PixelRect& part) const;  ///< to the same position. @pre the scissor contains the part
+  void make_depth_copy();                                              ///< makes the texture for copy_depth()
+  [[nodiscard]] std::vector<float> read_depth() const;                 ///< 0..1, row 0 at the top
 
  private:
   const GladGLContext* gl_ = nullptr;
   int width_ = 0, height_ = 0;
   TargetKind kind_ = TargetKind::bytes;
-  GlObject framebuffer_, light_framebuffer_, color_, depth_, hits_, probe_;
+  GlObject framebuffer_, light_framebuffer_, color_, depth_, hits_, probe_, depth_copy_;
 };
 
 }  // namespace burrhole

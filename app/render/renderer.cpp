@@ -98,7 +98,10 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   const int n = options.supersample;
   const Vec2i drawn = n * Vec2i(width, height);
   if (const Status current = context.make_current(); !current) return current.error();
-  if (const Status made = prepare_target(drawn.x, drawn.y, false); !made) return made.error();
+  if (const Status made = prepare(target, drawn.x, drawn.y, bone_kind()); !made) return made.error();
+  const bool layers = has_layers();
+  if (layers)
+    if (const Status made = prepare(shown, drawn.x, drawn.y, TargetKind::shown); !made) return made.error();
   auto block = make_block(view, drawn.x, drawn.y, n);
   if (!block) return block.error();
   const bool cut = view.cut.has_value();
@@ -108,37 +111,37 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   FrameKey key = make_frame_key(std::move(shaders), block.value());
   std::optional<Affine> world_from_index;
   if (volume) world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
-  Reach reach = reach_of(options, world_from_index ? world_from_index->longest_edge() : 0.0);
-  if (!holds_hits) reach = reach.with_sky();
+  const Reach reach = reach_of(options, world_from_index ? world_from_index->longest_edge() : 0.0);
   const std::optional<DrawnTool> drawn_tool = place_tool(view, block.value(), drawn);
   if (!options.keep_picture) cache.forget();
-  const StalePixels stale = cache.find_stale(key, drawn, drawn_tool, world_from_index, reach);
+  const StalePixels stale = cache.find_stale(key, drawn, drawn_tool, world_from_index, reach, layers);
   fill_changed(block.value(), stale.changed);
-  if (const Status done = render(stale, view, block.value(), drawn_tool, false); !done) {
+  if (const Status done = render(stale, view, block.value(), drawn_tool, layers ? ToolPass::layer : ToolPass::picture); !done) {
     cache.forget();
     return done.error();
   }
-  std::vector<PixelRect> rects(stale.drawn.rects().begin(), stale.drawn.rects().end());
-  rects.insert(rects.end(), stale.relit.begin(), stale.relit.end());
+  const std::vector<PixelRect> rects = stale.all();
   std::vector<Image> parts;
-  for (const PixelRect& part : rects) parts.push_back(shrink(target.read_part(part), n));
+  for (const PixelRect& part : rects) parts.push_back(shrink((layers ? shown : target).read_part(part), n));
   cache.keep(std::move(key), drawn, drawn_tool, rects, parts);
-  holds_hits = true;
   may_grow = false;
   ++counters.frames;
   counters.drawn_pixels += (static_cast<std::uint64_t>(stale.drawn.pixels()) + relit) / static_cast<std::uint64_t>(n * n);
+  for (const PixelRect& part : stale.tool) counters.tool_pixels += static_cast<std::uint64_t>(part.count() / (n * n));
   return cache.picture();
 }
 
 Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) {
   if (const Status current = context.make_current(); !current) return current;
-  if (const Status made = prepare_target(width, height, true); !made) return made;
+  if (const Status made = prepare(probe_target, width, height, TargetKind::probed); !made) return made;
   const auto block = make_block(view, width, height, 1);
   if (!block) return block.error();
   StalePixels whole;
   whole.drawn.add({Vec2i(0), Vec2i(width, height)});
-  if (const Status done = render(whole, view, block.value(), place_tool(view, block.value(), Vec2i(width, height)), true); !done)
-    return done;
+  std::swap(target, probe_target);
+  const Status done = render(whole, view, block.value(), place_tool(view, block.value(), Vec2i(width, height)), ToolPass::probe);
+  std::swap(target, probe_target);
+  if (!done) return done;
   ++counters.frames;
   return {};
 }
@@ -284,10 +287,11 @@ Result<FrameProbe> Renderer::probe(const FrameView& view, int width, int height)
   const Status drawn = impl_->draw_probe(view, width, height);
   if (!drawn) return drawn.error();
   FrameProbe probe;
-  probe.image = impl_->target.read_picture();
-  for (const float depth : impl_->target.read_depth()) probe.view_depth.push_back(static_cast<float>(impl_->range.view_depth_of(depth)));
+  probe.image = impl_->probe_target.read_picture();
+  for (const float depth : impl_->probe_target.read_depth())
+    probe.view_depth.push_back(static_cast<float>(impl_->range.view_depth_of(depth)));
   impl_->counters.probe_samples = 0;
-  for (const Vec4f& pixel : impl_->target.read_probe()) {
+  for (const Vec4f& pixel : impl_->probe_target.read_probe()) {
     probe.hit_index.emplace_back(pixel.x, pixel.y, pixel.z);
     probe.hit.push_back(pixel.w > 0.0f ? 1 : 0);
     probe.samples.push_back(static_cast<int>(pixel.w < 0.0f ? -pixel.w : pixel.w));

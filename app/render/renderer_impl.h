@@ -26,10 +26,11 @@ struct Renderer::Impl {
   ProgramCache programs;
   RenderCounters counters;
   GlObject no_vertices, frame_buffer, detail_buffer, count_query;
-  GlTarget target;
-  bool holds_hits = false;  ///< the target holds depths and hits of the last picture that was kept
-  DepthRange range;         ///< of the last picture
-  GlObject transfer, opaque_depth;
+  GlTarget target;  ///< with layers the bone without the tool
+  GlTarget shown;   ///< with layers the picture
+  GlTarget probe_target;
+  DepthRange range;  ///< of the last picture
+  GlObject transfer;
   bool tinted = false;                    ///< the transfer function has a tint
   std::optional<std::uint8_t> seen_from;  ///< as VolumeTexture::create takes it
   std::optional<VolumeTexture> volume;
@@ -68,7 +69,7 @@ struct Renderer::Impl {
   ~Impl() { static_cast<void>(context.make_current()); }  // the members delete their names in it
 
   struct Programs {
-    GLuint background, volume, light, tool;  ///< light: on the surface that rays hit
+    GLuint background, volume, light, tool;  ///< light: on the surface that rays hit; tool: 0 where it is not drawn
     GLuint detail, detail_light;             ///< those of the detail, if there is one
     GLuint stale_sky, detail_stale_sky;      ///< mark the hits to be relit, if any
     PixelRect detail_rect;                   ///< pixels whose rays may meet the detail
@@ -81,6 +82,9 @@ struct Renderer::Impl {
   [[nodiscard]] bool has_surface() const noexcept { return !options.slices && !options.translucent; }
   /// @returns whether ambient occlusion reaches further than what else is drawn, so that some hits are only lit again.
   [[nodiscard]] bool relights() const noexcept { return reach_of(options, 0.0).sky > 0.0; }
+  /// @returns whether the bone is drawn into a picture of its own, so that a moving tool costs no rays. Slices and translucent bone are
+  /// blended with the tool.
+  [[nodiscard]] bool has_layers() const noexcept { return volume && tool && has_surface(); }
   [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft, VolumeLevel level) const;
   [[nodiscard]] ShaderVariant sky_variant(bool cut, VolumeLevel level) const;
   [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
@@ -98,13 +102,15 @@ struct Renderer::Impl {
   /// @param width, height [pixels] drawn. @param rays_a_side of a pixel of the picture.
   Result<FrameBlock> make_block(const FrameView& view, int width, int height, int rays_a_side);
   [[nodiscard]] FrameBlock make_detail_block(const FrameBlock& whole, const FrameView& view) const;
-  Result<Programs> find_programs(bool cut, bool probe, bool relights);
-  Status prepare_target(int width, int height, bool probe);
+  Result<Programs> find_programs(bool cut, ToolPass pass, bool relights);
+  [[nodiscard]] TargetKind bone_kind() const noexcept;
+  Status prepare(GlTarget& into, int width, int height, TargetKind kind);
   [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
   void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;
+  void draw_layer(const PixelRect& part, const Programs& used, bool with_tool) const;
   /// Sets `relit`.
   Status render(const StalePixels& stale, const FrameView& view, const FrameBlock& block, const std::optional<DrawnTool>& drawn_tool,
-                bool probe);
+                ToolPass pass);
   Result<Image> draw(const FrameView& view, int width, int height);
   Status draw_probe(const FrameView& view, int width, int height);
 };

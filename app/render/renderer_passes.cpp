@@ -32,10 +32,10 @@ void Renderer::Impl::draw_slices(GLuint program, int count) const {
 
 /// Blends over what is there the part of each ray that lies before it.
 void Renderer::Impl::draw_translucent(GLuint program, const PixelRect& part) const {
-  target.copy_depth(opaque_depth.name(), part);
+  const GLuint opaque_depth = target.copy_depth(part);
   volume->bind();
   gl.BindTextureUnit(3, transfer.name());
-  gl.BindTextureUnit(4, opaque_depth.name());
+  gl.BindTextureUnit(4, opaque_depth);
   gl.Disable(GL_DEPTH_TEST);  // depths were looked up instead
   gl.Enablei(GL_BLEND, 0);    // the picture alone, not the probe
   gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
@@ -146,7 +146,7 @@ ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft, Vo
 /// A user's faulty shader is found at once and not at the first picture that takes it: every program the options may call for, as if the
 /// volume had tissue and dura. What is built in, the build has compiled.
 Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
-  std::vector<ShaderVariant> asked{background_variant(), tool_variant(false)};
+  std::vector<ShaderVariant> asked{background_variant(), tool_variant(ToolPass::picture), tool_variant(ToolPass::layer)};
   for (const bool cut : {false, true}) {
     asked.push_back(volume_variant(cut, false, true, VolumeLevel::only));
     if (has_surface()) asked.push_back(light_variant(cut, true, true, VolumeLevel::only));
@@ -162,27 +162,29 @@ Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
   return {};
 }
 
-Status Renderer::Impl::prepare_target(int width, int height, bool probe) {
-  TargetKind kind = options.slices ? TargetKind::floats : TargetKind::bytes;
-  if (relights()) kind = TargetKind::marked;
-  if (probe) kind = TargetKind::probed;
-  if (target.fits(width, height, kind)) return {};
-  holds_hits = false;
+TargetKind Renderer::Impl::bone_kind() const noexcept {
+  if (options.slices) return TargetKind::floats;
+  return relights() ? TargetKind::marked : TargetKind::bytes;
+}
+
+Status Renderer::Impl::prepare(GlTarget& into, int width, int height, TargetKind kind) {
+  if (into.fits(width, height, kind)) return {};
   auto made = GlTarget::create(gl, width, height, kind);
   if (!made) return made.error();
-  target = std::move(made).value();
-  if (options.translucent) opaque_depth = target.make_depth_texture();
+  into = std::move(made).value();
+  if (options.translucent) into.make_depth_copy();
   return {};
 }
 
-Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, bool probe, bool relights) {
+Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPass pass, bool relights) {
+  const bool probe = pass == ToolPass::probe;
   const auto empty = programs.find_or_link(background_variant());
   if (!empty) return empty.error();
   const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe, has_soft(), outer_level())) : empty;
   if (!bone) return bone.error();
   const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut, has_tissue(), has_soft(), outer_level())) : empty;
   if (!light) return light.error();
-  const auto steel = programs.find_or_link(tool_variant(probe));
+  const auto steel = programs.find_or_link(tool_variant(pass));
   if (!steel) return steel.error();
   Programs out{empty.value(), bone.value(), light.value(), steel.value(), 0, 0, 0, 0, {}};
   if (relights) {
@@ -229,9 +231,19 @@ void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, c
   if (!opaque && options.translucent) draw_translucent(used.volume, part);
 }
 
+/// The picture: the bone, and over it the tool where no bone is nearer.
+void Renderer::Impl::draw_layer(const PixelRect& part, const Programs& used, bool with_tool) const {
+  gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
+  target.copy_picture(shown, part);
+  if (!with_tool) return;
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  gl.BindTextureUnit(4, target.hits());
+  draw_tool(used.tool);
+}
+
 Status Renderer::Impl::render(const StalePixels& stale, const FrameView& view, const FrameBlock& block,
-                              const std::optional<DrawnTool>& drawn_tool, bool probe) {
-  auto used = find_programs(view.cut.has_value(), probe, !stale.relit.empty());
+                              const std::optional<DrawnTool>& drawn_tool, ToolPass pass) {
+  auto used = find_programs(view.cut.has_value(), pass, !stale.relit.empty());
   if (!used) return used.error();
   if (detail) {
     const FrameBlock of_detail = make_detail_block(block, view);
@@ -247,9 +259,14 @@ Status Renderer::Impl::render(const StalePixels& stale, const FrameView& view, c
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LEQUAL);
   gl.Enable(GL_SCISSOR_TEST);
-  for (const PixelRect& part : stale.drawn.rects())
-    draw_part(part, block, used.value(), drawn_tool && !drawn_tool->footprint.intersect(part).empty());
+  const bool layers = pass == ToolPass::layer;
+  const auto has_tool = [&](const PixelRect& part) { return drawn_tool && !drawn_tool->footprint.intersect(part).empty(); };
+  for (const PixelRect& part : stale.drawn.rects()) draw_part(part, block, used.value(), !layers && has_tool(part));
   relit = stale.relit.empty() ? 0 : relight(stale.relit, *used);
+  if (layers) {
+    shown.bind();
+    for (const PixelRect& part : stale.all()) draw_layer(part, *used, has_tool(part));
+  }
   if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
   return {};
 }

@@ -139,15 +139,18 @@ ShaderVariant translucent_variant(const TranslucentChoice& choice) {
   return variant;
 }
 
-ShaderVariant tool_variant(bool probe) {
-  if (probe) return {"tool_probe", "tool.vert", "tool.frag", {"PROBE"}};
-  return {"tool", "tool.vert", "tool.frag", {}};
+ShaderVariant tool_variant(ToolPass pass) {
+  ShaderVariant variant{"tool", "tool.vert", "tool.frag", {}};
+  add_define(variant, pass == ToolPass::probe, "PROBE", "_probe");
+  add_define(variant, pass == ToolPass::layer, "LAYER", "_layer");
+  return variant;
 }
 
 ShaderVariant background_variant() { return {"background", "screen.vert", "background.frag", {}}; }
 
 std::vector<ShaderVariant> all_shader_variants() {
-  std::vector<ShaderVariant> variants{background_variant(), tool_variant(false), tool_variant(true)};
+  std::vector<ShaderVariant> variants{background_variant(), tool_variant(ToolPass::picture), tool_variant(ToolPass::probe),
+                                      tool_variant(ToolPass::layer)};
   const auto bit = [](unsigned bits, unsigned n) { return (bits >> n & 1u) != 0; };
   const auto options = [bit](unsigned bits) {
     return Appearance{.tissue = bit(bits, 0),

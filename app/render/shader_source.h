@@ -68,7 +68,9 @@ struct TranslucentChoice {
 [[nodiscard]] ShaderVariant stale_sky_variant(const SurfaceChoice& choice);
 [[nodiscard]] ShaderVariant translucent_variant(const TranslucentChoice& choice);
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
-[[nodiscard]] ShaderVariant tool_variant(bool probe);
+/// The tool: into the picture of the bone, with a probe or not; or over a copy of it.
+enum class ToolPass { picture, probe, layer };
+[[nodiscard]] ShaderVariant tool_variant(ToolPass pass);
 [[nodiscard]] ShaderVariant background_variant();
 /// The build validates and a test links each of these: all options of the drawing method, without appearance options, with those of a
 /// default scene and with all, and each appearance option alone and left out.

@@ -58,16 +58,17 @@ struct Pair {
     kept.update(texels);
     whole.update(texels);
   }
-  /// @returns pixels that the keeping one drew.
+  /// @returns pixels that the keeping one drew, those of the tool included.
   std::uint64_t draw(const std::string& name) {
-    const std::uint64_t before = kept.counters().drawn_pixels;
+    const auto drawn = [this] { return kept.counters().drawn_pixels + kept.counters().tool_pixels; };
+    const std::uint64_t before = drawn();
     const auto by_parts = kept.draw(view, kWidth, kHeight);
     const auto at_once = whole.draw(view, kWidth, kHeight);
     REQUIRE(by_parts.ok());
     REQUIRE(at_once.ok());
     CHECK(pictures_agree("redraw-" + name, *by_parts, *at_once, {}));
     last = *at_once;
-    return kept.counters().drawn_pixels - before;
+    return drawn() - before;
   }
 };
 
@@ -173,6 +174,18 @@ TEST_CASE("redraw: ambient occlusion reaches further, and no byte differs") {
   check_sequence("occlusion", {.appearance = {.occlusion = true}}, 0.3);
   check_sequence("occlusion-smooth", {.appearance = {.occlusion = true}, .supersample = 2}, 0.3);
   check_sequence("occlusion-recomputed", {.appearance = {.tissue = true, .occlusion = true, .normals = NormalSource::recomputed}}, 0.3);
+}
+
+TEST_CASE("redraw: a tool that moves before and behind bone needs no ray, and no byte differs") {
+  Pair pair({.appearance = {.tissue = true, .occlusion = true}, .supersample = 2});
+  pair.view.world_from_tool = at(-8e-3, 4e-3);
+  pair.draw("tool-first");
+  const std::uint64_t rays = pair.kept.counters().drawn_pixels;
+  for (int n = 1; n < 12; ++n) {
+    pair.view.world_from_tool = at(-8e-3 + 1.3e-3 * n, 4e-3 - 1.5e-3 * n);  // from beside the ball into the plate
+    CHECK(pair.draw("tool-moves") > 0);
+  }
+  CHECK(pair.kept.counters().drawn_pixels == rays);
 }
 
 TEST_CASE("redraw: marks that leave out a ring of ambient occlusion, or its width, are noticed") {
