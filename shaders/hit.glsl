@@ -1,9 +1,11 @@
-// The hit that raycast.frag found at this pixel. Include frame, volume and span first; discards the pixels of the other level.
+// The hit that raycast.frag found at this pixel. Include frame, volume and span first. A pixel of the other level must be discarded at the
+// end: Mesa's compiler takes a minute for loops after a discard.
 layout(binding = 4) uniform sampler2D hit_depth;   // of raycast.frag
 struct Hit {
   vec3 p, world;         // index, and the same point in the world
   vec3 normal, to_eye;   // world, unit length
   bool is_face;          // on a face of the box or a cut
+  bool is_drawn;         // false: the other level of a bone in two is in front
 };
 
 Hit hit_here() {
@@ -11,15 +13,16 @@ Hit hit_here() {
   vec3 direction_index = forward_index.xyz + ndc.x * right_index.xyz + ndc.y * up_index.xyz;
   vec3 direction_world = forward_world.xyz + ndc.x * right_world.xyz + ndc.y * up_world.xyz;
   float found = texelFetch(hit_depth, ivec2(gl_FragCoord.xy), 0).r;
+  Hit hit;
+  hit.is_drawn = true;
 #ifdef HOLE
-  if (abs(found) > 1e6) discard;   // the detail is in front
+  hit.is_drawn = abs(found) < 1e6;
 #endif
 #ifdef DETAIL
-  if (abs(found) < 1e6) discard;   // the whole volume is in front
+  hit.is_drawn = abs(found) > 1e6;
   found /= kOfDetail;
 #endif
   float t = abs(found);
-  Hit hit;
   hit.is_face = found < 0.0;
   hit.p = eye_index.xyz + t * direction_index;
   hit.world = eye_world.xyz + t * direction_world;

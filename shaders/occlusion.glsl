@@ -4,8 +4,8 @@ float sky_reach(int ring) { return 0.0011 * exp2(1.15 * float(ring)); }   // [m]
 const float kSkySlope = 1.1;   // tangent of the angle from the normal
 vec3 sky_lift(vec3 p, vec3 n) { return 1.2 * (edges.w * grain_at(p)) * n; }
 
-// A block of N rays of one pixel shares the samples: ray r takes every Nth, from r on. Light is linear in the result, so the mean of the rays
-// is that of all samples.
+// A block of side x side rays of one pixel shares the samples: each ray takes one of side x side. Where they hit one plane the mean of the
+// results is that of all samples, and apart from the tone curve light is linear in it.
 float open_sky(vec3 p, vec3 world, vec3 n) {
   const int kSpokes = 5, kSamples = 3 * kSpokes;
   vec3 a = normalize(abs(n.z) < 0.8 ? cross(n, vec3(0, 0, 1)) : cross(n, vec3(1, 0, 0)));
@@ -26,7 +26,7 @@ float open_sky(vec3 p, vec3 world, vec3 n) {
 }
 
 // Whether the bounding box of a ring of samples, in index coordinates, meets the box of what changed.
-bool sky_reads_changed(vec3 p, vec3 n) {
+bool occlusion_reads_changed(vec3 p, vec3 n) {
   const float across = 1.0 / sqrt(1.0 + kSkySlope * kSkySlope);   // cosine of the angle from the normal
   vec3 along = index_from_displacement(n);
   vec3 start = p + index_from_displacement(sky_lift(p, n));

@@ -8,5 +8,7 @@ layout(location = 0) out vec4 picture;
 
 void main() {
   Hit hit = hit_here();
-  picture = vec4(shade(hit.p, hit.world, hit.normal, hit.to_eye, hit.is_face), 1.0);
+  vec3 color = shade(hit.p, hit.world, hit.normal, hit.to_eye, hit.is_face);
+  if (!hit.is_drawn) discard;
+  picture = vec4(color, 1.0);
 }

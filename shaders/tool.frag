@@ -20,7 +20,7 @@ void main() {
 #ifdef LAYER
   float bone = abs(texelFetch(hit_depth, ivec2(gl_FragCoord.xy), 0).r);
   bone = bone > 1e6 ? bone / kOfDetail : bone;
-  if (bone > 0.0 && view_from_depth(gl_FragCoord.z) > bone) discard;
+  if (bone > 0.0 && 1.0 / gl_FragCoord.w > bone) discard;   // w is the view depth
 #endif
   vec3 to_eye = normalize(eye_world.xyz - world_position);
   vec3 n = normalize(world_normal);

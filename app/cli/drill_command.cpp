@@ -82,7 +82,10 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   auto summary = drill(loaded, job);
   if (!summary || !film) return summary;
   if (Status finished = film->finish(); !finished) return finished.error();
-  if (!quiet) fmt::print(stderr, "film: {} frames, {} a second, in {}\n", film->frames(), files.video_fps, files.video);
+  if (film->frames() == 0)
+    print_warning(loaded.scene.file, "the run ended before the first frame of its film: none was written");
+  else if (!quiet)
+    fmt::print(stderr, "film: {} frames, {} a second, in {}\n", film->frames(), files.video_fps, files.video);
   return summary;
 }
 
@@ -122,6 +125,7 @@ void add_drill(CLI::App& app, int& exit_code) {
       ->type_name("PATH");
   command->add_option("--video-fps", option->files.video_fps, "frames of the film per second of drilling; divides the servo rate")
       ->check(CLI::Range(1, 1000))
+      ->needs("--video")
       ->capture_default_str();
   command->add_flag("--live", option->mode.live, "on threads in real time instead of in lockstep");
   command->add_flag("--require-realtime", option->mode.require_realtime, "exit if the system refuses real-time priority (with --live)");

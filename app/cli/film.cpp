@@ -7,18 +7,22 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "app/cli/png_writer.h"
+#include "core/base/assert.h"
 
 namespace burrhole::cli {
 namespace {
@@ -28,11 +32,31 @@ namespace fs = std::filesystem;
 /// Endings of videos, and the name that ffmpeg has for each format.
 constexpr std::array<std::pair<const char*, const char*>, 3> kVideos{{{".mp4", "mp4"}, {".mkv", "matroska"}, {".webm", "webm"}}};
 
-/// @returns ffmpeg's name of the format; null: the path is a folder.
-const char* format_of(const std::string& path) {
-  for (const auto& [ending, format] : kVideos)
-    if (path.ends_with(ending)) return format;
+/// @returns ffmpeg's name of the format; null: not a video.
+const char* format_of(const std::string& ending) {
+  for (const auto& [known, format] : kVideos)
+    if (ending == known) return format;
   return nullptr;
+}
+
+/// Whether a name is `frame_`, digits and `.png`, as FolderFilm gives them.
+bool is_frame(std::string_view name) {
+  constexpr std::string_view kStart = "frame_", kEnd = ".png";
+  if (!name.starts_with(kStart) || !name.ends_with(kEnd) || name.size() <= kStart.size() + kEnd.size()) return false;
+  const std::string_view number = name.substr(kStart.size(), name.size() - kStart.size() - kEnd.size());
+  return number.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// Removes the frames of an earlier film.
+Status remove_frames(const std::string& folder) {
+  std::error_code error;
+  std::vector<fs::path> found;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (is_frame(entry->path().filename().string())) found.push_back(entry->path());
+  for (const fs::path& file : found)
+    if (!error) fs::remove(file, error);
+  if (error) return bad_input("cannot remove the frames of an earlier film: " + error.message(), folder);
+  return {};
 }
 
 /// @returns the program's path, as a shell would find it; empty: there is none.
@@ -49,21 +73,20 @@ class FolderFilm final : public FilmWriter {
   explicit FolderFilm(std::string folder) : folder_(std::move(folder)) {}
   Status add(const Image& image) override {
     if (frames_ == 0)
-      if (Status cleared = clear(); !cleared) return cleared;
+      if (Status begun = begin(); !begun) return begun;
     return writer_.add((fs::path(folder_) / fmt::format("frame_{:06}.png", frames_++)).string(), image);
   }
-  Status finish() override { return writer_.wait(); }
+  Status finish() override {
+    if (frames_ == 0) return fs::is_directory(folder_) ? remove_frames(folder_) : Status();
+    return writer_.wait();
+  }
 
  private:
-  Status clear() const {
+  Status begin() const {
     std::error_code error;
     fs::create_directories(folder_, error);
     if (error) return bad_input("cannot make the folder of the film: " + error.message(), folder_);
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error))
-      if (const std::string name = entry.path().filename().string(); name.starts_with("frame_") && name.ends_with(".png"))
-        fs::remove(entry.path(), error);
-    if (error) return bad_input("cannot remove the frames of an earlier film: " + error.message(), folder_);
-    return {};
+    return remove_frames(folder_);
   }
 
   std::string folder_;
@@ -87,6 +110,7 @@ class VideoFilm final : public FilmWriter {
   Status add(const Image& image) override {
     if (process_ == 0)
       if (Status started = start(image.width, image.height); !started) return started;
+    BH_ASSERT(image.width == width_ && image.height == height_);
     const auto* bytes = reinterpret_cast<const char*>(image.pixels.data());
     std::size_t left = image.pixels.size() * sizeof(Rgba8);
     while (left > 0) {
@@ -101,13 +125,21 @@ class VideoFilm final : public FilmWriter {
   }
 
   Status finish() override {
-    if (process_ == 0) return {};  // no frame
+    std::error_code error;
+    if (process_ == 0) {  // no frame: an earlier video is not this one
+      fs::remove(file_, error);
+      return {};
+    }
     close(socket_);
     int status = 0;
-    while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-    }
+    pid_t ended = 0;
+    do ended = waitpid(process_, &status, 0);
+    while (ended < 0 && errno == EINTR);
     process_ = 0;
-    std::error_code error;
+    if (ended < 0) {
+      fs::remove(part_, error);
+      return failed(std::strerror(errno));
+    }
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
       fs::remove(part_, error);
       return failed(WIFEXITED(status) ? fmt::format("exit {}", WEXITSTATUS(status)) : std::string("it was ended"));
@@ -121,20 +153,22 @@ class VideoFilm final : public FilmWriter {
   Error failed(const std::string& why) const { return {ErrorCode::unavailable, "ffmpeg failed (" + why + ") and wrote no video", file_}; }
 
   Status start(int width, int height) {
+    width_ = width;
+    height_ = height;
     std::array<int, 2> ends{};
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) return failed(std::strerror(errno));
     // Most players need 4:2:0, which has even sides.
-    std::vector<std::string> words{"ffmpeg",   "-loglevel",
-                                   "error",    "-y",
-                                   "-f",       "rawvideo",
-                                   "-pix_fmt", "rgba",
-                                   "-s",       fmt::format("{}x{}", width, height),
-                                   "-r",       std::to_string(rate_),
-                                   "-i",       "pipe:0",
-                                   "-vf",      "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-                                   "-pix_fmt", "yuv420p",
-                                   "-f",       format_,
-                                   part_};
+    std::vector<std::string> words{"ffmpeg",       "-loglevel",
+                                   "error",        "-y",
+                                   "-f",           "rawvideo",
+                                   "-pix_fmt",     "rgba",
+                                   "-s",           fmt::format("{}x{}", width, height),
+                                   "-r",           std::to_string(rate_),
+                                   "-i",           "pipe:0",
+                                   "-vf",          "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                                   "-pix_fmt",     "yuv420p",
+                                   "-f",           format_,
+                                   "file:" + part_};
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -142,7 +176,12 @@ class VideoFilm final : public FilmWriter {
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    const int refused = posix_spawn(&process_, program_.c_str(), &actions, nullptr, arguments.data(), environ);
+    // In a process group of its own: Ctrl-C ends the run, which then completes the video.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    const int refused = posix_spawn(&process_, program_.c_str(), &actions, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     socket_ = ends[0];
@@ -154,7 +193,8 @@ class VideoFilm final : public FilmWriter {
 
   std::string program_, file_, part_;
   const char* format_;
-  int rate_;  // [1/s]
+  int rate_;                    // [1/s]
+  int width_ = 0, height_ = 0;  // [pixels] of a frame
   int socket_ = -1;
   pid_t process_ = 0;  // 0: not started, or ended
 };
@@ -162,17 +202,22 @@ class VideoFilm final : public FilmWriter {
 }  // namespace
 
 Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, int rate) {
-  if (const char* format = format_of(path)) {
-    const std::string program = find_program("ffmpeg");
-    if (program.empty())
-      return Error{ErrorCode::unavailable, "a video needs the program ffmpeg, which is not installed; give a folder to get its frames",
-                   path};
-    std::error_code error;
-    if (const fs::path folder = fs::path(path).parent_path(); !folder.empty() && !fs::is_directory(folder, error))
-      return bad_input("there is no such folder for the video", folder.string());
-    return std::unique_ptr<FilmWriter>(std::make_unique<VideoFilm>(program, path, format, rate));
-  }
-  return std::unique_ptr<FilmWriter>(std::make_unique<FolderFilm>(path));
+  const fs::path given(path);
+  std::string ending = given.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::error_code ignored;
+  const bool is_folder = fs::is_directory(given, ignored);
+  const char* format = format_of(ending);
+  if (format != nullptr && is_folder) return bad_input("a video has this name, but it is a folder", path);
+  if (format == nullptr && !is_folder && !ending.empty()) return bad_input("a film is a folder, or a file .mp4, .mkv or .webm", path);
+  if (format == nullptr) return std::unique_ptr<FilmWriter>(std::make_unique<FolderFilm>(path));
+  const std::string program = find_program("ffmpeg");
+  if (program.empty())
+    return Error{ErrorCode::unavailable, "a video needs the program ffmpeg, which is not installed; give a folder to get its frames", path};
+  const std::string folder = given.parent_path().empty() ? "." : given.parent_path().string();
+  if (!fs::is_directory(folder, ignored)) return bad_input("there is no such folder for the video", folder);
+  if (access(folder.c_str(), W_OK) != 0) return bad_input("cannot write into the folder of the video", folder);
+  return std::unique_ptr<FilmWriter>(std::make_unique<VideoFilm>(program, path, format, rate));
 }
 
 }  // namespace burrhole::cli

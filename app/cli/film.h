@@ -13,14 +13,14 @@ namespace burrhole::cli {
 
 class FilmWriter {
  public:
-  /// @param path ends in .mp4, .mkv or .webm: a video; otherwise a folder. The first frame makes the folder, and removes the frames of an
-  /// earlier film from it.
+  /// @param path ends in .mp4, .mkv or .webm: a video; without an ending, or if it exists: a folder. The first frame makes the folder, and
+  /// removes the frames of an earlier film from it.
   /// @param rate [1/s] frames a second, > 0.
   [[nodiscard]] static Result<std::unique_ptr<FilmWriter>> create(const std::string& path, int rate);
   virtual ~FilmWriter() = default;
   /// Adds a frame. All frames must have the size of the first.
   [[nodiscard]] virtual Status add(const Image& image) = 0;
-  /// Completes the film. A video has its name from then on; if this is not called, none is left.
+  /// Completes the film. A video has its name from then on; if this is not called, none is left. Without a frame an earlier film is removed.
   [[nodiscard]] virtual Status finish() = 0;
   [[nodiscard]] std::size_t frames() const noexcept { return frames_; }
 

@@ -60,9 +60,9 @@ Reach reach_of(const RenderOptions& options, double longest_edge) noexcept {
   if (options.slices) return out;
   if (options.finish) sees(kWiderMean);
   if (options.appearance.tissue) sees(kBefore);
-  if (options.appearance.occlusion) out.sky = kSkyMetres + kSkyLift * longest_edge;
-  if (options.appearance.shadow) out.metres = std::max(out.sky, shadow_metres(longest_edge));
-  if (out.sky <= out.metres) out.sky = 0.0;
+  if (options.appearance.occlusion) out.occlusion = kSkyMetres + kSkyLift * longest_edge;
+  if (options.appearance.shadow) out.metres = std::max(out.occlusion, shadow_metres(longest_edge));
+  if (out.occlusion <= out.metres) out.occlusion = 0.0;
   return out;
 }
 

@@ -58,19 +58,19 @@ class PixelRegion {
 
 /// Largest distance from a changed texel to the points of a ray whose samples read it.
 struct Reach {
-  double voxels = 0.0;  ///< [voxels] along each index axis
-  double metres = 0.0;  ///< [m] in any direction, of all samples except those of ambient occlusion
-  double sky = 0.0;     ///< [m] of the samples of ambient occlusion; 0: not more than `metres`
+  double voxels = 0.0;     ///< [voxels] along each index axis
+  double metres = 0.0;     ///< [m] in any direction, of all samples except those of ambient occlusion
+  double occlusion = 0.0;  ///< [m] of the samples of ambient occlusion; 0 if `metres` covers it
 
   /// @returns the reach of all samples, in `metres`.
-  [[nodiscard]] Reach with_sky() const noexcept { return {voxels, std::max(metres, sky), 0.0}; }
+  [[nodiscard]] Reach with_occlusion() const noexcept { return {voxels, std::max(metres, occlusion), 0.0}; }
 };
 
 /// @returns the reach of the shaders with these options; each value is that of the shader's text. @param longest_edge [m] of a voxel.
 [[nodiscard]] Reach reach_of(const RenderOptions& options, double longest_edge) noexcept;
 
-/// @returns the corners, in the world, of the region of ray points whose samples, except those of ambient occlusion, may read a texel of
-/// `box`.
+/// @returns the corners, in the world, of the region of ray points whose samples may read a texel of `box` over `reach`, without its
+/// `occlusion`.
 [[nodiscard]] std::vector<Vec3> reached_corners(const VoxelBox& box, const Reach& reach, const Affine& world_from_index);
 
 /// @returns the rectangle of all pixels whose rays meet the convex hull of the points, clipped to the picture; the whole picture if a point

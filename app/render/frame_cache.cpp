@@ -78,15 +78,15 @@ StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, cons
     for (const VoxelBox& box : changed_)
       into.add(in_blocks(find_footprint(rays, reached_corners(box, of, *world_from_index), drawn), supersample_));
   };
-  footprints(layers ? reach : reach.with_sky(), region);
+  footprints(layers ? reach : reach.with_occlusion(), region);
   PixelRegion moved;
   if (!same(tool_, tool))
     for (const std::optional<DrawnTool>& one : {tool_, tool})
       if (one) (layers ? moved : region).add(in_blocks(one->footprint, supersample_));
   if (!layers) return out;
-  if (reach.sky > 0.0 && !changed_.empty()) {
+  if (reach.occlusion > 0.0 && !changed_.empty()) {
     PixelRegion wide;
-    footprints(reach.with_sky(), wide);
+    footprints(reach.with_occlusion(), wide);
     out.relit = outside(wide.rects(), region.rects());
     out.changed = changed_.bounds();
   }

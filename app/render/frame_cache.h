@@ -50,7 +50,7 @@ class FrameCache {
 
   /// @returns what the picture of `key` must draw, in whole pixels of the picture. @param drawn size in drawn pixels.
   /// @param world_from_index, reach of the volume; absent without a volume, whose texels then do not change. @param layers the tool is drawn
-  /// over a copy of the picture of the bone; then hits can be relit, if `reach.sky` is not 0.
+  /// over a copy of the picture of the bone; then hits can be relit, if `reach.occlusion` is not 0.
   [[nodiscard]] StalePixels find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
                                        const std::optional<Affine>& world_from_index, const Reach& reach, bool layers) const;
   /// Stores the drawn parts of the picture. @param shrunk one image per rectangle, in pixels of the picture.

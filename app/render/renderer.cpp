@@ -98,12 +98,12 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   const int n = options.supersample;
   const Vec2i drawn = n * Vec2i(width, height);
   if (const Status current = context.make_current(); !current) return current.error();
-  if (const Status made = prepare(target, drawn.x, drawn.y, bone_kind()); !made) return made.error();
-  const bool layers = has_layers();
-  if (layers)
-    if (const Status made = prepare(shown, drawn.x, drawn.y, TargetKind::shown); !made) return made.error();
   auto block = make_block(view, drawn.x, drawn.y, n);
   if (!block) return block.error();
+  if (Status made = prepare(target, drawn.x, drawn.y, bone_kind()); !made) return made.error();
+  const bool layers = has_layers(), over_copy = layers && tool;
+  if (over_copy)
+    if (Status made = prepare(shown, drawn.x, drawn.y, TargetKind::shown); !made) return made.error();
   const bool cut = view.cut.has_value();
   std::string shaders;
   if (volume) shaders = volume_variant(cut, false, has_soft(), outer_level()).name;
@@ -116,32 +116,33 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   if (!options.keep_picture) cache.forget();
   const StalePixels stale = cache.find_stale(key, drawn, drawn_tool, world_from_index, reach, layers);
   fill_changed(block.value(), stale.changed);
-  if (const Status done = render(stale, view, block.value(), drawn_tool, layers ? ToolPass::layer : ToolPass::picture); !done) {
+  const auto relit = render(stale, view, block.value(), drawn_tool, over_copy ? ToolPass::layer : ToolPass::picture);
+  if (!relit) {
     cache.forget();
-    return done.error();
+    return relit.error();
   }
   const std::vector<PixelRect> rects = stale.all();
   std::vector<Image> parts;
-  for (const PixelRect& part : rects) parts.push_back(shrink((layers ? shown : target).read_part(part), n));
+  for (const PixelRect& part : rects) parts.push_back(shrink((over_copy ? shown : target).read_part(part), n));
   cache.keep(std::move(key), drawn, drawn_tool, rects, parts);
   may_grow = false;
   ++counters.frames;
-  counters.drawn_pixels += (static_cast<std::uint64_t>(stale.drawn.pixels()) + relit) / static_cast<std::uint64_t>(n * n);
+  counters.drawn_pixels += (static_cast<std::uint64_t>(stale.drawn.pixels()) + *relit) / static_cast<std::uint64_t>(n * n);
   for (const PixelRect& part : stale.tool) counters.tool_pixels += static_cast<std::uint64_t>(part.count() / (n * n));
   return cache.picture();
 }
 
 Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) {
   if (const Status current = context.make_current(); !current) return current;
-  if (const Status made = prepare(probe_target, width, height, TargetKind::probed); !made) return made;
+  if (Status made = prepare(probe_target, width, height, TargetKind::probed); !made) return made;
   const auto block = make_block(view, width, height, 1);
   if (!block) return block.error();
   StalePixels whole;
   whole.drawn.add({Vec2i(0), Vec2i(width, height)});
   std::swap(target, probe_target);
-  const Status done = render(whole, view, block.value(), place_tool(view, block.value(), Vec2i(width, height)), ToolPass::probe);
+  const auto done = render(whole, view, block.value(), place_tool(view, block.value(), Vec2i(width, height)), ToolPass::probe);
   std::swap(target, probe_target);
-  if (!done) return done;
+  if (!done) return done.error();
   ++counters.frames;
   return {};
 }

@@ -26,8 +26,8 @@ struct Renderer::Impl {
   ProgramCache programs;
   RenderCounters counters;
   GlObject no_vertices, frame_buffer, detail_buffer, count_query;
-  GlTarget target;  ///< with layers the bone without the tool
-  GlTarget shown;   ///< with layers the picture
+  GlTarget target;  ///< the picture; with layers that of the bone
+  GlTarget shown;   ///< with layers and a tool the picture
   GlTarget probe_target;
   DepthRange range;  ///< of the last picture
   GlObject transfer;
@@ -39,7 +39,6 @@ struct Renderer::Impl {
   std::optional<UploadRing> ring;
   std::optional<ToolMesh> tool;
   FrameCache cache;
-  std::uint64_t relit = 0;                ///< drawn pixels of the last picture that were only lit again
   bool may_grow = false;                  ///< forget() came since the last picture
   std::optional<CameraView> last_camera;  ///< of draw_at_pace
 
@@ -69,10 +68,10 @@ struct Renderer::Impl {
   ~Impl() { static_cast<void>(context.make_current()); }  // the members delete their names in it
 
   struct Programs {
-    GLuint background, volume, light, tool;  ///< light: on the surface that rays hit; tool: 0 where it is not drawn
-    GLuint detail, detail_light;             ///< those of the detail, if there is one
-    GLuint stale_sky, detail_stale_sky;      ///< mark the hits to be relit, if any
-    PixelRect detail_rect;                   ///< pixels whose rays may meet the detail
+    GLuint background = 0, volume = 0, light = 0, tool = 0;  ///< light: on the surface that rays hit
+    GLuint detail = 0, detail_light = 0;                     ///< those of the detail, if there is one
+    GLuint stale_occlusion = 0, detail_stale_occlusion = 0;  ///< mark the hits to be relit, if any
+    PixelRect detail_rect{};                                 ///< pixels whose rays may meet the detail
   };
   [[nodiscard]] bool has_soft() const noexcept { return volume && (volume->has_soft() || (detail && detail->has_soft())); }
   [[nodiscard]] bool has_tissue() const noexcept { return volume && volume->has_tissue(); }
@@ -81,13 +80,14 @@ struct Renderer::Impl {
   [[nodiscard]] VolumeLevel outer_level() const noexcept { return detail ? VolumeLevel::whole : VolumeLevel::only; }
   [[nodiscard]] bool has_surface() const noexcept { return !options.slices && !options.translucent; }
   /// @returns whether ambient occlusion reaches further than what else is drawn, so that some hits are only lit again.
-  [[nodiscard]] bool relights() const noexcept { return reach_of(options, 0.0).sky > 0.0; }
+  [[nodiscard]] bool relights() const noexcept { return reach_of(options, 0.0).occlusion > 0.0; }
   /// @returns whether the bone is drawn into a picture of its own, so that a moving tool costs no rays. Slices and translucent bone are
   /// blended with the tool.
-  [[nodiscard]] bool has_layers() const noexcept { return volume && tool && has_surface(); }
+  [[nodiscard]] bool has_layers() const noexcept { return volume && has_surface(); }
   [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft, VolumeLevel level) const;
-  [[nodiscard]] ShaderVariant sky_variant(bool cut, VolumeLevel level) const;
+  [[nodiscard]] ShaderVariant stale_variant(bool cut, VolumeLevel level) const;
   [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
+  void scissor(const PixelRect& part) const;
   void draw_screen(GLuint program) const;
   void draw_tool(GLuint program) const;
   void draw_slices(GLuint program, int count) const;
@@ -102,15 +102,15 @@ struct Renderer::Impl {
   /// @param width, height [pixels] drawn. @param rays_a_side of a pixel of the picture.
   Result<FrameBlock> make_block(const FrameView& view, int width, int height, int rays_a_side);
   [[nodiscard]] FrameBlock make_detail_block(const FrameBlock& whole, const FrameView& view) const;
-  Result<Programs> find_programs(bool cut, ToolPass pass, bool relights);
+  Result<Programs> find_programs(bool cut, ToolPass pass, bool with_stale);
   [[nodiscard]] TargetKind bone_kind() const noexcept;
   Status prepare(GlTarget& into, int width, int height, TargetKind kind);
   [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
   void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;
   void draw_layer(const PixelRect& part, const Programs& used, bool with_tool) const;
-  /// Sets `relit`.
-  Status render(const StalePixels& stale, const FrameView& view, const FrameBlock& block, const std::optional<DrawnTool>& drawn_tool,
-                ToolPass pass);
+  /// @returns the number of drawn pixels that were only lit again.
+  Result<std::uint64_t> render(const StalePixels& stale, const FrameView& view, const FrameBlock& block,
+                               const std::optional<DrawnTool>& drawn_tool, ToolPass pass);
   Result<Image> draw(const FrameView& view, int width, int height);
   Status draw_probe(const FrameView& view, int width, int height);
 };

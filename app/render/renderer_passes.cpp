@@ -3,6 +3,8 @@
 
 namespace burrhole {
 
+void Renderer::Impl::scissor(const PixelRect& part) const { gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y); }
+
 /// One triangle over the whole picture: a ray, or the background, at each pixel.
 void Renderer::Impl::draw_screen(GLuint program) const {
   gl.UseProgram(program);
@@ -63,16 +65,16 @@ template <class F>
 void Renderer::Impl::with_detail(const PixelRect& part, const Programs& used, const F& f) const {
   const PixelRect drawn = used.detail_rect.intersect(part);
   if (drawn.empty()) return;
-  gl.Scissor(drawn.lo.x, drawn.lo.y, drawn.size().x, drawn.size().y);
+  scissor(drawn);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, detail_buffer.name());
   detail->bind();
   volume->bind_field(7);
   f();
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer.name());
-  gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
+  scissor(part);
 }
 
-/// Both levels: the nearer hit of each ray, then the light on the hits of each.
+/// The nearer hit of each ray in both levels, or in the only one, then the light on the hits of each.
 void Renderer::Impl::draw_levels(const PixelRect& part, const Programs& used) const {
   volume->bind();
   draw_screen(used.volume);
@@ -88,13 +90,12 @@ void Renderer::Impl::draw_levels(const PixelRect& part, const Programs& used) co
 void Renderer::Impl::light_levels(const PixelRect& part, GLuint outer, GLuint inner, const Programs& used) const {
   volume->bind();
   draw_light(outer);
-  if (detail) with_detail(part, used, [&] { draw_light(inner); });
+  with_detail(part, used, [&] { draw_light(inner); });
 }
 
 /// A program that first tests whether its pixel is concerned costs as much as one that lights it: Mesa executes both branches of each `if`.
 /// Therefore one pass marks the pixels by stencil, and a second draws light there.
 std::uint64_t Renderer::Impl::relight(std::span<const PixelRect> parts, const Programs& used) const {
-  const auto scissor = [&](const PixelRect& part) { gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y); };
   const auto each = [&](GLuint outer, GLuint inner) {
     for (const PixelRect& part : parts) {
       scissor(part);
@@ -110,7 +111,7 @@ std::uint64_t Renderer::Impl::relight(std::span<const PixelRect> parts, const Pr
   gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
   gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   gl.BeginQuery(GL_SAMPLES_PASSED, count_query.name());
-  each(used.stale_sky, used.detail_stale_sky);
+  each(used.stale_occlusion, used.detail_stale_occlusion);
   gl.EndQuery(GL_SAMPLES_PASSED);
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl.StencilFunc(GL_EQUAL, 1, 0xff);
@@ -122,8 +123,8 @@ std::uint64_t Renderer::Impl::relight(std::span<const PixelRect> parts, const Pr
   return marked;
 }
 
-ShaderVariant Renderer::Impl::sky_variant(bool cut, VolumeLevel level) const {
-  return stale_sky_variant({.cut = cut, .finish = options.finish, .appearance = options.appearance, .level = level});
+ShaderVariant Renderer::Impl::stale_variant(bool cut, VolumeLevel level) const {
+  return stale_occlusion_variant({.cut = cut, .finish = options.finish, .appearance = options.appearance, .level = level});
 }
 
 ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft, VolumeLevel level) const {
@@ -146,11 +147,11 @@ ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft, Vo
 /// A user's faulty shader is found at once and not at the first picture that takes it: every program the options may call for, as if the
 /// volume had tissue and dura. What is built in, the build has compiled.
 Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
-  std::vector<ShaderVariant> asked{background_variant(), tool_variant(ToolPass::picture), tool_variant(ToolPass::layer)};
+  std::vector<ShaderVariant> asked{background_variant(), tool_variant(has_surface() ? ToolPass::layer : ToolPass::picture)};
   for (const bool cut : {false, true}) {
     asked.push_back(volume_variant(cut, false, true, VolumeLevel::only));
     if (has_surface()) asked.push_back(light_variant(cut, true, true, VolumeLevel::only));
-    if (relights()) asked.push_back(sky_variant(cut, VolumeLevel::only));
+    if (relights()) asked.push_back(stale_variant(cut, VolumeLevel::only));
   }
   for (const ShaderVariant& variant : asked) {
     const auto linked = programs.find_or_link(variant);
@@ -172,11 +173,12 @@ Status Renderer::Impl::prepare(GlTarget& into, int width, int height, TargetKind
   auto made = GlTarget::create(gl, width, height, kind);
   if (!made) return made.error();
   into = std::move(made).value();
+  if (&into != &probe_target) cache.forget();  // kept pixels read it
   if (options.translucent) into.make_depth_copy();
   return {};
 }
 
-Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPass pass, bool relights) {
+Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPass pass, bool with_stale) {
   const bool probe = pass == ToolPass::probe;
   const auto empty = programs.find_or_link(background_variant());
   if (!empty) return empty.error();
@@ -186,11 +188,11 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPas
   if (!light) return light.error();
   const auto steel = programs.find_or_link(tool_variant(pass));
   if (!steel) return steel.error();
-  Programs out{empty.value(), bone.value(), light.value(), steel.value(), 0, 0, 0, 0, {}};
-  if (relights) {
-    const auto sky = programs.find_or_link(sky_variant(cut, outer_level()));
-    if (!sky) return sky.error();
-    out.stale_sky = sky.value();
+  Programs out{.background = empty.value(), .volume = bone.value(), .light = light.value(), .tool = steel.value()};
+  if (with_stale) {
+    const auto stale = programs.find_or_link(stale_variant(cut, outer_level()));
+    if (!stale) return stale.error();
+    out.stale_occlusion = stale.value();
   }
   if (!detail) return out;
   const auto part = programs.find_or_link(volume_variant(cut, probe, has_soft(), VolumeLevel::detail));
@@ -199,10 +201,10 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPas
   if (!part_light) return part_light.error();
   out.detail = part.value();
   out.detail_light = part_light.value();
-  if (relights) {
-    const auto part_sky = programs.find_or_link(sky_variant(cut, VolumeLevel::detail));
-    if (!part_sky) return part_sky.error();
-    out.detail_stale_sky = part_sky.value();
+  if (with_stale) {
+    const auto part_stale = programs.find_or_link(stale_variant(cut, VolumeLevel::detail));
+    if (!part_stale) return part_stale.error();
+    out.detail_stale_occlusion = part_stale.value();
   }
   return out;
 }
@@ -216,16 +218,13 @@ std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const
 
 /// The same fragments as in a whole picture: OpenGL does not let the scissor's place change what is drawn inside (4.5 core, appendix A.3).
 void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const {
-  gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
+  scissor(part);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   const bool opaque = !volume || has_surface();
-  if (opaque && detail) {
+  if (volume && opaque)
     draw_levels(part, used);
-  } else {
-    if (opaque && volume) volume->bind();
-    draw_screen(opaque ? used.volume : used.background);
-    if (opaque && volume) draw_light(used.light);
-  }
+  else
+    draw_screen(used.background);
   if (with_tool) draw_tool(used.tool);
   if (!opaque && options.slices) draw_slices(used.volume, static_cast<int>(block.slices.y));
   if (!opaque && options.translucent) draw_translucent(used.volume, part);
@@ -233,7 +232,7 @@ void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, c
 
 /// The picture: the bone, and over it the tool where no bone is nearer.
 void Renderer::Impl::draw_layer(const PixelRect& part, const Programs& used, bool with_tool) const {
-  gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y);
+  scissor(part);
   target.copy_picture(shown, part);
   if (!with_tool) return;
   gl.Clear(GL_DEPTH_BUFFER_BIT);
@@ -241,8 +240,8 @@ void Renderer::Impl::draw_layer(const PixelRect& part, const Programs& used, boo
   draw_tool(used.tool);
 }
 
-Status Renderer::Impl::render(const StalePixels& stale, const FrameView& view, const FrameBlock& block,
-                              const std::optional<DrawnTool>& drawn_tool, ToolPass pass) {
+Result<std::uint64_t> Renderer::Impl::render(const StalePixels& stale, const FrameView& view, const FrameBlock& block,
+                                             const std::optional<DrawnTool>& drawn_tool, ToolPass pass) {
   auto used = find_programs(view.cut.has_value(), pass, !stale.relit.empty());
   if (!used) return used.error();
   if (detail) {
@@ -262,13 +261,13 @@ Status Renderer::Impl::render(const StalePixels& stale, const FrameView& view, c
   const bool layers = pass == ToolPass::layer;
   const auto has_tool = [&](const PixelRect& part) { return drawn_tool && !drawn_tool->footprint.intersect(part).empty(); };
   for (const PixelRect& part : stale.drawn.rects()) draw_part(part, block, used.value(), !layers && has_tool(part));
-  relit = stale.relit.empty() ? 0 : relight(stale.relit, *used);
+  const std::uint64_t relit = stale.relit.empty() ? 0 : relight(stale.relit, *used);
   if (layers) {
     shown.bind();
     for (const PixelRect& part : stale.all()) draw_layer(part, *used, has_tool(part));
   }
   if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
-  return {};
+  return relit;
 }
 
 }  // namespace burrhole

@@ -110,12 +110,13 @@ ShaderVariant surface_variant(const SurfaceChoice& choice) {
   return variant;
 }
 
-ShaderVariant stale_sky_variant(const SurfaceChoice& choice) {
-  ShaderVariant variant{"stale_sky", "screen.vert", "stale_sky.frag", {}};
+ShaderVariant stale_occlusion_variant(const SurfaceChoice& choice) {
+  ShaderVariant variant{"stale_occlusion", "screen.vert", "stale_occlusion.frag", {}};
   add_define(variant, choice.cut, "CUT", "_cut");
-  add_define(variant, choice.finish, "FINISH", "_finish");
+  const bool recomputed = choice.appearance.normals == NormalSource::recomputed;
+  add_define(variant, choice.finish && !recomputed, "FINISH", "_finish");
   add_level(variant, choice.level);
-  add_define(variant, choice.appearance.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
+  add_define(variant, recomputed, "RECOMPUTED", "_recomputed");
   return variant;
 }
 
@@ -164,10 +165,10 @@ std::vector<ShaderVariant> all_shader_variants() {
     for (unsigned bits = 0; bits < 8; ++bits)
       variants.push_back(raycast_variant({.cut = bit(bits, 0), .skip = bit(bits, 1), .probe = bit(bits, 2), .level = level}));
   for (const VolumeLevel level : {VolumeLevel::only, VolumeLevel::whole, VolumeLevel::detail})
-    for (unsigned bits = 0; bits < 8; ++bits) {
-      SurfaceChoice choice{.cut = bit(bits, 0), .finish = bit(bits, 1), .level = level};
-      if (bit(bits, 2)) choice.appearance.normals = NormalSource::recomputed;
-      variants.push_back(stale_sky_variant(choice));
+    for (unsigned bits = 0; bits < 6; ++bits) {  // stored normals, smoothed or not, and recomputed ones
+      SurfaceChoice choice{.cut = bit(bits, 0), .finish = bits / 2 == 1, .level = level};
+      if (bits / 2 == 2) choice.appearance.normals = NormalSource::recomputed;
+      variants.push_back(stale_occlusion_variant(choice));
     }
   constexpr unsigned kDrawn = 8, kOptions = 6, kAllOptions = (1u << kOptions) - 1u;
   const auto add = [&](unsigned bits, unsigned chosen, VolumeLevel level) {

@@ -65,7 +65,7 @@ struct TranslucentChoice {
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
 [[nodiscard]] ShaderVariant surface_variant(const SurfaceChoice& choice);
 /// Marks the hits whose ambient occlusion may have changed; the appearance counts for their normals only.
-[[nodiscard]] ShaderVariant stale_sky_variant(const SurfaceChoice& choice);
+[[nodiscard]] ShaderVariant stale_occlusion_variant(const SurfaceChoice& choice);
 [[nodiscard]] ShaderVariant translucent_variant(const TranslucentChoice& choice);
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
 /// The tool: into the picture of the bone, with a probe or not; or over a copy of it.

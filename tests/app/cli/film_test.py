@@ -4,10 +4,13 @@ Run by ctest with the program's path in BURRHOLE_PROGRAM; exits 77 when it canno
 """
 import json
 import os
+import signal
 import struct
+import subprocess
+import time
 import zlib
 
-from program_support import QUICK, WithFolder, lines, main, run
+from program_support import PROGRAM, QUICK, WithFolder, lines, main, run
 
 SIZE = (64, 48)
 DURATION = 1.2  # [s]
@@ -15,7 +18,7 @@ DURATION = 1.2  # [s]
 STAND_IN = """#!/bin/sh
 echo "$@" > "$FILM_LOG"
 for last; do :; done
-cat > "$last"
+cat > "${{last#file:}}"
 {}
 """
 
@@ -66,10 +69,11 @@ class Film(WithFolder):
         film.mkdir()
         (film / "frame_999999.png").write_text("of an earlier film")
         (film / "notes.txt").write_text("of a user")
+        (film / "frame_of_reference.png").write_text("of a user")
         filmed = self.drill("--video", film, "--video-fps", 20)
         self.assertEqual(filmed.returncode, 0, filmed.stderr)
         count = round(DURATION * 20)
-        self.assertEqual(sorted(p.name for p in film.iterdir()), [f"frame_{n:06}.png" for n in range(count)] + ["notes.txt"])
+        self.assertEqual(sorted(p.name for p in film.iterdir()), [f"frame_{n:06}.png" for n in range(count)] + ["frame_of_reference.png", "notes.txt"])
         self.assertIn(f"film: {count} frames, 20 a second, in {film}", filmed.stderr)
         first, second = json.loads(plain.stdout), json.loads(filmed.stdout)
         self.assertEqual(first["hash"], second["hash"])
@@ -95,7 +99,7 @@ class Film(WithFolder):
         self.assertEqual(result.returncode, 0, result.stderr)
         words = (self.folder / "arguments").read_text()
         self.assertIn(f"-s {SIZE[0]}x{SIZE[1]} -r 10 -i pipe:0", words)
-        self.assertIn(f"-f mp4 {video}.part", words)
+        self.assertIn(f"-f mp4 file:{video}.part", words)
         raw, count = video.read_bytes(), round(DURATION * 10)
         self.assertEqual(len(raw), count * SIZE[0] * SIZE[1] * 4)
         for n in (0, count - 1):
@@ -104,11 +108,40 @@ class Film(WithFolder):
             self.assertEqual(rows, pixels_of(film / f"frame_{n:06}.png"))
         self.assertFalse((self.folder / "film.mp4.part").exists())
 
-    def test_an_ffmpeg_that_fails_is_told_and_leaves_no_video(self):
+    def test_an_ffmpeg_that_fails_is_reported_and_leaves_no_video(self):
         result = self.drill("--video", self.folder / "film.webm", env=self.with_stand_in("exit 3"))
         self.assertEqual(result.returncode, 4, result.stderr)
         self.assertIn("ffmpeg failed (exit 3)", lines(result.stderr)[-1])
+        (self.folder / "tools" / "ffmpeg").write_text("#!/bin/sh\nexit 1\n")  # it reads no frame
+        result = self.drill("--video", self.folder / "film.mkv", env={**os.environ, "PATH": f"{self.folder}/tools:{os.environ['PATH']}"})
+        self.assertEqual(result.returncode, 4, result.stderr)
+        self.assertIn("ffmpeg failed", lines(result.stderr)[-1])
         self.assertEqual([p.name for p in self.folder.iterdir() if p.name.startswith("film")], [])
+
+    def test_ctrl_c_ends_the_run_and_completes_the_video(self):
+        video = self.folder / "film.mp4"
+        process = subprocess.Popen([PROGRAM, "drill", str(QUICK), "--out", str(self.folder / "out"), "--video", str(video), "--video-fps",
+                                    "100", "--set", "display.size=[640, 480]"],
+                                   env=self.with_stand_in(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                                   start_new_session=True)
+        while not (self.folder / "film.mp4.part").exists() or (self.folder / "film.mp4.part").stat().st_size < 3 * 640 * 480 * 4:
+            self.assertIsNone(process.poll())
+            time.sleep(0.01)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does: all of the group in the foreground
+        message = process.communicate(timeout=60)[1]
+        self.assertEqual(process.returncode, 130, message)
+        self.assertGreater(video.stat().st_size, 2 * 640 * 480 * 4)
+        self.assertEqual(video.stat().st_size % (640 * 480 * 4), 0)
+        self.assertTrue((self.folder / "out" / "summary.json").exists())
+
+    def test_a_run_without_a_frame_says_so_and_keeps_no_earlier_film(self):
+        film = self.folder / "film"
+        film.mkdir()
+        (film / "frame_000000.png").write_text("of an earlier film")
+        result = self.drill("--video", film, "--video-fps", 1, "--set", "duration_s=0.5")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("the run ended before the first frame of its film", result.stderr)
+        self.assertEqual(list(film.iterdir()), [])
 
     def test_what_cannot_be_filmed_is_refused_before_anything_is_written(self):
         bare = self.quick(append="")
@@ -117,6 +150,8 @@ class Film(WithFolder):
         for code, needle, arguments in (
                 (2, "--video is not valid with --live", ["--live", "--video", film]),
                 (2, "--video-fps 24 does not divide the servo rate, 1000 Hz", ["--video", film, "--video-fps", "24"]),
+                (2, "a film is a folder, or a file .mp4, .mkv or .webm", ["--video", self.folder / "film.avi"]),
+                (2, "--video-fps requires --video", ["--video-fps", "10"]),
                 (2, "there is no such folder", ["--video", self.folder / "none" / "film.mp4"])):
             result = self.drill(*arguments, env=self.with_stand_in() if "none" in str(arguments) else None)
             self.assertEqual((result.returncode, len([l for l in lines(result.stderr) if needle in l])), (code, 1), result.stderr)

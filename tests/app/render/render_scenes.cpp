@@ -67,7 +67,7 @@ FrameView oblique_view() {
 }
 
 std::string changed_shaders(const std::string& name, const std::string& file, const std::string& right, const std::string& wrong) {
-  const std::filesystem::path folder = in_build("test-shaders-" + name);
+  const std::filesystem::path folder = in_build("test-shaders-" + name + "-" + std::string(gl_backend_name(tested_backend())));
   std::filesystem::create_directories(folder);
   for (auto [known, text] : embedded_shaders()) {
     if (known == file) {

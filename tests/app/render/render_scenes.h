@@ -41,7 +41,8 @@ struct VolumeRecipe {
 /// A renderer over that, or the end of the program with 77 (skipped) where there is no such context.
 [[nodiscard]] Renderer require_renderer(RenderOptions options = {.finish = false});
 
-/// @returns a folder of the build, test-shaders-NAME, with the built-in shaders, in whose `file` the one place of `right` says `wrong`.
+/// @returns a folder of the build, one for each name and back end, with the built-in shaders, in `file` the first occurrence of `right`
+/// replaced by `wrong`.
 [[nodiscard]] std::string changed_shaders(const std::string& name, const std::string& file, const std::string& right,
                                           const std::string& wrong);
 

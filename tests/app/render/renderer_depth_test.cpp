@@ -56,6 +56,22 @@ TEST_CASE("depth: a tool a fifth of a voxel above the bone hides it, a fifth bel
   CHECK(volume_share(2e-3 - 0.2 * kEdge) == 1.0);
 }
 
+TEST_CASE("depth: a picture, whose tool is drawn over a copy of the bone, hides the same as one depth buffer") {
+  for (const double off : {0.2, -0.2}) {
+    Renderer renderer = require_renderer();
+    REQUIRE(renderer.set_volume(plate()).ok());
+    REQUIRE(renderer.set_tool(square(8e-3, 0.0)).ok());
+    FrameView view = from_above();
+    const auto without = renderer.draw(view, kSize, kSize);
+    view.world_from_tool = Pose{Quat(1, 0, 0, 0), Vec3(0.0, 0.0, 2e-3 + off * kEdge)};
+    const auto with = renderer.draw(view, kSize, kSize);
+    const auto probe = renderer.probe(view, kSize, kSize);
+    REQUIRE((without.ok() && with.ok() && probe.ok()));
+    CHECK(with->pixels == probe->image.pixels);
+    CHECK((with->pixels == without->pixels) == (off < 0.0));
+  }
+}
+
 TEST_CASE("depth: a tool inside the bone leaves the picture as it was, byte for byte") {
   Renderer renderer = require_renderer();
   REQUIRE(renderer.set_volume(plate()).ok());

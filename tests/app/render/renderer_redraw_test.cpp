@@ -188,6 +188,30 @@ TEST_CASE("redraw: a tool that moves before and behind bone needs no ray, and no
   CHECK(pair.kept.counters().drawn_pixels == rays);
 }
 
+TEST_CASE("redraw: without a tool hits are lit again too, and a refused picture in between spoils nothing") {
+  Pair pair({.appearance = {.occlusion = true}});
+  pair.draw("bare-first");
+  const std::uint64_t before = pair.kept.counters().drawn_pixels;
+  Renderer bare = require_renderer({.appearance = {.occlusion = true}});
+  REQUIRE(bare.set_volume(ball_on_plate()).ok());
+  REQUIRE(bare.draw(pair.view, kWidth, kHeight).ok());
+  pair.update(filled(kPit, 0));
+  bare.update(filled(kPit, 0));
+  const std::uint64_t pit = pair.draw("bare-pit");
+  const std::uint64_t drawn = bare.counters().drawn_pixels;
+  const auto again = bare.draw(pair.view, kWidth, kHeight);
+  REQUIRE(again.ok());
+  CHECK(again->pixels == pair.last.pixels);
+  CHECK(bare.counters().drawn_pixels - drawn == pit);
+  CHECK(pit < kAll / 3);
+  CHECK(pair.kept.counters().drawn_pixels > before);
+  FrameView dark = pair.view;
+  dark.light.direction_to_light = Vec3(0.0);
+  CHECK_FALSE(pair.kept.draw(dark, kWidth / 2, kHeight / 2).ok());
+  pair.view.world_from_tool = at(1e-3, 9e-3);
+  pair.draw("refused-between");
+}
+
 TEST_CASE("redraw: marks that leave out a ring of ambient occlusion, or its width, are noticed") {
   const auto differing = [](const std::string& right, const std::string& wrong) {
     const std::string folder = changed_shaders("marks", "occlusion.glsl", right, wrong);
@@ -260,7 +284,9 @@ TEST_CASE("redraw: an eye inside the bone and a tool at the eye draw the bytes o
   }
 }
 
-TEST_CASE("redraw: a footprint two pixels smaller, one without the sky's reach, and one without the tool's old place are noticed") {
+TEST_CASE(
+    "redraw: a footprint two pixels smaller, one without the reach of ambient occlusion, and one without the tool's old place are "
+    "noticed") {
   // Far away: a voxel is a quarter of a pixel, so that the reach of a look-up is less than what is taken away.
   constexpr int kSmall = 96;
   FrameView view = oblique_view();
@@ -271,7 +297,7 @@ TEST_CASE("redraw: a footprint two pixels smaller, one without the sky's reach, 
   const double edge = world_from_index.longest_edge();
   const VoxelBox box{{8, 10, 40}, {56, 52, 52}};
   const auto footprint = [&](const RenderOptions& options) {
-    return find_footprint(*rays, reached_corners(box, reach_of(options, edge).with_sky(), world_from_index), Vec2i(kSmall));
+    return find_footprint(*rays, reached_corners(box, reach_of(options, edge).with_occlusion(), world_from_index), Vec2i(kSmall));
   };
   for (const bool occlusion : {false, true}) {
     const RenderOptions options{.finish = false, .appearance = {.occlusion = occlusion}, .keep_picture = false};

@@ -110,3 +110,20 @@ TEST_CASE("shader source: an appearance option that is off is not in the source,
   CHECK(surface_source(none).find("vec3 n = stored_normal(p);") != std::string::npos);
   CHECK(surface_source(recomputed).find("vec3 n = stored_normal(p);") == std::string::npos);
 }
+
+TEST_CASE("shader source: no loop comes after a discard, for which Mesa's compiler would take a minute") {
+  const auto fault = [](const std::string& text) {
+    const std::size_t first = text.find("discard;"), loop = std::max(text.rfind("for (") + 1, text.rfind("while (") + 1);
+    return first != std::string::npos && loop > first;
+  };
+  CHECK(fault("if (a) discard;\nfor (;;) {}"));
+  CHECK_FALSE(fault("for (;;) {}\nif (a) discard;"));
+  int discarding = 0;
+  for (const ShaderVariant& variant : all_shader_variants()) {
+    const auto text = expand_shader(embedded_shaders(), variant.fragment, variant.defines);
+    REQUIRE(text.ok());
+    discarding += text->find("discard;") != std::string::npos ? 1 : 0;
+    CHECK_MESSAGE(!fault(*text), variant.name);
+  }
+  CHECK(discarding > 10);
+}

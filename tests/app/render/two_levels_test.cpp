@@ -166,3 +166,27 @@ TEST_CASE("two levels: shadow and cut pass through the seam") {
           seam.beside);
   CHECK(seam.off < 0.05 * seam.pixels);
 }
+
+TEST_CASE("two levels: a tool is hidden by the bone of both, and hides it") {
+  const Subject subject(kPatch, 80e-3);
+  Renderer renderer = require_renderer(shipped());
+  REQUIRE(renderer.set_volume(subject.two()).ok());
+  REQUIRE(renderer.set_tool(square(12e-3, 0.0)).ok());  // over detail and whole
+  FrameView view = view_from(kEyes[0]);
+  const auto drawn = [&] {
+    const auto image = renderer.draw(view, kWidth, kHeight);
+    REQUIRE(image.ok());
+    return *image;
+  };
+  const Image without = drawn();
+  view.world_from_tool = Pose{Quat(1, 0, 0, 0), Vec3(0.0, 0.0, -4e-3)};  // inside the bone
+  CHECK(drawn().pixels == without.pixels);
+  view.world_from_tool = Pose{Quat(1, 0, 0, 0), Vec3(0.0, 0.0, 1e-3)};
+  const Image above = drawn();
+  const auto probe = renderer.probe(view, kWidth, kHeight);
+  REQUIRE(probe.ok());
+  CHECK(above.pixels != without.pixels);
+  int differing = 0;
+  for (std::size_t n = 0; n < above.pixels.size(); ++n) differing += above.pixels[n] == probe->image.pixels[n] ? 0 : 1;
+  CHECK(differing < kWidth * kHeight / 1000);
+}

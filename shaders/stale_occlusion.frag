@@ -7,5 +7,5 @@
 
 void main() {
   Hit hit = hit_here();
-  if (!sky_reads_changed(hit.p, hit.normal)) discard;
+  if (!hit.is_drawn || !occlusion_reads_changed(hit.p, hit.normal)) discard;
 }
