@@ -253,11 +253,12 @@ TEST_CASE("redraw: any other change draws the whole picture") {
   Pair pair({.finish = false});
   pair.view.world_from_tool = at(1e-3, 9e-3);
   pair.draw("other-first");
-  for (const auto& [name, change] : other_changes()) {
+  for (const auto& other : other_changes()) {
+    const std::string name = other.first;
     CAPTURE(name);
     const Image before = pair.last;
-    change(pair.view);
-    CHECK(pair.draw(std::string("other-") + name) == kAll);
+    other.second(pair.view);
+    CHECK(pair.draw("other-" + name) == kAll);
     CHECK(pair.last.pixels != before.pixels);
   }
   REQUIRE(pair.kept.set_volume(ball_on_plate()).ok());
