@@ -109,8 +109,7 @@ void add_drill(CLI::App& app, int& exit_code) {
                     "burrhole drill parietal --video out/parietal.mp4", "burrhole drill parietal --live --out out/live",
                     "burrhole drill parietal --json --quiet | jq .drilling"},
        .exits = "Exit 130 after Ctrl-C; 4 if a scene needs pictures and there is no OpenGL, if a video needs ffmpeg and it is missing or "
-                "fails, or "
-                "if --require-realtime is refused."});
+                "fails, or if --require-realtime is refused."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   command->add_option("--out", option->files.folder, "folder for the results")->type_name(kFolderValue)->capture_default_str();

@@ -77,8 +77,9 @@ class FolderFilm final : public FilmWriter {
     return writer_.add((fs::path(folder_) / fmt::format("frame_{:06}.png", frames_++)).string(), image);
   }
   Status finish() override {
-    if (frames_ == 0) return fs::is_directory(folder_) ? remove_frames(folder_) : Status();
-    return writer_.wait();
+    if (frames_ > 0) return writer_.wait();
+    std::error_code ignored;
+    return fs::is_directory(folder_, ignored) ? remove_frames(folder_) : Status();
   }
 
  private:
