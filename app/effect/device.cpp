@@ -41,7 +41,10 @@ class NoDevice final : public Effect {
 class DevicePlan final : public ConfigPlan<DevicePlan, DeviceConfig> {
  public:
   DevicePlan(TableReader& table, const StageConfig& stage, Issues& issues) {
-    if (stage.feed_hand) issues.push_back(bad_input("[device] has no effect on hand.kind = \"feed\", only on \"script\"", table.place()));
+    if (stage.feed_hand || stage.goal_hand)
+      issues.push_back(
+          bad_input(fmt::format("[device] has no effect on hand.kind = \"{}\", only on \"script\"", stage.feed_hand ? "feed" : "mouse"),
+                    table.place()));
     DeviceConfig& out = config_;
     const std::string name = table.text("name", "generic", "simulated device; \"burrhole devices\" lists them");
     out.hand = table.text("hand", out.hand, "hand on the device: none, light, nominal, firm or arm");

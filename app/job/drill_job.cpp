@@ -81,6 +81,8 @@ std::string setting_of(const Scene& scene) {
   std::string out = fmt::format("{:.0f} rpm, ", scene.tool.spin / kRevPerMinute);
   if (scene.feed_hand && !scene.feed_hand->push)
     out += fmt::format("{:g} mm/s of feed", scene.feed_hand->feed / kMillimetre);
+  else if (scene.goal_hand)
+    out += fmt::format("a user's hand of at most {:g} N", scene.hand.push);
   else
     out += fmt::format("{:g} N of thrust", scene.hand.push);
   for (const EffectPlans::Item& item : scene.effects.items())
@@ -233,13 +235,16 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   options.require_realtime = job.require_realtime;
   options.warn = job.warn;
   options.inputs = job.inputs;
-  options.history = !job.inputs.empty();
+  options.user = job.user;
+  options.history = !job.inputs.empty() || job.user != nullptr;
   options.film_hz = job.film_hz;
   options.samples = !job.folder.empty() && loaded.scene.output.report && loaded.scene.output.plots;
   if (job.live && job.require_realtime)
     if (std::string refused = realtime_refusal(); !refused.empty()) return Error{ErrorCode::unavailable, std::move(refused), {}};
   Issues issues;  // of the tools that the inputs name, which would otherwise end the run when they are applied
-  const Plan plan = make_run_plan(loaded, job.live, tools_of(job.inputs), issues);
+  InputTools input_tools = tools_of(job.inputs);
+  input_tools.inputs = options.history;
+  const Plan plan = make_run_plan(loaded, job.live, input_tools, issues);
   if (!issues.empty()) return issues.front();
   if (job.warn)
     for (std::size_t n = plan.scene_warnings; n < plan.warnings.size(); ++n) job.warn(plan.warnings[n]);

@@ -26,7 +26,8 @@ struct DrillJob {
   std::function<void(double share, const std::string& text)> progress;
   /// Called at the same times, in lockstep only, between two ticks; may read bone and forces. May be empty.
   std::function<void(Simulation&)> watch;
-  double film_hz = 0.0;  ///< [Hz] frames that the sink gets by film(), in lockstep only; divides the servo rate; 0: none
+  LiveUser* user = nullptr;  ///< a person at a live run (app/run/live_user.h); null: none
+  double film_hz = 0.0;      ///< [Hz] frames that the sink gets by film(), in lockstep only; divides the servo rate; 0: none
   std::function<void(const std::string&)> say;   ///< receives the renderer's name, one line; may be empty
   std::function<void(const std::string&)> warn;  ///< receives one line per warning; may be empty
   std::vector<Input> inputs;                     ///< in order of time, with the texts of their tools; see load_inputs()

@@ -48,6 +48,8 @@ PlanRow hand_row(const LoadedScene& loaded) {
       return fmt::format("{}, stop at {:.3g} mm",
                          feed->push ? fmt::format("{:.0f} N", *feed->push) : fmt::format("{:.3g} mm/s", 1e3 * feed->feed),
                          1e3 * feed->stop);
+    if (loaded.scene.goal_hand)
+      return fmt::format("a user, at most {:.0f} N, {:.2f} kg, {:.0f} N/m", hand.push, hand.dynamics.mass, hand.dynamics.stiffness);
     return fmt::format("{:.0f} N, {:.2f} kg, {:.0f} N/m", hand.push, hand.dynamics.mass, hand.dynamics.stiffness);
   };
   return {.table = "hand",

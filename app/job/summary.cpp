@@ -118,6 +118,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.spin_rpm = loaded.scene.tool.spin / kRevPerMinute;
   out.push_N = loaded.scene.hand.push;
   out.bench = loaded.scene.feed_hand.has_value();
+  out.by_user = loaded.scene.goal_hand.has_value();
   out.warnings = plan.warnings;
   out.end = end_name(simulation.end());
   out.dims = loaded.bone->dims();
@@ -161,6 +162,7 @@ std::string outcome_text(const RunSummary& s) {
         "crown left its core there, the contact model failed to hold the bit; this is not a burrhole.",
         *s.passed_s, 100.0 * s.removed_at_passing.value_or(0.0));
   if (s.end == "stopped") return "The run was interrupted, " + how_far + ".";
+  if (s.end == "done" && s.by_user) return "The user ended the run, " + how_far + "; the bone was not drilled through.";
   if (s.end == "done" && s.bench) return "The feed reached its stop, " + how_far + ".";
   if (s.end == "done") return "The hand detected a breakthrough and withdrew, " + how_far + "; the bone was not drilled through.";
   const char* why = s.spin_rpm == 0.0 ? " The bit does not spin." : "";
@@ -169,7 +171,7 @@ std::string outcome_text(const RunSummary& s) {
 
 std::optional<std::string> unfinished_warning(const RunSummary& s) {
   const bool through = s.breakthrough_s || s.passed_s, stop_reached = s.bench && s.end == "done";
-  if (s.erosion_points == 0 || s.spin_rpm == 0.0 || s.end == "stopped" || through || stop_reached) return std::nullopt;
+  if (s.erosion_points == 0 || s.spin_rpm == 0.0 || s.end == "stopped" || through || stop_reached || s.by_user) return std::nullopt;
   return "hand: " +
          std::string(s.end == "done" ? "it detected a breakthrough"
                      : s.bench       ? "its stop was not reached"

@@ -7,13 +7,14 @@
 namespace burrhole {
 namespace {
 
-constexpr std::array<std::pair<const char*, InputKind>, 8> kKinds{{{"spin", InputKind::spin},
+constexpr std::array<std::pair<const char*, InputKind>, 9> kKinds{{{"spin", InputKind::spin},
                                                                    {"switches", InputKind::switches},
                                                                    {"tool", InputKind::tool},
                                                                    {"undo", InputKind::undo},
                                                                    {"reset", InputKind::reset},
                                                                    {"checkpoint", InputKind::checkpoint},
                                                                    {"restore", InputKind::restore},
+                                                                   {"pause", InputKind::pause},
                                                                    {"mark", InputKind::mark}}};
 constexpr double kMostSwitches = 65535.0;
 
@@ -31,7 +32,7 @@ const char* name_of(InputKind kind) noexcept {
 
 bool parks(InputKind kind) noexcept {
   return kind == InputKind::tool || kind == InputKind::undo || kind == InputKind::reset || kind == InputKind::checkpoint ||
-         kind == InputKind::restore;
+         kind == InputKind::restore || kind == InputKind::pause;
 }
 
 Result<Input> input_from(const SessionInput& recorded) {

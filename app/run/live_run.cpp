@@ -36,6 +36,17 @@ bool BatchHandOff::fetch(bool all) {
   return true;
 }
 
+bool BatchHandOff::poll(bool all) noexcept {
+  if (closed()) return false;
+  const bool filled = state_.load(std::memory_order_acquire) == kFilled;
+  if (state_.load(std::memory_order_relaxed) == kIdle) {
+    all_ = all;
+    state_.store(kRequested, std::memory_order_release);
+  }
+  if (filled) state_.store(kIdle, std::memory_order_relaxed);
+  return filled;
+}
+
 namespace {
 
 /// The threads of one live run. The constructor starts none; the destructor stops and joins those that run.
@@ -66,6 +77,8 @@ class Loops {
   Status drain();
   /// Stops all clocks, applies the inputs that need this, and starts the clocks again.
   Status park();
+  /// Tells the user the state, and sends the display what has changed.
+  Status show();
   /// Computes the audio blocks that are due; on the caller's thread.
   void run_audio();
   Status drain_servo();
@@ -92,6 +105,7 @@ class Loops {
   Hash64 sent_;  // servo thread
   std::vector<double> row_;
   DrillProgress progress_;
+  LiveState state_;
   double progress_time_ = 0.0;  // [s] simulated time of the last progress report
   timespec audio_start_{};
   std::uint64_t audio_ticks_ = 0;
@@ -253,6 +267,10 @@ Status Loops::drain_servo() {
     report_->servo_late.add(row.late_us);
     report_->servo_skipped += row.skipped;
     report_->faults |= row.faults;
+    state_.hand = row.hand;
+    state_.faults = row.faults;
+    state_.servo_us = row.compute_us;
+    state_.servo_late_us = row.late_us;
     if (Status noted = log_->record_faults(row.faults, static_cast<double>(row.hand.tick) * parts_->period, options_.warn); !noted)
       return noted;
     if (Status noted = log_->record_hand(row.hand); !noted) return noted;
@@ -271,6 +289,10 @@ Status Loops::drain_contact() {
     report_->contact_late.add(row.late_us);
     report_->contact_skipped += row.skipped;
     progress_ = row.progress;
+    state_.progress = row.progress;
+    state_.world_from_tool = row.world_from_tool;
+    state_.force = row.on_hand.force;
+    state_.contact_us = row.compute_us;
     if (log_->session() != nullptr) {
       put(row, *parts_, row_);
       if (Status written = log_->session()->append(kContactRows, row_); !written) return written;
@@ -292,6 +314,8 @@ Status Loops::drain_bone() {
   while (bone_rows_.pop(row)) {
     report_->bone.add(row.compute_us);
     report_->bone_skipped += row.skipped;
+    state_.bone_us = row.compute_us;
+    ++state_.steps;
     if (log_->session() == nullptr) continue;
     put(row, *parts_, row_);
     if (Status written = log_->session()->append(kBoneRows, row_); !written) return written;
@@ -321,6 +345,15 @@ Status Loops::park() {
   return {};
 }
 
+Status Loops::show() {
+  if (options_.see) {
+    state_.time = static_cast<double>(servo_ticks_.load(std::memory_order_relaxed)) * parts_->period;
+    state_.missed = report_->servo_skipped + report_->contact_skipped;
+    options_.see(state_);
+  }
+  return options_.send && hand_off_->poll(false) ? options_.send() : Status();
+}
+
 void Loops::run_audio() {
   if (parts_->graph.empty(Clock::audio)) return;
   const double now = microseconds(audio_start_, now_monotonic()) * 1e-6;
@@ -337,6 +370,7 @@ Status Loops::run() {
   while (!servo_ended_.load(std::memory_order_acquire)) {
     if (broken_.load(std::memory_order_acquire)) break;
     if (Status drained = drain(); !drained) return drained;
+    if (Status shown = show(); !shown) return shown;
     std::this_thread::sleep_for(kPollEvery);
     run_audio();
     if (!options_.inputs) continue;

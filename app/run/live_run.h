@@ -13,6 +13,7 @@
 #include <atomic>
 #include <functional>
 
+#include "app/run/live_user.h"
 #include "app/run/run_log.h"
 #include "core/base/step_timer.h"
 
@@ -33,6 +34,9 @@ struct LiveOptions {
   /// Applies the inputs that are due before a servo tick, in order, up to the first that needs all clocks stopped. With `parked` all clocks
   /// are stopped, and every due input is applied. May be empty.
   std::function<LiveInput(std::uint64_t tick, bool parked, Status& status)> inputs{};
+  std::function<void(const LiveState&)> see{};  ///< receives the state about every 5 ms; may be empty
+  /// Called about as often when the batch of changed texels is filled, to send it to the display; empty: none is filled before a picture.
+  std::function<Status()> send{};
 };
 
 /// Timing and counters of a live run.
@@ -57,6 +61,8 @@ class BatchHandOff {
   /// Frame side: requests the batch and waits until it is filled. @returns false if no simulation runs; the caller then fills it.
   /// @param all ignores the display's budget.
   [[nodiscard]] bool fetch(bool all);
+  /// Frame side: requests the batch and does not wait. @returns whether a batch is filled; it is taken then.
+  [[nodiscard]] bool poll(bool all) noexcept;
   /// Simulation side, between two steps.
   template <class Gather>
   void serve(Gather&& gather) {

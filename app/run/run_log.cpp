@@ -61,10 +61,11 @@ Status RunLog::record_hand(const HandState& hand) {
 }
 
 Status RunLog::record_contact(const RunSample& sample, const DrillProgress& progress, const Pose& world_from_tool) {
-  if (keep_samples_) samples_.push_back(sample);
+  if (keeps_.samples) samples_.push_back(sample);
   if (!drew_half_ && progress.depth > 0.5 * parts_->approach.thickness) {
     drew_half_ = true;
-    if (Status drawn = draw("during", world_from_tool, false); !drawn) return drawn;
+    if (keeps_.event_pictures)
+      if (Status drawn = draw("during", world_from_tool, false); !drawn) return drawn;
   }
   if (!noted_passing_ && progress.passed_time) {
     noted_passing_ = true;
@@ -78,7 +79,7 @@ Status RunLog::record_contact(const RunSample& sample, const DrillProgress& prog
             record_event(sample.time, "breakthrough", "no bone ahead of the tip; behind it only the bone in which the bit is engaged");
         !noted)
       return noted;
-    return draw("breakthrough", world_from_tool, true);
+    if (keeps_.event_pictures) return draw("breakthrough", world_from_tool, true);
   }
   return {};
 }

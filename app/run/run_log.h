@@ -31,9 +31,12 @@ class RunLog {
  public:
   /// `parts` must outlive it. @param session null: nothing is written to a session. @param gather called before each picture: collects the
   /// changed texels (Stage::gather) on the thread that owns the bone, and returns when the batch is ready.
-  /// @param keep_samples whether record_contact() stores its samples.
-  RunLog(Stage& parts, SessionWriter* session, std::function<void()> gather, bool keep_samples = true)
-      : parts_(&parts), session_(session), gather_(std::move(gather)), keep_samples_(keep_samples) {}
+  struct Keeps {
+    bool samples = true;         ///< record_contact() stores its samples
+    bool event_pictures = true;  ///< record_contact() draws pictures at events
+  };
+  RunLog(Stage& parts, SessionWriter* session, std::function<void()> gather, const Keeps& keeps)
+      : parts_(&parts), session_(session), gather_(std::move(gather)), keeps_(keeps) {}
 
   [[nodiscard]] SessionWriter* session() noexcept { return session_; }
   /// Call at each servo tick. Records an event when the hand enters the next phase of its script.
@@ -60,7 +63,7 @@ class RunLog {
   Stage* parts_;
   SessionWriter* session_;
   std::function<void()> gather_;
-  bool keep_samples_;
+  Keeps keeps_;
   std::vector<RunSample> samples_;
   std::vector<RunEvent> events_;
   std::vector<SessionStill> redrawn_;

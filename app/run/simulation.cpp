@@ -20,6 +20,7 @@ std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_p
   auto parts = Stage::make(scene, scene.effects, std::move(bone), tool,
                            {.sink = options.sink,
                             .hand = options.hand,
+                            .goals = options.user != nullptr ? &options.user->goals() : nullptr,
                             .restore_path = options.restore_path,
                             .history = options.history,
                             .one_thread = !options.live});
@@ -46,7 +47,8 @@ void Simulation::set_session(SessionWriter* session) {
     // A recorded still shows every change up to its step, so it ignores the display's budget.
     if (!hand_off_.fetch(log_->session() != nullptr)) parts_->gather(log_->session() != nullptr);
   };
-  log_ = std::make_unique<RunLog>(*parts_, session, gather, options_.samples);
+  log_ = std::make_unique<RunLog>(*parts_, session, gather,
+                                  RunLog::Keeps{.samples = options_.samples, .event_pictures = options_.user == nullptr});
 }
 
 Status Simulation::run() {
@@ -105,7 +107,10 @@ Status Simulation::film() {
 Status Simulation::apply(const Input& input) {
   const double time = static_cast<double>(input.tick) * parts_->period;
   const auto refused = [&](const std::string& why) {
-    if (options_.warn) options_.warn(why);
+    if (options_.user != nullptr)
+      options_.user->hear(why);
+    else if (options_.warn)
+      options_.warn(why);
     return log_->record_event(time, "refused", why);
   };
   switch (input.kind) {
@@ -134,6 +139,10 @@ Status Simulation::apply(const Input& input) {
     case InputKind::restore:
       if (Status done = parts_->restore(input.text); !done) return refused(done.error().message);
       return log_->record_event(time, "restored", input.text);
+    case InputKind::pause:
+      if (options_.user != nullptr) options_.user->wait_until_resumed();
+      parts_->servo->restart();
+      return {};
     case InputKind::mark:
       return log_->record_event(time, "mark", input.text);
   }
@@ -162,6 +171,11 @@ Status Simulation::apply_inputs(std::uint64_t tick) {
 }
 
 LiveInput Simulation::live_input(std::uint64_t tick, bool parked, Status& status) {
+  if (options_.user != nullptr)
+    while (auto input = options_.user->next_input()) {
+      input->tick = tick;
+      options_.inputs.push_back(std::move(*input));
+    }
   while (input_is_due(tick)) {
     if (!parked && parks(options_.inputs[next_input_].kind)) return LiveInput::park;
     if (status = apply_next(tick); !status.ok()) return LiveInput::failed;
@@ -186,6 +200,10 @@ Status Simulation::run_on_threads() {
   live_.emplace();
   LiveOptions options{options_.require_realtime, options_.stop, options_.progress, options_.warn};
   options.inputs = [this](std::uint64_t tick, bool parked, Status& status) { return live_input(tick, parked, status); };
+  if (options_.user != nullptr) {
+    options.see = [this](const LiveState& state) { options_.user->see(state); };
+    if (FrameStep* const frame = parts_->frame()) options.send = [frame] { return frame->send(); };
+  }
   const Status ran = run_live(*parts_, *log_, options, hand_off_, *live_);
   tick_ = live_->ticks;
   servo_now_ = live_->last;

@@ -15,6 +15,7 @@
 #include "app/run/live_replay.h"
 #include "app/run/live_rows.h"
 #include "app/run/live_run.h"
+#include "app/run/live_user.h"
 #include "app/run/lockstep.h"
 #include "app/run/run_log.h"
 #include "app/scene/scene.h"
@@ -37,8 +38,11 @@ struct SimulationOptions {
   std::function<void(const std::string&)> warn{};                     ///< receives priority refusals, inputs not possible, servo faults
   std::vector<Input> inputs{};                                        ///< timed, in order; recorded when they are applied
   double film_hz = 0.0;                                               ///< [Hz] frames of a film, in lockstep; divides servo_hz; 0: no film
-  bool history = false;                                               ///< keeps what undo, reset and checkpoints need
-  bool samples = true;                                                ///< keeps force and depth of every contact evaluation, for plots
+  /// A person at a live run, who sees the display and moves a hand of kind "mouse"; null: none. The sink then receives changes of bone while
+  /// the run goes on, and no picture is drawn at events.
+  LiveUser* user = nullptr;
+  bool history = false;  ///< keeps what undo, reset and checkpoints need
+  bool samples = true;   ///< keeps force and depth of every contact evaluation, for plots
 };
 
 /// What ended a run.

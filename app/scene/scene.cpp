@@ -121,22 +121,42 @@ FeedHandConfig read_feed(TableReader& table) {
   return out;
 }
 
+GoalHandConfig read_mouse(TableReader& table) {
+  GoalHandConfig out;
+  read_body(table, out.dynamics);
+  out.dynamics.stiffness = table.number("stiffness_N_per_m", above_zero(out.dynamics.stiffness, 1.0, 1e5), "stiffness of the arm");
+  out.push = table.number("push_N", above_zero(out.push, 1.0, 500.0), "largest thrust of the arm");
+  out.speed = table.number("speed_mm_per_s", above_zero(out.speed / kMillimetre, kMillimetre, 1e3), "largest speed of the hand's goal");
+  out.run_up = table.number("run_up_s", at_least_zero(out.run_up, 1.0, 60.0), "time of the drive from rest to full spin, and back");
+  out.standoff =
+      table.number("standoff_mm", above_zero(out.standoff / kMillimetre, kMillimetre, 100.0), "height above the entry at the start");
+  return out;
+}
+
 void read_hand(TableReader table, StageConfig& out, Issues& issues, std::string& push_place) {
   push_place = table.place_of("push_N");
   const std::size_t before = issues.size();
-  const std::string about = "what moves the hand: the script of a surgeon, or the feed of a bench with a depth stop";
+  const std::string about =
+      "what moves the hand: the script of a surgeon; the feed of a bench with a depth stop; or a user in the window, with mouse, keyboard "
+      "or "
+      "game pad";
   const std::string kind = table.text("kind", "script", about);
   if (kind == "device") {
     issues.push_back({ErrorCode::unavailable,
-                      "hand.kind = \"device\" needs a force device; this version supports none, only \"script\" and \"feed\"",
+                      "hand.kind = \"device\" needs a force device; this version supports none, only \"script\", \"feed\" and \"mouse\"",
                       table.place_of("kind")});
   } else if (issues.size() == before) {
-    (void)table.choice("kind", "script", {"script", "feed"}, about, {"device", "mouse", "replay"});
+    (void)table.choice("kind", "script", {"script", "feed", "mouse"}, about, {"device", "replay"});
   }
   if (kind == "feed") {
     out.feed_hand = read_feed(table);
     out.hand.push = out.feed_hand->push.value_or(0.0);
     out.hand.standoff = out.feed_hand->standoff;
+  } else if (kind == "mouse") {
+    out.goal_hand = read_mouse(table);
+    out.hand.dynamics = out.goal_hand->dynamics;
+    out.hand.push = out.goal_hand->push;
+    out.hand.standoff = out.goal_hand->standoff;
   } else {
     out.hand = read_script(table);
   }

@@ -40,6 +40,7 @@ std::vector<SchemaSample> scene_samples() {
     samples.push_back({"servo " + scheme, scene(plate, "servo", "multirate = \"" + scheme + "\""), {}});
   for (const std::string push : {"", "\npush_N = 20"})
     samples.push_back({"feed", scene(plate, "hand", "kind = \"feed\"\nstop_mm = 3" + push), {}});
+  samples.push_back({"mouse", scene(plate, "hand", "kind = \"mouse\""), {}});
   samples.push_back({"limits", scene(plate, "limits", "memory_mb = 1000"), {}});
   samples.push_back({"output", scene(plate, "output"), {}});
   for (const EffectEntry& effect : shipped_effects()) {

@@ -37,8 +37,14 @@ HandConfig hand_config(const StageConfig& config, const Needs& needs, const Tool
 }
 
 Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const Needs& needs, const Tool& tool, double voxel_edge,
-                                              const Pose& world_from_approach) {
+                                              const Pose& world_from_approach, GoalMailbox* goals) {
   const double period = 1.0 / config.servo_hz;
+  if (config.goal_hand) {
+    if (goals == nullptr) return Error{ErrorCode::unavailable, "hand.kind = \"mouse\" needs the window, with a person at it", {}};
+    auto hand = GoalHand::create(*config.goal_hand, world_from_approach, period, *goals);
+    if (!hand) return hand.error();
+    return std::unique_ptr<HandSource>(std::make_unique<GoalHand>(std::move(hand).value()));
+  }
   if (config.feed_hand) {
     FeedHandConfig feed = *config.feed_hand;
     if (needs.holds_back) feed.compliance = 1.0 / needs.coupling_stiffness;
@@ -76,7 +82,7 @@ Status Stage::build_hand() {
   } else if (offered_hand_ != nullptr) {
     hand = offered_hand_;
   } else {
-    auto created = make_hand(config, needs, *tool, voxel_edge(), world_from_approach());
+    auto created = make_hand(config, needs, *tool, voxel_edge(), world_from_approach(), outside_.goals);
     if (!created) return created.error();
     own_hand_ = std::move(created).value();
     hand = own_hand_.get();

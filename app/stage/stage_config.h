@@ -8,6 +8,7 @@
 
 #include "core/measure/approach.h"
 #include "haptics/hand/feed_hand.h"
+#include "haptics/hand/goal_hand.h"
 #include "haptics/hand/simulated_hand.h"
 #include "haptics/servo/servo_step.h"
 #include "volumes/import_bone.h"
@@ -50,6 +51,7 @@ struct StageConfig {
   ApproachScene approach;
   HandConfig hand;
   std::optional<FeedHandConfig> feed_hand;    ///< in place of the script: hand.kind = "feed"
+  std::optional<GoalHandConfig> goal_hand;    ///< in place of the script: hand.kind = "mouse"
   std::optional<std::uint64_t> memory_limit;  ///< [bytes] key memory_mb of [limits]; absent: none
   std::string memory_place;                   ///< place of that key in the file, for errors
   ServoConfig servo;                          ///< table [servo]; its rates follow from the effects' requirements

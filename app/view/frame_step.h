@@ -50,6 +50,8 @@ class FrameStep {
   void gather(double turned = 0.0);
   /// The same without a budget: the queue is empty afterwards.
   void gather_rest(double turned = 0.0);
+  /// Sends the batch without drawing, to a sink that draws by itself.
+  [[nodiscard]] Status send() { return send_changes(); }
   /// Sends the batch, then draws. @param world_from_tool absent: the tool is not drawn. @param cut clips the bone at a plane through the
   /// approach axis instead of the scene's own cut. A cut at the tip uses the latest tip position, or the entry if there is none yet.
   [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);

@@ -73,8 +73,10 @@ const BadScene kBadScenes[] = {
       "sphere, wedge, pit"}},
     {"[hand]",
      "[hand]\nkind = \"device\"",
-     {"bad.toml:20:1: hand.kind = \"device\" needs a force device; this version supports none, only \"script\" and \"feed\""}},
-    {"[hand]", "[hand]\nkind = \"mouse\"", {"bad.toml:20:1: hand.kind = \"mouse\" is not in this version; it knows \"script\", \"feed\""}},
+     {"bad.toml:20:1: hand.kind = \"device\" needs a force device; this version supports none, only \"script\", \"feed\" and \"mouse\""}},
+    {"[hand]",
+     "[hand]\nkind = \"replay\"",
+     {"bad.toml:20:1: hand.kind = \"replay\" is not in this version; it knows \"script\", \"feed\", \"mouse\""}},
     {"[hand]",
      "[hand]\nkind = \"feed\"",
      {"bad.toml:19:2: hand.stop_mm is missing (depth of the tip below the entry at which the advance ends and the withdrawal starts)",
@@ -212,6 +214,28 @@ TEST_CASE("scene: a feed has a speed or a thrust, a stop, and the defaults of it
   CHECK(thrust.feed_hand->damping == defaults.damping);
   CHECK(thrust.feed_hand->ramp == 0.1);
   CHECK_FALSE(load_small({}).scene.feed_hand.has_value());
+}
+
+TEST_CASE("scene: a user's hand has the defaults of its struct, and its arm is that of the force loop") {
+  const auto read = [](const std::string& keys) {
+    const std::string hand = "push_N = 20.0\nramp_s = 0.1\nstandoff_mm = 0.5\ntremor_mm = 0.0";
+    return load_text(replaced(scene_text({}), hand, "kind = \"mouse\"\n" + keys), {}, "mouse.toml").scene;
+  };
+  const GoalHandConfig defaults;
+  const Scene plain = read("");
+  REQUIRE(plain.goal_hand.has_value());
+  CHECK(plain.goal_hand->push == defaults.push);
+  CHECK(plain.goal_hand->speed == doctest::Approx(defaults.speed));
+  CHECK(plain.goal_hand->run_up == defaults.run_up);
+  CHECK(plain.hand.push == defaults.push);
+  CHECK(plain.hand.dynamics.stiffness == defaults.dynamics.stiffness);
+  const Scene other = read("push_N = 30\nstiffness_N_per_m = 2000\nmass_kg = 1\nspeed_mm_per_s = 50\nstandoff_mm = 1");
+  CHECK(other.hand.push == 30.0);
+  CHECK(other.hand.dynamics.stiffness == 2000.0);
+  CHECK(other.hand.dynamics.mass == 1.0);
+  CHECK(other.goal_hand->speed == doctest::Approx(0.05));
+  CHECK(other.goal_hand->standoff == doctest::Approx(1e-3));
+  CHECK_FALSE(load_small({}).scene.goal_hand.has_value());
 }
 
 TEST_CASE("scene: a device that is not there is unavailable, not bad input") {

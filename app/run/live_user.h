@@ -1,0 +1,44 @@
+/// app/run/live_user.h: a person at a live run, behind a window; or a test in a person's place.
+///   Frame  world.   Units  SI.   Errors  none.
+///   Thread  every function is called by the thread of run_live(), except that the servo reads `goals`.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "app/run/inputs.h"
+#include "core/measure/drill_monitor.h"
+#include "haptics/hand/goal_hand.h"
+
+namespace burrhole {
+
+/// What a person can see and feel of a live run.
+struct LiveState {
+  HandState hand;        ///< of the latest servo tick that was reported
+  Pose world_from_tool;  ///< of the latest contact result
+  Vec3 force{0.0};       ///< [N] of the drill on the hand, before the force scale
+  DrillProgress progress;
+  double time = 0.0;                                         ///< [s] simulated, of the servo
+  std::uint64_t steps = 0;                                   ///< of bone
+  float servo_us = 0.0f, contact_us = 0.0f, bone_us = 0.0f;  ///< [us] computation of the latest steps
+  float servo_late_us = 0.0f;                                ///< [us] lateness of the latest servo tick
+  std::uint64_t missed = 0;                                  ///< ticks of servo and contact that were missed so far
+  std::uint32_t faults = 0;                                  ///< ServoFault of the latest tick
+};
+
+class LiveUser {
+ public:
+  virtual ~LiveUser() = default;
+  [[nodiscard]] virtual GoalMailbox& goals() noexcept = 0;
+  /// @returns the next input, if there is one; its tick is set when it is applied.
+  [[nodiscard]] virtual std::optional<Input> next_input() = 0;
+  /// Receives the state about every 5 ms.
+  virtual void see(const LiveState& state) = 0;
+  /// Receives what became of an input, one line.
+  virtual void hear(const std::string& line) = 0;
+  /// Called when an input `pause` has stopped all clocks. @returns when the run is to go on or to end.
+  virtual void wait_until_resumed() = 0;
+};
+
+}  // namespace burrhole
