@@ -3,6 +3,7 @@
 #include <csignal>
 
 #include "app/cli/commands.h"
+#include "app/cli/drill_window.h"
 #include "app/cli/drilling.h"
 #include "app/cli/film.h"
 #include "app/cli/progress.h"
@@ -94,17 +95,19 @@ void add_drill(CLI::App& app, int& exit_code) {
     SceneOption scene;
     DrillingFiles files{.folder = "out", .restore_path = {}};
     LiveMode mode;
+    WindowWish window;
     bool json = false, quiet = false, offscreen = false;
   };
   CLI::App* command = add_command(
       app, "drill", kDrillGroup,
-      {.summary = "Drills a scene and writes pictures, figures and a report",
-       .about = "Runs the scene offscreen, in lockstep, and writes into a folder: pictures, the drilled bone, a session that can be "
-                "replayed, summary.json with all figures, and report.html. Tables of the scene turn each off but summary.json. Equal "
-                "scenes give bit-identical results. With --live the servo, "
-                "contact and simulation loops run on threads in real time, as with a device. The session then records the inputs of each "
-                "step, and a replay is bit-identical too. Ctrl-C ends the run cleanly and writes the results so far.",
-       .examples = {"burrhole drill parietal --out out/parietal",
+      {.summary = "Drills a scene, in a window or offscreen, and writes pictures, figures and a report",
+       .about = "Where there is a display, opens a window in which you drill with mouse, keyboard or game pad (docs/window.md). Without a "
+                "display, and with --offscreen, the scene's own hand drills offscreen, in lockstep, and equal scenes give bit-identical "
+                "results. Either way it writes into a folder: pictures, the drilled bone, a session that can be replayed, summary.json "
+                "with all figures, and report.html. Tables of the scene turn each off but summary.json. With --live the servo, contact "
+                "and simulation loops run on threads in real time, as in the window. The session then records the inputs of each step, and "
+                "a replay is bit-identical too. Ctrl-C ends the run cleanly and writes the results so far.",
+       .examples = {"burrhole drill parietal --out out/parietal", "burrhole drill parietal --offscreen --out out/parietal",
                     "burrhole drill parietal --set tool.spin_rpm=800 --set hand.push_N=35 --out out/harder",
                     "burrhole drill parietal --video out/parietal.mp4", "burrhole drill parietal --live --out out/live",
                     "burrhole drill parietal --json --quiet | jq .drilling"},
@@ -128,7 +131,8 @@ void add_drill(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_flag("--live", option->mode.live, "on threads in real time instead of in lockstep");
   command->add_flag("--require-realtime", option->mode.require_realtime, "exit if the system refuses real-time priority (with --live)");
-  command->add_flag("--offscreen", option->offscreen, "no window (this version never opens one)");
+  command->add_flag("--offscreen", option->offscreen, "no window: the scene's own hand drills");
+  add_window_options(*command, option->window);
   command->add_flag("--json", option->json, "print only summary.json on stdout");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
@@ -140,12 +144,25 @@ void add_drill(CLI::App& app, int& exit_code) {
       exit_code = report(bad_input("--video is not valid with --live: a film is drawn in lockstep"));
       return;
     }
+    const bool by_script =
+        option->offscreen || option->json || option->mode.live || !option->files.video.empty() || !option->files.inputs.empty();
+    if (by_script && option->window.asked) {
+      exit_code = report(bad_input("--window is not valid with --offscreen, --json, --live, --video or --inputs"));
+      return;
+    }
+    const auto windowed = by_script ? Result<bool>(false) : prepare_window(option->window, option->scene, option->quiet);
+    if (!windowed) {
+      exit_code = report(windowed.error());
+      return;
+    }
+    option->mode.live = option->mode.live || *windowed;
     const auto loaded = load_or_report(option->scene, exit_code, option->quiet, option->mode.live, option->files.inputs);
     if (!loaded) return;
     if (!option->quiet)
       for (const std::string& warning : make_plan(*loaded).warnings) print_warning(loaded->scene.file, warning);
     catch_signals();
-    const auto summary = drill_scene(*loaded, option->files, option->quiet, option->mode);
+    const auto summary = *windowed ? drill_scene_in_window(*loaded, option->window, option->files, option->quiet)
+                                   : drill_scene(*loaded, option->files, option->quiet, option->mode);
     if (!summary) {
       exit_code = report(summary.error());
       return;

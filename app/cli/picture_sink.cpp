@@ -28,6 +28,8 @@ class OffscreenSink final : public PictureSink {
         stereo_(display.stereo),
         scale_bar_(display.scale_bar) {}
 
+  [[nodiscard]] Renderer& renderer() noexcept { return renderer_; }
+
   Status start(const VolumeView& volume, const TriangleMesh& tool) override {
     if (Status set = renderer_.set_volume(volume); !set) return set;
     return renderer_.set_tool(tool);
@@ -118,7 +120,9 @@ class OffscreenSink final : public PictureSink {
 
 }  // namespace
 
-Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options) {
+namespace {
+
+RenderOptions options_of(const DisplayConfig& display, const PictureOptions& options) {
   RenderOptions render = make_render_options(display.quality, display.appearance);
   render.shader_folder = options.shader_folder;
   for (const GlBackend backend : gl_backends())
@@ -127,7 +131,21 @@ Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& disp
     render.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
   if (!display.transfer.empty()) render.translucent = display.transfer;
   render.growth_is_reported = true;
-  auto renderer = Renderer::create(render);
+  return render;
+}
+
+}  // namespace
+
+Result<DrawingSink> make_window_sink(const DisplayConfig& display, const PictureOptions& options, GlContext context) {
+  auto renderer = Renderer::create(options_of(display, options), std::move(context));
+  if (!renderer) return renderer.error();
+  auto sink = std::make_unique<OffscreenSink>(std::move(renderer).value(), display, options);
+  Renderer* const drawing = &sink->renderer();
+  return DrawingSink{std::move(sink), drawing};
+}
+
+Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options) {
+  auto renderer = Renderer::create(options_of(display, options));
   if (!renderer) return renderer.error();
   return std::unique_ptr<PictureSink>(std::make_unique<OffscreenSink>(std::move(renderer).value(), display, options));
 }

@@ -9,6 +9,11 @@
 #include "app/job/picture_sink.h"
 #include "app/view/tip_slices.h"
 
+namespace burrhole {
+class GlContext;
+class Renderer;
+}  // namespace burrhole
+
 namespace burrhole::cli {
 
 class FilmWriter;
@@ -21,6 +26,13 @@ struct PictureOptions {
   std::function<void(const std::string&)> report{};  ///< receives one line when a budget has chosen the quality; may be empty
 };
 
+/// A sink, and the renderer that it owns.
+struct DrawingSink {
+  std::unique_ptr<PictureSink> sink;
+  Renderer* renderer = nullptr;
+};
+/// The sink of a window, which draws in the window's context. Errors as make_picture_sink().
+[[nodiscard]] Result<DrawingSink> make_window_sink(const DisplayConfig& display, const PictureOptions& options, GlContext context);
 /// @param display how bone is drawn. @returns unavailable without such an OpenGL context or in a build without renderer; bad_input for an
 /// invalid shader.
 [[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options);

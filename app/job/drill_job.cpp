@@ -274,6 +274,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (!session) return session.error();
   if (*session) simulation->set_session(&**session);
 
+  if (job.begin) job.begin(*simulation);
   const auto start = std::chrono::steady_clock::now();
   if (Status ran = simulation->run(); !ran) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -26,6 +26,8 @@ struct DrillJob {
   std::function<void(double share, const std::string& text)> progress;
   /// Called at the same times, in lockstep only, between two ticks; may read bone and forces. May be empty.
   std::function<void(Simulation&)> watch;
+  /// Called once, before the first tick: approach, hand and bone are there. May be empty.
+  std::function<void(const Simulation&)> begin;
   LiveUser* user = nullptr;  ///< a person at a live run (app/run/live_user.h); null: none
   double film_hz = 0.0;      ///< [Hz] frames that the sink gets by film(), in lockstep only; divides the servo rate; 0: none
   std::function<void(const std::string&)> say;   ///< receives the renderer's name, one line; may be empty

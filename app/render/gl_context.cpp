@@ -109,8 +109,12 @@ Result<GlContext> GlContext::create(int width, int height, GlBackend backend) {
   current_platform = nullptr;
   auto platform = make_platform(backend, width, height);
   if (!platform) return platform.error();
+  return create(std::move(platform).value());
+}
+
+Result<GlContext> GlContext::create(std::unique_ptr<GlPlatform> platform) {
   auto impl = std::make_unique<Impl>();
-  impl->platform = std::move(platform).value();
+  impl->platform = std::move(platform);
   GlContext context(std::move(impl));
   if (const Status current = context.make_current(); !current) return current.error();
   Impl& made = *context.impl_;

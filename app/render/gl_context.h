@@ -16,6 +16,8 @@ struct GladGLContext;
 
 namespace burrhole {
 
+class GlPlatform;
+
 /// `automatic`: egl on a GPU if there is one, otherwise osmesa.
 enum class GlBackend { automatic, osmesa, egl, window };
 
@@ -31,6 +33,8 @@ class GlContext {
   /// @returns ErrorCode::unavailable with a reason of one line: a library is missing, there is no display, the driver has no 4.5 core
   /// context, or GALLIUM_DRIVER names a driver that crashes Mesa.
   [[nodiscard]] static Result<GlContext> create(int width, int height, GlBackend backend = GlBackend::automatic);
+  /// The context of an object that somebody else made, such as an interactive window. Errors as above.
+  [[nodiscard]] static Result<GlContext> create(std::unique_ptr<GlPlatform> platform);
   GlContext(GlContext&&) noexcept;
   GlContext& operator=(GlContext&&) noexcept;
   ~GlContext();

@@ -159,17 +159,21 @@ RenderOptions make_render_options(const DrawingQuality& quality, const Appearanc
 }
 
 Result<Renderer> Renderer::create(const RenderOptions& options) {
-  const Status valid = check_options(options);
-  if (!valid) return valid.error();
+  if (Status valid = check_options(options); !valid) return valid.error();
+  auto context = GlContext::create(16, 16, options.gl);
+  if (!context) return context.error();
+  return create(options, std::move(context).value());
+}
+
+Result<Renderer> Renderer::create(const RenderOptions& options, GlContext context) {
+  if (Status valid = check_options(options); !valid) return valid.error();
   ShaderFiles files = embedded_shaders();
   if (!options.shader_folder.empty()) {
     auto read = read_shader_folder(options.shader_folder);
     if (!read) return read.error();
     files = std::move(read).value();
   }
-  auto context = GlContext::create(16, 16, options.gl);
-  if (!context) return context.error();
-  auto impl = std::make_unique<Impl>(options, std::move(context).value(), std::move(files));
+  auto impl = std::make_unique<Impl>(options, std::move(context), std::move(files));
   if (!options.shader_folder.empty())
     if (Status linked = impl->link_asked(options.shader_folder); !linked) return linked.error();
   return Renderer(std::move(impl));

@@ -84,6 +84,8 @@ class Renderer {
   /// @returns ErrorCode::unavailable without OpenGL, ErrorCode::out_of_range for an option outside its range or for slices together with a
   /// transfer function, ErrorCode::bad_input for an invalid shader.
   [[nodiscard]] static Result<Renderer> create(const RenderOptions& options);
+  /// Draws in a context that exists, in place of that of RenderOptions::gl. Its thread is that of the renderer.
+  [[nodiscard]] static Result<Renderer> create(const RenderOptions& options, GlContext context);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();

@@ -27,15 +27,17 @@ struct RunEvent {
   std::string kind, text;
 };
 
+/// What a log keeps beyond events.
+struct RunLogConfig {
+  bool samples = true;         ///< record_contact() stores its samples
+  bool event_pictures = true;  ///< record_contact() draws pictures at events
+};
+
 class RunLog {
  public:
   /// `parts` must outlive it. @param session null: nothing is written to a session. @param gather called before each picture: collects the
   /// changed texels (Stage::gather) on the thread that owns the bone, and returns when the batch is ready.
-  struct Keeps {
-    bool samples = true;         ///< record_contact() stores its samples
-    bool event_pictures = true;  ///< record_contact() draws pictures at events
-  };
-  RunLog(Stage& parts, SessionWriter* session, std::function<void()> gather, const Keeps& keeps)
+  RunLog(Stage& parts, SessionWriter* session, std::function<void()> gather, const RunLogConfig& keeps = {})
       : parts_(&parts), session_(session), gather_(std::move(gather)), keeps_(keeps) {}
 
   [[nodiscard]] SessionWriter* session() noexcept { return session_; }
@@ -63,7 +65,7 @@ class RunLog {
   Stage* parts_;
   SessionWriter* session_;
   std::function<void()> gather_;
-  Keeps keeps_;
+  RunLogConfig keeps_;
   std::vector<RunSample> samples_;
   std::vector<RunEvent> events_;
   std::vector<SessionStill> redrawn_;

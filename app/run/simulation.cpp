@@ -48,7 +48,7 @@ void Simulation::set_session(SessionWriter* session) {
     if (!hand_off_.fetch(log_->session() != nullptr)) parts_->gather(log_->session() != nullptr);
   };
   log_ = std::make_unique<RunLog>(*parts_, session, gather,
-                                  RunLog::Keeps{.samples = options_.samples, .event_pictures = options_.user == nullptr});
+                                  RunLogConfig{.samples = options_.samples, .event_pictures = options_.user == nullptr});
 }
 
 Status Simulation::run() {

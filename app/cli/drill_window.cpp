@@ -1,0 +1,99 @@
+#include "app/cli/drill_window.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "app/render/renderer.h"
+#include "app/window/window_run.h"
+
+namespace burrhole::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kUsersHand = R"(hand={kind="mouse"})";
+constexpr const char* kUsersTime = "duration_s=3600";  // a person ends the run; a session holds an hour
+
+/// @returns why a scene does not open a window by itself; empty: it does. Reads the push of the script.
+std::string why_not(const TomlDocument& document, double& push) {
+  Issues ignored;
+  TableReader root = document.root(ignored);
+  if (!root.has("display")) return "the scene has no [display]";
+  if (root.has("device")) return "the scene has a [device]";
+  auto hand = root.table("hand", "");
+  const std::string kind = hand ? hand->text("kind", "script", "") : "script";
+  if (kind != "script" && kind != "mouse") return "hand.kind is \"" + kind + "\"";
+  if (hand && kind == "script") push = hand->number("push_N", {.fallback = HandConfig{}.push}, "");
+  return {};
+}
+
+/// The scene's tool first, then the shipped ones in the order of their names.
+std::vector<ToolText> tools_for(const LoadedScene& loaded) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(fs::path(share_folder()) / "tools", ignored))
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  std::ranges::sort(names);
+  std::erase(names, loaded.tool.name);
+  std::vector<ToolText> out{{loaded.tool.name, loaded.tool_text}};
+  for (const std::string& name : names)
+    if (auto text = read_tool_text(name, loaded.scene.file, scene_context())) out.push_back({name, std::move(text).value()});
+  return out;
+}
+
+}  // namespace
+
+void add_window_options(CLI::App& command, WindowWish& wish) {
+  command.add_flag("--window", wish.asked, "in a window, or not at all; by default a window opens where there is a display");
+  command.add_flag("--demo", wish.demonstration, "in the window, the scene's own hand drills");
+  command.add_flag("--light", wish.light, "a window with dark letters on a light ground");
+  command.add_option("--text-scale", wish.text_scale, "size of the window's letters")->check(CLI::Range(0.5, 4.0))->capture_default_str();
+}
+
+Result<bool> prepare_window(WindowWish& wish, SceneOption& option, bool quiet) {
+  if (!has_display()) {
+    if (wish.asked)
+      return Error{ErrorCode::unavailable, "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set", {}};
+    return false;
+  }
+  const auto document = option.document();
+  if (!document) return document.error();
+  if (const std::string why = why_not(*document, wish.reference_push); !why.empty()) {
+    if (wish.asked) return bad_input("no window: " + why, document->file_name());
+    if (!quiet) fmt::print(stderr, "no window: {}\n", why);
+    return false;
+  }
+  const auto is_set = [&](const char* key) {
+    return std::ranges::any_of(option.sets, [&](const std::string& set) { return set.starts_with(key); });
+  };
+  if (wish.demonstration) return true;
+  option.sets.insert(option.sets.begin(), kUsersHand);
+  if (!is_set("duration_s")) option.sets.emplace_back(kUsersTime);
+  return true;
+}
+
+Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const WindowWish& wish, const DrillingFiles& files, bool quiet) {
+  WindowRun run;
+  run.job.folder = files.folder;
+  run.job.restore_path = files.restore_path;
+  run.job.stop = &stop_requested();
+  run.job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
+  if (!quiet) run.job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  run.make_sink = [&](const DisplayConfig& display, const std::string& folder, GlContext context) -> Result<WindowSinkParts> {
+    auto made = make_window_sink(display, {.folder = folder, .shader_folder = files.shader_folder}, std::move(context));
+    if (!made) return made.error();
+    return WindowSinkParts{std::move(made->sink), made->renderer};
+  };
+  run.tools = tools_for(loaded);
+  run.tool = loaded.tool.name;
+  run.reference_push = wish.reference_push;
+  run.demonstration = wish.demonstration;
+  run.viewer.light = wish.light;
+  run.viewer.text_scale = wish.text_scale;
+  run.viewer.folder = files.folder;
+  return drill_in_window(loaded, std::move(run));
+}
+
+}  // namespace burrhole::cli

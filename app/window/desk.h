@@ -1,0 +1,125 @@
+/// app/window/desk.h: what the three threads of a window share, behind one lock: the person's pilot and what they see of the run.
+///   main    hands events to the pilot and steps it 200 times a second
+///   run     takes inputs, reports the state (LiveUser)
+///   render  reads state and pilot for a picture, and hands it the buttons of the panel
+///   Frame  world.   Units  SI.   Errors  none.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "app/job/summary.h"
+#include "app/run/live_user.h"
+#include "app/run/simulation.h"
+#include "app/window/pilot.h"
+#include "core/base/result.h"
+
+namespace burrhole {
+
+enum class DeskStage { loading, drilling, writing, ended };
+
+/// What a person may know of the plan before the first cut.
+struct DeskPlan {
+  std::string title;
+  Approach approach;
+  Pose world_from_bone;
+  double spin_rpm = 0.0;        ///< full speed of the drive
+  double reference_push = 0.0;  ///< [N] thrust of the scene's script, a mark on the gauge; 0: none
+  double largest_push = 0.0;    ///< [N] of the arm
+  bool demonstration = false;   ///< the scene's script drills
+};
+
+/// A line for the person, with the time at which it was said.
+struct DeskLine {
+  double time = 0.0;  ///< [s] of desk time
+  std::string text;
+  bool warning = false;
+};
+
+/// State for one picture.
+struct DeskView {
+  DeskStage stage = DeskStage::loading;
+  LiveState live;
+  CameraView camera;
+  CameraMode mode = CameraMode::orbit;
+  UserGoal goal;
+  PilotWishes wishes;
+  bool paused = false, fine = false, locked_on = false, pad = false;
+  std::string tool;
+  double turned = 0.0;  ///< [rev] of the spindle, for the picture of the bit
+  double time = 0.0;    ///< [s] of desk time
+  std::vector<DeskLine> lines;
+};
+
+class Desk final : public LiveUser {
+ public:
+  Desk() = default;
+
+  // Run thread.
+  /// The run is ready; before this call there is no pilot.
+  void begin(const DeskPlan& plan, const PilotSetup& setup, const OrbitCamera& camera, const std::string& tool);
+  void finish(const Result<RunSummary>& summary);
+  GoalMailbox& goals() noexcept override { return goals_; }
+  std::optional<Input> next_input() override;
+  void see(const LiveState& state) override;
+  void hear(const std::string& line) override { say(line, true); }
+  void wait_until_resumed() override;
+
+  // Main thread.
+  void handle(const WindowEvent& event);
+  void step(double dt, const PadState& pad);
+  /// The run stops waiting and ends; for a signal, and for a window that is gone.
+  void end();
+
+  // Render thread.
+  [[nodiscard]] DeskView view();
+  [[nodiscard]] DeskPlan plan();
+  /// Calls f with the pilot under the lock; nothing before begin().
+  void with_pilot(const std::function<void(Pilot&)>& f);
+  void set_picture_size(int width, int height);
+  void take_mouse(bool taken) noexcept { mouse_taken_.store(taken, std::memory_order_relaxed); }
+  /// Events since the last call, for the panel.
+  [[nodiscard]] std::vector<WindowEvent> take_events();
+  [[nodiscard]] std::optional<RunSummary> summary();
+  [[nodiscard]] std::string failure();  ///< of the run; empty: none
+  /// There is no picture at all: the window closes.
+  void fail(const Error& error);
+  [[nodiscard]] std::optional<Error> error();  ///< of fail()
+  /// @returns the time [s] since the first event that came after the last call; call it when a picture that shows it is on the screen.
+  [[nodiscard]] std::optional<double> take_latency();
+
+  // Any thread.
+  void say(const std::string& line, bool warning = false);
+  /// The window is to go.
+  void close() noexcept { closed_.store(true, std::memory_order_release); }
+  [[nodiscard]] bool closed() const noexcept { return closed_.load(std::memory_order_acquire); }
+  [[nodiscard]] DeskStage stage();
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable resumed_;
+  std::unique_ptr<Pilot> pilot_;
+  DeskPlan plan_;
+  LiveState live_;
+  DeskStage stage_ = DeskStage::loading;
+  std::vector<WindowEvent> events_;
+  std::vector<DeskLine> lines_;
+  std::string tool_, failure_;
+  std::optional<RunSummary> summary_;
+  std::optional<Error> error_;
+  std::optional<std::chrono::steady_clock::time_point> waits_since_;  // first event that no picture shows yet
+  bool shown_soon_ = false;                                           // the picture being drawn shows it
+  double time_ = 0.0, turned_ = 0.0;
+  bool pad_ = false, ending_ = false;
+  int width_ = 1, height_ = 1;
+  GoalMailbox goals_;
+  std::atomic<bool> mouse_taken_{false}, closed_{false};
+};
+
+}  // namespace burrhole

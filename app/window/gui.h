@@ -1,0 +1,43 @@
+/// app/window/gui.h: Dear ImGui in the context of a window, fed with recorded or live events.
+///   Units  pixels.   Errors  unavailable.   Thread  the one that draws; the window's context is current.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "app/window/window_event.h"
+#include "core/base/result.h"
+
+struct ImFont;
+
+namespace burrhole {
+
+/// Colours that people with any colour vision tell apart [OkabeIto08], as 0xRRGGBB.
+struct GuiColors {
+  static constexpr unsigned sky = 0x56B4E9, orange = 0xE69F00, green = 0x009E73, red = 0xD55E00, yellow = 0xF0E442, grey = 0x9AA4AD;
+};
+
+class Gui {
+ public:
+  /// @param scale of texts and spaces. @param light dark letters on a light ground. unavailable: ImGui's shaders do not build.
+  [[nodiscard]] static Result<std::unique_ptr<Gui>> create(float scale, bool light);
+  Gui(const Gui&) = delete;
+  Gui& operator=(const Gui&) = delete;
+  ~Gui();
+
+  void feed(const std::vector<WindowEvent>& events);
+  void begin(int width, int height, double dt);
+  /// Draws into the current framebuffer.
+  void end();
+  [[nodiscard]] bool wants_mouse() const;
+  [[nodiscard]] float scale() const noexcept { return scale_; }
+  [[nodiscard]] ImFont* small() const noexcept { return small_; }
+  [[nodiscard]] ImFont* big() const noexcept { return big_; }
+
+ private:
+  explicit Gui(float scale) : scale_(scale) {}
+  float scale_;
+  ImFont *normal_ = nullptr, *small_ = nullptr, *big_ = nullptr;
+};
+
+}  // namespace burrhole

@@ -1,0 +1,369 @@
+#include "app/window/panel.h"
+
+#include <fmt/format.h>
+#include <imgui/imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/window/panel_text.h"
+#include "core/base/units.h"
+
+namespace burrhole {
+namespace {
+
+constexpr float kPanelWidth = 300.0f;  // [pixels] at scale 1
+constexpr double kHistory = 0.05;      // [s] between two points of a plot
+
+ImVec4 color(unsigned rgb, float alpha = 1.0f) {
+  const auto part = [&](int shift) { return static_cast<float>(rgb >> shift & 0xFFu) / 255.0f; };
+  return {part(16), part(8), part(0), alpha};
+}
+ImU32 paint(unsigned rgb, float alpha = 1.0f) { return ImGui::ColorConvertFloat4ToU32(color(rgb, alpha)); }
+
+void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
+
+/// A small caption above what follows.
+void caption(const Gui& gui, const char* words) {
+  ImGui::PushFont(gui.small());
+  ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::grey));
+  ImGui::TextUnformatted(words);
+  ImGui::PopStyleColor();
+  ImGui::PopFont();
+}
+
+/// A window without frame over the picture.
+bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, float alpha) {
+  ImGui::SetNextWindowPos(place, ImGuiCond_Always, pivot);
+  ImGui::SetNextWindowBgAlpha(alpha);
+  return ImGui::Begin(name, nullptr,
+                      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                          ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoMove);
+}
+
+}  // namespace
+
+void PanelHistory::add(double time, double force, double depth) {
+  constexpr double kFeedOver = 0.5;  // [s]
+  if (!time_.empty() && time - time_.back() < kHistory) return;
+  if (time_.size() >= kMost) {
+    time_.erase(time_.begin());
+    force_.erase(force_.begin());
+    depth_.erase(depth_.begin());
+  }
+  time_.push_back(time);
+  force_.push_back(static_cast<float>(force));
+  depth_.push_back(static_cast<float>(depth * 1e3));
+  const auto from = std::ranges::lower_bound(time_, time - kFeedOver);
+  const auto first = static_cast<std::size_t>(from - time_.begin());
+  if (time > time_[first]) feed_ = static_cast<double>(depth_.back() - depth_[first]) / (time - time_[first]);
+}
+
+int panel_width(int window_width, float scale) noexcept { return std::min(static_cast<int>(kPanelWidth * scale), window_width / 2); }
+
+void Panel::draw(const DeskView& view, const DisplayFigures& figures, int width, int height) {
+  if (view.stage == DeskStage::drilling || plan_.title.empty()) plan_ = desk_->plan();
+  if (view.stage == DeskStage::drilling) history_.add(view.live.time, glm::length(view.live.force), view.live.progress.depth);
+  const int side_width = panel_width(width, gui_->scale());
+  over_picture(view, figures, width - side_width, height);
+  side(view, figures, side_width, height);
+}
+
+void Panel::side(const DeskView& view, const DisplayFigures& figures, int width, int height) {
+  const auto x = ImGui::GetIO().DisplaySize.x - static_cast<float>(width);
+  ImGui::SetNextWindowPos(ImVec2(x, 0.0f));
+  ImGui::SetNextWindowSize(ImVec2(static_cast<float>(width), static_cast<float>(height)));
+  ImGui::Begin("side", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoNav);
+  ImGui::PushTextWrapPos(0.0f);
+  text(plan_.title.empty() ? "Loading the bone ..." : plan_.title);
+  ImGui::PopTextWrapPos();
+  ImGui::Separator();
+  if (view.stage != DeskStage::loading) {
+    push_gauge(view);
+    figures_of(view);
+    layers(view);
+    drive(view);
+    if (view.wishes.lab) lab(view, figures);
+    tools(view);
+    bone_buttons(view);
+  }
+  ImGui::End();
+}
+
+void Panel::push_gauge(const DeskView& view) {
+  const double most = plan_.largest_push > 0.0 ? plan_.largest_push : 80.0;
+  const double push = std::max(0.0, view.live.hand.thrust);
+  caption(*gui_, "PUSH");
+  ImGui::PushFont(gui_->big());
+  ImGui::TextColored(color(push > 0.9 * most ? GuiColors::red : GuiColors::sky), "%.0f N", push);
+  ImGui::PopFont();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float wide = ImGui::GetContentRegionAvail().x, tall = 14.0f * gui_->scale();
+  ImDrawList* const list = ImGui::GetWindowDrawList();
+  const auto place = [&](double newton) { return at.x + wide * static_cast<float>(std::min(1.0, newton / most)); };
+  list->AddRectFilled(at, ImVec2(at.x + wide, at.y + tall), paint(GuiColors::grey, 0.25f), 4.0f);
+  list->AddRectFilled(at, ImVec2(place(push), at.y + tall), paint(push > 0.9 * most ? GuiColors::red : GuiColors::sky), 4.0f);
+  if (plan_.reference_push > 0.0) {
+    const float mark = place(plan_.reference_push);
+    list->AddLine(ImVec2(mark, at.y - 3.0f), ImVec2(mark, at.y + tall + 3.0f), paint(GuiColors::yellow), 2.0f);
+  }
+  ImGui::Dummy(ImVec2(wide, tall + 2.0f));
+  if (plan_.reference_push > 0.0) caption(*gui_, fmt::format("mark: {:.0f} N, the scene's own thrust", plan_.reference_push).c_str());
+}
+
+void Panel::big(const char* label, const std::string& value, unsigned rgb) {
+  ImGui::BeginGroup();
+  caption(*gui_, label);
+  ImGui::PushFont(gui_->big());
+  ImGui::PushStyleColor(ImGuiCol_Text, color(rgb));
+  text(value);
+  ImGui::PopStyleColor();
+  ImGui::PopFont();
+  ImGui::EndGroup();
+}
+
+void Panel::figures_of(const DeskView& view) {
+  const double left = bone_left(plan_.approach, view.live.progress);
+  const double half = ImGui::GetContentRegionAvail().x * 0.5f;
+  big("DEPTH", fmt::format("{:.1f} mm", std::max(0.0, view.live.progress.depth) / kMillimetre), GuiColors::sky);
+  ImGui::SameLine(static_cast<float>(half) + ImGui::GetStyle().WindowPadding.x);
+  big("BONE LEFT", view.live.progress.breakthrough_time ? "through" : fmt::format("{:.1f} mm", left / kMillimetre),
+      is_near_exit(plan_.approach, view.live.progress) ? GuiColors::orange : GuiColors::sky);
+}
+
+void Panel::layers(const DeskView& view) {
+  caption(*gui_, "UNDER THE TIP");
+  ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::green));
+  text(layer_under_tip(plan_.approach, view.live));
+  ImGui::PopStyleColor();
+  // The bone from outside (left) to inside, with the part that is cut and the tip.
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float wide = ImGui::GetContentRegionAvail().x, tall = 12.0f * gui_->scale();
+  const double thick = std::max(plan_.approach.thickness, 1e-4);
+  ImDrawList* const list = ImGui::GetWindowDrawList();
+  const auto place = [&](double depth) { return at.x + wide * static_cast<float>(std::clamp(depth / thick, 0.0, 1.0)); };
+  for (const Approach::Layer& layer : plan_.approach.layers)
+    list->AddRectFilled(ImVec2(place(layer.from), at.y), ImVec2(place(layer.to), at.y + tall),
+                        layer.label == VoxelLabel::diploe ? IM_COL32(150, 95, 70, 255) : IM_COL32(225, 214, 190, 255));
+  list->AddRectFilled(at, ImVec2(place(view.live.progress.front), at.y + tall), IM_COL32(20, 22, 26, 190));
+  const float tip = place(view.live.progress.depth);
+  list->AddTriangleFilled(ImVec2(tip, at.y + tall * 0.5f), ImVec2(tip - tall * 0.6f, at.y - 2.0f),
+                          ImVec2(tip - tall * 0.6f, at.y + tall + 2.0f), paint(GuiColors::sky));
+  ImGui::Dummy(ImVec2(wide, tall + 4.0f));
+}
+
+void Panel::drive(const DeskView& view) {
+  const double rpm = view.live.hand.spin * plan_.spin_rpm;
+  big("DRILL", view.live.hand.spin > 0.0 ? fmt::format("{:.0f} rpm", rpm) : std::string("off"),
+      view.live.hand.spin > 0.0 ? GuiColors::green : GuiColors::grey);
+  ImGui::PushFont(gui_->small());
+  if (plan_.demonstration)
+    text("The scene's own hand drills");
+  else
+    text(view.locked_on ? "on until X is pressed again" : "hold Space to drill, X to keep it on");
+  ImGui::PopFont();
+  ImGui::Separator();
+}
+
+void Panel::tools(const DeskView& view) {
+  if (plan_.demonstration || !ImGui::CollapsingHeader("Tool", ImGuiTreeNodeFlags_DefaultOpen)) return;
+  std::optional<std::size_t> wanted;
+  std::vector<std::string> names;
+  desk_->with_pilot([&](Pilot& pilot) {
+    for (const ToolText& tool : pilot.tools()) names.push_back(tool.name);
+  });
+  ImGui::PushFont(gui_->small());
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    if (!view.wishes.lab && n >= 5) break;
+    const std::string key = n < 10 ? fmt::format("{}  ", (n + 1) % 10) : std::string("    ");
+    if (ImGui::Selectable((key + tool_title(names[n])).c_str(), names[n] == view.tool)) wanted = n;
+  }
+  if (!view.wishes.lab && names.size() > 5) ImGui::TextDisabled("F2 shows all %d", static_cast<int>(names.size()));
+  ImGui::PopFont();
+  if (wanted) desk_->with_pilot([&](Pilot& pilot) { pilot.change_tool(*wanted); });
+}
+
+void Panel::bone_buttons(const DeskView& view) {
+  if (view.stage != DeskStage::drilling) return;
+  ImGui::Separator();
+  const float wide = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) * 0.5f;
+  const ImVec2 size(wide, 0.0f);
+  const auto button = [&](const char* label, const std::function<void(Pilot&)>& f) {
+    if (ImGui::Button(label, size)) desk_->with_pilot(f);
+  };
+  button("Undo (Z)", [](Pilot& p) { p.undo(); });
+  ImGui::SameLine();
+  button(view.paused ? "Resume (P)" : "Pause (P)", [](Pilot& p) { p.toggle_pause(); });
+  if (view.wishes.lab) {
+    button("Reset bone", [](Pilot& p) { p.reset(); });
+    ImGui::SameLine();
+    button("Checkpoint", [this](Pilot& p) { p.checkpoint(fmt::format("checkpoint {}", ++checkpoints_)); });
+    if (checkpoints_ > 0)
+      button(fmt::format("Restore {}", checkpoints_).c_str(), [this](Pilot& p) { p.restore(fmt::format("checkpoint {}", checkpoints_)); });
+    if (checkpoints_ > 0) ImGui::SameLine();
+    button("Screenshot", [](Pilot& p) { p.wishes().screenshot = true; });
+  }
+  button("Keys (F1)", [](Pilot& p) { p.wishes().help = !p.wishes().help; });
+  ImGui::SameLine();
+  button("End (Esc)", [](Pilot& p) { p.wishes().asks_end = true; });
+  button(view.wishes.lab ? "Trainee (F2)" : "Lab (F2)", [](Pilot& p) { p.wishes().lab = !p.wishes().lab; });
+}
+
+void Panel::lab(const DeskView& view, const DisplayFigures& figures) {
+  ImGui::PushFont(gui_->small());
+  const auto plot = [&](const char* name, const std::vector<float>& values, const char* unit) {
+    if (values.empty()) return;
+    const float most = std::max(1.0f, *std::ranges::max_element(values));
+    const std::string over = fmt::format("{:.1f} {}", values.back(), unit);
+    ImGui::PlotLines(name, values.data(), static_cast<int>(values.size()), 0, over.c_str(), 0.0f, most,
+                     ImVec2(ImGui::GetContentRegionAvail().x * 0.75f, 46.0f * gui_->scale()));
+  };
+  plot("force", history_.force(), "N");
+  plot("depth", history_.depth(), "mm");
+  text(fmt::format("feed {:.2f} mm/s, lean {:.1f} deg", history_.feed(), std::hypot(view.goal.tilt_right, view.goal.tilt_away) / kDegree));
+  text(fmt::format("plan: {:.1f} mm of bone, {:.1f} deg to its surface", plan_.approach.thickness / kMillimetre,
+                   plan_.approach.angle / kDegree));
+  text(fmt::format("servo {:.0f} us, contact {:.0f} us, bone {:.1f} ms", view.live.servo_us, view.live.contact_us,
+                   view.live.bone_us * 1e-3f));
+  text(fmt::format("{} ticks missed", view.live.missed));
+  text(fmt::format("{:.0f} pictures/s, {:.0f} ms each, {:.0f} ms late", figures.frames_per_s, figures.picture_ms, figures.latency_ms));
+  text(figures.quality);
+  ImGui::PopFont();
+  ImGui::Separator();
+}
+
+void Panel::over_picture(const DeskView& view, const DisplayFigures& figures, int width, int height) {
+  const float w = static_cast<float>(width), h = static_cast<float>(height), edge = 12.0f * gui_->scale();
+  if (view.stage == DeskStage::loading) {
+    begin_over("loading", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f), 0.0f);
+    text("Loading the bone ...");
+    ImGui::End();
+    return;
+  }
+  warnings(view, width);
+  if (!view.lines.empty()) {
+    begin_over("lines", ImVec2(edge, h - edge), ImVec2(0.0f, 1.0f), 0.6f);
+    for (const DeskLine& line : view.lines) ImGui::TextColored(color(line.warning ? GuiColors::orange : 0xEEEEEE), "%s", line.text.c_str());
+    ImGui::End();
+  }
+  if (figures.coarse) {
+    begin_over("coarse", ImVec2(w - edge, h - edge), ImVec2(1.0f, 1.0f), 0.4f);
+    ImGui::PushFont(gui_->small());
+    text("coarser while moving");
+    ImGui::PopFont();
+    ImGui::End();
+  }
+  if (view.mode != CameraMode::orbit || view.fine) {
+    begin_over("mode", ImVec2(w - edge, edge), ImVec2(1.0f, 0.0f), 0.4f);
+    ImGui::PushFont(gui_->small());
+    text(fmt::format("{}{}", view.mode != CameraMode::orbit ? fmt::format("view: {}", name_of(view.mode)) : std::string(),
+                     view.fine ? "  fine control" : ""));
+    ImGui::PopFont();
+    ImGui::End();
+  }
+  if (view.stage == DeskStage::drilling && view.wishes.hints && !plan_.demonstration) hints(view, width, height);
+  if (view.paused) {
+    begin_over("paused", ImVec2(0.5f * w, 0.35f * h), ImVec2(0.5f, 0.5f), 0.8f);
+    ImGui::PushFont(gui_->big());
+    text("Paused");
+    ImGui::PopFont();
+    text("P goes on");
+    ImGui::End();
+  }
+  if (view.stage == DeskStage::writing) {
+    begin_over("writing", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f), 0.8f);
+    text("Writing the report ...");
+    ImGui::End();
+  }
+  if (view.wishes.help) help(width, height);
+  if (view.stage == DeskStage::drilling && view.wishes.asks_end) end_question(width, height);
+  if (view.stage == DeskStage::ended) end_screen(width, height);
+}
+
+void Panel::warnings(const DeskView& view, int width) {
+  const std::vector<std::string> lines = warnings_of(plan_, view);
+  if (lines.empty() || view.stage != DeskStage::drilling) return;
+  begin_over("warnings", ImVec2(0.5f * static_cast<float>(width), 10.0f * gui_->scale()), ImVec2(0.5f, 0.0f), 0.75f);
+  for (const std::string& line : lines) ImGui::TextColored(color(GuiColors::orange), "%s", line.c_str());
+  ImGui::End();
+}
+
+void Panel::hints(const DeskView& view, int width, int height) {
+  (void)width;
+  (void)height;
+  const float edge = 12.0f * gui_->scale();
+  begin_over("hints", ImVec2(edge, edge), ImVec2(0.0f, 0.0f), 0.7f);
+  const auto step = [&](bool done, const char* words) {
+    ImGui::TextColored(color(done ? GuiColors::green : 0xFFFFFF), "%s %s", done ? "+" : "-", words);
+  };
+  step(view.live.hand.spin > 0.0 || view.live.progress.deepest > 0.0, "Hold Space: the drill spins. X keeps it on.");
+  step(glm::length(view.live.force) > 1.0 || view.live.progress.deepest > 0.0,
+       "Hold W, or turn the wheel: the drill advances and presses. S moves back.");
+  step(false, "Arrows or left drag move it across the bone, right drag turns the view.");
+  ImGui::PushFont(gui_->small());
+  text("F1 shows all keys. H hides this.");
+  ImGui::PopFont();
+  ImGui::End();
+}
+
+void Panel::help(int width, int height) {
+  begin_over("help", ImVec2(0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f);
+  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+    for (const auto& [key, meaning] : key_table()) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextColored(color(GuiColors::sky), "%s", key);
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(meaning);
+    }
+    ImGui::EndTable();
+  }
+  ImGui::End();
+}
+
+void Panel::end_question(int width, int height) {
+  begin_over("end", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f);
+  text("End the run and write the report?");
+  if (ImGui::Button("End (Enter)")) desk_->with_pilot([](Pilot& p) { p.end(); });
+  ImGui::SameLine();
+  if (ImGui::Button("Go on (Esc)")) desk_->with_pilot([](Pilot& p) { p.wishes().asks_end = false; });
+  ImGui::End();
+}
+
+void Panel::end_screen(int width, int height) {
+  begin_over("ended", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f);
+  const std::string failure = desk_->failure();
+  if (!failure.empty()) {
+    ImGui::TextColored(color(GuiColors::red), "The run failed");
+    text(failure);
+  }
+  if (const auto summary = desk_->summary()) {
+    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26.0f);
+    text(outcome_text(*summary));
+    ImGui::PopTextWrapPos();
+    ImGui::Separator();
+    if (ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit)) {
+      for (const auto& [name, value] : end_figures(*summary)) {
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        text(name);
+        ImGui::TableNextColumn();
+        ImGui::TextColored(color(GuiColors::sky), "%s", value.c_str());
+      }
+      ImGui::EndTable();
+    }
+    for (const std::string& line : summary->warnings) {
+      ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26.0f);
+      ImGui::TextColored(color(GuiColors::orange), "%s", line.c_str());
+      ImGui::PopTextWrapPos();
+    }
+  }
+  if (!report_.empty() && failure.empty()) {
+    if (ImGui::Button("Open the report")) open_file(report_);
+    ImGui::SameLine();
+  }
+  if (ImGui::Button("Close")) desk_->close();
+  ImGui::End();
+}
+
+}  // namespace burrhole

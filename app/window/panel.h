@@ -1,0 +1,73 @@
+/// app/window/panel.h: what a person reads beside and over the picture, and its buttons.
+///   Units  as the texts say.   Errors  none.   Thread  the one that draws, between Gui::begin() and Gui::end().
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/window/desk.h"
+#include "app/window/gui.h"
+
+namespace burrhole {
+
+/// Figures of the display itself.
+struct DisplayFigures {
+  double frames_per_s = 0.0;
+  double picture_ms = 0.0;  ///< time of the latest picture
+  double latency_ms = 0.0;  ///< from an event to the picture that shows it, median of the last ones
+  std::string quality;      ///< of the latest picture
+  bool coarse = false;      ///< the latest picture is coarser than one at rest
+};
+
+/// Keeps the last seconds of force and depth for the plots.
+class PanelHistory {
+ public:
+  static constexpr std::size_t kMost = 600;
+  void add(double time, double force, double depth);
+  [[nodiscard]] const std::vector<float>& force() const noexcept { return force_; }
+  [[nodiscard]] const std::vector<float>& depth() const noexcept { return depth_; }
+  [[nodiscard]] double feed() const noexcept { return feed_; }  ///< [mm/s] over the last half second
+
+ private:
+  std::vector<float> force_, depth_;
+  std::vector<double> time_;
+  double feed_ = 0.0;
+};
+
+/// Width of the panel [pixels] in a window of that width.
+[[nodiscard]] int panel_width(int window_width, float scale) noexcept;
+
+/// Draws everything but the picture.
+class Panel {
+ public:
+  Panel(const Gui& gui, Desk& desk) : gui_(&gui), desk_(&desk) {}
+  void draw(const DeskView& view, const DisplayFigures& figures, int width, int height);
+  /// Path of the report, shown at the end; empty: none.
+  void set_report(const std::string& path) { report_ = path; }
+
+ private:
+  void side(const DeskView& view, const DisplayFigures& figures, int width, int height);
+  void push_gauge(const DeskView& view);
+  void figures_of(const DeskView& view);
+  void layers(const DeskView& view);
+  void drive(const DeskView& view);
+  void tools(const DeskView& view);
+  void bone_buttons(const DeskView& view);
+  void lab(const DeskView& view, const DisplayFigures& figures);
+  void over_picture(const DeskView& view, const DisplayFigures& figures, int width, int height);
+  void warnings(const DeskView& view, int width);
+  void hints(const DeskView& view, int width, int height);
+  void help(int width, int height);
+  void end_question(int width, int height);
+  void end_screen(int width, int height);
+  void big(const char* label, const std::string& value, unsigned color);
+
+  const Gui* gui_;
+  Desk* desk_;
+  DeskPlan plan_;
+  PanelHistory history_;
+  std::string report_;
+  int checkpoints_ = 0;
+};
+
+}  // namespace burrhole

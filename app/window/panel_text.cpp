@@ -1,0 +1,138 @@
+#include "app/window/panel_text.h"
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+
+#include "core/base/units.h"
+
+namespace burrhole {
+namespace {
+
+constexpr double kNearExit = 1.0e-3;  // [m] of bone
+constexpr double kTouch = 0.5;        // [N]
+constexpr double kMuchPush = 0.9;     // [-] of the arm's largest force
+constexpr double kMuchLean = 15.0 * kDegree;
+
+const char* title_of(VoxelLabel label) noexcept {
+  switch (label) {
+    case VoxelLabel::outer_table:
+      return "outer table";
+    case VoxelLabel::diploe:
+      return "diploe";
+    case VoxelLabel::inner_table:
+      return "inner table";
+    case VoxelLabel::forbidden:
+      return "forbidden zone";
+    case VoxelLabel::none:
+    case VoxelLabel::bone:
+    case VoxelLabel::dura:
+    case VoxelLabel::brain:
+      break;
+  }
+  return "bone";
+}
+
+}  // namespace
+
+double bone_left(const Approach& approach, const DrillProgress& progress) noexcept {
+  return progress.breakthrough_time ? 0.0 : std::clamp(approach.thickness - progress.front, 0.0, approach.thickness);
+}
+
+bool is_near_exit(const Approach& approach, const DrillProgress& progress) noexcept {
+  return !progress.breakthrough_time && progress.deepest > 0.0 && bone_left(approach, progress) < kNearExit;
+}
+
+std::string layer_under_tip(const Approach& approach, const LiveState& live) {
+  const DrillProgress& p = live.progress;
+  if (p.breakthrough_time) return "through the bone";
+  if (p.depth < 0.0 && glm::length(live.force) < kTouch) return fmt::format("air, {:.1f} mm above the bone", -p.depth / kMillimetre);
+  for (const Approach::Layer& layer : approach.layers)
+    if (is_felt(layer.label) && p.front >= layer.from && p.front < layer.to) return title_of(layer.label);
+  return "bone";
+}
+
+std::vector<std::string> warnings_of(const DeskPlan& plan, const DeskView& view) {
+  std::vector<std::string> out;
+  const LiveState& live = view.live;
+  if (live.progress.breakthrough_time && live.hand.spin > 0.0)
+    out.emplace_back("Through the bone: stop the drill and move back");
+  else if (is_near_exit(plan.approach, live.progress))
+    out.push_back(fmt::format("{:.1f} mm of bone left: press less", bone_left(plan.approach, live.progress) / kMillimetre));
+  if (plan.largest_push > 0.0 && live.hand.thrust > kMuchPush * plan.largest_push) out.emplace_back("The arm is at its largest force");
+  if (std::hypot(view.goal.tilt_right, view.goal.tilt_away) > kMuchLean)
+    out.push_back(
+        fmt::format("The drill leans by {:.0f} degrees from the plan", std::hypot(view.goal.tilt_right, view.goal.tilt_away) / kDegree));
+  for (const ServoFault fault :
+       {kServoForceNotFinite, kServoHandNotFinite, kServoHandLost, kServoContactStale, kServoEnergy, kServoSwinging})
+    if ((live.faults & fault) != 0) out.push_back(fmt::format("Force: {}", name_of(fault)));
+  return out;
+}
+
+std::span<const std::pair<const char*, const char*>> key_table() {
+  static constexpr std::array<std::pair<const char*, const char*>, 20> kKeys{{
+      {"Space (hold), X", "drill on; X keeps it on"},
+      {"W, S or wheel", "advance and press; move back"},
+      {"arrows, left drag", "move across the bone"},
+      {"A, D, Q, E", "lean left, right, towards you, away"},
+      {"R, Home", "straighten; back to the entry"},
+      {"Shift", "fine control, a fifth of the speed"},
+      {"right drag, Ctrl+arrows", "turn the view"},
+      {"middle drag", "move the view"},
+      {"Ctrl+wheel, + and -", "zoom"},
+      {"F", "show the hole as at the start"},
+      {"V", "view: orbit, surgeon, microscope"},
+      {"1 to 9, 0", "change the tool"},
+      {"Z, Ctrl+R", "undo; bone as at the start"},
+      {"P", "pause"},
+      {"F2", "panel for trainees or for the lab"},
+      {"F11, F12", "full screen; screenshot"},
+      {"H, F1", "hints; these keys"},
+      {"Esc", "end the run"},
+      {"pad: triggers", "left advances, right drills; right bumper moves back"},
+      {"pad: sticks", "left moves, right leans; B undo, X straight, Y view"},
+  }};
+  return kKeys;
+}
+
+std::string tool_title(const std::string& name) {
+  std::string out;
+  for (std::size_t n = 0; n < name.size(); ++n) {
+    const char c = name[n] == '_' ? ' ' : name[n];
+    // "4mm" is "4 mm", "2_5mm" is "2.5 mm".
+    const bool after_digit = !out.empty() && std::isdigit(static_cast<unsigned char>(out.back())) != 0;
+    if (name[n] == '_' && after_digit && n + 1 < name.size() && std::isdigit(static_cast<unsigned char>(name[n + 1])) != 0)
+      out += name.find("mm", n) != std::string::npos ? '.' : '/';
+    else if (c == 'm' && after_digit)
+      out += " m";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::vector<std::pair<std::string, std::string>> end_figures(const RunSummary& s) {
+  const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f} mm", *value) : std::string("-"); };
+  return {{"bone on the plan", fmt::format("{:.2f} mm", s.thickness_mm)},
+          {"deepest", fmt::format("{:.2f} mm", s.reached_mm)},
+          {"plunge after the bone", mm(s.plunge_mm)},
+          {"hole outside, inside", mm(s.hole_diameter_mm) + ", " + mm(s.inner_diameter_mm)},
+          {"largest force", fmt::format("{:.1f} N", s.peak_force_N)},
+          {"bone removed", fmt::format("{:.1f} mm3", s.removed_mm3)},
+          {"time", fmt::format("{:.1f} s", s.duration_s)}};
+}
+
+void open_file(const std::string& path) {
+  std::string program = "xdg-open", file = std::filesystem::absolute(path).string();
+  char* const arguments[] = {program.data(), file.data(), nullptr};
+  pid_t child = 0;
+  (void)posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ);
+}
+
+}  // namespace burrhole

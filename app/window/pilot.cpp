@@ -1,0 +1,238 @@
+#include "app/window/pilot.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace burrhole {
+namespace {
+
+constexpr double kZoomStep = 1.1;  // of a key or a step of the wheel
+constexpr double kFarAway = 0.05;  // [m] of the goal from the approach axis, and above the entry
+constexpr double kDeepest = 0.1;   // [m] of the goal below the entry
+
+/// @returns -1, 0 or 1.
+double between(bool minus, bool plus) { return (plus ? 1.0 : 0.0) - (minus ? 1.0 : 0.0); }
+
+/// @returns a stick's axis without its idle middle, -1..1.
+double beyond(double axis, double idle) {
+  const double size = std::abs(axis);
+  return std::isfinite(axis) && size > idle ? std::copysign(std::min(1.0, (size - idle) / (1.0 - idle)), axis) : 0.0;
+}
+
+}  // namespace
+
+Pilot::Pilot(const PilotSetup& setup, const OrbitCamera& camera, const PilotConfig& config)
+    : setup_(setup), camera_(camera), config_(config) {
+  goal_.place = Vec3(0.0, 0.0, setup.hand.standoff);
+}
+
+void Pilot::set_picture_size(int width, int height) noexcept {
+  width_ = std::max(1, width);
+  height_ = std::max(1, height);
+}
+
+bool Pilot::fine() const noexcept { return held(Key::left_shift) || held(Key::right_shift) || pad_before_.left_bumper; }
+
+void Pilot::handle(const WindowEvent& event, bool taken) {
+  switch (event.kind) {
+    case WindowEvent::Kind::key:
+      if (event.down && keys_.insert(event.code).second) press(static_cast<Key>(event.code));
+      if (!event.down) keys_.erase(event.code);
+      return;
+    case WindowEvent::Kind::button:
+      if (!event.down) dragging_.reset();
+      if (event.down && !taken && event.x < width_ && event.code <= static_cast<int>(MouseButton::middle))
+        dragging_ = static_cast<MouseButton>(event.code);
+      x_ = event.x;
+      y_ = event.y;
+      return;
+    case WindowEvent::Kind::motion:
+      if (dragging_) drag(event.x - x_, event.y - y_);
+      x_ = event.x;
+      y_ = event.y;
+      return;
+    case WindowEvent::Kind::scroll:
+      if (!taken) scroll(event.y);
+      return;
+    case WindowEvent::Kind::focus:
+      // A window without focus gets no release of a key: nothing may stay pressed, the drive above all.
+      keys_.clear();
+      dragging_.reset();
+      if (!event.down) locked_on_ = false;
+      return;
+    case WindowEvent::Kind::close:
+      end();
+      return;
+    case WindowEvent::Kind::character:
+    case WindowEvent::Kind::size:
+      return;
+  }
+}
+
+void Pilot::press(Key key) {
+  const int digit = static_cast<int>(key) - static_cast<int>(Key::digit_0);
+  if (digit >= 0 && digit <= 9) return change_tool(static_cast<std::size_t>(digit == 0 ? 9 : digit - 1));
+  const bool control = held(Key::left_control) || held(Key::right_control);
+  switch (key) {
+    case Key::p:
+      return toggle_pause();
+    case Key::z:
+      return undo();
+    case Key::x:
+      locked_on_ = !locked_on_;
+      return;
+    case Key::r:
+      return control ? reset() : straighten();
+    case Key::home:
+      return back_to_entry();
+    case Key::f:
+      return camera_.frame();
+    case Key::v:
+    case Key::c:
+      return camera_.next_mode();
+    case Key::equal:
+    case Key::pad_plus:
+      return camera_.zoom(kZoomStep);
+    case Key::minus:
+    case Key::pad_minus:
+      return camera_.zoom(1.0 / kZoomStep);
+    case Key::h:
+      wishes_.hints = !wishes_.hints;
+      return;
+    case Key::f1:
+      wishes_.help = !wishes_.help;
+      return;
+    case Key::f2:
+      wishes_.lab = !wishes_.lab;
+      return;
+    case Key::f11:
+      wishes_.full_screen = !wishes_.full_screen;
+      return;
+    case Key::f12:
+      wishes_.screenshot = true;
+      return;
+    case Key::escape:
+      if (wishes_.help)
+        wishes_.help = false;
+      else
+        wishes_.asks_end = !wishes_.asks_end;
+      return;
+    case Key::enter:
+      if (wishes_.asks_end) end();
+      return;
+    default:
+      return;
+  }
+}
+
+void Pilot::scroll(double steps) {
+  if (!std::isfinite(steps)) return;
+  if (held(Key::left_control) || held(Key::right_control)) return camera_.zoom(std::pow(kZoomStep, std::clamp(steps, -20.0, 20.0)));
+  // A step away from the person advances, as a hand would.
+  goal_.place.z -= std::clamp(steps, -20.0, 20.0) * scale() * (touches_ ? config_.wheel_press : config_.wheel);
+}
+
+void Pilot::drag(double dx, double dy) {
+  if (*dragging_ == MouseButton::right) return camera_.turn(-dx * config_.turn, dy * config_.turn);
+  const double metres = camera_.length_of(1.0 / height_);
+  if (*dragging_ == MouseButton::middle) return camera_.pan(-dx * metres, dy * metres);
+  slide(dx * metres * scale(), -dy * metres * scale());
+}
+
+void Pilot::slide(double right, double up) { goal_.place += right * camera_.right_across() + up * camera_.up_across(); }
+
+void Pilot::advance(double towards_bone, double dt) {
+  const double speed = towards_bone < 0.0 ? config_.withdraw : touches_ ? config_.press : config_.advance;
+  goal_.place.z -= towards_bone * speed * scale() * dt;
+}
+
+void Pilot::move_by_keys(double dt) {
+  advance(between(held(Key::s), held(Key::w)), dt);
+  const double right = between(held(Key::left), held(Key::right)), up = between(held(Key::down), held(Key::up));
+  if (held(Key::left_control) || held(Key::right_control)) {
+    if (right != 0.0 || up != 0.0) camera_.turn(right * config_.turn_by_key * dt, up * config_.turn_by_key * dt);
+  } else {
+    slide(right * config_.slide * scale() * dt, up * config_.slide * scale() * dt);
+  }
+  // Tilts as seen in the picture.
+  const double lean = config_.tilt * scale() * dt;
+  const Vec3 tilt =
+      lean * (between(held(Key::a), held(Key::d)) * camera_.right_across() + between(held(Key::q), held(Key::e)) * camera_.up_across());
+  goal_.tilt_right += tilt.x;
+  goal_.tilt_away += tilt.y;
+}
+
+void Pilot::move_by_pad(double dt, const PadState& pad) {
+  const PadState before = std::exchange(pad_before_, pad);
+  if (!pad.present) return;
+  const double idle = config_.pad_idle;
+  slide(beyond(pad.left_x, idle) * config_.slide * scale() * dt, -beyond(pad.left_y, idle) * config_.slide * scale() * dt);
+  const double lean = config_.tilt * scale() * dt;
+  const Vec3 tilt = lean * (beyond(pad.right_x, idle) * camera_.right_across() - beyond(pad.right_y, idle) * camera_.up_across());
+  goal_.tilt_right += tilt.x;
+  goal_.tilt_away += tilt.y;
+  advance(beyond(pad.right_bumper ? -1.0 : pad.left_trigger, idle), dt);
+  if (pad.start && !before.start) toggle_pause();
+  if (pad.b && !before.b) undo();
+  if (pad.y && !before.y) camera_.next_mode();
+  if (pad.x && !before.x) straighten();
+}
+
+void Pilot::keep_in_reach(const LiveState& now) {
+  // The goal of an arm at its largest force waits there, so that the first move back lowers the thrust.
+  const Vec3 hand = setup_.world_from_approach.inverse() * now.hand.world_from_hand.translation;
+  const double reach = setup_.hand.push / setup_.hand.dynamics.stiffness;
+  if (now.hand.tick > 0 && touches_) goal_.place.z = std::max(goal_.place.z, hand.z - reach);
+  goal_.place = glm::clamp(goal_.place, Vec3(-kFarAway, -kFarAway, -kDeepest), Vec3(kFarAway));
+  const double lean = std::hypot(goal_.tilt_right, goal_.tilt_away);
+  if (lean > setup_.hand.largest_tilt) {
+    goal_.tilt_right *= setup_.hand.largest_tilt / lean;
+    goal_.tilt_away *= setup_.hand.largest_tilt / lean;
+  }
+}
+
+void Pilot::step(double dt, const LiveState& now, const PadState& pad) {
+  touches_ = glm::length(now.force) > config_.touch;
+  const CameraView before = camera_.camera();
+  if (!paused_ && !goal_.ends) {
+    move_by_keys(dt);
+    move_by_pad(dt, pad);
+    keep_in_reach(now);
+  }
+  const bool pad_spins = pad.present && beyond(pad.right_trigger, config_.pad_idle) > 0.0;
+  goal_.spins = !paused_ && !goal_.ends && (locked_on_ || held(Key::space) || pad_spins);
+  camera_.follow(setup_.world_from_approach.inverse() * now.world_from_tool.translation, dt);
+  moved_camera_ = !(camera_.camera() == before);
+}
+
+void Pilot::change_tool(std::size_t index) {
+  if (index < setup_.tools.size()) ask(InputKind::tool, setup_.tools[index].name, setup_.tools[index].text);
+}
+
+void Pilot::ask(InputKind kind, const std::string& text, const std::string& data) {
+  if (!goal_.ends && !paused_) inputs_.push_back({0, kind, 0.0, text, data});
+}
+
+void Pilot::toggle_pause() {
+  if (!paused_) ask(InputKind::pause);
+  paused_ = !paused_ && !goal_.ends;
+}
+
+void Pilot::back_to_entry() noexcept {
+  straighten();
+  goal_.place = Vec3(0.0, 0.0, setup_.hand.standoff);
+}
+
+void Pilot::end() noexcept {
+  goal_.ends = true;
+  paused_ = locked_on_ = wishes_.asks_end = false;
+}
+
+std::optional<Input> Pilot::take_input() {
+  if (inputs_.empty()) return std::nullopt;
+  Input next = std::move(inputs_.front());
+  inputs_.pop_front();
+  return next;
+}
+
+}  // namespace burrhole

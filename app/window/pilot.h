@@ -1,0 +1,113 @@
+/// app/window/pilot.h: what keys, mouse and game pad mean: goal of the hand, camera, inputs of the run, and wishes of the display.
+///   It knows no window system and reads no clock, so recorded events give the same results.
+///   Frame  approach frame.   Units  SI; pixels of the window.   Errors  none.   Thread  one at a time.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/run/live_user.h"
+#include "app/scene/load.h"
+#include "app/window/orbit_camera.h"
+#include "app/window/window_event.h"
+
+namespace burrhole {
+
+/// Speeds with which keys move the goal. Fine control divides them by `fine`.
+struct PilotConfig {
+  double advance = 0.010;       ///< [m/s] towards bone, without contact
+  double press = 0.0025;        ///< [m/s] the same in contact: times the stiffness of the arm it is the growth of the thrust
+  double withdraw = 0.030;      ///< [m/s]
+  double slide = 0.008;         ///< [m/s] across the axis
+  double tilt = 0.5;            ///< [rad/s]
+  double wheel = 0.0005;        ///< [m] a step of the wheel without contact
+  double wheel_press = 0.0002;  ///< [m] the same in contact
+  double fine = 5.0;            ///< [-]
+  double touch = 0.5;           ///< [N] force that counts as contact
+  double turn = 0.008;          ///< [rad/pixel] of the camera
+  double turn_by_key = 1.2;     ///< [rad/s]
+  double pad_idle = 0.15;       ///< [-] share of a stick's way that moves nothing
+};
+
+/// What the pilot must know of the run.
+struct PilotSetup {
+  GoalHandConfig hand;
+  Pose world_from_approach;
+  std::vector<ToolText> tools;  ///< the first ten have the keys 1 to 9 and 0
+};
+
+/// Wishes of the person to the display.
+struct PilotWishes {
+  bool help = false;        ///< all keys are shown
+  bool lab = false;         ///< the panel shows everything
+  bool hints = true;        ///< of the first start
+  bool screenshot = false;  ///< one, to be taken and cleared
+  bool full_screen = false;
+  bool asks_end = false;  ///< the question whether to end is shown
+};
+
+class Pilot {
+ public:
+  Pilot(const PilotSetup& setup, const OrbitCamera& camera, const PilotConfig& config = {});
+
+  /// Size of the part of the window that shows the picture; drags that begin outside it mean nothing.
+  void set_picture_size(int width, int height) noexcept;
+  /// @param taken whether the panel has taken the mouse; its keys are never taken.
+  void handle(const WindowEvent& event, bool taken);
+  /// Advances by `dt` [s]: held keys, pad, and the reach of the arm.
+  void step(double dt, const LiveState& now, const PadState& pad);
+
+  [[nodiscard]] const UserGoal& goal() const noexcept { return goal_; }
+  [[nodiscard]] OrbitCamera& camera() noexcept { return camera_; }
+  [[nodiscard]] PilotWishes& wishes() noexcept { return wishes_; }
+  [[nodiscard]] const std::vector<ToolText>& tools() const noexcept { return setup_.tools; }
+  [[nodiscard]] bool paused() const noexcept { return paused_; }
+  [[nodiscard]] bool fine() const noexcept;
+  [[nodiscard]] bool locked_on() const noexcept { return locked_on_; }      ///< the drive stays on without a held key
+  [[nodiscard]] bool any_motion() const noexcept { return moved_camera_; }  ///< the camera moved in the last step
+
+  // What keys do, for buttons.
+  void change_tool(std::size_t index);
+  void undo() { ask(InputKind::undo); }
+  void reset() { ask(InputKind::reset); }
+  void checkpoint(const std::string& name) { ask(InputKind::checkpoint, name); }
+  void restore(const std::string& name) { ask(InputKind::restore, name); }
+  void toggle_pause();
+  void lock_drive(bool on) noexcept { locked_on_ = on; }
+  void straighten() noexcept { goal_.tilt_right = goal_.tilt_away = 0.0; }
+  void back_to_entry() noexcept;
+  void end() noexcept;
+  /// @returns the next input for the run.
+  [[nodiscard]] std::optional<Input> take_input();
+
+ private:
+  void press(Key key);
+  void scroll(double steps);
+  void drag(double dx, double dy);
+  void ask(InputKind kind, const std::string& text = {}, const std::string& data = {});
+  void move_by_keys(double dt);
+  void move_by_pad(double dt, const PadState& pad);
+  void keep_in_reach(const LiveState& now);
+  void slide(double right, double up);
+  void advance(double towards_bone, double dt);
+  [[nodiscard]] bool held(Key key) const { return keys_.contains(static_cast<int>(key)); }
+  [[nodiscard]] double scale() const noexcept { return fine() ? 1.0 / config_.fine : 1.0; }
+
+  PilotSetup setup_;
+  OrbitCamera camera_;
+  PilotConfig config_;
+  PilotWishes wishes_;
+  UserGoal goal_;
+  std::set<int> keys_;
+  std::optional<MouseButton> dragging_;
+  double x_ = 0.0, y_ = 0.0;  // [pixels] of the pointer
+  int width_ = 1, height_ = 1;
+  bool paused_ = false, locked_on_ = false, touches_ = false, moved_camera_ = false;
+  PadState pad_before_;
+  std::deque<Input> inputs_;
+};
+
+}  // namespace burrhole

@@ -1,0 +1,105 @@
+/// app/window/viewer.h: the thread that draws a window: the bone as it is now, from the person's camera, and the panel.
+///   The run's thread hands it texels and asks it for the pictures of the report; only this thread uses OpenGL.
+///   Frame  world.   Units  SI; pixels.   Errors  unavailable: no OpenGL 4.5, or the window has gone.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/job/picture_sink.h"
+#include "app/render/renderer.h"
+#include "app/window/desk.h"
+#include "app/window/glfw_window.h"
+#include "app/window/panel.h"
+
+namespace burrhole {
+
+class PictureTexture;
+
+/// A sink for the pictures of a run, and the renderer that it owns and that also draws the window.
+struct WindowSinkParts {
+  std::unique_ptr<PictureSink> sink;
+  Renderer* renderer = nullptr;
+};
+using MakeWindowSink = std::function<Result<WindowSinkParts>(const DisplayConfig&, const std::string& folder, GlContext context)>;
+
+struct ViewerConfig {
+  bool light = false;            ///< dark letters on a light ground
+  double text_scale = 1.0;       ///< [-] of the desktop's own scale
+  double moving_budget = 0.030;  ///< [s] of a picture while the camera moves
+  double rest = 0.30;            ///< [s] without a change, after which the picture is refined
+  std::string folder;            ///< of screenshots; empty: none can be taken
+};
+
+class Viewer {
+ public:
+  Viewer(GlfwWindow& window, Desk& desk, MakeWindowSink make_sink, const ViewerConfig& config);
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+  ~Viewer();
+
+  /// The drawing thread: returns when the desk is closed and `release()` was called.
+  void loop();
+  /// The run has ended; nothing will be posted any more.
+  void release() noexcept { released_.store(true, std::memory_order_release); }
+  void set_report(const std::string& path);
+
+  // Run thread.
+  /// Makes the sink on the drawing thread. The viewer must outlive it.
+  [[nodiscard]] Result<std::unique_ptr<PictureSink>> make_sink(const DisplayConfig& display, const std::string& folder);
+  /// Sets light, background and place of the bone.
+  void set_base(const FrameView& base, bool tool_turns);
+  /// Runs f on the drawing thread and waits. unavailable: that thread has ended.
+  [[nodiscard]] Status call(const std::function<Status()>& f);
+  /// Runs f there later, in the order of the posts.
+  void post(std::function<void()> f);
+
+ private:
+  class Sink;
+  using Time = std::chrono::steady_clock::time_point;
+
+  [[nodiscard]] Status open();
+  void serve();
+  void draw_frame();
+  void draw_picture(const DeskView& view, int width, int height);
+  [[nodiscard]] DrawingQuality wanted_quality(bool at_rest) const;
+  void take_screenshot(int width, int height);
+  void note_time(double seconds);
+
+  GlfwWindow* window_;
+  Desk* desk_;
+  MakeWindowSink make_parts_;
+  ViewerConfig config_;
+
+  std::mutex mutex_;
+  std::condition_variable posted_;
+  std::deque<std::function<void()>> jobs_;
+  bool ended_ = false;
+  std::atomic<bool> released_{false};
+
+  // Drawing thread.
+  std::optional<GlContext> context_;  // until the renderer has it
+  std::unique_ptr<Gui> gui_;
+  std::unique_ptr<Panel> panel_;
+  WindowSinkParts parts_;
+  DisplayConfig display_;
+  std::unique_ptr<PictureTexture> texture_;
+  std::optional<FrameView> base_;
+  bool tool_turns_ = true, texels_changed_ = false, drawn_ = false;
+  DrawingQuality quality_;
+  DynamicResolution pace_;
+  std::optional<CameraView> last_camera_;
+  std::optional<Pose> last_tool_;
+  Time changed_at_{}, last_frame_{};
+  int picture_width_ = 0, picture_height_ = 0, screenshots_ = 0;
+  DisplayFigures figures_;
+};
+
+}  // namespace burrhole
