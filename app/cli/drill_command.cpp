@@ -165,6 +165,7 @@ void add_drill(CLI::App& app, int& exit_code) {
                                    : drill_scene(*loaded, option->files, option->quiet, option->mode);
     if (!summary) {
       exit_code = report(summary.error());
+      if (*windowed && summary.error().code == ErrorCode::unavailable) fmt::print(stderr, "--offscreen drills without a window\n");
       return;
     }
     if (!option->quiet) print_figures(*summary);

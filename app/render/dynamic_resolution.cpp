@@ -6,9 +6,9 @@
 namespace burrhole {
 
 double DynamicResolution::resolution() const noexcept {
-  if (!(full_time_ > 0.0)) return kCoarsest;
+  if (!(full_time_ > 0.0)) return coarsest_;
   const double finest = std::sqrt(budget_ / full_time_);
-  return std::clamp(kStep * std::floor(finest / kStep), kCoarsest, 1.0);
+  return std::clamp(kStep * std::floor(finest / kStep), coarsest_, 1.0);
 }
 
 void DynamicResolution::record(double resolution, double seconds) noexcept {

@@ -8,11 +8,11 @@ namespace burrhole {
 /// the number of pixels. It does not read a clock.
 class DynamicResolution {
  public:
-  static constexpr double kCoarsest = 0.25;  ///< [-] smallest resolution
+  static constexpr double kCoarsest = 0.25;  ///< [-] smallest resolution, unless another is given
   static constexpr double kStep = 0.125;     ///< [-] step of the resolution; coarse, because a render target is allocated per size
 
-  /// @param budget [s] per picture, > 0.
-  explicit DynamicResolution(double budget) : budget_(budget) {}
+  /// @param budget [s] per picture, > 0. @param coarsest [-] smallest resolution, a multiple of kStep.
+  explicit DynamicResolution(double budget, double coarsest = kCoarsest) : budget_(budget), coarsest_(coarsest) {}
   /// @returns the coarsest resolution before the first record(); afterwards the finest step that is predicted to fit, or the coarsest.
   [[nodiscard]] double resolution() const noexcept;
   /// Records that a whole picture at `resolution` took `seconds`. If it was slower than predicted, the new time replaces the prediction; if it
@@ -21,7 +21,7 @@ class DynamicResolution {
   [[nodiscard]] double budget() const noexcept { return budget_; }
 
  private:
-  double budget_;
+  double budget_, coarsest_;
   double full_time_ = 0.0;  ///< [s] predicted for a picture at resolution 1; 0: nothing recorded
 };
 

@@ -174,7 +174,10 @@ void Stage::cut(const ContactState& found) {
 
 void Stage::bone_was_changed() {
   spun_ = false;
+  const std::vector<std::uint8_t> on_axis = bone_on_axis(approach, *voxmap);
+  contact->bone_grew(on_axis);
   bone->publish();
+  if (AxisBone* const axis = bone->axis()) axis->set(on_axis);
   place_effects(contact->state().world_from_tool);
   servo->restart();
 }

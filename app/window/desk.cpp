@@ -34,6 +34,7 @@ void Desk::finish(const Result<RunSummary>& summary) {
     summary_ = *summary;
   else
     failure_ = summary.error().text();
+  if (closing_) closed_ = true;
 }
 
 std::optional<Input> Desk::next_input() {
@@ -62,7 +63,10 @@ void Desk::handle(const WindowEvent& event) {
     if (event.kind == WindowEvent::Kind::close) closed_ = true;
     return;
   }
-  if (event.kind == WindowEvent::Kind::close && stage_ == DeskStage::ended) closed_ = true;
+  if (event.kind == WindowEvent::Kind::close) {
+    closing_ = true;
+    if (stage_ == DeskStage::ended) closed_ = true;
+  }
   pilot_->handle(event, mouse_taken_.load(std::memory_order_relaxed));
   resumed_.notify_all();
 }
@@ -81,13 +85,9 @@ void Desk::step(double dt, const PadState& pad) {
   resumed_.notify_all();
 }
 
-void Desk::end() {
+void Desk::stop_waiting() {
   const std::scoped_lock lock(mutex_);
   ending_ = true;
-  if (pilot_) {
-    pilot_->end();
-    goals_.publish(pilot_->goal());
-  }
   resumed_.notify_all();
 }
 

@@ -74,8 +74,8 @@ class Desk final : public LiveUser {
   // Main thread.
   void handle(const WindowEvent& event);
   void step(double dt, const PadState& pad);
-  /// The run stops waiting and ends; for a signal, and for a window that is gone.
-  void end();
+  /// A paused run goes on, to find that it was stopped.
+  void stop_waiting();
 
   // Render thread.
   [[nodiscard]] DeskView view();
@@ -116,7 +116,7 @@ class Desk final : public LiveUser {
   std::optional<std::chrono::steady_clock::time_point> waits_since_;  // first event that no picture shows yet
   bool shown_soon_ = false;                                           // the picture being drawn shows it
   double time_ = 0.0, turned_ = 0.0;
-  bool pad_ = false, ending_ = false;
+  bool pad_ = false, ending_ = false, closing_ = false;
   int width_ = 1, height_ = 1;
   GoalMailbox goals_;
   std::atomic<bool> mouse_taken_{false}, closed_{false};

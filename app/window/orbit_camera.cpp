@@ -74,9 +74,12 @@ void OrbitCamera::frame() noexcept {
 }
 
 void OrbitCamera::follow(const Vec3& tip, double dt) noexcept {
-  constexpr double kStill = 2e-4;  // [m] a tip that hardly moves leaves the picture alone, so that only what changed is drawn again
-  if (!is_finite(tip) || glm::length(tip - tip_) < kStill) return;
-  tip_ += (tip - tip_) * (1.0 - std::exp(-dt / kFollow));
+  // A tip that hardly moves leaves the picture alone, so that only what changed is drawn again.
+  constexpr double kStart = 4e-4, kStop = 2e-5;  // [m]
+  if (!is_finite(tip)) return;
+  const double away = glm::length(tip - tip_);
+  follows_ = follows_ ? away > kStop : away > kStart;
+  if (follows_) tip_ += (tip - tip_) * (1.0 - std::exp(-dt / kFollow));
 }
 
 double OrbitCamera::elevation() const noexcept { return mode_ == CameraMode::surgeon ? kSurgeonElevation : elevation_; }

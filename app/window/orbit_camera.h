@@ -51,6 +51,7 @@ class OrbitCamera {
   double azimuth_, elevation_, distance_;
   double start_azimuth_, start_elevation_, start_distance_;
   Vec3 start_target_, target_, tip_{0.0};
+  bool follows_ = false;
   double zoom_ = 1.0;  // of surgeon and microscope
 };
 

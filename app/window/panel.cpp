@@ -84,8 +84,8 @@ void Panel::side(const DeskView& view, const DisplayFigures& figures, int width,
     layers(view);
     drive(view);
     if (view.wishes.lab) lab(view, figures);
-    tools(view);
     bone_buttons(view);
+    tools(view);
   }
   ImGui::End();
 }
@@ -125,8 +125,8 @@ void Panel::big(const char* label, const std::string& value, unsigned rgb) {
 void Panel::figures_of(const DeskView& view) {
   const double left = bone_left(plan_.approach, view.live.progress);
   const double half = ImGui::GetContentRegionAvail().x * 0.5f;
-  big("DEPTH", fmt::format("{:.1f} mm", std::max(0.0, view.live.progress.depth) / kMillimetre), GuiColors::sky);
-  ImGui::SameLine(static_cast<float>(half) + ImGui::GetStyle().WindowPadding.x);
+  big("DEPTH", depth_text(view.live.progress), GuiColors::sky);
+  ImGui::SameLine(static_cast<float>(half) + 2.0f * ImGui::GetStyle().WindowPadding.x);
   big("BONE LEFT", view.live.progress.breakthrough_time ? "through" : fmt::format("{:.1f} mm", left / kMillimetre),
       is_near_exit(plan_.approach, view.live.progress) ? GuiColors::orange : GuiColors::sky);
 }
@@ -185,7 +185,6 @@ void Panel::tools(const DeskView& view) {
 
 void Panel::bone_buttons(const DeskView& view) {
   if (view.stage != DeskStage::drilling) return;
-  ImGui::Separator();
   const float wide = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) * 0.5f;
   const ImVec2 size(wide, 0.0f);
   const auto button = [&](const char* label, const std::function<void(Pilot&)>& f) {
@@ -242,7 +241,7 @@ void Panel::over_picture(const DeskView& view, const DisplayFigures& figures, in
   }
   warnings(view, width);
   if (!view.lines.empty()) {
-    begin_over("lines", ImVec2(edge, h - edge), ImVec2(0.0f, 1.0f), 0.6f);
+    begin_over("lines", ImVec2(edge, edge), ImVec2(0.0f, 0.0f), 0.6f);
     for (const DeskLine& line : view.lines) ImGui::TextColored(color(line.warning ? GuiColors::orange : 0xEEEEEE), "%s", line.text.c_str());
     ImGui::End();
   }
@@ -290,9 +289,8 @@ void Panel::warnings(const DeskView& view, int width) {
 
 void Panel::hints(const DeskView& view, int width, int height) {
   (void)width;
-  (void)height;
   const float edge = 12.0f * gui_->scale();
-  begin_over("hints", ImVec2(edge, edge), ImVec2(0.0f, 0.0f), 0.7f);
+  begin_over("hints", ImVec2(edge, static_cast<float>(height) - edge), ImVec2(0.0f, 1.0f), 0.7f);
   const auto step = [&](bool done, const char* words) {
     ImGui::TextColored(color(done ? GuiColors::green : 0xFFFFFF), "%s %s", done ? "+" : "-", words);
   };

@@ -49,6 +49,11 @@ bool is_near_exit(const Approach& approach, const DrillProgress& progress) noexc
   return !progress.breakthrough_time && progress.deepest > 0.0 && bone_left(approach, progress) < kNearExit;
 }
 
+std::string depth_text(const DrillProgress& progress) {
+  const double mm = std::max(0.0, progress.depth) / kMillimetre;
+  return mm < 10.0 ? fmt::format("{:.1f} mm", mm) : fmt::format("{:.0f} mm", mm);
+}
+
 std::string layer_under_tip(const Approach& approach, const LiveState& live) {
   const DrillProgress& p = live.progress;
   if (p.breakthrough_time) return "through the bone";

@@ -15,6 +15,8 @@ namespace burrhole {
 [[nodiscard]] double bone_left(const Approach& approach, const DrillProgress& progress) noexcept;
 /// @returns whether so little bone is left that a person should press less.
 [[nodiscard]] bool is_near_exit(const Approach& approach, const DrillProgress& progress) noexcept;
+/// @returns the depth of the tip below the entry, with few digits where it is deep.
+[[nodiscard]] std::string depth_text(const DrillProgress& progress);
 /// @returns the layer at the cutting front, "air" above the bone, "through" behind it.
 [[nodiscard]] std::string layer_under_tip(const Approach& approach, const LiveState& live);
 /// What a person should heed now, one line each.

@@ -8,7 +8,6 @@ namespace {
 
 constexpr double kZoomStep = 1.1;  // of a key or a step of the wheel
 constexpr double kFarAway = 0.05;  // [m] of the goal from the approach axis, and above the entry
-constexpr double kDeepest = 0.1;   // [m] of the goal below the entry
 
 /// @returns -1, 0 or 1.
 double between(bool minus, bool plus) { return (plus ? 1.0 : 0.0) - (minus ? 1.0 : 0.0); }
@@ -183,7 +182,7 @@ void Pilot::keep_in_reach(const LiveState& now) {
   const Vec3 hand = setup_.world_from_approach.inverse() * now.hand.world_from_hand.translation;
   const double reach = setup_.hand.push / setup_.hand.dynamics.stiffness;
   if (now.hand.tick > 0 && touches_) goal_.place.z = std::max(goal_.place.z, hand.z - reach);
-  goal_.place = glm::clamp(goal_.place, Vec3(-kFarAway, -kFarAway, -kDeepest), Vec3(kFarAway));
+  goal_.place = glm::clamp(goal_.place, Vec3(-kFarAway, -kFarAway, -setup_.deepest), Vec3(kFarAway));
   const double lean = std::hypot(goal_.tilt_right, goal_.tilt_away);
   if (lean > setup_.hand.largest_tilt) {
     goal_.tilt_right *= setup_.hand.largest_tilt / lean;

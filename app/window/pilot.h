@@ -36,6 +36,7 @@ struct PilotConfig {
 struct PilotSetup {
   GoalHandConfig hand;
   Pose world_from_approach;
+  double deepest = 0.1;         ///< [m] of the goal below the entry
   std::vector<ToolText> tools;  ///< the first ten have the keys 1 to 9 and 0
 };
 

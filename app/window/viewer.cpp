@@ -17,6 +17,7 @@ using Steady = std::chrono::steady_clock;
 
 constexpr auto kFrame = std::chrono::microseconds(16'000);  // between two pictures of a window that changes
 constexpr auto kIdle = std::chrono::milliseconds(40);       // of one that does not
+constexpr double kBoneShare = 0.4;                          // of the time, at most, for pixels whose bone has changed
 constexpr double kSmooth = 0.1;                             // share of a new value in the shown frame rate and latency
 const Vec3 kGround(0.06, 0.065, 0.075);
 
@@ -33,25 +34,29 @@ class Viewer::Sink final : public PictureSink {
     return viewer_->call([&] { return own().start(volume, tool); });
   }
   void update(const TexelBox& texels) override {
-    viewer_->post([this, texels] {
-      own().update(texels);
-      viewer_->texels_changed_ = true;
-    });
+    viewer_->post([this, texels] { viewer_->texels_.push_back(texels); });
   }
   Status move_detail(const DetailView& view) override {
-    return viewer_->call([&] { return own().move_detail(view); });
+    return viewer_->call([&] {
+      viewer_->send_texels();
+      return own().move_detail(view);
+    });
   }
   Status change_tool(const TriangleMesh& tool) override {
     return viewer_->call([&] {
-      viewer_->texels_changed_ = true;
+      viewer_->bone_changed_ = true;
       return own().change_tool(tool);
     });
   }
   void forget() override {
-    viewer_->post([this] { own().forget(); });
+    viewer_->post([this] {
+      viewer_->send_texels();
+      own().forget();
+    });
   }
   Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) override {
     return viewer_->call([&] {
+      viewer_->send_texels();
       // The pictures of a run have its quality, whatever the window shows.
       viewer_->drawn_ = false;
       viewer_->quality_ = viewer_->display_.quality;
@@ -91,7 +96,7 @@ class Viewer::Sink final : public PictureSink {
 };
 
 Viewer::Viewer(GlfwWindow& window, Desk& desk, MakeWindowSink make_sink, const ViewerConfig& config)
-    : window_(&window), desk_(&desk), make_parts_(std::move(make_sink)), config_(config), pace_(config.moving_budget) {}
+    : window_(&window), desk_(&desk), make_parts_(std::move(make_sink)), config_(config), pace_(config.moving_budget, config.coarsest) {}
 Viewer::~Viewer() = default;
 
 Status Viewer::call(const std::function<Status()>& f) {
@@ -217,47 +222,79 @@ void Viewer::draw_frame() {
   desk_->take_mouse(gui_->wants_mouse());
   if (view.wishes.screenshot) take_screenshot(width, height);
   window_->swap();
-  note_time(since);
-  if (const auto waited = desk_->take_latency()) figures_.latency_ms += kSmooth * (*waited * 1e3 - figures_.latency_ms);
+  if (since > 0.0) figures_.frames_per_s += kSmooth * (1.0 / since - figures_.frames_per_s);
+  if (view.stage == DeskStage::drilling && view.live.hand.spin > 0.0) {
+    totals_.drilling_s += since;
+    ++totals_.drilling_pictures;
+  }
+  if (const auto waited = desk_->take_latency()) {
+    totals_.latency.add(static_cast<float>(*waited * 1e6));
+    figures_.latency_ms += kSmooth * (*waited * 1e3 - figures_.latency_ms);
+  }
 }
 
-DrawingQuality Viewer::wanted_quality(bool at_rest) const {
-  DrawingQuality out = display_.quality;
-  if (!at_rest) out.supersample = 1;
+void Viewer::send_texels() {
+  for (const TexelBox& texels : texels_) parts_.sink->update(texels);
+  bone_changed_ = bone_changed_ || !texels_.empty();
+  texels_.clear();
+}
+
+Viewer::Change Viewer::find_change(const DeskView& view, int width, int height) const {
+  Change out{*base_};
+  out.frame.camera = view.camera;
+  if (view.live.hand.tick > 0)
+    out.frame.world_from_tool = tool_turns_ ? turned_tool(view.live.world_from_tool, view.turned) : view.live.world_from_tool;
+  const auto differ = [](const Pose& a, const Pose& b) { return a.translation != b.translation || a.rotation != b.rotation; };
+  const std::optional<Pose>& tool = out.frame.world_from_tool;
+  out.camera = !last_camera_ || !(*last_camera_ == view.camera);
+  out.tool = tool.has_value() != last_tool_.has_value() || (tool && differ(*tool, *last_tool_));
+  out.bone = bone_changed_;
+  out.size = width != picture_width_ || height != picture_height_;
   return out;
 }
 
-void Viewer::draw_picture(const DeskView& view, int width, int height) {
-  FrameView frame = *base_;
-  frame.camera = view.camera;
-  frame.world_from_tool = view.live.hand.tick > 0 ? std::optional(view.live.world_from_tool) : std::nullopt;
-  if (frame.world_from_tool && tool_turns_) frame.world_from_tool = turned_tool(*frame.world_from_tool, view.turned);
-  const bool camera_moves = !last_camera_ || !(*last_camera_ == frame.camera);
-  const auto differ = [](const Pose& a, const Pose& b) { return a.translation != b.translation || a.rotation != b.rotation; };
-  const bool tool_moves =
-      frame.world_from_tool.has_value() != last_tool_.has_value() || (last_tool_ && differ(*frame.world_from_tool, *last_tool_));
-  const bool resized = width != picture_width_ || height != picture_height_;
+bool Viewer::choose_quality(const DeskView& view, const Change& change) {
   const auto now = Steady::now();
-  if (camera_moves || tool_moves || texels_changed_ || resized) changed_at_ = now;
-  const bool at_rest = seconds(now - changed_at_) > config_.rest;
-  const DrawingQuality wanted = wanted_quality(at_rest);
-  const bool changes_quality = !(wanted == quality_);
-  if (drawn_ && !camera_moves && !tool_moves && !texels_changed_ && !resized && !changes_quality && !figures_.coarse) return;
-  if (changes_quality && parts_.renderer->set_quality(wanted)) quality_ = wanted;
-  auto image = parts_.renderer->draw_at_pace(frame, width, height, pace_);
-  if (!image) {
-    desk_->say("The picture cannot be drawn: " + image.error().text(), true);
-    return;
-  }
+  if (change.camera || change.tool || change.bone || change.size) changed_at_ = now;
+  // A tool that moves without drilling leaves a refined picture as it is.
+  if (change.camera || change.bone || view.live.hand.spin > 0.0)
+    refined_ = false;
+  else if (texels_.empty() && seconds(now - changed_at_) > config_.rest)
+    refined_ = true;
+  DrawingQuality wanted = display_.quality;
+  if (!refined_) wanted.supersample = 1;
+  if (wanted == quality_ || !parts_.renderer->set_quality(wanted)) return false;
+  quality_ = wanted;
+  return true;
+}
+
+void Viewer::draw_picture(const DeskView& view, int width, int height) {
+  // Changed bone waits until it has used no more than its share of the time, so that the tool stays smooth.
+  const auto start = Steady::now();
+  const bool sends = !texels_.empty() && seconds(start - sent_at_) * config_.bone_share >= bone_time_;
+  if (sends) send_texels();
+  const Change change = find_change(view, width, height);
+  const bool other_quality = choose_quality(view, change);
+  const bool same = !change.camera && !change.tool && !change.bone && !change.size && !other_quality;
+  if (drawn_ && same && !figures_.coarse) return;
+  auto image = parts_.renderer->draw_at_pace(change.frame, width, height, pace_);
+  if (!image) return desk_->say("The picture cannot be drawn: " + image.error().text(), true);
   texture_->set(*image);
-  figures_.picture_ms = seconds(Steady::now() - now) * 1e3;
-  figures_.coarse = camera_moves && pace_.resolution() < 1.0;
+  const double took = seconds(Steady::now() - start);
+  if (sends) {
+    sent_at_ = Steady::now();
+    bone_time_ = took;
+  }
+  ++totals_.pictures;
+  totals_.picture.add(static_cast<float>(took * 1e6));
+  figures_.picture_ms = took * 1e3;
+  figures_.coarse = change.camera && pace_.resolution() < 1.0;
   figures_.quality = quality_text(quality_, false);
-  last_camera_ = frame.camera;
-  last_tool_ = frame.world_from_tool;
+  last_camera_ = change.frame.camera;
+  last_tool_ = change.frame.world_from_tool;
   picture_width_ = width;
   picture_height_ = height;
-  texels_changed_ = false;
+  bone_changed_ = false;
   drawn_ = true;
 }
 
@@ -267,10 +304,6 @@ void Viewer::take_screenshot(int width, int height) {
   const auto path = std::filesystem::path(config_.folder) / fmt::format("screenshot-{}.png", ++screenshots_);
   const Status written = write_png(path, texture_->read_window(width, height));
   desk_->say(written ? "Saved " + path.string() : written.error().text(), !written.ok());
-}
-
-void Viewer::note_time(double seconds_since) {
-  if (seconds_since > 0.0) figures_.frames_per_s += kSmooth * (1.0 / seconds_since - figures_.frames_per_s);
 }
 
 }  // namespace burrhole

@@ -18,6 +18,7 @@
 #include "app/window/desk.h"
 #include "app/window/glfw_window.h"
 #include "app/window/panel.h"
+#include "core/base/step_timer.h"
 
 namespace burrhole {
 
@@ -33,9 +34,19 @@ using MakeWindowSink = std::function<Result<WindowSinkParts>(const DisplayConfig
 struct ViewerConfig {
   bool light = false;            ///< dark letters on a light ground
   double text_scale = 1.0;       ///< [-] of the desktop's own scale
-  double moving_budget = 0.030;  ///< [s] of a picture while the camera moves
-  double rest = 0.30;            ///< [s] without a change, after which the picture is refined
+  double moving_budget = 0.050;  ///< [s] of a picture while the camera moves
+  double coarsest = 0.625;       ///< [-] least share of its width and height that is drawn then
+  double bone_share = 0.4;       ///< [-] of the time, at most, for pixels whose bone has changed; a moving tool needs no rays
+  double rest = 0.3;             ///< [s] with the drill off and without a change, after which the picture is refined
   std::string folder;            ///< of screenshots; empty: none can be taken
+};
+
+/// What a window did, for the person who wants to know what a machine can.
+struct WindowFigures {
+  std::uint64_t pictures = 0;           ///< in all
+  std::uint64_t drilling_pictures = 0;  ///< while the drill spun
+  double drilling_s = 0.0;              ///< [s] of wall time in which it did
+  SampleTimer picture, latency;         ///< time of a picture; from the first event to the picture that shows it
 };
 
 class Viewer {
@@ -50,6 +61,8 @@ class Viewer {
   /// The run has ended; nothing will be posted any more.
   void release() noexcept { released_.store(true, std::memory_order_release); }
   void set_report(const std::string& path);
+  /// After loop() has returned.
+  [[nodiscard]] const WindowFigures& totals() const noexcept { return totals_; }
 
   // Run thread.
   /// Makes the sink on the drawing thread. The viewer must outlive it.
@@ -68,10 +81,17 @@ class Viewer {
   [[nodiscard]] Status open();
   void serve();
   void draw_frame();
+  void send_texels();
   void draw_picture(const DeskView& view, int width, int height);
-  [[nodiscard]] DrawingQuality wanted_quality(bool at_rest) const;
+  /// What the next picture shows, and which parts of it differ from the last.
+  struct Change {
+    FrameView frame;
+    bool camera = false, tool = false, bone = false, size = false;
+  };
+  [[nodiscard]] Change find_change(const DeskView& view, int width, int height) const;
+  /// Decides on one ray a pixel or on the scene's quality. @returns whether it changed.
+  bool choose_quality(const DeskView& view, const Change& change);
   void take_screenshot(int width, int height);
-  void note_time(double seconds);
 
   GlfwWindow* window_;
   Desk* desk_;
@@ -92,14 +112,17 @@ class Viewer {
   DisplayConfig display_;
   std::unique_ptr<PictureTexture> texture_;
   std::optional<FrameView> base_;
-  bool tool_turns_ = true, texels_changed_ = false, drawn_ = false;
+  bool tool_turns_ = true, bone_changed_ = false, drawn_ = false, refined_ = true;
   DrawingQuality quality_;
   DynamicResolution pace_;
   std::optional<CameraView> last_camera_;
   std::optional<Pose> last_tool_;
-  Time changed_at_{}, last_frame_{};
+  std::vector<TexelBox> texels_;  // of changed bone, not sent to the renderer yet
+  double bone_time_ = 0.0;        // [s] of the last picture with changed bone
+  Time changed_at_{}, last_frame_{}, sent_at_{};
   int picture_width_ = 0, picture_height_ = 0, screenshots_ = 0;
   DisplayFigures figures_;
+  WindowFigures totals_;
 };
 
 }  // namespace burrhole

@@ -13,6 +13,8 @@ namespace {
 using Steady = std::chrono::steady_clock;
 constexpr double kPoll = 1.0 / 200.0;  // [s] of the main thread: events, goal, held keys
 
+constexpr double kBeyondBone = 0.02;  // [m] how far a person can push through: the hands then lie on the bone
+
 bool is_set(const char* name) {
   const char* const value = std::getenv(name);
   return value != nullptr && *value != '\0';
@@ -28,6 +30,7 @@ void begin(Desk& desk, Viewer& viewer, const LoadedScene& loaded, const WindowRu
   if (loaded.scene.goal_hand) setup.hand = *loaded.scene.goal_hand;
   setup.world_from_approach = world_from_approach;
   setup.tools = run.tools;
+  setup.deepest = thickness + kBeyondBone;
   DeskPlan plan;
   plan.title = loaded.scene.title;
   plan.approach = stage.approach;
@@ -51,8 +54,8 @@ void poll(GlfwWindow& window, Desk& desk, const std::atomic<bool>* stop, std::at
     desk.step(std::chrono::duration<double>(now - before).count(), window.pad());
     before = now;
     if (stop != nullptr && stop->load(std::memory_order_relaxed)) {
-      desk.end();
       ended = true;
+      desk.stop_waiting();
       if (desk.stage() == DeskStage::ended) desk.close();
     }
     bool wanted = full;
@@ -60,6 +63,7 @@ void poll(GlfwWindow& window, Desk& desk, const std::atomic<bool>* stop, std::at
     if (wanted != full) window.set_full_screen(full = wanted);
   }
   ended = true;
+  desk.stop_waiting();
 }
 
 }  // namespace
@@ -95,6 +99,7 @@ Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
   running.join();
   drawing.join();
   if (const auto error = desk.error()) return *error;
+  if (run.figures) run.figures(viewer.totals());
   return std::move(*summary);
 }
 

@@ -20,6 +20,7 @@ struct WindowRun {
   bool demonstration = false;      ///< the scene's own hand drills
   int width = 1280, height = 800;  ///< [pixels] of the window
   ViewerConfig viewer;
+  std::function<void(const WindowFigures&)> figures;  ///< receives them at the end; may be empty
 };
 
 /// @returns whether a display seems to be there; opening a window may fail all the same.

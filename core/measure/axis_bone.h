@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/snapshot_buffer.h"
@@ -18,6 +19,9 @@ struct AxisSamples {
   std::uint64_t number = 0;        ///< of the publication, from 1
 };
 
+/// @returns for each sample of the axis 1 where the present density is 0.5 or more; reads the whole bone, not only the window.
+[[nodiscard]] std::vector<std::uint8_t> bone_on_axis(const Approach& approach, const Voxmap& voxmap);
+
 class AxisBone {
  public:
   /// `approach` must outlive it. Before the first publication every sample is bone, as loaded.
@@ -25,9 +29,12 @@ class AxisBone {
 
   /// Samples the axis where the master window holds it; elsewhere the last known state remains. Allocates nothing.
   void publish(const Voxmap& voxmap) noexcept;
+  /// Replaces the known state, where bone may have grown outside the window. Call it while no clock runs.
+  void set(std::span<const std::uint8_t> bone) noexcept;
   [[nodiscard]] SnapshotBuffer<AxisSamples>& exchange() noexcept { return buffer_; }
 
  private:
+  void publish_now() noexcept;
   const Approach* approach_;
   AxisSamples now_;
   SnapshotBuffer<AxisSamples> buffer_;

@@ -1,5 +1,7 @@
 #include "core/measure/drill_monitor.h"
 
+#include <algorithm>
+
 namespace burrhole {
 namespace {
 
@@ -39,6 +41,17 @@ void DrillMonitor::follow(const Tip& tip, double voxel_edge, const Solid& solid)
   if (front < a.axis_index.size() && !drilled) return;
   progress_.breakthrough_time = tip.time;
   progress_.breakthrough_depth = progress_.depth;
+}
+
+void DrillMonitor::bone_grew(std::span<const std::uint8_t> bone) noexcept {
+  for (std::size_t n = 0; n < cut_.size() && n < bone.size(); ++n) cut_[n] = bone[n] != 0 ? 0 : 1;
+  const auto first = static_cast<std::size_t>(std::ranges::find(cut_, std::uint8_t{0}) - cut_.begin());
+  DrillProgress now;
+  now.depth = now.deepest = progress_.depth;
+  now.front = first < cut_.size() ? approach_->axis_depth[first] : approach_->thickness;
+  now.peak_force = progress_.peak_force;
+  now.largest_ahead = progress_.largest_ahead;
+  progress_ = now;
 }
 
 void DrillMonitor::look(const ContactView& bone, const Vec3& tip_bone, const Vec3& force, double engagement, double time) noexcept {

@@ -17,7 +17,13 @@ LOOKS = {"tissue": "plain", "normals": "recomputed", "scale_bar": "false", "back
 PLACE = re.compile(r"^(?P<file>[^:]+):(?P<line>\d+):(?P<column>\d+): .+")
 
 
+def without_display():
+    """The environment of a program that must not open a window."""
+    return {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+
+
 def run(*arguments, **options):
+    options.setdefault("env", without_display())
     return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options)
 
 

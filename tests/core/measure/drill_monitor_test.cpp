@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/voxel/contact_window.h"
@@ -33,6 +34,26 @@ TEST_CASE("monitor: cutting front and depth follow the hole, the force's peak st
   CHECK(std::abs(monitor.progress().front - 1.25e-3) <= kQuarter);
   CHECK(monitor.progress().peak_force == doctest::Approx(2.0).epsilon(1e-12));
   CHECK_FALSE(monitor.progress().breakthrough_time.has_value());
+}
+
+TEST_CASE("monitor: bone that grew again is bone again, near the tip or not, and can be drilled through a second time") {
+  ClearedPlate plate;
+  DrillMonitor monitor(plate.approach);
+  plate.clear(2e-3, 10e-3);
+  look(monitor, plate, 2.9e-3, 0.0, 1.0);
+  REQUIRE(monitor.progress().breakthrough_time.has_value());
+  ClearedPlate whole;
+  const std::vector<std::uint8_t> bone = bone_on_axis(whole.approach, *whole.voxmap);
+  CHECK(std::ranges::count(bone, 1) == static_cast<std::ptrdiff_t>(bone.size()));
+  CHECK(std::ranges::count(bone_on_axis(plate.approach, *plate.voxmap), 1) == 0);
+  monitor.bone_grew(bone);
+  CHECK_FALSE(monitor.progress().breakthrough_time.has_value());
+  CHECK_FALSE(monitor.progress().passed_time.has_value());
+  CHECK(monitor.progress().front <= kQuarter);
+  CHECK(monitor.progress().peak_force == doctest::Approx(10.0).epsilon(1e-12));
+  look(monitor, plate, 2.9e-3, 0.0, 2.0);
+  REQUIRE(monitor.progress().breakthrough_time.has_value());
+  CHECK(*monitor.progress().breakthrough_time == 2.0);
 }
 
 TEST_CASE("monitor: bone left on the axis ahead of the tip is no breakthrough, none left is one, noted once") {

@@ -1,0 +1,170 @@
+// A whole run behind a desk, without window and picture: a monkey with seeds plays a person. The session must replay to the same bits.
+#include "app/window/desk.h"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "app/session/recorded_hand.h"
+#include "core/base/random.h"
+#include "tests/support/drill_scene.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace burrhole;
+using namespace burrhole::test;
+
+namespace {
+
+constexpr double kSeconds = 4.0;  // of a monkey's run
+constexpr double kPoll = 0.005;   // [s]
+
+SmallScene scene() { return {.record = true, .sets = {"duration_s=60", "hand={kind=\"mouse\", standoff_mm=0.5, run_up_s=0.1}"}}; }
+
+struct Random {
+  std::uint64_t seed, count = 0;
+  double uniform() { return uniform01(seed, count++); }
+};
+
+struct Outcome {
+  std::uint64_t voxels = 0, forces = 0, sent = 0;
+  friend bool operator==(const Outcome&, const Outcome&) = default;
+};
+Outcome outcome_of(DrillRun& run) { return {run.voxel_hash(), run.simulation().force_hash(), run.simulation().sent_hash()}; }
+
+PilotSetup setup_of(DrillRun& run) {
+  PilotSetup out;
+  out.hand = *run.loaded().scene.goal_hand;
+  out.world_from_approach = run.simulation().stage().world_from_approach();
+  for (const char* name : {"ball", "pin", "punch"}) {
+    auto text = read_tool_text(name, "small.toml", test_context());
+    REQUIRE(text);
+    out.tools.push_back({name, *text});
+  }
+  return out;
+}
+
+/// Any key, button, wheel, drag, loss of focus or resize, but no end: the test ends the run.
+WindowEvent any_event(Random& random) {
+  const auto pick = [&](int n) { return static_cast<int>(random.uniform() * n); };
+  switch (pick(12)) {
+    case 0:
+      return {.kind = WindowEvent::Kind::button,
+              .code = pick(5),
+              .down = random.uniform() < 0.5,
+              .x = 800 * random.uniform(),
+              .y = 600 * random.uniform()};
+    case 1:
+      return {.kind = WindowEvent::Kind::motion, .x = 1200 * random.uniform() - 200, .y = 900 * random.uniform() - 200};
+    case 2:
+      return {.kind = WindowEvent::Kind::scroll, .y = 10 * random.uniform() - 5};
+    case 3:
+      return {.kind = WindowEvent::Kind::focus, .down = random.uniform() < 0.7};
+    case 4:
+      return {.kind = WindowEvent::Kind::character, .code = pick(70000)};
+    default: {
+      constexpr int kKeys[] = {32, 32, 32, 87, 87, 87, 83, 65, 68, 81, 69, 262, 263, 264, 265, 340, 341, 80,
+                               80, 90, 86, 70, 82, 88, 49, 50, 51, 57, 61, 45,  290, 291, 268, 72,  301, 999};
+      return {
+          .kind = WindowEvent::Kind::key, .code = kKeys[static_cast<std::size_t>(pick(std::size(kKeys)))], .down = random.uniform() < 0.6};
+    }
+  }
+}
+
+void play(Desk& desk, Random& random, double seconds) {
+  PadState pad;
+  for (double t = 0.0; t < seconds; t += kPoll) {
+    for (int n = 0; n < 3; ++n) desk.handle(any_event(random));
+    if (random.uniform() < 0.05) pad = {.present = random.uniform() < 0.5, .left_x = random.uniform(), .right_trigger = random.uniform()};
+    desk.step(kPoll, pad);
+    (void)desk.view();
+    (void)desk.take_events();
+    if (random.uniform() < 0.1) desk.take_mouse(random.uniform() < 0.3);
+    std::this_thread::sleep_for(std::chrono::duration<double>(kPoll));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("desk: a monkey at keys, mouse and pad; the run ends cleanly and replays to the same bits") {
+  for (const std::uint64_t seed : {1u, 2u}) {
+    const TemporaryFolder folder;
+    const std::string path = (folder.path() / "session.sqlite").string();
+    Desk desk;
+    SimulationOptions options;
+    options.live = true;
+    options.user = &desk;
+    options.history = true;
+    DrillRun run(scene(), options);
+    DeskPlan plan;
+    plan.approach = run.simulation().approach();
+    desk.set_picture_size(800, 600);
+    desk.begin(plan, setup_of(run), OrbitCamera({}, 0.3, 0.7, 0.08, 0.002), "ball");
+    std::thread running([&] { run_recorded(run, path); });
+    Random random{seed};
+    play(desk, random, kSeconds);
+    desk.handle({.kind = WindowEvent::Kind::close});
+    desk.step(kPoll, {});
+    running.join();
+    CHECK(run.simulation().end() == RunEnd::done);
+    CHECK(desk.view().live.steps > 0);
+    const Outcome recorded = outcome_of(run);
+
+    const auto session = SessionReader::open(path);
+    REQUIRE(session);
+    auto hand = RecordedHand::create(*session);
+    REQUIRE(hand);
+    SimulationOptions again;
+    again.hand = &*hand;
+    again.history = true;
+    DrillRun twin(load_text(session->meta().scene, {}), again);
+    const Status replayed = twin.simulation().run_recorded(*session, *hand);
+    REQUIRE_MESSAGE(replayed.ok(), (replayed.ok() ? "" : replayed.error().text()));
+    CHECK(outcome_of(twin) == recorded);
+  }
+}
+
+TEST_CASE("desk: a window that goes while the run is paused ends the run") {
+  Desk desk;
+  SimulationOptions options;
+  options.live = true;
+  options.user = &desk;
+  options.history = true;
+  DrillRun run(scene(), options);
+  DeskPlan plan;
+  plan.approach = run.simulation().approach();
+  desk.begin(plan, setup_of(run), OrbitCamera({}, 0.3, 0.7, 0.08, 0.002), "ball");
+  std::thread running([&] { run.run(); });
+  const auto wait = [&](const auto& until) {
+    for (int n = 0; n < 4000 && !until(); ++n) {
+      desk.step(kPoll, {});
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return until();
+  };
+  CHECK(wait([&] { return desk.view().live.time > 0.2; }));
+  desk.handle({.kind = WindowEvent::Kind::key, .code = static_cast<int>(Key::p), .down = true});
+  const double at = desk.view().live.time;
+  CHECK(wait([&] { return desk.view().paused; }));
+  for (int n = 0; n < 60; ++n) desk.step(kPoll, {}), std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  CHECK(desk.view().live.time < at + 0.2);  // the clocks stand
+  desk.handle({.kind = WindowEvent::Kind::close});
+  desk.step(kPoll, {});
+  running.join();
+  CHECK(run.simulation().end() == RunEnd::done);
+  desk.finish(RunSummary{});
+  CHECK(desk.closed());
+}
+
+TEST_CASE("desk: time from an event to the picture that shows it is measured once") {
+  Desk desk;
+  CHECK_FALSE(desk.take_latency().has_value());
+  desk.handle({.kind = WindowEvent::Kind::motion, .x = 1.0, .y = 1.0});
+  CHECK_FALSE(desk.take_latency().has_value());  // no picture has been begun since
+  (void)desk.view();
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const auto waited = desk.take_latency();
+  REQUIRE(waited.has_value());
+  CHECK(*waited >= 0.020);
+  CHECK_FALSE(desk.take_latency().has_value());
+}

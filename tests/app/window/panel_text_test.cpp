@@ -1,0 +1,77 @@
+#include "app/window/panel_text.h"
+
+#include <doctest/doctest.h>
+
+#include "core/base/units.h"
+
+using namespace burrhole;
+
+namespace {
+
+Approach skull() {
+  Approach out;
+  out.thickness = 6e-3;
+  out.layers = {{VoxelLabel::outer_table, 0.0, 2e-3}, {VoxelLabel::diploe, 2e-3, 4e-3}, {VoxelLabel::inner_table, 4e-3, 6e-3}};
+  return out;
+}
+
+LiveState at(double front, double depth, double newton = 10.0) {
+  LiveState out;
+  out.force = Vec3(0.0, 0.0, newton);
+  out.progress.front = front;
+  out.progress.depth = out.progress.deepest = depth;
+  return out;
+}
+
+bool has(const std::vector<std::string>& lines, const std::string& part) {
+  return std::ranges::any_of(lines, [&](const std::string& line) { return line.find(part) != std::string::npos; });
+}
+
+}  // namespace
+
+TEST_CASE("panel: the layer under the tip is that of the cutting front") {
+  CHECK(layer_under_tip(skull(), at(0.0, -1.5e-3, 0.0)) == "air, 1.5 mm above the bone");
+  CHECK(layer_under_tip(skull(), at(0.0, -0.1e-3)) == "outer table");
+  CHECK(layer_under_tip(skull(), at(1.9e-3, 1.5e-3)) == "outer table");
+  CHECK(layer_under_tip(skull(), at(3e-3, 3e-3)) == "diploe");
+  CHECK(layer_under_tip(skull(), at(5e-3, 5e-3)) == "inner table");
+  LiveState through = at(6e-3, 7e-3);
+  through.progress.breakthrough_time = 12.0;
+  CHECK(layer_under_tip(skull(), through) == "through the bone");
+}
+
+TEST_CASE("panel: bone left falls with the front, never below nothing") {
+  CHECK(bone_left(skull(), at(0.0, -1e-3).progress) == doctest::Approx(6e-3));
+  CHECK(bone_left(skull(), at(4.5e-3, 4e-3).progress) == doctest::Approx(1.5e-3));
+  CHECK(bone_left(skull(), at(9e-3, 9e-3).progress) == 0.0);
+}
+
+TEST_CASE("panel: a person is warned of little bone, of the arm's limit, of leaning and of faults, and of nothing else") {
+  DeskPlan plan;
+  plan.approach = skull();
+  plan.largest_push = 80.0;
+  DeskView view;
+  view.live = at(3e-3, 3e-3);
+  CHECK(warnings_of(plan, view).empty());
+  view.live = at(5.2e-3, 5e-3);
+  CHECK(has(warnings_of(plan, view), "0.8 mm of bone left"));
+  view.live.progress.breakthrough_time = 10.0;
+  view.live.hand.spin = 1.0;
+  CHECK(has(warnings_of(plan, view), "Through the bone"));
+  view.live.hand.spin = 0.0;
+  CHECK_FALSE(has(warnings_of(plan, view), "Through the bone"));
+  view.live = at(1e-3, 1e-3);
+  view.live.hand.thrust = 79.0;
+  CHECK(has(warnings_of(plan, view), "largest force"));
+  view.goal.tilt_right = 20.0 * kDegree;
+  CHECK(has(warnings_of(plan, view), "20 degrees"));
+  view.live.faults = kServoContactStale;
+  CHECK(has(warnings_of(plan, view), name_of(kServoContactStale)));
+}
+
+TEST_CASE("panel: names of tools are read as words") {
+  CHECK(tool_title("round_burr_4mm") == "round burr 4 mm");
+  CHECK(tool_title("twist_drill_2_5mm") == "twist drill 2.5 mm");
+  CHECK(tool_title("perforator_14_11") == "perforator 14/11");
+  CHECK(tool_title("acosta_liu_round") == "acosta liu round");
+}

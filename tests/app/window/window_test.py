@@ -1,0 +1,250 @@
+"""The window as a person meets it: under a virtual display with a window manager, driven by synthetic keys and mouse alone.
+
+Run by ctest with the program's path in BURRHOLE_PROGRAM; exits 77 where Xvfb, openbox or xdotool is missing. Pictures of the window go to the
+folder BURRHOLE_PICTURES, if it is set.
+"""
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cli"))
+from program_support import PROGRAM, QUICK, WithFolder, run  # noqa: E402
+
+SCREEN = (1400, 900)
+PATIENCE = 60.0  # [s] for a window, a picture or an end: a machine under load, not a speed that is judged
+
+
+class Display:
+    """A virtual display with a window manager."""
+
+    def __init__(self):
+        read, write = os.pipe()
+        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", f"{SCREEN[0]}x{SCREEN[1]}x24", "-nolisten", "tcp", "-noreset"],
+                                       pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as number:
+            self.name = ":" + number.readline().strip()  # the whole line: a server whose pipe is closed early ends
+        self.environment = {**os.environ, "DISPLAY": self.name}
+        self.environment.pop("WAYLAND_DISPLAY", None)
+        self.manager = subprocess.Popen(["openbox"], env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def close(self):
+        for process in (self.manager, self.server):
+            process.terminate()
+            process.wait()
+
+    def tool(self, *words, check=True):
+        return subprocess.run(["xdotool", *map(str, words)], env=self.environment, capture_output=True, text=True, timeout=PATIENCE, check=check)
+
+
+def size_of(picture):
+    return struct.unpack(">II", picture.read_bytes()[16:24])
+
+
+class Window(WithFolder):
+    def setUp(self):
+        super().setUp()
+        self.display = Display()
+        self.addCleanup(self.display.close)
+        self.out = self.folder / "out"
+        self.process = None
+
+    def tearDown(self):
+        if self.process is not None and self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        pictures = os.environ.get("BURRHOLE_PICTURES")
+        if pictures and self.out.exists():
+            pathlib.Path(pictures).mkdir(parents=True, exist_ok=True)
+            for picture in self.out.glob("screenshot-*.png"):
+                shutil.copy(picture, pathlib.Path(pictures) / f"{self._testMethodName}-{picture.name}")
+
+    def start(self, *arguments, scene=QUICK):
+        self.log = self.folder / "log"
+        with self.log.open("w") as log:
+            self.process = subprocess.Popen([PROGRAM, "drill", str(scene), "--window", "--out", str(self.out), *map(str, arguments)],
+                                            env=self.display.environment, stdout=subprocess.DEVNULL, stderr=log)
+        self.wait_until(lambda: "renderer: window" in self.log.read_text(), "the window's renderer")
+        found = self.display.tool("search", "--sync", "--onlyvisible", "--name", "burrhole").stdout.split()
+        self.window = found[0]
+        self.display.tool("windowfocus", "--sync", self.window)
+        time.sleep(1.0)  # the pictures before the run
+
+    def wait_until(self, ready, what):
+        end = time.monotonic() + PATIENCE
+        while not ready():
+            if self.process.poll() is not None:
+                self.fail(f"the program ended ({self.process.returncode}) before {what}: {self.log.read_text()}")
+            self.assertLess(time.monotonic(), end, f"{what} did not come")
+            time.sleep(0.05)
+
+    def press(self, *keys):
+        for key in keys:
+            self.display.tool("key", key)
+
+    def hold(self, key, seconds):
+        self.display.tool("keydown", key)
+        time.sleep(seconds)
+        self.display.tool("keyup", key)
+
+    def picture(self):
+        before = len(list(self.out.glob("screenshot-*.png")))
+        self.press("F12")
+        self.wait_until(lambda: len(list(self.out.glob("screenshot-*.png"))) > before, "a screenshot")
+        return self.out / f"screenshot-{before + 1}.png"
+
+    def end(self):
+        self.press("Escape")
+        time.sleep(0.3)
+        self.press("Return")
+        self.wait_until(lambda: (self.out / "report.html").exists(), "the report")
+        time.sleep(0.5)
+        self.press("alt+F4")
+        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+        return json.loads((self.out / "summary.json").read_text())
+
+    def assert_replays(self):
+        replayed = run("replay", self.out / "session.sqlite")
+        self.assertEqual(replayed.returncode, 0, replayed.stdout + replayed.stderr)
+
+    def test_a_person_drills_through_with_keys_alone_and_the_session_replays(self):
+        self.start()
+        before = self.picture()
+        self.press("F1")
+        self.picture()
+        self.press("F1", "x")
+        self.hold("w", 8.0)
+        self.picture()
+        self.hold("s", 1.5)
+        self.press("x", "2")  # another tool
+        time.sleep(1.0)
+        self.press("F2")
+        time.sleep(0.5)
+        after = self.picture()
+        self.assertNotEqual(before.read_bytes(), after.read_bytes())
+        summary = self.end()
+        self.assertEqual(summary["end"], "done")
+        self.assertIsNotNone(summary["drilling"]["breakthrough_s"], summary)
+        self.assertGreater(summary["drilling"]["removed_mm3"], 1.0)
+        self.assertTrue((self.out / "after.png").exists())
+        self.assertIn("a second while the drill ran", self.log.read_text())
+        self.assert_replays()
+
+    def test_an_undo_brings_the_bone_back(self):
+        self.start()
+        self.press("x")
+        self.hold("w", 5.0)
+        self.hold("s", 1.5)
+        self.press("x")
+        time.sleep(1.0)
+        self.press("z")
+        time.sleep(1.0)
+        self.picture()
+        summary = self.end()
+        self.assertEqual(summary["drilling"]["removed_mm3"], 0.0)
+        self.assertIsNone(summary["drilling"]["breakthrough_s"])
+        self.assert_replays()
+
+    def test_mouse_wheel_and_drags(self):
+        self.start()
+        self.display.tool("mousemove", "--window", self.window, 300, 300)
+        self.display.tool("mousedown", 3)
+        for n in range(20):
+            self.display.tool("mousemove", "--window", self.window, 300 + 6 * n, 300 + 2 * n)
+        self.display.tool("mouseup", 3)
+        self.picture()
+        self.press("x")
+        self.display.tool("click", "--repeat", "40", "--delay", "60", "4")
+        time.sleep(1.5)
+        self.picture()
+        summary = self.end()
+        self.assertGreater(summary["drilling"]["removed_mm3"], 0.0)
+        self.assert_replays()
+
+    def test_a_window_of_any_size_minimised_and_closed_while_drilling(self):
+        self.start()
+        self.display.tool("windowsize", "--sync", self.window, 700, 500)
+        time.sleep(0.5)
+        self.assertEqual(size_of(self.picture()), (700, 500))
+        self.display.tool("windowsize", "--sync", self.window, 1200, 420)
+        self.press("x")
+        self.display.tool("keydown", "w")
+        self.display.tool("windowminimize", "--sync", self.window)
+        time.sleep(1.0)
+        self.display.tool("windowmap", "--sync", self.window)
+        self.display.tool("windowfocus", "--sync", self.window)
+        self.press("x")
+        self.hold("w", 2.0)
+        self.press("alt+F4")
+        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+        self.assertEqual(json.loads((self.out / "summary.json").read_text())["end"], "done")
+        self.assertTrue((self.out / "report.html").exists())
+        self.assert_replays()
+
+    def test_ctrl_c_ends_the_run_with_its_results(self):
+        self.start()
+        self.press("x")
+        self.hold("w", 1.5)
+        self.process.send_signal(signal.SIGINT)
+        self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
+        self.assertTrue((self.out / "summary.json").exists())
+        self.assert_replays()
+
+    def test_a_monkey_ends_nothing(self):
+        self.start()
+        dice = random.Random(7)
+        keys = ["w", "s", "a", "d", "q", "e", "x", "z", "p", "f", "v", "r", "h", "1", "2", "3", "F1", "F2", "Left", "Right", "Up", "Down", "plus",
+                "minus", "Home", "Tab"]
+        for _ in range(150):
+            what = dice.random()
+            if what < 0.5:
+                self.display.tool(dice.choice(["key", "keydown", "keyup"]), dice.choice(keys))
+            elif what < 0.7:
+                self.display.tool("mousemove", dice.randrange(SCREEN[0]), dice.randrange(60, SCREEN[1]))
+            elif what < 0.9:
+                self.display.tool(dice.choice(["click", "mousedown", "mouseup"]), dice.randrange(1, 6))
+            else:
+                self.display.tool("windowsize", self.window, dice.randrange(480, 1300), dice.randrange(320, 860))
+            self.assertIsNone(self.process.poll(), self.log.read_text())
+        self.process.send_signal(signal.SIGTERM)
+        self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
+        self.assert_replays()
+
+    def test_a_demonstration_by_the_scene_s_own_hand(self):
+        self.start("--demo")
+        self.picture()
+        self.wait_until(lambda: (self.out / "report.html").exists(), "the report")
+        self.press("alt+F4")
+        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+        self.assertIsNotNone(json.loads((self.out / "summary.json").read_text())["drilling"]["breakthrough_s"])
+        self.assert_replays()
+
+    def test_what_cannot_be_shown_is_one_line(self):
+        plain = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        none = run("drill", QUICK, "--window", "--out", self.out, env=plain)
+        self.assertEqual(none.returncode, 4)
+        self.assertIn("there is no display", none.stderr)
+        gone = run("drill", QUICK, "--out", self.out, env={**plain, "DISPLAY": ":4242"})
+        self.assertEqual(gone.returncode, 4)
+        self.assertIn("--offscreen", gone.stderr)
+        both = run("drill", QUICK, "--window", "--offscreen", "--out", self.out, env=plain)
+        self.assertEqual(both.returncode, 2)
+        self.assertFalse(self.out.exists())
+        offscreen = run("drill", QUICK, "--offscreen", "--out", self.out, env={**plain, "DISPLAY": ":4242"})
+        self.assertEqual(offscreen.returncode, 0, offscreen.stderr)
+
+
+if __name__ == "__main__":
+    for program in ("Xvfb", "openbox", "xdotool"):
+        if shutil.which(program) is None:
+            print(f"skipped: {program} is missing")
+            sys.exit(77)
+    unittest.main(verbosity=2)
