@@ -95,6 +95,20 @@ class Viewer::Sink final : public PictureSink {
   Viewer* viewer_;
 };
 
+void PictureTimes::add(double seconds) {
+  if (seconds_.size() < kMost)
+    seconds_.push_back(static_cast<float>(seconds));
+  else
+    seconds_[next_++ % kMost] = static_cast<float>(seconds);
+}
+
+double PictureTimes::at(double share) const {
+  if (seconds_.empty()) return 0.0;
+  std::vector<float> sorted = seconds_;
+  std::ranges::sort(sorted);
+  return static_cast<double>(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
+}
+
 Viewer::Viewer(GlfwWindow& window, Desk& desk, MakeWindowSink make_sink, const ViewerConfig& config)
     : window_(&window), desk_(&desk), make_parts_(std::move(make_sink)), config_(config), pace_(config.moving_budget, config.coarsest) {}
 Viewer::~Viewer() = default;
@@ -211,6 +225,7 @@ void Viewer::draw_frame() {
   gui_->feed(desk_->take_events());
   const int side = panel_width(width, gui_->scale());
   desk_->set_picture_size(width - side, height);
+  const bool turned = !last_camera_ || !(*last_camera_ == view.camera);
   if (base_ && parts_.renderer != nullptr && width > side) draw_picture(view, width - side, height);
   texture_->clear_window(width, height, kGround);
   gui_->begin(width, height, since);
@@ -223,12 +238,12 @@ void Viewer::draw_frame() {
   if (view.wishes.screenshot) take_screenshot(width, height);
   window_->swap();
   if (since > 0.0) figures_.frames_per_s += kSmooth * (1.0 / since - figures_.frames_per_s);
-  if (view.stage == DeskStage::drilling && view.live.hand.spin > 0.0) {
-    totals_.drilling_s += since;
-    ++totals_.drilling_pictures;
-  }
+  if (view.stage == DeskStage::drilling && turned)
+    totals_.turning.add(since);
+  else if (view.stage == DeskStage::drilling && view.live.hand.spin > 0.0)
+    totals_.drilling.add(since);
   if (const auto waited = desk_->take_latency()) {
-    totals_.latency.add(static_cast<float>(*waited * 1e6));
+    totals_.latency.add(*waited);
     figures_.latency_ms += kSmooth * (*waited * 1e3 - figures_.latency_ms);
   }
 }
@@ -285,8 +300,7 @@ void Viewer::draw_picture(const DeskView& view, int width, int height) {
     sent_at_ = Steady::now();
     bone_time_ = took;
   }
-  ++totals_.pictures;
-  totals_.picture.add(static_cast<float>(took * 1e6));
+  totals_.picture.add(took);
   figures_.picture_ms = took * 1e3;
   figures_.coarse = change.camera && pace_.resolution() < 1.0;
   figures_.quality = quality_text(quality_, false);

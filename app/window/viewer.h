@@ -41,12 +41,36 @@ struct ViewerConfig {
   std::string folder;            ///< of screenshots; empty: none can be taken
 };
 
+/// Times [s] of the last pictures, for percentiles.
+class PictureTimes {
+ public:
+  void add(double seconds);
+  /// @returns the time that `share` of the kept ones do not exceed; 0 without any.
+  [[nodiscard]] double at(double share) const;
+
+ private:
+  static constexpr std::size_t kMost = 20'000;  // ten minutes; then the oldest go
+  std::vector<float> seconds_;
+  std::size_t next_ = 0;
+};
+
+/// Pictures while something went on, and how long it did [s].
+struct PictureRate {
+  std::uint64_t pictures = 0;
+  double time = 0.0;
+  void add(double seconds) noexcept {
+    ++pictures;
+    time += seconds;
+  }
+  [[nodiscard]] double per_second() const noexcept { return time > 0.0 ? static_cast<double>(pictures) / time : 0.0; }
+};
+
 /// What a window did, for the person who wants to know what a machine can.
 struct WindowFigures {
-  std::uint64_t pictures = 0;           ///< in all
-  std::uint64_t drilling_pictures = 0;  ///< while the drill spun
-  double drilling_s = 0.0;              ///< [s] of wall time in which it did
-  SampleTimer picture, latency;         ///< time of a picture; from the first event to the picture that shows it
+  PictureRate drilling;  ///< the drill spun, the view stood
+  PictureRate turning;   ///< the view moved
+  PictureTimes picture;  ///< time of one
+  PictureTimes latency;  ///< from the first event that it shows to the picture on the screen
 };
 
 class Viewer {

@@ -15,34 +15,10 @@ import sys
 import time
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cli"))
+TESTS = pathlib.Path(__file__).resolve().parents[2]
+sys.path += [str(TESTS / "app" / "cli"), str(TESTS / "support")]
 from program_support import PROGRAM, QUICK, WithFolder, run  # noqa: E402
-
-SCREEN = (1400, 900)
-PATIENCE = 60.0  # [s] for a window, a picture or an end: a machine under load, not a speed that is judged
-
-
-class Display:
-    """A virtual display with a window manager."""
-
-    def __init__(self):
-        read, write = os.pipe()
-        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", f"{SCREEN[0]}x{SCREEN[1]}x24", "-nolisten", "tcp", "-noreset"],
-                                       pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        os.close(write)
-        with os.fdopen(read) as number:
-            self.name = ":" + number.readline().strip()  # the whole line: a server whose pipe is closed early ends
-        self.environment = {**os.environ, "DISPLAY": self.name}
-        self.environment.pop("WAYLAND_DISPLAY", None)
-        self.manager = subprocess.Popen(["openbox"], env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-    def close(self):
-        for process in (self.manager, self.server):
-            process.terminate()
-            process.wait()
-
-    def tool(self, *words, check=True):
-        return subprocess.run(["xdotool", *map(str, words)], env=self.environment, capture_output=True, text=True, timeout=PATIENCE, check=check)
+from virtual_display import PATIENCE, SCREEN, Display, missing  # noqa: E402
 
 
 def size_of(picture):
@@ -135,7 +111,7 @@ class Window(WithFolder):
         self.assertIsNotNone(summary["drilling"]["breakthrough_s"], summary)
         self.assertGreater(summary["drilling"]["removed_mm3"], 1.0)
         self.assertTrue((self.out / "after.png").exists())
-        self.assertIn("a second while the drill ran", self.log.read_text())
+        self.assertIn("pictures a second while the drill ran", self.log.read_text())
         self.assert_replays()
 
     def test_an_undo_brings_the_bone_back(self):
@@ -243,8 +219,7 @@ class Window(WithFolder):
 
 
 if __name__ == "__main__":
-    for program in ("Xvfb", "openbox", "xdotool"):
-        if shutil.which(program) is None:
-            print(f"skipped: {program} is missing")
-            sys.exit(77)
+    if missing():
+        print(f"skipped: {missing()} is missing")
+        sys.exit(77)
     unittest.main(verbosity=2)
