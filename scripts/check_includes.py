@@ -46,7 +46,8 @@ SEES = {
     "app/lab/oracle": CORE + ["haptics", "volumes"],
     "app/lab": JOB + ["app/render", "app/lab/oracle"],
     "app/bench": JOB + ["app/render"],
-    "app/cli": JOB + ["app/render", "app/lab"],
+    "app/window": JOB + ["app/render"],
+    "app/cli": JOB + ["app/render", "app/lab", "app/window"],
 }
 
 # At most six files instantiate an OpenVDB grid: each costs seconds to compile and nearly half a minute under a sanitizer.
@@ -61,7 +62,8 @@ WRAPPED = [
     (r"sqlite3(ext)?\.h$", "SQLite", ["app/session/sqlite_file.h"]),
     (r"app/session/sqlite_file\.h$", "SQLite", ["app/session/s"]),
     (r"png\.h$", "libpng", ["app/render/"]),
-    (r"GLFW/", "GLFW", ["app/render/"]),
+    (r"GLFW/", "GLFW", ["app/render/", "app/window/"]),
+    (r"imgui", "Dear ImGui", ["app/window/"]),
     (r"CLI/", "CLI11", ["app/cli/", "app/bench/main.cpp", "app/render/embed_shaders_main.cpp"]),
     (r"itk[A-Z]", "ITK", ["tests/"]),
     (r"gdcm", "GDCM", ["volumes/read/gdcm_codecs.cpp"]),

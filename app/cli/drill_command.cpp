@@ -34,6 +34,12 @@ Result<std::unique_ptr<FilmWriter>> make_film(const Scene& scene, const Drilling
   return FilmWriter::create(files.video, files.video_fps);
 }
 
+Result<bool> decide_window(WindowOptions& window, SceneOption& scene, bool by_script, bool quiet) {
+  if (!by_script) return prepare_window(window, scene, quiet);
+  if (window.asked) return bad_input("--window is not valid with --offscreen, --json, --live, --video or --inputs");
+  return false;
+}
+
 }  // namespace
 
 const std::atomic<bool>& stop_requested() { return stop_flag; }
@@ -95,7 +101,7 @@ void add_drill(CLI::App& app, int& exit_code) {
     SceneOption scene;
     DrillingFiles files{.folder = "out", .restore_path = {}};
     LiveMode mode;
-    WindowWish window;
+    WindowOptions window;
     bool json = false, quiet = false, offscreen = false;
   };
   CLI::App* command = add_command(
@@ -146,11 +152,7 @@ void add_drill(CLI::App& app, int& exit_code) {
     }
     const bool by_script =
         option->offscreen || option->json || option->mode.live || !option->files.video.empty() || !option->files.inputs.empty();
-    if (by_script && option->window.asked) {
-      exit_code = report(bad_input("--window is not valid with --offscreen, --json, --live, --video or --inputs"));
-      return;
-    }
-    const auto windowed = by_script ? Result<bool>(false) : prepare_window(option->window, option->scene, option->quiet);
+    const auto windowed = decide_window(option->window, option->scene, by_script, option->quiet);
     if (!windowed) {
       exit_code = report(windowed.error());
       return;
@@ -165,7 +167,6 @@ void add_drill(CLI::App& app, int& exit_code) {
                                    : drill_scene(*loaded, option->files, option->quiet, option->mode);
     if (!summary) {
       exit_code = report(summary.error());
-      if (*windowed && summary.error().code == ErrorCode::unavailable) fmt::print(stderr, "--offscreen drills without a window\n");
       return;
     }
     if (!option->quiet) print_figures(*summary);

@@ -45,36 +45,38 @@ std::vector<ToolText> tools_for(const LoadedScene& loaded) {
 
 }  // namespace
 
-void add_window_options(CLI::App& command, WindowWish& wish) {
-  command.add_flag("--window", wish.asked, "in a window, or not at all; by default a window opens where there is a display");
-  command.add_flag("--demo", wish.demonstration, "in the window, the scene's own hand drills");
-  command.add_flag("--light", wish.light, "a window with dark letters on a light ground");
-  command.add_option("--text-scale", wish.text_scale, "size of the window's letters")->check(CLI::Range(0.5, 4.0))->capture_default_str();
+void add_window_options(CLI::App& command, WindowOptions& options) {
+  command.add_flag("--window", options.asked, "in a window, or not at all; by default a window opens where there is a display");
+  command.add_flag("--demo", options.demonstration, "in the window, the scene's own hand drills");
+  command.add_flag("--light", options.light, "a window with dark letters on a light ground");
+  command.add_option("--text-scale", options.text_scale, "size of the window's letters")
+      ->check(CLI::Range(0.5, 4.0))
+      ->capture_default_str();
 }
 
-Result<bool> prepare_window(WindowWish& wish, SceneOption& option, bool quiet) {
+Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool quiet) {
   if (!has_display()) {
-    if (wish.asked)
+    if (options.asked)
       return Error{ErrorCode::unavailable, "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set", {}};
     return false;
   }
-  const auto document = option.document();
+  const auto document = scene.document();
   if (!document) return document.error();
-  if (const std::string why = why_not(*document, wish.reference_push); !why.empty()) {
-    if (wish.asked) return bad_input("no window: " + why, document->file_name());
+  if (const std::string why = why_not(*document, options.reference_push); !why.empty()) {
+    if (options.asked) return bad_input("no window: " + why, document->file_name());
     if (!quiet) fmt::print(stderr, "no window: {}\n", why);
     return false;
   }
   const auto is_set = [&](const char* key) {
-    return std::ranges::any_of(option.sets, [&](const std::string& set) { return set.starts_with(key); });
+    return std::ranges::any_of(scene.sets, [&](const std::string& set) { return set.starts_with(key); });
   };
-  if (wish.demonstration) return true;
-  option.sets.insert(option.sets.begin(), kUsersHand);
-  if (!is_set("duration_s")) option.sets.emplace_back(kUsersTime);
+  if (options.demonstration) return true;
+  scene.sets.insert(scene.sets.begin(), kUsersHand);
+  if (!is_set("duration_s")) scene.sets.emplace_back(kUsersTime);
   return true;
 }
 
-Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const WindowWish& wish, const DrillingFiles& files, bool quiet) {
+Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const WindowOptions& options, const DrillingFiles& files, bool quiet) {
   WindowRun run;
   run.job.folder = files.folder;
   run.job.restore_path = files.restore_path;
@@ -88,8 +90,8 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
   };
   run.tools = tools_for(loaded);
   run.tool = loaded.tool.name;
-  run.reference_push = wish.reference_push;
-  run.demonstration = wish.demonstration;
+  run.reference_push = options.reference_push;
+  run.demonstration = options.demonstration;
   if (!quiet)
     run.figures = [](const WindowFigures& f) {
       constexpr double kMs = 1e3;
@@ -100,8 +102,8 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
           f.drilling.per_second(), f.turning.per_second(), kMs * f.picture.at(0.5), kMs * f.picture.at(0.95), kMs * f.latency.at(0.5),
           kMs * f.latency.at(0.95));
     };
-  run.viewer.light = wish.light;
-  run.viewer.text_scale = wish.text_scale;
+  run.viewer.light = options.light;
+  run.viewer.text_scale = options.text_scale;
   run.viewer.folder = files.folder;
   return drill_in_window(loaded, std::move(run));
 }

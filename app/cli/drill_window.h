@@ -10,19 +10,19 @@
 namespace burrhole::cli {
 
 /// What the options say of a window.
-struct WindowWish {
+struct WindowOptions {
   bool asked = false;           ///< --window: without a window the command fails
   bool demonstration = false;   ///< --demo: the scene's own hand drills
   bool light = false;           ///< --light
-  double text_scale = 1.0;      ///< --text-scale
+  double text_scale = 1.0;      ///< [-] --text-scale
   double reference_push = 0.0;  ///< [N] of the scene's script; set by prepare_window()
 };
 
-void add_window_options(CLI::App& command, WindowWish& wish);
+void add_window_options(CLI::App& command, WindowOptions& options);
 /// Decides whether the run is in a window, and if so replaces the scene's hand by that of a person, before the scene is loaded. A window
 /// opens by default where there is a display, and a scene with [display], a script for a hand and no [device].
-[[nodiscard]] Result<bool> prepare_window(WindowWish& wish, SceneOption& option, bool quiet);
-[[nodiscard]] Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const WindowWish& wish, const DrillingFiles& files,
+[[nodiscard]] Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool quiet);
+[[nodiscard]] Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const WindowOptions& options, const DrillingFiles& files,
                                                        bool quiet);
 
 }  // namespace burrhole::cli

@@ -3,14 +3,14 @@
 
 namespace burrhole::cli {
 
-void add_window_options(CLI::App& command, WindowWish& wish) { command.add_flag("--window", wish.asked, "not in this build"); }
+void add_window_options(CLI::App& command, WindowOptions& options) { command.add_flag("--window", options.asked, "not in this build"); }
 
-Result<bool> prepare_window(WindowWish& wish, SceneOption&, bool) {
-  if (wish.asked) return Error{ErrorCode::unavailable, "this build has no window", {}};
+Result<bool> prepare_window(WindowOptions& options, SceneOption&, bool) {
+  if (options.asked) return Error{ErrorCode::unavailable, "this build has no window", {}};
   return false;
 }
 
-Result<RunSummary> drill_scene_in_window(const LoadedScene&, const WindowWish&, const DrillingFiles&, bool) {
+Result<RunSummary> drill_scene_in_window(const LoadedScene&, const WindowOptions&, const DrillingFiles&, bool) {
   return Error{ErrorCode::unavailable, "this build has no window", {}};
 }
 

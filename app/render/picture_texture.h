@@ -1,5 +1,5 @@
 /// app/render/picture_texture.h: a picture as a texture that a window shows, and the window's background.
-///   Errors  none.   Thread  that of the context, which is current.
+///   Frame  none: pixels, row 0 at the top.   Errors  none.   Thread  that of the context, which is current.
 #pragma once
 
 #include "app/render/gl_context.h"

@@ -77,7 +77,7 @@ class Loops {
   Status drain();
   /// Stops all clocks, applies the inputs that need this, and starts the clocks again.
   Status park();
-  /// Tells the user the state, and sends the display what has changed.
+  /// Reports the state to the user, and sends the display what has changed.
   Status show();
   /// Computes the audio blocks that are due; on the caller's thread.
   void run_audio();

@@ -12,7 +12,7 @@ struct ImFont;
 
 namespace burrhole {
 
-/// Colours that people with any colour vision tell apart [OkabeIto08], as 0xRRGGBB.
+/// Colours that differ for people with any colour vision [OkabeIto08], as 0xRRGGBB.
 struct GuiColors {
   static constexpr unsigned sky = 0x56B4E9, orange = 0xE69F00, green = 0x009E73, red = 0xD55E00, yellow = 0xF0E442, grey = 0x9AA4AD;
 };

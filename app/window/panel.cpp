@@ -61,15 +61,15 @@ void PanelHistory::add(double time, double force, double depth) {
 
 int panel_width(int window_width, float scale) noexcept { return std::min(static_cast<int>(kPanelWidth * scale), window_width / 2); }
 
-void Panel::draw(const DeskView& view, const DisplayFigures& figures, int width, int height) {
-  if (view.stage == DeskStage::drilling || plan_.title.empty()) plan_ = desk_->plan();
-  if (view.stage == DeskStage::drilling) history_.add(view.live.time, glm::length(view.live.force), view.live.progress.depth);
+void Panel::draw(const WindowView& view, const DisplayFigures& figures, int width, int height) {
+  if (view.stage == RunStage::drilling || plan_.title.empty()) plan_ = state_->plan();
+  if (view.stage == RunStage::drilling) history_.add(view.live.time, glm::length(view.live.force), view.live.progress.depth);
   const int side_width = panel_width(width, gui_->scale());
   over_picture(view, figures, width - side_width, height);
   side(view, figures, side_width, height);
 }
 
-void Panel::side(const DeskView& view, const DisplayFigures& figures, int width, int height) {
+void Panel::side(const WindowView& view, const DisplayFigures& figures, int width, int height) {
   const auto x = ImGui::GetIO().DisplaySize.x - static_cast<float>(width);
   ImGui::SetNextWindowPos(ImVec2(x, 0.0f));
   ImGui::SetNextWindowSize(ImVec2(static_cast<float>(width), static_cast<float>(height)));
@@ -78,19 +78,19 @@ void Panel::side(const DeskView& view, const DisplayFigures& figures, int width,
   text(plan_.title.empty() ? "Loading the bone ..." : plan_.title);
   ImGui::PopTextWrapPos();
   ImGui::Separator();
-  if (view.stage != DeskStage::loading) {
+  if (view.stage != RunStage::loading) {
     push_gauge(view);
     figures_of(view);
     layers(view);
     drive(view);
-    if (view.wishes.lab) lab(view, figures);
+    if (view.requests.lab) lab(view, figures);
     bone_buttons(view);
     tools(view);
   }
   ImGui::End();
 }
 
-void Panel::push_gauge(const DeskView& view) {
+void Panel::push_gauge(const WindowView& view) {
   const double most = plan_.largest_push > 0.0 ? plan_.largest_push : 80.0;
   const double push = std::max(0.0, view.live.hand.thrust);
   caption(*gui_, "PUSH");
@@ -122,7 +122,7 @@ void Panel::big(const char* label, const std::string& value, unsigned rgb) {
   ImGui::EndGroup();
 }
 
-void Panel::figures_of(const DeskView& view) {
+void Panel::figures_of(const WindowView& view) {
   const double left = bone_left(plan_.approach, view.live.progress);
   const double half = ImGui::GetContentRegionAvail().x * 0.5f;
   big("DEPTH", depth_text(view.live.progress), GuiColors::sky);
@@ -131,7 +131,7 @@ void Panel::figures_of(const DeskView& view) {
       is_near_exit(plan_.approach, view.live.progress) ? GuiColors::orange : GuiColors::sky);
 }
 
-void Panel::layers(const DeskView& view) {
+void Panel::layers(const WindowView& view) {
   caption(*gui_, "UNDER THE TIP");
   ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::green));
   text(layer_under_tip(plan_.approach, view.live));
@@ -145,14 +145,14 @@ void Panel::layers(const DeskView& view) {
   for (const Approach::Layer& layer : plan_.approach.layers)
     list->AddRectFilled(ImVec2(place(layer.from), at.y), ImVec2(place(layer.to), at.y + tall),
                         layer.label == VoxelLabel::diploe ? IM_COL32(150, 95, 70, 255) : IM_COL32(225, 214, 190, 255));
-  list->AddRectFilled(at, ImVec2(place(view.live.progress.front), at.y + tall), IM_COL32(20, 22, 26, 190));
+  list->AddRectFilled(at, ImVec2(place(thick - bone_left(plan_.approach, view.live.progress)), at.y + tall), IM_COL32(20, 22, 26, 190));
   const float tip = place(view.live.progress.depth);
   list->AddTriangleFilled(ImVec2(tip, at.y + tall * 0.5f), ImVec2(tip - tall * 0.6f, at.y - 2.0f),
                           ImVec2(tip - tall * 0.6f, at.y + tall + 2.0f), paint(GuiColors::sky));
   ImGui::Dummy(ImVec2(wide, tall + 4.0f));
 }
 
-void Panel::drive(const DeskView& view) {
+void Panel::drive(const WindowView& view) {
   const double rpm = view.live.hand.spin * plan_.spin_rpm;
   big("DRILL", view.live.hand.spin > 0.0 ? fmt::format("{:.0f} rpm", rpm) : std::string("off"),
       view.live.hand.spin > 0.0 ? GuiColors::green : GuiColors::grey);
@@ -165,50 +165,51 @@ void Panel::drive(const DeskView& view) {
   ImGui::Separator();
 }
 
-void Panel::tools(const DeskView& view) {
+void Panel::tools(const WindowView& view) {
   if (plan_.demonstration || !ImGui::CollapsingHeader("Tool", ImGuiTreeNodeFlags_DefaultOpen)) return;
   std::optional<std::size_t> wanted;
   std::vector<std::string> names;
-  desk_->with_pilot([&](Pilot& pilot) {
-    for (const ToolText& tool : pilot.tools()) names.push_back(tool.name);
+  state_->with_controls([&](Controls& controls) {
+    for (const ToolText& tool : controls.tools()) names.push_back(tool.name);
   });
   ImGui::PushFont(gui_->small());
   for (std::size_t n = 0; n < names.size(); ++n) {
-    if (!view.wishes.lab && n >= 5) break;
+    if (!view.requests.lab && n >= 5) break;
     const std::string key = n < 10 ? fmt::format("{}  ", (n + 1) % 10) : std::string("    ");
     if (ImGui::Selectable((key + tool_title(names[n])).c_str(), names[n] == view.tool)) wanted = n;
   }
-  if (!view.wishes.lab && names.size() > 5) ImGui::TextDisabled("F2 shows all %d", static_cast<int>(names.size()));
+  if (!view.requests.lab && names.size() > 5) ImGui::TextDisabled("F2 shows all %d", static_cast<int>(names.size()));
   ImGui::PopFont();
-  if (wanted) desk_->with_pilot([&](Pilot& pilot) { pilot.change_tool(*wanted); });
+  if (wanted) state_->with_controls([&](Controls& controls) { controls.change_tool(*wanted); });
 }
 
-void Panel::bone_buttons(const DeskView& view) {
-  if (view.stage != DeskStage::drilling) return;
+void Panel::bone_buttons(const WindowView& view) {
+  if (view.stage != RunStage::drilling) return;
   const float wide = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) * 0.5f;
   const ImVec2 size(wide, 0.0f);
-  const auto button = [&](const char* label, const std::function<void(Pilot&)>& f) {
-    if (ImGui::Button(label, size)) desk_->with_pilot(f);
+  const auto button = [&](const char* label, const std::function<void(Controls&)>& f) {
+    if (ImGui::Button(label, size)) state_->with_controls(f);
   };
-  button("Undo (Z)", [](Pilot& p) { p.undo(); });
+  button("Undo (Z)", [](Controls& p) { p.undo(); });
   ImGui::SameLine();
-  button(view.paused ? "Resume (P)" : "Pause (P)", [](Pilot& p) { p.toggle_pause(); });
-  if (view.wishes.lab) {
-    button("Reset bone", [](Pilot& p) { p.reset(); });
+  button(view.paused ? "Resume (P)" : "Pause (P)", [](Controls& p) { p.toggle_pause(); });
+  if (view.requests.lab) {
+    button("Reset bone", [](Controls& p) { p.reset(); });
     ImGui::SameLine();
-    button("Checkpoint", [this](Pilot& p) { p.checkpoint(fmt::format("checkpoint {}", ++checkpoints_)); });
+    button("Checkpoint", [this](Controls& p) { p.checkpoint(fmt::format("checkpoint {}", ++checkpoints_)); });
     if (checkpoints_ > 0)
-      button(fmt::format("Restore {}", checkpoints_).c_str(), [this](Pilot& p) { p.restore(fmt::format("checkpoint {}", checkpoints_)); });
+      button(fmt::format("Restore {}", checkpoints_).c_str(),
+             [this](Controls& p) { p.restore(fmt::format("checkpoint {}", checkpoints_)); });
     if (checkpoints_ > 0) ImGui::SameLine();
-    button("Screenshot", [](Pilot& p) { p.wishes().screenshot = true; });
+    button("Screenshot", [](Controls& p) { p.requests().screenshot = true; });
   }
-  button("Keys (F1)", [](Pilot& p) { p.wishes().help = !p.wishes().help; });
+  button("Keys (F1)", [](Controls& p) { p.requests().help = !p.requests().help; });
   ImGui::SameLine();
-  button("End (Esc)", [](Pilot& p) { p.wishes().asks_end = true; });
-  button(view.wishes.lab ? "Trainee (F2)" : "Lab (F2)", [](Pilot& p) { p.wishes().lab = !p.wishes().lab; });
+  button("End (Esc)", [](Controls& p) { p.requests().asks_end = true; });
+  button(view.requests.lab ? "Trainee (F2)" : "Lab (F2)", [](Controls& p) { p.requests().lab = !p.requests().lab; });
 }
 
-void Panel::lab(const DeskView& view, const DisplayFigures& figures) {
+void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
   ImGui::PushFont(gui_->small());
   const auto plot = [&](const char* name, const std::vector<float>& values, const char* unit) {
     if (values.empty()) return;
@@ -231,9 +232,9 @@ void Panel::lab(const DeskView& view, const DisplayFigures& figures) {
   ImGui::Separator();
 }
 
-void Panel::over_picture(const DeskView& view, const DisplayFigures& figures, int width, int height) {
+void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, int width, int height) {
   const float w = static_cast<float>(width), h = static_cast<float>(height), edge = 12.0f * gui_->scale();
-  if (view.stage == DeskStage::loading) {
+  if (view.stage == RunStage::loading) {
     begin_over("loading", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f), 0.0f);
     text("Loading the bone ...");
     ImGui::End();
@@ -242,7 +243,8 @@ void Panel::over_picture(const DeskView& view, const DisplayFigures& figures, in
   warnings(view, width);
   if (!view.lines.empty()) {
     begin_over("lines", ImVec2(edge, edge), ImVec2(0.0f, 0.0f), 0.6f);
-    for (const DeskLine& line : view.lines) ImGui::TextColored(color(line.warning ? GuiColors::orange : 0xEEEEEE), "%s", line.text.c_str());
+    for (const MessageLine& line : view.lines)
+      ImGui::TextColored(color(line.warning ? GuiColors::orange : 0xEEEEEE), "%s", line.text.c_str());
     ImGui::End();
   }
   if (figures.coarse) {
@@ -260,7 +262,7 @@ void Panel::over_picture(const DeskView& view, const DisplayFigures& figures, in
     ImGui::PopFont();
     ImGui::End();
   }
-  if (view.stage == DeskStage::drilling && view.wishes.hints && !plan_.demonstration) hints(view, width, height);
+  if (view.stage == RunStage::drilling && view.requests.hints && !plan_.demonstration) hints(view, width, height);
   if (view.paused) {
     begin_over("paused", ImVec2(0.5f * w, 0.35f * h), ImVec2(0.5f, 0.5f), 0.8f);
     ImGui::PushFont(gui_->big());
@@ -269,25 +271,25 @@ void Panel::over_picture(const DeskView& view, const DisplayFigures& figures, in
     text("P goes on");
     ImGui::End();
   }
-  if (view.stage == DeskStage::writing) {
+  if (view.stage == RunStage::writing) {
     begin_over("writing", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f), 0.8f);
     text("Writing the report ...");
     ImGui::End();
   }
-  if (view.wishes.help) help(width, height);
-  if (view.stage == DeskStage::drilling && view.wishes.asks_end) end_question(width, height);
-  if (view.stage == DeskStage::ended) end_screen(width, height);
+  if (view.requests.help) help(width, height);
+  if (view.stage == RunStage::drilling && view.requests.asks_end) end_question(width, height);
+  if (view.stage == RunStage::ended) end_screen(width, height);
 }
 
-void Panel::warnings(const DeskView& view, int width) {
+void Panel::warnings(const WindowView& view, int width) {
   const std::vector<std::string> lines = warnings_of(plan_, view);
-  if (lines.empty() || view.stage != DeskStage::drilling) return;
+  if (lines.empty() || view.stage != RunStage::drilling) return;
   begin_over("warnings", ImVec2(0.5f * static_cast<float>(width), 10.0f * gui_->scale()), ImVec2(0.5f, 0.0f), 0.75f);
   for (const std::string& line : lines) ImGui::TextColored(color(GuiColors::orange), "%s", line.c_str());
   ImGui::End();
 }
 
-void Panel::hints(const DeskView& view, int width, int height) {
+void Panel::hints(const WindowView& view, int width, int height) {
   (void)width;
   const float edge = 12.0f * gui_->scale();
   begin_over("hints", ImVec2(edge, static_cast<float>(height) - edge), ImVec2(0.0f, 1.0f), 0.7f);
@@ -322,20 +324,20 @@ void Panel::help(int width, int height) {
 void Panel::end_question(int width, int height) {
   begin_over("end", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f);
   text("End the run and write the report?");
-  if (ImGui::Button("End (Enter)")) desk_->with_pilot([](Pilot& p) { p.end(); });
+  if (ImGui::Button("End (Enter)")) state_->with_controls([](Controls& p) { p.end(); });
   ImGui::SameLine();
-  if (ImGui::Button("Go on (Esc)")) desk_->with_pilot([](Pilot& p) { p.wishes().asks_end = false; });
+  if (ImGui::Button("Go on (Esc)")) state_->with_controls([](Controls& p) { p.requests().asks_end = false; });
   ImGui::End();
 }
 
 void Panel::end_screen(int width, int height) {
   begin_over("ended", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f);
-  const std::string failure = desk_->failure();
+  const std::string failure = state_->failure();
   if (!failure.empty()) {
     ImGui::TextColored(color(GuiColors::red), "The run failed");
     text(failure);
   }
-  if (const auto summary = desk_->summary()) {
+  if (const auto summary = state_->summary()) {
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26.0f);
     text(outcome_text(*summary));
     ImGui::PopTextWrapPos();
@@ -360,7 +362,7 @@ void Panel::end_screen(int width, int height) {
     if (ImGui::Button("Open the report")) open_file(report_);
     ImGui::SameLine();
   }
-  if (ImGui::Button("Close")) desk_->close();
+  if (ImGui::Button("Close")) state_->close();
   ImGui::End();
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "app/window/desk.h"
 #include "app/window/gui.h"
+#include "app/window/window_state.h"
 
 namespace burrhole {
 
@@ -40,31 +40,31 @@ class PanelHistory {
 /// Draws everything but the picture.
 class Panel {
  public:
-  Panel(const Gui& gui, Desk& desk) : gui_(&gui), desk_(&desk) {}
-  void draw(const DeskView& view, const DisplayFigures& figures, int width, int height);
+  Panel(const Gui& gui, WindowState& state) : gui_(&gui), state_(&state) {}
+  void draw(const WindowView& view, const DisplayFigures& figures, int width, int height);
   /// Path of the report, shown at the end; empty: none.
   void set_report(const std::string& path) { report_ = path; }
 
  private:
-  void side(const DeskView& view, const DisplayFigures& figures, int width, int height);
-  void push_gauge(const DeskView& view);
-  void figures_of(const DeskView& view);
-  void layers(const DeskView& view);
-  void drive(const DeskView& view);
-  void tools(const DeskView& view);
-  void bone_buttons(const DeskView& view);
-  void lab(const DeskView& view, const DisplayFigures& figures);
-  void over_picture(const DeskView& view, const DisplayFigures& figures, int width, int height);
-  void warnings(const DeskView& view, int width);
-  void hints(const DeskView& view, int width, int height);
+  void side(const WindowView& view, const DisplayFigures& figures, int width, int height);
+  void push_gauge(const WindowView& view);
+  void figures_of(const WindowView& view);
+  void layers(const WindowView& view);
+  void drive(const WindowView& view);
+  void tools(const WindowView& view);
+  void bone_buttons(const WindowView& view);
+  void lab(const WindowView& view, const DisplayFigures& figures);
+  void over_picture(const WindowView& view, const DisplayFigures& figures, int width, int height);
+  void warnings(const WindowView& view, int width);
+  void hints(const WindowView& view, int width, int height);
   void help(int width, int height);
   void end_question(int width, int height);
   void end_screen(int width, int height);
   void big(const char* label, const std::string& value, unsigned color);
 
   const Gui* gui_;
-  Desk* desk_;
-  DeskPlan plan_;
+  WindowState* state_;
+  WindowPlan plan_;
   PanelHistory history_;
   std::string report_;
   int checkpoints_ = 0;

@@ -63,7 +63,7 @@ std::string layer_under_tip(const Approach& approach, const LiveState& live) {
   return "bone";
 }
 
-std::vector<std::string> warnings_of(const DeskPlan& plan, const DeskView& view) {
+std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& view) {
   std::vector<std::string> out;
   const LiveState& live = view.live;
   if (live.progress.breakthrough_time && live.hand.spin > 0.0)

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/window/desk.h"
+#include "app/window/window_state.h"
 
 namespace burrhole {
 
@@ -20,7 +20,7 @@ namespace burrhole {
 /// @returns the layer at the cutting front, "air" above the bone, "through" behind it.
 [[nodiscard]] std::string layer_under_tip(const Approach& approach, const LiveState& live);
 /// What a person should heed now, one line each.
-[[nodiscard]] std::vector<std::string> warnings_of(const DeskPlan& plan, const DeskView& view);
+[[nodiscard]] std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& view);
 /// Keys and what they do.
 [[nodiscard]] std::span<const std::pair<const char*, const char*>> key_table();
 /// @returns a tool's name as a person reads it: "round_burr_4mm" is "round burr 4 mm".

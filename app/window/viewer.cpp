@@ -109,8 +109,8 @@ double PictureTimes::at(double share) const {
   return static_cast<double>(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
 }
 
-Viewer::Viewer(GlfwWindow& window, Desk& desk, MakeWindowSink make_sink, const ViewerConfig& config)
-    : window_(&window), desk_(&desk), make_parts_(std::move(make_sink)), config_(config), pace_(config.moving_budget, config.coarsest) {}
+Viewer::Viewer(GlfwWindow& window, WindowState& state, MakeWindowSink make_sink, const ViewerConfig& config)
+    : window_(&window), state_(&state), make_parts_(std::move(make_sink)), config_(config), pace_(config.moving_budget, config.coarsest) {}
 Viewer::~Viewer() = default;
 
 Status Viewer::call(const std::function<Status()>& f) {
@@ -183,7 +183,7 @@ Status Viewer::open() {
   auto gui = Gui::create(static_cast<float>(config_.text_scale) * window_->scale(), config_.light);
   if (!gui) return gui.error();
   gui_ = std::move(gui).value();
-  panel_ = std::make_unique<Panel>(*gui_, *desk_);
+  panel_ = std::make_unique<Panel>(*gui_, *state_);
   texture_ = std::make_unique<PictureTexture>(*context_);
   return {};
 }
@@ -191,10 +191,10 @@ Status Viewer::open() {
 void Viewer::loop() {
   Status opened = open();
   if (!opened) {
-    desk_->fail(opened.error());
+    state_->fail(opened.error());
   } else {
     changed_at_ = last_frame_ = Steady::now();
-    while (!(desk_->closed() && released_.load(std::memory_order_acquire))) {
+    while (!(state_->closed() && released_.load(std::memory_order_acquire))) {
       const auto start = Steady::now();
       serve();
       draw_frame();
@@ -221,10 +221,10 @@ void Viewer::draw_frame() {
   const auto now = Steady::now();
   const double since = seconds(now - last_frame_);
   last_frame_ = now;
-  const DeskView view = desk_->view();
-  gui_->feed(desk_->take_events());
+  const WindowView view = state_->view();
+  gui_->feed(state_->take_events());
   const int side = panel_width(width, gui_->scale());
-  desk_->set_picture_size(width - side, height);
+  state_->set_picture_size(width - side, height);
   const bool turned = !last_camera_ || !(*last_camera_ == view.camera);
   if (base_ && parts_.renderer != nullptr && width > side) draw_picture(view, width - side, height);
   texture_->clear_window(width, height, kGround);
@@ -234,15 +234,15 @@ void Viewer::draw_frame() {
                                              ImVec2(0.0f, 0.0f), ImVec2(static_cast<float>(width - side), static_cast<float>(height)));
   panel_->draw(view, figures_, width, height);
   gui_->end();
-  desk_->take_mouse(gui_->wants_mouse());
-  if (view.wishes.screenshot) take_screenshot(width, height);
+  state_->take_mouse(gui_->wants_mouse());
+  if (view.requests.screenshot) take_screenshot(width, height);
   window_->swap();
   if (since > 0.0) figures_.frames_per_s += kSmooth * (1.0 / since - figures_.frames_per_s);
-  if (view.stage == DeskStage::drilling && turned)
+  if (view.stage == RunStage::drilling && turned)
     totals_.turning.add(since);
-  else if (view.stage == DeskStage::drilling && view.live.hand.spin > 0.0)
+  else if (view.stage == RunStage::drilling && view.live.hand.spin > 0.0)
     totals_.drilling.add(since);
-  if (const auto waited = desk_->take_latency()) {
+  if (const auto waited = state_->take_latency()) {
     totals_.latency.add(*waited);
     figures_.latency_ms += kSmooth * (*waited * 1e3 - figures_.latency_ms);
   }
@@ -254,7 +254,7 @@ void Viewer::send_texels() {
   texels_.clear();
 }
 
-Viewer::Change Viewer::find_change(const DeskView& view, int width, int height) const {
+Viewer::Change Viewer::find_change(const WindowView& view, int width, int height) const {
   Change out{*base_};
   out.frame.camera = view.camera;
   if (view.live.hand.tick > 0)
@@ -268,7 +268,7 @@ Viewer::Change Viewer::find_change(const DeskView& view, int width, int height) 
   return out;
 }
 
-bool Viewer::choose_quality(const DeskView& view, const Change& change) {
+bool Viewer::choose_quality(const WindowView& view, const Change& change) {
   const auto now = Steady::now();
   if (change.camera || change.tool || change.bone || change.size) changed_at_ = now;
   // A tool that moves without drilling leaves a refined picture as it is.
@@ -283,7 +283,7 @@ bool Viewer::choose_quality(const DeskView& view, const Change& change) {
   return true;
 }
 
-void Viewer::draw_picture(const DeskView& view, int width, int height) {
+void Viewer::draw_picture(const WindowView& view, int width, int height) {
   // Changed bone waits until it has used no more than its share of the time, so that the tool stays smooth.
   const auto start = Steady::now();
   const bool sends = !texels_.empty() && seconds(start - sent_at_) * config_.bone_share >= bone_time_;
@@ -293,7 +293,7 @@ void Viewer::draw_picture(const DeskView& view, int width, int height) {
   const bool same = !change.camera && !change.tool && !change.bone && !change.size && !other_quality;
   if (drawn_ && same && !figures_.coarse) return;
   auto image = parts_.renderer->draw_at_pace(change.frame, width, height, pace_);
-  if (!image) return desk_->say("The picture cannot be drawn: " + image.error().text(), true);
+  if (!image) return state_->say("The picture cannot be drawn: " + image.error().text(), true);
   texture_->set(*image);
   const double took = seconds(Steady::now() - start);
   if (sends) {
@@ -313,11 +313,11 @@ void Viewer::draw_picture(const DeskView& view, int width, int height) {
 }
 
 void Viewer::take_screenshot(int width, int height) {
-  desk_->with_pilot([](Pilot& pilot) { pilot.wishes().screenshot = false; });
-  if (config_.folder.empty()) return desk_->say("There is no output folder for a screenshot", true);
+  state_->with_controls([](Controls& controls) { controls.requests().screenshot = false; });
+  if (config_.folder.empty()) return state_->say("There is no output folder for a screenshot", true);
   const auto path = std::filesystem::path(config_.folder) / fmt::format("screenshot-{}.png", ++screenshots_);
   const Status written = write_png(path, texture_->read_window(width, height));
-  desk_->say(written ? "Saved " + path.string() : written.error().text(), !written.ok());
+  state_->say(written ? "Saved " + path.string() : written.error().text(), !written.ok());
 }
 
 }  // namespace burrhole

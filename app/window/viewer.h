@@ -15,9 +15,9 @@
 
 #include "app/job/picture_sink.h"
 #include "app/render/renderer.h"
-#include "app/window/desk.h"
 #include "app/window/glfw_window.h"
 #include "app/window/panel.h"
+#include "app/window/window_state.h"
 #include "core/base/step_timer.h"
 
 namespace burrhole {
@@ -54,10 +54,10 @@ class PictureTimes {
   std::size_t next_ = 0;
 };
 
-/// Pictures while something went on, and how long it did [s].
+/// Pictures while something went on, and how long it did.
 struct PictureRate {
   std::uint64_t pictures = 0;
-  double time = 0.0;
+  double time = 0.0;  ///< [s]
   void add(double seconds) noexcept {
     ++pictures;
     time += seconds;
@@ -75,12 +75,12 @@ struct WindowFigures {
 
 class Viewer {
  public:
-  Viewer(GlfwWindow& window, Desk& desk, MakeWindowSink make_sink, const ViewerConfig& config);
+  Viewer(GlfwWindow& window, WindowState& state, MakeWindowSink make_sink, const ViewerConfig& config);
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
   ~Viewer();
 
-  /// The drawing thread: returns when the desk is closed and `release()` was called.
+  /// The drawing thread: returns when the state is closed and `release()` was called.
   void loop();
   /// The run has ended; nothing will be posted any more.
   void release() noexcept { released_.store(true, std::memory_order_release); }
@@ -106,19 +106,19 @@ class Viewer {
   void serve();
   void draw_frame();
   void send_texels();
-  void draw_picture(const DeskView& view, int width, int height);
+  void draw_picture(const WindowView& view, int width, int height);
   /// What the next picture shows, and which parts of it differ from the last.
   struct Change {
     FrameView frame;
     bool camera = false, tool = false, bone = false, size = false;
   };
-  [[nodiscard]] Change find_change(const DeskView& view, int width, int height) const;
+  [[nodiscard]] Change find_change(const WindowView& view, int width, int height) const;
   /// Decides on one ray a pixel or on the scene's quality. @returns whether it changed.
-  bool choose_quality(const DeskView& view, const Change& change);
+  bool choose_quality(const WindowView& view, const Change& change);
   void take_screenshot(int width, int height);
 
   GlfwWindow* window_;
-  Desk* desk_;
+  WindowState* state_;
   MakeWindowSink make_parts_;
   ViewerConfig config_;
 

@@ -60,7 +60,8 @@ struct WindowEvent {
 /// A game pad with the mapping of GLFW's database; axes -1..1, triggers 0..1.
 struct PadState {
   bool present = false;
-  double left_x = 0.0, left_y = 0.0, right_x = 0.0, right_y = 0.0, left_trigger = 0.0, right_trigger = 0.0;
+  double left_x = 0.0, left_y = 0.0, right_x = 0.0, right_y = 0.0;  ///< [-] sticks, -1..1, right and down
+  double left_trigger = 0.0, right_trigger = 0.0;                   ///< [-] 0 released .. 1
   bool a = false, b = false, x = false, y = false, start = false, left_bumper = false, right_bumper = false;
 };
 

@@ -1,6 +1,6 @@
 /// haptics/hand/goal_hand.h: a hand whose goal a user moves with mouse, keyboard or game pad: one mass on a spring and a damper.
-///   The goal is smoothed and limited in speed, then pulls the mass as the arm does; bone pushes the mass back. So the thrust on the drill
-///   is the stiffness times the distance by which the goal lies beyond the drill, up to the largest force of the arm.
+///   The goal is smoothed and limited in speed; then it is the rest point of the spring. Bone pushes the mass back, so the thrust on the
+///   drill is the stiffness times the distance by which the goal lies beyond the drill, up to the largest force of the arm.
 ///   Frame  UserGoal: approach frame, origin at the entry point, +z up the shaft, away from bone. read() and apply(): world.
 ///   Units SI.   Thread servo; the mailbox's writer is one other thread.
 ///   Source own work; all values are assumed. With this stiffness a thrust of 28 N that bone ceases to carry plunges by 5.6 mm.

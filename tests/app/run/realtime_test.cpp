@@ -163,7 +163,8 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
          "haptics/device/simulated_device.h: read", "haptics/device/simulated_device.h: write",
          "haptics/device/simulated_device.h: set_goal", "haptics/device/simulated_device.h: shown", "haptics/device/device_hand.h: read",
          "haptics/device/device_hand.h: apply", "haptics/device/device_hand.h: drive_changed", "haptics/hand/hand_source.h: drive_changed",
-         "haptics/hand/simulated_hand.h: drive_changed", "haptics/hand/feed_hand.h: read", "haptics/hand/feed_hand.h: apply");
+         "haptics/hand/simulated_hand.h: drive_changed", "haptics/hand/feed_hand.h: read", "haptics/hand/feed_hand.h: apply",
+         "haptics/hand/goal_hand.h: read", "haptics/hand/goal_hand.h: apply");
   check_clean(drive(load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}))));
 
   const LoadedScene loaded = load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}));
@@ -177,9 +178,15 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
   REQUIRE(alone);
   auto bench = FeedHand::create({.feed = 0.1, .push = 2.0}, {}, 1e-3);  // in contact after 30 ticks, at the stop before 100
   REQUIRE(bench);
+  GoalMailbox goals;
+  auto user = GoalHand::create({}, {}, 1e-3, goals);
+  REQUIRE(user);
+  goals.publish({.place = {0.001, 0.0, -0.002}, .tilt_right = 0.1, .spins = true});
   clear_trap();
   on_trap([&] {
     for (int n = 0; n < 100; ++n) {
+      static_cast<void>(user->read());
+      user->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
       device->set_goal({.rest = Vec3(0.0, 0.0, -1e-5 * n), .thrust = Vec3(0.0, 0.0, -1.0)});
       static_cast<void>(hand->read());
       static_cast<void>(device->shown(Vec3(0.0, 0.0, 100.0)));

@@ -15,10 +15,10 @@ Approach skull() {
   return out;
 }
 
-LiveState at(double front, double depth, double newton = 10.0) {
+LiveState at(double cut, double depth, double newton = 10.0) {
   LiveState out;
   out.force = Vec3(0.0, 0.0, newton);
-  out.progress.front = front;
+  out.progress.front = cut;
   out.progress.depth = out.progress.deepest = depth;
   return out;
 }
@@ -40,17 +40,17 @@ TEST_CASE("panel: the layer under the tip is that of the cutting front") {
   CHECK(layer_under_tip(skull(), through) == "through the bone");
 }
 
-TEST_CASE("panel: bone left falls with the front, never below nothing") {
+TEST_CASE("panel: bone left falls with the cutting front, never below nothing") {
   CHECK(bone_left(skull(), at(0.0, -1e-3).progress) == doctest::Approx(6e-3));
   CHECK(bone_left(skull(), at(4.5e-3, 4e-3).progress) == doctest::Approx(1.5e-3));
   CHECK(bone_left(skull(), at(9e-3, 9e-3).progress) == 0.0);
 }
 
-TEST_CASE("panel: a person is warned of little bone, of the arm's limit, of leaning and of faults, and of nothing else") {
-  DeskPlan plan;
+TEST_CASE("panel: a person is warned of little bone, of the arm's limit, of leaning and of servo faults, and of nothing else") {
+  WindowPlan plan;
   plan.approach = skull();
   plan.largest_push = 80.0;
-  DeskView view;
+  WindowView view;
   view.live = at(3e-3, 3e-3);
   CHECK(warnings_of(plan, view).empty());
   view.live = at(5.2e-3, 5e-3);

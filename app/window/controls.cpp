@@ -1,4 +1,4 @@
-#include "app/window/pilot.h"
+#include "app/window/controls.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,19 +20,19 @@ double beyond(double axis, double idle) {
 
 }  // namespace
 
-Pilot::Pilot(const PilotSetup& setup, const OrbitCamera& camera, const PilotConfig& config)
+Controls::Controls(const ControlsSetup& setup, const OrbitCamera& camera, const ControlsConfig& config)
     : setup_(setup), camera_(camera), config_(config) {
   goal_.place = Vec3(0.0, 0.0, setup.hand.standoff);
 }
 
-void Pilot::set_picture_size(int width, int height) noexcept {
+void Controls::set_picture_size(int width, int height) noexcept {
   width_ = std::max(1, width);
   height_ = std::max(1, height);
 }
 
-bool Pilot::fine() const noexcept { return held(Key::left_shift) || held(Key::right_shift) || pad_before_.left_bumper; }
+bool Controls::fine() const noexcept { return held(Key::left_shift) || held(Key::right_shift) || pad_before_.left_bumper; }
 
-void Pilot::handle(const WindowEvent& event, bool taken) {
+void Controls::handle(const WindowEvent& event, bool taken) {
   switch (event.kind) {
     case WindowEvent::Kind::key:
       if (event.down && keys_.insert(event.code).second) press(static_cast<Key>(event.code));
@@ -68,7 +68,7 @@ void Pilot::handle(const WindowEvent& event, bool taken) {
   }
 }
 
-void Pilot::press(Key key) {
+void Controls::press(Key key) {
   const int digit = static_cast<int>(key) - static_cast<int>(Key::digit_0);
   if (digit >= 0 && digit <= 9) return change_tool(static_cast<std::size_t>(digit == 0 ? 9 : digit - 1));
   const bool control = held(Key::left_control) || held(Key::right_control);
@@ -96,56 +96,56 @@ void Pilot::press(Key key) {
     case Key::pad_minus:
       return camera_.zoom(1.0 / kZoomStep);
     case Key::h:
-      wishes_.hints = !wishes_.hints;
+      requests_.hints = !requests_.hints;
       return;
     case Key::f1:
-      wishes_.help = !wishes_.help;
+      requests_.help = !requests_.help;
       return;
     case Key::f2:
-      wishes_.lab = !wishes_.lab;
+      requests_.lab = !requests_.lab;
       return;
     case Key::f11:
-      wishes_.full_screen = !wishes_.full_screen;
+      requests_.full_screen = !requests_.full_screen;
       return;
     case Key::f12:
-      wishes_.screenshot = true;
+      requests_.screenshot = true;
       return;
     case Key::escape:
-      if (wishes_.help)
-        wishes_.help = false;
+      if (requests_.help)
+        requests_.help = false;
       else
-        wishes_.asks_end = !wishes_.asks_end;
+        requests_.asks_end = !requests_.asks_end;
       return;
     case Key::enter:
-      if (wishes_.asks_end) end();
+      if (requests_.asks_end) end();
       return;
     default:
       return;
   }
 }
 
-void Pilot::scroll(double steps) {
+void Controls::scroll(double steps) {
   if (!std::isfinite(steps)) return;
   if (held(Key::left_control) || held(Key::right_control)) return camera_.zoom(std::pow(kZoomStep, std::clamp(steps, -20.0, 20.0)));
   // A step away from the person advances, as a hand would.
   goal_.place.z -= std::clamp(steps, -20.0, 20.0) * scale() * (touches_ ? config_.wheel_press : config_.wheel);
 }
 
-void Pilot::drag(double dx, double dy) {
+void Controls::drag(double dx, double dy) {
   if (*dragging_ == MouseButton::right) return camera_.turn(-dx * config_.turn, dy * config_.turn);
   const double metres = camera_.length_of(1.0 / height_);
   if (*dragging_ == MouseButton::middle) return camera_.pan(-dx * metres, dy * metres);
   slide(dx * metres * scale(), -dy * metres * scale());
 }
 
-void Pilot::slide(double right, double up) { goal_.place += right * camera_.right_across() + up * camera_.up_across(); }
+void Controls::slide(double right, double up) { goal_.place += right * camera_.right_across() + up * camera_.up_across(); }
 
-void Pilot::advance(double towards_bone, double dt) {
+void Controls::advance(double towards_bone, double dt) {
   const double speed = towards_bone < 0.0 ? config_.withdraw : touches_ ? config_.press : config_.advance;
   goal_.place.z -= towards_bone * speed * scale() * dt;
 }
 
-void Pilot::move_by_keys(double dt) {
+void Controls::move_by_keys(double dt) {
   advance(between(held(Key::s), held(Key::w)), dt);
   const double right = between(held(Key::left), held(Key::right)), up = between(held(Key::down), held(Key::up));
   if (held(Key::left_control) || held(Key::right_control)) {
@@ -161,7 +161,7 @@ void Pilot::move_by_keys(double dt) {
   goal_.tilt_away += tilt.y;
 }
 
-void Pilot::move_by_pad(double dt, const PadState& pad) {
+void Controls::move_by_pad(double dt, const PadState& pad) {
   const PadState before = std::exchange(pad_before_, pad);
   if (!pad.present) return;
   const double idle = config_.pad_idle;
@@ -177,7 +177,7 @@ void Pilot::move_by_pad(double dt, const PadState& pad) {
   if (pad.x && !before.x) straighten();
 }
 
-void Pilot::keep_in_reach(const LiveState& now) {
+void Controls::keep_in_reach(const LiveState& now) {
   // The goal of an arm at its largest force waits there, so that the first move back lowers the thrust.
   const Vec3 hand = setup_.world_from_approach.inverse() * now.hand.world_from_hand.translation;
   const double reach = setup_.hand.push / setup_.hand.dynamics.stiffness;
@@ -190,7 +190,7 @@ void Pilot::keep_in_reach(const LiveState& now) {
   }
 }
 
-void Pilot::step(double dt, const LiveState& now, const PadState& pad) {
+void Controls::step(double dt, const LiveState& now, const PadState& pad) {
   touches_ = glm::length(now.force) > config_.touch;
   const CameraView before = camera_.camera();
   if (!paused_ && !goal_.ends) {
@@ -204,30 +204,30 @@ void Pilot::step(double dt, const LiveState& now, const PadState& pad) {
   moved_camera_ = !(camera_.camera() == before);
 }
 
-void Pilot::change_tool(std::size_t index) {
+void Controls::change_tool(std::size_t index) {
   if (index < setup_.tools.size()) ask(InputKind::tool, setup_.tools[index].name, setup_.tools[index].text);
 }
 
-void Pilot::ask(InputKind kind, const std::string& text, const std::string& data) {
+void Controls::ask(InputKind kind, const std::string& text, const std::string& data) {
   if (!goal_.ends && !paused_) inputs_.push_back({0, kind, 0.0, text, data});
 }
 
-void Pilot::toggle_pause() {
+void Controls::toggle_pause() {
   if (!paused_) ask(InputKind::pause);
   paused_ = !paused_ && !goal_.ends;
 }
 
-void Pilot::back_to_entry() noexcept {
+void Controls::back_to_entry() noexcept {
   straighten();
   goal_.place = Vec3(0.0, 0.0, setup_.hand.standoff);
 }
 
-void Pilot::end() noexcept {
+void Controls::end() noexcept {
   goal_.ends = true;
-  paused_ = locked_on_ = wishes_.asks_end = false;
+  paused_ = locked_on_ = requests_.asks_end = false;
 }
 
-std::optional<Input> Pilot::take_input() {
+std::optional<Input> Controls::take_input() {
   if (inputs_.empty()) return std::nullopt;
   Input next = std::move(inputs_.front());
   inputs_.pop_front();

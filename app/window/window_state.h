@@ -1,7 +1,7 @@
-/// app/window/desk.h: what the three threads of a window share, behind one lock: the person's pilot and what they see of the run.
-///   main    hands events to the pilot and steps it 200 times a second
+/// app/window/window_state.h: what the three threads of a window share, behind one lock: the person's controls and what they see of the run.
+///   main    hands events to the controls and steps it 200 times a second
 ///   run     takes inputs, reports the state (LiveUser)
-///   render  reads state and pilot for a picture, and hands it the buttons of the panel
+///   render  reads state and controls for a picture, and hands it the buttons of the panel
 ///   Frame  world.   Units  SI.   Errors  none.
 #pragma once
 
@@ -17,15 +17,15 @@
 #include "app/job/summary.h"
 #include "app/run/live_user.h"
 #include "app/run/simulation.h"
-#include "app/window/pilot.h"
+#include "app/window/controls.h"
 #include "core/base/result.h"
 
 namespace burrhole {
 
-enum class DeskStage { loading, drilling, writing, ended };
+enum class RunStage { loading, drilling, writing, ended };
 
 /// What a person may know of the plan before the first cut.
-struct DeskPlan {
+struct WindowPlan {
   std::string title;
   Approach approach;
   Pose world_from_bone;
@@ -36,34 +36,34 @@ struct DeskPlan {
 };
 
 /// A line for the person, with the time at which it was said.
-struct DeskLine {
-  double time = 0.0;  ///< [s] of desk time
+struct MessageLine {
+  double time = 0.0;  ///< [s] of state time
   std::string text;
   bool warning = false;
 };
 
 /// State for one picture.
-struct DeskView {
-  DeskStage stage = DeskStage::loading;
+struct WindowView {
+  RunStage stage = RunStage::loading;
   LiveState live;
   CameraView camera;
   CameraMode mode = CameraMode::orbit;
   UserGoal goal;
-  PilotWishes wishes;
+  DisplayRequests requests;
   bool paused = false, fine = false, locked_on = false, pad = false;
   std::string tool;
   double turned = 0.0;  ///< [rev] of the spindle, for the picture of the bit
-  double time = 0.0;    ///< [s] of desk time
-  std::vector<DeskLine> lines;
+  double time = 0.0;    ///< [s] of state time
+  std::vector<MessageLine> lines;
 };
 
-class Desk final : public LiveUser {
+class WindowState final : public LiveUser {
  public:
-  Desk() = default;
+  WindowState() = default;
 
   // Run thread.
-  /// The run is ready; before this call there is no pilot.
-  void begin(const DeskPlan& plan, const PilotSetup& setup, const OrbitCamera& camera, const std::string& tool);
+  /// The run is ready; before this call there is no controls.
+  void begin(const WindowPlan& plan, const ControlsSetup& setup, const OrbitCamera& camera, const std::string& tool);
   void finish(const Result<RunSummary>& summary);
   GoalMailbox& goals() noexcept override { return goals_; }
   std::optional<Input> next_input() override;
@@ -78,10 +78,10 @@ class Desk final : public LiveUser {
   void stop_waiting();
 
   // Render thread.
-  [[nodiscard]] DeskView view();
-  [[nodiscard]] DeskPlan plan();
-  /// Calls f with the pilot under the lock; nothing before begin().
-  void with_pilot(const std::function<void(Pilot&)>& f);
+  [[nodiscard]] WindowView view();
+  [[nodiscard]] WindowPlan plan();
+  /// Calls f with the controls under the lock; nothing before begin().
+  void with_controls(const std::function<void(Controls&)>& f);
   void set_picture_size(int width, int height);
   void take_mouse(bool taken) noexcept { mouse_taken_.store(taken, std::memory_order_relaxed); }
   /// Events since the last call, for the panel.
@@ -99,17 +99,17 @@ class Desk final : public LiveUser {
   /// The window is to go.
   void close() noexcept { closed_.store(true, std::memory_order_release); }
   [[nodiscard]] bool closed() const noexcept { return closed_.load(std::memory_order_acquire); }
-  [[nodiscard]] DeskStage stage();
+  [[nodiscard]] RunStage stage();
 
  private:
   std::mutex mutex_;
   std::condition_variable resumed_;
-  std::unique_ptr<Pilot> pilot_;
-  DeskPlan plan_;
+  std::unique_ptr<Controls> controls_;
+  WindowPlan plan_;
   LiveState live_;
-  DeskStage stage_ = DeskStage::loading;
+  RunStage stage_ = RunStage::loading;
   std::vector<WindowEvent> events_;
-  std::vector<DeskLine> lines_;
+  std::vector<MessageLine> lines_;
   std::string tool_, failure_;
   std::optional<RunSummary> summary_;
   std::optional<Error> error_;

@@ -1,5 +1,5 @@
 // What keys, mouse and pad mean, from recorded events: no window is needed.
-#include "app/window/pilot.h"
+#include "app/window/controls.h"
 
 #include <doctest/doctest.h>
 
@@ -22,20 +22,20 @@ WindowEvent wheel(double steps) { return {.kind = WindowEvent::Kind::scroll, .y 
 WindowEvent focus(bool gained) { return {.kind = WindowEvent::Kind::focus, .down = gained}; }
 
 struct Rig {
-  Rig() : pilot(setup(), OrbitCamera(kWorld, 0.0, 0.8, 0.074, 0.005)) { pilot.set_picture_size(800, 600); }
-  static PilotSetup setup() {
-    PilotSetup out;
+  Rig() : controls(setup(), OrbitCamera(kWorld, 0.0, 0.8, 0.074, 0.005)) { controls.set_picture_size(800, 600); }
+  static ControlsSetup setup() {
+    ControlsSetup out;
     out.world_from_approach = kWorld;
     out.tools = {{"a", "text a"}, {"b", "text b"}, {"c", "text c"}};
     return out;
   }
-  void handle(const WindowEvent& event, bool taken = false) { pilot.handle(event, taken); }
+  void handle(const WindowEvent& event, bool taken = false) { controls.handle(event, taken); }
   void press(Key which) {
     handle(key(which, true));
     handle(key(which, false));
   }
   void run(double seconds, const PadState& pad = {}) {
-    for (int n = 0; n < std::lround(seconds / kStep); ++n) pilot.step(kStep, live, pad);
+    for (int n = 0; n < std::lround(seconds / kStep); ++n) controls.step(kStep, live, pad);
   }
   /// Bone that carries `newton` with the hand at `height` [m].
   void touch(double newton, double height) {
@@ -43,25 +43,25 @@ struct Rig {
     live.hand.tick = 1;
     live.hand.world_from_hand = {kWorld.rotation, kWorld * Vec3(0.0, 0.0, height)};
   }
-  [[nodiscard]] Vec3 place() const { return pilot.goal().place; }
+  [[nodiscard]] Vec3 place() const { return controls.goal().place; }
 
-  Pilot pilot;
+  Controls controls;
   LiveState live;
-  PilotConfig config;
+  ControlsConfig config;
 };
 
 }  // namespace
 
-TEST_CASE("pilot: nothing pressed, nothing moves") {
+TEST_CASE("controls: nothing pressed, nothing moves") {
   Rig rig;
   const Vec3 before = rig.place();
   rig.run(2.0);
   CHECK(rig.place() == before);
-  CHECK_FALSE(rig.pilot.goal().spins);
-  CHECK_FALSE(rig.pilot.take_input().has_value());
+  CHECK_FALSE(rig.controls.goal().spins);
+  CHECK_FALSE(rig.controls.take_input().has_value());
 }
 
-TEST_CASE("pilot: W advances at its speed, slower in contact and with Shift; S moves back at once") {
+TEST_CASE("controls: W advances at its speed, slower in contact and with Shift; S moves back at once") {
   Rig rig;
   const double start = rig.place().z;
   rig.handle(key(Key::w, true));
@@ -83,7 +83,7 @@ TEST_CASE("pilot: W advances at its speed, slower in contact and with Shift; S m
   CHECK(rig.place().z == doctest::Approx(back + 0.2 * rig.config.withdraw).epsilon(1e-9));
 }
 
-TEST_CASE("pilot: the goal waits where the arm is at its largest force, so that the first move back lowers the thrust") {
+TEST_CASE("controls: the goal waits where the arm is at its largest force, so that the first move back lowers the thrust") {
   Rig rig;
   rig.touch(80.0, -0.002);
   rig.handle(key(Key::w, true));
@@ -92,7 +92,7 @@ TEST_CASE("pilot: the goal waits where the arm is at its largest force, so that 
   CHECK(rig.place().z == doctest::Approx(-0.002 - hand.push / hand.dynamics.stiffness).epsilon(1e-9));
 }
 
-TEST_CASE("pilot: without bone the goal ends at its deepest, and never leaves the reach") {
+TEST_CASE("controls: without bone the goal ends at its deepest, and never leaves the reach") {
   Rig rig;
   rig.handle(key(Key::w, true));
   rig.handle(key(Key::right, true));
@@ -102,31 +102,31 @@ TEST_CASE("pilot: without bone the goal ends at its deepest, and never leaves th
   CHECK(rig.place().x > 0.049);
 }
 
-TEST_CASE("pilot: the drill spins while Space is held, or locked by X, and stops when the window loses the focus") {
+TEST_CASE("controls: the drill spins while Space is held, or locked by X, and stops when the window loses the focus") {
   Rig rig;
   rig.handle(key(Key::space, true));
   rig.run(0.05);
-  CHECK(rig.pilot.goal().spins);
+  CHECK(rig.controls.goal().spins);
   rig.handle(key(Key::space, false));
   rig.run(0.05);
-  CHECK_FALSE(rig.pilot.goal().spins);
+  CHECK_FALSE(rig.controls.goal().spins);
   rig.press(Key::x);
   rig.run(0.05);
-  CHECK(rig.pilot.goal().spins);
+  CHECK(rig.controls.goal().spins);
   rig.handle(focus(false));
   rig.run(0.05);
-  CHECK_FALSE(rig.pilot.goal().spins);
+  CHECK_FALSE(rig.controls.goal().spins);
   rig.handle(focus(true));
   rig.handle(key(Key::space, true));
   rig.handle(key(Key::w, true));
   rig.handle(focus(false));  // no release will come
   const Vec3 before = rig.place();
   rig.run(1.0);
-  CHECK_FALSE(rig.pilot.goal().spins);
+  CHECK_FALSE(rig.controls.goal().spins);
   CHECK(rig.place() == before);
 }
 
-TEST_CASE("pilot: arrows and left drag move across the bone as the picture shows it; right drag turns only the view") {
+TEST_CASE("controls: arrows and left drag move across the bone as the picture shows it; right drag turns only the view") {
   Rig rig;
   rig.handle(key(Key::right, true));
   rig.run(0.5);
@@ -138,17 +138,17 @@ TEST_CASE("pilot: arrows and left drag move across the bone as the picture shows
   rig.handle(motion(300, 240));  // up by a tenth of the picture
   rig.handle(button(MouseButton::left, false, 300, 240));
   rig.handle(motion(500, 500));
-  CHECK(rig.place().y - before.y == doctest::Approx(rig.pilot.camera().length_of(0.1)).epsilon(1e-9));
+  CHECK(rig.place().y - before.y == doctest::Approx(rig.controls.camera().length_of(0.1)).epsilon(1e-9));
   CHECK(rig.place().x == doctest::Approx(before.x));
-  const CameraView camera = rig.pilot.camera().camera();
+  const CameraView camera = rig.controls.camera().camera();
   const Vec3 rest = rig.place();
   rig.handle(button(MouseButton::right, true, 300, 300));
   rig.handle(motion(400, 300));
   CHECK(rig.place() == rest);
-  CHECK_FALSE(rig.pilot.camera().camera() == camera);
+  CHECK_FALSE(rig.controls.camera().camera() == camera);
 }
 
-TEST_CASE("pilot: the panel's mouse moves nothing, and a drag that begins beside the picture neither") {
+TEST_CASE("controls: the panel's mouse moves nothing, and a drag that begins beside the picture neither") {
   Rig rig;
   const Vec3 before = rig.place();
   rig.handle(button(MouseButton::left, true, 300, 300), true);
@@ -160,34 +160,34 @@ TEST_CASE("pilot: the panel's mouse moves nothing, and a drag that begins beside
   CHECK(rig.place() == before);
 }
 
-TEST_CASE("pilot: the wheel advances a step away from the person, and zooms with Ctrl") {
+TEST_CASE("controls: the wheel advances a step away from the person, and zooms with Ctrl") {
   Rig rig;
   const double before = rig.place().z;
   rig.handle(wheel(2.0));
   CHECK(rig.place().z == doctest::Approx(before - 2.0 * rig.config.wheel).epsilon(1e-12));
-  const CameraView camera = rig.pilot.camera().camera();
+  const CameraView camera = rig.controls.camera().camera();
   rig.handle(key(Key::left_control, true));
   rig.handle(wheel(1.0));
   CHECK(rig.place().z == doctest::Approx(before - 2.0 * rig.config.wheel).epsilon(1e-12));
   const auto distance = [](const CameraView& c) { return glm::length(c.eye - c.target); };
-  CHECK(distance(rig.pilot.camera().camera()) == doctest::Approx(distance(camera) / 1.1).epsilon(1e-9));
+  CHECK(distance(rig.controls.camera().camera()) == doctest::Approx(distance(camera) / 1.1).epsilon(1e-9));
 }
 
-TEST_CASE("pilot: leaning keys lean in the picture's directions, up to the arm's largest tilt; R straightens") {
+TEST_CASE("controls: leaning keys lean in the picture's directions, up to the arm's largest tilt; R straightens") {
   Rig rig;
   rig.handle(key(Key::d, true));
   rig.run(0.2);
-  CHECK(rig.pilot.goal().tilt_right == doctest::Approx(0.2 * rig.config.tilt).epsilon(1e-9));
-  CHECK(std::abs(rig.pilot.goal().tilt_away) < 1e-12);
+  CHECK(rig.controls.goal().tilt_right == doctest::Approx(0.2 * rig.config.tilt).epsilon(1e-9));
+  CHECK(std::abs(rig.controls.goal().tilt_away) < 1e-12);
   rig.run(30.0);
-  CHECK(std::hypot(rig.pilot.goal().tilt_right, rig.pilot.goal().tilt_away) ==
+  CHECK(std::hypot(rig.controls.goal().tilt_right, rig.controls.goal().tilt_away) ==
         doctest::Approx(GoalHandConfig{}.largest_tilt).epsilon(1e-9));
   rig.handle(key(Key::d, false));
   rig.press(Key::r);
-  CHECK(rig.pilot.goal().tilt_right == 0.0);
+  CHECK(rig.controls.goal().tilt_right == 0.0);
 }
 
-TEST_CASE("pilot: inputs of the run come in order, none in a pause and none after the end") {
+TEST_CASE("controls: inputs of the run come in order, none in a pause and none after the end") {
   Rig rig;
   rig.press(static_cast<Key>('2'));
   rig.press(static_cast<Key>('9'));  // no such tool
@@ -198,28 +198,28 @@ TEST_CASE("pilot: inputs of the run come in order, none in a pause and none afte
   const Vec3 before = rig.place();
   rig.run(1.0);
   CHECK(rig.place() == before);
-  CHECK(rig.pilot.paused());
+  CHECK(rig.controls.paused());
   rig.press(Key::p);
-  CHECK_FALSE(rig.pilot.paused());
+  CHECK_FALSE(rig.controls.paused());
   std::vector<InputKind> kinds;
   std::string tool;
-  while (auto input = rig.pilot.take_input()) {
+  while (auto input = rig.controls.take_input()) {
     kinds.push_back(input->kind);
     if (input->kind == InputKind::tool) tool = input->text + ", " + input->data;
   }
   CHECK(kinds == std::vector<InputKind>{InputKind::tool, InputKind::undo, InputKind::pause});
   CHECK(tool == "b, text b");
   rig.press(Key::escape);
-  CHECK(rig.pilot.wishes().asks_end);
+  CHECK(rig.controls.requests().asks_end);
   rig.press(Key::enter);
-  CHECK(rig.pilot.goal().ends);
+  CHECK(rig.controls.goal().ends);
   rig.press(Key::z);
-  CHECK_FALSE(rig.pilot.take_input().has_value());
+  CHECK_FALSE(rig.controls.take_input().has_value());
   rig.run(0.1);
-  CHECK_FALSE(rig.pilot.goal().spins);
+  CHECK_FALSE(rig.controls.goal().spins);
 }
 
-TEST_CASE("pilot: a game pad moves, drills and undoes; a pad that is gone stops the drill") {
+TEST_CASE("controls: a game pad moves, drills and undoes; a pad that is gone stops the drill") {
   Rig rig;
   PadState pad{.present = true};
   pad.left_x = 1.0;
@@ -228,14 +228,14 @@ TEST_CASE("pilot: a game pad moves, drills and undoes; a pad that is gone stops 
   rig.run(0.5, pad);
   CHECK(rig.place().x == doctest::Approx(0.5 * rig.config.slide).epsilon(1e-9));
   CHECK(rig.place().z == doctest::Approx(GoalHandConfig{}.standoff - 0.5 * rig.config.advance).epsilon(1e-9));
-  CHECK(rig.pilot.goal().spins);
+  CHECK(rig.controls.goal().spins);
   pad.b = true;
   rig.run(0.1, pad);
-  CHECK(rig.pilot.take_input()->kind == InputKind::undo);
-  CHECK_FALSE(rig.pilot.take_input().has_value());  // held is pressed once
+  CHECK(rig.controls.take_input()->kind == InputKind::undo);
+  CHECK_FALSE(rig.controls.take_input().has_value());  // held is pressed once
   const Vec3 before = rig.place();
   rig.run(0.5, {});
-  CHECK_FALSE(rig.pilot.goal().spins);
+  CHECK_FALSE(rig.controls.goal().spins);
   CHECK(rig.place() == before);
   PadState idle{.present = true};
   idle.left_x = 0.1;  // a worn stick

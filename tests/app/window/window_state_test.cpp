@@ -1,5 +1,5 @@
-// A whole run behind a desk, without window and picture: a monkey with seeds plays a person. The session must replay to the same bits.
-#include "app/window/desk.h"
+// A whole run behind a state, without window and picture: a monkey with seeds plays a person. The session must replay to the same bits.
+#include "app/window/window_state.h"
 
 #include <doctest/doctest.h>
 
@@ -32,8 +32,8 @@ struct Outcome {
 };
 Outcome outcome_of(DrillRun& run) { return {run.voxel_hash(), run.simulation().force_hash(), run.simulation().sent_hash()}; }
 
-PilotSetup setup_of(DrillRun& run) {
-  PilotSetup out;
+ControlsSetup setup_of(DrillRun& run) {
+  ControlsSetup out;
   out.hand = *run.loaded().scene.goal_hand;
   out.world_from_approach = run.simulation().stage().world_from_approach();
   for (const char* name : {"ball", "pin", "punch"}) {
@@ -71,43 +71,43 @@ WindowEvent any_event(Random& random) {
   }
 }
 
-void play(Desk& desk, Random& random, double seconds) {
+void play(WindowState& state, Random& random, double seconds) {
   PadState pad;
   for (double t = 0.0; t < seconds; t += kPoll) {
-    for (int n = 0; n < 3; ++n) desk.handle(any_event(random));
+    for (int n = 0; n < 3; ++n) state.handle(any_event(random));
     if (random.uniform() < 0.05) pad = {.present = random.uniform() < 0.5, .left_x = random.uniform(), .right_trigger = random.uniform()};
-    desk.step(kPoll, pad);
-    (void)desk.view();
-    (void)desk.take_events();
-    if (random.uniform() < 0.1) desk.take_mouse(random.uniform() < 0.3);
+    state.step(kPoll, pad);
+    (void)state.view();
+    (void)state.take_events();
+    if (random.uniform() < 0.1) state.take_mouse(random.uniform() < 0.3);
     std::this_thread::sleep_for(std::chrono::duration<double>(kPoll));
   }
 }
 
 }  // namespace
 
-TEST_CASE("desk: a monkey at keys, mouse and pad; the run ends cleanly and replays to the same bits") {
+TEST_CASE("state: a monkey at keys, mouse and pad; the run ends cleanly and replays to the same bits") {
   for (const std::uint64_t seed : {1u, 2u}) {
     const TemporaryFolder folder;
     const std::string path = (folder.path() / "session.sqlite").string();
-    Desk desk;
+    WindowState state;
     SimulationOptions options;
     options.live = true;
-    options.user = &desk;
+    options.user = &state;
     options.history = true;
     DrillRun run(scene(), options);
-    DeskPlan plan;
+    WindowPlan plan;
     plan.approach = run.simulation().approach();
-    desk.set_picture_size(800, 600);
-    desk.begin(plan, setup_of(run), OrbitCamera({}, 0.3, 0.7, 0.08, 0.002), "ball");
+    state.set_picture_size(800, 600);
+    state.begin(plan, setup_of(run), OrbitCamera({}, 0.3, 0.7, 0.08, 0.002), "ball");
     std::thread running([&] { run_recorded(run, path); });
     Random random{seed};
-    play(desk, random, kSeconds);
-    desk.handle({.kind = WindowEvent::Kind::close});
-    desk.step(kPoll, {});
+    play(state, random, kSeconds);
+    state.handle({.kind = WindowEvent::Kind::close});
+    state.step(kPoll, {});
     running.join();
     CHECK(run.simulation().end() == RunEnd::done);
-    CHECK(desk.view().live.steps > 0);
+    CHECK(state.view().live.steps > 0);
     const Outcome recorded = outcome_of(run);
 
     const auto session = SessionReader::open(path);
@@ -124,47 +124,47 @@ TEST_CASE("desk: a monkey at keys, mouse and pad; the run ends cleanly and repla
   }
 }
 
-TEST_CASE("desk: a window that goes while the run is paused ends the run") {
-  Desk desk;
+TEST_CASE("state: a window that goes while the run is paused ends the run") {
+  WindowState state;
   SimulationOptions options;
   options.live = true;
-  options.user = &desk;
+  options.user = &state;
   options.history = true;
   DrillRun run(scene(), options);
-  DeskPlan plan;
+  WindowPlan plan;
   plan.approach = run.simulation().approach();
-  desk.begin(plan, setup_of(run), OrbitCamera({}, 0.3, 0.7, 0.08, 0.002), "ball");
+  state.begin(plan, setup_of(run), OrbitCamera({}, 0.3, 0.7, 0.08, 0.002), "ball");
   std::thread running([&] { run.run(); });
   const auto wait = [&](const auto& until) {
     for (int n = 0; n < 4000 && !until(); ++n) {
-      desk.step(kPoll, {});
+      state.step(kPoll, {});
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     return until();
   };
-  CHECK(wait([&] { return desk.view().live.time > 0.2; }));
-  desk.handle({.kind = WindowEvent::Kind::key, .code = static_cast<int>(Key::p), .down = true});
-  const double at = desk.view().live.time;
-  CHECK(wait([&] { return desk.view().paused; }));
-  for (int n = 0; n < 60; ++n) desk.step(kPoll, {}), std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  CHECK(desk.view().live.time < at + 0.2);  // the clocks stand
-  desk.handle({.kind = WindowEvent::Kind::close});
-  desk.step(kPoll, {});
+  CHECK(wait([&] { return state.view().live.time > 0.2; }));
+  state.handle({.kind = WindowEvent::Kind::key, .code = static_cast<int>(Key::p), .down = true});
+  const double at = state.view().live.time;
+  CHECK(wait([&] { return state.view().paused; }));
+  for (int n = 0; n < 60; ++n) state.step(kPoll, {}), std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  CHECK(state.view().live.time < at + 0.2);  // the clocks stand
+  state.handle({.kind = WindowEvent::Kind::close});
+  state.step(kPoll, {});
   running.join();
   CHECK(run.simulation().end() == RunEnd::done);
-  desk.finish(RunSummary{});
-  CHECK(desk.closed());
+  state.finish(RunSummary{});
+  CHECK(state.closed());
 }
 
-TEST_CASE("desk: time from an event to the picture that shows it is measured once") {
-  Desk desk;
-  CHECK_FALSE(desk.take_latency().has_value());
-  desk.handle({.kind = WindowEvent::Kind::motion, .x = 1.0, .y = 1.0});
-  CHECK_FALSE(desk.take_latency().has_value());  // no picture has been begun since
-  (void)desk.view();
+TEST_CASE("state: time from an event to the picture that shows it is measured once") {
+  WindowState state;
+  CHECK_FALSE(state.take_latency().has_value());
+  state.handle({.kind = WindowEvent::Kind::motion, .x = 1.0, .y = 1.0});
+  CHECK_FALSE(state.take_latency().has_value());  // no picture has been begun since
+  (void)state.view();
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  const auto waited = desk.take_latency();
+  const auto waited = state.take_latency();
   REQUIRE(waited.has_value());
   CHECK(*waited >= 0.020);
-  CHECK_FALSE(desk.take_latency().has_value());
+  CHECK_FALSE(state.take_latency().has_value());
 }

@@ -1,4 +1,4 @@
-/// app/window/pilot.h: what keys, mouse and game pad mean: goal of the hand, camera, inputs of the run, and wishes of the display.
+/// app/window/controls.h: what keys, mouse and game pad mean: goal of the hand, camera, inputs of the run, and requests of the display.
 ///   It knows no window system and reads no clock, so recorded events give the same results.
 ///   Frame  approach frame.   Units  SI; pixels of the window.   Errors  none.   Thread  one at a time.
 #pragma once
@@ -17,7 +17,7 @@
 namespace burrhole {
 
 /// Speeds with which keys move the goal. Fine control divides them by `fine`.
-struct PilotConfig {
+struct ControlsConfig {
   double advance = 0.010;       ///< [m/s] towards bone, without contact
   double press = 0.0025;        ///< [m/s] the same in contact: times the stiffness of the arm it is the growth of the thrust
   double withdraw = 0.030;      ///< [m/s]
@@ -32,16 +32,16 @@ struct PilotConfig {
   double pad_idle = 0.15;       ///< [-] share of a stick's way that moves nothing
 };
 
-/// What the pilot must know of the run.
-struct PilotSetup {
+/// What the controls must know of the run.
+struct ControlsSetup {
   GoalHandConfig hand;
   Pose world_from_approach;
   double deepest = 0.1;         ///< [m] of the goal below the entry
   std::vector<ToolText> tools;  ///< the first ten have the keys 1 to 9 and 0
 };
 
-/// Wishes of the person to the display.
-struct PilotWishes {
+/// What the person asks of the display.
+struct DisplayRequests {
   bool help = false;        ///< all keys are shown
   bool lab = false;         ///< the panel shows everything
   bool hints = true;        ///< of the first start
@@ -50,9 +50,9 @@ struct PilotWishes {
   bool asks_end = false;  ///< the question whether to end is shown
 };
 
-class Pilot {
+class Controls {
  public:
-  Pilot(const PilotSetup& setup, const OrbitCamera& camera, const PilotConfig& config = {});
+  Controls(const ControlsSetup& setup, const OrbitCamera& camera, const ControlsConfig& config = {});
 
   /// Size of the part of the window that shows the picture; drags that begin outside it mean nothing.
   void set_picture_size(int width, int height) noexcept;
@@ -63,7 +63,7 @@ class Pilot {
 
   [[nodiscard]] const UserGoal& goal() const noexcept { return goal_; }
   [[nodiscard]] OrbitCamera& camera() noexcept { return camera_; }
-  [[nodiscard]] PilotWishes& wishes() noexcept { return wishes_; }
+  [[nodiscard]] DisplayRequests& requests() noexcept { return requests_; }
   [[nodiscard]] const std::vector<ToolText>& tools() const noexcept { return setup_.tools; }
   [[nodiscard]] bool paused() const noexcept { return paused_; }
   [[nodiscard]] bool fine() const noexcept;
@@ -97,10 +97,10 @@ class Pilot {
   [[nodiscard]] bool held(Key key) const { return keys_.contains(static_cast<int>(key)); }
   [[nodiscard]] double scale() const noexcept { return fine() ? 1.0 / config_.fine : 1.0; }
 
-  PilotSetup setup_;
+  ControlsSetup setup_;
   OrbitCamera camera_;
-  PilotConfig config_;
-  PilotWishes wishes_;
+  ControlsConfig config_;
+  DisplayRequests requests_;
   UserGoal goal_;
   std::set<int> keys_;
   std::optional<MouseButton> dragging_;
