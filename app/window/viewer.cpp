@@ -4,11 +4,13 @@
 #include <imgui/imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "app/render/picture_texture.h"
 #include "app/render/png.h"
 #include "app/view/quality.h"
+#include "app/view/stereo.h"
 
 namespace burrhole {
 namespace {
@@ -283,6 +285,24 @@ bool Viewer::choose_quality(const WindowView& view, const Change& change) {
   return true;
 }
 
+Result<Image> Viewer::draw_eyes(const FrameView& frame, int width, int height) {
+  if (display_.stereo.mode == StereoMode::off) return parts_.renderer->draw_at_pace(frame, width, height, pace_);
+  // Side by side and top-bottom, each eye has half of the picture, which its screen stretches.
+  const bool beside = display_.stereo.mode == StereoMode::side_by_side, above = display_.stereo.mode == StereoMode::top_bottom;
+  const int eye_width = beside ? width / 2 : width, eye_height = above ? height / 2 : height;
+  const auto cameras = make_stereo_cameras(frame.camera, display_.stereo, static_cast<double>(width) / height);
+  if (!cameras) return cameras.error();
+  std::array<Image, 2> eyes;
+  for (std::size_t side = 0; side < 2; ++side) {
+    FrameView of_eye = frame;
+    of_eye.camera = (*cameras)[side];
+    auto image = parts_.renderer->draw(of_eye, eye_width, eye_height);
+    if (!image) return image.error();
+    eyes[side] = std::move(image).value();
+  }
+  return join_eyes(display_.stereo.mode, eyes[0], eyes[1]);
+}
+
 void Viewer::draw_picture(const WindowView& view, int width, int height) {
   // Changed bone waits until it has used no more than its share of the time, so that the tool stays smooth.
   const auto start = Steady::now();
@@ -292,7 +312,7 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   const bool other_quality = choose_quality(view, change);
   const bool same = !change.camera && !change.tool && !change.bone && !change.size && !other_quality;
   if (drawn_ && same && !figures_.coarse) return;
-  auto image = parts_.renderer->draw_at_pace(change.frame, width, height, pace_);
+  auto image = draw_eyes(change.frame, width, height);
   if (!image) return state_->say("The picture cannot be drawn: " + image.error().text(), true);
   texture_->set(*image);
   const double took = seconds(Steady::now() - start);

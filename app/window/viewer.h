@@ -115,6 +115,8 @@ class Viewer {
   [[nodiscard]] Change find_change(const WindowView& view, int width, int height) const;
   /// Decides on one ray a pixel or on the scene's quality. @returns whether it changed.
   bool choose_quality(const WindowView& view, const Change& change);
+  /// One picture, or those of both eyes joined, as the scene's stereo says.
+  [[nodiscard]] Result<Image> draw_eyes(const FrameView& frame, int width, int height);
   void take_screenshot(int width, int height);
 
   GlfwWindow* window_;

@@ -44,6 +44,15 @@ void begin(WindowState& state, Viewer& viewer, const LoadedScene& loaded, const 
   viewer.set_base(make_frame_view(display, plan.world_from_bone, world_from_approach, thickness, false), stage.tool->turns);
 }
 
+/// An exception may not leave the run's thread.
+Result<RunSummary> drill_safely(const LoadedScene& loaded, const DrillJob& job) {
+  try {
+    return drill(loaded, job);
+  } catch (const std::exception& error) {
+    return Error{ErrorCode::internal, std::string("the run ended with an exception: ") + error.what(), {}};
+  }
+}
+
 /// Hands events to the state until the window is to go.
 void poll(GlfwWindow& window, WindowState& state, const std::atomic<bool>* stop, std::atomic<bool>& ended) {
   auto before = Steady::now();
@@ -89,7 +98,7 @@ Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
   std::thread drawing([&] { viewer.loop(); });
   std::optional<Result<RunSummary>> summary;
   std::thread running([&] {
-    summary.emplace(drill(loaded, run.job));
+    summary.emplace(drill_safely(loaded, run.job));
     if (*summary && !run.job.folder.empty() && loaded.scene.output.report)
       viewer.set_report((std::filesystem::path(run.job.folder) / "report.html").string());
     state.finish(*summary);
