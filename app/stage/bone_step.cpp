@@ -73,8 +73,10 @@ Status BoneStep::place_window(const Tool& tool, const Pose& world_from_tool) {
   for (const VoxelBox& one : {box, pressed})
     if (const Vec3i size = one.size(); std::max({size.x, size.y, size.z}) <= kMaxWindowEdge) most_ = std::max(most_, one.count());
   voxmap_->reserve(most_, 0);
-  if (Status placed = voxmap_->place_window(box); !placed)
+  if (Status placed = voxmap_->place_window(box); !placed) {
+    if (placed.error().code != ErrorCode::out_of_range) return placed;
     return Error{placed.error().code, "tool \"" + tool.name + "\" is too large for this bone's voxels: " + placed.error().message, {}};
+  }
   return {};
 }
 

@@ -4,15 +4,18 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/base/geometry.h"
 #include "core/base/result.h"
+#include "core/voxel/bone_file.h"
 
 namespace burrhole {
 
@@ -50,11 +53,15 @@ struct DenseBone {
 
 class FloatVdb;
 
-/// Bone as loaded, in sparse OpenVDB grids. Constant, so any number of threads may read it. There is no bone outside the grid.
+class PagedBone;
+
+/// Bone as loaded, in sparse OpenVDB grids, or in a temporary file (a paged bone). Constant, so any number of threads may read it. There is no
+/// bone outside the grid.
 class BoneModel {
  public:
-  /// bad_input when sizes disagree, dims are not positive, the affine is singular, or a value is not finite or outside 0..1.
-  [[nodiscard]] static Result<std::shared_ptr<const BoneModel>> create(const DenseBone& dense);
+  /// bad_input when sizes disagree, dims are not positive, the affine is singular, or a value is not finite or outside 0..1; errors of
+  /// bone_file.h.
+  [[nodiscard]] static Result<std::shared_ptr<const BoneModel>> create(const DenseBone& dense, const BoneStorage& storage = {});
   /// Reads a file written by Voxmap::save; its `remaining` grid is ignored. bad_input: see read_vdb().
   [[nodiscard]] static Result<std::shared_ptr<const BoneModel>> load(const std::string& path);
   ~BoneModel();
@@ -66,7 +73,15 @@ class BoneModel {
   [[nodiscard]] const VoxelBox& bone_box() const noexcept { return bone_box_; }    ///< bounding box of these voxels
   /// Assumptions made by the import of the scan, one per line; saved with the bone.
   [[nodiscard]] const std::string& notes() const noexcept { return notes_; }
-  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] std::size_t bytes() const;  ///< in memory
+  /// @returns the bytes of the temporary file of a paged bone; nothing for a bone in memory.
+  [[nodiscard]] std::optional<std::uint64_t> file_bytes() const;
+  /// @returns the error of the first read of a paged bone that failed. From then on what is read may be 0. A bone in memory has none.
+  [[nodiscard]] Status read_status() const;
+  /// Becomes true at the first read of a paged bone that fails; null for a bone in memory.
+  [[nodiscard]] const std::atomic<bool>* read_failed() const noexcept;
+  /// @returns a paged bone of the same voxels. Errors of bone_file.h.   @pre this bone is in memory.
+  [[nodiscard]] Result<std::shared_ptr<const BoneModel>> paged(const BoneStorage& storage) const;
   /// Calls f for boxes that together hold all voxels with an occupancy above 0; each holds at least one. Unordered.
   void for_each_region(const std::function<void(const VoxelBox&)>& f) const;
   /// The same for all voxels with an occupancy of bone or soft tissue above 0; boxes of the two may overlap.
@@ -78,16 +93,25 @@ class BoneModel {
   void read_labels(const VoxelBox& box, std::span<float> out) const;  ///< VoxelLabel as a number
   [[nodiscard]] VoxelLabel label(const Vec3i& v) const;
   [[nodiscard]] float occupancy(const Vec3i& v) const;
-  /// @returns the grids to be written to a file.
+  /// @returns the grids to be written to a file; none of a paged bone.
   [[nodiscard]] std::vector<const FloatVdb*> grids() const;
 
  private:
   friend class BoneModelBuilder;
   struct Grids;
-  BoneModel(const Vec3i& dims, const Affine& bone_from_index, std::unique_ptr<Grids> grids, std::string notes);
+  /// One of the two is there.
+  struct Fields {
+    std::unique_ptr<Grids> grids;
+    std::unique_ptr<PagedBone> pages;
+    Fields() noexcept;
+    Fields(Fields&&) noexcept;
+    ~Fields();
+    [[nodiscard]] std::size_t bytes() const;
+  };
+  BoneModel(const Vec3i& dims, const Affine& bone_from_index, Fields fields, std::string notes);
   Vec3i dims_;
   Affine bone_from_index_;
-  std::unique_ptr<Grids> grids_;
+  Fields fields_;
   std::size_t bone_voxels_ = 0;
   VoxelBox bone_box_;
   std::string notes_;
@@ -96,13 +120,13 @@ class BoneModel {
 /// Builds a bone model box by box, so that a large scan need not be in memory as dense fields.   Thread  one.
 class BoneModelBuilder {
  public:
-  /// bad_input when dims are not positive or the affine is singular or not finite.
-  [[nodiscard]] static Result<BoneModelBuilder> create(const Vec3i& dims, const Affine& bone_from_index);
+  /// bad_input when dims are not positive or the affine is singular or not finite; errors of bone_file.h.
+  [[nodiscard]] static Result<BoneModelBuilder> create(const Vec3i& dims, const Affine& bone_from_index, const BoneStorage& storage = {});
   BoneModelBuilder(BoneModelBuilder&&) noexcept;
   ~BoneModelBuilder();
 
   /// Adds the fields of one box, in any order of boxes. `fields.dims` is the size of the box; `fields.bone_from_index` is ignored.
-  /// bad_input as BoneModel::create, or if the box is not inside the grid.
+  /// As BoneModel::create; bad_input also if the box is not inside the grid.
   [[nodiscard]] Status add(const VoxelBox& box, const DenseBone& fields);
   [[nodiscard]] std::size_t bytes() const;
   /// @returns the model; the builder is empty afterwards.
@@ -112,7 +136,7 @@ class BoneModelBuilder {
   BoneModelBuilder(const Vec3i& dims, const Affine& bone_from_index);
   Vec3i dims_;
   Affine bone_from_index_;
-  std::unique_ptr<BoneModel::Grids> grids_;
+  BoneModel::Fields fields_;
 };
 
 }  // namespace burrhole

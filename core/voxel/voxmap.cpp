@@ -62,7 +62,7 @@ Status Voxmap::place_window(const VoxelBox& box) {
     slide_window(box);
   unsaved_.reset(box);
   if (prefetch_ != nullptr) prefetch_->aim(box);
-  return {};
+  return bone_->read_status();
 }
 
 void Voxmap::load_window(const VoxelBox& box) {
@@ -214,6 +214,8 @@ void Voxmap::read_labels(const VoxelBox& box, std::span<float> out) const {
 }
 
 Status Voxmap::save(const std::string& path, SavedBone saved) {
+  if (saved == SavedBone::whole && bone_->file_bytes())
+    return bad_input("a bone whose voxels are in a temporary file cannot be saved whole, only its changes", path);
   write_back();
   FloatVdb remaining("remaining", 1.0f);
   blocks_.for_each_block([&](const Vec3i& block, const BlockValues& values) { remaining.write_box(box_of_block(block), values); });

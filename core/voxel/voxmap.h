@@ -71,7 +71,7 @@ class Voxmap {
   [[nodiscard]] const MasterWindow& window() const noexcept { return window_; }
 
   /// Moves the window: writes the old window back, keeps the values of the intersection and loads the others. out_of_range: an edge is
-  /// below 5 or above kMaxWindowEdge.
+  /// below 5 or above kMaxWindowEdge. unavailable: a read of a paged bone has failed, now or before.
   [[nodiscard]] Status place_window(const VoxelBox& box);
 
   /// Slides read blocks from `prefetch` if it holds them, otherwise from OpenVDB. Null: always from OpenVDB. The values are the same.
@@ -121,7 +121,8 @@ class Voxmap {
   /// Labels of the bone as loaded, as numbers; read from the prefetch if possible.
   void read_labels(const VoxelBox& box, std::span<float> out) const;
 
-  /// Saves one .vdb (temporary name, then rename). restore() reads either.
+  /// Saves one .vdb (temporary name, then rename). restore() reads either. bad_input: the path cannot be written, or the whole of a paged
+  /// bone is requested.
   [[nodiscard]] Status save(const std::string& path, SavedBone saved = SavedBone::whole);
   /// Reads `remaining` from a file saved from the same bone; increments the growth epoch. bad_input: the grids do not match the bone.
   [[nodiscard]] Status restore(const std::string& path);
