@@ -74,6 +74,18 @@ Result<std::optional<ImportedBone>> load_own(const ImportRequest& request) {
   return std::optional<ImportedBone>(std::move(out));
 }
 
+/// Moves a bone model into a temporary file if it is to be kept there.
+Result<ImportedBone> place_own(const ImportRequest& request, ImportedBone own) {
+  if (!request.accept) return own;
+  const auto storage = request.accept({own.bone->dims(), own.bone->bone_from_index(), false, 1.0, own.bone->bytes()}, 0);
+  if (!storage) return storage.error();
+  if (!storage->is_paged()) return own;
+  auto paged = own.bone->paged(*storage);
+  if (!paged) return paged.error();
+  own.bone = std::move(paged).value();
+  return own;
+}
+
 /// An option that the format does not use is likely a misunderstanding, so it is an error.
 Status check_use(const ImportRequest& request, const ReadScan& read) {
   const bool dicom = read.report.format.starts_with("DICOM"), given = read.scan.quantity == Quantity::occupancy;
@@ -122,14 +134,14 @@ Result<ImportedBone> import_bone(const ImportRequest& request, const std::functi
   const auto accept = [&](const Scan& scan) -> Status {
     const auto grid = plan_grid(scan, request.bone);
     // What cannot be planned is refused when the bone is made.
-    return grid ? request.accept(*grid, sizeof(float) * VoxelBox{Vec3i(0), scan.dims}.count()) : Status();
+    if (!grid) return {};
+    const auto accepted = request.accept(*grid, sizeof(float) * VoxelBox{Vec3i(0), scan.dims}.count() + slab_bytes(*grid));
+    return accepted ? Status() : Status(accepted.error());
   };
   if (is_vdb(request.path) && std::filesystem::exists(request.path)) {
     auto own = load_own(request);
     if (!own) return own.error();
-    if (*own && request.accept)
-      if (Status accepted = request.accept({(*own)->bone->dims(), (*own)->bone->bone_from_index()}, 0); !accepted) return accepted.error();
-    if (*own) return std::move(**own);
+    if (*own) return place_own(request, std::move(**own));
   }
   ReadOptions read_options = request.read;
   if (request.accept) read_options.accept = accept;
@@ -140,22 +152,22 @@ Result<ImportedBone> import_bone(const ImportRequest& request, const std::functi
   ImportedBone out;
   out.report.source = request.path;
   out.report.scan = std::move(read->report);
-  Status refused;
-  const auto before = [&](const BoneGrid& grid) -> Status {
+  Result<BoneStorage> storage = BoneStorage();
+  const auto place = [&](const BoneGrid& grid) {
     out.report.resampled = grid.resampled;
     if (say)
       say(fmt::format("{} voxels read, {:.1f} MB; bone of {} voxels takes about {:.1f} MB", size_text(scan.dims),
                       static_cast<double>(scan.values.size() * sizeof(float)) / kMegabyte, size_text(grid.dims),
                       likely_bytes(grid) / kMegabyte));
-    if (request.accept) refused = request.accept(grid, sizeof(float) * scan.values.size());
-    return refused;
+    if (request.accept) storage = request.accept(grid, sizeof(float) * scan.values.size() + slab_bytes(grid));
+    return storage;
   };
   BoneOptions bone = request.bone;
   // A mesh was sampled at the requested spacing already.
   if (scan.quantity == Quantity::occupancy && request.read.pitch && !bone.region && !out.report.scan.format.starts_with("OpenVDB"))
     bone.spacing.reset();
-  auto made = make_bone(scan, bone, out.report.scan.assumed, before);
-  if (!refused) return refused.error();
+  auto made = make_bone(scan, bone, out.report.scan.assumed, place);
+  if (!storage) return storage.error();
   if (!made) return at(made.error(), request.path);
   out.report.dims = scan.dims;
   out.report.grid = describe_grid(scan.bone_from_index);

@@ -19,9 +19,10 @@ struct ImportRequest {
   std::string path;
   ReadOptions read;
   BoneOptions bone;
-  /// Called with the grid of the bone and the bytes of the scan after the headers and before values are read (of a mesh and of a bone model,
-  /// after the file is read), and again before bone is made, when its share is known; its error ends the import. May be empty.
-  std::function<Status(const BoneGrid& grid, std::uint64_t scan_bytes)> accept = {};
+  /// Called with the grid of the bone and the bytes of the scan, with those of the slabs in which bone is made, after the headers and before
+  /// values are read (of a mesh and of a bone model, after the file is read), and again before bone is made, when its share is known. @returns
+  /// where the bone is to be kept, of which the last answer counts; an error ends the import. May be empty.
+  std::function<Result<BoneStorage>(const BoneGrid& grid, std::uint64_t scan_bytes)> accept = {};
 };
 
 struct ImportReport {

@@ -89,7 +89,8 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   const std::optional<Pose> tool = option.no_tool ? std::nullopt : std::optional(tool_pose(option, *simulation, loaded.scene));
   if (Status drawn = simulation->stage().draw(image.stem().string(), tool, option.cut); !drawn) return drawn;
   const auto files = (*sink)->files();
-  return files ? Status{} : Status(files.error());
+  if (!files) return files.error();
+  return loaded.bone->read_status();
 }
 
 }  // namespace
@@ -127,6 +128,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command->callback([option, &exit_code] {
     auto loaded = load_or_report(option->scene, exit_code);
     if (!loaded) return;
+    if (!loaded->paged_note.empty()) print_warning(loaded->scene.file, "[limits] " + loaded->paged_note);
     const Status drawn = draw_scene(*option, *loaded);
     exit_code = drawn ? kDone : report(drawn.error());
   });

@@ -189,9 +189,10 @@ Status write_results(const LoadedScene& loaded, Simulation& simulation, const Ru
                      const std::string& folder) {
   const auto in_folder = [&](const char* name) { return (fs::path(folder) / name).string(); };
   const OutputScene& output = loaded.scene.output;
+  // Of a bone in a temporary file only the changes can be saved.
+  const SavedBone saves = output.whole_bone && !loaded.bone->file_bytes() ? SavedBone::whole : SavedBone::changes;
   if (output.bone)
-    if (Status saved = simulation.voxmap().save(in_folder("bone.vdb"), output.whole_bone ? SavedBone::whole : SavedBone::changes); !saved)
-      return saved;
+    if (Status saved = simulation.voxmap().save(in_folder("bone.vdb"), saves); !saved) return saved;
   if (Status written = write_file(in_folder(kSummaryFile), summary_json(summary)); !written) return written;
   if (!output.report) return {};
   return write_drill_report(make_report(loaded, simulation, summary, pictures), in_folder(kReportFile));

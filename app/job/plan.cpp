@@ -15,12 +15,14 @@ namespace {
 
 PlanRow volume_row(const LoadedScene& loaded, std::uint64_t window) {
   const Vec3i d = loaded.bone->dims();
+  const auto file = loaded.bone->file_bytes();
   return {.table = "volume",
           .clock = Clock::simulation,
           .step = "master window: slide, write back",
           .needs = "bone model",
           .gives = "window, bone grids",
-          .detail = fmt::format("{} x {} x {} voxels of {:.3g} mm", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge()),
+          .detail = fmt::format("{} x {} x {} voxels of {:.3g} mm{}", d.x, d.y, d.z, 1e3 * loaded.bone->bone_from_index().mean_edge(),
+                                file ? fmt::format(", as loaded in a file of {:.1f} MB", static_cast<double>(*file) * 1e-6) : ""),
           .bytes = volume_bytes(shape_of(*loaded.bone, loaded.scene.approach), window)};
 }
 
@@ -100,6 +102,7 @@ Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry, const 
     if (!loaded.scene.effects.has(effect.table)) plan.not_built.emplace_back(effect.table);
   if (loaded.import)
     for (const std::string& line : loaded.import->scan.assumed) plan.warnings.push_back("[volume] assumed: " + line);
+  if (!loaded.paged_note.empty()) plan.warnings.push_back("[limits] " + loaded.paged_note);
   warn_of_features(loaded, {loaded.tool.name, loaded.tool_text}, plan.warnings);
   plan.scene_warnings = plan.warnings.size();
   plan.memory = plan_memory(loaded.scene, loaded.tool, bone, loaded.scan_bytes, run);

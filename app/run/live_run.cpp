@@ -132,7 +132,7 @@ void Loops::servo_loop() noexcept {
     // During missed ticks the hand moved under the last force.
     for (std::uint64_t n = 1; n < std::min(wake.ticks, kMostHandCatchUp); ++n) parts_->hand->apply({held, Vec3(0.0)});
     // The servo checks the stop flag itself: the drawing thread may take seconds for one picture.
-    if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) parts_->servo->request_stop();
+    if (is_set(options_.stop) || is_set(options_.read_failed)) parts_->servo->request_stop();
     parts_->servo->sense();
     hand_published_.store(true, std::memory_order_release);
     const ServoOutput& out = parts_->act();
@@ -385,7 +385,7 @@ Status Loops::run() {
   report_->prefetched_blocks = prefetch_.hits();
   report_->prefetch_misses = prefetch_.misses();
   report_->done = report_->last.hand.phase == HandPhase::done;
-  report_->stopped = !report_->done && options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
+  report_->stopped = !report_->done && is_set(options_.stop);
   if (Status drained = drain(); !drained) return drained;
   if (broken_.load(std::memory_order_acquire))
     return Error{ErrorCode::internal, "the simulation thread ended with an exception: " + why_, {}};

@@ -37,7 +37,11 @@ struct LiveOptions {
   std::function<void(const LiveState&)> see{};  ///< receives the state about every 5 ms; may be empty
   /// Called about as often when the batch of changed texels is filled, to send it to the display; empty: none is filled before a picture.
   std::function<Status()> send{};
+  const std::atomic<bool>* read_failed = nullptr;  ///< a paged bone cannot be read: ends the run like `stop`; may be null
 };
+
+/// @returns whether a flag is there and set.
+[[nodiscard]] inline bool is_set(const std::atomic<bool>* flag) noexcept { return flag != nullptr && flag->load(std::memory_order_relaxed); }
 
 /// Timing and counters of a live run.
 struct LiveReport {

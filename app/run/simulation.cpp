@@ -57,10 +57,12 @@ Status Simulation::run() {
     const FlushToZero guard;
     if (Status ran = options_.live ? run_on_threads() : run_lockstep(); !ran) return ran;
   }
+  if (Status read = parts_->voxmap->bone().read_status(); !read) return read;
   parts_->voxmap->write_back();
   parts_->gather(true);  // the last pictures show every change
   if (Status drawn = log_->draw("after", {}, false); !drawn) return drawn;
-  return log_->draw("cutaway", {}, true);
+  if (Status drawn = log_->draw("cutaway", {}, true); !drawn) return drawn;
+  return parts_->voxmap->bone().read_status();
 }
 
 Status Simulation::run_lockstep() {
@@ -199,6 +201,7 @@ Status Simulation::run_recorded(const SessionReader& session, RecordedHand& hand
 Status Simulation::run_on_threads() {
   live_.emplace();
   LiveOptions options{options_.require_realtime, options_.stop, options_.progress, options_.warn};
+  options.read_failed = parts_->voxmap->bone().read_failed();
   options.inputs = [this](std::uint64_t tick, bool parked, Status& status) { return live_input(tick, parked, status); };
   if (options_.user != nullptr) {
     options.see = [this](const LiveState& state) { options_.user->see(state); };
@@ -212,7 +215,8 @@ Status Simulation::run_on_threads() {
 }
 
 bool Simulation::finished() {
-  if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed))
+  const std::atomic<bool>* const read_failed = parts_->voxmap->bone().read_failed();
+  if (is_set(options_.stop) || is_set(read_failed))
     end_ = RunEnd::stopped;
   else if (servo_now_.hand.phase == HandPhase::done)
     end_ = RunEnd::done;

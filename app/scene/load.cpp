@@ -1,5 +1,7 @@
 #include "app/scene/load.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -9,6 +11,7 @@
 #include "core/tool/cutting_field.h"
 #include "core/tool/make_tool.h"
 #include "core/tool/mesh_spec.h"
+#include "core/voxel/paged_bone.h"
 #include "haptics/servo/realtime.h"
 #include "volumes/phantom/phantom.h"
 #include "volumes/read/mesh_file.h"
@@ -16,19 +19,52 @@
 namespace burrhole {
 namespace {
 
-/// Called with the shape of the bone, and the bytes of the scan that it will be made from, before either takes memory.
-using AcceptBone = std::function<Status(const BoneShape& bone, std::uint64_t scan_bytes)>;
+/// What a bone needs in memory and in a temporary file.
+struct BoneNeed {
+  BoneShape in_memory, paged;
+  std::uint64_t import = 0, paged_import = 0;  ///< [bytes] besides the bone while it is made
+  std::uint64_t file = 0;                      ///< [bytes]
+};
+
+/// Called before the bone takes memory. @returns where it is to be kept.
+using PlaceBone = std::function<Result<BoneStorage>(const BoneNeed&)>;
+
+BoneNeed need_of_phantom(const PhantomSpec& phantom) {
+  const Vec3i dims = phantom_dims(phantom);
+  BoneNeed out;
+  out.in_memory = out.paged = {dims, phantom_bone_from_index(phantom)};
+  out.in_memory.bytes = dense_bone_bytes(dims, true);
+  out.paged.bytes = PagedBone::index_bytes(dims, 1.0);
+  out.paged_import = dense_fields_bytes(dims);
+  out.file = PagedBone::file_bytes(dims, true, 1.0);
+  return out;
+}
+
+BoneNeed need_of_grid(const BoneGrid& grid, std::uint64_t scan_bytes) {
+  BoneNeed out;
+  out.in_memory = out.paged = {grid.dims, grid.bone_from_index};
+  const auto made = static_cast<std::uint64_t>(grid.bone_share * static_cast<double>(dense_bone_bytes(grid.dims, false)));  // a scan has none
+  out.in_memory.bytes = grid.loaded_bytes > 0 ? grid.loaded_bytes : made;
+  out.paged.bytes = PagedBone::index_bytes(grid.dims, grid.bone_share);
+  out.import = out.paged_import = scan_bytes;
+  out.file = PagedBone::file_bytes(grid.dims, false, grid.bone_share);
+  if (grid.loaded_bytes == 0) return out;
+  // A bone model is read as a whole; its blocks in the file take no more than in memory.
+  out.paged_import = out.file = grid.loaded_bytes;
+  return out;
+}
 
 /// Generates or imports the bone. Errors are attributed to the key `source`, unless they name another place.
-Status load_bone(const LoadOptions& options, const AcceptBone& accept, LoadedScene& out) {
+Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene& out) {
   const VolumeScene& volume = out.scene.volume;
   if (volume.phantom) {
-    const Vec3i dims = phantom_dims(*volume.phantom);
-    if (Status accepted = accept({dims, phantom_bone_from_index(*volume.phantom), dense_bone_bytes(dims, true)}, 0); !accepted)
-      return accepted;
+    const BoneNeed need = need_of_phantom(*volume.phantom);
+    const auto storage = place(need);
+    if (!storage) return storage.error();
+    if (storage->is_paged()) out.scan_bytes = need.paged_import;
     auto phantom = make_phantom(*volume.phantom);
     if (!phantom) return phantom.error();
-    auto bone = BoneModel::create(phantom->bone);
+    auto bone = BoneModel::create(phantom->bone, *storage);
     if (!bone) return bone.error();
     out.bone = *bone;
     return {};
@@ -39,12 +75,11 @@ Status load_bone(const LoadOptions& options, const AcceptBone& accept, LoadedSce
     request.bone.region = BoneRegion{out.scene.approach.entry + out.scene.approach.axis * kRegionDepth, *volume.scan->region};
   bool refused = false;
   request.accept = [&](const BoneGrid& grid, std::uint64_t scan_bytes) {
-    out.scan_bytes = scan_bytes;
-    const auto bytes =
-        static_cast<std::uint64_t>(grid.bone_share * static_cast<double>(dense_bone_bytes(grid.dims, false)));  // a scan has none
-    Status accepted = accept({grid.dims, grid.bone_from_index, bytes}, scan_bytes);
-    refused = !accepted.ok();
-    return accepted;
+    const BoneNeed need = need_of_grid(grid, scan_bytes);
+    auto storage = place(need);
+    refused = !storage.ok();
+    out.scan_bytes = storage && storage->is_paged() ? need.paged_import : need.import;
+    return storage;
   };
   auto imported = import_bone(request, options.say);
   if (!imported && refused) return imported.error();
@@ -79,21 +114,42 @@ void scale_factors(Tool& tool, float scale) {
   tool.cutting = std::move(field);
 }
 
-/// @returns bad_input if the run is predicted to need more memory than the scene allows. Tools that cannot be loaded are reported later.
-Status check_limit(const LoadedScene& loaded, const std::string& tool_name, const std::vector<ToolText>& input_tools,
-                   const LoadOptions& options, const BoneShape& bone, std::uint64_t scan_bytes) {
+std::string in_megabytes(std::uint64_t bytes) { return fmt::format("{:.0f} MB", static_cast<double>(bytes) * 1e-6); }
+
+/// The line that reports a paged bone.
+std::string note_of(const Scene& scene, const BoneStorage& storage, std::uint64_t in_memory, std::uint64_t paged) {
+  std::string out = fmt::format("the bone is kept in a temporary file of about {} in {}: in memory the run may need {}, more than memory_mb = {:.0f}, so it may need {}",
+                                in_megabytes(storage.expected_bytes), storage.folder, in_megabytes(in_memory),
+                                static_cast<double>(*scene.memory_limit) * 1e-6, in_megabytes(paged));
+  if (scene.output.bone && scene.output.whole_bone) out += "; bone.vdb will hold the changes alone";
+  if (is_in_memory(storage.folder)) out += "; that folder is in memory too (tmpfs): TMPDIR may name one on a disk";
+  return out;
+}
+
+/// Keeps the bone in memory if the run is predicted to need no more than the scene allows, otherwise in a file. @returns bad_input if it is
+/// predicted to need more than that even so. Tools that cannot be loaded are reported later. @param note says why the bone is in a file.
+Result<BoneStorage> place_bone(const LoadedScene& loaded, const std::string& tool_name, const std::vector<ToolText>& input_tools,
+                               const LoadOptions& options, const BoneNeed& need, std::string& note) {
+  note.clear();
   const Scene& scene = loaded.scene;
-  if (!scene.memory_limit) return {};
-  const double edge = bone.bone_from_index.mean_edge();
+  if (!scene.memory_limit) return BoneStorage();
+  const double edge = need.in_memory.bone_from_index.mean_edge();
   Issues later;
   const auto tool = load_tool(loaded.tool_text, tool_name, scene, scene.effects.needs(scene), edge, later);
-  if (!tool) return {};
+  if (!tool) return BoneStorage();
   MemoryRun run{.live = options.live, .locked = options.live && may_lock_memory(), .inputs = static_cast<bool>(options.input_tools)};
   const std::vector<Tool> others = load_tools(input_tools, scene, edge, later);
   for (const Tool& other : others) run.tools.push_back(&other);
-  const MemoryPlan memory = plan_memory(scene, *tool, bone, scan_bytes, run);
-  if (memory.peak <= *scene.memory_limit) return {};
-  return bad_input("limits.memory_mb is exceeded: the run may need " + memory.text() + " MB", scene.memory_place);
+  const MemoryPlan memory = plan_memory(scene, *tool, need.in_memory, need.import, run);
+  if (memory.peak <= *scene.memory_limit) return BoneStorage();
+  const std::uint64_t paged = plan_memory(scene, *tool, need.paged, need.paged_import, run).peak;
+  if (paged > *scene.memory_limit)
+    return bad_input(fmt::format("limits.memory_mb is exceeded: the run may need {} MB; {} with the bone in a temporary file", memory.text(),
+                                 in_megabytes(paged)),
+                     scene.memory_place);
+  BoneStorage storage{.folder = options.page_folder, .expected_bytes = need.file};
+  note = note_of(scene, storage, memory.peak, paged);
+  return storage;
 }
 
 Result<std::string> text_of_file(const std::string& path) {
@@ -171,10 +227,8 @@ std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneC
     input_tools = options.input_tools(out.scene, issues);
     if (issues.size() > before) return std::nullopt;
   }
-  const AcceptBone within_limit = [&](const BoneShape& bone, std::uint64_t scan_bytes) {
-    return check_limit(out, name, input_tools, options, bone, scan_bytes);
-  };
-  if (const Status loaded = load_bone(options, within_limit, out); !loaded) {
+  const PlaceBone place = [&](const BoneNeed& need) { return place_bone(out, name, input_tools, options, need, out.paged_note); };
+  if (const Status loaded = load_bone(options, place, out); !loaded) {
     issues.push_back(loaded.error());
     if (issues.back().place.empty()) issues.back().place = out.scene.volume.place;
     return std::nullopt;

@@ -19,7 +19,8 @@ struct LoadedScene {
   std::string tool_text;  ///< TOML, for the session
   Tool tool;              ///< erosion factors already scaled
   std::shared_ptr<const BoneModel> bone;
-  std::uint64_t scan_bytes = 0;        ///< [bytes] of the scan from which the bone was made
+  std::uint64_t scan_bytes = 0;        ///< [bytes] of the scan from which the bone was made, and of what was needed to make it
+  std::string paged_note;              ///< one line on why the bone is in a temporary file; empty: it is in memory
   std::optional<ImportReport> import;  ///< when the bone came from a scan or a mesh
 };
 
@@ -35,6 +36,7 @@ struct LoadOptions {
   std::function<void(double)> progress;         ///< receives the share of a long read that is done, 0..1; may be empty
   std::function<void(const std::string&)> say;  ///< receives one line on the memory that an import will allocate; may be empty
   bool live = false;                            ///< the run will be on threads: counts for [limits] memory_mb
+  std::string page_folder = temporary_folder();  ///< of the temporary file of a paged bone
   /// Reads the tools that the inputs of the run change to, which count for [limits] memory_mb; empty: a run without inputs. On an error it
   /// pushes issues.
   std::function<std::vector<ToolText>(const Scene& scene, Issues& issues)> input_tools{};
@@ -55,7 +57,8 @@ struct LoadOptions {
 [[nodiscard]] BoneShape shape_of(const BoneModel& bone, const ApproachScene& approach);
 
 /// Reads scene, bone and tool; imports the bone where the scene names a scan. @returns nothing when any issue was pushed.
-/// A scene that is predicted to need more memory than [limits] memory_mb is refused when the headers of its volume have been read.
+/// If a scene is predicted to need more memory than [limits] memory_mb, its bone is kept in a temporary file; if that is predicted not to be
+/// enough, the scene is refused when the headers of its volume have been read.
 [[nodiscard]] std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,
                                                     const LoadOptions& options = {});
 

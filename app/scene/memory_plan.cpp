@@ -45,7 +45,7 @@ std::string MemoryPlan::text() const {
   std::string out = fmt::format("{:.0f} MB:", in_megabytes(peak));
   for (const MemoryItem& item : items)
     if (item.bytes >= 500'000) out += fmt::format(" {} {:.0f},", item.name, in_megabytes(item.bytes));
-  if (import > 0) return out + fmt::format(" and while the scan is read {:.0f}", in_megabytes(import));
+  if (import > 0) return out + fmt::format(" and while the bone is made {:.0f}", in_megabytes(import));
   out.pop_back();
   return out;
 }
@@ -86,6 +86,10 @@ std::uint64_t dense_bone_bytes(const Vec3i& dims, bool soft) noexcept {
   constexpr double kNodes = 1.1, kUpperNodes = 0.3e6;
   const auto voxels = static_cast<double>(VoxelBox{Vec3i(0), dims}.count());
   return static_cast<std::uint64_t>(grids * (kNodes * sizeof(float) * voxels + kUpperNodes));
+}
+
+std::uint64_t dense_fields_bytes(const Vec3i& dims) noexcept {
+  return VoxelBox{Vec3i(0), dims}.count() * (3 * sizeof(float) + 1);  // occupancy, hardness, soft tissue, labels
 }
 
 std::uint64_t tool_bytes(const Tool& tool) noexcept {

@@ -18,7 +18,7 @@ struct MemoryItem {
 
 struct MemoryPlan {
   std::vector<MemoryItem> items;  ///< of the run, in the order of the effects
-  std::uint64_t import = 0;       ///< [bytes] of the scan while bone is made from it; released before the run
+  std::uint64_t import = 0;       ///< [bytes] needed while bone is made, besides the bone: the scan, slabs; released before the run
   std::uint64_t peak = 0;         ///< [bytes] largest resident memory of the process: of the run, or of the import
 
   /// @returns "412 MB: program 55, volume 36, ..." with all items [MB].
@@ -42,10 +42,13 @@ struct MemoryRun {
 /// @returns an upper bound of a bone model's bytes, if every voxel differs from its neighbours. @param soft whether there may be soft tissue.
 [[nodiscard]] std::uint64_t dense_bone_bytes(const Vec3i& dims, bool soft) noexcept;
 
+/// @returns the bytes of the dense fields from which the bone of a phantom is made.
+[[nodiscard]] std::uint64_t dense_fields_bytes(const Vec3i& dims) noexcept;
+
 /// @returns the memory of a tool's points and meshes; its cutting field belongs to erosion.
 [[nodiscard]] std::uint64_t tool_bytes(const Tool& tool) noexcept;
 
-/// @param import [bytes] of the scan that is read; 0 for a phantom or a bone model.
+/// @param import [bytes] see MemoryPlan.
 [[nodiscard]] MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bone, std::uint64_t import,
                                      const MemoryRun& run = {});
 

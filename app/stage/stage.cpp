@@ -92,6 +92,7 @@ Status Stage::build_hand() {
 
 Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> model) {
   auto found = make_approach(*model, config.approach);
+  if (Status read = model->read_status(); !read) return read;
   if (!found) return Error{found.error().code, found.error().message, config.approach.place};
   approach = std::move(found).value();
 
@@ -129,7 +130,7 @@ Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> m
   if (Status bound = bind(); !bound) return Error{bound.error().code, bound.error().message, config.file};
   contact->place(start);
   place_effects(start);
-  return {};
+  return model->read_status();
 }
 
 void Stage::place_effects(const Pose& world_from_tool) {

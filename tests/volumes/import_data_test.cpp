@@ -150,7 +150,7 @@ TEST_CASE("data: the whole head at 0.25 mm takes less than 2 GiB, and a region h
   double predicted = 0.0;
   request.accept = [&](const BoneGrid& grid, std::uint64_t) {
     predicted = grid.bone_share * static_cast<double>(VoxelBox{Vec3i(0), grid.dims}.count()) * 3.0 * sizeof(float);
-    return Status();
+    return BoneStorage();
   };
   const auto whole = import_bone(request, {});
   REQUIRE(whole.ok());

@@ -270,8 +270,14 @@ Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options) {
   return BoneGrid{Vec3i(count), Affine::scaling(pitch, lo), true, share};
 }
 
+std::uint64_t slab_bytes(const BoneGrid& grid) noexcept {
+  // Of a voxel of a layer: ten layers of values of the scan, eight of the bone's fields, and layers of the scan on the grid's other axes.
+  constexpr std::uint64_t kBytes = 250;
+  return kBytes * VoxelBox{Vec3i(0), {grid.dims.x, grid.dims.y, 1}}.count();
+}
+
 Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,
-                               const std::function<Status(const BoneGrid&)>& before) {
+                               const ChooseStorage& place) {
   if (scan.values.empty() || scan.values.size() != VoxelBox{Vec3i(0), scan.dims}.count()) return bad_input("the scan has no voxels");
   const ValueFacts facts = collect_facts(scan.values);
   Meaning meaning;
@@ -286,14 +292,14 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
   }
   auto grid = plan_grid(scan, options);
   if (!grid) return grid.error();
-  auto builder = BoneModelBuilder::create(grid->dims, grid->bone_from_index);
-  if (!builder) return builder.error();
 
   const bool given = scan.quantity == Quantity::occupancy;
   const Rule rule{given ? kOccupancyBand : meaning.band, meaning.offset, given, meaning.hounsfield, options.hardness};
   if (!options.region && !given) grid->bone_share = share_near_bone(scan, rule);
-  if (before)
-    if (const Status accepted = before(*grid); !accepted) return accepted.error();
+  const Result<BoneStorage> storage = place ? place(*grid) : BoneStorage();
+  if (!storage) return storage.error();
+  auto builder = BoneModelBuilder::create(grid->dims, grid->bone_from_index, *storage);
+  if (!builder) return builder.error();
   const std::optional<double> memory = available_memory();
   // Outside the scan: no bone, independent of the lowest value of the scan.
   const double nothing = std::min(facts.min, rule.band[0] - meaning.offset);
@@ -323,6 +329,7 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
   out.hu_offset = meaning.offset;
   out.hounsfield = meaning.hounsfield;
   out.bone = builder->finish(fmt::format("{}", fmt::join(assumed, "\n")));
+  if (const Status read = out.bone->read_status(); !read) return read.error();
   if (out.bone->bone_voxels() > 0) return out;
   return bad_input(fmt::format("no bone: values from {:g} to {:g} do not exceed the middle of the band {:g} to {:g}", out.value_min,
                                out.value_max, rule.band[0], rule.band[1]));

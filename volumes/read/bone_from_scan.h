@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -57,7 +58,11 @@ struct BoneGrid {
   bool resampled = false;
   /// [-] Estimated share of the voxels that are in blocks with bone. Before the values are read: 1 for a region, 0 for a whole scan.
   double bone_share = 1.0;
+  std::uint64_t loaded_bytes = 0;  ///< [bytes] of a bone model that is in memory already; 0: the bone is still to be made
 };
+
+/// Called when the grid of a bone is known, before the bone takes memory. @returns where the bone is to be kept; an error ends the work.
+using ChooseStorage = std::function<Result<BoneStorage>(const BoneGrid&)>;
 
 /// @returns bad_input if the band does not increase, or a region is given without a spacing.
 [[nodiscard]] Status check_options(const BoneOptions& options);
@@ -77,11 +82,13 @@ struct BoneFromScan {
   bool hounsfield = false;                  ///< the values are interpreted as HU
 };
 
-/// @param assumed receives one line per assumption. @param before is called when grid and share of bone are known, before the memory of the
-/// bone is allocated; its error ends the work; may be empty. @returns bad_input: values that are not HU without a band, a band that does not
-/// increase, no bone in the band (with the range of the values); unavailable: more bone than the machine has memory for. Works in slabs: in
-/// addition to the scan it needs the grids of the bone and about 250 bytes per voxel of one layer. Uses all cores.
+/// @returns the memory [bytes] that make_bone() needs in addition to the scan and the bone: slabs of the grid.
+[[nodiscard]] std::uint64_t slab_bytes(const BoneGrid& grid) noexcept;
+
+/// @param assumed receives one line per assumption. @param place may be empty: the bone is in memory. @returns bad_input: values that are not
+/// HU without a band, a band that does not increase, no bone in the band (with the range of the values); unavailable: more bone than the
+/// machine has memory for, or errors of bone_file.h. Works in slabs, see slab_bytes(). Uses all cores.
 [[nodiscard]] Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,
-                                             const std::function<Status(const BoneGrid&)>& before = {});
+                                             const ChooseStorage& place = {});
 
 }  // namespace burrhole
