@@ -41,7 +41,9 @@ struct LiveOptions {
 };
 
 /// @returns whether a flag is there and set.
-[[nodiscard]] inline bool is_set(const std::atomic<bool>* flag) noexcept { return flag != nullptr && flag->load(std::memory_order_relaxed); }
+[[nodiscard]] inline bool is_set(const std::atomic<bool>* flag) noexcept {
+  return flag != nullptr && flag->load(std::memory_order_relaxed);
+}
 
 /// Timing and counters of a live run.
 struct LiveReport {

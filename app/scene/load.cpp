@@ -33,7 +33,7 @@ BoneNeed need_of_phantom(const PhantomSpec& phantom) {
   const Vec3i dims = phantom_dims(phantom);
   BoneNeed out;
   out.in_memory = out.paged = {dims, phantom_bone_from_index(phantom)};
-  out.in_memory.bytes = dense_bone_bytes(dims, true);
+  out.in_memory.bytes = out.in_memory.in_memory = out.paged.in_memory = dense_bone_bytes(dims, true);
   out.paged.bytes = PagedBone::index_bytes(dims, 1.0);
   out.paged_import = dense_fields_bytes(dims);
   out.file = PagedBone::file_bytes(dims, true, 1.0);
@@ -43,8 +43,10 @@ BoneNeed need_of_phantom(const PhantomSpec& phantom) {
 BoneNeed need_of_grid(const BoneGrid& grid, std::uint64_t scan_bytes) {
   BoneNeed out;
   out.in_memory = out.paged = {grid.dims, grid.bone_from_index};
-  const auto made = static_cast<std::uint64_t>(grid.bone_share * static_cast<double>(dense_bone_bytes(grid.dims, false)));  // a scan has none
+  const auto made =
+      static_cast<std::uint64_t>(grid.bone_share * static_cast<double>(dense_bone_bytes(grid.dims, false)));  // a scan has none
   out.in_memory.bytes = grid.loaded_bytes > 0 ? grid.loaded_bytes : made;
+  out.in_memory.in_memory = out.paged.in_memory = out.in_memory.bytes;
   out.paged.bytes = PagedBone::index_bytes(grid.dims, grid.bone_share);
   out.import = out.paged_import = scan_bytes;
   out.file = PagedBone::file_bytes(grid.dims, false, grid.bone_share);
@@ -118,9 +120,11 @@ std::string in_megabytes(std::uint64_t bytes) { return fmt::format("{:.0f} MB", 
 
 /// The line that reports a paged bone.
 std::string note_of(const Scene& scene, const BoneStorage& storage, std::uint64_t in_memory, std::uint64_t paged) {
-  std::string out = fmt::format("the bone is kept in a temporary file of about {} in {}: in memory the run may need {}, more than memory_mb = {:.0f}, so it may need {}",
-                                in_megabytes(storage.expected_bytes), storage.folder, in_megabytes(in_memory),
-                                static_cast<double>(*scene.memory_limit) * 1e-6, in_megabytes(paged));
+  std::string out = fmt::format(
+      "the bone is kept in a temporary file of about {} in {}: in memory the run may need {}, more than memory_mb = {:.0f}, so it may need "
+      "{}",
+      in_megabytes(storage.expected_bytes), storage.folder, in_megabytes(in_memory), static_cast<double>(*scene.memory_limit) * 1e-6,
+      in_megabytes(paged));
   if (scene.output.bone && scene.output.whole_bone) out += "; bone.vdb will hold the changes alone";
   if (is_in_memory(storage.folder)) out += "; that folder is in memory too (tmpfs): TMPDIR may name one on a disk";
   return out;
@@ -144,8 +148,8 @@ Result<BoneStorage> place_bone(const LoadedScene& loaded, const std::string& too
   if (memory.peak <= *scene.memory_limit) return BoneStorage();
   const std::uint64_t paged = plan_memory(scene, *tool, need.paged, need.paged_import, run).peak;
   if (paged > *scene.memory_limit)
-    return bad_input(fmt::format("limits.memory_mb is exceeded: the run may need {} MB; {} with the bone in a temporary file", memory.text(),
-                                 in_megabytes(paged)),
+    return bad_input(fmt::format("limits.memory_mb is exceeded: the run may need {} MB; {} with the bone in a temporary file",
+                                 memory.text(), in_megabytes(paged)),
                      scene.memory_place);
   BoneStorage storage{.folder = options.page_folder, .expected_bytes = need.file};
   note = note_of(scene, storage, memory.peak, paged);
@@ -197,7 +201,7 @@ Result<std::string> read_tool_text(const std::string& name, const std::string& s
 
 BoneShape shape_of(const BoneModel& bone, const ApproachScene& approach) {
   const auto found = make_approach(bone, approach);
-  return {bone.dims(), bone.bone_from_index(), bone.bytes(), found ? found->thickness : 0.0};
+  return {bone.dims(), bone.bone_from_index(), bone.bytes(), found ? found->thickness : 0.0, bone.bytes_in_memory()};
 }
 
 std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,

@@ -32,10 +32,10 @@ struct ToolText {
 
 /// Options of load_scene() that are not part of the scene file.
 struct LoadOptions {
-  std::optional<std::string> tool_text;         ///< use this instead of the tool's file (replay)
-  std::function<void(double)> progress;         ///< receives the share of a long read that is done, 0..1; may be empty
-  std::function<void(const std::string&)> say;  ///< receives one line on the memory that an import will allocate; may be empty
-  bool live = false;                            ///< the run will be on threads: counts for [limits] memory_mb
+  std::optional<std::string> tool_text;          ///< use this instead of the tool's file (replay)
+  std::function<void(double)> progress;          ///< receives the share of a long read that is done, 0..1; may be empty
+  std::function<void(const std::string&)> say;   ///< receives one line on the memory that an import will allocate; may be empty
+  bool live = false;                             ///< the run will be on threads: counts for [limits] memory_mb
   std::string page_folder = temporary_folder();  ///< of the temporary file of a paged bone
   /// Reads the tools that the inputs of the run change to, which count for [limits] memory_mb; empty: a run without inputs. On an error it
   /// pushes issues.

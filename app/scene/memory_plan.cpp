@@ -23,10 +23,18 @@ constexpr std::uint64_t kThreadBytes = 15'000'000;
 // Pages of program, libraries and stacks that a run in lockstep never touches and a live one locks; and those of Mesa's software driver.
 constexpr std::uint64_t kLockedBytes = 127'000'000, kLockedDriverBytes = 160'000'000;
 
+/// A voxel of the master window and of what is published of it.
+std::uint64_t window_voxel_bytes(const PlanContext& context) {
+  return kMasterVoxelBytes + (context.window_voxels > 0 ? publish_bytes(context) / context.window_voxels : 0);
+}
+
+/// In lockstep a window grows by up to a half too (18 and 46 % measured), but memory that it does not need is not resident.
+std::uint64_t growth_bytes(const PlanContext& context) { return context.window_voxels / 2 * window_voxel_bytes(context); }
+
 /// The part of a live run that depends on the scene: windows that may grow by a half, blocks of changed bone, bone read in advance.
 std::uint64_t live_bytes(const PlanContext& context, bool locked, bool draws) {
   const std::uint64_t most = most_window_voxels(context.window_voxels) - context.window_voxels;
-  const std::uint64_t a_voxel = kMasterVoxelBytes + (context.window_voxels > 0 ? publish_bytes(context) / context.window_voxels : 0);
+  const std::uint64_t a_voxel = window_voxel_bytes(context);
   // Occupancy, hardness and a label of the shell round the window: eight voxels thick, and twice that on the side that it moves to.
   constexpr std::uint64_t kAheadVoxelBytes = 2 * sizeof(float) + 1;
   const double edge = std::cbrt(static_cast<double>(context.window_voxels)), wide = edge + 3.0 * BonePrefetch::kAhead;
@@ -116,17 +124,25 @@ MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bo
   plan.items = {{"program", kProgramBytes}, {"volume", volume_bytes(bone, context.window_voxels)}, {"tool", of_tools}};
   if (const std::uint64_t copies = publish_bytes(context); copies > 0) plan.items.push_back({"publish", copies});
   if (needs.feels) plan.items.push_back({"coarse distance", CoarseDistance::bytes_for(bone.dims)});
+  const std::uint64_t history = run.inputs ? BoneHistoryConfig{}.memory : 0;
+  std::uint64_t start = kProgramBytes + bone.bytes + of_tools + history;
   for (const EffectPlans::Item& item : scene.effects.items()) {
     // What an effect keeps for its tool grows to that of the largest.
-    std::uint64_t most = 0;
-    for (const Tool* one : tools) most = std::max(most, item.plan->row({scene, needs, *one, bone, context.window_voxels}).bytes);
+    std::uint64_t most = 0, most_at_start = 0;
+    for (const Tool* one : tools) {
+      const PlanRow row = item.plan->row({scene, needs, *one, bone, context.window_voxels});
+      most = std::max(most, row.bytes);
+      most_at_start = std::max(most_at_start, std::max(row.bytes, row.start_bytes));
+    }
     plan.items.push_back({item.table, most});
+    start += most_at_start;
   }
-  if (run.inputs) plan.items.push_back({"history", BoneHistoryConfig{}.memory});
+  if (history > 0) plan.items.push_back({"history", history});
+  if (!run.live) plan.items.push_back({"window growth", growth_bytes(context)});
   if (run.live) plan.items.push_back({"threads", live_bytes(context, run.locked, scene.effects.has("display"))});
   std::uint64_t sum = 0;
   for (const MemoryItem& item : plan.items) sum += item.bytes;
-  plan.peak = std::max(sum, kProgramBytes + bone.bytes + import);
+  plan.peak = std::max({sum, start, kProgramBytes + bone.bytes + import});
   return plan;
 }
 

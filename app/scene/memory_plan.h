@@ -19,7 +19,7 @@ struct MemoryItem {
 struct MemoryPlan {
   std::vector<MemoryItem> items;  ///< of the run, in the order of the effects
   std::uint64_t import = 0;       ///< [bytes] needed while bone is made, besides the bone: the scan, slabs; released before the run
-  std::uint64_t peak = 0;         ///< [bytes] largest resident memory of the process: of the run, or of the import
+  std::uint64_t peak = 0;         ///< [bytes] largest resident memory of the process: of the run, of its start, or of the import
 
   /// @returns "412 MB: program 55, volume 36, ..." with all items [MB].
   [[nodiscard]] std::string text() const;

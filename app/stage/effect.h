@@ -56,10 +56,11 @@ struct Needs {
 
 /// The grid of a bone model, known from file headers before the bone is read.
 struct BoneShape {
-  Vec3i dims{0};            ///< [voxels]
-  Affine bone_from_index;   ///< [m] from index coordinates
-  std::uint64_t bytes = 0;  ///< [bytes] of the bone model; an upper bound before it is read
-  double thickness = 0.0;   ///< [m] of bone along the approach axis; 0: not known before the bone is read
+  Vec3i dims{0};                ///< [voxels]
+  Affine bone_from_index;       ///< [m] from index coordinates
+  std::uint64_t bytes = 0;      ///< [bytes] of the bone model; an upper bound before it is read
+  double thickness = 0.0;       ///< [m] of bone along the approach axis; 0: not known before the bone is read
+  std::uint64_t in_memory = 0;  ///< [bytes] as `bytes`, but what a paged bone would take in memory
 };
 
 /// Input of a plan: the scene with its bone and tool, before the run.
@@ -81,11 +82,12 @@ struct PlanContext {
 struct PlanRow {
   std::string table;
   Clock clock = Clock::simulation;
-  std::string step;          ///< description of the computation, one line
-  std::string needs, gives;  ///< grids and slots that it reads and writes
-  std::string detail;        ///< figures of the settings, one line
-  double rate_hz = 0.0;      ///< [Hz] 0: runs at events only
-  std::uint64_t bytes = 0;   ///< predicted memory of the effect
+  std::string step;               ///< description of the computation, one line
+  std::string needs, gives;       ///< grids and slots that it reads and writes
+  std::string detail;             ///< figures of the settings, one line
+  double rate_hz = 0.0;           ///< [Hz] 0: runs at events only
+  std::uint64_t bytes = 0;        ///< predicted memory of the effect
+  std::uint64_t start_bytes = 0;  ///< [bytes] predicted while the effect is made, before the window exists; 0: not above `bytes`
 };
 
 /// Figures of a run: a name that includes the unit, and a number or a text.

@@ -155,6 +155,10 @@ Result<std::shared_ptr<const BoneModel>> BoneModel::paged(const BoneStorage& sto
 }
 
 std::size_t BoneModel::bytes() const { return fields_.bytes(); }
+std::size_t BoneModel::bytes_in_memory() const {
+  constexpr std::size_t kBlockBytes = 3 * (kBlockVoxels * sizeof(float) + 200);  // three fields, with the nodes of their grids
+  return fields_.pages ? fields_.pages->blocks() * kBlockBytes : bytes();
+}
 std::optional<std::uint64_t> BoneModel::file_bytes() const {
   return fields_.pages ? std::optional(fields_.pages->file().size()) : std::nullopt;
 }

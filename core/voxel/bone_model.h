@@ -74,6 +74,8 @@ class BoneModel {
   /// Assumptions made by the import of the scan, one per line; saved with the bone.
   [[nodiscard]] const std::string& notes() const noexcept { return notes_; }
   [[nodiscard]] std::size_t bytes() const;  ///< in memory
+  /// @returns bytes(); of a paged bone about what they would be in memory.
+  [[nodiscard]] std::size_t bytes_in_memory() const;
   /// @returns the bytes of the temporary file of a paged bone; nothing for a bone in memory.
   [[nodiscard]] std::optional<std::uint64_t> file_bytes() const;
   /// @returns the error of the first read of a paged bone that failed. From then on what is read may be 0. A bone in memory has none.

@@ -57,7 +57,8 @@ class PagedBone {
   [[nodiscard]] Status status() const;
   /// True from the first read that failed.
   [[nodiscard]] const std::atomic<bool>& failed() const noexcept { return failed_; }
-  [[nodiscard]] std::size_t bytes() const noexcept;  ///< of the index
+  [[nodiscard]] std::size_t bytes() const noexcept;                           ///< of the index
+  [[nodiscard]] std::size_t blocks() const noexcept { return rows_.size(); }  ///< with bone or soft tissue
   [[nodiscard]] const BoneFile& file() const noexcept { return file_; }
 
   /// @returns an upper bound of bytes(). @param share [-] of the blocks that hold bone.
