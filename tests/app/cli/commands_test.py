@@ -68,7 +68,7 @@ class OtherCommands(WithFolder):
                 self.assertEqual(done.returncode, 0, done.stderr)
                 memory = json.loads((out / "summary.json").read_text())["memory"]
                 self.assertLess(abs(memory["predicted_bytes"] / memory["peak_bytes"] - 1.0), 0.15, memory)
-                refused = run("drill", scene, "--out", self.folder / "none", "--set", f"limits.memory_mb={memory['predicted_bytes'] * 0.98e-6}", *arguments)
+                refused = run("drill", scene, "--out", self.folder / "none", "--set", f"limits.memory_mb={memory['predicted_bytes'] * 0.6e-6}", *arguments)
                 self.assertEqual(refused.returncode, 2)
                 self.assertIn("limits.memory_mb is exceeded", refused.stderr)
 
