@@ -146,6 +146,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   if (const auto image = simulation.image_hash()) out.image_hash = hash_text(*image);
   out.peak_bytes = peak_bytes();
   out.predicted_bytes = plan.memory.peak;
+  out.bone_file_bytes = loaded.bone->file_bytes();
   return out;
 }
 
@@ -220,7 +221,9 @@ std::string summary_json(const RunSummary& s) {
                     {"bone_steps_missed", s.live->bone_missed}, {"rows_not_recorded", s.live->unrecorded},
                     {"servo_faults", s.live->faults},           {"force_left_N", s.live->force_left ? Json(*s.live->force_left) : Json()}};
   json["display"] = display_json(s.display);
-  json["memory"] = {{"peak_bytes", s.peak_bytes}, {"predicted_bytes", s.predicted_bytes}};
+  json["memory"] = {{"peak_bytes", s.peak_bytes},
+                    {"predicted_bytes", s.predicted_bytes},
+                    {"bone_file_bytes", s.bone_file_bytes ? Json(*s.bone_file_bytes) : Json(nullptr)}};
   json["effects"] = Json::array();
   for (const RunSummary::EffectCost& effect : s.effects)
     json["effects"].push_back({{"name", effect.name},

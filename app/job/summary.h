@@ -40,9 +40,10 @@ struct RunSummary {
     std::uint32_t faults = 0;          ///< bits of ServoFault that occurred
     std::optional<double> force_left;  ///< [N] that the simulated device renders after the end of the run
   };
-  std::optional<Live> live;           ///< of a live run
-  std::uint64_t peak_bytes = 0;       ///< [bytes] largest resident memory of the process so far
-  std::uint64_t predicted_bytes = 0;  ///< [bytes] the same as the plan predicts it
+  std::optional<Live> live;                      ///< of a live run
+  std::uint64_t peak_bytes = 0;                  ///< [bytes] largest resident memory of the process so far
+  std::uint64_t predicted_bytes = 0;             ///< [bytes] the same as the plan predicts it
+  std::optional<std::uint64_t> bone_file_bytes;  ///< [bytes] of the temporary file of a paged bone
   std::uint64_t uploaded_texels = 0, window_copies = 0, points_outside = 0;
   std::uint32_t contact_flags = 0;
   struct EffectCost {

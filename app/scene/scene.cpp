@@ -308,12 +308,13 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   scene.servo = shipped_servo();
   if (auto table = root.table("servo", "how forces are computed and limited at the servo's rate; without the table these defaults hold"))
     read_servo(*table, scene);
-  if (auto table = root.table("limits", "limits of the resources of a run; a scene that is predicted to exceed one is refused")) {
+  if (auto table = root.table("limits", "limits of the resources of a run")) {
     const double megabytes =
         table->number("memory_mb", {.fallback = 0.0, .min = 1.0, .max = 1e6},
                       "limit of the predicted peak of the resident memory of the process, 1 MB = 10^6 bytes; the prediction is computed "
                       "before the run, which is not limited itself, and includes the schedule (lockstep or live), the tools and the "
-                      "history of inputs; absent: no limit");
+                      "history of inputs. A scene that exceeds it keeps the bone as loaded in a temporary file, in TMPDIR or /var/tmp, "
+                      "and a warning says so; if that is not enough, it is refused. Absent: no limit");
     if (table->has("memory_mb")) scene.memory_limit = static_cast<std::uint64_t>(megabytes * 1e6);
     scene.memory_place = table->place_of("memory_mb");
     table->finish();
