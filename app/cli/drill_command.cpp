@@ -36,7 +36,8 @@ Result<std::unique_ptr<FilmWriter>> make_film(const Scene& scene, const Drilling
 
 Result<bool> decide_window(WindowOptions& window, SceneOption& scene, bool by_script, bool quiet) {
   if (!by_script) return prepare_window(window, scene, quiet);
-  if (window.asked) return bad_input("--window is not valid with --offscreen, --json, --live, --video or --inputs");
+  if (window.asked || window.demonstration || window.light || window.text_scale != 1.0)
+    return bad_input("--window, --demo, --light and --text-scale are not valid with --offscreen, --json, --live, --video or --inputs");
   return false;
 }
 
@@ -171,7 +172,7 @@ void add_drill(CLI::App& app, int& exit_code) {
     }
     if (!option->quiet) print_figures(*summary);
     if (option->json) print(summary_json(*summary));
-    exit_code = summary->end == "stopped" ? kInterrupted : kDone;
+    exit_code = summary->end == "stopped" && stop_requested() ? kInterrupted : kDone;  // a person may end a demonstration
   });
 }
 

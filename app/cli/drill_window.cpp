@@ -70,8 +70,10 @@ Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool qui
   const auto is_set = [&](const char* key) {
     return std::ranges::any_of(scene.sets, [&](const std::string& set) { return set.starts_with(key); });
   };
+  if (options.demonstration && options.reference_push == 0.0)
+    return bad_input("--demo needs a script: hand.kind is \"mouse\"", document->file_name());
   if (options.demonstration) return true;
-  scene.sets.insert(scene.sets.begin(), kUsersHand);
+  if (options.reference_push > 0.0) scene.sets.insert(scene.sets.begin(), kUsersHand);  // else the scene has a person's hand already
   if (!is_set("duration_s")) scene.sets.emplace_back(kUsersTime);
   return true;
 }

@@ -282,7 +282,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   RunSummary summary = make_summary(loaded, *simulation, plan, wall);
   std::vector<std::string> found;
   simulation->stage().warn(found);
-  if (const auto left = simulation->inputs_left(); !left.empty())
+  if (const auto left = simulation->inputs_left(); !left.empty() && job.user == nullptr)
     found.push_back(fmt::format("the run ended at {:.3f} s, before {} of {} inputs; the next was due at {:.3f} s", simulation->time(),
                                 left.size(), job.inputs.size(), static_cast<double>(left.front().tick) / loaded.scene.servo_hz));
   if (auto unfinished = unfinished_warning(summary)) found.push_back(std::move(*unfinished));

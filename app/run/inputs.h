@@ -20,7 +20,7 @@ enum class InputKind : std::uint8_t {
   reset,       ///< restores the bone as loaded
   checkpoint,  ///< text: name under which the bone is stored
   restore,     ///< text: name of the checkpoint to restore
-  pause,       ///< stops all clocks until a user resumes; without a user they start again at once. The force returns softly
+  pause,       ///< stops all clocks until a user resumes; without a user they start again at once
   mark         ///< text: a remark
 };
 [[nodiscard]] const char* name_of(InputKind kind) noexcept;

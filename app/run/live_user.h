@@ -37,6 +37,8 @@ class LiveUser {
   virtual void see(const LiveState& state) = 0;
   /// Receives what became of an input, one line.
   virtual void hear(const std::string& line) = 0;
+  /// Called when the clocks have stopped for good; pictures and report follow.
+  virtual void ended() {}
   /// Called when an input `pause` has stopped all clocks. @returns when the run is to go on or to end.
   virtual void wait_until_resumed() = 0;
 };

@@ -73,13 +73,16 @@ Status RunLog::record_contact(const RunSample& sample, const DrillProgress& prog
       if (Status noted = record_event(sample.time, "passed", "the tip is beyond the bone, but the axis is not clear of bone"); !noted)
         return noted;
   }
-  if (!drew_breakthrough_ && progress.breakthrough_time) {
-    drew_breakthrough_ = true;
+  if (!progress.breakthrough_time) noted_breakthrough_ = false;  // an undo
+  if (!noted_breakthrough_ && progress.breakthrough_time) {
+    noted_breakthrough_ = true;
     if (Status noted =
             record_event(sample.time, "breakthrough", "no bone ahead of the tip; behind it only the bone in which the bit is engaged");
         !noted)
       return noted;
-    if (keeps_.event_pictures) return draw("breakthrough", world_from_tool, true);
+    if (!keeps_.event_pictures || drew_breakthrough_) return {};
+    drew_breakthrough_ = true;
+    return draw("breakthrough", world_from_tool, true);
   }
   return {};
 }

@@ -71,7 +71,7 @@ class RunLog {
   std::vector<SessionStill> redrawn_;
   HandPhase phase_ = HandPhase::approach;
   std::uint32_t reported_faults_ = 0;
-  bool drew_half_ = false, noted_passing_ = false, drew_breakthrough_ = false;
+  bool drew_half_ = false, noted_passing_ = false, noted_breakthrough_ = false, drew_breakthrough_ = false;
 };
 
 }  // namespace burrhole

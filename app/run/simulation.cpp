@@ -143,7 +143,6 @@ Status Simulation::apply(const Input& input) {
       return log_->record_event(time, "restored", input.text);
     case InputKind::pause:
       if (options_.user != nullptr) options_.user->wait_until_resumed();
-      parts_->servo->restart();
       return {};
     case InputKind::mark:
       return log_->record_event(time, "mark", input.text);
@@ -208,6 +207,7 @@ Status Simulation::run_on_threads() {
     if (FrameStep* const frame = parts_->frame()) options.send = [frame] { return frame->send(); };
   }
   const Status ran = run_live(*parts_, *log_, options, hand_off_, *live_);
+  if (options_.user != nullptr) options_.user->ended();
   tick_ = live_->ticks;
   servo_now_ = live_->last;
   end_ = live_->stopped ? RunEnd::stopped : live_->done ? RunEnd::done : RunEnd::duration;

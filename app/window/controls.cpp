@@ -127,6 +127,7 @@ void Controls::press(Key key) {
 void Controls::scroll(double steps) {
   if (!std::isfinite(steps)) return;
   if (held(Key::left_control) || held(Key::right_control)) return camera_.zoom(std::pow(kZoomStep, std::clamp(steps, -20.0, 20.0)));
+  if (!moves()) return;
   // A step away from the person advances, as a hand would.
   goal_.place.z -= std::clamp(steps, -20.0, 20.0) * scale() * (touches_ ? config_.wheel_press : config_.wheel);
 }
@@ -138,7 +139,13 @@ void Controls::drag(double dx, double dy) {
   slide(dx * metres * scale(), -dy * metres * scale());
 }
 
-void Controls::slide(double right, double up) { goal_.place += right * camera_.right_across() + up * camera_.up_across(); }
+void Controls::straighten() noexcept {
+  if (moves()) goal_.tilt_right = goal_.tilt_away = 0.0;
+}
+
+void Controls::slide(double right, double up) {
+  if (moves()) goal_.place += right * camera_.right_across() + up * camera_.up_across();
+}
 
 void Controls::advance(double towards_bone, double dt) {
   const double speed = towards_bone < 0.0 ? config_.withdraw : touches_ ? config_.press : config_.advance;
@@ -162,7 +169,6 @@ void Controls::move_by_keys(double dt) {
 }
 
 void Controls::move_by_pad(double dt, const PadState& pad) {
-  const PadState before = std::exchange(pad_before_, pad);
   if (!pad.present) return;
   const double idle = config_.pad_idle;
   slide(beyond(pad.left_x, idle) * config_.slide * scale() * dt, -beyond(pad.left_y, idle) * config_.slide * scale() * dt);
@@ -171,6 +177,10 @@ void Controls::move_by_pad(double dt, const PadState& pad) {
   goal_.tilt_right += tilt.x;
   goal_.tilt_away += tilt.y;
   advance(beyond(pad.right_bumper ? -1.0 : pad.left_trigger, idle), dt);
+}
+
+void Controls::press_pad(const PadState& pad) {
+  const PadState before = std::exchange(pad_before_, pad);
   if (pad.start && !before.start) toggle_pause();
   if (pad.b && !before.b) undo();
   if (pad.y && !before.y) camera_.next_mode();
@@ -181,7 +191,8 @@ void Controls::keep_in_reach(const LiveState& now) {
   // The goal of an arm at its largest force waits there, so that the first move back lowers the thrust.
   const Vec3 hand = setup_.world_from_approach.inverse() * now.hand.world_from_hand.translation;
   const double reach = setup_.hand.push / setup_.hand.dynamics.stiffness;
-  if (now.hand.tick > 0 && touches_) goal_.place.z = std::max(goal_.place.z, hand.z - reach);
+  const Vec3 pull = goal_.place - hand;
+  if (touches_ && glm::length(pull) > reach) goal_.place = hand + pull * (reach / glm::length(pull));
   goal_.place = glm::clamp(goal_.place, Vec3(-kFarAway, -kFarAway, -setup_.deepest), Vec3(kFarAway));
   const double lean = std::hypot(goal_.tilt_right, goal_.tilt_away);
   if (lean > setup_.hand.largest_tilt) {
@@ -191,33 +202,46 @@ void Controls::keep_in_reach(const LiveState& now) {
 }
 
 void Controls::step(double dt, const LiveState& now, const PadState& pad) {
+  runs_ = now.hand.tick > 0;
   touches_ = glm::length(now.force) > config_.touch;
-  const CameraView before = camera_.camera();
-  if (!paused_ && !goal_.ends) {
+  in_bone_ = touches_ || now.progress.depth > 0.0;
+  press_pad(pad);
+  if (moves()) {
     move_by_keys(dt);
     move_by_pad(dt, pad);
     keep_in_reach(now);
   }
   const bool pad_spins = pad.present && beyond(pad.right_trigger, config_.pad_idle) > 0.0;
-  goal_.spins = !paused_ && !goal_.ends && (locked_on_ || held(Key::space) || pad_spins);
+  goal_.spins = moves() && (locked_on_ || held(Key::space) || pad_spins);
   camera_.follow(setup_.world_from_approach.inverse() * now.world_from_tool.translation, dt);
-  moved_camera_ = !(camera_.camera() == before);
 }
 
 void Controls::change_tool(std::size_t index) {
-  if (index < setup_.tools.size()) ask(InputKind::tool, setup_.tools[index].name, setup_.tools[index].text);
+  if (index < setup_.tools.size()) (void)ask(InputKind::tool, setup_.tools[index].name, setup_.tools[index].text);
 }
 
-void Controls::ask(InputKind kind, const std::string& text, const std::string& data) {
-  if (!goal_.ends && !paused_) inputs_.push_back({0, kind, 0.0, text, data});
+bool Controls::ask(InputKind kind, const std::string& text, const std::string& data) {
+  if (goal_.ends) return false;
+  // Bone that grows round a bit, and a bit that grows in a hole, would be pushed out with much force.
+  const bool changes_bit_or_bone =
+      kind == InputKind::tool || kind == InputKind::undo || kind == InputKind::reset || kind == InputKind::restore;
+  if (paused_)
+    answer_ = "Paused: P goes on";
+  else if (changes_bit_or_bone && in_bone_)
+    answer_ = "Move the drill out of the bone first (S)";
+  else
+    inputs_.push_back({0, kind, 0.0, text, data});
+  return answer_.empty();
 }
 
 void Controls::toggle_pause() {
-  if (!paused_) ask(InputKind::pause);
+  if (!paused_) (void)ask(InputKind::pause);
   paused_ = !paused_ && !goal_.ends;
+  locked_on_ = false;
 }
 
 void Controls::back_to_entry() noexcept {
+  if (!moves()) return;
   straighten();
   goal_.place = Vec3(0.0, 0.0, setup_.hand.standoff);
 }

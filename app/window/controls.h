@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/run/live_user.h"
@@ -67,20 +68,22 @@ class Controls {
   [[nodiscard]] const std::vector<ToolText>& tools() const noexcept { return setup_.tools; }
   [[nodiscard]] bool paused() const noexcept { return paused_; }
   [[nodiscard]] bool fine() const noexcept;
-  [[nodiscard]] bool locked_on() const noexcept { return locked_on_; }      ///< the drive stays on without a held key
-  [[nodiscard]] bool any_motion() const noexcept { return moved_camera_; }  ///< the camera moved in the last step
+  [[nodiscard]] bool locked_on() const noexcept { return locked_on_; }  ///< the drive stays on without a held key
 
   // What keys do, for buttons.
   void change_tool(std::size_t index);
-  void undo() { ask(InputKind::undo); }
-  void reset() { ask(InputKind::reset); }
-  void checkpoint(const std::string& name) { ask(InputKind::checkpoint, name); }
-  void restore(const std::string& name) { ask(InputKind::restore, name); }
+  void undo() { (void)ask(InputKind::undo); }
+  void reset() { (void)ask(InputKind::reset); }
+  /// @returns whether the run will store it.
+  bool checkpoint(const std::string& name) { return ask(InputKind::checkpoint, name); }
+  void restore(const std::string& name) { (void)ask(InputKind::restore, name); }
   void toggle_pause();
   void lock_drive(bool on) noexcept { locked_on_ = on; }
-  void straighten() noexcept { goal_.tilt_right = goal_.tilt_away = 0.0; }
+  void straighten() noexcept;
   void back_to_entry() noexcept;
   void end() noexcept;
+  /// @returns why something was not done, one line for the person; empty: nothing to say.
+  [[nodiscard]] std::string take_answer() { return std::exchange(answer_, {}); }
   /// @returns the next input for the run.
   [[nodiscard]] std::optional<Input> take_input();
 
@@ -88,8 +91,12 @@ class Controls {
   void press(Key key);
   void scroll(double steps);
   void drag(double dx, double dy);
-  void ask(InputKind kind, const std::string& text = {}, const std::string& data = {});
+  /// @returns whether the run gets the input.
+  bool ask(InputKind kind, const std::string& text = {}, const std::string& data = {});
+  /// The goal may move: the clocks run, and the run goes on.
+  [[nodiscard]] bool moves() const noexcept { return runs_ && !paused_ && !goal_.ends; }
   void move_by_keys(double dt);
+  void press_pad(const PadState& pad);
   void move_by_pad(double dt, const PadState& pad);
   void keep_in_reach(const LiveState& now);
   void slide(double right, double up);
@@ -106,7 +113,8 @@ class Controls {
   std::optional<MouseButton> dragging_;
   double x_ = 0.0, y_ = 0.0;  // [pixels] of the pointer
   int width_ = 1, height_ = 1;
-  bool paused_ = false, locked_on_ = false, touches_ = false, moved_camera_ = false;
+  bool runs_ = false, paused_ = false, locked_on_ = false, touches_ = false, in_bone_ = false;
+  std::string answer_;
   PadState pad_before_;
   std::deque<Input> inputs_;
 };

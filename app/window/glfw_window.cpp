@@ -268,6 +268,7 @@ void GlfwWindow::set_full_screen(bool full) {
 }
 
 Result<GlContext> GlfwWindow::context() { return GlContext::create(std::make_unique<OfWindow>(impl_->glfw, impl_->window)); }
+void GlfwWindow::release() noexcept { impl_->glfw.MakeContextCurrent(nullptr); }
 void GlfwWindow::swap() noexcept { impl_->glfw.SwapBuffers(impl_->window); }
 void GlfwWindow::set_interval(int interval) noexcept { impl_->glfw.SwapInterval(interval); }
 int GlfwWindow::width() const noexcept { return impl_->pixels_wide; }

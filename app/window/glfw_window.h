@@ -30,6 +30,7 @@ class GlfwWindow {
   // The thread that draws.
   /// The window's context, for the thread that calls. The window must outlive it. Errors as GlContext.
   [[nodiscard]] Result<GlContext> context();
+  void release() noexcept;  ///< the context is current nowhere afterwards, as its end requires
   void swap() noexcept;
   void set_interval(int interval) noexcept;  ///< of swap(), in refreshes of the screen
   /// Size of the framebuffer; 0 while the window is minimised.

@@ -32,13 +32,14 @@ void caption(const Gui& gui, const char* words) {
   ImGui::PopFont();
 }
 
-/// A window without frame over the picture.
-bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, float alpha) {
+/// A window without frame over the picture. @param takes_mouse it has buttons; other words leave the mouse to the picture below.
+bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, float alpha, bool takes_mouse = false) {
   ImGui::SetNextWindowPos(place, ImGuiCond_Always, pivot);
   ImGui::SetNextWindowBgAlpha(alpha);
   return ImGui::Begin(name, nullptr,
                       ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
-                          ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoMove);
+                          (takes_mouse ? 0 : ImGuiWindowFlags_NoInputs) | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav |
+                          ImGuiWindowFlags_NoMove);
 }
 
 }  // namespace
@@ -123,18 +124,16 @@ void Panel::big(const char* label, const std::string& value, unsigned rgb) {
 }
 
 void Panel::figures_of(const WindowView& view) {
-  const double left = bone_left(plan_.approach, view.live.progress);
   const double half = ImGui::GetContentRegionAvail().x * 0.5f;
   big("DEPTH", depth_text(view.live.progress), GuiColors::sky);
   ImGui::SameLine(static_cast<float>(half) + 2.0f * ImGui::GetStyle().WindowPadding.x);
-  big("BONE LEFT", view.live.progress.breakthrough_time ? "through" : fmt::format("{:.1f} mm", left / kMillimetre),
-      is_near_exit(plan_.approach, view.live.progress) ? GuiColors::orange : GuiColors::sky);
+  big("BONE LEFT", bone_left_text(plan_, view.live), is_near_exit(plan_.approach, view.live.progress) ? GuiColors::orange : GuiColors::sky);
 }
 
 void Panel::layers(const WindowView& view) {
   caption(*gui_, "UNDER THE TIP");
   ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::green));
-  text(layer_under_tip(plan_.approach, view.live));
+  text(layer_under_tip(plan_, view.live));
   ImGui::PopStyleColor();
   // The bone from outside (left) to inside, with the part that is cut and the tip.
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -196,7 +195,7 @@ void Panel::bone_buttons(const WindowView& view) {
   if (view.requests.lab) {
     button("Reset bone", [](Controls& p) { p.reset(); });
     ImGui::SameLine();
-    button("Checkpoint", [this](Controls& p) { p.checkpoint(fmt::format("checkpoint {}", ++checkpoints_)); });
+    button("Checkpoint", [this](Controls& p) { checkpoints_ += p.checkpoint(fmt::format("checkpoint {}", checkpoints_ + 1)) ? 1 : 0; });
     if (checkpoints_ > 0)
       button(fmt::format("Restore {}", checkpoints_).c_str(),
              [this](Controls& p) { p.restore(fmt::format("checkpoint {}", checkpoints_)); });
@@ -235,7 +234,7 @@ void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
 void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, int width, int height) {
   const float w = static_cast<float>(width), h = static_cast<float>(height), edge = 12.0f * gui_->scale();
   if (view.stage == RunStage::loading) {
-    begin_over("loading", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f), 0.0f);
+    begin_over("loading", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f), 0.9f);
     text("Loading the bone ...");
     ImGui::End();
     return;
@@ -244,7 +243,7 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
   if (!view.lines.empty()) {
     begin_over("lines", ImVec2(edge, edge), ImVec2(0.0f, 0.0f), 0.6f);
     for (const MessageLine& line : view.lines)
-      ImGui::TextColored(color(line.warning ? GuiColors::orange : 0xEEEEEE), "%s", line.text.c_str());
+      ImGui::TextColored(line.warning ? color(GuiColors::orange) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s", line.text.c_str());
     ImGui::End();
   }
   if (figures.coarse) {
@@ -294,7 +293,7 @@ void Panel::hints(const WindowView& view, int width, int height) {
   const float edge = 12.0f * gui_->scale();
   begin_over("hints", ImVec2(edge, static_cast<float>(height) - edge), ImVec2(0.0f, 1.0f), 0.7f);
   const auto step = [&](bool done, const char* words) {
-    ImGui::TextColored(color(done ? GuiColors::green : 0xFFFFFF), "%s %s", done ? "+" : "-", words);
+    ImGui::TextColored(done ? color(GuiColors::green) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s %s", done ? "+" : "-", words);
   };
   step(view.live.hand.spin > 0.0 || view.live.progress.deepest > 0.0, "Hold Space: the drill spins. X keeps it on.");
   step(glm::length(view.live.force) > 1.0 || view.live.progress.deepest > 0.0,
@@ -322,7 +321,7 @@ void Panel::help(int width, int height) {
 }
 
 void Panel::end_question(int width, int height) {
-  begin_over("end", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f);
+  begin_over("end", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f, true);
   text("End the run and write the report?");
   if (ImGui::Button("End (Enter)")) state_->with_controls([](Controls& p) { p.end(); });
   ImGui::SameLine();
@@ -331,7 +330,7 @@ void Panel::end_question(int width, int height) {
 }
 
 void Panel::end_screen(int width, int height) {
-  begin_over("ended", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f);
+  begin_over("ended", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f, true);
   const std::string failure = state_->failure();
   if (!failure.empty()) {
     ImGui::TextColored(color(GuiColors::red), "The run failed");
@@ -359,7 +358,7 @@ void Panel::end_screen(int width, int height) {
     }
   }
   if (!report_.empty() && failure.empty()) {
-    if (ImGui::Button("Open the report")) open_file(report_);
+    if (ImGui::Button("Open the report") && !open_file(report_)) state_->say("xdg-open is missing; the report is " + report_, true);
     ImGui::SameLine();
   }
   if (ImGui::Button("Close")) state_->close();

@@ -14,7 +14,7 @@ namespace burrhole {
 struct DisplayFigures {
   double frames_per_s = 0.0;
   double picture_ms = 0.0;  ///< time of the latest picture
-  double latency_ms = 0.0;  ///< from an event to the picture that shows it, median of the last ones
+  double latency_ms = 0.0;  ///< from an event to the picture that shows it, smoothed
   std::string quality;      ///< of the latest picture
   bool coarse = false;      ///< the latest picture is coarser than one at rest
 };

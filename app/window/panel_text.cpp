@@ -16,6 +16,7 @@ namespace burrhole {
 namespace {
 
 constexpr double kNearExit = 1.0e-3;  // [m] of bone
+constexpr double kBesidePlan = 3e-3;  // [m] of the tip from the axis along which bone is measured
 constexpr double kTouch = 0.5;        // [N]
 constexpr double kMuchPush = 0.9;     // [-] of the arm's largest force
 constexpr double kMuchLean = 15.0 * kDegree;
@@ -54,8 +55,20 @@ std::string depth_text(const DrillProgress& progress) {
   return mm < 10.0 ? fmt::format("{:.1f} mm", mm) : fmt::format("{:.0f} mm", mm);
 }
 
-std::string layer_under_tip(const Approach& approach, const LiveState& live) {
+double beside_plan(const WindowPlan& plan, const LiveState& live) {
+  const Vec3 tip = (plan.world_from_bone * plan.approach.bone_from_approach).inverse() * live.world_from_tool.translation;
+  return std::hypot(tip.x, tip.y);
+}
+
+std::string bone_left_text(const WindowPlan& plan, const LiveState& live) {
+  if (live.progress.breakthrough_time) return "through";
+  return beside_plan(plan, live) > kBesidePlan ? "-" : fmt::format("{:.1f} mm", bone_left(plan.approach, live.progress) / kMillimetre);
+}
+
+std::string layer_under_tip(const WindowPlan& plan, const LiveState& live) {
+  const Approach& approach = plan.approach;
   const DrillProgress& p = live.progress;
+  if (const double away = beside_plan(plan, live); away > kBesidePlan) return fmt::format("{:.1f} mm beside the plan", away / kMillimetre);
   if (p.breakthrough_time) return "through the bone";
   if (p.depth < 0.0 && glm::length(live.force) < kTouch) return fmt::format("air, {:.1f} mm above the bone", -p.depth / kMillimetre);
   for (const Approach::Layer& layer : approach.layers)
@@ -66,7 +79,9 @@ std::string layer_under_tip(const Approach& approach, const LiveState& live) {
 std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& view) {
   std::vector<std::string> out;
   const LiveState& live = view.live;
-  if (live.progress.breakthrough_time && live.hand.spin > 0.0)
+  if (const double away = beside_plan(plan, live); away > kBesidePlan && live.progress.depth > 0.0)
+    out.push_back(fmt::format("{:.1f} mm beside the plan: bone left is unknown", away / kMillimetre));
+  else if (live.progress.breakthrough_time && live.hand.spin > 0.0)
     out.emplace_back("Through the bone: stop the drill and move back");
   else if (is_near_exit(plan.approach, live.progress))
     out.push_back(fmt::format("{:.1f} mm of bone left: press less", bone_left(plan.approach, live.progress) / kMillimetre));
@@ -101,7 +116,7 @@ std::span<const std::pair<const char*, const char*>> key_table() {
       {"H, F1", "hints; these keys"},
       {"Esc", "end the run"},
       {"pad: triggers", "left advances, right drills; right bumper moves back"},
-      {"pad: sticks", "left moves, right leans; B undo, X straight, Y view"},
+      {"pad: sticks", "left moves, right leans; B undo, X straight, Y view, Start pause"},
   }};
   return kKeys;
 }
@@ -133,11 +148,11 @@ std::vector<std::pair<std::string, std::string>> end_figures(const RunSummary& s
           {"time", fmt::format("{:.1f} s", s.duration_s)}};
 }
 
-void open_file(const std::string& path) {
+bool open_file(const std::string& path) {
   std::string program = "xdg-open", file = std::filesystem::absolute(path).string();
   char* const arguments[] = {program.data(), file.data(), nullptr};
   pid_t child = 0;
-  (void)posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ);
+  return posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) == 0;
 }
 
 }  // namespace burrhole

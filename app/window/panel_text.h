@@ -17,8 +17,12 @@ namespace burrhole {
 [[nodiscard]] bool is_near_exit(const Approach& approach, const DrillProgress& progress) noexcept;
 /// @returns the depth of the tip below the entry, with few digits where it is deep.
 [[nodiscard]] std::string depth_text(const DrillProgress& progress);
-/// @returns the layer at the cutting front, "air" above the bone, "through" behind it.
-[[nodiscard]] std::string layer_under_tip(const Approach& approach, const LiveState& live);
+/// @returns the distance [m] of the tip from the planned axis. Bone left and layer are known along that axis alone.
+[[nodiscard]] double beside_plan(const WindowPlan& plan, const LiveState& live);
+/// @returns the bone left, "through", or "-" where the tip is too far beside the plan.
+[[nodiscard]] std::string bone_left_text(const WindowPlan& plan, const LiveState& live);
+/// @returns the layer at the cutting front, "air" above the bone, "through" behind it; "beside the plan" where the tip is too far from it.
+[[nodiscard]] std::string layer_under_tip(const WindowPlan& plan, const LiveState& live);
 /// What a person should heed now, one line each.
 [[nodiscard]] std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& view);
 /// Keys and what they do.
@@ -27,7 +31,8 @@ namespace burrhole {
 [[nodiscard]] std::string tool_title(const std::string& name);
 /// Name and value of the main figures of a run.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> end_figures(const RunSummary& summary);
-/// Opens a file with the desktop's program for it; nothing where there is none.
-void open_file(const std::string& path);
+/// Opens a file with the desktop's program for it; where there is one.
+/// @returns whether it could be started.
+bool open_file(const std::string& path);
 
 }  // namespace burrhole

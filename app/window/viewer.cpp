@@ -36,7 +36,7 @@ class Viewer::Sink final : public PictureSink {
     return viewer_->call([&] { return own().start(volume, tool); });
   }
   void update(const TexelBox& texels) override {
-    viewer_->post([this, texels] { viewer_->texels_.push_back(texels); });
+    viewer_->post([v = viewer_, texels] { v->texels_.push_back(texels); });
   }
   Status move_detail(const DetailView& view) override {
     return viewer_->call([&] {
@@ -51,9 +51,9 @@ class Viewer::Sink final : public PictureSink {
     });
   }
   void forget() override {
-    viewer_->post([this] {
-      viewer_->send_texels();
-      own().forget();
+    viewer_->post([v = viewer_] {
+      v->send_texels();
+      v->grown_ = true;
     });
   }
   Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) override {
@@ -61,9 +61,11 @@ class Viewer::Sink final : public PictureSink {
       viewer_->send_texels();
       // The pictures of a run have its quality, whatever the window shows.
       viewer_->drawn_ = false;
-      viewer_->quality_ = viewer_->display_.quality;
-      if (Status set = viewer_->parts_.renderer->set_quality(viewer_->quality_); !set) return set;
-      return own().draw(name, view, width, height, hash);
+      if (viewer_->quality_ != viewer_->run_quality_)
+        if (Status set = viewer_->parts_.renderer->set_quality(viewer_->run_quality_); !set) return set;
+      const Status drawn = own().draw(name, view, width, height, hash);
+      viewer_->quality_ = viewer_->run_quality_ = own().display().quality;  // a budget has chosen it now
+      return drawn;
     });
   }
   Result<std::vector<std::string>> files() override {
@@ -120,9 +122,11 @@ Status Viewer::call(const std::function<Status()>& f) {
   bool done = false;
   std::unique_lock lock(mutex_);
   if (ended_) return Error{ErrorCode::unavailable, "the window has gone", {}};
+  ++waited_for_;
   jobs_.push_back([&] {
     Status made = f();
     const std::scoped_lock inner(mutex_);
+    --waited_for_;
     result = std::move(made);
     done = true;
   });
@@ -156,10 +160,15 @@ Result<std::unique_ptr<PictureSink>> Viewer::make_sink(const DisplayConfig& disp
     if (!context_) return Error{ErrorCode::internal, "the window draws one run", {}};
     auto parts = make_parts_(display, folder, std::move(*context_));
     context_.reset();
-    if (!parts) return parts.error();
+    if (!parts) {  // the context went with it
+      texture_.reset();
+      gui_.reset();
+      state_->fail(parts.error());
+      return parts.error();
+    }
     parts_ = std::move(parts).value();
     display_ = display;
-    quality_ = display.quality;
+    quality_ = run_quality_ = display.quality;
     return {};
   });
   if (!made) return made.error();
@@ -191,19 +200,10 @@ Status Viewer::open() {
 }
 
 void Viewer::loop() {
-  Status opened = open();
-  if (!opened) {
-    state_->fail(opened.error());
-  } else {
-    changed_at_ = last_frame_ = Steady::now();
-    while (!(state_->closed() && released_.load(std::memory_order_acquire))) {
-      const auto start = Steady::now();
-      serve();
-      draw_frame();
-      const bool idle = seconds(Steady::now() - changed_at_) > 2.0 * config_.rest;
-      std::unique_lock lock(mutex_);
-      if (jobs_.empty()) posted_.wait_until(lock, start + (idle ? kIdle : kFrame));
-    }
+  try {
+    draw_until_closed();
+  } catch (const std::exception& error) {
+    state_->fail({ErrorCode::internal, std::string("the drawing thread ended with an exception: ") + error.what(), {}});
   }
   {
     const std::scoped_lock lock(mutex_);
@@ -215,6 +215,24 @@ void Viewer::loop() {
   gui_.reset();
   parts_ = {};
   context_.reset();
+  window_->release();
+}
+
+void Viewer::draw_until_closed() {
+  Status opened = open();
+  if (!opened) {
+    state_->fail(opened.error());
+  } else {
+    changed_at_ = last_frame_ = Steady::now();
+    while (!(state_->closed() && released_.load(std::memory_order_acquire))) {
+      const auto start = Steady::now();
+      serve();
+      if (gui_) draw_frame();
+      const bool idle = seconds(Steady::now() - changed_at_) > 2.0 * config_.rest;
+      std::unique_lock lock(mutex_);
+      posted_.wait_until(lock, start + (idle ? kIdle : kFrame), [this] { return waited_for_ > 0; });
+    }
+  }
 }
 
 void Viewer::draw_frame() {
@@ -251,6 +269,11 @@ void Viewer::draw_frame() {
 }
 
 void Viewer::send_texels() {
+  // Just before the texels that grew: a picture in between would end the renderer's search for grown bone.
+  if (grown_ && !texels_.empty()) {
+    parts_.sink->forget();
+    grown_ = false;
+  }
   for (const TexelBox& texels : texels_) parts_.sink->update(texels);
   bone_changed_ = bone_changed_ || !texels_.empty();
   texels_.clear();
@@ -261,6 +284,7 @@ Viewer::Change Viewer::find_change(const WindowView& view, int width, int height
   out.frame.camera = view.camera;
   if (view.live.hand.tick > 0)
     out.frame.world_from_tool = tool_turns_ ? turned_tool(view.live.world_from_tool, view.turned) : view.live.world_from_tool;
+  out.frame.cut = make_scene_cut(display_.cut, view.camera, out.frame.world_from_bone, view.live.world_from_tool.translation);
   const auto differ = [](const Pose& a, const Pose& b) { return a.translation != b.translation || a.rotation != b.rotation; };
   const std::optional<Pose>& tool = out.frame.world_from_tool;
   out.camera = !last_camera_ || !(*last_camera_ == view.camera);
@@ -278,7 +302,7 @@ bool Viewer::choose_quality(const WindowView& view, const Change& change) {
     refined_ = false;
   else if (texels_.empty() && seconds(now - changed_at_) > config_.rest)
     refined_ = true;
-  DrawingQuality wanted = display_.quality;
+  DrawingQuality wanted = run_quality_;
   if (!refined_) wanted.supersample = 1;
   if (wanted == quality_ || !parts_.renderer->set_quality(wanted)) return false;
   quality_ = wanted;
@@ -310,6 +334,7 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   if (sends) send_texels();
   const Change change = find_change(view, width, height);
   const bool other_quality = choose_quality(view, change);
+  const double share = pace_.resolution();
   const bool same = !change.camera && !change.tool && !change.bone && !change.size && !other_quality;
   if (drawn_ && same && !figures_.coarse) return;
   auto image = draw_eyes(change.frame, width, height);
@@ -322,7 +347,7 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   }
   totals_.picture.add(took);
   figures_.picture_ms = took * 1e3;
-  figures_.coarse = change.camera && pace_.resolution() < 1.0;
+  figures_.coarse = change.camera && share < 1.0;
   figures_.quality = quality_text(quality_, false);
   last_camera_ = change.frame.camera;
   last_tool_ = change.frame.world_from_tool;

@@ -103,6 +103,7 @@ class Viewer {
   using Time = std::chrono::steady_clock::time_point;
 
   [[nodiscard]] Status open();
+  void draw_until_closed();
   void serve();
   void draw_frame();
   void send_texels();
@@ -127,6 +128,7 @@ class Viewer {
   std::mutex mutex_;
   std::condition_variable posted_;
   std::deque<std::function<void()>> jobs_;
+  int waited_for_ = 0;  // jobs that a call() waits for
   bool ended_ = false;
   std::atomic<bool> released_{false};
 
@@ -138,8 +140,8 @@ class Viewer {
   DisplayConfig display_;
   std::unique_ptr<PictureTexture> texture_;
   std::optional<FrameView> base_;
-  bool tool_turns_ = true, bone_changed_ = false, drawn_ = false, refined_ = true;
-  DrawingQuality quality_;
+  bool tool_turns_ = true, bone_changed_ = false, drawn_ = false, refined_ = true, grown_ = false;
+  DrawingQuality quality_, run_quality_;  // of the last picture; of the pictures of the run
   DynamicResolution pace_;
   std::optional<CameraView> last_camera_;
   std::optional<Pose> last_tool_;

@@ -13,7 +13,8 @@ namespace {
 using Steady = std::chrono::steady_clock;
 constexpr double kPoll = 1.0 / 200.0;  // [s] of the main thread: events, goal, held keys
 
-constexpr double kBeyondBone = 0.02;  // [m] how far a person can push through: the hands then lie on the bone
+constexpr double kLongestStep = 0.05;  // [s] of a held key, also where the main thread was stalled for longer
+constexpr double kBeyondBone = 0.02;   // [m] how far a person can push through: the hands then lie on the bone
 
 bool is_set(const char* name) {
   const char* const value = std::getenv(name);
@@ -53,26 +54,36 @@ Result<RunSummary> drill_safely(const LoadedScene& loaded, const DrillJob& job) 
   }
 }
 
-/// Hands events to the state until the window is to go.
-void poll(GlfwWindow& window, WindowState& state, const std::atomic<bool>* stop, std::atomic<bool>& ended) {
+/// What ends a run, and what it has come to.
+struct RunSwitches {
+  const std::atomic<bool>* signal = nullptr;  // from outside
+  std::atomic<bool> stop{false};              // to the run
+  std::atomic<bool> finished{false};          // from the run
+};
+
+/// Hands events to the state until the run has finished and the window is to go.
+void poll(GlfwWindow& window, WindowState& state, const WindowRun& run, RunSwitches& switches) {
   auto before = Steady::now();
-  bool full = false;
-  while (!state.closed()) {
+  bool full = false, ready = false;
+  while (!(state.closed() && switches.finished.load(std::memory_order_acquire))) {
     window.wait(kPoll);
     const auto now = Steady::now();
-    state.step(std::chrono::duration<double>(now - before).count(), window.pad());
+    state.step(std::min(kLongestStep, std::chrono::duration<double>(now - before).count()), window.pad());
     before = now;
-    if (stop != nullptr && stop->load(std::memory_order_relaxed)) {
-      ended = true;
-      state.stop_waiting();
-      if (state.stage() == RunStage::ended) state.close();
+    const WindowView view = state.view_of_controls();
+    if (!ready && view.stage == RunStage::drilling) {
+      ready = true;
+      if (run.job.say) run.job.say("window: ready");
     }
-    bool wanted = full;
-    state.with_controls([&](Controls& controls) { wanted = controls.requests().full_screen; });
-    if (wanted != full) window.set_full_screen(full = wanted);
+    const bool signalled = switches.signal != nullptr && switches.signal->load(std::memory_order_relaxed);
+    // A script does not read the goal by which a person ends a run.
+    if (signalled || state.closed() || (run.demonstration && view.goal.ends)) {
+      switches.stop = true;
+      state.stop_waiting();
+    }
+    if (signalled && switches.finished.load(std::memory_order_acquire)) state.close();
+    if (view.requests.full_screen != full) window.set_full_screen(full = view.requests.full_screen);
   }
-  ended = true;
-  state.stop_waiting();
 }
 
 }  // namespace
@@ -87,10 +98,10 @@ Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
   Viewer viewer(*window, state, run.make_sink, run.viewer);
   window->set_handler([&](const WindowEvent& event) { state.handle(event); });
 
-  const std::atomic<bool>* const stop = run.job.stop;
-  std::atomic<bool> ended{false};
+  RunSwitches switches;
+  switches.signal = run.job.stop;
   run.job.live = true;
-  run.job.stop = &ended;
+  run.job.stop = &switches.stop;
   run.job.user = &state;
   run.job.make_sink = [&](const DisplayConfig& display, const std::string& folder) { return viewer.make_sink(display, folder); };
   run.job.begin = [&](const Simulation& simulation) { begin(state, viewer, loaded, run, simulation); };
@@ -103,8 +114,9 @@ Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
       viewer.set_report((std::filesystem::path(run.job.folder) / "report.html").string());
     state.finish(*summary);
     viewer.release();
+    switches.finished = true;
   });
-  poll(*window, state, stop, ended);
+  poll(*window, state, run, switches);
   running.join();
   drawing.join();
   if (const auto error = state.error()) return *error;

@@ -50,6 +50,12 @@ void WindowState::see(const LiveState& state) {
   if (stage_ == RunStage::loading) stage_ = RunStage::drilling;
 }
 
+void WindowState::ended() {
+  const std::scoped_lock lock(mutex_);
+  if (stage_ != RunStage::ended) stage_ = RunStage::writing;
+  live_.hand.spin = 0.0;
+}
+
 void WindowState::wait_until_resumed() {
   std::unique_lock lock(mutex_);
   resumed_.wait(lock, [this] { return ending_ || closed() || !controls_ || !controls_->paused(); });
@@ -75,12 +81,16 @@ void WindowState::step(double dt, const PadState& pad) {
   const std::scoped_lock lock(mutex_);
   time_ += dt;
   if (!controls_) return;
-  if (pad_ && !pad.present) lines_.push_back({time_, "The game pad is gone: the drive is off", true});
+  if (pad_ && !pad.present) {
+    controls_->lock_drive(false);
+    lines_.push_back({time_, "The game pad is gone", true});
+  }
   pad_ = pad.present;
   controls_->step(dt, live_, pad);
   goals_.publish(controls_->goal());
   turned_ += controls_->paused() ? 0.0 : dt * live_.hand.spin * plan_.spin_rpm * kRevPerMinute;
   turned_ -= std::floor(turned_);
+  if (std::string answer = controls_->take_answer(); !answer.empty()) lines_.push_back({time_, std::move(answer), true});
   std::erase_if(lines_, [this](const MessageLine& line) { return time_ - line.time > kLineStays; });
   resumed_.notify_all();
 }
@@ -89,6 +99,16 @@ void WindowState::stop_waiting() {
   const std::scoped_lock lock(mutex_);
   ending_ = true;
   resumed_.notify_all();
+}
+
+WindowView WindowState::view_of_controls() {
+  const std::scoped_lock lock(mutex_);
+  WindowView out;
+  out.stage = stage_;
+  if (!controls_) return out;
+  out.goal = controls_->goal();
+  out.requests = controls_->requests();
+  return out;
 }
 
 WindowView WindowState::view() {

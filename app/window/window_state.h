@@ -70,12 +70,16 @@ class WindowState final : public LiveUser {
   void see(const LiveState& state) override;
   void hear(const std::string& line) override { say(line, true); }
   void wait_until_resumed() override;
+  void ended() override;
 
   // Main thread.
   void handle(const WindowEvent& event);
   void step(double dt, const PadState& pad);
   /// A paused run goes on, to find that it was stopped.
   void stop_waiting();
+
+  /// Stage, goal and requests alone; it does not count as a picture.
+  [[nodiscard]] WindowView view_of_controls();
 
   // Render thread.
   [[nodiscard]] WindowView view();

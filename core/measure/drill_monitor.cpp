@@ -44,10 +44,16 @@ void DrillMonitor::follow(const Tip& tip, double voxel_edge, const Solid& solid)
 }
 
 void DrillMonitor::bone_grew(std::span<const std::uint8_t> bone) noexcept {
-  for (std::size_t n = 0; n < cut_.size() && n < bone.size(); ++n) cut_[n] = bone[n] != 0 ? 0 : 1;
+  bool grew = false;
+  for (std::size_t n = 0; n < cut_.size() && n < bone.size(); ++n) {
+    grew = grew || (cut_[n] != 0 && bone[n] != 0);
+    cut_[n] = bone[n] != 0 ? 0 : 1;
+  }
+  if (!grew) return;
   const auto first = static_cast<std::size_t>(std::ranges::find(cut_, std::uint8_t{0}) - cut_.begin());
   DrillProgress now;
-  now.depth = now.deepest = progress_.depth;
+  now.depth = progress_.depth;
+  now.deepest = progress_.deepest;
   now.front = first < cut_.size() ? approach_->axis_depth[first] : approach_->thickness;
   now.peak_force = progress_.peak_force;
   now.largest_ahead = progress_.largest_ahead;

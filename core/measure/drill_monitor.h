@@ -36,7 +36,8 @@ class DrillMonitor {
   void look(const ContactView& bone, const Vec3& tip_bone, const Vec3& force, double engagement, double time) noexcept;
   /// The same in a scene without contact: force and engagement are 0. @param voxel_edge [m].
   void look(const AxisSamples& axis, double voxel_edge, const Vec3& tip_bone, double time) noexcept;
-  /// Bone may have grown, as by an undo: what was drilled through before no longer is. Depth and force stay. Call it while no clock runs.
+  /// Bone may have grown, as by an undo. If it did on the axis, it is not drilled through any more; depth, deepest and force stay. Call it
+  /// while no clock runs.
   /// @param bone as bone_on_axis().
   void bone_grew(std::span<const std::uint8_t> bone) noexcept;
   [[nodiscard]] const DrillProgress& progress() const noexcept { return progress_; }

@@ -22,7 +22,11 @@ WindowEvent wheel(double steps) { return {.kind = WindowEvent::Kind::scroll, .y 
 WindowEvent focus(bool gained) { return {.kind = WindowEvent::Kind::focus, .down = gained}; }
 
 struct Rig {
-  Rig() : controls(setup(), OrbitCamera(kWorld, 0.0, 0.8, 0.074, 0.005)) { controls.set_picture_size(800, 600); }
+  Rig() : controls(setup(), OrbitCamera(kWorld, 0.0, 0.8, 0.074, 0.005)) {
+    controls.set_picture_size(800, 600);
+    touch(0.0, GoalHandConfig{}.standoff);
+    run(kStep);  // the clocks run
+  }
   static ControlsSetup setup() {
     ControlsSetup out;
     out.world_from_approach = kWorld;
@@ -187,6 +191,65 @@ TEST_CASE("controls: leaning keys lean in the picture's directions, up to the ar
   CHECK(rig.controls.goal().tilt_right == 0.0);
 }
 
+TEST_CASE("controls: before the first tick, in a pause and after the end nothing moves the goal") {
+  const auto try_all = [](Rig& rig) {
+    const Vec3 before = rig.place();
+    rig.handle(key(Key::w, true));
+    rig.handle(wheel(5.0));
+    rig.handle(button(MouseButton::left, true, 300, 300));
+    rig.handle(motion(300, 240));
+    rig.handle(button(MouseButton::left, false, 300, 240));
+    rig.press(Key::home);
+    rig.handle(key(Key::space, true));
+    rig.run(0.5, {.present = true, .left_x = 1.0, .right_trigger = 1.0});
+    rig.handle(key(Key::w, false));
+    rig.handle(key(Key::space, false));
+    return rig.place() == before && !rig.controls.goal().spins;
+  };
+  Rig early;
+  early.live.hand.tick = 0;
+  early.run(kStep);
+  CHECK(try_all(early));
+  Rig paused;
+  paused.press(Key::x);
+  paused.handle(wheel(3.0));  // so that Home would move it
+  paused.press(Key::p);
+  CHECK(try_all(paused));
+  CHECK_FALSE(paused.controls.locked_on());
+  Rig over;
+  over.controls.end();
+  CHECK(try_all(over));
+  Rig free;
+  CHECK_FALSE(try_all(free));
+}
+
+TEST_CASE("controls: bit and bone are not changed with the bit in the bone, and the person is answered") {
+  Rig rig;
+  rig.live.progress.depth = 1e-3;
+  rig.run(kStep);
+  for (const Key which : {Key::z, static_cast<Key>('2')}) {
+    rig.press(which);
+    CHECK_FALSE(rig.controls.take_input().has_value());
+    CHECK(rig.controls.take_answer().find("out of the bone") != std::string::npos);
+  }
+  CHECK(rig.controls.checkpoint("a"));
+  rig.live.progress.depth = -1e-3;
+  rig.run(kStep);
+  rig.press(Key::z);
+  CHECK(rig.controls.take_answer().empty());
+  CHECK(rig.controls.take_input()->kind == InputKind::checkpoint);
+  CHECK(rig.controls.take_input()->kind == InputKind::undo);
+}
+
+TEST_CASE("controls: in a hole, arrows do not wind the goal up beyond the force of the arm") {
+  Rig rig;
+  rig.touch(20.0, -0.003);
+  rig.handle(key(Key::right, true));
+  rig.run(20.0);
+  const GoalHandConfig hand;
+  CHECK(glm::length(rig.place() - Vec3(0.0, 0.0, -0.003)) <= hand.push / hand.dynamics.stiffness * (1.0 + 1e-9));
+}
+
 TEST_CASE("controls: inputs of the run come in order, none in a pause and none after the end") {
   Rig rig;
   rig.press(static_cast<Key>('2'));
@@ -229,6 +292,15 @@ TEST_CASE("controls: a game pad moves, drills and undoes; a pad that is gone sto
   CHECK(rig.place().x == doctest::Approx(0.5 * rig.config.slide).epsilon(1e-9));
   CHECK(rig.place().z == doctest::Approx(GoalHandConfig{}.standoff - 0.5 * rig.config.advance).epsilon(1e-9));
   CHECK(rig.controls.goal().spins);
+  pad.start = true;
+  rig.run(0.1, pad);
+  CHECK(rig.controls.paused());
+  pad.start = false;
+  rig.run(0.1, pad);
+  pad.start = true;
+  rig.run(0.1, pad);  // and on again
+  CHECK_FALSE(rig.controls.paused());
+  CHECK(rig.controls.take_input()->kind == InputKind::pause);
   pad.b = true;
   rig.run(0.1, pad);
   CHECK(rig.controls.take_input()->kind == InputKind::undo);

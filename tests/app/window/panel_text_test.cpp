@@ -15,6 +15,13 @@ Approach skull() {
   return out;
 }
 
+WindowPlan plan() {
+  WindowPlan out;
+  out.approach = skull();
+  out.largest_push = 80.0;
+  return out;
+}
+
 LiveState at(double cut, double depth, double newton = 10.0) {
   LiveState out;
   out.force = Vec3(0.0, 0.0, newton);
@@ -30,14 +37,14 @@ bool has(const std::vector<std::string>& lines, const std::string& part) {
 }  // namespace
 
 TEST_CASE("panel: the layer under the tip is that of the cutting front") {
-  CHECK(layer_under_tip(skull(), at(0.0, -1.5e-3, 0.0)) == "air, 1.5 mm above the bone");
-  CHECK(layer_under_tip(skull(), at(0.0, -0.1e-3)) == "outer table");
-  CHECK(layer_under_tip(skull(), at(1.9e-3, 1.5e-3)) == "outer table");
-  CHECK(layer_under_tip(skull(), at(3e-3, 3e-3)) == "diploe");
-  CHECK(layer_under_tip(skull(), at(5e-3, 5e-3)) == "inner table");
+  CHECK(layer_under_tip(plan(), at(0.0, -1.5e-3, 0.0)) == "air, 1.5 mm above the bone");
+  CHECK(layer_under_tip(plan(), at(0.0, -0.1e-3)) == "outer table");
+  CHECK(layer_under_tip(plan(), at(1.9e-3, 1.5e-3)) == "outer table");
+  CHECK(layer_under_tip(plan(), at(3e-3, 3e-3)) == "diploe");
+  CHECK(layer_under_tip(plan(), at(5e-3, 5e-3)) == "inner table");
   LiveState through = at(6e-3, 7e-3);
   through.progress.breakthrough_time = 12.0;
-  CHECK(layer_under_tip(skull(), through) == "through the bone");
+  CHECK(layer_under_tip(plan(), through) == "through the bone");
 }
 
 TEST_CASE("panel: bone left falls with the cutting front, never below nothing") {
@@ -47,26 +54,36 @@ TEST_CASE("panel: bone left falls with the cutting front, never below nothing") 
 }
 
 TEST_CASE("panel: a person is warned of little bone, of the arm's limit, of leaning and of servo faults, and of nothing else") {
-  WindowPlan plan;
-  plan.approach = skull();
-  plan.largest_push = 80.0;
   WindowView view;
   view.live = at(3e-3, 3e-3);
-  CHECK(warnings_of(plan, view).empty());
+  CHECK(warnings_of(plan(), view).empty());
   view.live = at(5.2e-3, 5e-3);
-  CHECK(has(warnings_of(plan, view), "0.8 mm of bone left"));
+  CHECK(has(warnings_of(plan(), view), "0.8 mm of bone left"));
   view.live.progress.breakthrough_time = 10.0;
   view.live.hand.spin = 1.0;
-  CHECK(has(warnings_of(plan, view), "Through the bone"));
+  CHECK(has(warnings_of(plan(), view), "Through the bone"));
   view.live.hand.spin = 0.0;
-  CHECK_FALSE(has(warnings_of(plan, view), "Through the bone"));
+  CHECK_FALSE(has(warnings_of(plan(), view), "Through the bone"));
   view.live = at(1e-3, 1e-3);
   view.live.hand.thrust = 79.0;
-  CHECK(has(warnings_of(plan, view), "largest force"));
+  CHECK(has(warnings_of(plan(), view), "largest force"));
   view.goal.tilt_right = 20.0 * kDegree;
-  CHECK(has(warnings_of(plan, view), "20 degrees"));
+  CHECK(has(warnings_of(plan(), view), "20 degrees"));
   view.live.faults = kServoContactStale;
-  CHECK(has(warnings_of(plan, view), name_of(kServoContactStale)));
+  CHECK(has(warnings_of(plan(), view), name_of(kServoContactStale)));
+}
+
+TEST_CASE("panel: beside the plan, bone left and layer are unknown and are not shown") {
+  LiveState live = at(5.2e-3, 5e-3);
+  live.world_from_tool.translation = Vec3(2e-3, 0.0, -5e-3);
+  CHECK(bone_left_text(plan(), live) == "0.8 mm");
+  live.world_from_tool.translation = Vec3(3e-3, -4e-3, -5e-3);
+  CHECK(bone_left_text(plan(), live) == "-");
+  CHECK(layer_under_tip(plan(), live) == "5.0 mm beside the plan");
+  WindowView view;
+  view.live = live;
+  CHECK(has(warnings_of(plan(), view), "5.0 mm beside the plan"));
+  CHECK_FALSE(has(warnings_of(plan(), view), "press less"));
 }
 
 TEST_CASE("panel: names of tools are read as words") {

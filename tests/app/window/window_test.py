@@ -18,7 +18,7 @@ import unittest
 TESTS = pathlib.Path(__file__).resolve().parents[2]
 sys.path += [str(TESTS / "app" / "cli"), str(TESTS / "support")]
 from program_support import PROGRAM, QUICK, WithFolder, run  # noqa: E402
-from virtual_display import PATIENCE, SCREEN, Display, missing  # noqa: E402
+from virtual_display import PATIENCE, Display, missing  # noqa: E402
 
 
 def size_of(picture):
@@ -52,7 +52,7 @@ class Window(WithFolder):
         found = self.display.tool("search", "--sync", "--onlyvisible", "--name", "burrhole").stdout.split()
         self.window = found[0]
         self.display.tool("windowfocus", "--sync", self.window)
-        time.sleep(1.0)  # the pictures before the run
+        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
 
     def wait_until(self, ready, what):
         end = time.monotonic() + PATIENCE
@@ -77,14 +77,24 @@ class Window(WithFolder):
         self.wait_until(lambda: len(list(self.out.glob("screenshot-*.png"))) > before, "a screenshot")
         return self.out / f"screenshot-{before + 1}.png"
 
+    def close(self):
+        """Closes the window as its manager does; the manager may not be ready for its key yet."""
+        end = time.monotonic() + PATIENCE
+        while self.process.poll() is None and time.monotonic() < end:
+            self.display.tool("key", "alt+F4", check=False)
+            try:
+                self.process.wait(2.0)
+            except subprocess.TimeoutExpired:
+                pass
+        self.assertEqual(self.process.poll(), 0, self.log.read_text())
+
     def end(self):
         self.press("Escape")
         time.sleep(0.3)
         self.press("Return")
         self.wait_until(lambda: (self.out / "report.html").exists(), "the report")
         time.sleep(0.5)
-        self.press("alt+F4")
-        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+        self.close()
         return json.loads((self.out / "summary.json").read_text())
 
     def assert_replays(self):
@@ -100,7 +110,7 @@ class Window(WithFolder):
         self.hold("w", 8.0)
         self.picture()
         self.hold("s", 1.5)
-        self.press("x", "2")  # another tool
+        self.press("x", "2")  # another tool, out of the bone
         time.sleep(1.0)
         self.press("F2")
         time.sleep(0.5)
@@ -159,8 +169,7 @@ class Window(WithFolder):
         self.display.tool("windowfocus", "--sync", self.window)
         self.press("x")
         self.hold("w", 2.0)
-        self.press("alt+F4")
-        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+        self.close()
         self.assertEqual(json.loads((self.out / "summary.json").read_text())["end"], "done")
         self.assertTrue((self.out / "report.html").exists())
         self.assert_replays()
@@ -184,7 +193,7 @@ class Window(WithFolder):
             if what < 0.5:
                 self.display.tool(dice.choice(["key", "keydown", "keyup"]), dice.choice(keys))
             elif what < 0.7:
-                self.display.tool("mousemove", dice.randrange(SCREEN[0]), dice.randrange(60, SCREEN[1]))
+                self.display.tool("mousemove", "--window", self.window, dice.randrange(400), dice.randrange(300))
             elif what < 0.9:
                 self.display.tool(dice.choice(["click", "mousedown", "mouseup"]), dice.randrange(1, 6))
             else:
@@ -198,10 +207,23 @@ class Window(WithFolder):
         self.start("--demo")
         self.picture()
         self.wait_until(lambda: (self.out / "report.html").exists(), "the report")
-        self.press("alt+F4")
-        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+        self.close()
         self.assertIsNotNone(json.loads((self.out / "summary.json").read_text())["drilling"]["breakthrough_s"])
         self.assert_replays()
+
+    def test_a_demonstration_is_ended_by_closing_the_window(self):
+        self.start("--demo")
+        started = time.monotonic()
+        self.close()
+        self.assertEqual(json.loads((self.out / "summary.json").read_text())["end"], "stopped")
+        self.assertLess(json.loads((self.out / "summary.json").read_text())["duration_s"], time.monotonic() - started + 1.0)
+
+    def test_a_renderer_that_cannot_be_made_is_one_line(self):
+        empty = self.folder / "shaders"
+        empty.mkdir()
+        result = run("drill", QUICK, "--window", "--shader-dir", empty, "--out", self.out, env=self.display.environment)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertFalse(self.out.exists())
 
     def test_what_cannot_be_shown_is_one_line(self):
         plain = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
