@@ -222,7 +222,7 @@ void Controls::change_tool(std::size_t index) {
 
 bool Controls::ask(InputKind kind, const std::string& text, const std::string& data) {
   if (goal_.ends) return false;
-  // Bone that grows round a bit, and a bit that grows in a hole, would be pushed out with much force.
+  // Bone that grows round a bit, and a larger bit in a hole, would press on each other with several times the thrust.
   const bool changes_bit_or_bone =
       kind == InputKind::tool || kind == InputKind::undo || kind == InputKind::reset || kind == InputKind::restore;
   if (paused_)
