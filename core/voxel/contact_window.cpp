@@ -10,7 +10,7 @@ namespace {
 
 template <class T>
 std::size_t bytes_of_array(const std::vector<T>& values) noexcept {
-  return values.capacity() * sizeof(T);
+  return values.size() * sizeof(T);  // memory reserved for a larger window is not resident
 }
 
 /// The factor of each voxel's label; a voxel at a face that is labelled as what lies beyond it takes that of the bone beside it.

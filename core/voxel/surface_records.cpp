@@ -281,7 +281,7 @@ void SurfaceRecords::reserve(std::size_t window_voxels) {
 }
 
 std::size_t SurfaceRecords::bytes() const noexcept {
-  return std::visit([](const auto& records) { return records.capacity() * sizeof(records[0]); }, records_);
+  return std::visit([](const auto& records) { return records.size() * sizeof(records[0]); }, records_);
 }
 
 struct SurfaceReader::Work {
