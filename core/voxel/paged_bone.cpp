@@ -40,6 +40,7 @@ bool is_zero(const BoneValues& values, const VoxelBox& box, const VoxelBox& part
 /// Same bits everywhere.
 template <class T>
 bool is_constant(const std::array<T, kBlockVoxels>& values) noexcept {
+  // Bits are compared on purpose. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
   return std::memcmp(values.data(), values.data() + 1, (kBlockVoxels - 1) * sizeof(T)) == 0;
 }
 
