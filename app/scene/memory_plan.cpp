@@ -29,7 +29,9 @@ std::uint64_t window_voxel_bytes(const PlanContext& context) {
 }
 
 /// In lockstep a window grows by up to a half too (18 and 46 % measured), but memory that it does not need is not resident.
-std::uint64_t growth_bytes(const PlanContext& context) { return context.window_voxels / 2 * window_voxel_bytes(context); }
+std::uint64_t growth_bytes(const PlanContext& context) {
+  return (grown_window_voxels(context.window_voxels) - context.window_voxels) * window_voxel_bytes(context);
+}
 
 /// The part of a live run that depends on the scene: windows that may grow by a half, blocks of changed bone, bone read in advance.
 std::uint64_t live_bytes(const PlanContext& context, bool locked, bool draws) {

@@ -56,7 +56,7 @@ Result<BoneStep> BoneStep::create(const StageConfig& config, const Needs& needs,
     out.grids_ = std::make_unique<VdbContactGrids>(voxmap);
   } else if (needs.reads_window) {
     out.publisher_ = std::make_unique<ContactWindowPublisher>(voxmap, needs.fields, one_thread);
-    out.publisher_->reserve(most_window_voxels(out.most_));
+    out.publisher_->reserve(grown_window_voxels(out.most_));
   } else {
     out.axis_ = std::make_unique<AxisBone>(approach);
   }
@@ -72,7 +72,7 @@ Status BoneStep::place_window(const Tool& tool, const Pose& world_from_tool) {
   const VoxelBox pressed = box.unite(tool_box(tool, shifted(at, index_from_world_.linear * stretch), margins_.placed));
   for (const VoxelBox& one : {box, pressed})
     if (const Vec3i size = one.size(); std::max({size.x, size.y, size.z}) <= kMaxWindowEdge) most_ = std::max(most_, one.count());
-  voxmap_->reserve(most_window_voxels(most_), 0);
+  voxmap_->reserve(grown_window_voxels(most_), 0);
   if (Status placed = voxmap_->place_window(box); !placed) {
     if (placed.error().code != ErrorCode::out_of_range) return placed;
     return Error{placed.error().code, "tool \"" + tool.name + "\" is too large for this bone's voxels: " + placed.error().message, {}};
@@ -165,7 +165,7 @@ void BoneStep::move_bone(const Pose& world_from_bone) {
 
 Status BoneStep::change_tool(const Tool& tool) {
   if (Status placed = place_window(tool, last_); !placed) return placed;
-  if (publisher_) publisher_->reserve(most_window_voxels(most_));
+  if (publisher_) publisher_->reserve(grown_window_voxels(most_));
   tool_ = &tool;
   cover_ = ShellCover(tool.shell.positions);
   publish();

@@ -29,10 +29,13 @@ struct WindowMargins {
 /// @returns margins that cover the reach of the contact model's queries and the motion of the tool in one step.
 [[nodiscard]] WindowMargins window_margins(const ContactFields& fields, const Affine& bone_from_index);
 
+/// @returns the voxels for which windows reserve memory, where the window round a tool at rest has `usual`: those that a drilling tool needs.
+[[nodiscard]] constexpr std::size_t grown_window_voxels(std::size_t usual) noexcept { return usual + usual / 2; }
+
 /// @returns the most voxels of a window placed ahead of a fast tool, where the window round a tool at rest has `usual`.
 [[nodiscard]] constexpr std::size_t most_window_voxels(std::size_t usual) noexcept {
   constexpr std::size_t kSmall = std::size_t{96} * 96 * 96;
-  return std::max(usual + usual / 2, kSmall);
+  return std::max(grown_window_voxels(usual), kSmall);
 }
 
 /// Blocks of 8^3 voxels, 2 KiB each, that differ from the bone as loaded and for which a live run reserves memory: 28 cm^3 at 0.3 mm.
