@@ -64,7 +64,7 @@ TEST_CASE("window: a copy holds what its contact model and the monitor read, and
     ContactWindowPublisher& publisher = *run.simulation().bone_step().publisher();
     const ContactWindow& copy = publisher.exchange().latest();
     // Arrays keep the room of the largest window so far.
-    CHECK(copy.bytes() == copy.density.capacity() * bytes_a_voxel(c.fields));
+    CHECK(copy.bytes() == copy.density.size() * bytes_a_voxel(c.fields));
     CHECK(copy.density.size() == copy.box.count());
     CHECK(copy.gradient.empty());
     CHECK(copy.words.size() == (c.fields.words ? copy.box.count() : 0));
