@@ -29,25 +29,6 @@ std::string now_iso8601() {
   return text;
 }
 
-std::string layer_name(VoxelLabel label) {
-  switch (label) {
-    case VoxelLabel::bone:
-      return "bone";
-    case VoxelLabel::outer_table:
-      return "outer table";
-    case VoxelLabel::diploe:
-      return "diploe";
-    case VoxelLabel::inner_table:
-      return "inner table";
-    case VoxelLabel::none:
-    case VoxelLabel::dura:
-    case VoxelLabel::brain:
-    case VoxelLabel::forbidden:
-      return {};
-  }
-  return {};
-}
-
 /// The pictures of a run, by the names that RunLog and Simulation give them.
 struct Caption {
   const char *name, *text;

@@ -150,6 +150,25 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   return out;
 }
 
+std::string layer_name(VoxelLabel label) {
+  switch (label) {
+    case VoxelLabel::bone:
+      return "bone";
+    case VoxelLabel::outer_table:
+      return "outer table";
+    case VoxelLabel::diploe:
+      return "diploe";
+    case VoxelLabel::inner_table:
+      return "inner table";
+    case VoxelLabel::none:
+    case VoxelLabel::dura:
+    case VoxelLabel::brain:
+    case VoxelLabel::forbidden:
+      return {};
+  }
+  return {};
+}
+
 std::string outcome_text(const RunSummary& s) {
   const std::string how_far = fmt::format("{:.2f} mm deep in {:.2f} mm of bone", s.reached_mm, s.thickness_mm);
   if (s.breakthrough_s) {

@@ -63,6 +63,8 @@ struct RunSummary {
   std::optional<Display> display;
 };
 
+/// @returns the name of a layer of bone, as reports and the window write it; empty for what is no bone.
+[[nodiscard]] std::string layer_name(VoxelLabel label);
 /// @returns one sentence on how the run ended.
 [[nodiscard]] std::string outcome_text(const RunSummary& summary);
 /// @returns a warning if a run that drills (erosion, spin above 0) ended before the bit was through the bone. Nothing if a feed reached its

@@ -1,112 +1,13 @@
 #include "app/window/glfw_window.h"
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
-
 #include <algorithm>
 #include <atomic>
 
 #include "app/render/gl_platform.h"
+#include "app/render/glfw_library.h"
 
 namespace burrhole {
 namespace {
-
-/// The functions of GLFW that are used, found at run time.
-struct Glfw {
-#define BH_GLFW(name) decltype(&glfw##name) name = nullptr
-  BH_GLFW(Init);
-  BH_GLFW(GetError);
-  BH_GLFW(WindowHint);
-  BH_GLFW(DefaultWindowHints);
-  BH_GLFW(CreateWindow);
-  BH_GLFW(DestroyWindow);
-  BH_GLFW(MakeContextCurrent);
-  BH_GLFW(SwapBuffers);
-  BH_GLFW(GetProcAddress);
-  BH_GLFW(SwapInterval);
-  BH_GLFW(WaitEventsTimeout);
-  BH_GLFW(SetWindowUserPointer);
-  BH_GLFW(GetWindowUserPointer);
-  BH_GLFW(SetKeyCallback);
-  BH_GLFW(SetCharCallback);
-  BH_GLFW(SetMouseButtonCallback);
-  BH_GLFW(SetCursorPosCallback);
-  BH_GLFW(SetScrollCallback);
-  BH_GLFW(SetFramebufferSizeCallback);
-  BH_GLFW(SetWindowFocusCallback);
-  BH_GLFW(SetWindowCloseCallback);
-  BH_GLFW(SetWindowContentScaleCallback);
-  BH_GLFW(SetWindowShouldClose);
-  BH_GLFW(GetFramebufferSize);
-  BH_GLFW(GetWindowSize);
-  BH_GLFW(GetWindowPos);
-  BH_GLFW(GetWindowContentScale);
-  BH_GLFW(SetWindowMonitor);
-  BH_GLFW(SetWindowTitle);
-  BH_GLFW(SetWindowSizeLimits);
-  BH_GLFW(GetPrimaryMonitor);
-  BH_GLFW(GetVideoMode);
-  BH_GLFW(JoystickIsGamepad);
-  BH_GLFW(GetGamepadState);
-#undef BH_GLFW
-
-  [[nodiscard]] std::string said() const {
-    const char* text = nullptr;
-    if (GetError(&text) == GLFW_NO_ERROR || text == nullptr) return "GLFW gives no reason";
-    std::string line(text);
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    return line;
-  }
-};
-
-Error refused(const std::string& why) { return gl_unavailable("window: " + why); }
-
-Result<Glfw> load_glfw() {
-  const auto library = open_gl_library("libglfw.so.3", "libglfw3");
-  if (!library) return refused(library.error().message);
-  Glfw glfw;
-  void* const lib = library.value();
-  bool all = true;
-#define BH_GLFW(name) all = find_symbol(lib, "glfw" #name, glfw.name) && all
-  BH_GLFW(Init);
-  BH_GLFW(GetError);
-  BH_GLFW(WindowHint);
-  BH_GLFW(DefaultWindowHints);
-  BH_GLFW(CreateWindow);
-  BH_GLFW(DestroyWindow);
-  BH_GLFW(MakeContextCurrent);
-  BH_GLFW(SwapBuffers);
-  BH_GLFW(GetProcAddress);
-  BH_GLFW(SwapInterval);
-  BH_GLFW(WaitEventsTimeout);
-  BH_GLFW(SetWindowUserPointer);
-  BH_GLFW(GetWindowUserPointer);
-  BH_GLFW(SetKeyCallback);
-  BH_GLFW(SetCharCallback);
-  BH_GLFW(SetMouseButtonCallback);
-  BH_GLFW(SetCursorPosCallback);
-  BH_GLFW(SetScrollCallback);
-  BH_GLFW(SetFramebufferSizeCallback);
-  BH_GLFW(SetWindowFocusCallback);
-  BH_GLFW(SetWindowCloseCallback);
-  BH_GLFW(SetWindowContentScaleCallback);
-  BH_GLFW(SetWindowShouldClose);
-  BH_GLFW(GetFramebufferSize);
-  BH_GLFW(GetWindowSize);
-  BH_GLFW(GetWindowPos);
-  BH_GLFW(GetWindowContentScale);
-  BH_GLFW(SetWindowMonitor);
-  BH_GLFW(SetWindowTitle);
-  BH_GLFW(SetWindowSizeLimits);
-  BH_GLFW(GetPrimaryMonitor);
-  BH_GLFW(GetVideoMode);
-  BH_GLFW(JoystickIsGamepad);
-  BH_GLFW(GetGamepadState);
-#undef BH_GLFW
-  if (!all) return refused("libglfw.so.3 lacks a function of GLFW 3.3");
-  if (glfw.Init() != GLFW_TRUE) return refused("there is no display: " + glfw.said());
-  return glfw;
-}
 
 /// The context of a window, which the window owns.
 class OfWindow final : public GlPlatform {
@@ -116,7 +17,7 @@ class OfWindow final : public GlPlatform {
   Status make_current() override {
     glfw_.MakeContextCurrent(window_);
     if (glfw_.GetError(nullptr) == GLFW_NO_ERROR) return {};
-    return refused("the driver refuses to make its context current");
+    return no_window("the driver refuses to make its context current");
   }
   void release() override { glfw_.MakeContextCurrent(nullptr); }
   GlFunction find_function(const char* name) const override { return glfw_.GetProcAddress(name); }
@@ -197,7 +98,6 @@ GlfwWindow::GlfwWindow(GlfwWindow&&) noexcept = default;
 GlfwWindow::~GlfwWindow() = default;
 
 Result<GlfwWindow> GlfwWindow::create(const std::string& title, int width, int height) {
-  if (const Status fit = check_gallium_driver(); !fit) return refused(fit.error().message);
   auto glfw = load_glfw();
   if (!glfw) return glfw.error();
   auto impl = std::make_unique<Impl>();
@@ -209,7 +109,7 @@ Result<GlfwWindow> GlfwWindow::create(const std::string& title, int width, int h
   g.WindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   g.WindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
   impl->window = g.CreateWindow(width, height, title.c_str(), nullptr, nullptr);
-  if (impl->window == nullptr) return refused("the display gives no OpenGL 4.5 core context: " + g.said());
+  if (impl->window == nullptr) return no_window("the display gives no OpenGL 4.5 core context: " + g.said());
   g.SetWindowSizeLimits(impl->window, kLeastWidth, kLeastHeight, GLFW_DONT_CARE, GLFW_DONT_CARE);
   impl->listen();
   int w = 1, h = 1;
@@ -224,7 +124,6 @@ Result<GlfwWindow> GlfwWindow::create(const std::string& title, int width, int h
 
 void GlfwWindow::set_handler(std::function<void(const WindowEvent&)> handler) { impl_->handler = std::move(handler); }
 void GlfwWindow::wait(double seconds) { impl_->glfw.WaitEventsTimeout(seconds); }
-void GlfwWindow::set_title(const std::string& title) { impl_->glfw.SetWindowTitle(impl_->window, title.c_str()); }
 
 PadState GlfwWindow::pad() {
   for (int n = GLFW_JOYSTICK_1; n <= GLFW_JOYSTICK_LAST; ++n) {

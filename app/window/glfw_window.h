@@ -25,7 +25,6 @@ class GlfwWindow {
   void wait(double seconds);
   [[nodiscard]] PadState pad();
   void set_full_screen(bool full);
-  void set_title(const std::string& title);
 
   // The thread that draws.
   /// The window's context, for the thread that calls. The window must outlive it. Errors as GlContext.

@@ -21,25 +21,6 @@ constexpr double kTouch = 0.5;        // [N]
 constexpr double kMuchPush = 0.9;     // [-] of the arm's largest force
 constexpr double kMuchLean = 15.0 * kDegree;
 
-const char* title_of(VoxelLabel label) noexcept {
-  switch (label) {
-    case VoxelLabel::outer_table:
-      return "outer table";
-    case VoxelLabel::diploe:
-      return "diploe";
-    case VoxelLabel::inner_table:
-      return "inner table";
-    case VoxelLabel::forbidden:
-      return "forbidden zone";
-    case VoxelLabel::none:
-    case VoxelLabel::bone:
-    case VoxelLabel::dura:
-    case VoxelLabel::brain:
-      break;
-  }
-  return "bone";
-}
-
 }  // namespace
 
 double bone_left(const Approach& approach, const DrillProgress& progress) noexcept {
@@ -72,7 +53,8 @@ std::string layer_under_tip(const WindowPlan& plan, const LiveState& live) {
   if (p.breakthrough_time) return "through the bone";
   if (p.depth < 0.0 && glm::length(live.force) < kTouch) return fmt::format("air, {:.1f} mm above the bone", -p.depth / kMillimetre);
   for (const Approach::Layer& layer : approach.layers)
-    if (is_felt(layer.label) && p.front >= layer.from && p.front < layer.to) return title_of(layer.label);
+    if (p.front >= layer.from && p.front < layer.to)
+      if (std::string name = layer_name(layer.label); !name.empty()) return name;
   return "bone";
 }
 
