@@ -47,7 +47,7 @@
 namespace burrhole {
 
 struct Glfw {
-#define BH_GLFW_MEMBER(name) decltype(&glfw##name) name = nullptr;
+#define BH_GLFW_MEMBER(name) decltype(&glfw##name) name = nullptr;  // NOLINT(bugprone-macro-parentheses)
   BH_GLFW_FUNCTIONS(BH_GLFW_MEMBER)
 #undef BH_GLFW_MEMBER
 

@@ -206,7 +206,7 @@ Status Simulation::run_on_threads() {
     options.see = [this](const LiveState& state) { options_.user->see(state); };
     if (FrameStep* const frame = parts_->frame()) options.send = [frame] { return frame->send(); };
   }
-  const Status ran = run_live(*parts_, *log_, options, hand_off_, *live_);
+  Status ran = run_live(*parts_, *log_, options, hand_off_, *live_);
   if (options_.user != nullptr) options_.user->ended();
   tick_ = live_->ticks;
   servo_now_ = live_->last;

@@ -14,7 +14,7 @@ namespace burrhole {
 
 /// Colours that differ for people with any colour vision [OkabeIto08], as 0xRRGGBB.
 struct GuiColors {
-  static constexpr unsigned sky = 0x56B4E9, orange = 0xE69F00, green = 0x009E73, red = 0xD55E00, yellow = 0xF0E442, grey = 0x9AA4AD;
+  static constexpr unsigned kSky = 0x56B4E9, kOrange = 0xE69F00, kGreen = 0x009E73, kRed = 0xD55E00, kYellow = 0xF0E442, kGrey = 0x9AA4AD;
 };
 
 class Gui {

@@ -26,7 +26,7 @@ void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
 /// A small caption above what follows.
 void caption(const Gui& gui, const char* words) {
   ImGui::PushFont(gui.small());
-  ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::grey));
+  ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::kGrey));
   ImGui::TextUnformatted(words);
   ImGui::PopStyleColor();
   ImGui::PopFont();
@@ -96,17 +96,17 @@ void Panel::push_gauge(const WindowView& view) {
   const double push = std::max(0.0, view.live.hand.thrust);
   caption(*gui_, "PUSH");
   ImGui::PushFont(gui_->big());
-  ImGui::TextColored(color(push > 0.9 * most ? GuiColors::red : GuiColors::sky), "%.0f N", push);
+  ImGui::TextColored(color(push > 0.9 * most ? GuiColors::kRed : GuiColors::kSky), "%.0f N", push);
   ImGui::PopFont();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float wide = ImGui::GetContentRegionAvail().x, tall = 14.0f * gui_->scale();
   ImDrawList* const list = ImGui::GetWindowDrawList();
   const auto place = [&](double newton) { return at.x + wide * static_cast<float>(std::min(1.0, newton / most)); };
-  list->AddRectFilled(at, ImVec2(at.x + wide, at.y + tall), paint(GuiColors::grey, 0.25f), 4.0f);
-  list->AddRectFilled(at, ImVec2(place(push), at.y + tall), paint(push > 0.9 * most ? GuiColors::red : GuiColors::sky), 4.0f);
+  list->AddRectFilled(at, ImVec2(at.x + wide, at.y + tall), paint(GuiColors::kGrey, 0.25f), 4.0f);
+  list->AddRectFilled(at, ImVec2(place(push), at.y + tall), paint(push > 0.9 * most ? GuiColors::kRed : GuiColors::kSky), 4.0f);
   if (plan_.reference_push > 0.0) {
     const float mark = place(plan_.reference_push);
-    list->AddLine(ImVec2(mark, at.y - 3.0f), ImVec2(mark, at.y + tall + 3.0f), paint(GuiColors::yellow), 2.0f);
+    list->AddLine(ImVec2(mark, at.y - 3.0f), ImVec2(mark, at.y + tall + 3.0f), paint(GuiColors::kYellow), 2.0f);
   }
   ImGui::Dummy(ImVec2(wide, tall + 2.0f));
   if (plan_.reference_push > 0.0) caption(*gui_, fmt::format("mark: {:.0f} N, the scene's own thrust", plan_.reference_push).c_str());
@@ -125,14 +125,15 @@ void Panel::big(const char* label, const std::string& value, unsigned rgb) {
 
 void Panel::figures_of(const WindowView& view) {
   const double half = ImGui::GetContentRegionAvail().x * 0.5f;
-  big("DEPTH", depth_text(view.live.progress), GuiColors::sky);
+  big("DEPTH", depth_text(view.live.progress), GuiColors::kSky);
   ImGui::SameLine(static_cast<float>(half) + 2.0f * ImGui::GetStyle().WindowPadding.x);
-  big("BONE LEFT", bone_left_text(plan_, view.live), is_near_exit(plan_.approach, view.live.progress) ? GuiColors::orange : GuiColors::sky);
+  big("BONE LEFT", bone_left_text(plan_, view.live),
+      is_near_exit(plan_.approach, view.live.progress) ? GuiColors::kOrange : GuiColors::kSky);
 }
 
 void Panel::layers(const WindowView& view) {
   caption(*gui_, "UNDER THE TIP");
-  ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::green));
+  ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::kGreen));
   text(layer_under_tip(plan_, view.live));
   ImGui::PopStyleColor();
   // The bone from outside (left) to inside, with the part that is cut and the tip.
@@ -147,14 +148,14 @@ void Panel::layers(const WindowView& view) {
   list->AddRectFilled(at, ImVec2(place(thick - bone_left(plan_.approach, view.live.progress)), at.y + tall), IM_COL32(20, 22, 26, 190));
   const float tip = place(view.live.progress.depth);
   list->AddTriangleFilled(ImVec2(tip, at.y + tall * 0.5f), ImVec2(tip - tall * 0.6f, at.y - 2.0f),
-                          ImVec2(tip - tall * 0.6f, at.y + tall + 2.0f), paint(GuiColors::sky));
+                          ImVec2(tip - tall * 0.6f, at.y + tall + 2.0f), paint(GuiColors::kSky));
   ImGui::Dummy(ImVec2(wide, tall + 4.0f));
 }
 
 void Panel::drive(const WindowView& view) {
   const double rpm = view.live.hand.spin * plan_.spin_rpm;
   big("DRILL", view.live.hand.spin > 0.0 ? fmt::format("{:.0f} rpm", rpm) : std::string("off"),
-      view.live.hand.spin > 0.0 ? GuiColors::green : GuiColors::grey);
+      view.live.hand.spin > 0.0 ? GuiColors::kGreen : GuiColors::kGrey);
   ImGui::PushFont(gui_->small());
   if (plan_.demonstration)
     text("The scene's own hand drills");
@@ -243,7 +244,7 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
   if (!view.lines.empty()) {
     begin_over("lines", ImVec2(edge, edge), ImVec2(0.0f, 0.0f), 0.6f);
     for (const MessageLine& line : view.lines)
-      ImGui::TextColored(line.warning ? color(GuiColors::orange) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s", line.text.c_str());
+      ImGui::TextColored(line.warning ? color(GuiColors::kOrange) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s", line.text.c_str());
     ImGui::End();
   }
   if (figures.coarse) {
@@ -284,7 +285,7 @@ void Panel::warnings(const WindowView& view, int width) {
   const std::vector<std::string> lines = warnings_of(plan_, view);
   if (lines.empty() || view.stage != RunStage::drilling) return;
   begin_over("warnings", ImVec2(0.5f * static_cast<float>(width), 10.0f * gui_->scale()), ImVec2(0.5f, 0.0f), 0.75f);
-  for (const std::string& line : lines) ImGui::TextColored(color(GuiColors::orange), "%s", line.c_str());
+  for (const std::string& line : lines) ImGui::TextColored(color(GuiColors::kOrange), "%s", line.c_str());
   ImGui::End();
 }
 
@@ -293,7 +294,7 @@ void Panel::hints(const WindowView& view, int width, int height) {
   const float edge = 12.0f * gui_->scale();
   begin_over("hints", ImVec2(edge, static_cast<float>(height) - edge), ImVec2(0.0f, 1.0f), 0.7f);
   const auto step = [&](bool done, const char* words) {
-    ImGui::TextColored(done ? color(GuiColors::green) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s %s", done ? "+" : "-", words);
+    ImGui::TextColored(done ? color(GuiColors::kGreen) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s %s", done ? "+" : "-", words);
   };
   step(view.live.hand.spin > 0.0 || view.live.progress.deepest > 0.0, "Hold Space: the drill spins. X keeps it on.");
   step(glm::length(view.live.force) > 1.0 || view.live.progress.deepest > 0.0,
@@ -311,7 +312,7 @@ void Panel::help(int width, int height) {
     for (const auto& [key, meaning] : key_table()) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      ImGui::TextColored(color(GuiColors::sky), "%s", key);
+      ImGui::TextColored(color(GuiColors::kSky), "%s", key);
       ImGui::TableNextColumn();
       ImGui::TextUnformatted(meaning);
     }
@@ -333,7 +334,7 @@ void Panel::end_screen(int width, int height) {
   begin_over("ended", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f, true);
   const std::string failure = state_->failure();
   if (!failure.empty()) {
-    ImGui::TextColored(color(GuiColors::red), "The run failed");
+    ImGui::TextColored(color(GuiColors::kRed), "The run failed");
     text(failure);
   }
   if (const auto summary = state_->summary()) {
@@ -347,13 +348,13 @@ void Panel::end_screen(int width, int height) {
         ImGui::TableNextColumn();
         text(name);
         ImGui::TableNextColumn();
-        ImGui::TextColored(color(GuiColors::sky), "%s", value.c_str());
+        ImGui::TextColored(color(GuiColors::kSky), "%s", value.c_str());
       }
       ImGui::EndTable();
     }
     for (const std::string& line : summary->warnings) {
       ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26.0f);
-      ImGui::TextColored(color(GuiColors::orange), "%s", line.c_str());
+      ImGui::TextColored(color(GuiColors::kOrange), "%s", line.c_str());
       ImGui::PopTextWrapPos();
     }
   }
