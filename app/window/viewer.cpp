@@ -63,7 +63,7 @@ class Viewer::Sink final : public PictureSink {
       viewer_->drawn_ = false;
       if (viewer_->quality_ != viewer_->run_quality_)
         if (Status set = viewer_->parts_.renderer->set_quality(viewer_->run_quality_); !set) return set;
-      const Status drawn = own().draw(name, view, width, height, hash);
+      Status drawn = own().draw(name, view, width, height, hash);
       viewer_->quality_ = viewer_->run_quality_ = own().display().quality;  // a budget has chosen it now
       return drawn;
     });
@@ -250,6 +250,7 @@ void Viewer::draw_frame() {
   texture_->clear_window(width, height, kGround);
   gui_->begin(width, height, since);
   if (texture_->name() != 0)
+    // ImGui keeps names of OpenGL textures as pointers.  NOLINTNEXTLINE(performance-no-int-to-ptr)
     ImGui::GetBackgroundDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture_->name())),
                                              ImVec2(0.0f, 0.0f), ImVec2(static_cast<float>(width - side), static_cast<float>(height)));
   panel_->draw(view, figures_, width, height);
