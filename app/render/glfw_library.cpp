@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "app/render/gl_platform.h"
-
 namespace burrhole {
 
 std::string Glfw::said() const {
@@ -28,6 +26,12 @@ Result<Glfw> load_glfw() {
   if (!all) return no_window("libglfw.so.3 lacks a function of GLFW 3.3");
   if (glfw.Init() != GLFW_TRUE) return no_window("there is no display: " + glfw.said());
   return glfw;
+}
+
+Status GlfwPlatform::make_current() {
+  glfw_.MakeContextCurrent(window_);
+  if (glfw_.GetError(nullptr) == GLFW_NO_ERROR) return {};
+  return no_window("the driver refuses to make its context current");
 }
 
 }  // namespace burrhole

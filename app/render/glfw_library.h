@@ -7,6 +7,7 @@
 
 #include <string>
 
+#include "app/render/gl_platform.h"
 #include "core/base/result.h"
 
 #define BH_GLFW_FUNCTIONS(F)       \
@@ -60,5 +61,19 @@ struct Glfw {
 /// Opens the library and initialises it, once and for the lifetime of the process: its window classes and its connection to the display are
 /// shared. Also unavailable where GALLIUM_DRIVER names a driver that crashes Mesa.
 [[nodiscard]] Result<Glfw> load_glfw();
+
+/// The context of a window, which the window or a derived class owns.
+class GlfwPlatform : public GlPlatform {
+ public:
+  GlfwPlatform(const Glfw& glfw, GLFWwindow* window) : glfw_(glfw), window_(window) {}
+  [[nodiscard]] GlBackend backend() const noexcept override { return GlBackend::window; }
+  [[nodiscard]] Status make_current() override;
+  void release() override { glfw_.MakeContextCurrent(nullptr); }
+  [[nodiscard]] GlFunction find_function(const char* name) const override { return glfw_.GetProcAddress(name); }
+
+ protected:
+  Glfw glfw_;
+  GLFWwindow* window_;
+};
 
 }  // namespace burrhole

@@ -3,29 +3,10 @@
 #include <algorithm>
 #include <atomic>
 
-#include "app/render/gl_platform.h"
 #include "app/render/glfw_library.h"
 
 namespace burrhole {
 namespace {
-
-/// The context of a window, which the window owns.
-class OfWindow final : public GlPlatform {
- public:
-  OfWindow(const Glfw& glfw, GLFWwindow* window) : glfw_(glfw), window_(window) {}
-  GlBackend backend() const noexcept override { return GlBackend::window; }
-  Status make_current() override {
-    glfw_.MakeContextCurrent(window_);
-    if (glfw_.GetError(nullptr) == GLFW_NO_ERROR) return {};
-    return no_window("the driver refuses to make its context current");
-  }
-  void release() override { glfw_.MakeContextCurrent(nullptr); }
-  GlFunction find_function(const char* name) const override { return glfw_.GetProcAddress(name); }
-
- private:
-  Glfw glfw_;
-  GLFWwindow* window_;
-};
 
 constexpr int kLeastWidth = 480, kLeastHeight = 320;
 
@@ -166,7 +147,7 @@ void GlfwWindow::set_full_screen(bool full) {
   }
 }
 
-Result<GlContext> GlfwWindow::context() { return GlContext::create(std::make_unique<OfWindow>(impl_->glfw, impl_->window)); }
+Result<GlContext> GlfwWindow::context() { return GlContext::create(std::make_unique<GlfwPlatform>(impl_->glfw, impl_->window)); }
 void GlfwWindow::release() noexcept { impl_->glfw.MakeContextCurrent(nullptr); }
 void GlfwWindow::swap() noexcept { impl_->glfw.SwapBuffers(impl_->window); }
 void GlfwWindow::set_interval(int interval) noexcept { impl_->glfw.SwapInterval(interval); }
