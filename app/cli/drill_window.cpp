@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/cli/recorded_scene.h"
 #include "app/render/renderer.h"
+#include "app/run/live_replay.h"
+#include "app/session/recorded_hand.h"
+#include "app/window/session_view.h"
 #include "app/window/window_run.h"
 
 namespace burrhole::cli {
@@ -43,15 +47,35 @@ std::vector<ToolText> tools_for(const LoadedScene& loaded) {
   return out;
 }
 
+MakeWindowSink sink_maker(const std::string& shader_folder) {
+  return [=](const DisplayConfig& display, const std::string& folder, GlContext context) -> Result<WindowSinkParts> {
+    auto made = make_window_sink(display, {.folder = folder, .shader_folder = shader_folder}, std::move(context));
+    if (!made) return made.error();
+    return WindowSinkParts{std::move(made->sink), made->renderer};
+  };
+}
+
+ViewerConfig viewer_config(const WindowOptions& options, const std::string& folder) {
+  ViewerConfig out;
+  out.light = options.light;
+  out.text_scale = options.text_scale;
+  out.folder = folder;
+  return out;
+}
+
 }  // namespace
 
-void add_window_options(CLI::App& command, WindowOptions& options) {
-  command.add_flag("--window", options.asked, "in a window, or not at all; by default a window opens where there is a display");
-  command.add_flag("--demo", options.demonstration, "in the window, the scene's own hand drills");
+void add_view_options(CLI::App& command, WindowOptions& options) {
   command.add_flag("--light", options.light, "a window with dark letters on a light ground");
   command.add_option("--text-scale", options.text_scale, "size of the window's letters")
       ->check(CLI::Range(0.5, 4.0))
       ->capture_default_str();
+}
+
+void add_window_options(CLI::App& command, WindowOptions& options) {
+  command.add_flag("--window", options.asked, "in a window, or not at all; by default a window opens where there is a display");
+  command.add_flag("--demo", options.demonstration, "in the window, the scene's own hand drills");
+  add_view_options(command, options);
 }
 
 Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool quiet) {
@@ -85,15 +109,11 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
   run.job.stop = &stop_requested();
   run.job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
   if (!quiet) run.job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
-  run.make_sink = [&](const DisplayConfig& display, const std::string& folder, GlContext context) -> Result<WindowSinkParts> {
-    auto made = make_window_sink(display, {.folder = folder, .shader_folder = files.shader_folder}, std::move(context));
-    if (!made) return made.error();
-    return WindowSinkParts{std::move(made->sink), made->renderer};
-  };
-  run.tools = tools_for(loaded);
-  run.tool = loaded.tool.name;
-  run.reference_push = options.reference_push;
-  run.demonstration = options.demonstration;
+  run.make_sink = sink_maker(files.shader_folder);
+  run.start.tools = tools_for(loaded);
+  run.start.tool = loaded.tool.name;
+  run.start.reference_push = options.reference_push;
+  run.start.demonstration = options.demonstration;
   if (!quiet)
     run.figures = [](const WindowFigures& f) {
       constexpr double kMs = 1e3;
@@ -104,10 +124,32 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
           f.drilling.per_second(), f.turning.per_second(), kMs * f.picture.at(0.5), kMs * f.picture.at(0.95), kMs * f.latency.at(0.5),
           kMs * f.latency.at(0.95));
     };
-  run.viewer.light = options.light;
-  run.viewer.text_scale = options.text_scale;
-  run.viewer.folder = files.folder;
+  run.viewer = viewer_config(options, files.folder);
   return drill_in_window(loaded, std::move(run));
+}
+
+Status view_session_in_window(const std::string& path, const WindowOptions& options, bool quiet) {
+  if (!has_display())
+    return Error{ErrorCode::unavailable, "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set", {}};
+  auto session = SessionReader::open(path);
+  if (!session) return session.error();
+  if (!has_order(*session)) return bad_input("a session of schema 1 cannot be shown: it has no order of steps", path);
+  auto hand = RecordedHand::create(*session);
+  if (!hand) return Error{hand.error().code, hand.error().message, path};
+  if (hand->ticks() == 0) return bad_input("the session has no motion to show", path);
+  auto loaded = load_recorded(*session, hand->ticks(), true);
+  if (!loaded) return loaded.error();
+  if (loaded->scene.find<DisplayConfig>() == nullptr)
+    return bad_input("the session's scene has no [display], so there is nothing to show", path);
+  CheckpointFile checkpoint;
+  if (Status written = checkpoint.write(*session); !written) return written;
+  SessionView view;
+  view.restore_path = checkpoint.path();
+  view.make_sink = sink_maker({});
+  view.viewer = viewer_config(options, fs::absolute(path).parent_path().string());
+  view.stop = &stop_requested();
+  if (!quiet) view.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  return view_session(*session, *loaded, view);
 }
 
 }  // namespace burrhole::cli

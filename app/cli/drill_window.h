@@ -1,4 +1,4 @@
-/// app/cli/drill_window.h: `burrhole drill` in a window, where a person drills.
+/// app/cli/drill_window.h: commands in a window: `burrhole drill`, where a person drills, and `burrhole replay --view`.
 ///   Thread  main.   Errors  unavailable: no display, no OpenGL, or a build without window; those of drill() in app/job.
 #pragma once
 
@@ -18,11 +18,16 @@ struct WindowOptions {
   double reference_push = 0.0;  ///< [N] of the scene's script; set by prepare_window()
 };
 
+/// Adds --light and --text-scale.
+void add_view_options(CLI::App& command, WindowOptions& options);
+/// Adds those, --window and --demo.
 void add_window_options(CLI::App& command, WindowOptions& options);
 /// Decides whether the run is in a window, and if so replaces the scene's hand by that of a person, before the scene is loaded. A window
 /// opens by default where there is a display, and a scene with [display], a script for a hand and no [device].
 [[nodiscard]] Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool quiet);
 [[nodiscard]] Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const WindowOptions& options, const DrillingFiles& files,
                                                        bool quiet);
+/// Shows a recorded session until the person closes the window. bad_input: the session has no order of steps, or its scene no [display].
+[[nodiscard]] Status view_session_in_window(const std::string& session, const WindowOptions& options, bool quiet);
 
 }  // namespace burrhole::cli

@@ -1,9 +1,12 @@
 // app/cli/main.cpp: the program burrhole: parses the command line, runs one command, reports errors.
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 
+#include "app/cli/choose.h"
 #include "app/cli/commands.h"
+#include "app/cli/drilling.h"
 
 namespace burrhole::cli {
 namespace {
@@ -12,6 +15,7 @@ constexpr const char* kAbout =
     R"(burrhole simulates the drilling of craniotomy burrholes in a voxel skull, with haptic contact, erosion and
 rendering.
 
+  burrhole                             choose in a window, where there is a display
   burrhole drill parietal --out out    drill the shipped scene; then open out/report.html
   burrhole check my_scene.toml         print every error of a scene with its line
   burrhole tools                       list the shipped bits
@@ -60,6 +64,24 @@ bool refuse_unknown_command(const CLI::App& program, int argc, char** argv) {
   return false;
 }
 
+/// Parses the command line; without a command, that which a person chooses in a window.
+void run_command(CLI::App& app, int argc, char** argv, int& exit_code) {
+  if (argc > 1) return app.parse(argc, argv);
+  const auto chosen = choose_command();
+  if (!chosen) {
+    exit_code = report(chosen.error());
+    return;
+  }
+  if (!*chosen) throw CLI::CallForHelp();
+  std::vector<std::string> words = **chosen;
+  if (words.empty()) {  // closed
+    if (stop_requested().load()) exit_code = kInterrupted;
+    return;
+  }
+  std::ranges::reverse(words);  // CLI11 takes them from the last to the first
+  app.parse(words);
+}
+
 }  // namespace
 }  // namespace burrhole::cli
 
@@ -77,7 +99,7 @@ int main(int argc, char** argv) {
   app.footer(kFooter);
   if (refuse_unknown_command(app, argc, argv)) return kBadInput;
   try {
-    app.parse(argc, argv);
+    run_command(app, argc, argv, exit_code);
     return exit_code;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version

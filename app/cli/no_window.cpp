@@ -1,7 +1,10 @@
-// `burrhole drill` in a build without window.
+// Commands in a build without window.
+#include "app/cli/choose.h"
 #include "app/cli/drill_window.h"
 
 namespace burrhole::cli {
+
+void add_view_options(CLI::App&, WindowOptions&) {}
 
 void add_window_options(CLI::App& command, WindowOptions& options) { command.add_flag("--window", options.asked, "not in this build"); }
 
@@ -13,5 +16,11 @@ Result<bool> prepare_window(WindowOptions& options, SceneOption&, bool) {
 Result<RunSummary> drill_scene_in_window(const LoadedScene&, const WindowOptions&, const DrillingFiles&, bool) {
   return Error{ErrorCode::unavailable, "this build has no window", {}};
 }
+
+Status view_session_in_window(const std::string&, const WindowOptions&, bool) {
+  return Error{ErrorCode::unavailable, "this build has no window", {}};
+}
+
+Result<std::optional<std::vector<std::string>>> choose_command() { return std::optional<std::vector<std::string>>(); }
 
 }  // namespace burrhole::cli

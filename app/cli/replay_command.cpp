@@ -1,14 +1,11 @@
 #include <fmt/format.h>
 
-#include <unistd.h>
-
-#include <filesystem>
-
 #include "app/cli/commands.h"
+#include "app/cli/drill_window.h"
 #include "app/cli/drilling.h"
 #include "app/cli/picture_sink.h"
 #include "app/cli/progress.h"
-#include "app/report/file.h"
+#include "app/cli/recorded_scene.h"
 #include "app/run/simulation.h"
 #include "app/session/recorded_hand.h"
 #include "core/base/cpu_model.h"
@@ -22,34 +19,6 @@ std::string recorded_hash(const SessionReader& session, const std::string& kind)
   for (const SessionHash& hash : session.hashes())
     if (hash.kind == kind) return hash.value;
   return {};
-}
-
-/// A temporary file for the checkpoint stored in a session, as OpenVDB reads files only.
-class CheckpointFile {
- public:
-  [[nodiscard]] Status write(const std::string& bytes) {
-    path_ = (std::filesystem::temp_directory_path() / fmt::format("burrhole-replay-{}.vdb", getpid())).string();
-    return write_file(path_, bytes);
-  }
-  ~CheckpointFile() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove(path_, ignored);
-  }
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, bool stills, Issues& issues) {
-  auto document = TomlDocument::parse(session.meta().scene, session.meta().scene_path);
-  if (!document) return document.error();
-  (void)document->rename();  // keys of earlier versions
-  auto loaded = load_scene(*document, scene_context(), issues, {.tool_text = session.meta().tool, .progress = {}, .say = {}});
-  if (!loaded) return issues.front();
-  if (!stills) (void)loaded->scene.effects.remove("display");
-  loaded->scene.duration = static_cast<double>(ticks) / loaded->scene.servo_hz;
-  return std::move(*loaded);
 }
 
 struct Comparison {
@@ -81,8 +50,7 @@ Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const 
   if (!session) return session.error();
   auto hand = RecordedHand::create(*session);
   if (!hand) return Error{hand.error().code, hand.error().message, path};
-  Issues issues;
-  auto loaded = load_recorded(*session, hand->ticks(), stills, issues);
+  auto loaded = load_recorded(*session, hand->ticks(), stills);
   if (!loaded) return loaded.error();
 
   SimulationOptions options;
@@ -93,11 +61,8 @@ Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const 
     progress.show(time / loaded->scene.duration, fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
   };
   CheckpointFile checkpoint;
-  for (const SessionEvent& event : session->events()) {
-    if (event.kind != "restore") continue;
-    if (Status written = checkpoint.write(event.data); !written) return written.error();
-    options.restore_path = checkpoint.path();
-  }
+  if (Status written = checkpoint.write(*session); !written) return written.error();
+  options.restore_path = checkpoint.path();
   options.history = !session->inputs().empty();
   std::unique_ptr<PictureSink> sink;
   if (const auto* display = loaded->scene.find<DisplayConfig>(); display != nullptr) {
@@ -106,6 +71,7 @@ Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const 
     sink = std::move(made).value();
     options.sink = sink.get();
   }
+  Issues issues;
   auto simulation = Simulation::create(loaded->scene, loaded->bone, loaded->tool, options, issues);
   if (!simulation) return issues.front();
   if (has_order(*session)) {
@@ -131,24 +97,33 @@ void add_replay(CLI::App& app, int& exit_code) {
   struct Options {
     std::string session;
     std::string gl = "auto";
-    bool quiet = false, stills = false;
+    bool quiet = false, stills = false, view = false;
+    WindowOptions window;
   };
   CLI::App* command =
       add_command(app, "replay", kDrillGroup,
                   {.summary = "Runs a recorded session again and compares the results bit for bit",
                    .about = "Runs the same steps with the recorded hand motion and compares voxels, contact forces and forces "
                             "sent to the hand with those of the recorded run. The session contains scene, tool and "
-                            "checkpoint; only the scan of an imported bone is read from its file.",
-                   .examples = {"burrhole replay out/session.sqlite"},
-                   .exits = "Exit 3 if voxels or forces differ, 130 after Ctrl-C."});
+                            "checkpoint; only the scan of an imported bone is read from its file. With --view it is shown in a window "
+                            "with a time line: play, pause, step, speed, jump.",
+                   .examples = {"burrhole replay out/session.sqlite", "burrhole replay out/session.sqlite --view"},
+                   .exits = "Exit 3 if voxels or forces differ, 4 if --view finds no display, 130 after Ctrl-C."});
   auto option = std::make_shared<Options>();
   command->add_option("session", option->session, "session file of an earlier drill")->type_name(kFileValue)->required();
   add_simd_option(*command);
   command->add_flag("--stills", option->stills, "draw the recorded pictures again and compare them too (same CPU and driver)");
   add_gl_option(*command, option->gl);
+  command->add_flag("--view", option->view, "show the session in a window")->excludes("--stills");
+  add_view_options(*command, option->window);
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
     catch_signals();
+    if (option->view) {
+      const Status shown = view_session_in_window(option->session, option->window, option->quiet);
+      exit_code = !shown ? report(shown.error()) : stop_requested().load() ? kInterrupted : kDone;
+      return;
+    }
     const auto replayed = replay(option->session, option->quiet, option->stills, option->gl);
     if (!replayed) {
       exit_code = report(replayed.error());

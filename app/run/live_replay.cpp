@@ -244,11 +244,12 @@ Result<LiveReplayed> replay_live(Stage& parts, RecordedHand& hand, const Session
   };
   const auto run = [&]() -> Status {
     for (std::size_t tick = 0; tick < ticks; ++tick) {
+      if (hooks.tick)
+        if (Status done = hooks.tick(static_cast<double>(tick) * parts.period); !done) return done;
       if (hooks.stop != nullptr && hooks.stop->load(std::memory_order_relaxed)) return {};
       if (Status done = apply_parked(tick); !done) return done;
       if (Status done = replay.servo(tick); !done) return done;
       ++out.ticks;
-      if (hooks.progress && tick % 100 == 0) hooks.progress(static_cast<double>(tick) * parts.period);
     }
     if (Status done = apply_parked(ticks); !done) return done;
     return replay.finish();

@@ -17,7 +17,7 @@ namespace burrhole {
 /// Callbacks of a replay; each may be empty.
 struct ReplayHooks {
   const std::atomic<bool>* stop = nullptr;            ///< if set, the replay ends early
-  std::function<void(double time)> progress;          ///< reports the recorded time [s]
+  std::function<Status(double time)> tick;            ///< called before each servo tick with its recorded time [s]
   std::function<Status(const Input&)> apply;          ///< applies an input for which all clocks were stopped
   std::function<Status(const SessionStill&)> redraw;  ///< draws a picture; the bone is at the picture's step
 };

@@ -185,11 +185,13 @@ LiveInput Simulation::live_input(std::uint64_t tick, bool parked, Status& status
 }
 
 Status Simulation::run_recorded(const SessionReader& session, RecordedHand& hand) {
-  const auto progress_of = [&](double time) {
-    if (options_.progress) options_.progress(time, progress());
+  const auto every = static_cast<std::uint64_t>(kProgressEvery / parts_->period + 0.5);
+  const auto tick = [&, next = std::uint64_t{0}](double time) mutable -> Status {
+    if (options_.progress && next++ % every == 0) options_.progress(time, progress());
+    return options_.watch ? options_.watch(time) : Status();
   };
-  const ReplayHooks hooks{options_.stop, progress_of, [this](const Input& input) { return apply(input); },
-                          [this](const SessionStill& still) { return log_->redraw(still); }};
+  ReplayHooks hooks{options_.stop, tick, [this](const Input& input) { return apply(input); }, {}};
+  if (!options_.watch) hooks.redraw = [this](const SessionStill& still) { return log_->redraw(still); };
   auto replayed = replay_live(*parts_, hand, session, hooks);
   if (!replayed) return replayed.error();
   tick_ = replayed->ticks;

@@ -41,6 +41,9 @@ struct SimulationOptions {
   /// A person at a live run, who sees the display and moves a hand of kind "mouse"; null: none. The sink then receives changes of bone while
   /// the run goes on, and no picture is drawn at events.
   LiveUser* user = nullptr;
+  /// Called by run_recorded() before each servo tick with its time [s]; the recorded pictures are not drawn then. It may wait, read the
+  /// stage, and send changed texels to a sink. Empty: the replay runs at full speed.
+  std::function<Status(double time)> watch{};
   bool history = false;  ///< keeps what undo, reset and checkpoints need
   bool samples = true;   ///< keeps force and depth of every contact evaluation, for plots
 };

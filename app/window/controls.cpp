@@ -68,7 +68,45 @@ void Controls::handle(const WindowEvent& event, bool taken) {
   }
 }
 
+bool Controls::press_watching(Key key) {
+  Transport& transport = *setup_.transport;
+  const double jump = fine() ? config_.jump_fine : config_.jump;
+  switch (key) {
+    case Key::space:
+    case Key::p:
+      transport.play(!transport.plays());
+      return true;
+    case Key::left:
+    case Key::right:
+      // With Ctrl the arrows turn the view.
+      if (held(Key::left_control) || held(Key::right_control)) return true;
+      fine() ? transport.step(key == Key::left ? -jump : jump) : transport.jump(transport.head() + (key == Key::left ? -jump : jump));
+      return true;
+    case Key::up:
+    case Key::down:
+      if (held(Key::left_control) || held(Key::right_control)) return true;
+      transport.set_speed(transport.speed() * (key == Key::up ? 2.0 : 0.5));
+      return true;
+    case Key::home:
+      transport.jump(0.0);
+      return true;
+    case Key::escape:
+      if (!requests_.help) end();
+      requests_.help = false;
+      return true;
+    case Key::z:
+    case Key::x:
+    case Key::r:
+    case Key::h:
+    case Key::enter:
+      return true;
+    default:
+      return false;
+  }
+}
+
 void Controls::press(Key key) {
+  if (setup_.transport && press_watching(key)) return;
   const int digit = static_cast<int>(key) - static_cast<int>(Key::digit_0);
   if (digit >= 0 && digit <= 9) return change_tool(static_cast<std::size_t>(digit == 0 ? 9 : digit - 1));
   const bool control = held(Key::left_control) || held(Key::right_control);
@@ -126,14 +164,16 @@ void Controls::press(Key key) {
 
 void Controls::scroll(double steps) {
   if (!std::isfinite(steps)) return;
-  if (held(Key::left_control) || held(Key::right_control)) return camera_.zoom(std::pow(kZoomStep, std::clamp(steps, -20.0, 20.0)));
+  if (setup_.transport || held(Key::left_control) || held(Key::right_control))
+    return camera_.zoom(std::pow(kZoomStep, std::clamp(steps, -20.0, 20.0)));
   if (!moves()) return;
   // A step away from the person advances, as a hand would.
   goal_.place.z -= std::clamp(steps, -20.0, 20.0) * scale() * (touches_ ? config_.wheel_press : config_.wheel);
 }
 
 void Controls::drag(double dx, double dy) {
-  if (*dragging_ == MouseButton::right) return camera_.turn(-dx * config_.turn, dy * config_.turn);
+  if (*dragging_ == MouseButton::right || (setup_.transport && *dragging_ == MouseButton::left))
+    return camera_.turn(-dx * config_.turn, dy * config_.turn);
   const double metres = camera_.length_of(1.0 / height_);
   if (*dragging_ == MouseButton::middle) return camera_.pan(-dx * metres, dy * metres);
   slide(dx * metres * scale(), -dy * metres * scale());
@@ -152,12 +192,16 @@ void Controls::advance(double towards_bone, double dt) {
   goal_.place.z -= towards_bone * speed * scale() * dt;
 }
 
+void Controls::turn_by_keys(double dt) {
+  if (!(held(Key::left_control) || held(Key::right_control))) return;
+  const double right = between(held(Key::left), held(Key::right)), up = between(held(Key::down), held(Key::up));
+  if (right != 0.0 || up != 0.0) camera_.turn(right * config_.turn_by_key * dt, up * config_.turn_by_key * dt);
+}
+
 void Controls::move_by_keys(double dt) {
   advance(between(held(Key::s), held(Key::w)), dt);
-  const double right = between(held(Key::left), held(Key::right)), up = between(held(Key::down), held(Key::up));
-  if (held(Key::left_control) || held(Key::right_control)) {
-    if (right != 0.0 || up != 0.0) camera_.turn(right * config_.turn_by_key * dt, up * config_.turn_by_key * dt);
-  } else {
+  if (!(held(Key::left_control) || held(Key::right_control))) {
+    const double right = between(held(Key::left), held(Key::right)), up = between(held(Key::down), held(Key::up));
     slide(right * config_.slide * scale() * dt, up * config_.slide * scale() * dt);
   }
   // Tilts as seen in the picture.
@@ -206,6 +250,8 @@ void Controls::step(double dt, const LiveState& now, const PadState& pad) {
   touches_ = glm::length(now.force) > config_.touch;
   in_bone_ = touches_ || now.progress.depth > 0.0;
   press_pad(pad);
+  turn_by_keys(dt);
+  if (setup_.transport) setup_.transport->advance(dt);
   if (moves()) {
     move_by_keys(dt);
     move_by_pad(dt, pad);
@@ -221,7 +267,7 @@ void Controls::change_tool(std::size_t index) {
 }
 
 bool Controls::ask(InputKind kind, const std::string& text, const std::string& data) {
-  if (goal_.ends) return false;
+  if (goal_.ends || setup_.transport) return false;
   // Bone that grows round a bit, and a larger bit in a hole, would press on each other with several times the thrust.
   const bool changes_bit_or_bone =
       kind == InputKind::tool || kind == InputKind::undo || kind == InputKind::reset || kind == InputKind::restore;
@@ -235,6 +281,7 @@ bool Controls::ask(InputKind kind, const std::string& text, const std::string& d
 }
 
 void Controls::toggle_pause() {
+  if (setup_.transport) return setup_.transport->play(!setup_.transport->plays());
   if (!paused_) (void)ask(InputKind::pause);
   paused_ = !paused_ && !goal_.ends;
   locked_on_ = false;

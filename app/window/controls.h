@@ -13,6 +13,7 @@
 #include "app/run/live_user.h"
 #include "app/scene/load.h"
 #include "app/window/orbit_camera.h"
+#include "app/window/transport.h"
 #include "app/window/window_event.h"
 
 namespace burrhole {
@@ -30,6 +31,8 @@ struct ControlsConfig {
   double touch = 0.5;           ///< [N] force that counts as contact
   double turn = 0.008;          ///< [rad/pixel] of the camera
   double turn_by_key = 1.2;     ///< [rad/s]
+  double jump = 1.0;            ///< [s] of a key in a watched session
+  double jump_fine = 0.01;      ///< [s] with fine control
   double pad_idle = 0.15;       ///< [-] share of a stick's way that moves nothing
 };
 
@@ -37,8 +40,9 @@ struct ControlsConfig {
 struct ControlsSetup {
   GoalHandConfig hand;
   Pose world_from_approach;
-  double deepest = 0.1;         ///< [m] of the goal below the entry
-  std::vector<ToolText> tools;  ///< the first ten have the keys 1 to 9 and 0
+  double deepest = 0.1;                  ///< [m] of the goal below the entry
+  std::vector<ToolText> tools;           ///< the first ten have the keys 1 to 9 and 0
+  std::optional<Transport> transport{};  ///< of a watched session: keys and mouse move its head and the camera, and no goal
 };
 
 /// What the person asks of the display.
@@ -66,6 +70,7 @@ class Controls {
   [[nodiscard]] OrbitCamera& camera() noexcept { return camera_; }
   [[nodiscard]] DisplayRequests& requests() noexcept { return requests_; }
   [[nodiscard]] const std::vector<ToolText>& tools() const noexcept { return setup_.tools; }
+  [[nodiscard]] Transport* transport() noexcept { return setup_.transport ? &*setup_.transport : nullptr; }  ///< null: a run
   [[nodiscard]] bool paused() const noexcept { return paused_; }
   [[nodiscard]] bool fine() const noexcept;
   [[nodiscard]] bool locked_on() const noexcept { return locked_on_; }  ///< the drive stays on without a held key
@@ -89,12 +94,15 @@ class Controls {
 
  private:
   void press(Key key);
+  /// A key of a watched session. @returns whether it is one.
+  bool press_watching(Key key);
   void scroll(double steps);
   void drag(double dx, double dy);
   /// @returns whether the run gets the input.
   bool ask(InputKind kind, const std::string& text = {}, const std::string& data = {});
   /// The goal may move: the clocks run, and the run goes on.
-  [[nodiscard]] bool moves() const noexcept { return runs_ && !paused_ && !goal_.ends; }
+  [[nodiscard]] bool moves() const noexcept { return runs_ && !paused_ && !goal_.ends && !setup_.transport; }
+  void turn_by_keys(double dt);
   void move_by_keys(double dt);
   void press_pad(const PadState& pad);
   void move_by_pad(double dt, const PadState& pad);

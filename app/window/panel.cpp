@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/window/panel_parts.h"
 #include "app/window/panel_text.h"
+#include "app/window/transport_bar.h"
 #include "core/base/units.h"
 
 namespace burrhole {
@@ -14,33 +16,6 @@ namespace {
 
 constexpr float kPanelWidth = 300.0f;  // [pixels] at scale 1
 constexpr double kHistory = 0.05;      // [s] between two points of a plot
-
-ImVec4 color(unsigned rgb, float alpha = 1.0f) {
-  const auto part = [&](int shift) { return static_cast<float>(rgb >> shift & 0xFFu) / 255.0f; };
-  return {part(16), part(8), part(0), alpha};
-}
-ImU32 paint(unsigned rgb, float alpha = 1.0f) { return ImGui::ColorConvertFloat4ToU32(color(rgb, alpha)); }
-
-void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
-
-/// A small caption above what follows.
-void caption(const Gui& gui, const char* words) {
-  ImGui::PushFont(gui.small());
-  ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::kGrey));
-  ImGui::TextUnformatted(words);
-  ImGui::PopStyleColor();
-  ImGui::PopFont();
-}
-
-/// A window without frame over the picture. @param takes_mouse it has buttons; other words leave the mouse to the picture below.
-bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, float alpha, bool takes_mouse = false) {
-  ImGui::SetNextWindowPos(place, ImGuiCond_Always, pivot);
-  ImGui::SetNextWindowBgAlpha(alpha);
-  return ImGui::Begin(name, nullptr,
-                      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
-                          (takes_mouse ? 0 : ImGuiWindowFlags_NoInputs) | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav |
-                          ImGuiWindowFlags_NoMove);
-}
 
 }  // namespace
 
@@ -85,7 +60,7 @@ void Panel::side(const WindowView& view, const DisplayFigures& figures, int widt
     layers(view);
     drive(view);
     if (view.requests.lab) lab(view, figures);
-    bone_buttons(view);
+    buttons(view);
     tools(view);
   }
   ImGui::End();
@@ -157,7 +132,9 @@ void Panel::drive(const WindowView& view) {
   big("DRILL", view.live.hand.spin > 0.0 ? fmt::format("{:.0f} rpm", rpm) : std::string("off"),
       view.live.hand.spin > 0.0 ? GuiColors::kGreen : GuiColors::kGrey);
   ImGui::PushFont(gui_->small());
-  if (plan_.demonstration)
+  if (view.transport)
+    text("as recorded");
+  else if (plan_.demonstration)
     text("The scene's own hand drills");
   else
     text(view.locked_on ? "on until X is pressed again" : "hold Space to drill, X to keep it on");
@@ -166,7 +143,7 @@ void Panel::drive(const WindowView& view) {
 }
 
 void Panel::tools(const WindowView& view) {
-  if (plan_.demonstration || !ImGui::CollapsingHeader("Tool", ImGuiTreeNodeFlags_DefaultOpen)) return;
+  if (plan_.demonstration || view.transport || !ImGui::CollapsingHeader("Tool", ImGuiTreeNodeFlags_DefaultOpen)) return;
   std::optional<std::size_t> wanted;
   std::vector<std::string> names;
   state_->with_controls([&](Controls& controls) {
@@ -183,17 +160,20 @@ void Panel::tools(const WindowView& view) {
   if (wanted) state_->with_controls([&](Controls& controls) { controls.change_tool(*wanted); });
 }
 
-void Panel::bone_buttons(const WindowView& view) {
+void Panel::buttons(const WindowView& view) {
   if (view.stage != RunStage::drilling) return;
   const float wide = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) * 0.5f;
   const ImVec2 size(wide, 0.0f);
   const auto button = [&](const char* label, const std::function<void(Controls&)>& f) {
     if (ImGui::Button(label, size)) state_->with_controls(f);
   };
-  button("Undo (Z)", [](Controls& p) { p.undo(); });
-  ImGui::SameLine();
-  button(view.paused ? "Resume (P)" : "Pause (P)", [](Controls& p) { p.toggle_pause(); });
-  if (view.requests.lab) {
+  const bool drills = !view.transport;
+  if (drills) {
+    button("Undo (Z)", [](Controls& p) { p.undo(); });
+    ImGui::SameLine();
+    button(view.paused ? "Resume (P)" : "Pause (P)", [](Controls& p) { p.toggle_pause(); });
+  }
+  if (drills && view.requests.lab) {
     button("Reset bone", [](Controls& p) { p.reset(); });
     ImGui::SameLine();
     button("Checkpoint", [this](Controls& p) { checkpoints_ += p.checkpoint(fmt::format("checkpoint {}", checkpoints_ + 1)) ? 1 : 0; });
@@ -205,7 +185,10 @@ void Panel::bone_buttons(const WindowView& view) {
   }
   button("Keys (F1)", [](Controls& p) { p.requests().help = !p.requests().help; });
   ImGui::SameLine();
-  button("End (Esc)", [](Controls& p) { p.requests().asks_end = true; });
+  if (drills)
+    button("End (Esc)", [](Controls& p) { p.requests().asks_end = true; });
+  else
+    button("Close (Esc)", [](Controls& p) { p.end(); });
   button(view.requests.lab ? "Trainee (F2)" : "Lab (F2)", [](Controls& p) { p.requests().lab = !p.requests().lab; });
 }
 
@@ -223,9 +206,11 @@ void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
   text(fmt::format("feed {:.2f} mm/s, lean {:.1f} deg", history_.feed(), std::hypot(view.goal.tilt_right, view.goal.tilt_away) / kDegree));
   text(fmt::format("plan: {:.1f} mm of bone, {:.1f} deg to its surface", plan_.approach.thickness / kMillimetre,
                    plan_.approach.angle / kDegree));
-  text(fmt::format("servo {:.0f} us, contact {:.0f} us, bone {:.1f} ms", view.live.servo_us, view.live.contact_us,
-                   view.live.bone_us * 1e-3f));
-  text(fmt::format("{} ticks missed", view.live.missed));
+  if (!view.transport) {
+    text(fmt::format("servo {:.0f} us, contact {:.0f} us, bone {:.1f} ms", view.live.servo_us, view.live.contact_us,
+                     view.live.bone_us * 1e-3f));
+    text(fmt::format("{} ticks missed", view.live.missed));
+  }
   text(fmt::format("{:.0f} pictures/s, {:.0f} ms each, {:.0f} ms late", figures.frames_per_s, figures.picture_ms, figures.latency_ms));
   text(figures.quality);
   ImGui::PopFont();
@@ -242,13 +227,15 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
   }
   warnings(view, width);
   if (!view.lines.empty()) {
-    begin_over("lines", ImVec2(edge, edge), ImVec2(0.0f, 0.0f), 0.6f);
+    // Below the warnings, which stand in the middle of the upper edge.
+    begin_over("lines", ImVec2(edge, edge + 3.2f * ImGui::GetFontSize()), ImVec2(0.0f, 0.0f), 0.6f);
     for (const MessageLine& line : view.lines)
       ImGui::TextColored(line.warning ? color(GuiColors::kOrange) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s", line.text.c_str());
     ImGui::End();
   }
   if (figures.coarse) {
-    begin_over("coarse", ImVec2(w - edge, h - edge), ImVec2(1.0f, 1.0f), 0.4f);
+    const float below = view.transport ? transport_height(*gui_) : 0.0f;
+    begin_over("coarse", ImVec2(w - edge, h - edge - below), ImVec2(1.0f, 1.0f), 0.4f);
     ImGui::PushFont(gui_->small());
     text("coarser while moving");
     ImGui::PopFont();
@@ -262,7 +249,7 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
     ImGui::PopFont();
     ImGui::End();
   }
-  if (view.stage == RunStage::drilling && view.requests.hints && !plan_.demonstration) hints(view, width, height);
+  if (view.stage == RunStage::drilling && view.requests.hints && !plan_.demonstration && !view.transport) hints(view, width, height);
   if (view.paused) {
     begin_over("paused", ImVec2(0.5f * w, 0.35f * h), ImVec2(0.5f, 0.5f), 0.8f);
     ImGui::PushFont(gui_->big());
@@ -271,12 +258,13 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
     text("P goes on");
     ImGui::End();
   }
+  if (view.transport && view.stage == RunStage::drilling) draw_transport(*gui_, *state_, view, plan_, width, height);
   if (view.stage == RunStage::writing) {
     begin_over("writing", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f), 0.8f);
     text("Writing the report ...");
     ImGui::End();
   }
-  if (view.requests.help) help(width, height);
+  if (view.requests.help) help(view.transport.has_value(), width, height);
   if (view.stage == RunStage::drilling && view.requests.asks_end) end_question(width, height);
   if (view.stage == RunStage::ended) end_screen(width, height);
 }
@@ -306,10 +294,10 @@ void Panel::hints(const WindowView& view, int width, int height) {
   ImGui::End();
 }
 
-void Panel::help(int width, int height) {
+void Panel::help(bool watches, int width, int height) {
   begin_over("help", ImVec2(0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f);
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-    for (const auto& [key, meaning] : key_table()) {
+    for (const auto& [key, meaning] : watches ? watching_keys() : key_table()) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       ImGui::TextColored(color(GuiColors::kSky), "%s", key);

@@ -52,12 +52,12 @@ class Panel {
   void layers(const WindowView& view);
   void drive(const WindowView& view);
   void tools(const WindowView& view);
-  void bone_buttons(const WindowView& view);
+  void buttons(const WindowView& view);
   void lab(const WindowView& view, const DisplayFigures& figures);
   void over_picture(const WindowView& view, const DisplayFigures& figures, int width, int height);
   void warnings(const WindowView& view, int width);
   void hints(const WindowView& view, int width, int height);
-  void help(int width, int height);
+  void help(bool watches, int width, int height);
   void end_question(int width, int height);
   void end_screen(int width, int height);
   void big(const char* label, const std::string& value, unsigned color);

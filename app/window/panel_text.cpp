@@ -103,6 +103,23 @@ std::span<const std::pair<const char*, const char*>> key_table() {
   return kKeys;
 }
 
+std::span<const std::pair<const char*, const char*>> watching_keys() {
+  static constexpr std::array<std::pair<const char*, const char*>, 11> kKeys{{
+      {"Space, P", "play; pause"},
+      {"left, right", "a second back, ahead"},
+      {"Shift+left, right", "pause, and 10 ms back, ahead"},
+      {"up, down", "twice, half the speed"},
+      {"Home", "to the start"},
+      {"drag, Ctrl+arrows", "turn the view"},
+      {"middle drag", "move the view"},
+      {"wheel, + and -", "zoom"},
+      {"F, V", "show the hole as at the start; orbit, surgeon, microscope"},
+      {"F2, F11, F12", "all figures; full screen; screenshot"},
+      {"F1, Esc", "these keys; close"},
+  }};
+  return kKeys;
+}
+
 std::string tool_title(const std::string& name) {
   std::string out;
   for (std::size_t n = 0; n < name.size(); ++n) {

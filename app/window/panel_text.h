@@ -27,6 +27,8 @@ namespace burrhole {
 [[nodiscard]] std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& view);
 /// Keys and what they do.
 [[nodiscard]] std::span<const std::pair<const char*, const char*>> key_table();
+/// The same for a watched session.
+[[nodiscard]] std::span<const std::pair<const char*, const char*>> watching_keys();
 /// @returns a tool's name as a person reads it: "round_burr_4mm" is "round burr 4 mm".
 [[nodiscard]] std::string tool_title(const std::string& name);
 /// Name and value of the main figures of a run.

@@ -33,7 +33,11 @@ class Viewer::Sink final : public PictureSink {
   explicit Sink(Viewer& viewer) : viewer_(&viewer) {}
 
   Status start(const VolumeView& volume, const TriangleMesh& tool) override {
-    return viewer_->call([&] { return own().start(volume, tool); });
+    return viewer_->call([&] {
+      viewer_->texels_.clear();  // of an earlier run of the same session
+      viewer_->bone_changed_ = true;
+      return own().start(volume, tool);
+    });
   }
   void update(const TexelBox& texels) override {
     viewer_->post([v = viewer_, texels] { v->texels_.push_back(texels); });
@@ -361,7 +365,10 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
 void Viewer::take_screenshot(int width, int height) {
   state_->with_controls([](Controls& controls) { controls.requests().screenshot = false; });
   if (config_.folder.empty()) return state_->say("There is no output folder for a screenshot", true);
-  const auto path = std::filesystem::path(config_.folder) / fmt::format("screenshot-{}.png", ++screenshots_);
+  // Those of an earlier run stay.
+  std::filesystem::path path;
+  do path = std::filesystem::path(config_.folder) / fmt::format("screenshot-{}.png", ++screenshots_);
+  while (std::filesystem::exists(path));
   const Status written = write_png(path, texture_->read_window(width, height));
   state_->say(written ? "Saved " + path.string() : written.error().text(), !written.ok());
 }

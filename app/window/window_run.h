@@ -8,16 +8,14 @@
 
 #include "app/job/drill_job.h"
 #include "app/window/viewer.h"
+#include "app/window/window_loop.h"
 
 namespace burrhole {
 
 struct WindowRun {
   DrillJob job;  ///< live; the window sets user, sink, begin and stop
   MakeWindowSink make_sink;
-  std::vector<ToolText> tools;     ///< that the person can take
-  std::string tool;                ///< name of the scene's
-  double reference_push = 0.0;     ///< [N] of the scene's script; 0: none
-  bool demonstration = false;      ///< the scene's own hand drills
+  WindowStart start;
   int width = 1280, height = 800;  ///< [pixels] of the window
   ViewerConfig viewer;
   std::function<void(const WindowFigures&)> figures;  ///< receives them at the end; may be empty

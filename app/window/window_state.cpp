@@ -61,6 +61,19 @@ void WindowState::wait_until_resumed() {
   resumed_.wait(lock, [this] { return ending_ || closed() || !controls_ || !controls_->paused(); });
 }
 
+std::optional<Transport> WindowState::watch(double time) {
+  const std::scoped_lock lock(mutex_);
+  Transport* const transport = controls_ ? controls_->transport() : nullptr;
+  if (transport == nullptr || ending_ || closed() || controls_->goal().ends) return std::nullopt;
+  transport->arrive(time);
+  return *transport;
+}
+
+void WindowState::wait_for_head() {
+  std::unique_lock lock(mutex_);
+  resumed_.wait_for(lock, std::chrono::milliseconds(20));
+}
+
 void WindowState::handle(const WindowEvent& event) {
   const std::scoped_lock lock(mutex_);
   if (events_.size() < kMostEvents) events_.push_back(event);
@@ -88,7 +101,9 @@ void WindowState::step(double dt, const PadState& pad) {
   pad_ = pad.present;
   controls_->step(dt, live_, pad);
   goals_.publish(controls_->goal());
-  turned_ += controls_->paused() ? 0.0 : dt * live_.hand.spin * plan_.spin_rpm * kRevPerMinute;
+  const Transport* const transport = controls_->transport();
+  const double pace = transport == nullptr ? (controls_->paused() ? 0.0 : 1.0) : transport->plays() ? transport->speed() : 0.0;
+  turned_ += pace * dt * live_.hand.spin * plan_.spin_rpm * kRevPerMinute;
   turned_ -= std::floor(turned_);
   if (std::string answer = controls_->take_answer(); !answer.empty()) lines_.push_back({time_, std::move(answer), true});
   std::erase_if(lines_, [this](const MessageLine& line) { return time_ - line.time > kLineStays; });
@@ -130,6 +145,7 @@ WindowView WindowState::view() {
   out.fine = controls_->fine();
   out.locked_on = controls_->locked_on();
   out.requests = controls_->requests();
+  if (const Transport* const transport = controls_->transport()) out.transport = *transport;
   return out;
 }
 

@@ -24,22 +24,23 @@ namespace burrhole {
 
 enum class RunStage { loading, drilling, writing, ended };
 
-/// What a person may know of the plan before the first cut.
-struct WindowPlan {
-  std::string title;
-  Approach approach;
-  Pose world_from_bone;
-  double spin_rpm = 0.0;        ///< full speed of the drive
-  double reference_push = 0.0;  ///< [N] thrust of the scene's script, a mark on the gauge; 0: none
-  double largest_push = 0.0;    ///< [N] of the arm
-  bool demonstration = false;   ///< the scene's script drills
-};
-
 /// A line for the person, with the time at which it was said.
 struct MessageLine {
   double time = 0.0;  ///< [s] of state time
   std::string text;
   bool warning = false;
+};
+
+/// What a person may know of the plan before the first cut.
+struct WindowPlan {
+  std::string title;
+  Approach approach;
+  Pose world_from_bone;
+  double spin_rpm = 0.0;             ///< full speed of the drive
+  double reference_push = 0.0;       ///< [N] thrust of the scene's script, a mark on the gauge; 0: none
+  double largest_push = 0.0;         ///< [N] of the arm
+  bool demonstration = false;        ///< the scene's script drills
+  std::vector<MessageLine> marks{};  ///< of a watched session: what happened when [s]; empty in a run
 };
 
 /// State for one picture.
@@ -55,6 +56,7 @@ struct WindowView {
   double turned = 0.0;  ///< [rev] of the spindle, for the picture of the bit
   double time = 0.0;    ///< [s] of state time
   std::vector<MessageLine> lines;
+  std::optional<Transport> transport{};  ///< of a watched session
 };
 
 class WindowState final : public LiveUser {
@@ -71,6 +73,11 @@ class WindowState final : public LiveUser {
   void hear(const std::string& line) override { say(line, true); }
   void wait_until_resumed() override;
   void ended() override;
+
+  /// For a replay that has computed all steps before `time` [s]. @returns the head; null after the end of the window.
+  [[nodiscard]] std::optional<Transport> watch(double time);
+  /// Waits until the person may have moved the head.
+  void wait_for_head();
 
   // Main thread.
   void handle(const WindowEvent& event);

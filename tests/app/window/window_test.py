@@ -44,15 +44,20 @@ class Window(WithFolder):
                 shutil.copy(picture, pathlib.Path(pictures) / f"{self._testMethodName}-{picture.name}")
 
     def start(self, *arguments, scene=QUICK):
+        self.start_program("drill", scene, "--window", "--out", self.out, *arguments)
+        self.wait_until(lambda: "renderer: window" in self.log.read_text(), "the window's renderer")
+        self.find_window()
+        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
+
+    def start_program(self, *words):
         self.log = self.folder / "log"
         with self.log.open("w") as log:
-            self.process = subprocess.Popen([PROGRAM, "drill", str(scene), "--window", "--out", str(self.out), *map(str, arguments)],
-                                            env=self.display.environment, stdout=subprocess.DEVNULL, stderr=log)
-        self.wait_until(lambda: "renderer: window" in self.log.read_text(), "the window's renderer")
-        found = self.display.tool("search", "--sync", "--onlyvisible", "--name", "burrhole").stdout.split()
-        self.window = found[0]
+            self.process = subprocess.Popen([PROGRAM, *map(str, words)], env=self.display.environment, cwd=self.folder, stdout=subprocess.DEVNULL,
+                                            stderr=log)
+
+    def find_window(self):
+        self.window = self.display.tool("search", "--sync", "--onlyvisible", "--name", "burrhole").stdout.split()[0]
         self.display.tool("windowfocus", "--sync", self.window)
-        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
 
     def wait_until(self, ready, what):
         end = time.monotonic() + PATIENCE
@@ -218,6 +223,66 @@ class Window(WithFolder):
         self.assertEqual(json.loads((self.out / "summary.json").read_text())["end"], "stopped")
         self.assertLess(json.loads((self.out / "summary.json").read_text())["duration_s"], time.monotonic() - started + 1.0)
 
+    def test_a_session_is_watched_on_its_time_line(self):
+        drilled = run("drill", QUICK, "--offscreen", "--out", self.out)
+        self.assertEqual(drilled.returncode, 0, drilled.stderr)
+        session = (self.out / "session.sqlite").read_bytes()
+        self.start_program("replay", self.out / "session.sqlite", "--view")
+        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first state")
+        self.find_window()
+        self.press("space", "Home")
+        time.sleep(1.0)
+        start = self.picture()
+        self.press(*["Right"] * 3)
+        time.sleep(3.0)
+        later = self.picture()
+        self.assertNotEqual(start.read_bytes(), later.read_bytes())
+        self.press("shift+Left", "shift+Left", "Home")  # each begins again
+        time.sleep(1.0)
+        self.press(*["Up"] * 4, "space")
+        self.wait_until(lambda: "bit for bit" in self.log.read_text(), "the end of the session")
+        self.press("F1")
+        self.picture()
+        self.display.tool("mousemove", "--window", self.window, 300, 740)
+        self.display.tool("click", 1)  # on the line
+        time.sleep(1.0)
+        self.press("F1", "Escape")
+        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+        self.assertNotIn("DIFFER", self.log.read_text())
+        self.assertEqual(session, (self.out / "session.sqlite").read_bytes())
+
+    def test_without_a_command_a_person_chooses(self):
+        self.start_program()
+        self.find_window()
+        time.sleep(1.0)
+        self.press("Return")  # the first scene
+        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
+        self.find_window()
+        self.process.send_signal(signal.SIGINT)
+        self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
+        results = list((self.folder / "out").iterdir())
+        self.assertEqual(len(results), 1)
+        self.assertTrue((results[0] / "summary.json").exists())
+        self.start_program()
+        self.find_window()
+        time.sleep(1.0)
+        self.press(*["Down"] * 6, "Return")  # the last line: the session
+        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the session")
+        self.find_window()
+        self.press("Escape")
+        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+
+    def test_a_chooser_is_closed_by_a_key_and_by_a_signal(self):
+        self.start_program()
+        self.find_window()
+        time.sleep(1.0)
+        self.press("Escape")
+        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+        self.start_program()
+        self.find_window()
+        self.process.send_signal(signal.SIGTERM)
+        self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
+
     def test_a_renderer_that_cannot_be_made_is_one_line(self):
         empty = self.folder / "shaders"
         empty.mkdir()
@@ -236,6 +301,15 @@ class Window(WithFolder):
         both = run("drill", QUICK, "--window", "--offscreen", "--out", self.out, env=plain)
         self.assertEqual(both.returncode, 2)
         self.assertFalse(self.out.exists())
+        hidden = run("replay", "none.sqlite", "--view", env=plain)
+        self.assertEqual(hidden.returncode, 4)
+        self.assertIn("there is no display", hidden.stderr)
+        nothing = run("replay", self.folder / "none.sqlite", "--view", env=self.display.environment)
+        self.assertEqual(nothing.returncode, 2)
+        self.assertIn("none.sqlite", nothing.stderr)
+        helped = run(env=plain)
+        self.assertEqual(helped.returncode, 0)
+        self.assertIn("burrhole drill parietal", helped.stdout)
         offscreen = run("drill", QUICK, "--offscreen", "--out", self.out, env={**plain, "DISPLAY": ":4242"})
         self.assertEqual(offscreen.returncode, 0, offscreen.stderr)
 

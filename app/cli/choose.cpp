@@ -1,0 +1,116 @@
+#include "app/cli/choose.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "app/cli/commands.h"
+#include "app/cli/drilling.h"
+#include "app/session/session.h"
+#include "app/window/chooser.h"
+#include "app/window/panel_text.h"
+#include "app/window/window_run.h"
+
+namespace burrhole::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+constexpr const char* kResults = "out";  // folder of the results, as for drill
+constexpr std::size_t kMostSessions = 8;
+
+struct Item {
+  Choice choice;
+  Words words;
+};
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path);
+  std::ostringstream out;
+  out << file.rdbuf();
+  return out.str();
+}
+
+/// @returns why a scene's data are not there; empty: they are, or it needs none.
+std::string missing_data(const fs::path& scene, const std::string& source) {
+  const std::string sidecar = source.ends_with(".toml") ? text_of(scene.parent_path() / source) : std::string();
+  const bool needs = source.find("$BURRHOLE_DATA") != std::string::npos || sidecar.find("$BURRHOLE_DATA") != std::string::npos;
+  const char* const folder = std::getenv("BURRHOLE_DATA");
+  if (!needs || (folder != nullptr && fs::is_directory(folder))) return {};
+  return "Its scan is not part of the program: set BURRHOLE_DATA to the folder that holds it";
+}
+
+/// The shipped scenes, those without further data first.
+std::vector<Item> scenes() {
+  std::vector<Item> out;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(fs::path(share_folder()) / "scenes", ignored)) {
+    if (entry.path().extension() != ".toml") continue;
+    const auto document = TomlDocument::load(entry.path().string());
+    if (!document) continue;
+    Issues issues;
+    TableReader root = document->root(issues);
+    const std::string name = entry.path().stem().string(), title = root.text("title", name, "");
+    auto volume = root.table("volume", "");
+    auto tool = root.table("tool", "");
+    const std::string source = volume ? volume->text("source", "", "") : "", bit = tool ? tool->text("name", "", "") : "";
+    const std::string made = source.starts_with("phantom:") ? "generated bone" : "bone from a scan";
+    const std::string folder = fmt::format("{}/{}-{:%Y%m%d-%H%M%S}", kResults, name, fmt::localtime(std::time(nullptr)));
+    out.push_back({{{}, title, fmt::format("{}, {}; results in {}", made, tool_title(bit), folder), missing_data(entry.path(), source)},
+                   {"drill", name, "--window", "--out", folder}});
+  }
+  std::ranges::sort(out, {}, [](const Item& item) { return std::pair(!item.choice.missing.empty(), item.words[1]); });
+  if (!out.empty()) out.front().choice.heading = "DRILL";
+  return out;
+}
+
+/// Recorded sessions below the folder of the results, the newest first.
+std::vector<Item> sessions() {
+  std::vector<std::pair<fs::file_time_type, fs::path>> found;
+  std::error_code ignored;
+  const auto look = [&](const fs::path& folder) {
+    const fs::path session = folder / "session.sqlite";
+    if (fs::is_regular_file(session, ignored)) found.emplace_back(fs::last_write_time(session, ignored), session);
+  };
+  look(kResults);
+  for (const auto& entry : fs::directory_iterator(kResults, ignored))
+    if (entry.is_directory(ignored)) look(entry.path());
+  std::ranges::sort(found, std::greater<>());
+  std::vector<Item> out;
+  for (const auto& [time, path] : found) {
+    if (out.size() == kMostSessions) break;
+    const auto session = SessionReader::open(path.string());
+    if (!session) continue;
+    const auto document = TomlDocument::parse(session->meta().scene, session->meta().scene_path);
+    if (!document) continue;
+    Issues issues;
+    out.push_back(
+        {{{}, document->root(issues).text("title", path.string(), ""), fmt::format("{}, {}", session->meta().created, path.string())},
+         {"replay", path.string(), "--view"}});
+  }
+  if (!out.empty()) out.front().choice.heading = "WATCH A RECORDED SESSION";
+  return out;
+}
+
+}  // namespace
+
+Result<std::optional<Words>> choose_command() {
+  if (!has_display()) return std::optional<Words>();
+  std::vector<Item> items = scenes();
+  for (Item& item : sessions()) items.push_back(std::move(item));
+  std::vector<Choice> choices;
+  choices.reserve(items.size());
+  for (const Item& item : items) choices.push_back(item.choice);
+  catch_signals();
+  const auto chosen = choose_in_window("burrhole", choices, {}, &stop_requested());
+  if (!chosen) return chosen.error();
+  return std::optional(*chosen ? items[**chosen].words : Words());
+}
+
+}  // namespace burrhole::cli

@@ -1,0 +1,40 @@
+#include "app/cli/recorded_scene.h"
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "app/cli/commands.h"
+#include "app/report/file.h"
+
+namespace burrhole::cli {
+
+Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, bool display) {
+  auto document = TomlDocument::parse(session.meta().scene, session.meta().scene_path);
+  if (!document) return document.error();
+  (void)document->rename();  // keys of earlier versions
+  Issues issues;
+  auto loaded = load_scene(*document, scene_context(), issues, {.tool_text = session.meta().tool, .progress = {}, .say = {}});
+  if (!loaded) return issues.front();
+  if (!display) (void)loaded->scene.effects.remove("display");
+  loaded->scene.duration = static_cast<double>(ticks) / loaded->scene.servo_hz;
+  return std::move(*loaded);
+}
+
+CheckpointFile::~CheckpointFile() {
+  std::error_code ignored;
+  if (!path_.empty()) std::filesystem::remove(path_, ignored);
+}
+
+Status CheckpointFile::write(const SessionReader& session) {
+  for (const SessionEvent& event : session.events()) {
+    if (event.kind != "restore") continue;
+    path_ = (std::filesystem::temp_directory_path() / fmt::format("burrhole-replay-{}.vdb", getpid())).string();
+    if (Status written = write_file(path_, event.data); !written) return written;
+  }
+  return {};
+}
+
+}  // namespace burrhole::cli

@@ -1,0 +1,30 @@
+/// app/cli/recorded_scene.h: the scene of a recorded session, for replays.
+///   Thread  main.   Errors  those of load_scene(); bad_input for a file that cannot be written.
+#pragma once
+
+#include <string>
+
+#include "app/scene/load.h"
+#include "app/session/session.h"
+
+namespace burrhole::cli {
+
+/// @param display whether pictures will be drawn; otherwise [display] is removed. @param ticks of the session, which set the duration.
+[[nodiscard]] Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, bool display);
+
+/// A temporary file for the checkpoint stored in a session, as OpenVDB reads files only.
+class CheckpointFile {
+ public:
+  CheckpointFile() = default;
+  CheckpointFile(const CheckpointFile&) = delete;
+  CheckpointFile& operator=(const CheckpointFile&) = delete;
+  ~CheckpointFile();
+  /// Writes the checkpoint from which the session's run started, if there was one.
+  [[nodiscard]] Status write(const SessionReader& session);
+  [[nodiscard]] const std::string& path() const { return path_; }  ///< empty: none
+
+ private:
+  std::string path_;
+};
+
+}  // namespace burrhole::cli

@@ -1,0 +1,30 @@
+#include "app/window/panel_parts.h"
+
+namespace burrhole {
+
+ImVec4 color(unsigned rgb, float alpha) {
+  const auto part = [&](int shift) { return static_cast<float>(rgb >> shift & 0xFFu) / 255.0f; };
+  return {part(16), part(8), part(0), alpha};
+}
+ImU32 paint(unsigned rgb, float alpha) { return ImGui::ColorConvertFloat4ToU32(color(rgb, alpha)); }
+
+void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
+
+void caption(const Gui& gui, const char* words) {
+  ImGui::PushFont(gui.small());
+  ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::kGrey));
+  ImGui::TextUnformatted(words);
+  ImGui::PopStyleColor();
+  ImGui::PopFont();
+}
+
+bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, float alpha, bool takes_mouse) {
+  ImGui::SetNextWindowPos(place, ImGuiCond_Always, pivot);
+  ImGui::SetNextWindowBgAlpha(alpha);
+  return ImGui::Begin(name, nullptr,
+                      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                          (takes_mouse ? 0 : ImGuiWindowFlags_NoInputs) | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav |
+                          ImGuiWindowFlags_NoMove);
+}
+
+}  // namespace burrhole

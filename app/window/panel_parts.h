@@ -1,0 +1,24 @@
+/// app/window/panel_parts.h: small parts of panels: colours, lines of text, and words over the picture.
+///   Units  pixels.   Errors  none.   Thread  the one that draws, between Gui::begin() and Gui::end().
+#pragma once
+
+#include <imgui/imgui.h>
+
+#include <string>
+
+#include "app/window/gui.h"
+
+namespace burrhole {
+
+[[nodiscard]] ImVec4 color(unsigned rgb, float alpha = 1.0f);
+[[nodiscard]] ImU32 paint(unsigned rgb, float alpha = 1.0f);
+
+/// Text as it is, without a format.
+void text(const std::string& line);
+/// A small caption above what follows.
+void caption(const Gui& gui, const char* words);
+
+/// A window without frame over the picture. @param takes_mouse it has buttons; other words leave the mouse to the picture below.
+bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, float alpha, bool takes_mouse = false);
+
+}  // namespace burrhole

@@ -1,0 +1,175 @@
+#include "app/window/session_view.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <thread>
+
+#include "app/session/recorded_hand.h"
+#include "core/base/hash.h"
+
+namespace burrhole {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+constexpr auto kFrame = std::chrono::microseconds(16'000);  // between two states that the window is given
+
+/// The thread that replays.
+class Replayer {
+ public:
+  Replayer(const SessionReader& session, const LoadedScene& loaded, const SessionView& view, WindowState& state, Viewer& viewer,
+           RunSwitches& switches)
+      : session_(&session), loaded_(&loaded), view_(&view), state_(&state), viewer_(&viewer), switches_(&switches) {}
+
+  /// Replays until the window is to go.
+  Status run() {
+    auto sink = viewer_->make_sink(*loaded_->scene.find<DisplayConfig>(), {});
+    if (!sink) return sink.error();
+    sink_ = std::move(sink).value();
+    while (!ended_)
+      if (Status done = replay(); !done) return done;
+    return {};
+  }
+
+ private:
+  /// From the start of the session until the head goes back before what was computed, or the window is to go.
+  Status replay() {
+    auto hand = RecordedHand::create(*session_);
+    if (!hand) return hand.error();
+    hand_ = &*hand;
+    SimulationOptions options;
+    options.sink = sink_.get();
+    options.hand = hand_;
+    options.restore_path = view_->restore_path;
+    options.stop = &stop_;
+    options.history = !session_->inputs().empty();
+    options.samples = false;
+    options.watch = [this](double time) { return follow_head(time); };
+    Issues issues;
+    const auto simulation = Simulation::create(loaded_->scene, loaded_->bone, loaded_->tool, options, issues);
+    if (!simulation) return issues.front();
+    simulation_ = simulation.get();
+    stop_ = false;
+    shown_.reset();
+    if (!std::exchange(started_, true)) start();
+    if (Status ran = simulation->run_recorded(*session_, *hand); !ran) return ran;
+    if (stop_) return {};
+    compare();
+    return follow_head(simulation->time());
+  }
+
+  void start() {
+    WindowStart start;
+    start.tool = loaded_->tool.name;
+    const double period = simulation_->stage().period;
+    start.transport = Transport(static_cast<double>(hand_->ticks()) * period, period);
+    for (const SessionEvent& event : session_->events())
+      start.marks.push_back({event.time_s, event.text.empty() ? event.kind : fmt::format("{}: {}", event.kind, event.text),
+                             event.kind == "fault" || event.kind == "refused"});
+    start_window(*state_, *viewer_, *loaded_, start, *simulation_);
+  }
+
+  /// Called when all steps before `time` were computed. @returns when the next is wanted; sets stop_ if none is.
+  Status follow_head(double time) {
+    for (;;) {
+      const auto head = switches_->stop ? std::nullopt : state_->watch(time);
+      ended_ = ended_ || !head;
+      if (!head || head->is_behind()) {
+        stop_ = true;
+        return {};
+      }
+      const bool waits = head->has_arrived() || time >= head->duration();
+      const bool is_due = waits ? shown_ != time : Steady::now() - shown_at_ >= kFrame;
+      if (!head->seeks() && is_due)
+        if (Status shown = show(time); !shown) return shown;
+      if (!waits) return {};
+      state_->wait_for_head();
+    }
+  }
+
+  Status show(double time) {
+    Stage& stage = simulation_->stage();
+    stage.gather(true);
+    if (Status sent = simulation_->frame_step()->send(); !sent) return sent;
+    LiveState now;
+    const auto tick = static_cast<std::uint64_t>(time / stage.period + 0.5);
+    if (const HandState* hand = hand_->at(std::min<std::uint64_t>(tick, hand_->ticks() - 1))) now.hand = *hand;
+    const ContactState& contact = simulation_->contact_state();
+    now.world_from_tool = contact.world_from_tool;
+    now.force = contact.on_hand.force;
+    now.progress = simulation_->progress();
+    now.time = time;
+    state_->see(now);
+    shown_ = time;
+    shown_at_ = Steady::now();
+    return {};
+  }
+
+  /// Says whether the replay has the results of the run.
+  void compare() {
+    bool known = false, same = true;
+    for (const SessionHash& hash : session_->hashes()) {
+      const bool voxels = hash.kind == "voxels", forces = hash.kind == "forces";
+      if (!voxels && !forces) continue;
+      known = true;
+      same = same && hash.value == hash_text(voxels ? simulation_->voxmap().hash() : simulation_->force_hash());
+    }
+    const std::string line = !known ? "The run was cut short: its results cannot be compared"
+                             : same ? "Bone and forces are those of the run, bit for bit"
+                                    : "Bone or forces DIFFER from those of the run";
+    state_->say(line, !known || !same);
+    if (view_->say) view_->say(line);
+  }
+
+  const SessionReader* session_;
+  const LoadedScene* loaded_;
+  const SessionView* view_;
+  WindowState* state_;
+  Viewer* viewer_;
+  RunSwitches* switches_;
+  std::unique_ptr<PictureSink> sink_;
+  RecordedHand* hand_ = nullptr;      // of the present replay()
+  Simulation* simulation_ = nullptr;  // of the present replay()
+  std::atomic<bool> stop_{false};
+  bool started_ = false, ended_ = false;
+  std::optional<double> shown_;  // [s]
+  Steady::time_point shown_at_{};
+};
+
+}  // namespace
+
+Status view_session(const SessionReader& session, const LoadedScene& loaded, const SessionView& view) {
+  if (loaded.scene.find<DisplayConfig>() == nullptr) return bad_input("a window needs the table [display]", loaded.scene.file);
+  auto window = GlfwWindow::create("session of " + loaded.scene.title + " - burrhole", view.width, view.height);
+  if (!window) return window.error();
+  WindowState state;
+  Viewer viewer(*window, state, view.make_sink, view.viewer);
+  window->set_handler([&](const WindowEvent& event) { state.handle(event); });
+  RunSwitches switches;
+  switches.signal = view.stop;
+
+  std::thread drawing([&] { viewer.loop(); });
+  Status ran;
+  std::thread replaying([&] {
+    Replayer replayer(session, loaded, view, state, viewer, switches);
+    try {
+      ran = replayer.run();
+    } catch (const std::exception& error) {
+      ran = Error{ErrorCode::internal, std::string("the replay ended with an exception: ") + error.what(), {}};
+    }
+    state.close();
+    viewer.release();
+    switches.finished = true;
+  });
+  poll_window(
+      *window, state, switches, [](const WindowView& shown) { return shown.goal.ends; },
+      [&] {
+        if (view.say) view.say("window: ready");
+      });
+  replaying.join();
+  drawing.join();
+  if (const auto error = state.error()) return *error;
+  return ran;
+}
+
+}  // namespace burrhole
