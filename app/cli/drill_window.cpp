@@ -74,7 +74,7 @@ void add_view_options(CLI::App& command, WindowOptions& options) {
 
 void add_window_options(CLI::App& command, WindowOptions& options) {
   command.add_flag("--window", options.asked, "in a window, or not at all; by default a window opens where there is a display");
-  command.add_flag("--demo", options.demonstration, "in the window, the scene's own hand drills");
+  command.add_flag("--demo", options.demonstration, "in the window, the scene's own hand drills, until you take over");
   add_view_options(command, options);
 }
 
@@ -96,8 +96,8 @@ Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool qui
   };
   if (options.demonstration && options.reference_push == 0.0)
     return bad_input("--demo needs a script: hand.kind is \"mouse\"", document->file_name());
-  if (options.demonstration) return true;
-  if (options.reference_push > 0.0) scene.sets.insert(scene.sets.begin(), kUsersHand);  // else the scene has a person's hand already
+  if (options.reference_push > 0.0 && !options.demonstration)
+    scene.sets.insert(scene.sets.begin(), kUsersHand);  // else the scene has a person's hand already
   if (!is_set("duration_s")) scene.sets.emplace_back(kUsersTime);
   return true;
 }

@@ -10,7 +10,9 @@
 #include "app/cli/film.h"
 #include "app/cli/png_writer.h"
 #include "app/render/overlay.h"
+#include "app/render/png.h"
 #include "app/render/renderer.h"
+#include "app/render/tip_slices_picture.h"
 #include "app/view/quality.h"
 #include "app/view/stereo.h"
 
@@ -143,6 +145,8 @@ Result<DrawingSink> make_window_sink(const DisplayConfig& display, const Picture
   Renderer* const drawing = &sink->renderer();
   return DrawingSink{std::move(sink), drawing};
 }
+
+Status write_tip_slices(const std::string& file, const TipSlices& slices) { return write_png(file, draw_tip_slices(slices)); }
 
 Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options) {
   auto renderer = Renderer::create(options_of(display, options));

@@ -106,7 +106,7 @@ void add_replay(CLI::App& app, int& exit_code) {
                    .about = "Runs the same steps with the recorded hand motion and compares voxels, contact forces and forces "
                             "sent to the hand with those of the recorded run. The session contains scene, tool and "
                             "checkpoint; only the scan of an imported bone is read from its file. With --view it is shown in a window "
-                            "with a time line: play, pause, step, speed, jump.",
+                            "with a time line: run, pause, step, speed, jump.",
                    .examples = {"burrhole replay out/session.sqlite", "burrhole replay out/session.sqlite --view"},
                    .exits = "Exit 3 if voxels or forces differ, 4 if --view finds no display, 130 after Ctrl-C."});
   auto option = std::make_shared<Options>();

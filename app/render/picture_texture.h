@@ -19,6 +19,8 @@ class PictureTexture {
   void set(const Image& image);
   /// Name of the texture in OpenGL; 0 before the first picture.
   [[nodiscard]] unsigned name() const noexcept { return name_; }
+  [[nodiscard]] int width() const noexcept { return width_; }    ///< [pixels] of the picture
+  [[nodiscard]] int height() const noexcept { return height_; }  ///< [pixels] of the picture
   /// Binds the window's own framebuffer and fills it. @param width, height [pixels].
   void clear_window(int width, int height, const Vec3& color) const;
   /// @returns what the window shows, before it is swapped.

@@ -234,6 +234,25 @@ void Renderer::update(const TexelBox& texels) {
   ++impl_->counters.update_boxes;
 }
 
+Result<MineralBox> Renderer::read_mineral(const Vec3& p_bone, double half_width) const {
+  if (const Status current = impl_->context.make_current(); !current) return current.error();
+  MineralBox out;
+  const auto read = [&](const VolumeTexture& volume) {
+    out.index_from_bone = volume.bone_from_index().inverse();
+    out.box = voxels_around(out.index_from_bone, p_bone, half_width).intersect({Vec3i(0), volume.dims()});
+    out.values = volume.read_mineral(out.box);
+  };
+  const auto holds = [&](const VolumeTexture& volume) {
+    const Vec3 index = volume.bone_from_index().inverse() * p_bone;
+    return glm::all(glm::greaterThanEqual(index, Vec3(0.0))) && glm::all(glm::lessThanEqual(index, Vec3(volume.dims() - 1)));
+  };
+  if (impl_->detail && holds(*impl_->detail))
+    read(*impl_->detail);
+  else if (impl_->volume)
+    read(*impl_->volume);
+  return out;
+}
+
 Status Renderer::set_tool(const TriangleMesh& mesh) {
   const Status current = impl_->context.make_current();
   if (!current) return current;

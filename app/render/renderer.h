@@ -13,6 +13,7 @@
 
 #include "app/render/dynamic_resolution.h"
 #include "app/render/gl_context.h"
+#include "app/view/tip_slices.h"
 #include "app/view/view.h"
 #include "core/base/result.h"
 #include "core/tool/tool.h"
@@ -122,6 +123,10 @@ class Renderer {
   /// ignored. All pixels are drawn, and the values per pixel are read back, so it is slower than draw(). @returns ErrorCode::bad_input
   /// without a volume or with slices; the errors of draw().
   [[nodiscard]] Result<FrameProbe> probe(const FrameView& view, int width, int height);
+
+  /// Reads bone around a point back, as it would be drawn: of the detail if the point lies in it, else of the whole volume. For slices.
+  /// @param half_width [m] of a cube around it. Empty without a volume; the errors of the context.
+  [[nodiscard]] Result<MineralBox> read_mineral(const Vec3& p_bone, double half_width) const;
 
   /// Compiles and links all_shader_variants(). @returns the first error.
   [[nodiscard]] Status link_every_variant();

@@ -158,6 +158,25 @@ void VolumeTexture::bind() const {
   if (has_tissue()) gl_->BindTextureUnit(5, tissue_.name());
 }
 
+std::vector<float> VolumeTexture::read_mineral(const VoxelBox& box) const {
+  std::vector<float> out(box.count());
+  if (box.empty()) return out;
+  const Vec3i size = box.size();
+  const auto read = [&](const GlObject& texture, GLenum format, auto& texels) {
+    gl_->GetTextureSubImage(texture.name(), 0, box.lo.x, box.lo.y, box.lo.z, size.x, size.y, size.z, format, GL_UNSIGNED_BYTE,
+                            static_cast<GLsizei>(texels.size() * sizeof(texels[0])), texels.data());
+  };
+  gl_->PixelStorei(GL_PACK_ALIGNMENT, 1);
+  std::vector<Rgba8> bone(box.count());
+  read(normal_opacity_, GL_RGBA, bone);
+  std::transform(bone.begin(), bone.end(), out.begin(), [](const Rgba8& t) { return static_cast<float>(t.a) / 255.0f; });
+  if (!has_tissue()) return out;
+  std::vector<TissueTexel> tissue(box.count());
+  read(tissue_, GL_RG, tissue);
+  for (std::size_t n = 0; n < out.size(); ++n) out[n] *= 1.0f - (1.0f - kMarrow) * static_cast<float>(tissue[n].g) / 255.0f;
+  return out;
+}
+
 void VolumeTexture::bind_field(GLuint unit) const { gl_->BindTextureUnit(unit, field_.name()); }
 
 UploadedBytes VolumeTexture::initial_bytes() const noexcept {

@@ -22,6 +22,8 @@ struct UploadedBytes {
 
 /// The smallest 8-bit value at or above the drawn level 0.5; a trilinear mean of smaller values is below the level.
 inline constexpr std::uint8_t kSolidOpacity = 128;
+/// Grey value of marrow in slices.
+inline constexpr float kMarrow = 0.25f;
 
 class VolumeTexture {
  public:
@@ -38,6 +40,9 @@ class VolumeTexture {
   void bind() const;  ///< texture units 0, 1, 6; with a skip map 2, with tissue 5
 
   void bind_field(GLuint unit) const;
+  /// Reads the opacity of bone back, as drawn, 0..1, x fastest. Where the volume has tissue, bone as loaded is darker the more pores it
+  /// has, from 1 to kMarrow. @pre the box lies inside the volume. Waits for the GPU.
+  [[nodiscard]] std::vector<float> read_mineral(const VoxelBox& box) const;
 
   [[nodiscard]] const Vec3i& dims() const noexcept { return dims_; }
   [[nodiscard]] const Affine& bone_from_index() const noexcept { return bone_from_index_; }

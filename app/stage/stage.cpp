@@ -7,6 +7,7 @@
 
 #include "app/stage/force_loop.h"
 #include "core/drill/removal_rate.h"
+#include "haptics/hand/taken_hand.h"
 #include "haptics/servo/contact_age.h"
 
 namespace burrhole {
@@ -54,7 +55,10 @@ Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const N
   }
   auto hand = SimulatedHand::create(hand_config(config, needs, tool, voxel_edge), world_from_approach, period);
   if (!hand) return hand.error();
-  return std::unique_ptr<HandSource>(std::make_unique<SimulatedHand>(std::move(hand).value()));
+  if (goals == nullptr) return std::unique_ptr<HandSource>(std::make_unique<SimulatedHand>(std::move(hand).value()));
+  auto taken = TakenHand::create(*hand, {}, world_from_approach, period, *goals);
+  if (!taken) return taken.error();
+  return std::unique_ptr<HandSource>(std::make_unique<TakenHand>(std::move(taken).value()));
 }
 
 Stage::Stage(const StageConfig& from, const Needs& asked, const Tool& with, const Outside& outside)

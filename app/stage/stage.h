@@ -42,7 +42,7 @@ class MeanThrust {
 /// exit_drop and cut_compliance from the stiffness of coupling and cutting, rough_drop from the voxel edge, `softest` from the bit.
 /// @param voxel_edge [m].
 [[nodiscard]] HandConfig hand_config(const StageConfig& config, const Needs& needs, const Tool& tool, double voxel_edge);
-/// @returns the hand of [hand]. @param goals needed by hand.kind = "mouse". Errors as SimulatedHand, FeedHand and GoalHand; unavailable
+/// @returns the hand of [hand]. @param goals needed by hand.kind = "mouse"; a script's hand can be taken over with them. Errors as SimulatedHand, FeedHand and GoalHand; unavailable
 /// where a user's hand has no goals.
 [[nodiscard]] Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const Needs& needs, const Tool& tool,
                                                             double voxel_edge, const Pose& world_from_approach,
@@ -54,7 +54,7 @@ class Stage {
   struct Outside {
     FrameSink* sink = nullptr;
     HandSource* hand = nullptr;    ///< null: the scene's own hand
-    GoalMailbox* goals = nullptr;  ///< of a user, for hand.kind = "mouse"; null: nobody is there
+    GoalMailbox* goals = nullptr;  ///< of a user; null: nobody is there
     std::string restore_path{};    ///< checkpoint to start from; empty: bone as loaded
     bool history = false;          ///< enables undo and checkpoints
     bool one_thread = false;       ///< all steps run on one thread: contact reads one copy of bone instead of three

@@ -26,30 +26,6 @@ const std::array<Section, 3>& sections() {
   return all;
 }
 
-/// Remaining mineral density in a box of voxels.
-class DensityBox {
- public:
-  DensityBox(Voxmap& voxmap, const VoxelBox& box) : box_(box), values_(box.count()) {
-    if (box.empty()) return;
-    std::vector<float> hardness(box.count());
-    voxmap.read_density(box, values_);
-    voxmap.bone().read_hardness(box, hardness);
-    std::transform(values_.begin(), values_.end(), hardness.begin(), values_.begin(), std::multiplies<>());
-  }
-
-  /// Trilinear; 0 outside the voxels' centres.
-  [[nodiscard]] double at(const Vec3& index) const {
-    if (box_.empty() || glm::any(glm::lessThan(index, Vec3(box_.lo))) || glm::any(glm::greaterThan(index, Vec3(box_.hi - 1)))) return 0.0;
-    const Vec3i low = glm::min(Vec3i(glm::floor(index)), glm::max(box_.hi - 2, box_.lo));
-    return trilinear(index - Vec3(low),
-                     [&](unsigned n) { return static_cast<double>(values_[box_.offset_of(glm::min(low + cell_corner(n), box_.hi - 1))]); });
-  }
-
- private:
-  VoxelBox box_;
-  std::vector<float> values_;
-};
-
 /// Segments where triangles cross the plane `height` = 0. A vertex on the plane counts as above it.
 template <class Height, class ToPicture>
 std::vector<std::array<glm::dvec2, 2>> cross(const TriangleMesh& mesh, const Pose& bone_from_tool, Height&& height,
@@ -72,16 +48,40 @@ std::vector<std::array<glm::dvec2, 2>> cross(const TriangleMesh& mesh, const Pos
 
 }  // namespace
 
-TipSlices make_tip_slices(Voxmap& voxmap, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width, int size) {
-  BH_ASSERT(half_width > 0.0 && size >= 2);
-  const Affine index_from_bone = voxmap.bone().bone_from_index().inverse();
-  const Vec3 tip = bone_from_tool.translation;
-  VoxelBox box;
-  for (const Vec3& corner : Bounds{tip - half_width, tip + half_width}.corners()) {
-    box.include(Vec3i(glm::floor(index_from_bone * corner)));
-    box.include(Vec3i(glm::floor(index_from_bone * corner)) + 1);
+double MineralBox::at(const Vec3& p_bone) const {
+  const Vec3 index = index_from_bone * p_bone;
+  if (box.empty() || glm::any(glm::lessThan(index, Vec3(box.lo))) || glm::any(glm::greaterThan(index, Vec3(box.hi - 1)))) return 0.0;
+  const Vec3i low = glm::min(Vec3i(glm::floor(index)), glm::max(box.hi - 2, box.lo));
+  return trilinear(index - Vec3(low),
+                   [&](unsigned n) { return static_cast<double>(values[box.offset_of(glm::min(low + cell_corner(n), box.hi - 1))]); });
+}
+
+VoxelBox voxels_around(const Affine& index_from_bone, const Vec3& p_bone, double half_width) noexcept {
+  VoxelBox out;
+  for (const Vec3& corner : Bounds{p_bone - half_width, p_bone + half_width}.corners()) {
+    out.include(Vec3i(glm::floor(index_from_bone * corner)));
+    out.include(Vec3i(glm::floor(index_from_bone * corner)) + 1);
   }
-  const DensityBox density(voxmap, box.intersect(voxmap.bone().bounds()));
+  return out;
+}
+
+TipSlices make_tip_slices(Voxmap& voxmap, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width, int size) {
+  const Affine index_from_bone = voxmap.bone().bone_from_index().inverse();
+  MineralBox mineral{
+      voxels_around(index_from_bone, bone_from_tool.translation, half_width).intersect(voxmap.bone().bounds()), index_from_bone, {}};
+  if (!mineral.box.empty()) {
+    mineral.values.resize(mineral.box.count());
+    std::vector<float> hardness(mineral.box.count());
+    voxmap.read_density(mineral.box, mineral.values);
+    voxmap.bone().read_hardness(mineral.box, hardness);
+    std::transform(mineral.values.begin(), mineral.values.end(), hardness.begin(), mineral.values.begin(), std::multiplies<>());
+  }
+  return make_tip_slices(mineral, tool, bone_from_tool, half_width, size);
+}
+
+TipSlices make_tip_slices(const MineralBox& mineral, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width, int size) {
+  BH_ASSERT(half_width > 0.0 && size >= 2);
+  const Vec3 tip = bone_from_tool.translation;
   TipSlices out{.size = size, .pixel = 2.0 * half_width / size, .planes = {}};
   for (std::size_t n = 0; n < 3; ++n) {
     const Section& section = sections()[n];
@@ -99,7 +99,7 @@ TipSlices make_tip_slices(Voxmap& voxmap, const TriangleMesh& tool, const Pose& 
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x) {
         const Vec3 p = tip + out.pixel * ((x + 0.5 - 0.5 * size) * section.right + (y + 0.5 - 0.5 * size) * section.down);
-        plane.grey.push_back(static_cast<std::uint8_t>(std::floor(255.0 * std::clamp(density.at(index_from_bone * p), 0.0, 1.0) + 0.5)));
+        plane.grey.push_back(static_cast<std::uint8_t>(std::floor(255.0 * std::clamp(mineral.at(p), 0.0, 1.0) + 0.5)));
       }
     plane.tool = cross(
         tool, bone_from_tool, [&](const Vec3& p) { return p[section.across] - tip[section.across] - 1e-9; },

@@ -27,8 +27,23 @@ struct TipSlices {
   std::array<TipSlice, 3> planes;  ///< axial, coronal, sagittal
 };
 
+/// Remaining mineral density in a box of voxels: occupancy x remaining x hardness.
+struct MineralBox {
+  VoxelBox box;
+  Affine index_from_bone;     ///< of the voxels
+  std::vector<float> values;  ///< [-] of the box, x fastest
+
+  /// @returns the value at a point, trilinear; 0 outside the centres of the voxels.
+  [[nodiscard]] double at(const Vec3& p_bone) const;
+};
+/// @returns the voxels, in any grid, that a cube around a point needs. @param half_width [m].
+[[nodiscard]] VoxelBox voxels_around(const Affine& index_from_bone, const Vec3& p_bone, double half_width) noexcept;
+
 /// @param tool mesh of the bit as it erodes. @param half_width [m] > 0 from the tip, which is the centre, to the edges. @param size >= 2.
 /// The grey value of a pixel is occupancy x remaining x hardness at its centre, trilinear between voxels.
 [[nodiscard]] TipSlices make_tip_slices(Voxmap& voxmap, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width, int size);
+/// The same from voxels that were read before.
+[[nodiscard]] TipSlices make_tip_slices(const MineralBox& mineral, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width,
+                                        int size);
 
 }  // namespace burrhole

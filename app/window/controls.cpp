@@ -74,7 +74,7 @@ bool Controls::press_watching(Key key) {
   switch (key) {
     case Key::space:
     case Key::p:
-      transport.play(!transport.plays());
+      transport.run(!transport.runs());
       return true;
     case Key::left:
     case Key::right:
@@ -127,6 +127,13 @@ void Controls::press(Key key) {
     case Key::v:
     case Key::c:
       return camera_.next_mode();
+    case Key::k:
+      return toggle_cut();
+    case Key::t:
+      return take_over();
+    case Key::l:
+      requests_.slices = !requests_.slices;
+      return;
     case Key::equal:
     case Key::pad_plus:
       return camera_.zoom(kZoomStep);
@@ -231,12 +238,11 @@ void Controls::press_pad(const PadState& pad) {
   if (pad.x && !before.x) straighten();
 }
 
-void Controls::keep_in_reach(const LiveState& now) {
+void Controls::keep_in_reach() {
   // The goal of an arm at its largest force waits there, so that the first move back lowers the thrust.
-  const Vec3 hand = setup_.world_from_approach.inverse() * now.hand.world_from_hand.translation;
   const double reach = setup_.hand.push / setup_.hand.dynamics.stiffness;
-  const Vec3 pull = goal_.place - hand;
-  if (touches_ && glm::length(pull) > reach) goal_.place = hand + pull * (reach / glm::length(pull));
+  const Vec3 pull = goal_.place - hand_;
+  if (touches_ && glm::length(pull) > reach) goal_.place = hand_ + pull * (reach / glm::length(pull));
   goal_.place = glm::clamp(goal_.place, Vec3(-kFarAway, -kFarAway, -setup_.deepest), Vec3(kFarAway));
   const double lean = std::hypot(goal_.tilt_right, goal_.tilt_away);
   if (lean > setup_.hand.largest_tilt) {
@@ -249,13 +255,16 @@ void Controls::step(double dt, const LiveState& now, const PadState& pad) {
   runs_ = now.hand.tick > 0;
   touches_ = glm::length(now.force) > config_.touch;
   in_bone_ = touches_ || now.progress.depth > 0.0;
+  spins_ = now.hand.spin > 0.0;
+  hand_ = setup_.world_from_approach.inverse() * now.hand.world_from_hand.translation;
+  thrust_ = now.hand.thrust;
   press_pad(pad);
   turn_by_keys(dt);
   if (setup_.transport) setup_.transport->advance(dt);
   if (moves()) {
     move_by_keys(dt);
     move_by_pad(dt, pad);
-    keep_in_reach(now);
+    keep_in_reach();
   }
   const bool pad_spins = pad.present && beyond(pad.right_trigger, config_.pad_idle) > 0.0;
   goal_.spins = moves() && (locked_on_ || held(Key::space) || pad_spins);
@@ -267,7 +276,7 @@ void Controls::change_tool(std::size_t index) {
 }
 
 bool Controls::ask(InputKind kind, const std::string& text, const std::string& data) {
-  if (goal_.ends || setup_.transport) return false;
+  if (goal_.ends || !(is_own() || kind == InputKind::pause)) return false;
   // Bone that grows round a bit, and a larger bit in a hole, would press on each other with several times the thrust.
   const bool changes_bit_or_bone =
       kind == InputKind::tool || kind == InputKind::undo || kind == InputKind::reset || kind == InputKind::restore;
@@ -281,10 +290,24 @@ bool Controls::ask(InputKind kind, const std::string& text, const std::string& d
 }
 
 void Controls::toggle_pause() {
-  if (setup_.transport) return setup_.transport->play(!setup_.transport->plays());
+  if (setup_.transport) return setup_.transport->run(!setup_.transport->runs());
   if (!paused_) (void)ask(InputKind::pause);
   paused_ = !paused_ && !goal_.ends;
   locked_on_ = false;
+}
+
+void Controls::take_over() noexcept {
+  if (!runs_ || is_own() || setup_.transport || paused_ || goal_.ends) return;
+  goal_.takes_over = true;
+  goal_.place = hand_ - Vec3(0.0, 0.0, thrust_ / setup_.hand.dynamics.stiffness);
+  locked_on_ = spins_;
+}
+
+void Controls::toggle_cut() noexcept {
+  if (cut_.on)
+    cut_.on = false;
+  else
+    cut_.open_towards(camera_.camera(), setup_.world_from_approach);
 }
 
 void Controls::back_to_entry() noexcept {

@@ -14,6 +14,7 @@
 #include "app/scene/load.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/transport.h"
+#include "app/window/view_cut.h"
 #include "app/window/window_event.h"
 
 namespace burrhole {
@@ -42,6 +43,7 @@ struct ControlsSetup {
   Pose world_from_approach;
   double deepest = 0.1;                  ///< [m] of the goal below the entry
   std::vector<ToolText> tools;           ///< the first ten have the keys 1 to 9 and 0
+  bool demonstration = false;            ///< the scene's script drills until the person takes over
   std::optional<Transport> transport{};  ///< of a watched session: keys and mouse move its head and the camera, and no goal
 };
 
@@ -52,6 +54,7 @@ struct DisplayRequests {
   bool hints = true;        ///< of the first start
   bool screenshot = false;  ///< one, to be taken and cleared
   bool full_screen = false;
+  bool slices = false;    ///< through the tip
   bool asks_end = false;  ///< the question whether to end is shown
 };
 
@@ -68,6 +71,7 @@ class Controls {
 
   [[nodiscard]] const UserGoal& goal() const noexcept { return goal_; }
   [[nodiscard]] OrbitCamera& camera() noexcept { return camera_; }
+  [[nodiscard]] ViewCut& cut() noexcept { return cut_; }
   [[nodiscard]] DisplayRequests& requests() noexcept { return requests_; }
   [[nodiscard]] const std::vector<ToolText>& tools() const noexcept { return setup_.tools; }
   [[nodiscard]] Transport* transport() noexcept { return setup_.transport ? &*setup_.transport : nullptr; }  ///< null: a run
@@ -83,6 +87,9 @@ class Controls {
   bool checkpoint(const std::string& name) { return ask(InputKind::checkpoint, name); }
   void restore(const std::string& name) { (void)ask(InputKind::restore, name); }
   void toggle_pause();
+  void toggle_cut() noexcept;
+  /// Takes a demonstration over, from where the hand is.
+  void take_over() noexcept;
   void lock_drive(bool on) noexcept { locked_on_ = on; }
   void straighten() noexcept;
   void back_to_entry() noexcept;
@@ -101,12 +108,14 @@ class Controls {
   /// @returns whether the run gets the input.
   bool ask(InputKind kind, const std::string& text = {}, const std::string& data = {});
   /// The goal may move: the clocks run, and the run goes on.
-  [[nodiscard]] bool moves() const noexcept { return runs_ && !paused_ && !goal_.ends && !setup_.transport; }
+  [[nodiscard]] bool moves() const noexcept { return runs_ && !paused_ && !goal_.ends && is_own(); }
+  /// The person moves the hand: no script does, and no record.
+  [[nodiscard]] bool is_own() const noexcept { return !setup_.transport && (!setup_.demonstration || goal_.takes_over); }
   void turn_by_keys(double dt);
   void move_by_keys(double dt);
   void press_pad(const PadState& pad);
   void move_by_pad(double dt, const PadState& pad);
-  void keep_in_reach(const LiveState& now);
+  void keep_in_reach();
   void slide(double right, double up);
   void advance(double towards_bone, double dt);
   [[nodiscard]] bool held(Key key) const { return keys_.contains(static_cast<int>(key)); }
@@ -114,6 +123,7 @@ class Controls {
 
   ControlsSetup setup_;
   OrbitCamera camera_;
+  ViewCut cut_;
   ControlsConfig config_;
   DisplayRequests requests_;
   UserGoal goal_;
@@ -121,8 +131,10 @@ class Controls {
   std::optional<MouseButton> dragging_;
   double x_ = 0.0, y_ = 0.0;  // [pixels] of the pointer
   int width_ = 1, height_ = 1;
-  bool runs_ = false, paused_ = false, locked_on_ = false, touches_ = false, in_bone_ = false;
+  bool runs_ = false, paused_ = false, locked_on_ = false, touches_ = false, in_bone_ = false, spins_ = false;
   std::string answer_;
+  Vec3 hand_{0.0};       // [m] approach frame, as last seen
+  double thrust_ = 0.0;  // [N] as last seen
   PadState pad_before_;
   std::deque<Input> inputs_;
 };

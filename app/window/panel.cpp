@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/window/over_bone.h"
 #include "app/window/panel_parts.h"
 #include "app/window/panel_text.h"
 #include "app/window/transport_bar.h"
@@ -134,8 +135,8 @@ void Panel::drive(const WindowView& view) {
   ImGui::PushFont(gui_->small());
   if (view.transport)
     text("as recorded");
-  else if (plan_.demonstration)
-    text("The scene's own hand drills");
+  else if (plan_.demonstration && !view.goal.takes_over)
+    text("The scene's own hand drills; T takes over");
   else
     text(view.locked_on ? "on until X is pressed again" : "hold Space to drill, X to keep it on");
   ImGui::PopFont();
@@ -143,7 +144,8 @@ void Panel::drive(const WindowView& view) {
 }
 
 void Panel::tools(const WindowView& view) {
-  if (plan_.demonstration || view.transport || !ImGui::CollapsingHeader("Tool", ImGuiTreeNodeFlags_DefaultOpen)) return;
+  if ((plan_.demonstration && !view.goal.takes_over) || view.transport || !ImGui::CollapsingHeader("Tool", ImGuiTreeNodeFlags_DefaultOpen))
+    return;
   std::optional<std::size_t> wanted;
   std::vector<std::string> names;
   state_->with_controls([&](Controls& controls) {
@@ -189,7 +191,12 @@ void Panel::buttons(const WindowView& view) {
     button("End (Esc)", [](Controls& p) { p.requests().asks_end = true; });
   else
     button("Close (Esc)", [](Controls& p) { p.end(); });
+  ImGui::SameLine();
+  button(view.cut.on ? "Close the cut (K)" : "Cut open (K)", [](Controls& p) { p.toggle_cut(); });
+  button(view.requests.slices ? "No slices (L)" : "Slices (L)", [](Controls& p) { p.requests().slices = !p.requests().slices; });
+  ImGui::SameLine();
   button(view.requests.lab ? "Trainee (F2)" : "Lab (F2)", [](Controls& p) { p.requests().lab = !p.requests().lab; });
+  draw_cut_sliders(*gui_, *state_, view);
 }
 
 void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
@@ -212,7 +219,9 @@ void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
     text(fmt::format("{} ticks missed", view.live.missed));
   }
   text(fmt::format("{:.0f} pictures/s, {:.0f} ms each, {:.0f} ms late", figures.frames_per_s, figures.picture_ms, figures.latency_ms));
+  ImGui::PushTextWrapPos(0.0f);
   text(figures.quality);
+  ImGui::PopTextWrapPos();
   ImGui::PopFont();
   ImGui::Separator();
 }
@@ -225,6 +234,8 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
     ImGui::End();
     return;
   }
+  if (view.mode == CameraMode::microscope) draw_eyepiece(width, height);
+  draw_cut_handle(*gui_, *state_, view, plan_, width, height);
   warnings(view, width);
   if (!view.lines.empty()) {
     // Below the warnings, which stand in the middle of the upper edge.
@@ -249,7 +260,9 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
     ImGui::PopFont();
     ImGui::End();
   }
-  if (view.stage == RunStage::drilling && view.requests.hints && !plan_.demonstration && !view.transport) hints(view, width, height);
+  if (view.stage == RunStage::drilling && view.requests.hints && !view.requests.slices && (!plan_.demonstration || view.goal.takes_over) &&
+      !view.transport)
+    hints(view, width, height);
   if (view.paused) {
     begin_over("paused", ImVec2(0.5f * w, 0.35f * h), ImVec2(0.5f, 0.5f), 0.8f);
     ImGui::PushFont(gui_->big());

@@ -78,7 +78,7 @@ std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& v
 }
 
 std::span<const std::pair<const char*, const char*>> key_table() {
-  static constexpr std::array<std::pair<const char*, const char*>, 20> kKeys{{
+  static constexpr std::array<std::pair<const char*, const char*>, 22> kKeys{{
       {"Space (hold), X", "drill on; X keeps it on"},
       {"W, S or wheel", "advance and press; move back"},
       {"arrows, left drag", "move across the bone"},
@@ -90,9 +90,11 @@ std::span<const std::pair<const char*, const char*>> key_table() {
       {"Ctrl+wheel, + and -", "zoom"},
       {"F", "show the hole as at the start"},
       {"V", "view: orbit, surgeon, microscope"},
+      {"K, L", "cut the bone open; slices through the tip"},
       {"1 to 9, 0", "change the tool"},
       {"Z, Ctrl+R", "undo; bone as at the start"},
       {"P", "pause"},
+      {"T", "take a demonstration over"},
       {"F2", "panel for trainees or for the lab"},
       {"F11, F12", "full screen; screenshot"},
       {"H, F1", "hints; these keys"},
@@ -104,8 +106,8 @@ std::span<const std::pair<const char*, const char*>> key_table() {
 }
 
 std::span<const std::pair<const char*, const char*>> watching_keys() {
-  static constexpr std::array<std::pair<const char*, const char*>, 11> kKeys{{
-      {"Space, P", "play; pause"},
+  static constexpr std::array<std::pair<const char*, const char*>, 12> kKeys{{
+      {"Space, P", "run; pause"},
       {"left, right", "a second back, ahead"},
       {"Shift+left, right", "pause, and 10 ms back, ahead"},
       {"up, down", "twice, half the speed"},
@@ -114,6 +116,7 @@ std::span<const std::pair<const char*, const char*>> watching_keys() {
       {"middle drag", "move the view"},
       {"wheel, + and -", "zoom"},
       {"F, V", "show the hole as at the start; orbit, surgeon, microscope"},
+      {"K, L", "cut the bone open; slices through the tip"},
       {"F2, F11, F12", "all figures; full screen; screenshot"},
       {"F1, Esc", "these keys; close"},
   }};

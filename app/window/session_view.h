@@ -1,4 +1,4 @@
-/// app/window/session_view.h: a recorded session in a window, with a time line: play, pause, step, speed, jump.
+/// app/window/session_view.h: a recorded session in a window, with a time line: run, pause, step, speed, jump.
 ///   The session is replayed as it was recorded, so bone, tool and forces at the head are those of the run, bit for bit. A jump back
 ///   begins again and computes the steps up to there.
 ///   Threads  the caller's, which must be the main thread, polls events; replay and drawing have their own.

@@ -12,9 +12,9 @@ constexpr double kAhead = 0.1;  // [s] of real time that the head may be ahead o
 
 Transport::Transport(double duration, double tick) noexcept : duration_(std::max(0.0, duration)), tick_(tick) {}
 
-void Transport::play(bool plays) noexcept {
-  if (plays && !plays_ && head_ > duration_ - 0.5 * tick_) jump(0.0);
-  plays_ = plays;
+void Transport::run(bool runs) noexcept {
+  if (runs && !runs_ && head_ > duration_ - 0.5 * tick_) jump(0.0);
+  runs_ = runs;
 }
 
 void Transport::set_speed(double speed) noexcept {
@@ -28,15 +28,15 @@ void Transport::jump(double time) noexcept {
 }
 
 void Transport::step(double by) noexcept {
-  plays_ = false;
+  runs_ = false;
   jump(head_ + by);
 }
 
 void Transport::advance(double dt) noexcept {
-  if (!plays_ || seeks_ || !(dt > 0.0)) return;
+  if (!runs_ || seeks_ || !(dt > 0.0)) return;
   const double furthest = std::max(head_, arrived_ + std::max(tick_, kAhead * speed_));
   head_ = std::min({head_ + speed_ * dt, furthest, duration_});
-  if (head_ >= duration_ && has_arrived()) plays_ = false;
+  if (head_ >= duration_ && has_arrived()) runs_ = false;
 }
 
 void Transport::arrive(double time) noexcept {

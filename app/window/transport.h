@@ -1,4 +1,4 @@
-/// app/window/transport.h: play head of a watched session: play, pause, step, speed, jumps.
+/// app/window/transport.h: the head of a watched session: run, pause, step, speed, jumps.
 ///   The replay computes the steps up to the head and reports how far it is. A jump back makes it begin again.
 ///   Units  s of recorded time.   Errors  none: every value is kept in its range.   Thread  one at a time.
 #pragma once
@@ -12,13 +12,13 @@ class Transport {
   /// @param duration of the session. @param tick of its servo.
   Transport(double duration, double tick) noexcept;
 
-  /// At the end it plays from the start.
-  void play(bool plays) noexcept;
+  /// At the end it runs from the start.
+  void run(bool runs) noexcept;
   void set_speed(double speed) noexcept;  ///< kept within kSlowest and kFastest
   void jump(double time) noexcept;
   /// Pauses, and moves the head by a signed time.
   void step(double by) noexcept;
-  /// Moves the head of a session that plays. @param dt [s] of real time.
+  /// Moves the head of a session that runs. @param dt [s] of real time.
   void advance(double dt) noexcept;
   /// The replay has computed all steps before `time`.
   void arrive(double time) noexcept;
@@ -27,7 +27,7 @@ class Transport {
   [[nodiscard]] double arrived() const noexcept { return arrived_; }
   [[nodiscard]] double duration() const noexcept { return duration_; }
   [[nodiscard]] double speed() const noexcept { return speed_; }
-  [[nodiscard]] bool plays() const noexcept { return plays_; }
+  [[nodiscard]] bool runs() const noexcept { return runs_; }
   /// The head is before what has been computed.
   [[nodiscard]] bool is_behind() const noexcept { return head_ < arrived_ - 0.5 * tick_; }
   /// The replay has nothing to compute until the head moves.
@@ -38,7 +38,7 @@ class Transport {
  private:
   double duration_, tick_;
   double head_ = 0.0, arrived_ = 0.0, speed_ = 1.0;
-  bool plays_ = true, seeks_ = false;
+  bool runs_ = true, seeks_ = false;
 };
 
 }  // namespace burrhole

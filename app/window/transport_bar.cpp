@@ -23,7 +23,7 @@ void buttons(WindowState& state, const Transport& transport) {
   button("|<", [](Transport& t) { t.jump(0.0); });
   button("-1 s", [](Transport& t) { t.jump(t.head() - 1.0); });
   button("-10 ms", [](Transport& t) { t.step(-0.01); });
-  button(transport.plays() ? "Pause" : " Play ", [](Transport& t) { t.play(!t.plays()); });
+  button(transport.runs() ? "Pause" : "Resume", [](Transport& t) { t.run(!t.runs()); });
   button("+10 ms", [](Transport& t) { t.step(0.01); });
   button("+1 s", [](Transport& t) { t.jump(t.head() + 1.0); });
   button("slower", [](Transport& t) { t.set_speed(0.5 * t.speed()); });

@@ -1,4 +1,4 @@
-/// app/window/transport_bar.h: the time line of a watched session, below its picture: play, pause, step, speed, jump.
+/// app/window/transport_bar.h: the time line of a watched session, below its picture: run, pause, step, speed, jump.
 ///   Units  pixels.   Errors  none.   Thread  the one that draws, between Gui::begin() and Gui::end().
 #pragma once
 

@@ -9,8 +9,10 @@
 
 #include "app/render/picture_texture.h"
 #include "app/render/png.h"
+#include "app/render/tip_slices_picture.h"
 #include "app/view/quality.h"
 #include "app/view/stereo.h"
+#include "app/window/transport_bar.h"
 
 namespace burrhole {
 namespace {
@@ -20,8 +22,22 @@ using Steady = std::chrono::steady_clock;
 constexpr auto kFrame = std::chrono::microseconds(16'000);  // between two pictures of a window that changes
 constexpr auto kIdle = std::chrono::milliseconds(40);       // of one that does not
 constexpr double kBoneShare = 0.4;                          // of the time, at most, for pixels whose bone has changed
+constexpr double kSliceHalfWidth = 0.012;                   // [m] shown around the tip
+constexpr double kSliceStep = 5e-5;                         // [m] of the tip, less changes no slice
+constexpr double kSliceEvery = 0.1;                         // [s] between two pictures of the slices, at least
+constexpr int kSliceSize = 200;                             // [pixels] of a slice at scale 1
 constexpr double kSmooth = 0.1;                             // share of a new value in the shown frame rate and latency
 const Vec3 kGround(0.06, 0.065, 0.075);
+
+/// Shows the slices in the lower left corner of the picture, above the time line of a session.
+void show_slices(const PictureTexture& slices, const WindowView& view, const Gui& gui, int height) {
+  const float edge = 12.0f * gui.scale(), below = edge + (view.transport ? transport_height(gui) : 0.0f);
+  const auto wide = static_cast<float>(slices.width()), tall = static_cast<float>(slices.height());
+  const ImVec2 at(edge, static_cast<float>(height) - below - tall);
+  // ImGui keeps names of OpenGL textures as pointers.  NOLINTNEXTLINE(performance-no-int-to-ptr)
+  ImGui::GetBackgroundDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(slices.name())), at,
+                                           ImVec2(at.x + wide, at.y + tall));
+}
 
 double seconds(Steady::duration d) { return std::chrono::duration<double>(d).count(); }
 
@@ -36,6 +52,7 @@ class Viewer::Sink final : public PictureSink {
     return viewer_->call([&] {
       viewer_->texels_.clear();  // of an earlier run of the same session
       viewer_->bone_changed_ = true;
+      viewer_->tool_look_ = tool;
       return own().start(volume, tool);
     });
   }
@@ -51,6 +68,7 @@ class Viewer::Sink final : public PictureSink {
   Status change_tool(const TriangleMesh& tool) override {
     return viewer_->call([&] {
       viewer_->bone_changed_ = true;
+      viewer_->tool_look_ = tool;
       return own().change_tool(tool);
     });
   }
@@ -179,9 +197,10 @@ Result<std::unique_ptr<PictureSink>> Viewer::make_sink(const DisplayConfig& disp
   return std::unique_ptr<PictureSink>(std::make_unique<Sink>(*this));
 }
 
-void Viewer::set_base(const FrameView& base, bool tool_turns) {
-  post([this, base, tool_turns] {
+void Viewer::set_base(const FrameView& base, const Pose& world_from_approach, bool tool_turns) {
+  post([this, base, world_from_approach, tool_turns] {
     base_ = base;
+    world_from_approach_ = world_from_approach;
     tool_turns_ = tool_turns;
   });
 }
@@ -216,6 +235,7 @@ void Viewer::loop() {
   }
   posted_.notify_all();
   texture_.reset();
+  slices_.reset();
   gui_.reset();
   parts_ = {};
   context_.reset();
@@ -251,12 +271,14 @@ void Viewer::draw_frame() {
   state_->set_picture_size(width - side, height);
   const bool turned = !last_camera_ || !(*last_camera_ == view.camera);
   if (base_ && parts_.renderer != nullptr && width > side) draw_picture(view, width - side, height);
+  draw_slices(view);
   texture_->clear_window(width, height, kGround);
   gui_->begin(width, height, since);
   if (texture_->name() != 0)
     // ImGui keeps names of OpenGL textures as pointers.  NOLINTNEXTLINE(performance-no-int-to-ptr)
     ImGui::GetBackgroundDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture_->name())),
                                              ImVec2(0.0f, 0.0f), ImVec2(static_cast<float>(width - side), static_cast<float>(height)));
+  if (slices_) show_slices(*slices_, view, *gui_, height);
   panel_->draw(view, figures_, width, height);
   gui_->end();
   state_->take_mouse(gui_->wants_mouse());
@@ -281,6 +303,7 @@ void Viewer::send_texels() {
   }
   for (const TexelBox& texels : texels_) parts_.sink->update(texels);
   bone_changed_ = bone_changed_ || !texels_.empty();
+  slices_stale_ = slices_stale_ || !texels_.empty();
   texels_.clear();
 }
 
@@ -289,10 +312,11 @@ Viewer::Change Viewer::find_change(const WindowView& view, int width, int height
   out.frame.camera = view.camera;
   if (view.live.hand.tick > 0)
     out.frame.world_from_tool = tool_turns_ ? turned_tool(view.live.world_from_tool, view.turned) : view.live.world_from_tool;
-  out.frame.cut = make_scene_cut(display_.cut, view.camera, out.frame.world_from_bone, view.live.world_from_tool.translation);
+  out.frame.cut = view.cut.on ? view.cut.plane(world_from_approach_)
+                              : make_scene_cut(display_.cut, view.camera, out.frame.world_from_bone, view.live.world_from_tool.translation);
   const auto differ = [](const Pose& a, const Pose& b) { return a.translation != b.translation || a.rotation != b.rotation; };
   const std::optional<Pose>& tool = out.frame.world_from_tool;
-  out.camera = !last_camera_ || !(*last_camera_ == view.camera);
+  out.camera = !last_camera_ || !(*last_camera_ == view.camera) || !(last_cut_ == view.cut);
   out.tool = tool.has_value() != last_tool_.has_value() || (tool && differ(*tool, *last_tool_));
   out.bone = bone_changed_;
   out.size = width != picture_width_ || height != picture_height_;
@@ -355,11 +379,32 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   figures_.coarse = change.camera && share < 1.0;
   figures_.quality = quality_text(quality_, false);
   last_camera_ = change.frame.camera;
+  last_cut_ = view.cut;
   last_tool_ = change.frame.world_from_tool;
   picture_width_ = width;
   picture_height_ = height;
   bone_changed_ = false;
   drawn_ = true;
+}
+
+void Viewer::draw_slices(const WindowView& view) {
+  if (!view.requests.slices || !base_ || parts_.renderer == nullptr) {
+    slices_.reset();
+    slices_stale_ = true;
+    return;
+  }
+  const auto now = Steady::now();
+  const Pose bone_from_tool = base_->world_from_bone.inverse() * view.live.world_from_tool;
+  const bool moved = glm::length(bone_from_tool.translation - sliced_at_) > kSliceStep;
+  if (slices_ && !((moved || slices_stale_) && seconds(now - sliced_) > kSliceEvery)) return;
+  auto mineral = parts_.renderer->read_mineral(bone_from_tool.translation, kSliceHalfWidth);
+  if (!mineral) return state_->say("The slices cannot be drawn: " + mineral.error().text(), true);
+  const int size = static_cast<int>(static_cast<float>(kSliceSize) * gui_->scale());
+  if (!slices_) slices_ = std::make_unique<PictureTexture>(parts_.renderer->context());
+  slices_->set(draw_tip_slices(make_tip_slices(*mineral, tool_look_, bone_from_tool, kSliceHalfWidth, size)));
+  sliced_at_ = bone_from_tool.translation;
+  sliced_ = now;
+  slices_stale_ = false;
 }
 
 void Viewer::take_screenshot(int width, int height) {

@@ -91,8 +91,8 @@ class Viewer {
   // Run thread.
   /// Makes the sink on the drawing thread. The viewer must outlive it.
   [[nodiscard]] Result<std::unique_ptr<PictureSink>> make_sink(const DisplayConfig& display, const std::string& folder);
-  /// Sets light, background and place of the bone.
-  void set_base(const FrameView& base, bool tool_turns);
+  /// Sets light, background and place of the bone, and of the plan.
+  void set_base(const FrameView& base, const Pose& world_from_approach, bool tool_turns);
   /// Runs f on the drawing thread and waits. unavailable: that thread has ended.
   [[nodiscard]] Status call(const std::function<Status()>& f);
   /// Runs f there later, in the order of the posts.
@@ -111,13 +111,15 @@ class Viewer {
   /// What the next picture shows, and which parts of it differ from the last.
   struct Change {
     FrameView frame;
-    bool camera = false, tool = false, bone = false, size = false;
+    bool camera = false, tool = false, bone = false, size = false;  // camera: or the cut
   };
   [[nodiscard]] Change find_change(const WindowView& view, int width, int height) const;
   /// Decides on one ray a pixel or on the scene's quality. @returns whether it changed.
   bool choose_quality(const WindowView& view, const Change& change);
   /// One picture, or those of both eyes joined, as the scene's stereo says.
   [[nodiscard]] Result<Image> draw_eyes(const FrameView& frame, int width, int height);
+  /// Draws the slices through the tip, if they are asked for and bone or tip has changed.
+  void draw_slices(const WindowView& view);
   void take_screenshot(int width, int height);
 
   GlfwWindow* window_;
@@ -138,12 +140,18 @@ class Viewer {
   std::unique_ptr<Panel> panel_;
   WindowSinkParts parts_;
   DisplayConfig display_;
-  std::unique_ptr<PictureTexture> texture_;
+  std::unique_ptr<PictureTexture> texture_, slices_;  // slices_: null while they are not asked for
+  TriangleMesh tool_look_;
+  Vec3 sliced_at_{0.0};
+  bool slices_stale_ = true;
+  Time sliced_{};
   std::optional<FrameView> base_;
   bool tool_turns_ = true, bone_changed_ = false, drawn_ = false, refined_ = true, grown_ = false;
   DrawingQuality quality_, run_quality_;  // of the last picture; of the pictures of the run
   DynamicResolution pace_;
+  Pose world_from_approach_;
   std::optional<CameraView> last_camera_;
+  ViewCut last_cut_;
   std::optional<Pose> last_tool_;
   std::vector<TexelBox> texels_;  // of changed bone, not sent to the renderer yet
   double bone_time_ = 0.0;        // [s] of the last picture with changed bone

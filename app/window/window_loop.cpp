@@ -26,11 +26,13 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   setup.world_from_approach = world_from_approach;
   setup.tools = start.tools;
   setup.deepest = thickness + kBeyondBone;
+  setup.demonstration = start.demonstration;
   setup.transport = start.transport;
   WindowPlan plan;
   plan.title = loaded.scene.title;
   plan.approach = stage.approach;
   plan.world_from_bone = loaded.scene.volume.world_from_bone;
+  plan.world_from_approach = world_from_approach;
   plan.spin_rpm = loaded.scene.tool.spin / kRevPerMinute;
   plan.reference_push = start.demonstration ? 0.0 : start.reference_push;
   plan.largest_push = loaded.scene.goal_hand ? loaded.scene.goal_hand->push : 2.0 * loaded.scene.hand.push;
@@ -38,7 +40,8 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   plan.marks = start.marks;
   state.begin(plan, setup, OrbitCamera(world_from_approach, display.azimuth, display.elevation, display.distance, 0.8 * thickness),
               start.tool);
-  viewer.set_base(make_frame_view(display, plan.world_from_bone, world_from_approach, thickness, false), stage.tool->turns);
+  viewer.set_base(make_frame_view(display, plan.world_from_bone, world_from_approach, thickness, false), world_from_approach,
+                  stage.tool->turns);
 }
 
 void poll_window(GlfwWindow& window, WindowState& state, RunSwitches& switches, const std::function<bool(const WindowView&)>& stops,

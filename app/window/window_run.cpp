@@ -55,7 +55,7 @@ Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
   });
   // A script does not read the goal by which a person ends a run.
   poll_window(
-      *window, state, switches, [&](const WindowView& view) { return run.start.demonstration && view.goal.ends; },
+      *window, state, switches, [&](const WindowView& view) { return run.start.demonstration && !view.goal.takes_over && view.goal.ends; },
       [&] {
         if (run.job.say) run.job.say("window: ready");
       });

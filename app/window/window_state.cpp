@@ -102,7 +102,7 @@ void WindowState::step(double dt, const PadState& pad) {
   controls_->step(dt, live_, pad);
   goals_.publish(controls_->goal());
   const Transport* const transport = controls_->transport();
-  const double pace = transport == nullptr ? (controls_->paused() ? 0.0 : 1.0) : transport->plays() ? transport->speed() : 0.0;
+  const double pace = transport == nullptr ? (controls_->paused() ? 0.0 : 1.0) : transport->runs() ? transport->speed() : 0.0;
   turned_ += pace * dt * live_.hand.spin * plan_.spin_rpm * kRevPerMinute;
   turned_ -= std::floor(turned_);
   if (std::string answer = controls_->take_answer(); !answer.empty()) lines_.push_back({time_, std::move(answer), true});
@@ -140,6 +140,7 @@ WindowView WindowState::view() {
   if (!controls_) return out;
   out.camera = controls_->camera().camera();
   out.mode = controls_->camera().mode();
+  out.cut = controls_->cut();
   out.goal = controls_->goal();
   out.paused = controls_->paused();
   out.fine = controls_->fine();

@@ -35,7 +35,7 @@ struct MessageLine {
 struct WindowPlan {
   std::string title;
   Approach approach;
-  Pose world_from_bone;
+  Pose world_from_bone, world_from_approach;
   double spin_rpm = 0.0;             ///< full speed of the drive
   double reference_push = 0.0;       ///< [N] thrust of the scene's script, a mark on the gauge; 0: none
   double largest_push = 0.0;         ///< [N] of the arm
@@ -49,6 +49,7 @@ struct WindowView {
   LiveState live;
   CameraView camera;
   CameraMode mode = CameraMode::orbit;
+  ViewCut cut;
   UserGoal goal;
   DisplayRequests requests;
   bool paused = false, fine = false, locked_on = false, pad = false;

@@ -72,6 +72,15 @@ void GoalHand::drive(bool spins) noexcept {
   state_.spin += config_.run_up > 0.0 ? step_to(wanted, state_.spin, 1.0, period_ / config_.run_up) : wanted - state_.spin;
 }
 
+void GoalHand::start_from(const HandState& other) noexcept {
+  state_ = other;
+  state_.phase = HandPhase::approach;
+  position_ = world_from_approach_.inverse() * other.world_from_hand.translation;
+  velocity_ = glm::conjugate(world_from_approach_.rotation) * other.velocity;
+  goal_ = position_ - Vec3(0.0, 0.0, std::min(other.thrust, config_.push) / config_.dynamics.stiffness);
+  tilt_right_ = tilt_away_ = 0.0;
+}
+
 void GoalHand::apply(const Wrench& on_hand) noexcept {
   const UserGoal& wanted = goals_->latest();
   if (is_usable(wanted)) follow(wanted);

@@ -20,6 +20,7 @@ struct UserGoal {
   double tilt_right = 0.0, tilt_away = 0.0;  ///< [rad] of the shaft about the tip: towards +x, towards +y of the approach frame
   bool spins = false;                        ///< the drive is switched on
   bool ends = false;                         ///< the run is to end
+  bool takes_over = false;                   ///< the user takes the hand of a script over (taken_hand.h)
 };
 using GoalMailbox = TripleBuffer<UserGoal>;
 
@@ -46,6 +47,8 @@ class GoalHand final : public HandSource {
   /// Advances one tick under a wrench in the world frame. It uses the force [N] and ignores the torque. A goal that is not finite is
   /// ignored.
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
+  /// Starts again from another hand's state: its place, speed, thrust, spin and tick; upright.
+  void start_from(const HandState& other) noexcept BH_REALTIME;
 
  private:
   GoalHand(const GoalHandConfig& config, const Pose& world_from_approach, double period, GoalMailbox& goals, const MassSpringDamper& body);

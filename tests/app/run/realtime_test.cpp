@@ -7,6 +7,7 @@
 #include "core/base/spsc_queue.h"
 #include "haptics/device/device_config.h"
 #include "haptics/device/device_hand.h"
+#include "haptics/hand/taken_hand.h"
 #include "haptics/servo/realtime.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/memory_trap.h"
@@ -164,7 +165,8 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
          "haptics/device/simulated_device.h: set_goal", "haptics/device/simulated_device.h: shown", "haptics/device/device_hand.h: read",
          "haptics/device/device_hand.h: apply", "haptics/device/device_hand.h: drive_changed", "haptics/hand/hand_source.h: drive_changed",
          "haptics/hand/simulated_hand.h: drive_changed", "haptics/hand/feed_hand.h: read", "haptics/hand/feed_hand.h: apply",
-         "haptics/hand/goal_hand.h: read", "haptics/hand/goal_hand.h: apply");
+         "haptics/hand/goal_hand.h: read", "haptics/hand/goal_hand.h: apply", "haptics/hand/goal_hand.h: start_from",
+         "haptics/hand/taken_hand.h: read", "haptics/hand/taken_hand.h: apply", "haptics/hand/taken_hand.h: drive_changed");
   check_clean(drive(load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}))));
 
   const LoadedScene loaded = load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}));
@@ -182,11 +184,18 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
   auto user = GoalHand::create({}, {}, 1e-3, goals);
   REQUIRE(user);
   goals.publish({.place = {0.001, 0.0, -0.002}, .tilt_right = 0.1, .spins = true});
+  GoalMailbox takers;
+  auto taken = TakenHand::create(*alone, {}, {}, 1e-3, takers);
+  REQUIRE(taken);
   clear_trap();
   on_trap([&] {
     for (int n = 0; n < 100; ++n) {
       static_cast<void>(user->read());
       user->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
+      if (n == 50) takers.publish({.spins = true, .takes_over = true});
+      static_cast<void>(taken->read());
+      taken->drive_changed();
+      taken->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
       device->set_goal({.rest = Vec3(0.0, 0.0, -1e-5 * n), .thrust = Vec3(0.0, 0.0, -1.0)});
       static_cast<void>(hand->read());
       static_cast<void>(device->shown(Vec3(0.0, 0.0, 100.0)));

@@ -22,7 +22,7 @@ WindowEvent wheel(double steps) { return {.kind = WindowEvent::Kind::scroll, .y 
 WindowEvent focus(bool gained) { return {.kind = WindowEvent::Kind::focus, .down = gained}; }
 
 struct Rig {
-  Rig() : controls(setup(), OrbitCamera(kWorld, 0.0, 0.8, 0.074, 0.005)) {
+  explicit Rig(const ControlsSetup& from = setup()) : controls(from, OrbitCamera(kWorld, 0.0, 0.8, 0.074, 0.005)) {
     controls.set_picture_size(800, 600);
     touch(0.0, GoalHandConfig{}.standoff);
     run(kStep);  // the clocks run
@@ -316,4 +316,73 @@ TEST_CASE("controls: a game pad moves, drills and undoes; a pad that is gone sto
   idle.left_x = std::numeric_limits<double>::quiet_NaN();
   rig.run(0.5, idle);
   CHECK(rig.place() == before);
+}
+
+TEST_CASE("controls: a demonstration is the script's until it is taken over, from where the hand is") {
+  ControlsSetup setup = Rig::setup();
+  setup.demonstration = true;
+  Rig rig(setup);
+  const Vec3 before = rig.place();
+  rig.handle(key(Key::w, true));
+  rig.run(0.5);
+  rig.handle(key(Key::w, false));
+  rig.press(Key::z);
+  CHECK(rig.place() == before);
+  CHECK_FALSE(rig.controls.take_input());
+  rig.touch(28.0, -0.004);
+  rig.live.hand.thrust = 28.0;
+  rig.live.hand.spin = 1.0;
+  rig.run(kStep);
+  rig.press(Key::t);
+  CHECK(rig.controls.goal().takes_over);
+  CHECK(rig.place().z == doctest::Approx(-0.004 - 28.0 / setup.hand.dynamics.stiffness));
+  rig.run(kStep);
+  CHECK(rig.controls.goal().spins);  // as it did
+  rig.handle(key(Key::s, true));
+  rig.run(0.2);
+  rig.handle(key(Key::s, false));
+  CHECK(rig.place().z > -0.004);
+  rig.press(Key::x);
+  rig.run(kStep);
+  CHECK_FALSE(rig.controls.goal().spins);
+}
+
+TEST_CASE("controls: the keys of a watched session move its head and the view, and no goal") {
+  ControlsSetup setup = Rig::setup();
+  setup.transport = Transport(20.0, 1e-3);
+  Rig rig(setup);
+  Transport& transport = *rig.controls.transport();
+  const Vec3 before = rig.place();
+  transport.arrive(5.0);
+  transport.jump(5.0);
+  rig.press(Key::space);
+  CHECK_FALSE(transport.runs());
+  rig.press(Key::right);
+  CHECK(transport.head() == doctest::Approx(6.0));
+  rig.handle(key(Key::left_shift, true));
+  rig.press(Key::left);
+  rig.handle(key(Key::left_shift, false));
+  CHECK(transport.head() == doctest::Approx(5.99));
+  rig.press(Key::up);
+  CHECK(transport.speed() == 2.0);
+  rig.press(Key::down);
+  rig.press(Key::down);
+  CHECK(transport.speed() == 0.5);
+  const CameraView camera = rig.controls.camera().camera();
+  rig.handle(key(Key::left_control, true));
+  rig.handle(key(Key::left, true));
+  rig.run(0.1);
+  rig.handle(key(Key::left, false));
+  rig.handle(key(Key::left_control, false));
+  CHECK_FALSE(rig.controls.camera().camera() == camera);
+  CHECK(transport.head() == doctest::Approx(5.99));
+  for (const Key other : {Key::w, Key::x, Key::z, Key::r, Key::digit_0, Key::t}) rig.press(other);
+  rig.run(0.1);
+  CHECK(rig.place() == before);
+  CHECK_FALSE(rig.controls.goal().spins);
+  CHECK_FALSE(rig.controls.take_input());
+  rig.press(Key::home);
+  CHECK(transport.head() == 0.0);
+  rig.press(Key::escape);
+  CHECK(rig.controls.goal().ends);
 }

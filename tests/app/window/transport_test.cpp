@@ -79,7 +79,7 @@ TEST_CASE("steps pause, and go both ways") {
   Transport transport(1.0, kTick);
   double time = 0.0;
   transport.step(kTick);
-  CHECK_FALSE(transport.plays());
+  CHECK_FALSE(transport.runs());
   CHECK(compute(transport, time, 100) == 1);
   transport.advance(1.0);
   CHECK(compute(transport, time, 100) == 0);
@@ -92,7 +92,7 @@ TEST_CASE("steps pause, and go both ways") {
   CHECK_FALSE(transport.is_behind());
 }
 
-TEST_CASE("at the end it stops; play begins again") {
+TEST_CASE("at the end it stops; running begins again") {
   Transport transport(0.05, kTick);
   double time = 0.0;
   for (int n = 0; n < 100; ++n) {
@@ -100,8 +100,8 @@ TEST_CASE("at the end it stops; play begins again") {
     (void)compute(transport, time, 1000);
   }
   CHECK(transport.head() == 0.05);
-  CHECK_FALSE(transport.plays());
-  transport.play(true);
+  CHECK_FALSE(transport.runs());
+  transport.run(true);
   CHECK(transport.is_behind());
   CHECK(transport.head() == 0.0);
 }

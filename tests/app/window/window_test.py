@@ -216,6 +216,19 @@ class Window(WithFolder):
         self.assertIsNotNone(json.loads((self.out / "summary.json").read_text())["drilling"]["breakthrough_s"])
         self.assert_replays()
 
+    def test_a_demonstration_is_taken_over(self):
+        self.start("--demo")
+        time.sleep(3.0)
+        self.press("k", "l")
+        self.press("t")
+        self.hold("w", 2.0)
+        self.picture()
+        self.press("x")
+        self.hold("s", 1.0)
+        summary = self.end()
+        self.assertEqual(summary["end"], "done")
+        self.assert_replays()
+
     def test_a_demonstration_is_ended_by_closing_the_window(self):
         self.start("--demo")
         started = time.monotonic()

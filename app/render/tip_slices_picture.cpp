@@ -1,15 +1,14 @@
-// Draws three slices through the tip side by side into one picture.
+#include "app/render/tip_slices_picture.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "app/cli/picture_sink.h"
 #include "app/render/overlay.h"
-#include "app/render/png.h"
 #include "core/base/units.h"
 
-namespace burrhole::cli {
+namespace burrhole {
 namespace {
 
 constexpr Rgba8 kGround{24, 28, 34, 255}, kHair{96, 150, 190, 255}, kTool{255, 150, 40, 255};
@@ -36,13 +35,14 @@ Image draw_slice(const TipSlice& slice, const TipSlices& all) {
   side(slice.right, size - edge - wide, middle + 0.5 * letter);
   side(slice.bottom, middle - 0.5 * wide, size - edge);
   side(slice.top, middle - 0.5 * wide, 3.2 * letter);
-  draw_text(image, fmt::format("{}, {} = {:.1f} mm", slice.name, slice.axis, slice.at / kMillimetre), {edge, edge + letter}, letter);
+  const double at = std::round(10.0 * slice.at / kMillimetre) / 10.0 + 0.0;  // no negative zero
+  draw_text(image, fmt::format("{}, {} = {:.1f} mm", slice.name, slice.axis, at), {edge, edge + letter}, letter);
   return image;
 }
 
 }  // namespace
 
-Status write_tip_slices(const std::string& file, const TipSlices& slices) {
+Image draw_tip_slices(const TipSlices& slices) {
   const int gap = std::max(4, slices.size / 60);
   Image sheet{3 * slices.size + 4 * gap, slices.size + 2 * gap, {}};
   sheet.pixels.assign(static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height), kGround);
@@ -63,7 +63,7 @@ Status write_tip_slices(const std::string& file, const TipSlices& slices) {
                     static_cast<std::ptrdiff_t>((static_cast<std::size_t>(y + gap) * static_cast<std::size_t>(sheet.width)) + left));
     }
   }
-  return write_png(file, sheet);
+  return sheet;
 }
 
-}  // namespace burrhole::cli
+}  // namespace burrhole

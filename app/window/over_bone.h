@@ -1,0 +1,20 @@
+/// app/window/over_bone.h: what lies over the picture of the bone and is moved there: the handle of the cut, the slices through the tip.
+///   Units  pixels.   Errors  none.   Thread  the one that draws, between Gui::begin() and Gui::end().
+#pragma once
+
+#include "app/window/gui.h"
+#include "app/window/window_state.h"
+
+namespace burrhole {
+
+/// The handle of the plane at which the picture is cut open; a drag moves the plane along its normal. Draws nothing without a cut.
+/// @param width, height of the picture.
+void draw_cut_handle(const Gui& gui, WindowState& state, const WindowView& view, const WindowPlan& plan, int width, int height);
+
+/// The dark edge of a microscope's round field, over a picture of that size.
+void draw_eyepiece(int width, int height);
+
+/// Offset and direction of the cut, for the panel.
+void draw_cut_sliders(const Gui& gui, WindowState& state, const WindowView& view);
+
+}  // namespace burrhole

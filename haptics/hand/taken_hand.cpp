@@ -1,0 +1,27 @@
+#include "haptics/hand/taken_hand.h"
+
+namespace burrhole {
+
+Result<TakenHand> TakenHand::create(const SimulatedHand& script, const GoalHandConfig& user, const Pose& world_from_approach, double period,
+                                    GoalMailbox& goals) {
+  auto hand = GoalHand::create(user, world_from_approach, period, goals);
+  if (!hand) return hand.error();
+  return TakenHand(script, *hand, goals);
+}
+
+void TakenHand::apply(const Wrench& on_hand) noexcept {
+  if (!taken_ && goals_->latest().takes_over) {
+    user_.start_from(script_.read());
+    taken_ = true;
+  }
+  if (taken_)
+    user_.apply(on_hand);
+  else
+    script_.apply(on_hand);
+}
+
+void TakenHand::drive_changed() noexcept {
+  if (!taken_) script_.drive_changed();
+}
+
+}  // namespace burrhole
