@@ -7,6 +7,7 @@
 #include <ctime>
 #include <filesystem>
 
+#include "app/job/folder_lock.h"
 #include "app/report/drill_report.h"
 #include "app/report/file.h"
 #include "core/base/cpu_model.h"
@@ -251,6 +252,8 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (sink && job.say) job.say("renderer: " + sink->driver());
   if (simulation->approach().from_inside && job.warn) job.warn("the axis points out of the skull: it meets brain or dura before the entry");
   if (Status made = make_folder(job.folder); !made) return made.error();
+  const auto lock = FolderLock::take(job.folder);
+  if (!lock) return lock.error();
   remove_old_results(job.folder);
   auto session = open_session(loaded, job, simulation->stage(), sink.get());
   if (!session) return session.error();

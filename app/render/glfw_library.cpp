@@ -1,6 +1,7 @@
 #include "app/render/glfw_library.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace burrhole {
 
@@ -28,7 +29,44 @@ Result<Glfw> load_glfw() {
   return glfw;
 }
 
+namespace {
+
+std::atomic<bool> lost{false};
+
+// In place of Xlib's, which both end the process. The function of Xlib that met the loss then returns.
+int note_loss(void*) {
+  lost.store(true, std::memory_order_release);
+  return 0;
+}
+// Xlib leaves its display locked for a process that ends; other threads would wait for ever.
+void go_on(void* display, void* unlock) { reinterpret_cast<void (*)(void*)>(unlock)(display); }
+
+}  // namespace
+
+void survive_display_loss() {
+  // Xlib's own names, without its header: `Display*` is a pointer here. Without them (an older Xlib, Wayland) a loss ends the process.
+  using GetDisplay = void* (*)();
+  using SetHandler = void* (*)(int (*handler)(void* display));
+  using SetExit = void (*)(void* display, void (*handler)(void* display, void* data), void* data);
+  const auto glfw = open_gl_library("libglfw.so.3", "libglfw3");
+  const auto xlib = open_gl_library("libX11.so.6", "libx11-6");
+  GetDisplay display = nullptr;
+  SetHandler set_handler = nullptr;
+  SetExit set_exit = nullptr;
+  if (!glfw || !xlib || !find_symbol(glfw.value(), "glfwGetX11Display", display) ||
+      !find_symbol(xlib.value(), "XSetIOErrorHandler", set_handler) || !find_symbol(xlib.value(), "XSetIOErrorExitHandler", set_exit))
+    return;
+  void* const unlock = find_symbol(xlib.value(), "XUnlockDisplay");
+  void* const shown = display();
+  if (shown == nullptr || unlock == nullptr) return;
+  set_handler(note_loss);
+  set_exit(shown, go_on, unlock);
+}
+
+bool display_lost() noexcept { return lost.load(std::memory_order_acquire); }
+
 Status GlfwPlatform::make_current() {
+  if (display_lost()) return {};  // it stays current
   glfw_.MakeContextCurrent(window_);
   if (glfw_.GetError(nullptr) == GLFW_NO_ERROR) return {};
   return no_window("the driver refuses to make its context current");

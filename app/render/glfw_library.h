@@ -62,13 +62,21 @@ struct Glfw {
 /// shared. Also unavailable where GALLIUM_DRIVER names a driver that crashes Mesa.
 [[nodiscard]] Result<Glfw> load_glfw();
 
+/// From now on a lost connection to an X display sets display_lost(), where Xlib would end the process. Main thread.
+void survive_display_loss();
+/// Whether the connection is lost. From then on no function of GLFW may be called; a current context of software OpenGL stays usable.
+/// Any thread.
+[[nodiscard]] bool display_lost() noexcept;
+
 /// The context of a window, which the window or a derived class owns.
 class GlfwPlatform : public GlPlatform {
  public:
   GlfwPlatform(const Glfw& glfw, GLFWwindow* window) : glfw_(glfw), window_(window) {}
   [[nodiscard]] GlBackend backend() const noexcept override { return GlBackend::window; }
   [[nodiscard]] Status make_current() override;
-  void release() override { glfw_.MakeContextCurrent(nullptr); }
+  void release() override {
+    if (!display_lost()) glfw_.MakeContextCurrent(nullptr);
+  }
   [[nodiscard]] GlFunction find_function(const char* name) const override { return glfw_.GetProcAddress(name); }
 
  protected:

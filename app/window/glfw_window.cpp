@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <thread>
 
 #include "app/render/glfw_library.h"
 
@@ -23,7 +25,7 @@ struct GlfwWindow::Impl {
   bool full = false;
 
   ~Impl() {
-    if (window != nullptr) glfw.DestroyWindow(window);
+    if (window != nullptr && !display_lost()) glfw.DestroyWindow(window);
   }
   void send(const WindowEvent& event) const {
     if (handler) handler(event);
@@ -93,6 +95,7 @@ Result<GlfwWindow> GlfwWindow::create(const std::string& title, int width, int h
   if (impl->window == nullptr) return no_window("the display gives no OpenGL 4.5 core context: " + g.said());
   g.SetWindowSizeLimits(impl->window, kLeastWidth, kLeastHeight, GLFW_DONT_CARE, GLFW_DONT_CARE);
   impl->listen();
+  survive_display_loss();
   int w = 1, h = 1;
   g.GetFramebufferSize(impl->window, &w, &h);
   impl->pixels_wide = w;
@@ -104,9 +107,16 @@ Result<GlfwWindow> GlfwWindow::create(const std::string& title, int width, int h
 }
 
 void GlfwWindow::set_handler(std::function<void(const WindowEvent&)> handler) { impl_->handler = std::move(handler); }
-void GlfwWindow::wait(double seconds) { impl_->glfw.WaitEventsTimeout(seconds); }
+void GlfwWindow::wait(double seconds) {
+  if (display_lost())
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  else
+    impl_->glfw.WaitEventsTimeout(seconds);
+}
+bool GlfwWindow::is_lost() const noexcept { return display_lost(); }
 
 PadState GlfwWindow::pad() {
+  if (display_lost()) return {};
   for (int n = GLFW_JOYSTICK_1; n <= GLFW_JOYSTICK_LAST; ++n) {
     GLFWgamepadstate s;
     if (impl_->glfw.JoystickIsGamepad(n) != GLFW_TRUE || impl_->glfw.GetGamepadState(n, &s) != GLFW_TRUE) continue;
@@ -132,7 +142,7 @@ PadState GlfwWindow::pad() {
 }
 
 void GlfwWindow::set_full_screen(bool full) {
-  if (full == impl_->full) return;
+  if (full == impl_->full || display_lost()) return;
   const Glfw& g = impl_->glfw;
   GLFWmonitor* const monitor = g.GetPrimaryMonitor();
   const GLFWvidmode* const mode = monitor != nullptr ? g.GetVideoMode(monitor) : nullptr;
@@ -148,8 +158,12 @@ void GlfwWindow::set_full_screen(bool full) {
 }
 
 Result<GlContext> GlfwWindow::context() { return GlContext::create(std::make_unique<GlfwPlatform>(impl_->glfw, impl_->window)); }
-void GlfwWindow::release() noexcept { impl_->glfw.MakeContextCurrent(nullptr); }
-void GlfwWindow::swap() noexcept { impl_->glfw.SwapBuffers(impl_->window); }
+void GlfwWindow::release() noexcept {
+  if (!display_lost()) impl_->glfw.MakeContextCurrent(nullptr);
+}
+void GlfwWindow::swap() noexcept {
+  if (!display_lost()) impl_->glfw.SwapBuffers(impl_->window);
+}
 void GlfwWindow::set_interval(int interval) noexcept { impl_->glfw.SwapInterval(interval); }
 int GlfwWindow::width() const noexcept { return impl_->pixels_wide; }
 int GlfwWindow::height() const noexcept { return impl_->pixels_high; }

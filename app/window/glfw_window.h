@@ -23,6 +23,8 @@ class GlfwWindow {
   void set_handler(std::function<void(const WindowEvent&)> handler);
   /// Waits for events for `seconds` at most, and hands them on.
   void wait(double seconds);
+  /// The display is gone: nothing is shown any more, and no event comes. Any thread.
+  [[nodiscard]] bool is_lost() const noexcept;
   [[nodiscard]] PadState pad();
   void set_full_screen(bool full);
 

@@ -169,6 +169,7 @@ Status view_session(const SessionReader& session, const LoadedScene& loaded, con
   replaying.join();
   drawing.join();
   if (const auto error = state.error()) return *error;
+  if (window->is_lost()) return Error{ErrorCode::unavailable, "the display was lost", {}};
   return ran;
 }
 

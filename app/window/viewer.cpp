@@ -251,7 +251,7 @@ void Viewer::draw_until_closed() {
     while (!(state_->closed() && released_.load(std::memory_order_acquire))) {
       const auto start = Steady::now();
       serve();
-      if (gui_) draw_frame();
+      if (gui_ && !window_->is_lost()) draw_frame();
       const bool idle = seconds(Steady::now() - changed_at_) > 2.0 * config_.rest;
       std::unique_lock lock(mutex_);
       posted_.wait_until(lock, start + (idle ? kIdle : kFrame), [this] { return waited_for_ > 0; });

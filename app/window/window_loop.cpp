@@ -58,6 +58,7 @@ void poll_window(GlfwWindow& window, WindowState& state, RunSwitches& switches, 
       is_ready = true;
       ready();
     }
+    if (window.is_lost()) state.close();
     const bool signalled = switches.signal != nullptr && switches.signal->load(std::memory_order_relaxed);
     if (signalled || state.closed() || stops(view)) {
       switches.stop = true;

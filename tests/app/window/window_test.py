@@ -188,6 +188,25 @@ class Window(WithFolder):
         self.assertTrue((self.out / "summary.json").exists())
         self.assert_replays()
 
+    def test_a_lost_display_ends_the_run_with_its_results(self):
+        self.start()
+        self.press("x")
+        self.hold("w", 1.5)
+        self.display.server.kill()
+        self.display.server.wait()
+        self.assertEqual(self.process.wait(PATIENCE), 4, self.log.read_text())
+        self.assertIn("the display was lost", self.log.read_text())
+        self.assertTrue((self.out / "report.html").exists())
+        self.assert_replays()
+
+    def test_a_folder_belongs_to_one_run(self):
+        self.start()
+        second = run("drill", QUICK, "--offscreen", "--out", self.out)
+        self.assertEqual(second.returncode, 2, second.stderr)
+        self.assertIn(f"in use by process {self.process.pid} ", second.stderr)
+        self.end()
+        self.assert_replays()
+
     def test_a_monkey_ends_nothing(self):
         self.start()
         dice = random.Random(7)

@@ -1,0 +1,73 @@
+#include "app/job/folder_lock.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <utility>
+
+namespace burrhole {
+namespace {
+
+constexpr const char* kFile = ".burrhole-run";
+
+/// @returns what the file says of the run that has it.
+std::string owner_of(int file) {
+  std::array<char, 128> text{};
+  const ssize_t size = pread(file, text.data(), text.size(), 0);
+  std::string out(text.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  while (!out.empty() && out.back() == '\n') out.pop_back();
+  return out.empty() ? "another process" : out;
+}
+
+Error failed(const std::string& path, const char* what) { return bad_input(std::string(what) + ": " + std::strerror(errno), path); }
+
+}  // namespace
+
+Result<FolderLock> FolderLock::take(const std::string& folder) {
+  if (folder.empty()) return FolderLock({}, -1);
+  const std::string path = (std::filesystem::path(folder) / kFile).string();
+  for (;;) {
+    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+    if (file < 0) return failed(path, "the output folder cannot be locked");
+    FolderLock lock(path, file);
+    if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+      lock.path_.clear();  // it is the other's
+      if (errno != EWOULDBLOCK) return failed(path, "the output folder cannot be locked");
+      return bad_input(fmt::format("the output folder is in use by {}: give another one by --out", owner_of(file)), folder);
+    }
+    // Its last owner may have removed the file between open() and flock().
+    struct stat opened {
+    }, present{};
+    if (fstat(file, &opened) != 0 || stat(path.c_str(), &present) != 0 || opened.st_ino != present.st_ino ||
+        opened.st_dev != present.st_dev) {
+      lock.path_.clear();
+      continue;
+    }
+    const std::string text = fmt::format("process {} since {:%Y-%m-%d %H:%M:%S} UTC\n", getpid(), fmt::gmtime(std::time(nullptr)));
+    if (ftruncate(file, 0) != 0 || pwrite(file, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()))
+      return failed(path, "the output folder cannot be locked");
+    return lock;
+  }
+}
+
+FolderLock::FolderLock(FolderLock&& other) noexcept : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {
+  other.path_.clear();
+}
+
+FolderLock::~FolderLock() {
+  if (file_ < 0) return;
+  if (!path_.empty()) unlink(path_.c_str());  // before the lock ends, so that nobody else's file is removed
+  close(file_);
+}
+
+}  // namespace burrhole

@@ -1,0 +1,27 @@
+/// app/job/folder_lock.h: an output folder belongs to one run at a time.
+///   The file .burrhole-run in the folder is locked while the run lasts, and holds its process number and start. The lock ends with the
+///   process, however it ends.
+///   Thread  any.   Errors  bad_input: another run has the folder, or the file cannot be written.   Source  flock(2).
+#pragma once
+
+#include <string>
+
+#include "core/base/result.h"
+
+namespace burrhole {
+
+class FolderLock {
+ public:
+  /// @param folder exists. An empty name locks nothing.
+  [[nodiscard]] static Result<FolderLock> take(const std::string& folder);
+  FolderLock(FolderLock&& other) noexcept;
+  FolderLock& operator=(FolderLock&& other) = delete;
+  ~FolderLock();
+
+ private:
+  FolderLock(std::string path, int file) : path_(std::move(path)), file_(file) {}
+  std::string path_;
+  int file_ = -1;
+};
+
+}  // namespace burrhole
