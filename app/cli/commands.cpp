@@ -68,6 +68,21 @@ void SceneOption::add_to(CLI::App& command) {
       ->allow_extra_args(false);
 }
 
+void add_stereo_options(CLI::App& command, SceneOption& scene) {
+  command
+      .add_option_function<std::string>(
+          "--stereo", [&scene](const std::string& mode) { scene.sets.push_back(fmt::format("display.stereo=\"{}\"", mode)); },
+          "pictures of two eyes in one: side-by-side, top-bottom or anaglyph")
+      ->type_name("MODE")
+      ->check(CLI::IsMember({"off", "side-by-side", "top-bottom", "anaglyph"}));
+  command
+      .add_option_function<double>(
+          "--workbench", [&scene](double height) { scene.sets.push_back(fmt::format("display.workbench_mm={}", height)); },
+          "bone at its true size on a screen of that height, for a head before it (keys workbench_mm, head_mm, mirrored)")
+      ->type_name("MM")
+      ->check(CLI::Range(1.0, 5000.0));
+}
+
 void add_simd_option(CLI::App& command) {
   const auto choose = [](const std::string& name) {
     if (const Status chosen = choose_simd(name); !chosen) throw CLI::ValidationError("--simd", chosen.error().message);

@@ -38,6 +38,9 @@ struct SceneOption {
   [[nodiscard]] Result<TomlDocument> document() const;
 };
 
+/// Adds `--stereo` and `--workbench`, which set keys of [display].
+void add_stereo_options(CLI::App& command, SceneOption& scene);
+
 /// Adds `--simd`, for commands that run the simulation. The level is set while arguments are parsed, before any step.
 void add_simd_option(CLI::App& command);
 

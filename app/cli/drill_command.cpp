@@ -122,6 +122,7 @@ void add_drill(CLI::App& app, int& exit_code) {
                 "fails, or if --require-realtime is refused."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
+  add_stereo_options(*command, option->scene);
   command->add_option("--out", option->files.folder, "folder for the results")->type_name(kFolderValue)->capture_default_str();
   command->add_option("--restore", option->files.restore_path, "start from this checkpoint: the bone.vdb of an earlier run")
       ->type_name(kFileValue);

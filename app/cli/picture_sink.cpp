@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -90,18 +89,17 @@ class OffscreenSink final : public PictureSink {
   }
 
   Result<Image> draw_eyes(const FrameView& view, int width, int height) {
-    if (stereo_.mode == StereoMode::off) return draw_one(view, width, height);
-    const auto cameras = make_stereo_cameras(view.camera, stereo_, static_cast<double>(width) / height);
+    const auto cameras = make_eye_cameras(view.camera, stereo_, static_cast<double>(width) / height);
     if (!cameras) return cameras.error();
-    std::array<Image, 2> eyes;
-    for (std::size_t side = 0; side < 2; ++side) {
+    std::vector<Image> eyes;
+    for (const CameraView& camera : *cameras) {
       FrameView of_eye = view;
-      of_eye.camera = (*cameras)[side];
+      of_eye.camera = camera;
       auto image = draw_one(of_eye, width, height);
       if (!image) return image.error();
-      eyes[side] = std::move(image).value();
+      eyes.push_back(std::move(image).value());
     }
-    return join_eyes(stereo_.mode, eyes[0], eyes[1]);
+    return make_screen_picture(stereo_, std::move(eyes));
   }
 
   Result<Image> draw_one(const FrameView& view, int width, int height) {

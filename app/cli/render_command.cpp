@@ -108,6 +108,7 @@ void add_render(CLI::App& app, int& exit_code) {
        .exits = "Exit 4 if there is no OpenGL."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
+  add_stereo_options(*command, option->scene);
   command->add_option("--image", option->image, "PNG file to write")->type_name(kFileValue)->capture_default_str();
   command->add_option("--size", option->size, "size in pixels; default: the scene's")->type_name("WIDTHxHEIGHT");
   command->add_option("--camera", option->camera, "angles in degrees, distance to the entry in mm; default: the scene's")

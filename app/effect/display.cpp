@@ -109,16 +109,36 @@ CutConfig read_cut(TableReader& table) {
   return out;
 }
 
+std::optional<WorkbenchView> read_workbench(TableReader& table) {
+  const auto height = table.optional_number(
+      "workbench_mm", above_zero(0.0, kMillimetre, 5000.0),
+      "height of a screen at the camera's target, on which bone is shown at its true size and place for a head before it: the haptic "
+      "workbench of [AcostaLiu07]; absent: the camera's own distance and field");
+  if (!height) return std::nullopt;
+  WorkbenchView out{.height = *height};
+  const NumberRule millimetres{.fallback = std::nullopt, .min = -5000.0, .max = 5000.0, .to_si = kMillimetre};
+  const auto head = table.numbers("head_mm", std::vector<double>{0.0, 0.0, 500.0}, 3, millimetres,
+                                  "midway between the eyes, from the middle of the screen: right, up, towards the viewer");
+  out.head = {head[0], head[1], head[2]};
+  if (!(out.head.z > 0.0)) table.fault("head_mm", "the head must be in front of the screen: its third number must be above 0");
+  out.mirrored = table.boolean("mirrored", false, "the screen is seen in a mirror: the picture is upside down");
+  return out;
+}
+
 StereoView read_stereo(TableReader& table, double distance) {
   StereoView out;
   const std::string mode = table.choice(
       "stereo", "off", {"off", "side-by-side", "top-bottom", "anaglyph"},
       "pictures of two eyes in one, each eye with the pixels of the key size; anaglyph: for red and cyan glasses", {"quad-buffered"});
+  out.workbench = read_workbench(table);
   if (mode == "off") return out;
+  constexpr double kPupils = 63.0 * kMillimetre;  // mean of adults: Dodgson, Proc. SPIE 5291 (2004)
   out.mode = mode == "anaglyph" ? StereoMode::anaglyph : mode == "top-bottom" ? StereoMode::top_bottom : StereoMode::side_by_side;
-  out.separation =
-      table.optional_number("eye_separation_mm", above_zero(0.0, kMillimetre, 200.0), "distance between the eyes; default distance_mm / 30")
-          .value_or(distance / 30.0);
+  out.separation = table
+                       .optional_number("eye_separation_mm", above_zero(0.0, kMillimetre, 200.0),
+                                        "distance between the eyes; default distance_mm / 30, of a workbench 63")
+                       .value_or(out.workbench ? kPupils : distance / 30.0);
+  if (out.workbench) return out;
   out.screen = table
                    .optional_number("screen_mm", above_zero(0.0, kMillimetre, 5000.0),
                                     "distance from the eyes to the plane without parallax; default distance_mm")
@@ -240,6 +260,8 @@ std::string picture_text(const DisplayConfig& display) {
                        : display.stereo.mode == StereoMode::top_bottom ? "top-bottom"
                                                                        : "side-by-side",
                        display.stereo.separation / kMillimetre);
+  if (const auto& bench = display.stereo.workbench)
+    out += fmt::format(", workbench of {:.3g} mm{}", bench->height / kMillimetre, bench->mirrored ? ", mirrored" : "");
   return out + (display.scale_bar ? ", scale bar" : "");
 }
 
@@ -336,12 +358,13 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig&, Issues&
 }  // namespace
 
 EffectEntry display_effect() {
-  return {"display",
-          "pictures; without it none is drawn",
-          read,
-          {"method = \"slices\"", "quality = \"auto\"", "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]",
-           "cut = \"tip\"", "stereo = \"side-by-side\"", "stereo = \"top-bottom\"", "stereo = \"anaglyph\"", "tissue = \"plain\"",
-           "normals = \"recomputed\"", "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}};
+  return {
+      "display",
+      "pictures; without it none is drawn",
+      read,
+      {"method = \"slices\"", "quality = \"auto\"", "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]", "cut = \"tip\"",
+       "stereo = \"side-by-side\"", "stereo = \"top-bottom\"", "stereo = \"anaglyph\"", "workbench_mm = 300", "tissue = \"plain\"",
+       "normals = \"recomputed\"", "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}};
 }
 
 }  // namespace burrhole

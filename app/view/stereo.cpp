@@ -1,6 +1,8 @@
 #include "app/view/stereo.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "app/view/camera.h"
 #include "core/base/assert.h"
@@ -62,6 +64,44 @@ Result<std::array<CameraView, 2>> make_workbench_cameras(const Pose& world_from_
     eyes[side < 0 ? 0 : 1] = camera.value();
   }
   return eyes;
+}
+
+Result<std::vector<CameraView>> make_eye_cameras(const CameraView& camera, const StereoView& stereo, double aspect) {
+  const bool both = stereo.mode != StereoMode::off;
+  if (!stereo.workbench) {
+    if (!both) return std::vector<CameraView>{camera};
+    const auto eyes = make_stereo_cameras(camera, stereo, aspect);
+    if (!eyes) return eyes.error();
+    return std::vector<CameraView>(eyes->begin(), eyes->end());
+  }
+  const auto rays = make_camera_rays(camera, aspect);
+  if (!rays) return rays.error();
+  const Vec3 towards = glm::normalize(camera.eye - camera.target), right = glm::normalize(rays->right);
+  const Quat turned = glm::quat_cast(glm::dmat3(right, glm::cross(towards, right), towards));
+  const ScreenView screen{{turned, camera.target}, stereo.workbench->height * aspect, stereo.workbench->height};
+  const Pose world_from_head{turned, screen.world_from_screen * stereo.workbench->head};
+  if (both) {
+    const auto eyes = make_workbench_cameras(world_from_head, stereo.separation, screen);
+    if (!eyes) return eyes.error();
+    return std::vector<CameraView>(eyes->begin(), eyes->end());
+  }
+  const auto eye = make_screen_camera(world_from_head.translation, screen);
+  if (!eye) return eye.error();
+  return std::vector<CameraView>{*eye};
+}
+
+Image make_screen_picture(const StereoView& stereo, std::vector<Image> eyes) {
+  BH_ASSERT(eyes.size() == (stereo.mode == StereoMode::off ? 1u : 2u));
+  Image out = eyes.size() == 1 ? std::move(eyes.front()) : join_eyes(stereo.mode, eyes[0], eyes[1]);
+  if (!stereo.workbench || !stereo.workbench->mirrored) return out;
+  // Each eye's picture is turned upside down by itself: the left eye stays left, and above stays above.
+  const int parts = stereo.mode == StereoMode::top_bottom ? 2 : 1, rows = out.height / parts;
+  for (int part = 0; part < parts; ++part)
+    for (int y = 0; y < rows / 2; ++y) {
+      const auto row = [&](int n) { return out.pixels.begin() + static_cast<std::ptrdiff_t>(at(out, 0, part * rows + n)); };
+      std::swap_ranges(row(y), row(y) + out.width, row(rows - 1 - y));
+    }
+  return out;
 }
 
 Image join_eyes(StereoMode mode, const Image& left, const Image& right) {

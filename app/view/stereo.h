@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "app/view/view.h"
 #include "core/base/result.h"
@@ -31,6 +32,12 @@ struct ScreenView {
 /// [m] of the pupils.
 [[nodiscard]] Result<std::array<CameraView, 2>> make_workbench_cameras(const Pose& world_from_head, double separation,
                                                                        const ScreenView& screen);
+
+/// @returns the cameras of one picture: one, or left and right if the mode asks for two eyes; those of the workbench if there is one.
+/// @param aspect width / height of one eye's picture. Errors as above.
+[[nodiscard]] Result<std::vector<CameraView>> make_eye_cameras(const CameraView& camera, const StereoView& stereo, double aspect);
+/// @returns the picture of one or two eyes as the screen is to show it: joined, and upside down for a mirror. @param eyes as many as cameras.
+[[nodiscard]] Image make_screen_picture(const StereoView& stereo, std::vector<Image> eyes);
 
 /// @returns one picture of two with equal size: twice as wide (left eye left), twice as high (left eye on top), or, as an anaglyph for red
 /// and cyan glasses, of equal size: red is the left eye's luma (ITU-R BT.601), green and blue are those of the right eye.

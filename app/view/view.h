@@ -139,10 +139,19 @@ struct CameraView {
 /// Combination of the two pictures of a stereo pair.
 enum class StereoMode { off, side_by_side, top_bottom, anaglyph };
 
+/// The haptic workbench of [AcostaLiu07]: bone appears at its place and size behind or before a screen that stands at the camera's target,
+/// perpendicular to its view. The head may be anywhere before the screen; the camera's distance and field have no effect.
+struct WorkbenchView {
+  double height = 0.0;    ///< [m] of the screen; its width is that of the picture
+  Vec3 head{0.0};         ///< [m] midway between the eyes, from the middle of the screen: right, up, towards the viewer
+  bool mirrored = false;  ///< the screen is seen in a mirror: the picture is upside down
+};
+
 struct StereoView {
   StereoMode mode = StereoMode::off;
   double separation = 0.0;  ///< [m] distance of the eyes
-  double screen = 0.0;      ///< [m] distance of the plane without parallax from the eyes
+  double screen = 0.0;      ///< [m] distance of the plane without parallax from the eyes; not used by a workbench
+  std::optional<WorkbenchView> workbench{};
 };
 
 /// Light of [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0). `fill` adds a weak headlight, fill Cv max(N.V, 0); 0 gives the light of

@@ -4,7 +4,6 @@
 #include <imgui/imgui.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
 #include "app/render/picture_texture.h"
@@ -339,21 +338,21 @@ bool Viewer::choose_quality(const WindowView& view, const Change& change) {
 }
 
 Result<Image> Viewer::draw_eyes(const FrameView& frame, int width, int height) {
-  if (display_.stereo.mode == StereoMode::off) return parts_.renderer->draw_at_pace(frame, width, height, pace_);
   // Side by side and top-bottom, each eye has half of the picture, which its screen stretches.
   const bool beside = display_.stereo.mode == StereoMode::side_by_side, above = display_.stereo.mode == StereoMode::top_bottom;
   const int eye_width = beside ? width / 2 : width, eye_height = above ? height / 2 : height;
-  const auto cameras = make_stereo_cameras(frame.camera, display_.stereo, static_cast<double>(width) / height);
+  const auto cameras = make_eye_cameras(frame.camera, display_.stereo, static_cast<double>(width) / height);
   if (!cameras) return cameras.error();
-  std::array<Image, 2> eyes;
-  for (std::size_t side = 0; side < 2; ++side) {
+  std::vector<Image> eyes;
+  for (const CameraView& camera : *cameras) {
     FrameView of_eye = frame;
-    of_eye.camera = (*cameras)[side];
-    auto image = parts_.renderer->draw(of_eye, eye_width, eye_height);
+    of_eye.camera = camera;
+    auto image = cameras->size() == 1 ? parts_.renderer->draw_at_pace(of_eye, eye_width, eye_height, pace_)
+                                      : parts_.renderer->draw(of_eye, eye_width, eye_height);
     if (!image) return image.error();
-    eyes[side] = std::move(image).value();
+    eyes.push_back(std::move(image).value());
   }
-  return join_eyes(display_.stereo.mode, eyes[0], eyes[1]);
+  return make_screen_picture(display_.stereo, std::move(eyes));
 }
 
 void Viewer::draw_picture(const WindowView& view, int width, int height) {

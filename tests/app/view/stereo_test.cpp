@@ -97,6 +97,50 @@ TEST_CASE("workbench: the screen's corners are the picture's, wherever head and 
   }
 }
 
+TEST_CASE("workbench: bone on the screen's plane has its true size and place in both pictures, for any head and camera distance") {
+  const double aspect = 1.5, height = 0.3;
+  for (const double distance : {0.07, 0.4}) {
+    const Vec3 towards = glm::normalize(Vec3(0.3, -0.6, 0.7));
+    const CameraView camera{.eye = Vec3(0.01, 0.02, 0.0) + distance * towards, .target = {0.01, 0.02, 0.0}};
+    const Vec3 right = glm::normalize(glm::cross(-towards, camera.up)), up = glm::cross(right, -towards);
+    for (const Vec3& head : {Vec3(0.0, 0.0, 0.5), Vec3(0.2, 0.3, 0.4)}) {
+      const StereoView stereo{.mode = StereoMode::side_by_side, .separation = 0.06, .workbench = WorkbenchView{height, head}};
+      const auto eyes = make_eye_cameras(camera, stereo, aspect);
+      REQUIRE(eyes.ok());
+      REQUIRE(eyes->size() == 2);
+      const auto one = make_eye_cameras(camera, {.workbench = stereo.workbench}, aspect);
+      REQUIRE(one.ok());
+      REQUIRE(one->size() == 1);
+      CHECK(glm::length(0.5 * ((*eyes)[0].eye + (*eyes)[1].eye) - one->front().eye) < 1e-12);
+      for (const CameraView& eye : {(*eyes)[0], (*eyes)[1], one->front()}) {
+        const glm::dvec2 middle = seen(eye, aspect, camera.target);
+        CHECK(std::abs(middle.x) < 1e-9);
+        CHECK(std::abs(middle.y) < 1e-9);
+        // 40 mm are 40 mm of the screen, whose half width and height are 1 in the picture.
+        CHECK(seen(eye, aspect, camera.target + 0.04 * right).x == doctest::Approx(0.04 / (0.5 * aspect * height)).epsilon(1e-9));
+        CHECK(seen(eye, aspect, camera.target + 0.04 * up).y == doctest::Approx(0.04 / (0.5 * height)).epsilon(1e-9));
+      }
+      // Before the screen a point lies further right for the left eye; the sabotage: a camera that ignores the head would show none.
+      const Vec3 near = camera.target + 0.05 * towards;
+      CHECK(seen((*eyes)[0], aspect, near).x > seen((*eyes)[1], aspect, near).x + 0.01);
+    }
+  }
+  CHECK(make_eye_cameras({}, {}, aspect)->size() == 1);
+  CHECK(make_eye_cameras({}, {}, aspect)->front() == CameraView{});
+  CHECK_FALSE(make_eye_cameras({}, {.workbench = WorkbenchView{0.3, {0.0, 0.0, -0.1}}}, aspect).ok());
+}
+
+TEST_CASE("workbench: for a mirror each eye's picture is upside down") {
+  const Rgba8 a{1, 1, 1, 255}, b{2, 2, 2, 255}, c{3, 3, 3, 255}, d{4, 4, 4, 255};
+  const Image left{1, 2, {a, b}}, right{1, 2, {c, d}};
+  const WorkbenchView mirror{0.3, {0.0, 0.0, 0.5}, true};
+  CHECK(make_screen_picture({.workbench = mirror}, {left}).pixels == std::vector<Rgba8>{b, a});
+  CHECK(make_screen_picture({.mode = StereoMode::side_by_side, .workbench = mirror}, {left, right}).pixels ==
+        std::vector<Rgba8>{b, d, a, c});
+  CHECK(make_screen_picture({.mode = StereoMode::top_bottom, .workbench = mirror}, {left, right}).pixels == std::vector<Rgba8>{b, a, d, c});
+  CHECK(make_screen_picture({.mode = StereoMode::top_bottom}, {left, right}).pixels == std::vector<Rgba8>{a, b, c, d});
+}
+
 TEST_CASE("stereo: pictures are joined side by side, one over the other, or by colour") {
   Image left{2, 1, {{200, 100, 50, 255}, {1, 2, 3, 255}}}, right{2, 1, {{10, 20, 30, 255}, {4, 5, 6, 255}}};
   const Image beside = join_eyes(StereoMode::side_by_side, left, right);
