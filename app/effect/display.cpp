@@ -120,7 +120,7 @@ std::optional<WorkbenchView> read_workbench(TableReader& table) {
   const auto head = table.numbers("head_mm", std::vector<double>{0.0, 0.0, 500.0}, 3, millimetres,
                                   "midway between the eyes, from the middle of the screen: right, up, towards the viewer");
   out.head = {head[0], head[1], head[2]};
-  if (!(out.head.z > 0.0)) table.fault("head_mm", "the head must be in front of the screen: its third number must be above 0");
+  if (!(out.head.z > 0.0)) table.fault("head_mm", "must have a third number above 0: the head is in front of the screen");
   out.mirrored = table.boolean("mirrored", false, "the screen is seen in a mirror: the picture is upside down");
   return out;
 }

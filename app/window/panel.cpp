@@ -36,11 +36,31 @@ void PanelHistory::add(double time, double force, double depth) {
   if (time > time_[first]) feed_ = static_cast<double>(depth_.back() - depth_[first]) / (time - time_[first]);
 }
 
+void LatestValues::add(float value) {
+  if (values_.size() < kMost)
+    values_.push_back(value);
+  else
+    values_[next_++ % kMost] = value;
+}
+
+float LatestValues::at(double share) const {
+  if (values_.empty()) return 0.0f;
+  std::vector<float> sorted = values_;
+  const auto nth = sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
+  std::ranges::nth_element(sorted, nth);
+  return *nth;
+}
+
 int panel_width(int window_width, float scale) noexcept { return std::min(static_cast<int>(kPanelWidth * scale), window_width / 2); }
 
 void Panel::draw(const WindowView& view, const DisplayFigures& figures, int width, int height) {
   if (view.stage == RunStage::drilling || plan_.title.empty()) plan_ = state_->plan();
-  if (view.stage == RunStage::drilling) history_.add(view.live.time, glm::length(view.live.force), view.live.progress.depth);
+  if (view.stage == RunStage::drilling) {
+    history_.add(view.live.time, glm::length(view.live.force), view.live.progress.depth);
+    servo_us_.add(view.live.servo_us);
+    contact_us_.add(view.live.contact_us);
+    bone_us_.add(view.live.bone_us);
+  }
   const int side_width = panel_width(width, gui_->scale());
   over_picture(view, figures, width - side_width, height);
   side(view, figures, side_width, height);
@@ -214,8 +234,10 @@ void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
   text(fmt::format("plan: {:.1f} mm of bone, {:.1f} deg to its surface", plan_.approach.thickness / kMillimetre,
                    plan_.approach.angle / kDegree));
   if (!view.transport) {
-    text(fmt::format("servo {:.0f} us, contact {:.0f} us, bone {:.1f} ms", view.live.servo_us, view.live.contact_us,
-                     view.live.bone_us * 1e-3f));
+    constexpr double kHigh = 0.99;
+    text(fmt::format("servo {:.0f} us (p99 {:.0f}), contact {:.0f} us (p99 {:.0f}),", view.live.servo_us, servo_us_.at(kHigh),
+                     view.live.contact_us, contact_us_.at(kHigh)));
+    text(fmt::format("bone {:.1f} ms (p99 {:.1f})", view.live.bone_us * 1e-3f, bone_us_.at(kHigh) * 1e-3f));
     text(fmt::format("{} ticks missed", view.live.missed));
   }
   text(fmt::format("{:.0f} pictures/s, {:.0f} ms each, {:.0f} ms late", figures.frames_per_s, figures.picture_ms, figures.latency_ms));

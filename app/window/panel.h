@@ -37,6 +37,19 @@ class PanelHistory {
 /// Width of the panel [pixels] in a window of that width.
 [[nodiscard]] int panel_width(int window_width, float scale) noexcept;
 
+/// The latest values of a figure, for a percentile.
+class LatestValues {
+ public:
+  void add(float value);
+  /// @returns the value that `share` of them do not exceed; 0 without any.
+  [[nodiscard]] float at(double share) const;
+
+ private:
+  static constexpr std::size_t kMost = 512;
+  std::vector<float> values_;
+  std::size_t next_ = 0;
+};
+
 /// Draws everything but the picture.
 class Panel {
  public:
@@ -66,6 +79,7 @@ class Panel {
   WindowState* state_;
   WindowPlan plan_;
   PanelHistory history_;
+  LatestValues servo_us_, contact_us_, bone_us_;
   std::string report_;
   int checkpoints_ = 0;
 };
