@@ -3,12 +3,14 @@
 Run by ctest with the program's path in BURRHOLE_PROGRAM; exits 77 where Xvfb, openbox or xdotool is missing. Pictures of the window go to the
 folder BURRHOLE_PICTURES, if it is set.
 """
+import contextlib
 import json
 import os
 import pathlib
 import random
 import shutil
 import signal
+import sqlite3
 import struct
 import subprocess
 import sys
@@ -18,6 +20,8 @@ import unittest
 TESTS = pathlib.Path(__file__).resolve().parents[2]
 sys.path += [str(TESTS / "app" / "cli"), str(TESTS / "support")]
 from program_support import PROGRAM, QUICK, WithFolder, run  # noqa: E402
+import session_blocks  # noqa: E402
+import virtual_pad  # noqa: E402
 from virtual_display import PATIENCE, Display, missing  # noqa: E402
 
 
@@ -43,16 +47,16 @@ class Window(WithFolder):
             for picture in self.out.glob("screenshot-*.png"):
                 shutil.copy(picture, pathlib.Path(pictures) / f"{self._testMethodName}-{picture.name}")
 
-    def start(self, *arguments, scene=QUICK):
-        self.start_program("drill", scene, "--window", "--out", self.out, *arguments)
+    def start(self, *arguments, scene=QUICK, before=()):
+        self.start_program("drill", scene, "--window", "--out", self.out, *arguments, before=before)
         self.wait_until(lambda: "renderer: window" in self.log.read_text(), "the window's renderer")
         self.find_window()
         self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
 
-    def start_program(self, *words):
+    def start_program(self, *words, before=()):
         self.log = self.folder / "log"
         with self.log.open("w") as log:
-            self.process = subprocess.Popen([PROGRAM, *map(str, words)], env=self.display.environment, cwd=self.folder, stdout=subprocess.DEVNULL,
+            self.process = subprocess.Popen([*before, PROGRAM, *map(str, words)], env=self.display.environment, cwd=self.folder, stdout=subprocess.DEVNULL,
                                             stderr=log)
 
     def find_window(self):
@@ -142,6 +146,31 @@ class Window(WithFolder):
         summary = self.end()
         self.assertEqual(summary["drilling"]["removed_mm3"], 0.0)
         self.assertIsNone(summary["drilling"]["breakthrough_s"])
+        self.assert_replays()
+
+    @unittest.skipIf(virtual_pad.missing(), "umockdev-run is missing")
+    def test_a_game_pad_drills_and_is_unplugged(self):
+        spins = [(4.0, "right trigger", 255), (4.5, "left trigger", 255)]
+        back = [(11.0, "left trigger", 0), (11.1, "right bumper", 1), (12.5, "right bumper", 0), (12.6, "right trigger", 0)]
+        # Undo, fine control, the next view; then the drill is on and stays on.
+        last = [(13.5, "b", 1), (13.6, "b", 0), (13.7, "left bumper", 1), (13.8, "left bumper", 0), (13.9, "y", 1), (14.0, "y", 0),
+                (14.5, "right trigger", 255)]
+        self.start(before=virtual_pad.command(self.folder, spins + back + last))
+        time.sleep(16.0)
+        self.picture()
+        virtual_pad.unplug(self.process)
+        time.sleep(2.0)
+        self.picture()
+        summary = self.end()
+        self.assertEqual(summary["drilling"]["removed_mm3"], 0.0)  # undone by the pad
+        with contextlib.closing(sqlite3.connect(self.out / "session.sqlite")) as database:
+            columns = session_blocks.columns(database, "servo")
+            spin = [value for _, data in reversed(session_blocks.last_blocks(database, "servo", 4))
+                    for value in session_blocks.decode(data, columns)["spin_command"]]
+            kinds = [kind for (kind,) in database.execute("SELECT kind FROM events")]
+        self.assertIn("undo", kinds)
+        self.assertGreater(max(spin), 0.9)
+        self.assertEqual(spin[-1], 0.0)  # off, although its trigger was never released
         self.assert_replays()
 
     def test_mouse_wheel_and_drags(self):
