@@ -230,8 +230,8 @@ void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
   };
   plot("force", history_.force(), "N");
   plot("depth", history_.depth(), "mm");
-  text(fmt::format("feed {:.2f} mm/s, lean {:.1f} deg", history_.feed(), std::hypot(view.goal.tilt_right, view.goal.tilt_away) / kDegree));
-  text(fmt::format("plan: {:.1f} mm of bone, {:.1f} deg to its surface", plan_.approach.thickness / kMillimetre,
+  text(fmt::format("feed {:.2f} mm/s, {:.1f} deg off the bone's normal", history_.feed(), angle_to_surface(plan_, view.live) / kDegree));
+  text(fmt::format("plan: {:.1f} mm of bone, {:.1f} deg off its normal", plan_.approach.thickness / kMillimetre,
                    plan_.approach.angle / kDegree));
   if (!view.transport) {
     constexpr double kHigh = 0.99;

@@ -41,6 +41,11 @@ double beside_plan(const WindowPlan& plan, const LiveState& live) {
   return std::hypot(tip.x, tip.y);
 }
 
+double angle_to_surface(const WindowPlan& plan, const LiveState& live) {
+  const Vec3 shaft = live.world_from_tool.rotate(Vec3(0.0, 0.0, 1.0)), normal = plan.world_from_bone.rotate(plan.approach.normal);
+  return std::acos(std::clamp(glm::dot(shaft, normal), -1.0, 1.0));
+}
+
 std::string bone_left_text(const WindowPlan& plan, const LiveState& live) {
   if (live.progress.breakthrough_time) return "through";
   return beside_plan(plan, live) > kBesidePlan ? "-" : fmt::format("{:.1f} mm", bone_left(plan.approach, live.progress) / kMillimetre);
@@ -68,9 +73,9 @@ std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& v
   else if (is_near_exit(plan.approach, live.progress))
     out.push_back(fmt::format("{:.1f} mm of bone left: press less", bone_left(plan.approach, live.progress) / kMillimetre));
   if (plan.largest_push > 0.0 && live.hand.thrust > kMuchPush * plan.largest_push) out.emplace_back("The arm is at its largest force");
-  if (std::hypot(view.goal.tilt_right, view.goal.tilt_away) > kMuchLean)
-    out.push_back(
-        fmt::format("The drill leans by {:.0f} degrees from the plan", std::hypot(view.goal.tilt_right, view.goal.tilt_away) / kDegree));
+  // A bit that leans skates before it cuts, and its hole is oval.
+  if (const double angle = angle_to_surface(plan, live); angle > kMuchLean && !view.transport)
+    out.push_back(fmt::format("The drill stands {:.0f} degrees off the bone's normal", angle / kDegree));
   for (const ServoFault fault :
        {kServoForceNotFinite, kServoHandNotFinite, kServoHandLost, kServoContactStale, kServoEnergy, kServoSwinging})
     if ((live.faults & fault) != 0) out.push_back(fmt::format("Force: {}", name_of(fault)));

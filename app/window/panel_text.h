@@ -19,6 +19,8 @@ namespace burrhole {
 [[nodiscard]] std::string depth_text(const DrillProgress& progress);
 /// @returns the distance [m] of the tip from the planned axis. Bone left and layer are known along that axis alone.
 [[nodiscard]] double beside_plan(const WindowPlan& plan, const LiveState& live);
+/// @returns the angle [rad] between the shaft and the normal of the bone's surface at the planned entry.
+[[nodiscard]] double angle_to_surface(const WindowPlan& plan, const LiveState& live);
 /// @returns the bone left, "through", or "-" where the tip is too far beside the plan.
 [[nodiscard]] std::string bone_left_text(const WindowPlan& plan, const LiveState& live);
 /// @returns the layer at the cutting front, "air" above the bone, "through" behind it; "beside the plan" where the tip is too far from it.

@@ -78,7 +78,8 @@ Result<Approach> make_approach(const BoneModel& bone, const ApproachScene& scene
   }
   if (last_inside + kGap >= kDeepest) return bad_input("bone does not end within 60 mm along the approach axis");
   out.thickness = refine(bone, index_from_bone, entry, scene.axis, last_inside, last_inside + step, true);
-  out.angle = std::acos(std::clamp(glm::dot(-scene.axis, outward_normal(bone, index_from_bone, entry)), -1.0, 1.0));
+  out.normal = outward_normal(bone, index_from_bone, entry);
+  out.angle = std::acos(std::clamp(glm::dot(-scene.axis, out.normal), -1.0, 1.0));
   list_layers(bone, out);
   for (double above = step; above < kInside && !out.from_inside; above += step) {
     const VoxelLabel label = bone.label(voxel_of(index_from_bone * (entry - scene.axis * above)));

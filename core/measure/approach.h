@@ -19,10 +19,11 @@ struct ApproachScene {
 };
 
 struct Approach {
-  Pose bone_from_approach;   ///< origin on the outer surface
-  double thickness = 0.0;    ///< [m] of bone along the axis, by the 0.5 level of occupancy
-  double angle = 0.0;        ///< [rad] between the tool's axis and the outward normal at the entry
-  bool from_inside = false;  ///< dura or brain lies above the entry: the axis points out of the skull
+  Pose bone_from_approach;     ///< origin on the outer surface
+  double thickness = 0.0;      ///< [m] of bone along the axis, by the 0.5 level of occupancy
+  Vec3 normal{0.0, 0.0, 1.0};  ///< [-] unit, bone frame: outward normal of the surface at the entry
+  double angle = 0.0;          ///< [rad] between the tool's axis and this normal
+  bool from_inside = false;    ///< dura or brain lies above the entry: the axis points out of the skull
   /// Samples along the axis inside bone as loaded, a quarter voxel apart, outermost first.
   std::vector<Vec3> axis_index;    ///< [voxels] index coordinates
   std::vector<double> axis_depth;  ///< [m] depth from the entry

@@ -2,6 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/rotation.h"
 #include "core/base/units.h"
 
 using namespace burrhole;
@@ -67,10 +71,21 @@ TEST_CASE("panel: a person is warned of little bone, of the arm's limit, of lean
   view.live = at(1e-3, 1e-3);
   view.live.hand.thrust = 79.0;
   CHECK(has(warnings_of(plan(), view), "largest force"));
-  view.goal.tilt_right = 20.0 * kDegree;
+  view.live.world_from_tool.rotation = glm::angleAxis(20.0 * kDegree, Vec3(0.6, 0.8, 0.0));
   CHECK(has(warnings_of(plan(), view), "20 degrees"));
   view.live.faults = kServoContactStale;
   CHECK(has(warnings_of(plan(), view), name_of(kServoContactStale)));
+}
+
+TEST_CASE("panel: the angle is that between shaft and bone, also where the plan is oblique and the bone is turned") {
+  WindowPlan oblique = plan();
+  oblique.approach.normal = glm::normalize(Vec3(0.0, 0.5, 1.0));
+  oblique.world_from_bone = {glm::angleAxis(0.7, Vec3(1.0, 0.0, 0.0)), Vec3(0.1, 0.0, 0.0)};
+  LiveState live;
+  live.world_from_tool.rotation = rotation_from_z(oblique.world_from_bone.rotate(oblique.approach.normal));
+  CHECK(angle_to_surface(oblique, live) < 1e-6);
+  live.world_from_tool.rotation = oblique.world_from_bone.rotation;  // along the bone's z
+  CHECK(angle_to_surface(oblique, live) == doctest::Approx(std::atan(0.5)));
 }
 
 TEST_CASE("panel: beside the plan, bone left and layer are unknown and are not shown") {

@@ -56,6 +56,7 @@ TEST_CASE("approach: entry, thickness and angle of a curved skull agree with the
                          << angle / kDegree);
     // 1 degree: the differences span three voxels and the ramp about two, so that they saturate along the normal and not across it.
     CHECK(std::abs(p.approach->angle - angle) < 1.0 * kDegree);
+    CHECK(glm::dot(p.approach->normal, p.phantom.truth.normal(surface)) > std::cos(1.0 * kDegree));
   }
 }
 
