@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -42,27 +43,35 @@ std::string missing_data(const fs::path& scene, const std::string& source) {
   const std::string sidecar = source.ends_with(".toml") ? text_of(scene.parent_path() / source) : std::string();
   const bool needs = source.find("$BURRHOLE_DATA") != std::string::npos || sidecar.find("$BURRHOLE_DATA") != std::string::npos;
   const char* const folder = std::getenv("BURRHOLE_DATA");
-  if (!needs || (folder != nullptr && fs::is_directory(folder))) return {};
+  std::error_code ignored;
+  if (!needs || (folder != nullptr && fs::is_directory(folder, ignored))) return {};
   return "Its scan is not part of the program: set BURRHOLE_DATA to the folder that holds it";
+}
+
+/// @returns what a folder holds; nothing of one that cannot be read.
+std::vector<fs::path> entries_of(const fs::path& folder) {
+  std::vector<fs::path> out;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) out.push_back(at->path());
+  return out;
 }
 
 /// The shipped scenes, those without further data first.
 std::vector<Item> scenes() {
   std::vector<Item> out;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(fs::path(share_folder()) / "scenes", ignored)) {
-    if (entry.path().extension() != ".toml") continue;
-    const auto document = TomlDocument::load(entry.path().string());
+  for (const fs::path& path : entries_of(fs::path(share_folder()) / "scenes")) {
+    if (path.extension() != ".toml") continue;
+    const auto document = TomlDocument::load(path.string());
     if (!document) continue;
     Issues issues;
     TableReader root = document->root(issues);
-    const std::string name = entry.path().stem().string(), title = root.text("title", name, "");
+    const std::string name = path.stem().string(), title = root.text("title", name, "");
     auto volume = root.table("volume", "");
     auto tool = root.table("tool", "");
     const std::string source = volume ? volume->text("source", "", "") : "", bit = tool ? tool->text("name", "", "") : "";
     const std::string made = source.starts_with("phantom:") ? "generated bone" : "bone from a scan";
     const std::string folder = fmt::format("{}/{}-{:%Y%m%d-%H%M%S}", kResults, name, fmt::localtime(std::time(nullptr)));
-    out.push_back({{{}, title, fmt::format("{}, {}; results in {}", made, tool_title(bit), folder), missing_data(entry.path(), source)},
+    out.push_back({{{}, title, fmt::format("{}, {}; results in {}", made, tool_title(bit), folder), missing_data(path, source)},
                    {"drill", name, "--window", "--out", folder}});
   }
   std::ranges::sort(out, {}, [](const Item& item) { return std::pair(!item.choice.missing.empty(), item.words[1]); });
@@ -79,8 +88,7 @@ std::vector<Item> sessions() {
     if (fs::is_regular_file(session, ignored)) found.emplace_back(fs::last_write_time(session, ignored), session);
   };
   look(kResults);
-  for (const auto& entry : fs::directory_iterator(kResults, ignored))
-    if (entry.is_directory(ignored)) look(entry.path());
+  for (const fs::path& path : entries_of(kResults)) look(path);
   std::ranges::sort(found, std::greater<>());
   std::vector<Item> out;
   for (const auto& [time, path] : found) {

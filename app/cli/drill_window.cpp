@@ -74,7 +74,7 @@ void add_view_options(CLI::App& command, WindowOptions& options) {
 
 void add_window_options(CLI::App& command, WindowOptions& options) {
   command.add_flag("--window", options.asked, "in a window, or not at all; by default a window opens where there is a display");
-  command.add_flag("--demo", options.demonstration, "in the window, the scene's own hand drills, until you take over");
+  command.add_flag("--demo", options.demonstration, "in the window, the scene's own hand drills, for up to an hour, until you take over");
   add_view_options(command, options);
 }
 
@@ -128,7 +128,7 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
   return drill_in_window(loaded, std::move(run));
 }
 
-Status view_session_in_window(const std::string& path, const WindowOptions& options, bool quiet) {
+Result<bool> view_session_in_window(const std::string& path, const WindowOptions& options, bool quiet) {
   if (!has_display())
     return Error{ErrorCode::unavailable, "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set", {}};
   auto session = SessionReader::open(path);
@@ -142,14 +142,19 @@ Status view_session_in_window(const std::string& path, const WindowOptions& opti
   if (loaded->scene.find<DisplayConfig>() == nullptr)
     return bad_input("the session's scene has no [display], so there is nothing to show", path);
   CheckpointFile checkpoint;
-  if (Status written = checkpoint.write(*session); !written) return written;
+  if (Status written = checkpoint.write(*session); !written) return written.error();
   SessionView view;
   view.restore_path = checkpoint.path();
   view.make_sink = sink_maker({});
   view.viewer = viewer_config(options, fs::absolute(path).parent_path().string());
   view.stop = &stop_requested();
   if (!quiet) view.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
-  return view_session(*session, *loaded, view);
+  const auto viewed = view_session(*session, *loaded, view);
+  if (!viewed) return viewed.error();
+  if (viewed->same) return true;
+  fmt::print(stderr, "{}: bone or forces differ from those of the run\n", path);
+  if (const std::string why = why_different(session->meta()); !why.empty()) fmt::print(stderr, "{}\n", why);
+  return false;
 }
 
 }  // namespace burrhole::cli

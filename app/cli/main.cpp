@@ -68,11 +68,8 @@ bool refuse_unknown_command(const CLI::App& program, int argc, char** argv) {
 void run_command(CLI::App& app, int argc, char** argv, int& exit_code) {
   if (argc > 1) return app.parse(argc, argv);
   const auto chosen = choose_command();
-  if (!chosen) {
-    exit_code = report(chosen.error());
-    return;
-  }
-  if (!*chosen) throw CLI::CallForHelp();
+  if (!chosen) static_cast<void>(report(chosen.error()));
+  if (!chosen || !*chosen) throw CLI::CallForHelp();
   std::vector<std::string> words = **chosen;
   if (words.empty()) {  // closed
     if (stop_requested().load()) exit_code = kInterrupted;

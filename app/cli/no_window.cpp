@@ -17,7 +17,7 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene&, const WindowOptions
   return Error{ErrorCode::unavailable, "this build has no window", {}};
 }
 
-Status view_session_in_window(const std::string&, const WindowOptions&, bool) {
+Result<bool> view_session_in_window(const std::string&, const WindowOptions&, bool) {
   return Error{ErrorCode::unavailable, "this build has no window", {}};
 }
 

@@ -8,6 +8,7 @@
 
 #include "app/cli/commands.h"
 #include "app/report/file.h"
+#include "core/base/physics_version.h"
 
 namespace burrhole::cli {
 
@@ -21,6 +22,12 @@ Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t tick
   if (!display) (void)loaded->scene.effects.remove("display");
   loaded->scene.duration = static_cast<double>(ticks) / loaded->scene.servo_hz;
   return std::move(*loaded);
+}
+
+std::string why_different(const SessionMeta& meta) {
+  if (meta.physics_version == kPhysicsVersion) return {};
+  return fmt::format("recorded with physics version {}, replayed with {}: equal results are promised for equal versions only",
+                     meta.physics_version, kPhysicsVersion);
 }
 
 CheckpointFile::~CheckpointFile() {

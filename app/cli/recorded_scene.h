@@ -12,6 +12,9 @@ namespace burrhole::cli {
 /// @param display whether pictures will be drawn; otherwise [display] is removed. @param ticks of the session, which set the duration.
 [[nodiscard]] Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, bool display);
 
+/// @returns why a replay's voxels and forces could not be expected to be equal; empty when they could.
+[[nodiscard]] std::string why_different(const SessionMeta& meta);
+
 /// A temporary file for the checkpoint stored in a session, as OpenVDB reads files only.
 class CheckpointFile {
  public:

@@ -10,7 +10,6 @@
 #include "app/session/recorded_hand.h"
 #include "core/base/cpu_model.h"
 #include "core/base/hash.h"
-#include "core/base/physics_version.h"
 
 namespace burrhole::cli {
 namespace {
@@ -35,9 +34,7 @@ struct Replayed {
 /// @returns why equal results could not be expected; empty when they could.
 std::string why_different(const Replayed& replayed) {
   const SessionMeta& meta = replayed.recorded;
-  if (meta.physics_version != kPhysicsVersion)
-    return fmt::format("recorded with physics version {}, replayed with {}: equal results are promised for equal versions only",
-                       meta.physics_version, kPhysicsVersion);
+  if (std::string why = why_different(meta); !why.empty()) return why;
   if (!replayed.renderer.empty() && !meta.renderer.empty() && (meta.renderer != replayed.renderer || meta.cpu != cpu_model()))
     return fmt::format("recorded with {} on {}: equal pictures are promised for equal renderers and processors only", meta.renderer,
                        meta.cpu);
@@ -120,8 +117,8 @@ void add_replay(CLI::App& app, int& exit_code) {
   command->callback([option, &exit_code] {
     catch_signals();
     if (option->view) {
-      const Status shown = view_session_in_window(option->session, option->window, option->quiet);
-      exit_code = !shown ? report(shown.error()) : stop_requested().load() ? kInterrupted : kDone;
+      const auto same = view_session_in_window(option->session, option->window, option->quiet);
+      exit_code = !same ? report(same.error()) : !*same ? kCheckFailed : stop_requested().load() ? kInterrupted : kDone;
       return;
     }
     const auto replayed = replay(option->session, option->quiet, option->stills, option->gl);

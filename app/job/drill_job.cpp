@@ -59,14 +59,14 @@ std::vector<double> speeds(const std::vector<RunSample>& samples, std::size_t sp
   return out;
 }
 
-std::string setting_of(const Scene& scene) {
+std::string setting_of(const Scene& scene, bool by_user) {
   std::string out = fmt::format("{:.0f} rpm, ", scene.tool.spin / kRevPerMinute);
   if (scene.feed_hand && !scene.feed_hand->push)
     out += fmt::format("{:g} mm/s of feed", scene.feed_hand->feed / kMillimetre);
   else if (scene.goal_hand)
     out += fmt::format("a user's hand of at most {:g} N", scene.hand.push);
   else
-    out += fmt::format("{:g} N of thrust", scene.hand.push);
+    out += fmt::format("{:g} N of thrust{}", scene.hand.push, by_user ? " until a user took the drill over" : "");
   for (const EffectPlans::Item& item : scene.effects.items())
     if (const std::string setting = item.plan->setting(); !setting.empty()) out += ", " + setting;
   return out + ".";
@@ -89,7 +89,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
     if (const std::string name = layer_name(layer.label); !name.empty()) r.layers.push_back({name, layer.from * 1e3, layer.to * 1e3});
   for (const RunEvent& event : simulation.events())
     r.events.push_back({event.time, event.kind == "hand" ? "hand: " + event.text : event.kind});
-  r.setting = setting_of(loaded.scene);
+  r.setting = setting_of(loaded.scene, summary.by_user);
   for (const std::string& file : pictures) r.pictures.push_back({file, caption_of(file)});
   r.thickness_mm = summary.thickness_mm;
   r.depth_mm_at_breakthrough = summary.depth_mm;
@@ -264,6 +264,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (Status ran = simulation->run(); !ran) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   RunSummary summary = make_summary(loaded, *simulation, plan, wall);
+  summary.by_user = summary.by_user || (job.user != nullptr && job.user->took_over());
   std::vector<std::string> found;
   simulation->stage().warn(found);
   if (const auto left = simulation->inputs_left(); !left.empty() && job.user == nullptr)

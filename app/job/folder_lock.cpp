@@ -38,10 +38,12 @@ Result<FolderLock> FolderLock::take(const std::string& folder) {
   const std::string path = (std::filesystem::path(folder) / kFile).string();
   for (;;) {
     const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
-    if (file < 0) return failed(path, "the output folder cannot be locked");
+    if (file < 0) return failed(path, "the output folder cannot be locked by this file (if no run uses it, remove it)");
     FolderLock lock(path, file);
     if (flock(file, LOCK_EX | LOCK_NB) != 0) {
       lock.path_.clear();  // it is the other's
+      const bool cannot = errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL;
+      if (cannot) return lock;  // a file system without locks
       if (errno != EWOULDBLOCK) return failed(path, "the output folder cannot be locked");
       return bad_input(fmt::format("the output folder is in use by {}: give another one by --out", owner_of(file)), folder);
     }

@@ -1,6 +1,6 @@
 /// app/job/folder_lock.h: an output folder belongs to one run at a time.
 ///   The file .burrhole-run in the folder is locked while the run lasts, and holds its process number and start. The lock ends with the
-///   process, however it ends.
+///   process, however it ends. On a file system without locks nothing is locked.
 ///   Thread  any.   Errors  bad_input: another run has the folder, or the file cannot be written.   Source  flock(2).
 #pragma once
 

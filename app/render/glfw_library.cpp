@@ -32,6 +32,7 @@ Result<Glfw> load_glfw() {
 namespace {
 
 std::atomic<bool> lost{false};
+thread_local GLFWwindow* current = nullptr;
 
 // In place of Xlib's, which both end the process. The function of Xlib that met the loss then returns.
 int note_loss(void*) {
@@ -65,9 +66,16 @@ void survive_display_loss() {
 
 bool display_lost() noexcept { return lost.load(std::memory_order_acquire); }
 
+void GlfwPlatform::release() {
+  if (!display_lost()) glfw_.MakeContextCurrent(nullptr);
+  current = nullptr;
+}
+
 Status GlfwPlatform::make_current() {
-  if (display_lost()) return {};  // it stays current
+  // A context that is current stays so; none can be made current any more.
+  if (display_lost()) return current == window_ ? Status() : Status(no_window("the display was lost"));
   glfw_.MakeContextCurrent(window_);
+  current = window_;
   if (glfw_.GetError(nullptr) == GLFW_NO_ERROR) return {};
   return no_window("the driver refuses to make its context current");
 }

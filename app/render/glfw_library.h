@@ -74,9 +74,7 @@ class GlfwPlatform : public GlPlatform {
   GlfwPlatform(const Glfw& glfw, GLFWwindow* window) : glfw_(glfw), window_(window) {}
   [[nodiscard]] GlBackend backend() const noexcept override { return GlBackend::window; }
   [[nodiscard]] Status make_current() override;
-  void release() override {
-    if (!display_lost()) glfw_.MakeContextCurrent(nullptr);
-  }
+  void release() override;
   [[nodiscard]] GlFunction find_function(const char* name) const override { return glfw_.GetProcAddress(name); }
 
  protected:

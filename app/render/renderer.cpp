@@ -243,8 +243,7 @@ Result<MineralBox> Renderer::read_mineral(const Vec3& p_bone, double half_width)
     out.values = volume.read_mineral(out.box);
   };
   const auto holds = [&](const VolumeTexture& volume) {
-    const Vec3 index = volume.bone_from_index().inverse() * p_bone;
-    return glm::all(glm::greaterThanEqual(index, Vec3(0.0))) && glm::all(glm::lessThanEqual(index, Vec3(volume.dims() - 1)));
+    return VoxelBox{Vec3i(0), volume.dims()}.contains(voxels_around(volume.bone_from_index().inverse(), p_bone, half_width));
   };
   if (impl_->detail && holds(*impl_->detail))
     read(*impl_->detail);

@@ -37,6 +37,8 @@ class LiveUser {
   virtual void see(const LiveState& state) = 0;
   /// Receives what became of an input, one line.
   virtual void hear(const std::string& line) = 0;
+  /// @returns whether the person has taken a script's hand over.
+  [[nodiscard]] virtual bool took_over() { return false; }
   /// Called when the clocks have stopped for good; pictures and report follow.
   virtual void ended() {}
   /// Called when an input `pause` has stopped all clocks. @returns when the run is to go on or to end.

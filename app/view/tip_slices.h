@@ -27,7 +27,7 @@ struct TipSlices {
   std::array<TipSlice, 3> planes;  ///< axial, coronal, sagittal
 };
 
-/// Remaining mineral density in a box of voxels: occupancy x remaining x hardness.
+/// Grey values in a box of voxels, 0..1: for `render`, occupancy x remaining x hardness; in a window, what is drawn.
 struct MineralBox {
   VoxelBox box;
   Affine index_from_bone;     ///< of the voxels

@@ -95,6 +95,7 @@ Result<std::optional<std::size_t>> choose_in_window(const std::string& title, st
     auto before = std::chrono::steady_clock::now();
     for (bool done = false; !done;) {
       window->wait(kWait);
+      if (window->is_lost()) return Error{ErrorCode::unavailable, "the display was lost", {}};
       if (stop != nullptr && stop->load(std::memory_order_relaxed)) break;
       bool moved = false;
       for (const WindowEvent& event : events) {

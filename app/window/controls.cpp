@@ -299,6 +299,7 @@ void Controls::toggle_pause() {
 void Controls::take_over() noexcept {
   if (!runs_ || is_own() || setup_.transport || paused_ || goal_.ends) return;
   goal_.takes_over = true;
+  inputs_.push_back({0, InputKind::mark, 0.0, "the user takes the drill over", {}});
   goal_.place = hand_ - Vec3(0.0, 0.0, thrust_ / setup_.hand.dynamics.stiffness);
   locked_on_ = spins_;
 }

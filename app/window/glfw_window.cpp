@@ -164,7 +164,9 @@ void GlfwWindow::release() noexcept {
 void GlfwWindow::swap() noexcept {
   if (!display_lost()) impl_->glfw.SwapBuffers(impl_->window);
 }
-void GlfwWindow::set_interval(int interval) noexcept { impl_->glfw.SwapInterval(interval); }
+void GlfwWindow::set_interval(int interval) noexcept {
+  if (!display_lost()) impl_->glfw.SwapInterval(interval);
+}
 int GlfwWindow::width() const noexcept { return impl_->pixels_wide; }
 int GlfwWindow::height() const noexcept { return impl_->pixels_high; }
 float GlfwWindow::scale() const noexcept { return impl_->text_scale; }

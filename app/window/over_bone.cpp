@@ -17,7 +17,7 @@ ImVec2 place_of(const glm::dvec2& p) { return {static_cast<float>(p.x), static_c
 }  // namespace
 
 void draw_cut_handle(const Gui& gui, WindowState& state, const WindowView& view, const WindowPlan& plan, int width, int height) {
-  if (!view.cut.on) return;
+  if (!view.cut.on || !plan.one_eye) return;
   constexpr double kStep = kMillimetre;
   const Vec3 at = view.cut.offset * view.cut.normal() + Vec3(0.0, 0.0, kHandleAbove);
   const auto seen = [&](const Vec3& p) { return project(view.camera, plan.world_from_approach * p, width, height); };

@@ -1,4 +1,4 @@
-/// app/window/over_bone.h: what lies over the picture of the bone and is moved there: the handle of the cut, the slices through the tip.
+/// app/window/over_bone.h: what lies over the picture of the bone: the handle of the cut, the edge of a microscope's field.
 ///   Units  pixels.   Errors  none.   Thread  the one that draws, between Gui::begin() and Gui::end().
 #pragma once
 
@@ -7,7 +7,8 @@
 
 namespace burrhole {
 
-/// The handle of the plane at which the picture is cut open; a drag moves the plane along its normal. Draws nothing without a cut.
+/// The handle of the plane at which the picture is cut open; a drag moves the plane along its normal. Draws nothing without a cut,
+/// and where the picture is not that of the camera (two eyes, workbench): there the sliders move it.
 /// @param width, height of the picture.
 void draw_cut_handle(const Gui& gui, WindowState& state, const WindowView& view, const WindowPlan& plan, int width, int height);
 

@@ -21,7 +21,13 @@ constexpr double kHistory = 0.05;      // [s] between two points of a plot
 }  // namespace
 
 void PanelHistory::add(double time, double force, double depth) {
-  constexpr double kFeedOver = 0.5;  // [s]
+  constexpr double kFeedOver = 0.5, kGap = 1.0;                                 // [s]
+  if (!time_.empty() && (time < time_.back() || time - time_.back() > kGap)) {  // a jump in a session
+    time_.clear();
+    force_.clear();
+    depth_.clear();
+    feed_ = 0.0;
+  }
   if (!time_.empty() && time - time_.back() < kHistory) return;
   if (time_.size() >= kMost) {
     time_.erase(time_.begin());

@@ -21,6 +21,7 @@ class Replayer {
            RunSwitches& switches)
       : session_(&session), loaded_(&loaded), view_(&view), state_(&state), viewer_(&viewer), switches_(&switches) {}
 
+  [[nodiscard]] const SessionViewed& viewed() const noexcept { return viewed_; }
   /// Replays until the window is to go.
   Status run() {
     auto sink = viewer_->make_sink(*loaded_->scene.find<DisplayConfig>(), {});
@@ -54,7 +55,8 @@ class Replayer {
     if (!std::exchange(started_, true)) start();
     if (Status ran = simulation->run_recorded(*session_, *hand); !ran) return ran;
     if (stop_) return {};
-    compare();
+    state_->end_watching_at(simulation->time());
+    if (!std::exchange(compared_, true)) compare();
     return follow_head(simulation->time());
   }
 
@@ -107,17 +109,26 @@ class Replayer {
 
   /// Says whether the replay has the results of the run.
   void compare() {
-    bool known = false, same = true;
+    int known = 0;
+    bool same = true;
     for (const SessionHash& hash : session_->hashes()) {
-      const bool voxels = hash.kind == "voxels", forces = hash.kind == "forces";
-      if (!voxels && !forces) continue;
-      known = true;
-      same = same && hash.value == hash_text(voxels ? simulation_->voxmap().hash() : simulation_->force_hash());
+      std::uint64_t own = 0;
+      if (hash.kind == "voxels")
+        own = simulation_->voxmap().hash();
+      else if (hash.kind == "forces")
+        own = simulation_->force_hash();
+      else if (hash.kind == "sent")
+        own = simulation_->sent_hash();
+      else
+        continue;  // of pictures
+      ++known;
+      same = same && hash.value == hash_text(own);
     }
-    const std::string line = !known ? "The run was cut short: its results cannot be compared"
-                             : same ? "Bone and forces are those of the run, bit for bit"
-                                    : "Bone or forces DIFFER from those of the run";
-    state_->say(line, !known || !same);
+    viewed_ = {known > 0, same};
+    const std::string line = known == 0 ? "The run was cut short: its results cannot be compared"
+                             : same     ? "Bone and forces are those of the run, bit for bit"
+                                        : "Bone or forces DIFFER from those of the run";
+    state_->say(line, known == 0 || !same);
     if (view_->say) view_->say(line);
   }
 
@@ -131,14 +142,15 @@ class Replayer {
   RecordedHand* hand_ = nullptr;      // of the present replay()
   Simulation* simulation_ = nullptr;  // of the present replay()
   std::atomic<bool> stop_{false};
-  bool started_ = false, ended_ = false;
+  bool started_ = false, ended_ = false, compared_ = false;
+  SessionViewed viewed_;
   std::optional<double> shown_;  // [s]
   Steady::time_point shown_at_{};
 };
 
 }  // namespace
 
-Status view_session(const SessionReader& session, const LoadedScene& loaded, const SessionView& view) {
+Result<SessionViewed> view_session(const SessionReader& session, const LoadedScene& loaded, const SessionView& view) {
   if (loaded.scene.find<DisplayConfig>() == nullptr) return bad_input("a window needs the table [display]", loaded.scene.file);
   auto window = GlfwWindow::create("session of " + loaded.scene.title + " - burrhole", view.width, view.height);
   if (!window) return window.error();
@@ -150,6 +162,7 @@ Status view_session(const SessionReader& session, const LoadedScene& loaded, con
 
   std::thread drawing([&] { viewer.loop(); });
   Status ran;
+  SessionViewed viewed;
   std::thread replaying([&] {
     Replayer replayer(session, loaded, view, state, viewer, switches);
     try {
@@ -157,6 +170,7 @@ Status view_session(const SessionReader& session, const LoadedScene& loaded, con
     } catch (const std::exception& error) {
       ran = Error{ErrorCode::internal, std::string("the replay ended with an exception: ") + error.what(), {}};
     }
+    viewed = replayer.viewed();
     state.close();
     viewer.release();
     switches.finished = true;
@@ -169,8 +183,9 @@ Status view_session(const SessionReader& session, const LoadedScene& loaded, con
   replaying.join();
   drawing.join();
   if (const auto error = state.error()) return *error;
-  if (window->is_lost()) return Error{ErrorCode::unavailable, "the display was lost", {}};
-  return ran;
+  if (switches.lost) return Error{ErrorCode::unavailable, "the display was lost", {}};
+  if (!ran) return ran.error();
+  return viewed;
 }
 
 }  // namespace burrhole

@@ -21,7 +21,13 @@ struct SessionView {
   std::function<void(const std::string&)> say{};  ///< receives "window: ready" and the comparison at the end of the session
 };
 
+/// What came of the comparison with the run, if the session was shown to its end.
+struct SessionViewed {
+  bool compared = false;
+  bool same = true;  ///< voxels, forces and forces sent to the hand
+};
+
 /// Opens the window, and returns when the person has closed it. @param loaded the session's scene, which must have [display].
-[[nodiscard]] Status view_session(const SessionReader& session, const LoadedScene& loaded, const SessionView& view);
+[[nodiscard]] Result<SessionViewed> view_session(const SessionReader& session, const LoadedScene& loaded, const SessionView& view);
 
 }  // namespace burrhole

@@ -39,6 +39,11 @@ void Transport::advance(double dt) noexcept {
   if (head_ >= duration_ && has_arrived()) runs_ = false;
 }
 
+void Transport::end_at(double time) noexcept {
+  duration_ = std::max(0.0, time);
+  if (head_ > duration_) jump(duration_);
+}
+
 void Transport::arrive(double time) noexcept {
   arrived_ = time;
   if (seeks_ && !is_behind() && has_arrived()) seeks_ = false;

@@ -22,6 +22,8 @@ class Transport {
   void advance(double dt) noexcept;
   /// The replay has computed all steps before `time`.
   void arrive(double time) noexcept;
+  /// There is nothing after `time`: the session of a process that was killed is shorter than its record of the hand.
+  void end_at(double time) noexcept;
 
   [[nodiscard]] double head() const noexcept { return head_; }
   [[nodiscard]] double arrived() const noexcept { return arrived_; }
@@ -32,7 +34,7 @@ class Transport {
   [[nodiscard]] bool is_behind() const noexcept { return head_ < arrived_ - 0.5 * tick_; }
   /// The replay has nothing to compute until the head moves.
   [[nodiscard]] bool has_arrived() const noexcept { return head_ < arrived_ + 0.5 * tick_; }
-  /// The replay is on its way to the place of a jump; until it is there nothing is shown.
+  /// The replay is on its way to the place of a jump; until it is there the picture stays as it is.
   [[nodiscard]] bool seeks() const noexcept { return seeks_; }
 
  private:

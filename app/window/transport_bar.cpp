@@ -45,7 +45,9 @@ void line(const Gui& gui, WindowState& state, const Transport& transport, const 
   const auto place = [&](double time) { return at.x + wide * static_cast<float>(std::clamp(time / duration, 0.0, 1.0)); };
   ImGui::InvisibleButton("line", ImVec2(wide, tall));
   const double pointed = static_cast<double>((ImGui::GetIO().MousePos.x - at.x) / wide) * duration;
-  if (ImGui::IsItemActive()) state.with_controls([&](Controls& controls) { controls.transport()->jump(pointed); });
+  // A button that is held still asks for nothing new.
+  if (ImGui::IsItemActivated() || (ImGui::IsItemActive() && ImGui::GetIO().MouseDelta.x != 0.0f))
+    state.with_controls([&](Controls& controls) { controls.transport()->jump(pointed); });
   ImDrawList* const list = ImGui::GetWindowDrawList();
   list->AddRectFilled(ImVec2(at.x, middle - 3.0f), ImVec2(at.x + wide, middle + 3.0f), paint(GuiColors::kGrey, 0.35f), 3.0f);
   list->AddRectFilled(ImVec2(at.x, middle - 3.0f), ImVec2(place(transport.arrived()), middle + 3.0f), paint(GuiColors::kSky, 0.8f), 3.0f);

@@ -1,4 +1,4 @@
-/// app/window/view_cut.h: the plane at which a person cuts the picture open. It holds the approach axis' direction.
+/// app/window/view_cut.h: the plane at which a person cuts the picture open. The plane is parallel to the approach axis.
 ///   Frame  approach frame unless stated.   Units  SI; pixels.   Errors  none.   Thread  any.
 #pragma once
 

@@ -20,9 +20,9 @@ using Steady = std::chrono::steady_clock;
 
 constexpr auto kFrame = std::chrono::microseconds(16'000);  // between two pictures of a window that changes
 constexpr auto kIdle = std::chrono::milliseconds(40);       // of one that does not
-constexpr double kBoneShare = 0.4;                          // of the time, at most, for pixels whose bone has changed
 constexpr double kSliceHalfWidth = 0.012;                   // [m] shown around the tip
 constexpr double kSliceStep = 5e-5;                         // [m] of the tip, less changes no slice
+constexpr double kSliceTurn = 0.999999;                     // [-] cosine of half a turn of 0.16 degrees, above which no slice changes
 constexpr double kSliceEvery = 0.1;                         // [s] between two pictures of the slices, at least
 constexpr int kSliceSize = 200;                             // [pixels] of a slice at scale 1
 constexpr double kSmooth = 0.1;                             // share of a new value in the shown frame rate and latency
@@ -52,6 +52,7 @@ class Viewer::Sink final : public PictureSink {
       viewer_->texels_.clear();  // of an earlier run of the same session
       viewer_->bone_changed_ = true;
       viewer_->tool_look_ = tool;
+      viewer_->slices_stale_ = true;
       return own().start(volume, tool);
     });
   }
@@ -61,6 +62,7 @@ class Viewer::Sink final : public PictureSink {
   Status move_detail(const DetailView& view) override {
     return viewer_->call([&] {
       viewer_->send_texels();
+      viewer_->slices_stale_ = true;
       return own().move_detail(view);
     });
   }
@@ -68,6 +70,7 @@ class Viewer::Sink final : public PictureSink {
     return viewer_->call([&] {
       viewer_->bone_changed_ = true;
       viewer_->tool_look_ = tool;
+      viewer_->slices_stale_ = true;
       return own().change_tool(tool);
     });
   }
@@ -269,8 +272,10 @@ void Viewer::draw_frame() {
   const int side = panel_width(width, gui_->scale());
   state_->set_picture_size(width - side, height);
   const bool turned = !last_camera_ || !(*last_camera_ == view.camera);
-  if (base_ && parts_.renderer != nullptr && width > side) draw_picture(view, width - side, height);
-  draw_slices(view);
+  // While a session seeks, its bone is not that of the head yet.
+  const bool seeks = view.transport && view.transport->seeks();
+  if (base_ && parts_.renderer != nullptr && width > side && !seeks) draw_picture(view, width - side, height);
+  if (!seeks) draw_slices(view);
   texture_->clear_window(width, height, kGround);
   gui_->begin(width, height, since);
   if (texture_->name() != 0)
@@ -309,7 +314,7 @@ void Viewer::send_texels() {
 Viewer::Change Viewer::find_change(const WindowView& view, int width, int height) const {
   Change out{*base_};
   out.frame.camera = view.camera;
-  if (view.live.hand.tick > 0)
+  if (view.live.hand.tick > 0 || view.transport)
     out.frame.world_from_tool = tool_turns_ ? turned_tool(view.live.world_from_tool, view.turned) : view.live.world_from_tool;
   out.frame.cut = view.cut.on ? view.cut.plane(world_from_approach_)
                               : make_scene_cut(display_.cut, view.camera, out.frame.world_from_bone, view.live.world_from_tool.translation);
@@ -338,10 +343,10 @@ bool Viewer::choose_quality(const WindowView& view, const Change& change) {
 }
 
 Result<Image> Viewer::draw_eyes(const FrameView& frame, int width, int height) {
-  // Side by side and top-bottom, each eye has half of the picture, which its screen stretches.
+  // Side by side and top-bottom, each eye has half of the picture.
   const bool beside = display_.stereo.mode == StereoMode::side_by_side, above = display_.stereo.mode == StereoMode::top_bottom;
   const int eye_width = beside ? width / 2 : width, eye_height = above ? height / 2 : height;
-  const auto cameras = make_eye_cameras(frame.camera, display_.stereo, static_cast<double>(width) / height);
+  const auto cameras = make_eye_cameras(frame.camera, display_.stereo, static_cast<double>(eye_width) / eye_height);
   if (!cameras) return cameras.error();
   std::vector<Image> eyes;
   for (const CameraView& camera : *cameras) {
@@ -394,14 +399,15 @@ void Viewer::draw_slices(const WindowView& view) {
   }
   const auto now = Steady::now();
   const Pose bone_from_tool = base_->world_from_bone.inverse() * view.live.world_from_tool;
-  const bool moved = glm::length(bone_from_tool.translation - sliced_at_) > kSliceStep;
+  const bool moved = glm::length(bone_from_tool.translation - sliced_at_.translation) > kSliceStep ||
+                     std::abs(glm::dot(bone_from_tool.rotation, sliced_at_.rotation)) < kSliceTurn;
   if (slices_ && !((moved || slices_stale_) && seconds(now - sliced_) > kSliceEvery)) return;
   auto mineral = parts_.renderer->read_mineral(bone_from_tool.translation, kSliceHalfWidth);
   if (!mineral) return state_->say("The slices cannot be drawn: " + mineral.error().text(), true);
   const int size = static_cast<int>(static_cast<float>(kSliceSize) * gui_->scale());
   if (!slices_) slices_ = std::make_unique<PictureTexture>(parts_.renderer->context());
   slices_->set(draw_tip_slices(make_tip_slices(*mineral, tool_look_, bone_from_tool, kSliceHalfWidth, size)));
-  sliced_at_ = bone_from_tool.translation;
+  sliced_at_ = bone_from_tool;
   sliced_ = now;
   slices_stale_ = false;
 }

@@ -142,7 +142,7 @@ class Viewer {
   DisplayConfig display_;
   std::unique_ptr<PictureTexture> texture_, slices_;  // slices_: null while they are not asked for
   TriangleMesh tool_look_;
-  Vec3 sliced_at_{0.0};
+  Pose sliced_at_;
   bool slices_stale_ = true;
   Time sliced_{};
   std::optional<FrameView> base_;

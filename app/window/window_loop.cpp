@@ -34,9 +34,11 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   plan.world_from_bone = loaded.scene.volume.world_from_bone;
   plan.world_from_approach = world_from_approach;
   plan.spin_rpm = loaded.scene.tool.spin / kRevPerMinute;
-  plan.reference_push = start.demonstration ? 0.0 : start.reference_push;
+  plan.reference_push = start.reference_push;
   plan.largest_push = loaded.scene.goal_hand ? loaded.scene.goal_hand->push : 2.0 * loaded.scene.hand.push;
+  plan.users_push = setup.hand.push;
   plan.demonstration = start.demonstration;
+  plan.one_eye = display.stereo.mode == StereoMode::off && !display.stereo.workbench;
   plan.marks = start.marks;
   state.begin(plan, setup, OrbitCamera(world_from_approach, display.azimuth, display.elevation, display.distance, 0.8 * thickness),
               start.tool);
@@ -58,7 +60,10 @@ void poll_window(GlfwWindow& window, WindowState& state, RunSwitches& switches, 
       is_ready = true;
       ready();
     }
-    if (window.is_lost()) state.close();
+    if (window.is_lost() && !state.closed()) {
+      switches.lost = !switches.finished.load(std::memory_order_acquire);
+      state.close();
+    }
     const bool signalled = switches.signal != nullptr && switches.signal->load(std::memory_order_relaxed);
     if (signalled || state.closed() || stops(view)) {
       switches.stop = true;

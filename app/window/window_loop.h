@@ -31,6 +31,7 @@ struct RunSwitches {
   const std::atomic<bool>* signal = nullptr;  ///< from outside; null: none
   std::atomic<bool> stop{false};              ///< to the run
   std::atomic<bool> finished{false};          ///< from the run
+  bool lost = false;                          ///< the display was lost before the run had finished
 };
 
 /// Hands events to the state until the run has finished and the window is to go. Main thread.

@@ -62,7 +62,7 @@ Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
   running.join();
   drawing.join();
   if (const auto error = state.error()) return *error;
-  if (window->is_lost() && *summary)
+  if (switches.lost && *summary)
     return Error{ErrorCode::unavailable, "the display was lost; the run was ended, and its results were written", run.job.folder};
   if (run.figures) run.figures(viewer.totals());
   return std::move(*summary);

@@ -56,6 +56,11 @@ void WindowState::ended() {
   live_.hand.spin = 0.0;
 }
 
+bool WindowState::took_over() {
+  const std::scoped_lock lock(mutex_);
+  return controls_ && controls_->goal().takes_over;
+}
+
 void WindowState::wait_until_resumed() {
   std::unique_lock lock(mutex_);
   resumed_.wait(lock, [this] { return ending_ || closed() || !controls_ || !controls_->paused(); });
@@ -67,6 +72,11 @@ std::optional<Transport> WindowState::watch(double time) {
   if (transport == nullptr || ending_ || closed() || controls_->goal().ends) return std::nullopt;
   transport->arrive(time);
   return *transport;
+}
+
+void WindowState::end_watching_at(double time) {
+  const std::scoped_lock lock(mutex_);
+  if (controls_ && controls_->transport() != nullptr) controls_->transport()->end_at(time);
 }
 
 void WindowState::wait_for_head() {
@@ -152,7 +162,9 @@ WindowView WindowState::view() {
 
 WindowPlan WindowState::plan() {
   const std::scoped_lock lock(mutex_);
-  return plan_;
+  WindowPlan out = plan_;
+  if (controls_ && controls_->goal().takes_over) out.largest_push = plan_.users_push;
+  return out;
 }
 
 void WindowState::with_controls(const std::function<void(Controls&)>& f) {

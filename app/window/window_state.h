@@ -39,6 +39,8 @@ struct WindowPlan {
   double spin_rpm = 0.0;             ///< full speed of the drive
   double reference_push = 0.0;       ///< [N] thrust of the scene's script, a mark on the gauge; 0: none
   double largest_push = 0.0;         ///< [N] of the arm
+  double users_push = 0.0;  ///< [N] of the arm of a person who takes a demonstration over
+  bool one_eye = true;               ///< the picture is that of the camera: no stereo, no workbench
   bool demonstration = false;        ///< the scene's script drills
   std::vector<MessageLine> marks{};  ///< of a watched session: what happened when [s]; empty in a run
 };
@@ -74,9 +76,12 @@ class WindowState final : public LiveUser {
   void hear(const std::string& line) override { say(line, true); }
   void wait_until_resumed() override;
   void ended() override;
+  bool took_over() override;
 
   /// For a replay that has computed all steps before `time` [s]. @returns the head; null after the end of the window.
   [[nodiscard]] std::optional<Transport> watch(double time);
+  /// The session ends at `time` [s], before the end of its record.
+  void end_watching_at(double time);
   /// Waits until the person may have moved the head.
   void wait_for_head();
 

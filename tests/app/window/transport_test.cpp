@@ -106,6 +106,26 @@ TEST_CASE("at the end it stops; running begins again") {
   CHECK(transport.head() == 0.0);
 }
 
+TEST_CASE("a session that ends before its record ends there: the head waits, and a jump beyond comes to its end") {
+  Transport transport(2.0, kTick);
+  double time = 0.0;
+  transport.jump(1.9);
+  transport.arrive(1.5);
+  transport.end_at(1.5);
+  CHECK(transport.head() == 1.5);
+  CHECK(transport.has_arrived());
+  CHECK_FALSE(transport.seeks());
+  transport.advance(10.0);
+  CHECK_FALSE(transport.runs());
+  transport.jump(5.0);
+  CHECK(transport.head() == 1.5);
+  CHECK_FALSE(transport.is_behind());
+  transport.jump(0.5);
+  CHECK(transport.is_behind());
+  (void)compute(transport, time, 1000);
+  CHECK(time == doctest::Approx(0.5));
+}
+
 TEST_CASE("values out of range are kept in range") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   Transport transport(2.0, kTick);

@@ -13,7 +13,7 @@ namespace {
 
 Pose some_pose() { return Pose{glm::angleAxis(0.7, glm::normalize(Vec3(1.0, 2.0, -0.5))), Vec3(0.1, -0.2, 0.05)}; }
 
-TEST_CASE("the opened plane holds the axis, and what is towards the eye is not drawn") {
+TEST_CASE("the opened plane contains the axis, and what is towards the eye is not drawn") {
   const Pose world_from_approach = some_pose();
   for (const double azimuth : {-170.0, -40.0, 0.0, 35.0, 90.0, 179.0}) {
     CAPTURE(azimuth);

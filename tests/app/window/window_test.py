@@ -275,6 +275,9 @@ class Window(WithFolder):
         self.hold("s", 1.0)
         summary = self.end()
         self.assertEqual(summary["end"], "done")
+        self.assertTrue(summary["outcome"].startswith("The user ended the run"), summary["outcome"])
+        with contextlib.closing(sqlite3.connect(self.out / "session.sqlite")) as database:
+            self.assertIn(("the user takes the drill over",), database.execute("SELECT text FROM events WHERE kind = 'mark'").fetchall())
         self.assert_replays()
 
     def test_a_demonstration_is_ended_by_closing_the_window(self):
@@ -312,6 +315,60 @@ class Window(WithFolder):
         self.assertNotIn("DIFFER", self.log.read_text())
         self.assertEqual(session, (self.out / "session.sqlite").read_bytes())
 
+    def watch(self, *arguments):
+        self.start_program("replay", self.out / "session.sqlite", "--view", *arguments)
+        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first state")
+        self.find_window()
+
+    def quiet_picture(self):
+        """A picture without the lines that tell of earlier ones."""
+        time.sleep(7.0)
+        return self.picture().read_bytes()
+
+    def test_a_jump_back_over_inputs_shows_what_was_there_before(self):
+        inputs = self.folder / "inputs.toml"
+        rows = [(0.8, "spin", "value = 0.0"), (1.0, "undo", ""), (1.1, "tool", 'name = "round_burr_4mm"'), (1.2, "spin", "value = 1.0")]
+        inputs.write_text("".join(f'[[input]]\ntime_s = {at}\nkind = "{kind}"\n{key}\n' for at, kind, key in rows))
+        drilled = run("drill", QUICK, "--offscreen", "--inputs", inputs, "--out", self.out)
+        self.assertEqual(drilled.returncode, 0, drilled.stderr)
+        self.watch()
+        self.press("space", "Home", *["shift+Right"] * 70)  # 0.7 s: bone is cut, before the undo
+        before = self.quiet_picture()
+        self.press("Right")  # over undo and change of the tool
+        between = self.quiet_picture()
+        self.press("Left")
+        self.assertEqual(self.quiet_picture(), before)
+        self.assertNotEqual(before, between)
+        self.press("Escape")
+        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+
+    def test_a_session_that_differs_is_exit_code_3(self):
+        drilled = run("drill", QUICK, "--offscreen", "--out", self.out)
+        self.assertEqual(drilled.returncode, 0, drilled.stderr)
+        with contextlib.closing(sqlite3.connect(self.out / "session.sqlite")) as database:
+            database.execute("UPDATE hashes SET value = '0000000000000001' WHERE kind = 'voxels'")
+            database.commit()
+        self.watch()
+        self.press(*["Up"] * 4)
+        self.wait_until(lambda: "DIFFER" in self.log.read_text(), "the end of the session")
+        self.press("Escape")
+        self.assertEqual(self.process.wait(PATIENCE), 3, self.log.read_text())
+
+    def test_the_session_of_a_killed_run_is_watched_to_its_end_once(self):
+        self.start()
+        self.press("x")
+        self.hold("w", 3.0)
+        self.process.kill()
+        self.process.wait()
+        self.watch()
+        self.press(*["Up"] * 4)
+        self.wait_until(lambda: "cut short" in self.log.read_text(), "the end of the session")
+        time.sleep(3.0)
+        self.assertEqual(self.log.read_text().count("cut short"), 1)
+        self.picture()
+        self.press("Escape")
+        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+
     def test_without_a_command_a_person_chooses(self):
         self.start_program()
         self.find_window()
@@ -343,6 +400,12 @@ class Window(WithFolder):
         self.find_window()
         self.process.send_signal(signal.SIGTERM)
         self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
+        self.start_program()
+        self.find_window()
+        self.display.server.kill()
+        self.display.server.wait()
+        self.assertNotEqual(self.process.wait(PATIENCE), -signal.SIGKILL, self.log.read_text())
+        self.assertIn("the display was lost", self.log.read_text())
 
     def test_a_renderer_that_cannot_be_made_is_one_line(self):
         empty = self.folder / "shaders"
