@@ -135,7 +135,7 @@ Result<ImportedBone> import_bone(const ImportRequest& request, const std::functi
     const auto grid = plan_grid(scan, request.bone);
     // What cannot be planned is refused when the bone is made.
     if (!grid) return {};
-    const auto accepted = request.accept(*grid, sizeof(float) * VoxelBox{Vec3i(0), scan.dims}.count() + slab_bytes(*grid));
+    const auto accepted = request.accept(*grid, sizeof(float) * VoxelBox{Vec3i(0), scan.dims}.count() + slab_bytes(scan, *grid));
     return accepted ? Status() : Status(accepted.error());
   };
   if (is_vdb(request.path) && std::filesystem::exists(request.path)) {
@@ -159,7 +159,7 @@ Result<ImportedBone> import_bone(const ImportRequest& request, const std::functi
       say(fmt::format("{} voxels read, {:.1f} MB; bone of {} voxels takes about {:.1f} MB", size_text(scan.dims),
                       static_cast<double>(scan.values.size() * sizeof(float)) / kMegabyte, size_text(grid.dims),
                       likely_bytes(grid) / kMegabyte));
-    if (request.accept) storage = request.accept(grid, sizeof(float) * scan.values.size() + slab_bytes(grid));
+    if (request.accept) storage = request.accept(grid, sizeof(float) * scan.values.size() + slab_bytes(scan, grid));
     return storage;
   };
   BoneOptions bone = request.bone;

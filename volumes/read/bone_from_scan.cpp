@@ -171,9 +171,15 @@ void classify(const Slab& slab, const Rule& rule, DenseBone& out) {
     float most = 0.0f;
     for (int i = 0; i < width; ++i) {
       const float here = v[i];
-      const auto step = [&](std::ptrdiff_t d) { return std::max(std::abs(v[i + d] - here), std::abs(v[i - d] - here)); };
+      // A value that is NaN was not needed (resample.h): no step to it, and no bone there. Comparisons with it are false.
+      const auto step = [&](std::ptrdiff_t d) {
+        const float up = std::abs(v[i + d] - here), down = std::abs(v[i - d] - here);
+        const float some = up > 0.0f ? up : 0.0f;
+        return down > some ? down : some;
+      };
       const float ramp = rule.given_occupancy ? half_band : std::max(half_band, step(1) + step(dy) + step(dz));
-      occupancy[i] = std::clamp(0.5f + (here + offset - middle) / (2.0f * ramp), 0.0f, 1.0f);
+      const float share = 0.5f + (here + offset - middle) / (2.0f * ramp);
+      occupancy[i] = share > 0.0f ? std::min(share, 1.0f) : 0.0f;
       most = std::max(most, occupancy[i]);
     }
     if (most == 0.0f) {
@@ -187,6 +193,20 @@ void classify(const Slab& slab, const Rule& rule, DenseBone& out) {
       out.labels[at + static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(occupancy[i] >= 0.5f ? VoxelLabel::bone : VoxelLabel::none);
     }
   });
+}
+
+Affine scan_from(const Scan& scan, const BoneGrid& grid) { return scan.bone_from_index.inverse() * grid.bone_from_index; }
+
+/// Air counts as soft tissue in the direction of surfaces, two widths of the band below its middle, and a slope of an eighth of the band from
+/// slice to slice is flat: in HU, 25 and 10 per mm in slices 1.9 mm apart. Outside the scan: no bone, independent of the lowest value.
+ResampleRule resample_rule(const Scan& scan, const Rule& rule, const BoneGrid& grid, double lowest) {
+  const double width = rule.band[1] - rule.band[0], middle = 0.5 * (rule.band[0] + rule.band[1]) - rule.offset;
+  return {.slices = {.factor = slice_factor(scan, grid.bone_from_index.mean_edge()),
+                     .low = middle - 2.0 * width,
+                     .flat = 0.125 * width / glm::length(scan.bone_from_index.linear[2])},
+          .nothing = static_cast<float>(std::min(lowest, rule.band[0] - rule.offset)),
+          .middle = middle,
+          .half_band = 0.5 * width};
 }
 
 /// Estimated share of the voxels of the grid in blocks with bone: the share of the scan within a voxel of bone. Blocks of the sparse grids
@@ -270,10 +290,12 @@ Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options) {
   return BoneGrid{Vec3i(count), Affine::scaling(pitch, lo), true, share};
 }
 
-std::uint64_t slab_bytes(const BoneGrid& grid) noexcept {
+std::uint64_t slab_bytes(const Scan& scan, const BoneGrid& grid) noexcept {
   // Of a voxel of a layer: ten layers of values of the scan, eight of the bone's fields, and layers of the scan on the grid's other axes.
   constexpr std::uint64_t kBytes = 250;
-  return kBytes * VoxelBox{Vec3i(0), {grid.dims.x, grid.dims.y, 1}}.count();
+  const std::uint64_t slabs = kBytes * VoxelBox{Vec3i(0), {grid.dims.x, grid.dims.y, 1}}.count();
+  if (!grid.resampled) return slabs;
+  return slabs + resampler_bytes(scan, slice_factor(scan, grid.bone_from_index.mean_edge()), scan_from(scan, grid));
 }
 
 Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,
@@ -301,17 +323,16 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
   auto builder = BoneModelBuilder::create(grid->dims, grid->bone_from_index, *storage);
   if (!builder) return builder.error();
   const std::optional<double> memory = available_memory();
-  // Outside the scan: no bone, independent of the lowest value of the scan.
-  const double nothing = std::min(facts.min, rule.band[0] - meaning.offset);
-  Resampler resampler(scan, scan.bone_from_index.inverse() * grid->bone_from_index, grid->dims, static_cast<float>(nothing));
+  std::optional<Resampler> resampler;
+  if (grid->resampled) resampler.emplace(scan, resample_rule(scan, rule, *grid, facts.min), scan_from(scan, *grid), grid->dims);
   Slab slab;
   DenseBone part;
   for (int k = 0; k < grid->dims.z; k += kSlab) {
     const VoxelBox where{{0, 0, k}, {grid->dims.x, grid->dims.y, std::min(k + kSlab, grid->dims.z)}};
     slab.dims = where.size();
     slab.values.resize(VoxelBox{Vec3i(0), slab.padded()}.count());
-    if (grid->resampled)
-      resampler.fill(k, where.hi.z, slab.values);
+    if (resampler)
+      resampler->fill(k, where.hi.z, slab.values);
     else
       fill_native(scan, k, slab);
     part.occupancy.resize(where.count());

@@ -82,8 +82,9 @@ struct BoneFromScan {
   bool hounsfield = false;                  ///< the values are interpreted as HU
 };
 
-/// @returns the memory [bytes] that make_bone() needs in addition to the scan and the bone: slabs of the grid.
-[[nodiscard]] std::uint64_t slab_bytes(const BoneGrid& grid) noexcept;
+/// @returns the memory [bytes] that make_bone() needs in addition to the scan and the bone: slabs of the grid, and refined slices. It reads no
+/// values of the scan.
+[[nodiscard]] std::uint64_t slab_bytes(const Scan& scan, const BoneGrid& grid) noexcept;
 
 /// @param assumed receives one line per assumption. @param place may be empty: the bone is in memory. @returns bad_input: values that are not
 /// HU without a band, a band that does not increase, no bone in the band (with the range of the values); unavailable: more bone than the

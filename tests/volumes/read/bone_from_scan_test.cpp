@@ -96,7 +96,7 @@ TEST_CASE("make_bone: the felt surface is the scan's own, to a fraction of a vox
   const double of_native = surface_error(*native->bone), of_fine = surface_error(*fine->bone);
   MESSAGE("0.5 level against 325 HU: native ", of_native / kMm, " mm, refined ", of_fine / kMm, " mm");
   // An edge of sigma = half a slice, sampled at every phase of the slice on a line: Catmull-Rom misses the 325 HU level by up to 0.118 mm,
-  // linear interpolation by up to 0.160 mm. Beside that, the two ends of a cell have ramps of different widths: a tenth of the finer voxel.
+  // linear interpolation by up to 0.160 mm; the import, along surfaces, must not exceed the former. Beside that, the two ends of a cell have ramps of different widths: a tenth of the finer voxel.
   CHECK(of_native < 0.160 * kMm + 0.1 * 0.5 * kMm);
   CHECK(of_fine < 0.118 * kMm + 0.1 * 0.25 * kMm);
 }
