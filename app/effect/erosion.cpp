@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 
 #include "app/effect/registry.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
+#include "core/drill/cut_face.h"
 #include "core/drill/energy.h"
 #include "core/drill/erosion_memory.h"
 #include "core/tool/cutting_field.h"
@@ -30,15 +33,26 @@ double decimal_of(float value) { return std::stod(fmt::format("{}", value)); }
 class ErosionEffect final : public Effect {
  public:
   ErosionEffect(Erosion erosion, const ErosionConfig& config, Stage& stage)
-      : erosion_(std::move(erosion)), config_(config), voxmap_(stage.voxmap.get()), tool_radius_(rubbing_radius(stage.tool->erosion)) {}
+      : erosion_(std::move(erosion)),
+        config_(config),
+        stage_(&stage),
+        voxmap_(stage.voxmap.get()),
+        tool_radius_(rubbing_radius(stage.tool->erosion)) {}
 
   Status bind(StepGraph& graph) override {
-    auto step = graph.step(
-        Clock::simulation, "erosion", "erosion", [](void* self, const Tick& tick) { static_cast<ErosionEffect*>(self)->run(tick); }, this);
+    if (stage_->needs.chip_load) teeth_ = cutting_teeth(*stage_->tool);
+    // Of two forms of the step, so that a scene in which nothing reads the chip load has no instruction of it.
+    auto step = teeth_ ? graph.step(
+                             Clock::simulation, "erosion", "erosion",
+                             [](void* self, const Tick& tick) { static_cast<ErosionEffect*>(self)->run_with_chips(tick); }, this)
+                       : graph.step(
+                             Clock::simulation, "erosion", "erosion",
+                             [](void* self, const Tick& tick) { (void)static_cast<ErosionEffect*>(self)->run(tick); }, this);
     cut_ = step.now(slots::kCut);
     asked_ = step.now(slots::kSpinAsked);
     spin_ = step.last(slots::kSpin);
     removal_ = step.own(slots::kRemoval);
+    if (teeth_) chips_ = step.own(slots::kChipLoad);
     step.column("removed_mass", "m^3", &removed_mass_, true);
     return {};
   }
@@ -57,10 +71,10 @@ class ErosionEffect final : public Effect {
   std::vector<NamedTimer> timers() const override { return {{"gradient", &commit_timer_, true}}; }
 
  private:
-  void run(const Tick& tick) {
-    *removal_ = {};
-    if (!(*asked_ > 0.0)) return;
+  ErosionOutcome run(const Tick& tick) {
     ErosionOutcome outcome;
+    *removal_ = {};
+    if (!(*asked_ > 0.0)) return outcome;
     if (!cut_->far) outcome = erosion_.step(*voxmap_, cut_->path, CuttingLoad{*spin_, cut_->thrust, cut_->reaction}, tick.dt);
     if (!outcome.changed.empty()) commit_timer_([&] { voxmap_->commit(outcome.changed); });
     removed_mass_ += outcome.removed_mass;
@@ -68,10 +82,43 @@ class ErosionEffect final : public Effect {
     const double radius = outcome.rubbing_radius > 0.0 ? outcome.rubbing_radius : tool_radius_;
     const double torque = cutting_torque(config_.energy.cutting_ratio, cut_->thrust, radius);
     *removal_ = {outcome.removed_mass, torque, true, !outcome.changed.empty(), outcome.outside};
+    return outcome;
+  }
+
+  void run_with_chips(const Tick& tick) {
+    const double spin = *spin_;  // of the removal: that of the last step
+    const ErosionOutcome outcome = run(tick);
+    *chips_ = {};
+    if (!removal_->cutting) return;
+    *chips_ = chip_load(*teeth_, {.mass = outcome.removed_mass,
+                                  .hardness = mean_hardness(outcome),
+                                  .tangential = config_.energy.cutting_ratio * cut_->thrust,
+                                  .torque = removal_->torque,
+                                  .spin = spin,
+                                  .dt = tick.dt});
+  }
+
+  /// @returns the mean hardness [-] of the removed bone, at least 0.1 as in the laws. Removal by whole voxels does not sum it, except with
+  /// law `energy`: there it is the mean of the changed boxes, weighted by occupancy.
+  [[nodiscard]] double mean_hardness(const ErosionOutcome& outcome) const noexcept {
+    if (!(outcome.removed_mass > 0.0)) return 0.0;
+    if (outcome.energy > 0.0) return outcome.energy / (config_.energy.specific_energy * outcome.removed_mass);
+    const MasterWindow& window = voxmap_->window();
+    double sum = 0.0, weight = 0.0;
+    for (const VoxelBox& box : outcome.changed)
+      for (int k = box.lo.z; k < box.hi.z; ++k)
+        for (int j = box.lo.y; j < box.hi.y; ++j)
+          for (int i = box.lo.x; i < box.hi.x; ++i) {
+            const std::size_t at = window.box.offset_of(Vec3i(i, j, k));
+            sum += static_cast<double>(window.occupancy[at]) * static_cast<double>(std::max(window.hardness[at], CutFace::kLeastHardness));
+            weight += static_cast<double>(window.occupancy[at]);
+          }
+    return weight > 0.0 ? sum / weight : 0.0;
   }
 
   Erosion erosion_;
   ErosionConfig config_;
+  Stage* stage_;
   Voxmap* voxmap_;
   double tool_radius_;         // [m] of the whole tool, for laws that do not determine the radius at which it cuts
   double removed_mass_ = 0.0;  // [m^3]
@@ -80,6 +127,8 @@ class ErosionEffect final : public Effect {
   const Cut* cut_ = nullptr;
   const double *asked_ = nullptr, *spin_ = nullptr;  // [rev/s]
   BoneRemoval* removal_ = nullptr;
+  std::optional<CuttingTeeth> teeth_;  // only if the chip load is read
+  ChipLoad* chips_ = nullptr;
 };
 
 class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {

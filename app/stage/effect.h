@@ -43,9 +43,11 @@ struct Needs {
   bool any_density = false;           ///< bone of any density above 0 collides: contact.mode = "paper"; otherwise from 0.5 on
   bool holds_back = false;            ///< contact has a constrained tool (model "surface"); otherwise a penalty model, or no contact
   bool removes = false;               ///< bone is removed
-  double coupling_stiffness = 0.0;    ///< [N/m] from hand to constrained tool; 0 without one
-  double coupling_damping = 0.0;      ///< [N s/m] from hand to constrained tool; 0 without one
-  double cutting_stiffness = 0.0;     ///< [N/m] K_cut, thrust over engaged depth of a constrained tool; 0 without one
+  /// A step reads what a tooth cuts, slots::kChipLoad; otherwise it is not computed. An effect may set it in make() as well.
+  bool chip_load = false;
+  double coupling_stiffness = 0.0;  ///< [N/m] from hand to constrained tool; 0 without one
+  double coupling_damping = 0.0;    ///< [N s/m] from hand to constrained tool; 0 without one
+  double cutting_stiffness = 0.0;   ///< [N/m] K_cut, thrust over engaged depth of a constrained tool; 0 without one
   double plane_reach_voxels = std::numeric_limits<double>::infinity();  ///< [voxels] largest distance at which a plane is used
   double force_scale = 1.0;                                             ///< [-] force at the grip over force in the world
   bool through_device = false;                                          ///< a device lies between hand and drill

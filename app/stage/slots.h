@@ -9,6 +9,7 @@
 #include "app/stage/step_graph.h"
 #include "core/contact/bone_view.h"
 #include "core/contact/contact_model.h"
+#include "core/drill/chip_load.h"
 #include "core/drill/erosion.h"
 #include "haptics/hand/hand_source.h"
 
@@ -79,6 +80,7 @@ inline const SlotKey<Cut> kCut{"cut"};                  ///< the stage's
 inline const SlotKey<double> kSpin{"spin"};             ///< [rev/s] owned by [spindle]; otherwise the stage's, equal to spin_asked
 inline const SlotKey<double> kSpinAsked{"spin_asked"};  ///< [rev/s] the stage's: command times the scene's spin
 inline const SlotKey<BoneRemoval> kRemoval{"removal"};  ///< owned by [erosion]
+inline const SlotKey<ChipLoad> kChipLoad{"chip_load"};  ///< owned by [erosion], in a scene with Needs::chip_load
 // frame clock
 inline const SlotKey<Picture> kPicture{"picture"};             ///< the stage's
 inline const SlotKey<Status*> kPictureError{"picture_error"};  ///< the stage's: receives the error of a picture

@@ -161,7 +161,10 @@ void append_creased(TriangleMesh& mesh, const std::vector<Vec3>& corners) {
 
 }  // namespace
 
-CuttingEdges find_cutting_edges(const ToolSpec& spec) {
+namespace {
+
+/// The edges by the shape of the bit.
+CuttingEdges edges_by_shape(const ToolSpec& spec) {
   const Solid* lowest = nullptr;
   double widest = 0.0;
   for (const RegionSpec& region : spec.regions) {
@@ -181,6 +184,21 @@ CuttingEdges find_cutting_edges(const ToolSpec& spec) {
           .twist = 0.35 / widest,
           .depth = 0.12,
           .relief = frustum ? std::min(0.2e-3, 0.3 * lowest->height()) : 0.0};
+}
+
+}  // namespace
+
+CuttingEdges find_cutting_edges(const ToolSpec& spec) {
+  CuttingEdges out = edges_by_shape(spec);
+  if (out.count > 0 && spec.teeth > 0) out.count = spec.teeth;
+  return out;
+}
+
+int teeth_of(const ToolSpec& spec) {
+  constexpr int kToAndFro = 2;  // a blade whose stroke a revolution stands for passes a place twice
+  if (spec.teeth > 0) return spec.teeth;
+  const int edges = find_cutting_edges(spec).count;
+  return edges > 0 ? edges : kToAndFro;
 }
 
 TriangleMesh make_fluted_mesh(const ToolSpec& spec) {

@@ -17,9 +17,11 @@ struct CuttingEdges {
   double relief = 0.0;  ///< [m] axial relief of flat ends behind their edges
 };
 
-/// Chooses the edges by the lowest cutting region: two lips on a cone, teeth on a tube, four edges on a flat bit of at least 8 mm, and on a
+/// Chooses the edges by the lowest cutting region, and their number by the key `teeth` where the tool file has it: two lips on a cone, teeth on a tube, four edges on a flat bit of at least 8 mm, and on a
 /// burr one edge per 1.6 mm of circumference (6 to 12) on a helix.
 [[nodiscard]] CuttingEdges find_cutting_edges(const ToolSpec& spec);
+/// @returns Tool::teeth: the key `teeth`, or the number of edges by the shape, or 2 for a tool that is no solid of revolution.
+[[nodiscard]] int teeth_of(const ToolSpec& spec);
 
 /// @returns a closed mesh, counter-clockwise seen from outside, with hard edges. No vertex lies outside the bit's solids. One revolution of
 /// the mesh sweeps every point of their surface to within 0.1 mm (tested for every shipped tool). The bit cuts when it turns clockwise seen

@@ -95,6 +95,7 @@ std::optional<Tool> make_from_mesh(const TomlDocument& document, const ToolOptio
   if (!add_cutting_field(*tool, options, document.file_name(), issues, field)) return std::nullopt;
   tool->name = spec->name;
   tool->title = spec->title;
+  tool->teeth = spec->teeth;
   tool->surface = std::make_shared<const ToolSurface>(*spec, *mesh);
   tool->mesh = make_mesh_picture(*mesh);
   tool->look = tool->mesh;
@@ -116,6 +117,7 @@ std::optional<Tool> make_tool(const TomlDocument& document, const ToolOptions& o
   tool->surface = std::make_shared<const ToolSurface>(*spec);
   tool->mesh = make_tool_mesh(*spec);
   tool->look = make_fluted_mesh(*spec);
+  tool->teeth = teeth_of(*spec);
   tool->turns = std::all_of(spec->regions.begin(), spec->regions.end(), [](const RegionSpec& r) { return r.solid.revolves(); });
   return tool;
 }

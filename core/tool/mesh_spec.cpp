@@ -9,6 +9,7 @@
 
 #include "core/base/portable_math.h"
 #include "core/base/units.h"
+#include "core/tool/tool_spec.h"
 
 namespace burrhole {
 namespace {
@@ -92,6 +93,7 @@ std::optional<MeshToolSpec> read_mesh_tool_spec(const TomlDocument& document, Is
   MeshToolSpec spec;
   spec.name = fs::path(document.file_name()).stem().string();
   spec.title = root.text("title", std::nullopt, "what the tool is, one line");
+  spec.teeth = read_teeth(root, spec.teeth, "");
   if (root.has("region")) root.fault("region", "cannot stand beside [mesh]: a tool is either regions or one surface");
   if (root.has("shell")) root.fault("shell", "cannot stand beside [mesh]: give mesh.pitch_mm");
   if (auto table = root.table("mesh", "the tool as a closed surface from a mesh file")) {

@@ -15,6 +15,7 @@ namespace burrhole {
 struct MeshToolSpec {
   std::string name;  ///< name of the tool file without folder and extension
   std::string title;
+  int teeth = 2;                ///< [-] cutting edges, key teeth
   std::string file;             ///< value of the key `file`
   std::string path;             ///< `file`, resolved against the folder of the tool file
   std::string file_place;       ///< file:line:column of the key `file`, for errors found later

@@ -51,6 +51,7 @@ struct Tool {
   TriangleMesh mesh;  ///< the solid that the spinning bit sweeps
   TriangleMesh look;  ///< for pictures: with flutes and cutting edges, or the mesh of the tool file
   bool turns = true;  ///< rotates about its axis; false for a blade and for a part that does not rotate with the bit
+  int teeth = 2;      ///< [-] cutting edges that pass a place in a revolution, >= 1
   std::shared_ptr<const CuttingField> cutting;  ///< core/tool/cutting_field.h; null unless ToolOptions requests it
   std::shared_ptr<const ToolSurface> surface;   ///< core/tool/tool_surface.h: the surface between the points of the shell
   double bound_radius = 0.0;                    ///< [m] all shell and erosion points lie within this distance of the origin

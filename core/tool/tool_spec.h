@@ -56,6 +56,7 @@ struct RegionSpec {
 struct ToolSpec {
   std::string name;  ///< file name without folder and extension
   std::string title;
+  int teeth = 0;                      ///< [-] cutting edges, key teeth; 0: by the shape (find_cutting_edges)
   std::vector<RegionSpec> regions;    ///< at least one; lowest z_low is 0
   std::vector<OutlinePiece> outline;  ///< of the union of regions
 
@@ -63,6 +64,9 @@ struct ToolSpec {
   /// @returns the region that owns the material at p: the first listed that contains it.
   [[nodiscard]] std::optional<std::size_t> region_at(const Vec3& p) const noexcept;
 };
+
+/// Reads the key `teeth`, of both kinds of tool. @param fallback [-] if it is absent.
+[[nodiscard]] int read_teeth(TableReader& root, int fallback, const char* absent);
 
 /// @returns nothing if an issue was pushed. @param log if not null, receives the record of all requested keys.
 [[nodiscard]] std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& issues, KeyLog* log = nullptr);
