@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "app/run/live_rows.h"
 #include "haptics/servo/realtime.h"
 
 namespace burrhole {
@@ -35,7 +36,7 @@ struct RecordedOrder {
 };
 
 constexpr std::pair<Clock, const char*> kStreamOf[] = {
-    {Clock::servo, kServoStream}, {Clock::contact, kContactStream}, {Clock::simulation, kBoneStream}};
+    {Clock::servo, kServoStream}, {Clock::contact, kContactStream}, {Clock::simulation, kBoneStream}, {Clock::audio, kAudioStream}};
 
 Result<RecordedOrder> read_order(const SessionReader& session, const StepGraph& graph) {
   RecordedOrder out;
@@ -71,6 +72,8 @@ class Replay {
         needed_(order_.bone_contact.begin(), order_.bone_contact.end()),
         published_(parts.bone->published()) {
     parts.graph.keep_messages();
+    for (const SessionInput& input : session.inputs())
+      if (input.rows_before.size() > kAudioRows) blocks_before_park_.push_back(static_cast<std::size_t>(input.rows_before[kAudioRows]));
   }
 
   Status servo(std::size_t tick) {
@@ -84,11 +87,14 @@ class Replay {
     // A stop request is an external event; the recorded servo faults show in which tick it took effect.
     if ((order_.servo_faults[tick] & kServoStopped) != 0) parts_->servo->request_stop();
     sent_.add(parts_->act().force);
+    sound();
     return {};
   }
   /// Runs the steps recorded after the last servo tick.
   Status finish() {
     if (Status done = until(order_.contact_hand.size(), order_.bone_contact.size()); !done) return done;
+    sound();
+    if (blocks_ < block_count()) return out_of_rows();
     return draw_stills();
   }
   /// Runs steps until `contacts` evaluations and `bones` simulation steps have run in all.
@@ -101,8 +107,10 @@ class Replay {
   }
   /// Applies an input for which all clocks were stopped. @param rows of each stream recorded before it.
   Status park(const Input& input, const std::vector<std::int64_t>& rows) {
-    if (rows.size() != 3) return disorder();
+    if (rows.size() < 3) return disorder();
     if (Status done = until(static_cast<std::size_t>(rows[1]), static_cast<std::size_t>(rows[2])); !done) return done;
+    sound();
+    if (block_count() > 0 && (rows.size() <= kAudioRows || blocks_ != static_cast<std::size_t>(rows[kAudioRows]))) return disorder();
     if (Status drawn = draw_stills(); !drawn) return drawn;
     const std::uint64_t before = parts_->bone->published();
     if (hooks_->apply)
@@ -139,6 +147,23 @@ class Replay {
       if (!ran) return ran;
     }
     return {};
+  }
+  [[nodiscard]] std::size_t block_count() const noexcept {
+    const auto& lists = order_.messages[static_cast<std::size_t>(Clock::audio)];
+    return lists.empty() ? 0 : lists.front().size();
+  }
+  /// Computes the blocks of sound whose messages exist, up to the next input for which the clocks were stopped: that may change the tool.
+  /// No other step reads what they compute, so it does not matter when they run.
+  void sound() {
+    const auto& lists = order_.messages[static_cast<std::size_t>(Clock::audio)];
+    std::vector<double> numbers(lists.size());
+    const auto park = static_cast<std::size_t>(parks_);
+    const std::size_t end = park < blocks_before_park_.size() ? std::min(block_count(), blocks_before_park_[park]) : block_count();
+    for (; blocks_ < end; ++blocks_) {
+      for (std::size_t n = 0; n < lists.size(); ++n) numbers[n] = static_cast<double>(lists[n][blocks_]);
+      if (parts_->graph.want(Clock::audio, numbers)) return;
+      parts_->graph.run(Clock::audio, {blocks_, kAudioPeriod});
+    }
   }
   [[nodiscard]] bool is_due(const SessionStill& still) const noexcept {
     return still.parks <= parks_ && static_cast<std::size_t>(still.bone_step) <= bones_;
@@ -210,7 +235,8 @@ class Replay {
   std::set<std::uint64_t> needed_;              // numbers of the contact results that simulation steps use
   std::map<std::uint64_t, ContactState> kept_;  // those that were computed and are still needed
   std::uint64_t contacts_ = 0;
-  std::size_t bones_ = 0;
+  std::size_t bones_ = 0, blocks_ = 0;
+  std::vector<std::size_t> blocks_before_park_;
   std::uint64_t published_;  // copies of bone published so far, as recorded
   bool ran_out_ = false, contact_waits_ = false, bone_waits_ = false;
   Hash64 sent_;

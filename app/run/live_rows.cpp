@@ -68,6 +68,11 @@ SessionLayout session_layout(const Stage& stage) {
   append_columns(stage.graph, Clock::servo, servo);
   append_columns(stage.graph, Clock::contact, contact);
   append_columns(stage.graph, Clock::simulation, bone);
+  if (records_audio(stage)) {
+    SessionStream audio{kAudioStream, {}};
+    append_columns(stage.graph, Clock::audio, audio);
+    return {{servo, contact, bone, audio}, static_cast<std::int64_t>(stage.config.servo_hz), 1};
+  }
   return {{servo, contact, bone}, static_cast<std::int64_t>(stage.config.servo_hz), 1};
 }
 
@@ -109,6 +114,13 @@ void put(const ContactRow& row, const Stage&, std::vector<double>& out) {
 void put(const BoneRow& row, const Stage&, std::vector<double>& out) {
   out.assign({static_cast<double>(row.contact), static_cast<double>(row.published), static_cast<double>(row.skipped)});
   append_values(row.effects, out);
+}
+
+bool records_audio(const Stage& stage) noexcept { return !stage.graph.columns(Clock::audio).empty(); }
+
+void put_audio(const Stage& stage, std::vector<double>& out) {
+  out.clear();
+  append_values(effect_values(stage.graph, Clock::audio), out);
 }
 
 }  // namespace burrhole

@@ -58,13 +58,17 @@ struct BoneRow {
 /// @param contact number of the contact result used for the cut.
 [[nodiscard]] BoneRow bone_row(Stage& stage, std::uint64_t contact) noexcept;
 
-/// Layout of the session: streams "servo", "contact" and "bone", each with the columns of effects on its clock last. Indices of the
-/// streams:
-inline constexpr std::size_t kServoRows = 0, kContactRows = 1, kBoneRows = 2;
+/// Layout of the session: streams "servo", "contact" and "bone", each with the columns of effects on its clock last; then "audio" in a run
+/// with sound, whose row has the number of the message that a block of sound read from each other clock. Indices of the streams:
+inline constexpr std::size_t kServoRows = 0, kContactRows = 1, kBoneRows = 2, kAudioRows = 3;
 [[nodiscard]] SessionLayout session_layout(const Stage& stage);
 /// Writes a row of a stream of that layout into `out`.
 void put(const ServoRow& row, const Stage& stage, std::vector<double>& out);
 void put(const ContactRow& row, const Stage& stage, std::vector<double>& out);
 void put(const BoneRow& row, const Stage& stage, std::vector<double>& out);
+/// @returns whether the layout has the stream "audio".
+[[nodiscard]] bool records_audio(const Stage& stage) noexcept;
+/// Writes the row of the last block of sound.
+void put_audio(const Stage& stage, std::vector<double>& out);
 
 }  // namespace burrhole

@@ -79,8 +79,8 @@ class Loops {
   Status park();
   /// Reports the state to the user, and sends the display what has changed.
   Status show();
-  /// Computes the audio blocks that are due; on the caller's thread.
-  void run_audio();
+  /// Computes the blocks of sound that are due, on the caller's thread. Their clock is that of the servo: it stops with it.
+  Status run_audio();
   Status drain_servo();
   Status drain_contact();
   Status drain_bone();
@@ -106,10 +106,9 @@ class Loops {
   std::vector<double> row_;
   DrillProgress progress_;
   LiveState state_;
-  double progress_time_ = 0.0;  // [s] simulated time of the last progress report
-  timespec audio_start_{};
-  std::uint64_t audio_ticks_ = 0;
-  bool ended_ = false;  // the servo ended by script, duration or stop, not by park(); read after its thread has ended
+  double progress_time_ = 0.0;     // [s] simulated time of the last progress report
+  std::uint64_t audio_ticks_ = 0;  // blocks of sound so far
+  bool ended_ = false;             // the servo ended by script, duration or stop, not by park(); read after its thread has ended
   BonePrefetch prefetch_;
   std::thread servo_, contact_, bone_, prefetch_thread_;
 };
@@ -335,6 +334,7 @@ Status Loops::park() {
     if (thread->joinable()) thread->join();
   parts_->voxmap->set_prefetch(nullptr);
   if (Status drained = drain(); !drained) return drained;
+  if (Status sounded = run_audio(); !sounded) return sounded;
   if (ended_ || broken_.load(std::memory_order_acquire)) return {};
   servo_ticks_.fetch_add(1, std::memory_order_relaxed);  // of the hand under the zero force that ended the servo's thread
   Status applied;
@@ -354,17 +354,22 @@ Status Loops::show() {
   return options_.send && hand_off_->poll(false) ? options_.send() : Status();
 }
 
-void Loops::run_audio() {
-  if (parts_->graph.empty(Clock::audio)) return;
-  const double now = microseconds(audio_start_, now_monotonic()) * 1e-6;
-  for (; static_cast<double>(audio_ticks_ + 1) * kAudioPeriod <= now; ++audio_ticks_)
+Status Loops::run_audio() {
+  if (parts_->graph.empty(Clock::audio)) return {};
+  const bool records = log_->session() != nullptr && records_audio(*parts_);
+  const std::uint64_t due = parts_->audio_blocks(servo_ticks_.load(std::memory_order_relaxed));
+  for (; audio_ticks_ < due; ++audio_ticks_) {
     parts_->graph.run(Clock::audio, {audio_ticks_, kAudioPeriod});
+    if (!records) continue;
+    put_audio(*parts_, row_);
+    if (Status written = log_->session()->append(kAudioRows, row_); !written) return written;
+  }
+  return {};
 }
 
 Status Loops::run() {
   const LockedMemory locked;
   start();
-  audio_start_ = start_;
   while (!priorities_requested()) std::this_thread::sleep_for(kPollEvery);
   if (Status reported = report_refusals(locked.refusal()); !reported) return reported;
   while (!servo_ended_.load(std::memory_order_acquire)) {
@@ -372,7 +377,7 @@ Status Loops::run() {
     if (Status drained = drain(); !drained) return drained;
     if (Status shown = show(); !shown) return shown;
     std::this_thread::sleep_for(kPollEvery);
-    run_audio();
+    if (Status sounded = run_audio(); !sounded) return sounded;
     if (!options_.inputs) continue;
     Status applied;
     const LiveInput input = options_.inputs(servo_ticks_.load(std::memory_order_relaxed), false, applied);
@@ -387,6 +392,7 @@ Status Loops::run() {
   report_->done = report_->last.hand.phase == HandPhase::done;
   report_->stopped = !report_->done && is_set(options_.stop);
   if (Status drained = drain(); !drained) return drained;
+  if (Status sounded = run_audio(); !sounded) return sounded;
   if (broken_.load(std::memory_order_acquire))
     return Error{ErrorCode::internal, "the simulation thread ended with an exception: " + why_, {}};
   if (report_->unrecorded > 0 && options_.warn)

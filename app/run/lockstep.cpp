@@ -1,15 +1,10 @@
 #include "app/run/lockstep.h"
 
-#include <algorithm>
-
 #include "haptics/servo/realtime.h"
 
 namespace burrhole {
 
-Lockstep::Lockstep(Stage& parts)
-    : parts_(&parts),
-      in_flight_(parts.latency + 1),
-      audio_every_(std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kAudioPeriod / parts.period + 0.5))) {}
+Lockstep::Lockstep(Stage& parts) : parts_(&parts), in_flight_(parts.latency + 1), has_audio_(!parts.graph.empty(Clock::audio)) {}
 
 const ServoOutput& Lockstep::tick() {
   const FlushToZero guard;
@@ -24,8 +19,13 @@ const ServoOutput& Lockstep::tick() {
   ++tick_;
   ran_bone_ = tick_ % parts.bone_every == 0;
   if (ran_bone_) parts.cut(parts.contact->state());
-  if (tick_ % audio_every_ == 0 && !parts.graph.empty(Clock::audio)) parts.graph.run(Clock::audio, {audio_ticks_++, kAudioPeriod});
+  if (has_audio_) run_audio();
   return servo_;
+}
+
+void Lockstep::run_audio() {
+  for (ran_audio_ = 0; audio_ticks_ < parts_->audio_blocks(tick_); ++ran_audio_)
+    parts_->graph.run(Clock::audio, {audio_ticks_++, kAudioPeriod});
 }
 
 }  // namespace burrhole

@@ -23,6 +23,7 @@ std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_p
                             .goals = options.user != nullptr ? &options.user->goals() : nullptr,
                             .restore_path = options.restore_path,
                             .history = options.history,
+                            .sound = options.sound,
                             .one_thread = !options.live});
   if (!parts) {
     Error error = parts.error();
@@ -235,6 +236,11 @@ Status Simulation::record_rows(const Lockstep& steps, std::uint64_t window) {
     if (Status written = append(kContactRows, contact_row(*parts_, window)); !written) return written;
   if (steps.ran_bone())
     if (Status written = append(kBoneRows, bone_row(*parts_, parts_->contact->state().number)); !written) return written;
+  if (records_audio(*parts_))
+    for (std::uint64_t n = 0; n < steps.ran_audio(); ++n) {
+      put_audio(*parts_, row_);
+      if (Status written = session.append(kAudioRows, row_); !written) return written;
+    }
   return append(kServoRows, servo_row(*parts_, servo_now_));  // last: this row commits
 }
 
@@ -252,6 +258,17 @@ std::vector<TimedStep> Simulation::timings() {
 StepTiming Simulation::timing(std::string_view name) {
   for (const TimedStep& step : timings())
     if (step.name == name) return step.timing;
+  return {};
+}
+
+std::string Simulation::sound_hash() const {
+  for (const Stage::MadeEffect& made : parts_->effects()) {
+    if (made.table != "sound") continue;
+    Figures figures;
+    made.effect->report(figures);
+    for (const auto& [name, value] : figures.rows())
+      if (const auto* text = std::get_if<std::string>(&value); text != nullptr && name == "hash") return *text;
+  }
   return {};
 }
 

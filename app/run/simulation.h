@@ -28,6 +28,7 @@ namespace burrhole {
 /// Inputs and outputs of a run apart from the scene. Pointers must outlive the simulation.
 struct SimulationOptions {
   FrameSink* sink = nullptr;                                          ///< draws pictures of a scene with [display]; null: none are drawn
+  SoundSink* sound = nullptr;                                         ///< receives the samples of a scene with [sound]; null: none are made
   HandSource* hand = nullptr;                                         ///< a recorded hand; null: the scene's own
   SessionWriter* session = nullptr;                                   ///< created with session_layout(); null: no record
   std::string restore_path{};                                         ///< checkpoint to start from; empty: bone as loaded
@@ -100,6 +101,8 @@ class Simulation {
   [[nodiscard]] std::uint64_t force_hash() const noexcept { return parts_->contact->hash(); }
   /// Hash of all pictures; absent without a display.
   [[nodiscard]] std::optional<std::uint64_t> image_hash() const;
+  /// Hash of all samples; empty without sound.
+  [[nodiscard]] std::string sound_hash() const;
   [[nodiscard]] Voxmap& voxmap() noexcept { return *parts_->voxmap; }
   [[nodiscard]] BoneStep& bone_step() noexcept { return *parts_->bone; }
   [[nodiscard]] FrameStep* frame_step() noexcept { return parts_->frame(); }  ///< null without a display

@@ -68,6 +68,7 @@ struct SessionStream {
 inline constexpr const char* kServoStream = "servo";
 inline constexpr const char* kContactStream = "contact";
 inline constexpr const char* kBoneStream = "bone";
+inline constexpr const char* kAudioStream = "audio";  ///< only of a run with sound
 
 struct SessionLayout {
   std::vector<SessionStream> streams;   ///< at least one, with at least one column each; the first sets the pace of commits

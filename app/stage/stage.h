@@ -16,6 +16,7 @@
 #include "app/stage/slots.h"
 #include "app/view/frame_step.h"
 #include "core/measure/approach.h"
+#include "core/sound/sound_sink.h"
 #include "core/voxel/bone_history.h"
 
 namespace burrhole {
@@ -57,6 +58,7 @@ class Stage {
     GoalMailbox* goals = nullptr;  ///< of a user; null: nobody is there
     std::string restore_path{};    ///< checkpoint to start from; empty: bone as loaded
     bool history = false;          ///< enables undo and checkpoints
+    SoundSink* sound = nullptr;    ///< receives the samples of [sound]; null: none are made
     bool one_thread = false;       ///< all steps run on one thread: contact reads one copy of bone instead of three
   };
   /// `tool` and the objects in `outside` must outlive the stage. Errors include the scene's place if there is one.
@@ -107,6 +109,10 @@ class Stage {
   /// @returns the number of simulation steps completed before the last gather(). The next picture shows bone after these steps.
   [[nodiscard]] std::uint64_t frame_step() const noexcept { return gathered_; }
   [[nodiscard]] Pose world_from_approach() const noexcept { return config.volume.world_from_bone * approach.bone_from_approach; }
+  /// @returns the number of blocks of sound that are due after a number of servo ticks.
+  [[nodiscard]] std::uint64_t audio_blocks(std::uint64_t servo_ticks) const noexcept {
+    return static_cast<std::uint64_t>(static_cast<double>(servo_ticks) * period / kAudioPeriod + 1e-6);
+  }
   [[nodiscard]] double voxel_edge() const noexcept { return voxmap->bone().bone_from_index().mean_edge(); }  ///< [m]
 
   struct MadeEffect {

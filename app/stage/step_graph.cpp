@@ -6,8 +6,11 @@ namespace burrhole {
 
 namespace {
 
-/// Whether a session has a stream of the clock.
+/// Whether a session records what steps of the clock compute, so that steps of other clocks may read it.
 bool is_recorded(Clock clock) noexcept { return clock == Clock::servo || clock == Clock::contact || clock == Clock::simulation; }
+
+/// Whether a session records the numbers of the messages that a tick of the clock read.
+bool records_messages(Clock clock) noexcept { return is_recorded(clock) || clock == Clock::audio; }
 
 }  // namespace
 
@@ -141,11 +144,13 @@ Status StepGraph::check_slots() const {
 }
 
 Status StepGraph::check_columns() const {
+  for (const BoundStep& step : steps_)
+    if (!is_recorded(step.clock) && !step.columns.empty())
+      return bad_input("the column \"" + step.columns.front().name + "\" is on the " + name_of(step.clock) +
+                       " clock, which has no stream in a session");
   for (std::size_t n = 0; n < kClocks; ++n) {
     const auto clock = static_cast<Clock>(n);
     const std::vector<StepColumn>& all = columns(clock);
-    if (!is_recorded(clock) && !all.empty())
-      return bad_input("the column \"" + all.front().name + "\" is on the " + name_of(clock) + " clock, which has no stream in a session");
     if (all.size() > kMaxColumns)
       return bad_input("the steps of the " + std::string(name_of(clock)) + " clock record " + std::to_string(all.size()) +
                        " columns, at most " + std::to_string(kMaxColumns));
@@ -189,6 +194,7 @@ Status StepGraph::sort(Clock clock) {
 Status StepGraph::connect() {
   for (Slot& slot : slots_)
     for (Mirror& mirror : slot.mirrors) {
+      if (!slot.written) continue;                                           // latest_if_written()
       std::memcpy(mirror.value.data(), slot.value.data(), slot.value.size);  // what the owner set while it was bound
       const auto found =
           std::ranges::find_if(links_, [&](const auto& link) { return link->writer == slot.writer && link->reader == mirror.reader; });
@@ -200,7 +206,7 @@ Status StepGraph::connect() {
         link->reader = mirror.reader;
         lanes_[index(slot.writer)].links_out.push_back(link);
         lanes_[index(mirror.reader)].links_in.push_back(link);
-        if (is_recorded(mirror.reader))
+        if (records_messages(mirror.reader))
           lanes_[index(mirror.reader)].columns.push_back({std::string("from_") + name_of(slot.writer), "", &link->taken, true});
       }
       const std::size_t at = link->out.empty() ? 0 : (link->out.back().at + link->out.back().size + 15) / 16 * 16;

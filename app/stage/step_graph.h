@@ -6,8 +6,8 @@
 ///     last    reads the value of the previous tick: runs before the writer. Not for slots with `add`, which keep no previous value.
 ///     latest  reads a slot of another clock: the newest message at the start of the reader's tick. The number of the message is recorded.
 ///   Steps of one clock run in an order that satisfies these uses. Steps that do not depend on each other run in the order of binding.
-///   A session has no rows for the frame and audio clocks. Therefore their steps have no columns, and steps of other clocks cannot read
-///   their slots. A picture reads the values that the simulation wrote up to the step that the picture shows.
+///   Steps of other clocks cannot read slots of the frame and audio clocks, and steps of these two have no columns. A session has no rows
+///   for the frame clock, and for the audio clock only the numbers of the messages that it read. A picture reads the values that the simulation wrote up to the step that the picture shows.
 ///   Errors   bad_input, of resolve().
 ///   Threads  bind and resolve() while no clock runs. run(clock) by the thread of that clock: never waits, never allocates.
 #pragma once
@@ -93,6 +93,13 @@ class StepGraph {
     template <class T>
     [[nodiscard]] const T* now_if_written(const SlotKey<T>& key) {
       const T* value = now(key);
+      graph_->steps_[step_].uses.back().optional = true;
+      return value;
+    }
+    /// As latest(), but the slot need not have a writer; it then keeps its start value.
+    template <class T>
+    [[nodiscard]] const T* latest_if_written(const SlotKey<T>& key) {
+      const T* value = latest(key);
       graph_->steps_[step_].uses.back().optional = true;
       return value;
     }

@@ -14,7 +14,7 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kMostSpin = 1e5;                                               // [rev/s]
 constexpr double kIdleShare = 0.3;                                              // [-] of the motor's level without load
 constexpr double kHalfPower = 10.0;                                             // [W] of half the level by load
-constexpr double kFullThickness = 40e-6;                                        // [m] of the full level at hardness 1
+constexpr double kFullThickness = 10e-6;                                        // [m] of the full level at hardness 1
 constexpr double kFullRate = 100e-9;                                            // [m^3/s] of the full level at hardness 1
 constexpr double kDull = 0.5, kByHardness = 0.35;                               // [-] q
 constexpr double kDullRing = 1200.0, kBrightRing = 3600.0, kRingWidth = 800.0;  // [Hz]
@@ -59,8 +59,9 @@ SoundTone tone_of(const SoundConfig& config, const SoundInput& input) noexcept {
   }
   if (teeth > 0.0) {
     // [Kienzle52] F = b k_c1 h^(1 - m), here with m = 1/2.
-    out.tooth_level = config.tooth_level * std::min(1.0, hardness * std::sqrt(positive(input.thickness) / kFullThickness));
-    out.chip_level = config.chip_level * std::min(1.0, hardness * std::sqrt(rate / kFullRate));
+    const double force = std::sqrt(positive(input.thickness) / kFullThickness), radiated = hardness * hardness;
+    out.tooth_level = config.tooth_level * std::min(1.0, radiated * force);
+    out.chip_level = config.chip_level * std::min(1.0, radiated * std::sqrt(rate / kFullRate));
   }
   return out;
 }

@@ -6,10 +6,11 @@
 ///     motor   f_m = (n / n_0) f_0, n_0 the spin and f_0 the motor's speed at full command; six harmonics, 1 / k.
 ///             Level  L_m (0.3 n / n_0 + 0.7 P / (P + 10 W)).
 ///     teeth   f_t = n z, the tooth passing frequency; harmonics k with the amplitudes q^(k - 1), q = 0.5 + 0.35 H: a hard chip gives a
-///             shorter pulse of force. Level  L_t min(1, H (h / 40 um)^(1/2)): Kienzle's cutting force b k_c1 h^(1 - m) [Kienzle52], with
-///             a specific force in proportion to H and m = 1/2.
+///             shorter pulse of force. Level  L_t min(1, H H (h / 10 um)^(1/2)). One H and the thickness are Kienzle's cutting force
+///             b k_c1 h^(1 - m) [Kienzle52], with a specific force in proportion to H and m = 1/2. The other H: an alternating force
+///             radiates in proportion to its rate of change (acoustic dipole), and its pulse rises in a time that goes with 1 / H.
 ///     chips   white noise through two resonators, at 1.2 kHz (weight 1 - H) and 3.6 kHz (weight H), modulated by the passing teeth.
-///             Level  L_c min(1, H (Q / 100 mm^3/s)^(1/2)): powers of independent fractures add.
+///             Level  L_c min(1, H H (Q / 100 mm^3/s)^(1/2)): as for a tooth, and the powers of independent fractures add.
 ///   A level of tones is the amplitude of the sine of equal power; that of noise is its root mean square without modulation. Harmonics fade
 ///   out between 0.40 and 0.45 of the sample rate. Spin and levels follow the inputs with the time constant `response`, so no step clicks.
 ///   Assumptions: f_0, all levels, m, q, and the frequencies of the noise; no recording of a drill was fitted.
@@ -26,7 +27,7 @@ struct SoundConfig {
   int sample_rate = 48000;     ///< [Hz] in [8000, 192000], a multiple of 100
   double volume = 0.5;         ///< [-] in [0, 1]
   double motor_speed = 400.0;  ///< [rev/s] > 0: f_0
-  double motor_level = 0.2;    ///< [-] in [0, 1]: L_m
+  double motor_level = 0.1;    ///< [-] in [0, 1]: L_m
   double tooth_level = 0.3;    ///< [-] in [0, 1]: L_t
   double chip_level = 0.15;    ///< [-] in [0, 1]: L_c
   double response = 0.01;      ///< [s] in [0.001, 1]

@@ -126,9 +126,9 @@ TEST_CASE("drill sound: the harmonics of the teeth fall by 0.5 + 0.35 H") {
 TEST_CASE("drill sound: the power of each source is that of its level") {
   const SoundTone tone = tone_of(SoundConfig{}, kDrilling);
   // The closed forms of the header, written out once more.
-  CHECK(tone.motor_level == doctest::Approx(0.2 * (0.3 + 0.7 * 7.0 / 17.0)));
-  CHECK(tone.tooth_level == doctest::Approx(0.3 * 0.9 * std::sqrt(5.0 / 40.0)));
-  CHECK(tone.chip_level == doctest::Approx(0.15 * 0.9 * std::sqrt(1000.0 / 60.0 * 4.0 * 0.5 / 100.0)));
+  CHECK(tone.motor_level == doctest::Approx(0.1 * (0.3 + 0.7 * 7.0 / 17.0)));
+  CHECK(tone.tooth_level == doctest::Approx(0.3 * 0.81 * std::sqrt(5.0 / 10.0)));
+  CHECK(tone.chip_level == doctest::Approx(0.15 * 0.81 * std::sqrt(1000.0 / 60.0 * 4.0 * 0.5 / 100.0)));
   // Tones over a whole number of periods: floats round at 6e-8.
   CHECK(rms(steady(only(0), kDrilling, 3.0)) == doctest::Approx(tone.motor_level / std::sqrt(2.0)).epsilon(1e-4));
   CHECK(rms(steady(only(1), kDrilling, 3.0)) == doctest::Approx(tone.tooth_level / std::sqrt(2.0)).epsilon(1e-4));
@@ -142,7 +142,7 @@ TEST_CASE("drill sound: the power of each source is that of its level") {
   }
 }
 
-TEST_CASE("drill sound: softer bone is quieter at equal thrust, by the square root of its hardness, and duller") {
+TEST_CASE("drill sound: softer bone is quieter at equal thrust, by the hardness to the power 3/2, and duller") {
   // At equal thrust the feed, and with it thickness and volume, goes with 1 / H (law `rate`).
   const auto at = [](double hardness) {
     SoundInput input = kDrilling;
@@ -152,8 +152,8 @@ TEST_CASE("drill sound: softer bone is quieter at equal thrust, by the square ro
     return tone_of(SoundConfig{}, input);
   };
   const SoundTone hard = at(0.9), soft = at(0.3);
-  CHECK(hard.tooth_level / soft.tooth_level == doctest::Approx(std::sqrt(3.0)));
-  CHECK(hard.chip_level / soft.chip_level == doctest::Approx(std::sqrt(3.0)));
+  CHECK(hard.tooth_level / soft.tooth_level == doctest::Approx(std::pow(3.0, 1.5)));
+  CHECK(hard.chip_level / soft.chip_level == doctest::Approx(std::pow(3.0, 1.5)));
   CHECK(hard.brightness > soft.brightness);
 }
 
