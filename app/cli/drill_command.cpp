@@ -34,6 +34,12 @@ Result<std::unique_ptr<FilmWriter>> make_film(const Scene& scene, const Drilling
   return FilmWriter::create(files.video, files.video_fps);
 }
 
+/// Receives sound for a run that only measures it.
+class NoSpeaker final : public SoundSink {
+ public:
+  void write(std::span<const float>) noexcept override {}
+};
+
 Result<bool> decide_window(WindowOptions& window, SceneOption& scene, bool by_script, bool quiet) {
   if (!by_script) return prepare_window(window, scene, quiet);
   if (window.asked || window.demonstration || window.light || window.text_scale != 1.0)
@@ -65,6 +71,8 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
   if (!quiet) job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
   job.progress = [&](double share, const std::string& text) { progress.show(share, text); };
+  // A run without outputs is one whose steps are timed: its sound is made for nobody.
+  if (files.folder.empty()) job.make_speaker = [](int) { return std::make_unique<NoSpeaker>(); };
   std::unique_ptr<FilmWriter> film;
   if (!files.video.empty()) {
     auto made = make_film(loaded.scene, files);

@@ -6,10 +6,12 @@
 #include "app/cli/picture_sink.h"
 #include "app/cli/progress.h"
 #include "app/cli/recorded_scene.h"
+#include "app/job/wav_file.h"
 #include "app/run/simulation.h"
 #include "app/session/recorded_hand.h"
 #include "core/base/cpu_model.h"
 #include "core/base/hash.h"
+#include "core/sound/drill_sound.h"
 
 namespace burrhole::cli {
 namespace {
@@ -41,8 +43,27 @@ std::string why_different(const Replayed& replayed) {
   return {};
 }
 
-/// @param stills draws the recorded pictures again. @param gl of --gl.
-Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const std::string& gl) {
+/// Receives the sound of a replay: for its hash, and for a file if one is requested.
+class ReplayedSound final : public SoundSink {
+ public:
+  [[nodiscard]] Status open(const std::string& file, int sample_rate) {
+    if (file.empty()) return {};
+    auto made = WavFile::create(file, sample_rate);
+    if (!made) return made.error();
+    wav_ = std::move(made).value();
+    return {};
+  }
+  void write(std::span<const float> samples) noexcept override {
+    if (wav_ != nullptr) wav_->write(samples);
+  }
+  [[nodiscard]] Status finish() { return wav_ != nullptr ? wav_->finish() : Status(); }
+
+ private:
+  std::unique_ptr<WavFile> wav_;
+};
+
+/// @param stills draws the recorded pictures again. @param gl of --gl. @param wav file for the sound; empty: none.
+Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const std::string& gl, const std::string& wav) {
   auto session = SessionReader::open(path);
   if (!session) return session.error();
   auto hand = RecordedHand::create(*session);
@@ -61,6 +82,14 @@ Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const 
   if (Status written = checkpoint.write(*session); !written) return written.error();
   options.restore_path = checkpoint.path();
   options.history = !session->inputs().empty();
+  ReplayedSound sound;
+  const auto* sounds = session->stream(kAudioStream) != nullptr ? loaded->scene.find<SoundConfig>() : nullptr;
+  if (sounds != nullptr) {
+    if (Status opened = sound.open(wav, sounds->sample_rate); !opened) return opened.error();
+    options.sound = &sound;
+  } else if (!wav.empty()) {
+    return bad_input("--wav: the session has no sound", path);
+  }
   std::unique_ptr<PictureSink> sink;
   if (const auto* display = loaded->scene.find<DisplayConfig>(); display != nullptr) {
     auto made = make_picture_sink(*display, {.folder = {}, .gl = gl});
@@ -79,6 +108,8 @@ Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const 
   std::vector<Comparison> rows{{"voxels", recorded_hash(*session, "voxels"), hash_text(simulation->voxmap().hash())},
                                {"forces", recorded_hash(*session, "forces"), hash_text(simulation->force_hash())},
                                {"sent", recorded_hash(*session, "sent"), hash_text(simulation->sent_hash())}};
+  if (Status finished = sound.finish(); !finished) return finished.error();
+  if (sounds != nullptr) rows.push_back({"sound", recorded_hash(*session, "sound"), simulation->sound_hash()});
   if (sink)
     for (std::size_t n = 0; n < session->stills().size(); ++n) {
       const SessionStill& still = session->stills()[n];
@@ -93,7 +124,7 @@ Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const 
 void add_replay(CLI::App& app, int& exit_code) {
   struct Options {
     std::string session;
-    std::string gl = "auto";
+    std::string gl = "auto", wav;
     bool quiet = false, stills = false, view = false;
     WindowOptions window;
   };
@@ -111,7 +142,9 @@ void add_replay(CLI::App& app, int& exit_code) {
   add_simd_option(*command);
   command->add_flag("--stills", option->stills, "draw the recorded pictures again and compare them too (same CPU and driver)");
   add_gl_option(*command, option->gl);
-  command->add_flag("--view", option->view, "show the session in a window")->excludes("--stills");
+  CLI::Option* wav =
+      command->add_option("--wav", option->wav, "write the sound of a session with [sound] into this file")->type_name(kFileValue);
+  command->add_flag("--view", option->view, "show the session in a window")->excludes("--stills")->excludes(wav);
   add_view_options(*command, option->window);
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
@@ -121,7 +154,7 @@ void add_replay(CLI::App& app, int& exit_code) {
       exit_code = !same ? report(same.error()) : !*same ? kCheckFailed : stop_requested().load() ? kInterrupted : kDone;
       return;
     }
-    const auto replayed = replay(option->session, option->quiet, option->stills, option->gl);
+    const auto replayed = replay(option->session, option->quiet, option->stills, option->gl, option->wav);
     if (!replayed) {
       exit_code = report(replayed.error());
       return;

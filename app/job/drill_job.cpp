@@ -137,9 +137,10 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   return std::optional<SessionWriter>(std::move(session).value());
 }
 
-Status close_session(SessionWriter& session, const RunSummary& summary, std::uint64_t sent_hash) {
+Status close_session(SessionWriter& session, const RunSummary& summary, const Simulation& simulation) {
   for (const auto& [kind, value] : {std::pair{"voxels", summary.voxel_hash}, std::pair{"forces", summary.force_hash},
-                                    std::pair{"sent", hash_text(sent_hash)}, std::pair{"image", summary.image_hash}})
+                                    std::pair{"sent", hash_text(simulation.sent_hash())}, std::pair{"image", summary.image_hash},
+                                    std::pair{"sound", simulation.sound_hash()}})
     if (!value.empty())
       if (Status noted = session.hash({kind, value}); !noted) return noted;
   return session.close();
@@ -164,7 +165,7 @@ void remove_old_results(const std::string& folder) {
   if (folder.empty()) return;
   std::error_code ignored;
   for (const Caption& picture : kCaptions) fs::remove(fs::path(folder) / (std::string(picture.name) + ".png"), ignored);
-  for (const char* name : {kSummaryFile, kReportFile}) fs::remove(fs::path(folder) / name, ignored);
+  for (const char* name : {kSummaryFile, kReportFile, kSoundFile}) fs::remove(fs::path(folder) / name, ignored);
 }
 
 Status write_results(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary, const std::vector<std::string>& pictures,
@@ -238,6 +239,8 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
     sink = std::move(made).value();
     options.sink = sink.get();
   }
+  SoundOut sound(loaded.scene.find<SoundConfig>(), job.folder, job.make_speaker);
+  options.sound = sound.sink();
   double thickness = 1.0;  // [m] set when the simulation exists
   std::unique_ptr<Simulation> simulation;
   options.progress = [&](double time, const DrillProgress& p) {
@@ -255,6 +258,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   const auto lock = FolderLock::take(job.folder);
   if (!lock) return lock.error();
   remove_old_results(job.folder);
+  if (Status opened = sound.open(); !opened) return opened.error();
   auto session = open_session(loaded, job, simulation->stage(), sink.get());
   if (!session) return session.error();
   if (*session) simulation->set_session(&**session);
@@ -263,6 +267,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   const auto start = std::chrono::steady_clock::now();
   if (Status ran = simulation->run(); !ran) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (Status finished = sound.finish(); !finished) return finished.error();
   RunSummary summary = make_summary(loaded, *simulation, plan, wall);
   summary.by_user = summary.by_user || (job.user != nullptr && job.user->took_over());
   std::vector<std::string> found;
@@ -278,7 +283,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   for (const std::string& fault : fault_warnings(*simulation)) summary.warnings.push_back(fault);  // warned of when they appeared
   if (sink) summary.display = sink->display();
   if (*session)
-    if (Status closed = close_session(**session, summary, simulation->sent_hash()); !closed) return closed.error();
+    if (Status closed = close_session(**session, summary, *simulation); !closed) return closed.error();
   if (job.folder.empty()) return summary;
   auto pictures = sink ? sink->files() : std::vector<std::string>();
   if (!pictures) return pictures.error();

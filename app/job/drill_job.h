@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app/job/picture_sink.h"
+#include "app/job/sound_out.h"
 #include "app/job/summary.h"
 #include "app/run/simulation.h"
 #include "app/scene/load.h"
@@ -20,6 +21,7 @@ struct DrillJob {
   bool live = false;                        ///< true: on threads in real time; false: in lockstep
   bool require_realtime = false;            ///< live: a refused priority is an error
   MakePictureSink make_sink;                ///< for scenes with [display]; empty: no picture is drawn
+  MakeSpeaker make_speaker;                 ///< for scenes with [sound]; empty: no sound device
   const std::atomic<bool>* stop = nullptr;  ///< may be set by any thread or signal handler: the run ends cleanly after the tick
   /// Called ten times a simulated second with an estimate of the share of the run that is done, and a text. The share is at least 0; it
   /// exceeds 1 where the tip is deeper than the bone is thick by 5 % or more. May be empty.
