@@ -48,7 +48,8 @@ SEES = {
     "app/lab": JOB + ["app/render", "app/lab/oracle"],
     "app/bench": JOB + ["app/render"],
     "app/window": JOB + ["app/render"],
-    "app/cli": JOB + ["app/render", "app/lab", "app/window"],
+    "app/audio": BASE + ["core/sound"],
+    "app/cli": JOB + ["app/render", "app/lab", "app/window", "app/audio"],
 }
 
 # At most six files instantiate an OpenVDB grid: each costs seconds to compile and nearly half a minute under a sanitizer.
@@ -65,6 +66,7 @@ WRAPPED = [
     (r"png\.h$", "libpng", ["app/render/"]),
     (r"GLFW/", "GLFW", ["app/render/", "app/window/"]),
     (r"imgui", "Dear ImGui", ["app/window/"]),
+    (r"AL/", "OpenAL", ["app/audio/"]),
     (r"CLI/", "CLI11", ["app/cli/", "app/bench/main.cpp", "app/render/embed_shaders_main.cpp"]),
     (r"itk[A-Z]", "ITK", ["tests/"]),
     (r"gdcm", "GDCM", ["volumes/read/gdcm_codecs.cpp"]),

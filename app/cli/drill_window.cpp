@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/audio/speaker.h"
 #include "app/cli/recorded_scene.h"
 #include "app/render/renderer.h"
 #include "app/run/live_replay.h"
@@ -109,6 +110,12 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
   run.job.stop = &stop_requested();
   run.job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
   if (!quiet) run.job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  run.job.make_speaker = [&](int sample_rate) -> std::unique_ptr<SoundSink> {
+    auto speaker = Speaker::open(sample_rate);
+    if (speaker) return std::move(speaker).value();
+    print_warning(loaded.scene.file, "[sound] is not heard: " + speaker.error().message);
+    return nullptr;
+  };
   run.make_sink = sink_maker(files.shader_folder);
   run.start.tools = tools_for(loaded);
   run.start.tool = loaded.tool.name;
