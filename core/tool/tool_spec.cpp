@@ -218,9 +218,9 @@ std::optional<std::size_t> ToolSpec::region_at(const Vec3& p) const noexcept {
   return std::nullopt;
 }
 
-int read_teeth(TableReader& root, int fallback, const char* absent) {
+int read_teeth(TableReader& root, int fallback, const char* more) {
   return static_cast<int>(root.integer("teeth", fallback, 1, 200,
-                                       std::string("cutting edges that pass a place in a revolution, for pictures and sound; ") + absent));
+                                       std::string("cutting edges that pass a place in a revolution, for pictures and sound") + more));
 }
 
 std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& issues, KeyLog* log) {
@@ -229,7 +229,7 @@ std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& iss
   ToolSpec spec;
   spec.name = std::filesystem::path(document.file_name()).stem().string();
   spec.title = root.text("title", std::nullopt, "what the tool is, one line");
-  spec.teeth = read_teeth(root, 0, "absent: estimated from the shape");
+  spec.teeth = read_teeth(root, 0, "; absent: estimated from the shape");
   const double default_pitch = read_default_pitch(root);
   std::vector<TableReader> readers =
       root.tables("region", "primitives that the tool consists of; where several overlap, the first in the file sets the erosion factor");

@@ -65,8 +65,8 @@ struct ToolSpec {
   [[nodiscard]] std::optional<std::size_t> region_at(const Vec3& p) const noexcept;
 };
 
-/// Reads the key `teeth`, of both kinds of tool. @param fallback [-] if it is absent.
-[[nodiscard]] int read_teeth(TableReader& root, int fallback, const char* absent);
+/// Reads the key `teeth`, of both kinds of tool. @param fallback [-] if it is absent. @param more of the key's description.
+[[nodiscard]] int read_teeth(TableReader& root, int fallback, const char* more);
 
 /// @returns nothing if an issue was pushed. @param log if not null, receives the record of all requested keys.
 [[nodiscard]] std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& issues, KeyLog* log = nullptr);

@@ -5,7 +5,8 @@ addresses that it is given. Skipped (77) without valgrind or AVX2.
 
     absent_effect_test.py STEADY_TICKS STEADY_TICKS_WITHOUT SCENE TOOL_FOLDER
 
-The sabotage: with [friction] in the scene the count must rise, and the program without the effect must refuse the scene.
+The sabotage: with [friction] in the scene the count must rise, and the program without the effect must refuse the scene. [sound] in a run
+that nobody hears costs no instruction either.
 """
 import pathlib
 import re
@@ -16,6 +17,7 @@ import tempfile
 
 SKIPPED = 77
 FRICTION = "friction.static_coefficient=0.4"
+SOUND = "sound.volume=0.4"
 
 
 def run(program, scene, tools, profile, *sets):
@@ -69,7 +71,7 @@ def main():
     all_effects, drilled = count(program, scene, tools)
     lacking, drilled_lacking = count(without, scene, tools)
     rubbing, _ = count(program, scene, tools, FRICTION)
-    refused = subprocess.run([without, scene, tools, FRICTION], capture_output=True, text=True, timeout=60)
+    unheard, _ = count(program, scene, tools, SOUND)
     print(f"instructions: {all_effects} with the effect's line in the registry, {lacking} without, {rubbing} with [friction] in the scene")
     if drilled != drilled_lacking:
         sys.exit(f"not the same run:\n{drilled}{drilled_lacking}")
@@ -77,8 +79,12 @@ def main():
         sys.exit("an effect that the scene does not name costs instructions")
     if all_effects < 1_000_000 or rubbing <= all_effects:
         sys.exit("the count sees no steady ticks, or not the effect that the scene names")
-    if refused.returncode != 2 or "friction" not in refused.stdout:
-        sys.exit(f"a registry without the effect took a scene with it: {refused.returncode}\n{refused.stdout}")
+    if unheard != all_effects:
+        sys.exit(f"[sound] that nobody hears costs {unheard - all_effects} instructions")
+    for name, key in (("friction", FRICTION), ("sound", SOUND)):
+        refused = subprocess.run([without, scene, tools, key], capture_output=True, text=True, timeout=60)
+        if refused.returncode != 2 or name not in refused.stdout:
+            sys.exit(f"a registry without the effect took a scene with it: {refused.returncode}\n{refused.stdout}")
     return 0
 
 
