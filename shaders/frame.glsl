@@ -29,6 +29,11 @@ layout(std140, binding = 0) uniform Frame {
   vec4 part;                   // DETAIL: xyz bone voxel at index 0; w: voxels of this volume per voxel of the whole one
   vec4 whole_dims;             // DETAIL: xyz voxels of the whole volume
   vec4 blend;                  // DETAIL: x, y [voxels]: up to x from its faces the part equals the whole, from x + y on it has its own texels
+  vec4 table;                  // TABLE: xyz normal, w offset [m] of its plane, world
+  vec4 table_x;                // TABLE: xyz times a point less w: its place from the middle of what lies there, in half widths
+  vec4 table_y;
+  vec4 table_cast;             // TABLE: x, y: the middle of its shadow in these units
+  vec4 table_color;
   vec4 changed_lo;             // index: the box outside which no look-up reads a texel that has changed since the last picture
   vec4 changed_hi;
 };

@@ -66,6 +66,9 @@ vec3 tissue_color(vec3 color, vec3 p, vec3 inside, vec3 pattern, vec3 outward, b
 #else
   vec3 metres = pattern * edges.xyz;
 #endif
+#ifdef DRAPE
+  if (color.g > color.r) return color * (0.93 + 0.10 * noise(metres / 1.3e-3) + 0.06 * noise(metres / 9.0e-3));   // cloth; no tissue is green
+#endif
   float kind = textureLod(tissue, texture_from_index(inside), 0.0).g;
 #ifdef SOFT
   if (soft_at(inside) > bone_at(inside)) return soft_tissue(color, kind, metres, is_face);

@@ -18,7 +18,7 @@ constexpr double kSliceHalfWidth = 20e-3;  ///< [m] of slices through the tip
 struct Options {
   SceneOption scene;
   std::string image = "burrhole.png", size, camera, method, restore, gl = "auto", shader_folder;
-  bool cut = false, no_tool = false, slices_through_tip = false;
+  bool cut = false, no_tool = false, overview = false, slices_through_tip = false;
   std::optional<double> depth_mm;
 };
 
@@ -43,7 +43,10 @@ Status apply_view(const Options& option, DisplayConfig& display) {
     display.azimuth = (*camera)[0] * kDegree;
     display.elevation = (*camera)[1] * kDegree;
     display.distance = (*camera)[2] * kMillimetre;
+    if (option.overview) display.overview = display.distance;
   }
+  display.only_overviews = option.overview;
+  if (option.overview && !display.overview) return bad_input("--overview needs --camera or display.overview_mm");
   return {};
 }
 
@@ -120,6 +123,7 @@ void add_render(CLI::App& app, int& exit_code) {
   add_gl_option(*command, option->gl);
   add_shader_option(*command, option->shader_folder);
   command->add_flag("--cut", option->cut, "section through the axis");
+  command->add_flag("--overview", option->overview, "all that is drawn, from the distance of --camera or display.overview_mm");
   command->add_flag("--no-tool", option->no_tool, "without the bit");
   command->add_option("--depth-mm", option->depth_mm, "depth of the bit's tip below the entry; default: the start pose of the scene")
       ->type_name("MM")

@@ -10,6 +10,8 @@
 #include "app/view/display_config.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
+#include "volumes/phantom/head_bone.h"
+#include "volumes/phantom/head_shape.h"
 
 namespace burrhole {
 namespace {
@@ -146,7 +148,32 @@ StereoView read_stereo(TableReader& table, double distance) {
   return out;
 }
 
-DisplayConfig read_display(TableReader& table) {
+/// Reads what surrounds the bone in pictures.
+void read_scenery(TableReader& table, const StageConfig& scene, DisplayConfig& out) {
+  out.overview = table.optional_number("overview_mm", above_zero(0.0, kMillimetre, 5000.0),
+                                       "distance of the camera in the picture overview, the first of a run, which shows all that is drawn; "
+                                       "absent: no such picture");
+  out.table = table.boolean("table", out.table, "a table under what is drawn, across the approach axis");
+  const auto drape = table.optional_choice(
+      "drape", {"square", "round"}, "a cloth over the head of \"phantom:head\", with a square or round window at the entry; absent: none");
+  if (!drape) return;
+  const auto& phantom = scene.volume.phantom;
+  if (!phantom || phantom->kind != PhantomKind::head) return table.fault("drape", "needs volume.source = \"phantom:head\"");
+  out.drape.emplace();
+  out.drape->round = *drape == "round";
+  // Texels of cut bone reach three coarse voxels beyond the region; those of cloth are sent once.
+  const double side = std::max(phantom->region.x, phantom->region.y) + 6.0 * phantom->surroundings;
+  const double least = out.drape->round ? std::sqrt(2.0) * side : side;
+  const double window =
+      table.number("drape_window_mm", {.fallback = std::ceil(least / kMillimetre), .min = 1.0, .max = 200.0, .to_si = kMillimetre},
+                   "width of that window; default: the least that shows the region of the bone");
+  if (window < least - 1e-9)
+    table.fault("drape_window_mm",
+                fmt::format("must be at least {:.3g}, so that the cloth leaves the region of the bone free", least / kMillimetre));
+  out.drape->window = window;
+}
+
+DisplayConfig read_display(TableReader& table, const StageConfig& scene) {
   DisplayConfig out;
   out.method =
       table.choice("method", "raycast", {"raycast", "slices"}, "how bone is drawn: ray casting, or slices blended back to front", {"mesh"});
@@ -198,6 +225,8 @@ DisplayConfig read_display(TableReader& table) {
       table.boolean("scale_bar", out.scale_bar, "draws a scale bar; its length is exact at the distance of the camera's target");
   out.cut = read_cut(table);
   out.stereo = read_stereo(table, out.distance);
+  read_scenery(table, scene, out);
+  out.appearance.drape = out.drape.has_value();
   return out;
 }
 
@@ -224,6 +253,13 @@ std::string method_text(const DisplayConfig& display) {
                      appearance);
 }
 
+/// @returns the grids of a head phantom; nothing for another bone.
+std::optional<HeadGrid> head_of(const StageConfig& config) {
+  const auto& phantom = config.volume.phantom;
+  if (!phantom || phantom->kind != PhantomKind::head) return std::nullopt;
+  return head_grid(*phantom);
+}
+
 /// Volumes that are drawn.
 struct Levels {
   int factor = 1;  ///< [voxels] of the bone, edge of a voxel of the whole volume
@@ -231,8 +267,14 @@ struct Levels {
   std::uint64_t voxels = 0;  ///< of all volumes
 };
 
-Levels levels_of(const DisplayConfig& display, const BoneShape& bone) {
+Levels levels_of(const DisplayConfig& display, const BoneShape& bone, const std::optional<HeadGrid>& head) {
   Levels out;
+  if (head) {
+    out.factor = head->factor;
+    out.has_detail = draws_detail(display);
+    out.voxels = VoxelBox{Vec3i(0), head->coarse_dims}.count() + (out.has_detail ? head->region.count() : 0);
+    return out;
+  }
   out.factor = coarse_factor(bone.dims, display.whole_voxels);
   out.voxels = VoxelBox{Vec3i(0), out.factor == 1 ? bone.dims : CoarseBone::dims_of(bone.dims, out.factor)}.count();
   out.has_detail = out.factor > 1 && draws_detail(display);
@@ -241,10 +283,13 @@ Levels levels_of(const DisplayConfig& display, const BoneShape& bone) {
   return out;
 }
 
-std::string levels_text(const DisplayConfig& display, const BoneShape& bone) {
-  const Levels levels = levels_of(display, bone);
+std::string levels_text(const DisplayConfig& display, const BoneShape& bone, const std::optional<HeadGrid>& head) {
+  const Levels levels = levels_of(display, bone, head);
   if (levels.factor == 1) return {};
   const double edge = bone.bone_from_index.mean_edge() / kMillimetre;
+  if (head)
+    return fmt::format(", the head at voxels of {:.3g} mm{}", levels.factor * edge,
+                       levels.has_detail ? fmt::format(" and the region at {:.3g} mm", edge) : std::string());
   std::string out = fmt::format(", the whole bone at voxels of {:.3g} mm", levels.factor * edge);
   if (levels.has_detail) out += fmt::format(" and {:.3g} mm around the entry at {:.3g} mm", display.detail / kMillimetre, edge);
   return out;
@@ -262,6 +307,9 @@ std::string picture_text(const DisplayConfig& display) {
                        display.stereo.separation / kMillimetre);
   if (const auto& bench = display.stereo.workbench)
     out += fmt::format(", workbench of {:.3g} mm{}", bench->height / kMillimetre, bench->mirrored ? ", mirrored" : "");
+  if (display.table) out += ", on a table";
+  if (display.drape) out += fmt::format(", draped, window of {:.3g} mm", display.drape->window / kMillimetre);
+  if (display.overview) out += ", an overview first";
   return out + (display.scale_bar ? ", scale bar" : "");
 }
 
@@ -315,7 +363,7 @@ std::uint64_t coarse_bytes(const BoneShape& bone, int factor) {
 
 class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
  public:
-  explicit DisplayPlan(TableReader& table) { config_ = read_display(table); }
+  DisplayPlan(TableReader& table, const StageConfig& scene) { config_ = read_display(table, scene); }
 
   PlanRow row(const PlanContext& context) const override {
     // A texel, and the same with the distances that rays skip, twice. A sample of a picture: colour, depth, stencil and hit of the bone,
@@ -324,8 +372,9 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
     constexpr std::uint64_t kSampleBytes = 31;
     // A voxel of the window, of which the largest part may change at once: texels and the densities that they are made from.
     constexpr std::uint64_t kChangeBytes = 9;
-    const Levels levels = levels_of(config_, context.bone);
-    const std::uint64_t coarse = coarse_bytes(context.bone, levels.factor);
+    const std::optional<HeadGrid> head = head_of(context.config);
+    const Levels levels = levels_of(config_, context.bone, head);
+    const std::uint64_t coarse = head ? 0 : coarse_bytes(context.bone, levels.factor);  // that of a head belongs to the volume
     // At the start the texels are in memory and in the textures.
     const std::uint64_t drawn = levels.voxels * (a_texel + 2) + coarse + kDriverBytes;
     const auto rays = static_cast<std::uint64_t>(config_.quality.supersample);
@@ -336,7 +385,7 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
             .step = "changed boxes to the texture, one picture",
             .needs = "changed boxes, tool pose",
             .gives = "pictures",
-            .detail = fmt::format("{}{}{}, {} x {} pixels{}, at events", method_text(config_), levels_text(config_, context.bone),
+            .detail = fmt::format("{}{}{}, {} x {} pixels{}, at events", method_text(config_), levels_text(config_, context.bone, head),
                                   picture_text(config_), config_.width, config_.height, budget),
             .bytes = drawn + samples * kSampleBytes + context.window_voxels * kChangeBytes,
             .start_bytes = drawn + levels.voxels * a_texel};
@@ -344,8 +393,10 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
 
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
     if (stage.outside().sink == nullptr) return std::unique_ptr<Effect>(std::make_unique<NoDisplay>());
+    DisplayConfig display = config_;
+    if (display.drape) display.drape->body = [](const Vec3& p) { return HeadShape::hull(p); };
     auto frame =
-        FrameStep::create(config_, stage.config.volume.world_from_bone, stage.approach, *stage.tool, *stage.voxmap, *stage.outside().sink);
+        FrameStep::create(display, stage.config.volume.world_from_bone, stage.approach, *stage.tool, *stage.voxmap, *stage.outside().sink);
     if (!frame) return frame.error();
     auto effect = std::make_unique<DisplayEffect>(std::move(frame).value());
     stage.offer_frame(effect->frame());
@@ -353,7 +404,9 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
   }
 };
 
-std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig&, Issues&) { return std::make_unique<DisplayPlan>(table); }
+std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& scene, Issues&) {
+  return std::make_unique<DisplayPlan>(table, scene);
+}
 
 }  // namespace
 

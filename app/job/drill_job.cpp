@@ -34,7 +34,8 @@ std::string now_iso8601() {
 struct Caption {
   const char *name, *text;
 };
-constexpr Caption kCaptions[] = {{"before", "Before: the bit above the entry point"},
+constexpr Caption kCaptions[] = {{"overview", "Before: the whole body and the bit"},
+                                 {"before", "Before: the bit above the entry point"},
                                  {"during", "At half the thickness of the bone"},
                                  {"breakthrough", "Breakthrough, section through the axis"},
                                  {"after", "After: the hole from above"},

@@ -81,6 +81,18 @@ void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
   block.light_terms = vec4({view.light.ambient, view.light.diffuse, view.light.fill}, 1.0);
   block.background_bottom = vec4(view.background.bottom);
   block.background_top = vec4(view.background.top);
+  if (view.table) {
+    const TableView& table = *view.table;
+    block.table = vec4(table.normal, table.offset);
+    const Vec3 x = table.half_x / glm::dot(table.half_x, table.half_x), y = table.half_y / glm::dot(table.half_y, table.half_y);
+    block.table_x = vec4(x, glm::dot(x, table.centre));
+    block.table_y = vec4(y, glm::dot(y, table.centre));
+    // The middle of what lies on the table casts its shadow there; the light is at least 20 degrees above the table.
+    const Vec3 light = glm::normalize(view.light.direction_to_light);
+    const Vec3 shift = -light * (table.height / std::max(glm::dot(light, table.normal), 0.34));
+    block.table_cast = vec4({glm::dot(x, shift), glm::dot(y, shift), 0.0});
+    block.table_color = vec4(table.color);
+  }
   if (!view.cut) return;
   const double length = glm::length(view.cut->normal);
   block.cut = vec4(view.cut->normal / length, view.cut->offset / length);

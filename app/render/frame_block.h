@@ -22,9 +22,10 @@ struct FrameBlock {
   Vec4f slices{0};                                                                            ///< [unit of frame.glsl]
   Vec4f background_bottom{0}, background_top{0};                                              ///< [-]
   Vec4f hole_lo{0}, hole_hi{0}, part{0}, whole_dims{0}, blend{0};                             ///< [voxels]
+  Vec4f table{0}, table_x{0}, table_y{0}, table_cast{0}, table_color{0};                      ///< [unit of frame.glsl]
   Vec4f changed_lo{0}, changed_hi{0};                                                         ///< [voxels]
 };
-static_assert(sizeof(FrameBlock) == 46 * 16);
+static_assert(sizeof(FrameBlock) == 51 * 16);
 
 void fill_camera(FrameBlock& block, const CameraRays& rays);
 /// @param dims [voxels] > 0.

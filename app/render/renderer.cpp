@@ -38,6 +38,9 @@ Status check_view(const FrameView& view) {
   for (const Vec3& color : {view.background.bottom, view.background.top})
     for (const double channel : {color.x, color.y, color.z})
       if (!(channel >= 0.0 && channel <= 1.0)) return out_of_range("colours of the background must be in 0..1");
+  if (view.table && (!is_finite(view.table->normal) || !is_finite(view.table->centre) || glm::length(view.table->half_x) == 0.0 ||
+                     glm::length(view.table->half_y) == 0.0))
+    return out_of_range("the table has no place");
   if (view.cut && (!is_finite(view.cut->normal) || glm::length(view.cut->normal) == 0.0)) return out_of_range("the cut has no direction");
   return {};
 }
@@ -105,6 +108,7 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   if (over_copy)
     if (Status made = prepare(shown, drawn.x, drawn.y, TargetKind::shown); !made) return made.error();
   const bool cut = view.cut.has_value();
+  has_table = view.table.has_value();
   std::string shaders;
   if (volume) shaders = volume_variant(cut, false, has_soft(), outer_level()).name;
   if (volume && has_surface()) shaders += " " + light_variant(cut, has_tissue(), has_soft(), outer_level()).name;
@@ -137,6 +141,7 @@ Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) 
   if (Status made = prepare(probe_target, width, height, TargetKind::probed); !made) return made;
   const auto block = make_block(view, width, height, 1);
   if (!block) return block.error();
+  has_table = view.table.has_value();
   StalePixels whole;
   whole.drawn.add({Vec2i(0), Vec2i(width, height)});
   std::swap(target, probe_target);

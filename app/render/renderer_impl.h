@@ -73,6 +73,7 @@ struct Renderer::Impl {
     GLuint stale_occlusion = 0, detail_stale_occlusion = 0;  ///< mark the hits to be relit, if any
     PixelRect detail_rect{};                                 ///< pixels whose rays may meet the detail
   };
+  bool has_table = false;  ///< the view that is drawn has a table
   [[nodiscard]] bool has_soft() const noexcept { return volume && (volume->has_soft() || (detail && detail->has_soft())); }
   [[nodiscard]] bool has_tissue() const noexcept { return volume && volume->has_tissue(); }
   [[nodiscard]] ShaderVariant volume_variant(bool cut, bool probe, bool soft, VolumeLevel level) const;

@@ -141,7 +141,7 @@ ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft, Vo
   if (options.translucent)
     return translucent_variant(
         {.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = appearance.labels, .tint = tinted});
-  return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe, .level = level});
+  return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe, .table = has_table, .level = level});
 }
 
 /// A user's faulty shader is found at once and not at the first picture that takes it: every program the options may call for, as if the
@@ -180,7 +180,7 @@ Status Renderer::Impl::prepare(GlTarget& into, int width, int height, TargetKind
 
 Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPass pass, bool with_stale) {
   const bool probe = pass == ToolPass::probe;
-  const auto empty = programs.find_or_link(background_variant());
+  const auto empty = programs.find_or_link(background_variant(has_table));
   if (!empty) return empty.error();
   const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe, has_soft(), outer_level())) : empty;
   if (!bone) return bone.error();

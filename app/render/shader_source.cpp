@@ -90,6 +90,7 @@ ShaderVariant raycast_variant(const RaycastChoice& choice) {
   add_define(variant, choice.cut, "CUT", "_cut");
   add_define(variant, choice.skip, "SKIP", "_skip");
   add_define(variant, choice.probe, "PROBE", "_probe");
+  add_define(variant, choice.table, "TABLE", "_table");
   add_level(variant, choice.level);
   return variant;
 }
@@ -107,6 +108,7 @@ ShaderVariant surface_variant(const SurfaceChoice& choice) {
   add_define(variant, appearance.specular, "SPECULAR", "_specular");
   add_define(variant, appearance.labels, "LABELS", "_labels");
   add_define(variant, appearance.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
+  add_define(variant, appearance.drape && appearance.tissue, "DRAPE", "_drape");
   return variant;
 }
 
@@ -147,30 +149,36 @@ ShaderVariant tool_variant(ToolPass pass) {
   return variant;
 }
 
-ShaderVariant background_variant() { return {"background", "screen.vert", "background.frag", {}}; }
+ShaderVariant background_variant(bool table) {
+  ShaderVariant variant{"background", "screen.vert", "background.frag", {}};
+  add_define(variant, table, "TABLE", "_table");
+  return variant;
+}
 
 std::vector<ShaderVariant> all_shader_variants() {
-  std::vector<ShaderVariant> variants{background_variant(), tool_variant(ToolPass::picture), tool_variant(ToolPass::probe),
-                                      tool_variant(ToolPass::layer)};
+  std::vector<ShaderVariant> variants{background_variant(), background_variant(true), tool_variant(ToolPass::picture),
+                                      tool_variant(ToolPass::probe), tool_variant(ToolPass::layer)};
   const auto bit = [](unsigned bits, unsigned n) { return (bits >> n & 1u) != 0; };
   const auto options = [bit](unsigned bits) {
     return Appearance{.tissue = bit(bits, 0),
                       .occlusion = bit(bits, 1),
                       .shadow = bit(bits, 2),
                       .specular = bit(bits, 3),
+                      .drape = bit(bits, 6),
                       .labels = bit(bits, 4),
                       .normals = bit(bits, 5) ? NormalSource::recomputed : NormalSource::texture};
   };
   for (const VolumeLevel level : {VolumeLevel::only, VolumeLevel::whole, VolumeLevel::detail})
-    for (unsigned bits = 0; bits < 8; ++bits)
-      variants.push_back(raycast_variant({.cut = bit(bits, 0), .skip = bit(bits, 1), .probe = bit(bits, 2), .level = level}));
+    for (unsigned bits = 0; bits < 16; ++bits)
+      variants.push_back(
+          raycast_variant({.cut = bit(bits, 0), .skip = bit(bits, 1), .probe = bit(bits, 2), .table = bit(bits, 3), .level = level}));
   for (const VolumeLevel level : {VolumeLevel::only, VolumeLevel::whole, VolumeLevel::detail})
     for (unsigned bits = 0; bits < 6; ++bits) {  // stored normals, smoothed or not, and recomputed ones
       SurfaceChoice choice{.cut = bit(bits, 0), .finish = bits / 2 == 1, .level = level};
       if (bits / 2 == 2) choice.appearance.normals = NormalSource::recomputed;
       variants.push_back(stale_occlusion_variant(choice));
     }
-  constexpr unsigned kDrawn = 8, kOptions = 6, kAllOptions = (1u << kOptions) - 1u;
+  constexpr unsigned kDrawn = 8, kOptions = 7, kAllOptions = (1u << kOptions) - 1u;
   const auto add = [&](unsigned bits, unsigned chosen, VolumeLevel level) {
     variants.push_back(surface_variant(
         {.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .appearance = options(chosen), .level = level}));

@@ -32,6 +32,7 @@ struct RaycastChoice {
   bool cut = false;    ///< part of the volume is cut away
   bool skip = false;   ///< empty space is skipped by the distance map
   bool probe = false;  ///< writes hit positions and sample counts beside the picture
+  bool table = false;  ///< the background has a table
   VolumeLevel level = VolumeLevel::only;
 };
 
@@ -71,7 +72,7 @@ struct TranslucentChoice {
 /// The tool: into the picture of the bone, with a probe or not; or over a copy of it.
 enum class ToolPass { picture, probe, layer };
 [[nodiscard]] ShaderVariant tool_variant(ToolPass pass);
-[[nodiscard]] ShaderVariant background_variant();
+[[nodiscard]] ShaderVariant background_variant(bool table = false);
 /// The build validates and a test links each of these: all options of the drawing method, without appearance options, with those of a
 /// default scene and with all, and each appearance option alone and left out.
 [[nodiscard]] std::vector<ShaderVariant> all_shader_variants();

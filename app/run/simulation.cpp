@@ -1,6 +1,7 @@
 #include "app/run/simulation.h"
 
 #include "app/scene/load.h"
+#include "app/view/frame_step.h"
 #include "haptics/servo/realtime.h"
 
 namespace burrhole {
@@ -31,7 +32,10 @@ std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_p
     issues.push_back(std::move(error));
     return nullptr;
   }
-  return std::unique_ptr<Simulation>(new Simulation(std::move(parts).value(), options));
+  std::unique_ptr<Simulation> out(new Simulation(std::move(parts).value(), options));
+  const auto* display = scene.find<DisplayConfig>();
+  out->has_overview_ = display != nullptr && display->overview.has_value();
+  return out;
 }
 
 double charged_us(std::span<const TimedStep> steps, std::string_view table) noexcept {
@@ -53,6 +57,8 @@ void Simulation::set_session(SessionWriter* session) {
 }
 
 Status Simulation::run() {
+  if (has_overview_)
+    if (Status drawn = log_->draw(kOverview, parts_->contact->state().world_from_tool, false); !drawn) return drawn;
   if (Status drawn = log_->draw("before", parts_->contact->state().world_from_tool, false); !drawn) return drawn;
   {
     const FlushToZero guard;

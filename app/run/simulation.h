@@ -153,6 +153,7 @@ class Simulation {
   std::vector<double> row_;                   // scratch of record_rows()
   std::vector<std::unique_ptr<Tool>> tools_;  // of inputs that changed the tool
   std::size_t next_input_ = 0;
+  bool has_overview_ = false;  // the scene asks for that picture
   RunEnd end_ = RunEnd::done;
   StepTimer servo_timer_;
 };

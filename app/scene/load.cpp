@@ -13,6 +13,7 @@
 #include "core/tool/mesh_spec.h"
 #include "core/voxel/paged_bone.h"
 #include "haptics/servo/realtime.h"
+#include "volumes/phantom/head_bone.h"
 #include "volumes/phantom/phantom.h"
 #include "volumes/read/mesh_file.h"
 
@@ -29,7 +30,21 @@ struct BoneNeed {
 /// Called before the bone takes memory. @returns where it is to be kept.
 using PlaceBone = std::function<Result<BoneStorage>(const BoneNeed&)>;
 
+/// A head: its region as a dense bone, and the coarse head, which stays in memory.
+BoneNeed need_of_head(const PhantomSpec& phantom) {
+  const HeadGrid grid = head_grid(phantom);
+  BoneNeed out;
+  out.in_memory = out.paged = {grid.dims, grid.bone_from_index};
+  const std::uint64_t head = dense_bone_bytes(grid.coarse_dims, true);
+  out.in_memory.bytes = out.in_memory.in_memory = out.paged.in_memory = head + dense_bone_bytes(grid.region.size(), true);
+  const double share = static_cast<double>(grid.region.count()) / static_cast<double>(VoxelBox{Vec3i(0), grid.dims}.count());
+  out.paged.bytes = head + PagedBone::index_bytes(grid.dims, share);
+  out.file = PagedBone::file_bytes(grid.dims, true, share);
+  return out;
+}
+
 BoneNeed need_of_phantom(const PhantomSpec& phantom) {
+  if (phantom.kind == PhantomKind::head) return need_of_head(phantom);
   const Vec3i dims = phantom_dims(phantom);
   BoneNeed out;
   out.in_memory = out.paged = {dims, phantom_bone_from_index(phantom)};
@@ -64,6 +79,12 @@ Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene
     const auto storage = place(need);
     if (!storage) return storage.error();
     if (storage->is_paged()) out.scan_bytes = need.paged_import;
+    if (volume.phantom->kind == PhantomKind::head) {
+      auto head = make_head_bone(*volume.phantom, *storage);
+      if (!head) return head.error();
+      out.bone = std::move(head).value();
+      return {};
+    }
     auto phantom = make_phantom(*volume.phantom);
     if (!phantom) return phantom.error();
     auto bone = BoneModel::create(phantom->bone, *storage);
@@ -201,7 +222,8 @@ Result<std::string> read_tool_text(const std::string& name, const std::string& s
 
 BoneShape shape_of(const BoneModel& bone, const ApproachScene& approach) {
   const auto found = make_approach(bone, approach);
-  return {bone.dims(), bone.bone_from_index(), bone.bytes(), found ? found->thickness : 0.0, bone.bytes_in_memory()};
+  const std::size_t around = bone.surroundings() != nullptr ? bone.surroundings()->coarse->bytes() : 0;
+  return {bone.dims(), bone.bone_from_index(), bone.bytes() + around, found ? found->thickness : 0.0, bone.bytes_in_memory() + around};
 }
 
 std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneContext& context, Issues& issues,

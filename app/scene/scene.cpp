@@ -7,11 +7,15 @@
 #include "app/scene/volume_scene.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
+#include "volumes/phantom/head_sites.h"
 
 namespace burrhole {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kSiteAbout =
+    "name of a site that the volume knows, in place of entry_mm and axis: the entry is there, and the axis is square to the skull";
 
 std::string beside(const std::string& scene_file, const std::string& path) {
   const fs::path p(path);
@@ -47,8 +51,37 @@ ToolScene read_tool(TableReader table, const std::string& file, const SceneConte
   return out;
 }
 
-ApproachScene read_approach(TableReader table) {
+/// Reads `site` into the entry and the axis. @returns whether it is there.
+bool read_site(TableReader& table, const VolumeScene& volume, ApproachScene& out) {
+  if (!table.has("site")) return false;
+  const std::string name = table.text("site", "", kSiteAbout);
+  out.place = table.place_of("site");
+  for (const char* key : {"entry_mm", "axis"})
+    if (table.has(key)) table.fault(key, "is given by site: remove one of the two");
+  const auto& phantom = volume.phantom;
+  if (!phantom || phantom->kind != PhantomKind::head) {
+    table.fault("site", "needs a volume that knows its sites, such as \"phantom:head\": give entry_mm and axis");
+    return true;
+  }
+  const auto site = find_head_site(name);
+  if (!site) {
+    const std::vector<std::string> known = head_site_names();
+    const auto near = nearest_name(name, known);
+    table.fault("site", fmt::format("is no site of this head{}; known: {}", near ? ": did you mean \"" + *near + "\"?" : "",
+                                    fmt::join(known, ", ")));
+    return true;
+  }
+  out.entry = site->point;
+  out.axis = -site->normal;
+  return true;
+}
+
+ApproachScene read_approach(TableReader table, const VolumeScene& volume) {
   ApproachScene out;
+  if (read_site(table, volume, out)) {
+    table.finish();
+    return out;
+  }
   out.place = table.place_of("entry_mm");
   const NumberRule length{.fallback = std::nullopt, .min = -1e5, .max = 1e5, .to_si = kMillimetre};
   out.entry =
@@ -303,7 +336,11 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   if (auto table = required("volume", "the bone; required")) scene.volume = read_volume(*table, scene.file);
   if (auto table = required("tool", "the bit and its spindle; required")) scene.tool = read_tool(*table, scene.file, context);
   if (auto table = required("approach", "where the drill enters the bone, and its direction; required"))
-    scene.approach = read_approach(*table);
+    scene.approach = read_approach(*table, scene.volume);
+  if (scene.volume.phantom) {
+    scene.volume.phantom->head_entry = scene.approach.entry;
+    scene.volume.phantom->head_axis = scene.approach.axis;
+  }
   if (auto table = required("hand", "the hand that holds the drill; required")) read_hand(*table, scene, issues, push_place);
   scene.servo = shipped_servo();
   if (auto table = root.table("servo", "how forces are computed and limited at the servo's rate; without the table these defaults hold"))

@@ -32,6 +32,12 @@ std::vector<SchemaSample> scene_samples() {
   const std::string plate = "source = \"phantom:plate\"";
   std::vector<SchemaSample> samples;
   for (const std::string& kind : phantom_names()) samples.push_back({"phantom:" + kind, scene("source = \"phantom:" + kind + "\""), {}});
+  const std::string head = "source = \"phantom:head\"", entry = "entry_mm = [0, 0, 0]";
+  for (const std::string shape : {"square", "round"})
+    samples.push_back({"phantom:head drape " + shape, scene(head, "display", "drape = \"" + shape + "\""), {}});
+  std::string at_site = scene(head);
+  at_site.replace(at_site.find(entry), entry.size(), "site = \"kocher_left\"");
+  samples.push_back({"site", at_site, {}});
   // The reference shows names in capitals unchanged.
   for (const std::string& unit : length_unit_names())
     samples.push_back({"scan in " + unit, scene("source = \"SCAN\"\nunit = \"" + unit + "\"\n[[volume.hardness]]\nvalue = 0\nhardness = 0"),

@@ -148,8 +148,23 @@ void CoarseBone::read_density(const Voxmap& voxmap, const VoxelBox& coarse, std:
     if (voxmap.is_as_loaded(support)) return;
     values.resize(support.count());
     voxmap.read_density(support, values);
+    if (surrounds_) return subtract_removed(voxmap.bone(), part, std::move(values), coarse, out);
     part_values = mean_over(part, factor_, values);
     copy_part(part, part, part_values.data(), coarse, out.data());
+  });
+}
+
+void CoarseBone::subtract_removed(const BoneModel& bone, const VoxelBox& part, std::vector<float> density, const VoxelBox& coarse,
+                                  std::span<float> out) const {
+  const VoxelBox support = support_of(part, factor_);
+  std::vector<float> removed(support.count());
+  bone.read_occupancy(support, removed);
+  for (std::size_t n = 0; n < removed.size(); ++n) removed[n] = std::max(removed[n] - density[n], 0.0f);
+  const std::vector<float> mean = mean_over(part, factor_, std::move(removed));
+  std::size_t n = 0;
+  for_each_voxel(part, [&](const Vec3i& v) {
+    float& left = out[coarse.offset_of(v)];
+    left = std::max(left - mean[n++], 0.0f);
   });
 }
 

@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "app/view/drawn_bone.h"
 #include "core/base/result.h"
@@ -18,6 +19,12 @@ class CoarseBone {
  public:
   /// @param factor at least 2. bad_input: BoneModelBuilder::create.
   [[nodiscard]] static Result<CoarseBone> create(const BoneModel& bone, int factor);
+  /// @returns the surroundings of a bone.
+  [[nodiscard]] static CoarseBone around(const Surroundings& surroundings) {
+    CoarseBone out(surroundings.coarse, surroundings.factor);
+    out.surrounds_ = true;
+    return out;
+  }
 
   [[nodiscard]] const BoneModel& loaded() const noexcept { return *loaded_; }
   [[nodiscard]] int factor() const noexcept { return factor_; }
@@ -32,8 +39,12 @@ class CoarseBone {
 
  private:
   CoarseBone(std::shared_ptr<const BoneModel> loaded, int factor) : loaded_(std::move(loaded)), factor_(factor) {}
+  /// @param density of the voxels on which `part` depends. @param coarse box of `out`, which holds the bone as loaded.
+  void subtract_removed(const BoneModel& bone, const VoxelBox& part, std::vector<float> density, const VoxelBox& coarse,
+                        std::span<float> out) const;
   std::shared_ptr<const BoneModel> loaded_;
   int factor_;
+  bool surrounds_ = false;  // loaded_ is not the mean of the bone
 };
 
 }  // namespace burrhole

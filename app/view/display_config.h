@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -17,6 +18,14 @@ struct CutConfig {
   CutKind kind = CutKind::none;
   Vec3 point{0.0};   ///< [m] bone frame; for CutKind::plane
   Vec3 normal{0.0};  ///< [-] bone frame, towards the side that is not drawn; for CutKind::plane
+};
+
+/// A cloth over the body around the bone, with a window round the entry.
+struct DrapeConfig {
+  double window = 0.056;  ///< [m] width of the window; key drape_window_mm
+  bool round = false;     ///< a round window, otherwise a square one with its sides along the approach frame's x and y; key drape
+  /// @returns the distance [m] of a point of the bone frame from the body's surface, positive outside. Set where the bone is known.
+  std::function<double(const Vec3&)> body;
 };
 
 /// [display]
@@ -40,6 +49,12 @@ struct DisplayConfig {
   double elevation = 42.0 * kDegree;                  ///< [rad] of the camera above the xy plane of the approach frame
   double distance = 0.074;                            ///< [m] of the camera from its target, 0.8 of the thickness below the entry
   bool scale_bar = true;
+  /// [m] distance of the camera in the picture `overview`, the first of a run, which shows all that is drawn; key overview_mm. Absent: there is
+  /// no such picture.
+  std::optional<double> overview;
+  bool only_overviews = false;       ///< every picture is taken from there; render --overview
+  bool table = false;                ///< what is drawn lies on a table, a plane across the approach axis
+  std::optional<DrapeConfig> drape;  ///< absent: no cloth
   CutConfig cut;
   StereoView stereo;
 };

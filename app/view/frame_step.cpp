@@ -7,6 +7,9 @@
 #include <numbers>
 #include <utility>
 
+#include "app/view/drape.h"
+#include "core/base/bounds.h"
+
 namespace burrhole {
 namespace {
 
@@ -16,7 +19,39 @@ Clock::time_point in_seconds(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
+/// Box of what is drawn, in the approach frame.
+Bounds find_extent(const BoneModel& bone, const Pose& world_from_bone, const Pose& world_from_approach) {
+  const Surroundings* around = bone.surroundings();
+  const BoneModel& drawn = around != nullptr ? *around->coarse : bone;
+  const Affine approach_from_index = Affine::from_pose(world_from_approach.inverse() * world_from_bone) * drawn.bone_from_index();
+  const VoxelBox& box = drawn.bone_box();
+  Bounds out{Vec3(1e9), Vec3(-1e9)};
+  for (const Vec3& corner : Bounds{Vec3(box.lo) - 0.5, Vec3(box.hi) - 0.5}.corners()) {
+    const Vec3 p = approach_from_index * corner;
+    out = {glm::min(out.lo, p), glm::max(out.hi, p)};
+  }
+  return out;
+}
+
+Vec3 middle_of(const Bounds& extent, const Pose& world_from_approach) { return world_from_approach * (0.5 * (extent.lo + extent.hi)); }
+
 }  // namespace
+
+std::optional<TableView> find_table(const DisplayConfig& display, const BoneModel& bone, const Pose& world_from_bone,
+                                    const Pose& world_from_approach) {
+  if (!display.table) return std::nullopt;
+  const Bounds extent = find_extent(bone, world_from_bone, world_from_approach);
+  const Vec3 half = 0.5 * (extent.hi - extent.lo);
+  TableView out;
+  out.normal = world_from_approach.rotate(Vec3(0, 0, 1));
+  out.centre = middle_of(extent, world_from_approach);
+  out.height = half.z;
+  out.offset = glm::dot(out.normal, out.centre) - half.z;
+  out.half_x = world_from_approach.rotate(Vec3(half.x, 0, 0));
+  out.half_y = world_from_approach.rotate(Vec3(0, half.y, 0));
+  if (display.drape) out.color = kClothColor;
+  return out;
+}
 
 FrameView make_frame_view(const DisplayConfig& display, const Pose& world_from_bone, const Pose& world_from_approach, double thickness,
                           bool cut) {
@@ -67,31 +102,41 @@ Result<FrameStep> FrameStep::create(const DisplayConfig& display, const Pose& wo
                                     Voxmap& voxmap, FrameSink& sink) {
   FrameStep out(display, world_from_bone, approach, voxmap, sink);
   out.turns_ = tool.turns;
-  const auto volume = out.make_levels(approach.bone_from_approach.translation);
+  const auto volume = out.make_levels(approach.bone_from_approach);
   if (!volume) return volume.error();
   if (Status started = sink.start(*volume, tool.look); !started) return started.error();
   return out;
 }
 
-Result<VolumeView> FrameStep::make_levels(const Vec3& entry) {
+Result<VolumeView> FrameStep::make_levels(const Pose& bone_from_approach) {
   const BoneModel& bone = voxmap_->bone();
   const bool tissue = display_.appearance.tissue;
-  const int factor = coarse_factor(bone.dims(), display_.whole_voxels);
+  const Surroundings* around = bone.surroundings();
+  const int factor = around != nullptr ? around->factor : coarse_factor(bone.dims(), display_.whole_voxels);
   if (factor == 1) return make_volume_view(*voxmap_, tissue);
-  auto coarse = CoarseBone::create(bone, factor);
-  if (!coarse) return coarse.error();
-  coarse_ = std::move(coarse).value();
+  if (around != nullptr) {
+    coarse_ = CoarseBone::around(*around);
+  } else {
+    auto coarse = CoarseBone::create(bone, factor);
+    if (!coarse) return coarse.error();
+    coarse_ = std::move(coarse).value();
+  }
   VolumeView whole = make_volume_view(coarse_->drawn(*voxmap_), coarse_->loaded().bounds(), tissue);
+  if (display_.drape && around != nullptr)
+    add_drape(*display_.drape, bone_from_approach, around->region, factor, find_extent(bone, world_from_bone_, world_from_approach_).lo.z,
+              whole);
   if (!draws_detail(display_)) return whole;
   const Affine& affine = bone.bone_from_index();
-  detail_ = place_detail(bone.dims(), factor, affine.inverse() * entry, detail_edge(display_, affine));
+  detail_ = around != nullptr
+                ? DetailGrid{around->region, factor}
+                : place_detail(bone.dims(), factor, affine.inverse() * bone_from_approach.translation, detail_edge(display_, affine));
   whole.detail = std::make_shared<const DetailView>(make_detail_view(*detail_, *coarse_, *voxmap_, tissue));
   return whole;
 }
 
 /// Moves the detail to where bone is cut, once that is no longer inside it.
 void FrameStep::follow(const VoxelBox& changed) {
-  if (!detail_ || changed.empty()) return;
+  if (!detail_ || changed.empty() || voxmap_->bone().surroundings() != nullptr) return;  // there is no bone elsewhere
   const VoxelBox box = changed.intersect(voxmap_->bone().bounds());
   const Vec3i size = detail_->box.size();
   // A change larger than a detail is no cut: bone was restored, or the window reloaded.
@@ -202,8 +247,14 @@ Status FrameStep::send_batch() {
   return {};
 }
 
-FrameView FrameStep::view_of(const std::optional<Pose>& world_from_tool, bool cut) const {
+FrameView FrameStep::view_of(const std::optional<Pose>& world_from_tool, bool cut, bool overview) const {
   FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach_, thickness_, cut);
+  view.table = find_table(display_, voxmap_->bone(), world_from_bone_, world_from_approach_);
+  if (overview) {
+    const Vec3 direction = glm::normalize(view.camera.eye - view.camera.target);
+    view.camera.target = middle_of(find_extent(voxmap_->bone(), world_from_bone_, world_from_approach_), world_from_approach_);
+    view.camera.eye = view.camera.target + *display_.overview * direction;
+  }
   if (world_from_tool) view.world_from_tool = turns_ ? turned_tool(*world_from_tool, turned_) : *world_from_tool;
   const Vec3 tip = world_from_tool ? world_from_tool->translation : tip_;
   if (!cut) view.cut = make_scene_cut(display_.cut, view.camera, world_from_bone_, tip);
@@ -225,7 +276,7 @@ Status FrameStep::film(const Pose& world_from_tool) {
 
 Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut) {
   if (Status sent = send_changes(); !sent) return sent;
-  const FrameView view = view_of(world_from_tool, cut);
+  const FrameView view = view_of(world_from_tool, cut, display_.overview && (display_.only_overviews || name == kOverview));
   if (world_from_tool) tip_ = world_from_tool->translation;
   Hash64 picture;
   if (Status drawn = timers_.frame([&] { return sink_->draw(name, view, display_.width, display_.height, picture); }); !drawn) return drawn;

@@ -40,6 +40,9 @@ struct FrameStepTimers {
   StepTimer texels, upload, frame;
 };
 
+/// Name of the picture that shows all that is drawn; see DisplayConfig::overview.
+inline constexpr const char* kOverview = "overview";
+
 class FrameStep {
  public:
   /// Sends the whole volume once; a bone that is too large for one texture in two levels (detail.h). Errors also of CoarseBone.
@@ -85,14 +88,14 @@ class FrameStep {
   Voxmap* voxmap_;
   FrameSink* sink_;
   std::size_t listener_;
-  [[nodiscard]] Result<VolumeView> make_levels(const Vec3& entry);
+  [[nodiscard]] Result<VolumeView> make_levels(const Pose& bone_from_approach);
   void read_change(const VoxelBox& box, Change& out) const;
   void make_change(const Change& change, std::vector<TexelBox>& out) const;
   void follow(const VoxelBox& changed);
   void fill_batch(std::size_t most, double seconds);
   [[nodiscard]] Status send_batch();
   [[nodiscard]] Status send_changes();
-  [[nodiscard]] FrameView view_of(const std::optional<Pose>& world_from_tool, bool cut) const;
+  [[nodiscard]] FrameView view_of(const std::optional<Pose>& world_from_tool, bool cut, bool overview = false) const;
   [[nodiscard]] std::size_t texels_in_batch() const noexcept;
   TexelQueue queue_;
   std::optional<CoarseBone> coarse_;  // absent: the bone is drawn at its own voxels
@@ -108,6 +111,10 @@ class FrameStep {
   std::uint64_t texels_sent_ = 0;
   FrameStepTimers timers_;
 };
+
+/// @returns the table under what is drawn of a bone, across the approach axis; nothing if the scene has none.
+[[nodiscard]] std::optional<TableView> find_table(const DisplayConfig& display, const BoneModel& bone, const Pose& world_from_bone,
+                                                  const Pose& world_from_approach);
 
 /// @returns the tool pose rotated about the tool's axis by `turned` [rev], clockwise seen from above (the cutting direction).
 [[nodiscard]] Pose turned_tool(const Pose& world_from_tool, double turned);

@@ -121,6 +121,7 @@ struct Appearance {
   bool occlusion = false;  ///< ambient occlusion
   bool shadow = false;     ///< shadows of bone
   bool specular = false;   ///< specular highlights of a wet surface
+  bool drape = false;      ///< cloth has a pattern of its own
   bool labels = true;      ///< colours by tissue; off: one ivory colour
   NormalSource normals = NormalSource::texture;
 };
@@ -178,6 +179,17 @@ struct BackgroundView {
   Vec3 top{0.19, 0.24, 0.30};     ///< [-] 0..1, as stored
 };
 
+/// A table in the background, with the shadow of what lies on it.
+struct TableView {
+  Vec3 normal{0.0, 0.0, 1.0};    ///< [-] world, length 1, up
+  double offset = 0.0;           ///< [m] points of the table have dot(normal, p) = offset
+  Vec3 centre{0.0};              ///< [m] world, of what lies on the table
+  Vec3 half_x{0.1, 0.0, 0.0};    ///< [m] world, half its extent along two axes of the table
+  Vec3 half_y{0.0, 0.1, 0.0};    ///< [m] world
+  double height = 0.1;           ///< [m] of its middle above the table
+  Vec3 color{0.46, 0.52, 0.56};  ///< [-] 0..1
+};
+
 /// Contents of one frame.
 struct FrameView {
   CameraView camera;
@@ -191,6 +203,7 @@ struct FrameView {
     double offset = 0.0;          ///< [m]
   };
   std::optional<Cut> cut;
+  std::optional<TableView> table;  ///< absent: a gradient alone
 };
 
 struct Image {

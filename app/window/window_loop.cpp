@@ -42,8 +42,9 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   plan.marks = start.marks;
   state.begin(plan, setup, OrbitCamera(world_from_approach, display.azimuth, display.elevation, display.distance, 0.8 * thickness),
               start.tool);
-  viewer.set_base(make_frame_view(display, plan.world_from_bone, world_from_approach, thickness, false), world_from_approach,
-                  stage.tool->turns);
+  FrameView base = make_frame_view(display, plan.world_from_bone, world_from_approach, thickness, false);
+  base.table = find_table(display, stage.voxmap->bone(), plan.world_from_bone, world_from_approach);
+  viewer.set_base(base, world_from_approach, stage.tool->turns);
 }
 
 void poll_window(GlfwWindow& window, WindowState& state, RunSwitches& switches, const std::function<bool(const WindowView&)>& stops,

@@ -24,14 +24,16 @@ double refine(const BoneModel& bone, const Affine& index_from_bone, const Vec3& 
 }
 
 Vec3 outward_normal(const BoneModel& bone, const Affine& index_from_bone, const Vec3& at) {
-  // Central differences over one and a half voxels: less sensitive to noise than the voxel gradient.
+  // Central differences over one and a half voxels: less sensitive to noise than the voxel gradient. Along the axes of the grid: there the
+  // ramp of a surface that is square to one of them ends within the step, which would bend the normal along other axes.
   const double h = 1.5 * bone.bone_from_index().mean_edge();
-  Vec3 gradient(0.0);
+  Mat3 axes;
+  Vec3 slopes(0.0);
   for (std::size_t c = 0; c < 3; ++c) {
-    Vec3 step(0.0);
-    step[c] = h;
-    gradient[c] = sample_occupancy(bone, index_from_bone * (at + step)) - sample_occupancy(bone, index_from_bone * (at - step));
+    axes[c] = glm::normalize(bone.bone_from_index().linear[c]);
+    slopes[c] = sample_occupancy(bone, index_from_bone * (at + h * axes[c])) - sample_occupancy(bone, index_from_bone * (at - h * axes[c]));
   }
+  const Vec3 gradient = glm::transpose(glm::inverse(axes)) * slopes;
   const double length = glm::length(gradient);
   return length > 0.0 ? -gradient / length : Vec3(0.0);
 }

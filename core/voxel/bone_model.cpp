@@ -102,7 +102,9 @@ Status BoneModelBuilder::add(const VoxelBox& box, const DenseBone& fields) {
 std::size_t BoneModelBuilder::bytes() const { return fields_.bytes(); }
 
 std::shared_ptr<const BoneModel> BoneModelBuilder::finish(std::string notes) {
-  return std::shared_ptr<const BoneModel>(new BoneModel(dims_, bone_from_index_, std::move(fields_), std::move(notes)));
+  std::shared_ptr<BoneModel> out(new BoneModel(dims_, bone_from_index_, std::move(fields_), std::move(notes)));
+  out->surroundings_ = std::move(surroundings_);
+  return out;
 }
 
 Result<std::shared_ptr<const BoneModel>> BoneModel::load(const std::string& path) {
@@ -151,6 +153,7 @@ Result<std::shared_ptr<const BoneModel>> BoneModel::paged(const BoneStorage& sto
   for (const FloatVdb* grid : grids())
     grid->for_each_region([&](const VoxelBox& region) { for_each_voxel(blocks_of(region.intersect(bounds())), copy); });
   if (!status.ok()) return status.error();
+  builder->surround(surroundings_);
   return builder->finish(notes_);
 }
 

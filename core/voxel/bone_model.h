@@ -55,6 +55,16 @@ class FloatVdb;
 
 class PagedBone;
 
+class BoneModel;
+
+/// What pictures show of a body of which the bone is a part: the rest is drawn, but not felt, drilled or saved.
+struct Surroundings {
+  /// All of the body, the part included, at every `factor`-th voxel of the bone from voxel 0 on.
+  std::shared_ptr<const BoneModel> coarse;
+  int factor = 1;   ///< [voxels] of the bone, edge of a coarse voxel
+  VoxelBox region;  ///< [voxels] of the bone, which holds none outside; region.lo and region.hi - 1 are multiples of factor
+};
+
 /// Bone as loaded, in sparse OpenVDB grids, or in a temporary file (a paged bone). Constant, so any number of threads may read it. There is no
 /// bone outside the grid.
 class BoneModel {
@@ -73,7 +83,9 @@ class BoneModel {
   [[nodiscard]] const VoxelBox& bone_box() const noexcept { return bone_box_; }    ///< bounding box of these voxels
   /// Assumptions made by the import of the scan, one per line; saved with the bone.
   [[nodiscard]] const std::string& notes() const noexcept { return notes_; }
-  [[nodiscard]] std::size_t bytes() const;  ///< in memory
+  [[nodiscard]] std::size_t bytes() const;  ///< in memory, without the surroundings
+  /// What is drawn around the bone; null if it is drawn alone.
+  [[nodiscard]] const Surroundings* surroundings() const noexcept { return surroundings_.get(); }
   /// @returns bytes(); of a paged bone about what they would be in memory.
   [[nodiscard]] std::size_t bytes_in_memory() const;
   /// @returns the bytes of the temporary file of a paged bone; nothing for a bone in memory.
@@ -117,6 +129,7 @@ class BoneModel {
   std::size_t bone_voxels_ = 0;
   VoxelBox bone_box_;
   std::string notes_;
+  std::shared_ptr<const Surroundings> surroundings_;
 };
 
 /// Builds a bone model box by box, so that a large scan need not be in memory as dense fields.   Thread  one.
@@ -131,6 +144,8 @@ class BoneModelBuilder {
   /// As BoneModel::create; bad_input also if the box is not inside the grid.
   [[nodiscard]] Status add(const VoxelBox& box, const DenseBone& fields);
   [[nodiscard]] std::size_t bytes() const;
+  /// Sets what is drawn around the bone; may be null.
+  void surround(std::shared_ptr<const Surroundings> surroundings) noexcept { surroundings_ = std::move(surroundings); }
   /// @returns the model; the builder is empty afterwards.
   [[nodiscard]] std::shared_ptr<const BoneModel> finish(std::string notes = {});
 
@@ -139,6 +154,7 @@ class BoneModelBuilder {
   Vec3i dims_;
   Affine bone_from_index_;
   BoneModel::Fields fields_;
+  std::shared_ptr<const Surroundings> surroundings_;
 };
 
 }  // namespace burrhole

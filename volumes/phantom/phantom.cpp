@@ -88,6 +88,7 @@ void add_noise(const PhantomSpec& spec, DenseBone& bone) {
 }
 
 std::optional<Error> first_error(const PhantomSpec& spec) {
+  if (spec.kind == PhantomKind::head) return Error{ErrorCode::bad_input, "a head is not a dense phantom: make_head_bone() builds it", {}};
   const Issues issues = validate(spec);
   if (issues.empty()) return std::nullopt;
   Error all = issues.front();

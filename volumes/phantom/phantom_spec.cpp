@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "volumes/phantom/head_bone.h"
+
 namespace burrhole {
 namespace {
 
@@ -12,10 +14,11 @@ namespace {
 using Kinds = unsigned;
 constexpr Kinds only(PhantomKind kind) { return 1u << static_cast<unsigned>(kind); }
 constexpr Kinds kPatch = only(PhantomKind::skull_patch), kBlock = only(PhantomKind::block), kPlate = only(PhantomKind::plate),
-                kSphere = only(PhantomKind::sphere), kWedge = only(PhantomKind::wedge), kPit = only(PhantomKind::pit);
-constexpr Kinds kEvery = kPatch | kBlock | kPlate | kSphere | kWedge | kPit;
+                kSphere = only(PhantomKind::sphere), kWedge = only(PhantomKind::wedge), kPit = only(PhantomKind::pit),
+                kHead = only(PhantomKind::head);
+constexpr Kinds kGrid = kPatch | kBlock | kPlate | kSphere | kWedge | kPit, kLayers = kPatch | kHead, kEvery = kGrid | kHead;
 
-constexpr std::array<std::string_view, 6> kNames{"skull_patch", "block", "plate", "sphere", "wedge", "pit"};
+constexpr std::array<std::string_view, 7> kNames{"skull_patch", "block", "plate", "sphere", "wedge", "pit", "head"};
 
 /// One scalar key: its numbers are as written in a file, `to_si` makes them SI.
 struct NumberField {
@@ -32,25 +35,27 @@ constexpr double kMm = kMillimetre;
 using S = PhantomSpec;
 constexpr std::array kNumbers{
     NumberField{"spacing_mm", &S::pitch, 0.25, 0.0, 5.0, true, kMm, kEvery, "edge of a voxel"},
-    NumberField{"above_mm", &S::above, 2.0, 0.0, 100.0, false, kMm, kEvery,
+    NumberField{"above_mm", &S::above, 2.0, 0.0, 100.0, false, kMm, kGrid,
                 "height of the grid above the origin, along +z, the outward normal"},
-    NumberField{"noise", &S::noise, 0.0, 0.0, 0.5, false, 1.0, kEvery,
+    NumberField{"noise", &S::noise, 0.0, 0.0, 0.5, false, 1.0, kGrid,
                 "a: in each voxel, occupancy and hardness are multiplied by one random factor each, uniform in [1 - 2 a, 1)"},
-    NumberField{"thickness_mm", &S::thickness, 7.04, 0.0, 100.0, true, kMm, kPatch | kPlate | kPit, "thickness of the bone"},
-    NumberField{"hardness", &S::hardness, 0.8, 0.0, 1.0, false, 1.0, kEvery & ~kPatch, "relative mineral density of the bone"},
+    NumberField{"thickness_mm", &S::thickness, 7.04, 0.0, 100.0, true, kMm, kLayers | kPlate | kPit, "thickness of the bone"},
+    NumberField{"hardness", &S::hardness, 0.8, 0.0, 1.0, false, 1.0, kGrid & ~kPatch, "relative mineral density of the bone"},
     NumberField{"curvature_mm", &S::curvature, 80.0, 0.0, 1000.0, true, kMm, kPatch, "radius of the outer surface"},
-    NumberField{"outer_table_mm", &S::outer_table, 2.4, 0.0, 100.0, false, kMm, kPatch, "thickness of the outer table"},
-    NumberField{"inner_table_mm", &S::inner_table, 1.7, 0.0, 100.0, false, kMm, kPatch, "thickness of the inner table"},
-    NumberField{"dura_mm", &S::dura, 0.5, 0.0, 10.0, false, kMm, kPatch, "thickness of the dura"},
+    NumberField{"outer_table_mm", &S::outer_table, 2.4, 0.0, 100.0, false, kMm, kLayers, "thickness of the outer table"},
+    NumberField{"inner_table_mm", &S::inner_table, 1.7, 0.0, 100.0, false, kMm, kLayers, "thickness of the inner table"},
+    NumberField{"dura_mm", &S::dura, 0.5, 0.0, 10.0, false, kMm, kLayers, "thickness of the dura"},
     NumberField{"rim_mm", &S::rim_radius, 0.0, 0.0, 500.0, false, kMm, kPatch,
                 "distance from the z axis at which bone, dura and brain end; 0: at the end of the grid"},
-    NumberField{"pore_mm", &S::pore_size, 1.2, 0.0, 20.0, true, kMm, kPatch, "mean width of the pores of the diploe"},
-    NumberField{"porosity", &S::porosity, 0.4, 0.0, 1.0, false, 1.0, kPatch, "pores' share of the diploe's volume"},
-    NumberField{"table_hardness", &S::table_hardness, 0.9, 0.0, 1.0, false, 1.0, kPatch, "relative mineral density of the tables"},
-    NumberField{"trabecula_hardness", &S::trabecula_hardness, 0.45, 0.0, 1.0, false, 1.0, kPatch,
+    NumberField{"pore_mm", &S::pore_size, 1.2, 0.0, 20.0, true, kMm, kLayers, "mean width of the pores of the diploe"},
+    NumberField{"porosity", &S::porosity, 0.4, 0.0, 1.0, false, 1.0, kLayers, "pores' share of the diploe's volume"},
+    NumberField{"table_hardness", &S::table_hardness, 0.9, 0.0, 1.0, false, 1.0, kLayers, "relative mineral density of the tables"},
+    NumberField{"trabecula_hardness", &S::trabecula_hardness, 0.45, 0.0, 1.0, false, 1.0, kLayers,
                 "relative mineral density of the diploe between its pores"},
-    NumberField{"pore_hardness", &S::pore_hardness, 0.12, 0.0, 1.0, false, 1.0, kPatch,
+    NumberField{"pore_hardness", &S::pore_hardness, 0.12, 0.0, 1.0, false, 1.0, kLayers,
                 "relative mineral density of the diploe in its pores"},
+    NumberField{"surroundings_mm", &S::surroundings, 1.5, 0.0, 5.0, true, kMm, kHead,
+                "edge of the voxels of the head outside the region, rounded to whole voxels; they are drawn only"},
     NumberField{"radius_mm", &S::sphere_radius, 6.0, 0.0, 250.0, true, kMm, kSphere, "radius of the sphere"},
     NumberField{"wedge_deg", &S::wedge_angle, 90.0, 20.0, 170.0, false, kDegree, kWedge, "angle inside the bone between the faces"},
     NumberField{"hole_radius_mm", &S::hole_radius, 3.0, 0.0, 100.0, true, kMm, kPit, "radius of the blind hole"},
@@ -67,7 +72,10 @@ struct LengthsField {
 };
 constexpr double kMaxLengthMm = 500.0;
 const std::array kLengths{
-    LengthsField{"extent_mm", &S::extent, Vec3(30.0, 30.0, 16.0), kEvery, "size of the grid along x, y, z"},
+    LengthsField{"extent_mm", &S::extent, Vec3(30.0, 30.0, 16.0), kGrid, "size of the grid along x, y, z"},
+    LengthsField{"region_mm", &S::region, Vec3(40.0, 40.0, 28.0), kHead,
+                 "size of the box round the entry in which bone is felt and drilled, across and along the axis; the rest of the head is "
+                 "drawn only"},
     LengthsField{"block_mm", &S::block_size, Vec3(20.0, 20.0, 8.0), kBlock, "size of the block along x, y, z"},
 };
 
@@ -134,6 +142,7 @@ Thinnest thinnest_part(const PhantomSpec& spec) {
     case PhantomKind::pit:
       return {"hole_depth_mm", std::min({spec.hole_depth, spec.thickness - spec.hole_depth, 2.0 * spec.hole_radius})};
     case PhantomKind::skull_patch:
+    case PhantomKind::head:
     case PhantomKind::plate:
       return {"thickness_mm", spec.thickness};
   }
@@ -154,6 +163,7 @@ void check_patch(const PhantomSpec& spec, Findings& found) {
     found.push_back({"outer_table_mm", spec.outer_table / kMm,
                      fmt::format("and volume.inner_table_mm = {:g} must fit in volume.thickness_mm = {:g}", spec.inner_table / kMm,
                                  spec.thickness / kMm)});
+  if (spec.kind == PhantomKind::head) return;
   const double below = spec.extent.z - spec.above;
   if (std::max(below, spec.thickness + spec.dura) >= spec.curvature)
     found.push_back({"curvature_mm", spec.curvature / kMm,
@@ -164,6 +174,20 @@ void check_patch(const PhantomSpec& spec, Findings& found) {
   const double narrowest = 0.5 * kMinVoxelsThrough * spec.pitch;
   if (spec.rim_radius > 0.0 && (spec.rim_radius > widest || spec.rim_radius < narrowest))
     found.push_back({"rim_mm", spec.rim_radius / kMm, fmt::format("must be 0 (none) or in [{:g}, {:g}]", narrowest / kMm, widest / kMm)});
+}
+
+void check_head(const PhantomSpec& spec, Findings& found) {
+  // The skull is 5 to 7 mm thick at its sites; cells of bone must not be thinner than coarse voxels.
+  if (spec.surroundings < 1.5 * spec.pitch)
+    found.push_back(
+        {"surroundings_mm", spec.surroundings / kMm, fmt::format("must be at least 1.5 times volume.spacing_mm = {:g}", spec.pitch / kMm)});
+  // With 0.5 mm a head has 150 million coarse voxels.
+  if (spec.surroundings < 0.5 * kMm) found.push_back({"surroundings_mm", spec.surroundings / kMm, "must be at least 0.5"});
+  const Vec3 n = spec.region / spec.pitch;
+  if (n.x * n.y * n.z > kMaxPhantomVoxels)
+    found.push_back({"spacing_mm", spec.pitch / kMm,
+                     fmt::format("with volume.region_mm makes {:.3g} voxels, more than the {:.3g} that are built", n.x * n.y * n.z,
+                                 kMaxPhantomVoxels)});
 }
 
 void check_plate(const PhantomSpec& spec, Findings& found) {
@@ -185,8 +209,11 @@ Findings find_errors(const PhantomSpec& spec) {
   check_ranges(spec, found);
   if (spec.kind == PhantomKind::plate) check_plate(spec, found);
   if (!found.empty()) return found;  // the following checks divide by these numbers and would only repeat the errors
-  check_grid(spec, found);
-  if (spec.kind == PhantomKind::skull_patch) check_patch(spec, found);
+  if (spec.kind == PhantomKind::head)
+    check_head(spec, found);
+  else
+    check_grid(spec, found);
+  if (spec.kind == PhantomKind::skull_patch || spec.kind == PhantomKind::head) check_patch(spec, found);
   if (spec.kind == PhantomKind::pit) check_pit(spec, found);
   if (found.empty()) check_resolution(spec, found);
   return found;
@@ -205,12 +232,14 @@ std::optional<PhantomKind> find_phantom(std::string_view name) noexcept {
 std::vector<std::string> phantom_names() { return {kNames.begin(), kNames.end()}; }
 
 Vec3i phantom_dims(const PhantomSpec& spec) noexcept {
+  if (spec.kind == PhantomKind::head) return head_grid(spec).dims;
   // 1e-6 of a voxel: 30 mm / 0.25 mm is 120 voxels for any rounding of the division.
   const Vec3 n = spec.extent / spec.pitch - 1e-6;
   return glm::max(Vec3i(1), Vec3i(static_cast<int>(std::ceil(n.x)), static_cast<int>(std::ceil(n.y)), static_cast<int>(std::ceil(n.z))));
 }
 
 Affine phantom_bone_from_index(const PhantomSpec& spec) noexcept {
+  if (spec.kind == PhantomKind::head) return head_grid(spec).bone_from_index;
   const Vec3i n = phantom_dims(spec);
   const Vec3 first(-0.5 * (n.x - 1) * spec.pitch, -0.5 * (n.y - 1) * spec.pitch, spec.above - (n.z - 0.5) * spec.pitch);
   return Affine::scaling(spec.pitch, first);

@@ -1,5 +1,6 @@
 /// volumes/phantom/phantom_spec.h: parameters of a generated bone; keys as in the [volume] table of a scene.
-///   Frame   bone frame: the drilling site is the origin, its outward normal +z; the edge of the wedge lies there.
+///   Frame   bone frame: the drilling site is the origin, its outward normal +z; the edge of the wedge lies there. A head has that of
+///   head_shape.h.
 ///   Units   SI in the struct; keys name their unit. Converted in phantom_spec.cpp only.   Errors  out_of_range with the key in the
 ///   message.
 ///   Source  thicknesses: parietal mean 7.04 mm (n = 100), table medians 2.4 and 1.7 mm [Zwirner21]; all others are assumed (A).
@@ -23,7 +24,8 @@ enum class PhantomKind : std::uint8_t {
   plate,        ///< slab between two parallel planes, oblique if `plate_normal` is; extends to the ends of the grid
   sphere,       ///< ball; its top is the origin
   wedge,        ///< two half-spaces that meet in an edge along y, symmetric about z, edge up
-  pit           ///< level plate with a cylindrical blind hole on the z axis
+  pit,          ///< level plate with a cylindrical blind hole on the z axis
+  head          ///< whole skull with the layers of skull_patch, of which a region round the approach is felt; head_bone.h
 };
 
 /// [voxels] A voxel of a dense phantom takes 13 bytes; 300 M voxels take 3.9 GB.
@@ -35,7 +37,7 @@ inline constexpr double kMinVoxelsThrough = 4.0;
 struct PhantomSpec {
   PhantomKind kind = PhantomKind::skull_patch;
 
-  // Grid of every kind: x and y centred on the z axis, z from above - extent.z to above; rounded up to whole voxels.
+  // Grid of every kind but head: x and y centred on the z axis, z from above - extent.z to above; rounded up to whole voxels.
   double pitch = 0.25 * kMillimetre;                                        ///< [m] in (0, 5]         key spacing_mm
   Vec3 extent{30.0 * kMillimetre, 30.0 * kMillimetre, 16.0 * kMillimetre};  ///< [m] each in (0, 500]  key extent_mm
   double above = 2.0 * kMillimetre;                                         ///< [m] in [0, 100]       key above_mm
@@ -63,6 +65,13 @@ struct PhantomSpec {
   double wedge_angle = 90.0 * kDegree;       ///< [rad] between the faces inside the bone, in [20, 170] degrees  key wedge_deg
   double hole_radius = 3.0 * kMillimetre;    ///< [m] in (0, 100]                                             key hole_radius_mm
   double hole_depth = 4.0 * kMillimetre;     ///< [m] in (0, 100], less than thickness                        key hole_depth_mm
+
+  // head
+  Vec3 region{40.0 * kMillimetre, 40.0 * kMillimetre,
+              28.0 * kMillimetre};                 ///< [m] each in (0, 500], along the approach's axes  key region_mm
+  double surroundings = 1.5 * kMillimetre;         ///< [m] edge of the voxels outside the region, in (0, 5]          key surroundings_mm
+  Vec3 head_entry{0.0, 0.0, 112.0 * kMillimetre};  ///< [m] of the approach, where the region lies
+  Vec3 head_axis{0.0, 0.0, -1.0};                  ///< [-] of the approach, length 1
 
   friend bool operator==(const PhantomSpec&, const PhantomSpec&) = default;
 };

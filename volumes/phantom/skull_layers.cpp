@@ -26,6 +26,11 @@ std::vector<Vec3> diploe_samples(const PhantomSpec& spec) {
     const double height_squared = r * r - x * x - y * y;
     if (height_squared > 0.0) points.emplace_back(x, y, std::sqrt(height_squared) - spec.curvature);
   }
+  // Of a head: those around its entry, whose radius of curvature is about that of a patch.
+  if (spec.kind == PhantomKind::head) {
+    const Quat turn = rotation_from_z(-spec.head_axis);
+    for (Vec3& p : points) p = spec.head_entry + turn * p;
+  }
   return points;
 }
 

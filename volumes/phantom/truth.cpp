@@ -21,6 +21,7 @@ std::variant<ShellShape, BoxShape, SlabShape, BallShape, WedgeShape, PitShape> s
     case PhantomKind::pit:
       return PitShape{spec.thickness, spec.hole_radius, spec.hole_depth};
     case PhantomKind::skull_patch:
+    case PhantomKind::head:  // not built as a dense phantom: head_bone.h
       break;
   }
   return ShellShape{spec.curvature, spec.curvature - spec.thickness, spec.rim_radius};

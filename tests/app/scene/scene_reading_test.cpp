@@ -11,6 +11,7 @@
 #include "core/drill/erosion.h"
 #include "core/drill/spindle.h"
 #include "tests/support/drill_scene.h"
+#include "volumes/phantom/head_sites.h"
 
 namespace burrhole::test {
 namespace {
@@ -70,7 +71,7 @@ const BadScene kBadScenes[] = {
     {"phantom:plate",
      "phantom:plat",
      {"bad.toml:5:1: volume.source = \"phantom:plat\" names no phantom: did you mean \"phantom:plate\"?; known: skull_patch, block, plate, "
-      "sphere, wedge, pit"}},
+      "sphere, wedge, pit, head"}},
     {"[hand]",
      "[hand]\nkind = \"device\"",
      {"bad.toml:20:1: hand.kind = \"device\" needs a force device; this version supports none, only \"script\", \"feed\" and \"mouse\""}},
@@ -251,6 +252,32 @@ TEST_CASE("scene: a volume file that is not there is named") {
   REQUIRE_FALSE(lines.empty());
   CHECK_MESSAGE(lines.front().find("no_skull.vdb") != std::string::npos, lines.front());
   CHECK_MESSAGE(lines.front().find("is not there") != std::string::npos, lines.front());
+}
+
+TEST_CASE("scene: a site gives entry and axis; one that the volume does not know is an error that names those known") {
+  const std::string plain = scene_text({.volume = "source = \"phantom:head\"\nspacing_mm = 0.5\nsurroundings_mm = 3\n"});
+  const std::size_t from = plain.find("entry_mm"), to = plain.find("[hand]");
+  REQUIRE(from < to);
+  const auto with = [&](const std::string& text, const std::string& keys) {
+    return text.substr(0, text.find("entry_mm")) + keys + "\n" + text.substr(text.find("[hand]"));
+  };
+  const LoadedScene loaded = load_text(with(plain, "site = \"kocher_right\""), {});
+  const auto site = find_head_site("kocher_right");
+  REQUIRE(site);
+  CHECK(loaded.scene.approach.entry == site->point);
+  CHECK(glm::length(loaded.scene.approach.axis + site->normal) < 1e-12);
+  Issues issues;
+  const auto fails = [&](const std::string& text, const std::string& words) {
+    issues.clear();
+    const std::vector<std::string> lines = faults(text, issues);
+    REQUIRE(lines.size() == 1);
+    CHECK_MESSAGE(lines[0].find(words) != std::string::npos, lines[0]);
+  };
+  fails(with(plain, "site = \"kocher_rigth\""),
+        "is no site of this head: did you mean \"kocher_right\"?; known: kocher_left, kocher_right");
+  fails(with(plain, "site = \"kocher_left\"\naxis = [0, 0, -1]"), "approach.axis is given by site");
+  fails(with(scene_text({}), "site = \"kocher_left\""), "needs a volume that knows its sites");
+  fails(scene_text({.display = true}) + "drape = \"round\"\n", "needs volume.source = \"phantom:head\"");
 }
 
 TEST_CASE("scene: a tool too large for the window is refused with the numbers") {

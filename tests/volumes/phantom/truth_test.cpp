@@ -17,6 +17,7 @@ using namespace phantom_test;
 bool inside(const PhantomSpec& s, const Vec3& p) {
   const double rho = std::sqrt(p.x * p.x + p.y * p.y);
   switch (s.kind) {
+    case PhantomKind::head:  // no dense phantom: head_test.cpp
     case PhantomKind::skull_patch: {
       const double r = glm::length(p - Vec3(0.0, 0.0, -s.curvature));
       const bool in_rim = s.rim_radius <= 0.0 || (rho <= s.rim_radius && p.z >= -s.curvature);
