@@ -1,5 +1,7 @@
 #include "app/audio/speaker.h"
 
+#include <dlfcn.h>
+
 #include <array>
 #include <chrono>
 #include <cstdlib>
@@ -22,6 +24,8 @@ bool is_set(const char* name) {
   return value != nullptr && *value != '\0';
 }
 
+void ignore_message(const char*, int, const char*, int, const char*, ...) {}
+
 Error unavailable(const char* why) { return {ErrorCode::unavailable, why, {}}; }
 
 }  // namespace
@@ -36,6 +40,7 @@ struct Speaker::Device {
   std::vector<std::int16_t> samples;
   int sample_rate = 0;
   bool sounds = false;
+  Report report;
   std::uint64_t underruns = 0, dropped = 0;
 
   ~Device() {
@@ -71,12 +76,13 @@ struct Speaker::Device {
 
 Speaker::Speaker(std::unique_ptr<Device> device) : device_(std::move(device)) {}
 
-Result<std::unique_ptr<Speaker>> Speaker::open(int sample_rate) {
+Result<std::unique_ptr<Speaker>> Speaker::open(int sample_rate, Report report) {
   auto library = load_openal();
   if (!library) return library.error();
   auto out = std::make_unique<Device>();
   out->al = *library;
   out->sample_rate = sample_rate;
+  out->report = std::move(report);
   out->device = out->al.cOpenDevice(nullptr);
   if (out->device == nullptr) return unavailable("OpenAL finds no sound device");
   const char* const name = out->al.cGetString(out->device, ALC_DEVICE_SPECIFIER);
@@ -95,6 +101,17 @@ Result<std::unique_ptr<Speaker>> Speaker::open(int sample_rate) {
 
 Speaker::~Speaker() {
   for (int n = 0; n < kMostPolls && device_->sounds && device_->get(AL_SOURCE_STATE) == AL_PLAYING; ++n) std::this_thread::sleep_for(kPoll);
+  if (device_->report) device_->report(device_->underruns, device_->dropped);
+}
+
+void Speaker::silence_libraries() {
+  ::setenv("ALSOFT_LOGLEVEL", "0", 0);
+  if (void* const alsa = dlopen("libasound.so.2", RTLD_NOW | RTLD_LOCAL); alsa != nullptr) {
+    using Handler = decltype(&ignore_message);
+    // int snd_lib_error_set_handler(snd_lib_error_handler_t), of ALSA.
+    const auto set = reinterpret_cast<int (*)(Handler)>(dlsym(alsa, "snd_lib_error_set_handler"));
+    if (set != nullptr) set(&ignore_message);
+  }
 }
 
 void Speaker::write(std::span<const float> samples) noexcept {

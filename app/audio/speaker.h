@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "core/base/result.h"
@@ -14,11 +15,15 @@ namespace burrhole {
 
 class Speaker final : public SoundSink {
  public:
+  using Report = std::function<void(std::uint64_t underruns, std::uint64_t dropped)>;
   static constexpr int kStartBlocks = 3, kMostBlocks = 10;
 
-  /// @param sample_rate [Hz]. A device that plays nothing, which OpenAL opens where there is no other, counts as none, unless the environment
+  /// OpenAL and ALSA then print no messages of their own, unless the environment variable ALSOFT_LOGLEVEL is set. To be called before other
+  /// threads start.
+  static void silence_libraries();
+  /// @param sample_rate [Hz]. @param report called at the end with the numbers of underruns and dropped blocks; may be empty. A device that plays nothing, which OpenAL opens where there is no other, counts as none, unless the environment
   /// variable ALSOFT_DRIVERS or ALSOFT_CONF chooses the driver.
-  [[nodiscard]] static Result<std::unique_ptr<Speaker>> open(int sample_rate);
+  [[nodiscard]] static Result<std::unique_ptr<Speaker>> open(int sample_rate, Report report = {});
   Speaker(const Speaker&) = delete;
   Speaker& operator=(const Speaker&) = delete;
   /// Waits until what is queued has been heard, at most 0.2 s.

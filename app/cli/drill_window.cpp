@@ -110,8 +110,11 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
   run.job.stop = &stop_requested();
   run.job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
   if (!quiet) run.job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  if (loaded.scene.find<SoundConfig>() != nullptr) Speaker::silence_libraries();
   run.job.make_speaker = [&](int sample_rate) -> std::unique_ptr<SoundSink> {
-    auto speaker = Speaker::open(sample_rate);
+    auto speaker = Speaker::open(sample_rate, [quiet](std::uint64_t underruns, std::uint64_t dropped) {
+      if (!quiet) fmt::print(stderr, "sound: {} underruns, {} blocks dropped\n", underruns, dropped);
+    });
     if (speaker) return std::move(speaker).value();
     print_warning(loaded.scene.file, "[sound] is not heard: " + speaker.error().message);
     return nullptr;

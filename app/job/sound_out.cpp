@@ -24,6 +24,9 @@ void SoundOut::write(std::span<const float> samples) noexcept {
   if (speaker_ != nullptr) speaker_->write(samples);
 }
 
-Status SoundOut::finish() { return wav_ != nullptr ? wav_->finish() : Status(); }
+Status SoundOut::finish() {
+  speaker_.reset();
+  return wav_ != nullptr ? wav_->finish() : Status();
+}
 
 }  // namespace burrhole

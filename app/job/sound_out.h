@@ -25,6 +25,7 @@ class SoundOut final : public SoundSink {
   /// Opens the file, whose folder must be there.
   [[nodiscard]] Status open();
   void write(std::span<const float> samples) noexcept override;
+  /// Closes the device and completes the file.
   [[nodiscard]] Status finish();
 
  private:
