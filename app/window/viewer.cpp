@@ -19,7 +19,7 @@ namespace {
 using Steady = std::chrono::steady_clock;
 
 constexpr auto kFrame = std::chrono::microseconds(16'000);  // between two pictures of a window that changes
-constexpr auto kIdle = std::chrono::milliseconds(40);       // of one that does not
+constexpr auto kIdle = std::chrono::milliseconds(250);      // of one that does not, unless something comes in
 constexpr double kSliceHalfWidth = 0.012;                   // [m] shown around the tip
 constexpr double kSliceStep = 5e-5;                         // [m] of the tip, less changes no slice
 constexpr double kSliceTurn = 0.999999;                     // [-] cosine of half a turn of 0.16 degrees, above which no slice changes
@@ -165,6 +165,11 @@ void Viewer::post(std::function<void()> f) {
   posted_.notify_all();
 }
 
+bool Viewer::wait_for_jobs(Time until) {
+  std::unique_lock lock(mutex_);
+  return posted_.wait_until(lock, until, [this] { return waited_for_ > 0; });
+}
+
 void Viewer::serve() {
   for (;;) {
     std::function<void()> job;
@@ -255,8 +260,8 @@ void Viewer::draw_until_closed() {
       serve();
       if (gui_ && !window_->is_lost()) draw_frame();
       const bool idle = seconds(Steady::now() - changed_at_) > 2.0 * config_.rest;
-      std::unique_lock lock(mutex_);
-      posted_.wait_until(lock, start + (idle ? kIdle : kFrame), [this] { return waited_for_ > 0; });
+      for (auto until = start + kFrame; !wait_for_jobs(until) && idle && until < start + kIdle && !state_->has_events(); until += kFrame) {
+      }
     }
   }
 }

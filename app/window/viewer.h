@@ -105,6 +105,8 @@ class Viewer {
   [[nodiscard]] Status open();
   void draw_until_closed();
   void serve();
+  /// @returns whether somebody waits for a job; otherwise after `until`.
+  bool wait_for_jobs(Time until);
   void draw_frame();
   void send_texels();
   void draw_picture(const WindowView& view, int width, int height);

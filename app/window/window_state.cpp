@@ -180,6 +180,11 @@ void WindowState::set_picture_size(int width, int height) {
   if (controls_) controls_->set_picture_size(width, height);
 }
 
+bool WindowState::has_events() {
+  const std::scoped_lock lock(mutex_);
+  return !events_.empty();
+}
+
 std::vector<WindowEvent> WindowState::take_events() {
   const std::scoped_lock lock(mutex_);
   return std::exchange(events_, {});

@@ -101,6 +101,7 @@ class WindowState final : public LiveUser {
   void with_controls(const std::function<void(Controls&)>& f);
   void set_picture_size(int width, int height);
   void take_mouse(bool taken) noexcept { mouse_taken_.store(taken, std::memory_order_relaxed); }
+  [[nodiscard]] bool has_events();  ///< that no picture shows yet
   /// Events since the last call, for the panel.
   [[nodiscard]] std::vector<WindowEvent> take_events();
   [[nodiscard]] std::optional<RunSummary> summary();

@@ -50,19 +50,19 @@ template <class At>
   return sum > most ? most : sum;
 }
 
-/// The same of `Lanes` sums side by side. @param samples six rows of Lanes floats.
-template <std::size_t Lanes>
+/// The same of `kLanes` sums side by side. @param samples six rows of kLanes floats.
+template <std::size_t kLanes>
 inline void limited_sums(const std::array<float, kCubicTaps>& weight, const float* samples, float* out) noexcept {
-  std::array<float, Lanes> sum{}, least, most;
-  for (std::size_t l = 0; l < Lanes; ++l) least[l] = most[l] = samples[l];
+  std::array<float, kLanes> sum{}, least, most;
+  for (std::size_t l = 0; l < kLanes; ++l) least[l] = most[l] = samples[l];
   for (std::size_t n = 0; n < kCubicTaps; ++n)
-    for (std::size_t l = 0; l < Lanes; ++l) {
-      const float value = samples[n * Lanes + l];
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const float value = samples[n * kLanes + l];
       sum[l] += weight[n] * value;
       least[l] = value < least[l] ? value : least[l];
       most[l] = value > most[l] ? value : most[l];
     }
-  for (std::size_t l = 0; l < Lanes; ++l) {
+  for (std::size_t l = 0; l < kLanes; ++l) {
     const float raised = sum[l] < least[l] ? least[l] : sum[l];
     out[l] = raised > most[l] ? most[l] : raised;
   }

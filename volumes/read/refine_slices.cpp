@@ -77,28 +77,28 @@ const float* RefinedSlices::row(int j, int k) const noexcept {
 
 /// Row j of slices k - 2 to k + 3, smoothed across the slices and then along the row: smooth_ and slope_ along x, rise_ the slope across.
 void RefinedSlices::smooth_across(int k, const Taps& z, int j) {
-  const int width = scan_->dims.x, reach = static_cast<int>(x_.smooth.size() / 2);
-  const auto padded = static_cast<std::size_t>(width + 2 * reach);
+  const auto width = static_cast<std::size_t>(scan_->dims.x);
+  const std::size_t reach = x_.smooth.size() / 2, padded = width + 2 * reach;
   std::vector<float> sum(padded, 0.0f), difference(padded, 0.0f);
   const auto low = static_cast<float>(rule_.low);
   for (std::size_t n = 0; n < z.smooth.size(); ++n) {
     const float* from = row(j, k + static_cast<int>(n) - 2);
-    for (int i = 0; i < width; ++i) {
+    for (std::size_t i = 0; i < width; ++i) {
       const float v = std::max(from[i], low);
-      sum[static_cast<std::size_t>(i + reach)] += z.smooth[n] * v;
-      difference[static_cast<std::size_t>(i + reach)] += z.slope[n] * v;
+      sum[i + reach] += z.smooth[n] * v;
+      difference[i + reach] += z.slope[n] * v;
     }
   }
   for (std::vector<float>* line : {&sum, &difference}) {
-    std::fill_n(line->begin(), reach, (*line)[static_cast<std::size_t>(reach)]);
-    std::fill_n(line->end() - reach, reach, (*line)[padded - static_cast<std::size_t>(reach) - 1]);
+    std::fill_n(line->begin(), reach, (*line)[reach]);
+    std::fill(line->begin() + static_cast<std::ptrdiff_t>(reach + width), line->end(), (*line)[reach + width - 1]);
   }
-  const std::size_t at = static_cast<std::size_t>(j) * static_cast<std::size_t>(width);
+  const std::size_t at = static_cast<std::size_t>(j) * width;
   const auto convolve = [&](const std::vector<float>& line, const std::vector<float>& weight, std::vector<float>& plane) {
     float* to = plane.data() + at;
     std::fill_n(to, width, 0.0f);
     for (std::size_t n = 0; n < weight.size(); ++n)
-      for (int i = 0; i < width; ++i) to[i] += weight[n] * line[n + static_cast<std::size_t>(i)];
+      for (std::size_t i = 0; i < width; ++i) to[i] += weight[n] * line[n + i];
   };
   convolve(sum, x_.smooth, smooth_);
   convolve(sum, x_.slope, slope_);
