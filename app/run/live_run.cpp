@@ -20,6 +20,7 @@ constexpr std::uint64_t kMostHandCatchUp = 50;  // most missed ticks by which a 
 constexpr double kStopGrace = 0.1;              // [s] beyond the soft stop, after which a servo that is still running is stopped
 constexpr std::size_t kPrefetchAtOnce = 64;     // blocks between two checks for the end of the run
 constexpr auto kPrefetchEvery = std::chrono::milliseconds(1);
+constexpr double kPricesEvery = 0.5;  // [s] between two tables of what the steps cost
 constexpr auto kPollEvery = std::chrono::milliseconds(5);
 
 }  // namespace
@@ -79,6 +80,7 @@ class Loops {
   Status park();
   /// Reports the state to the user, and sends the display what has changed.
   Status show();
+  [[nodiscard]] std::shared_ptr<const std::vector<StepPrice>> prices() const;
   /// Computes the blocks of sound that are due, on the caller's thread. Their clock is that of the servo: it stops with it.
   Status run_audio();
   Status drain_servo();
@@ -106,6 +108,7 @@ class Loops {
   std::vector<double> row_;
   DrillProgress progress_;
   LiveState state_;
+  double priced_ = 0.0;  // [s] of the latest prices
   double progress_time_ = 0.0;     // [s] simulated time of the last progress report
   std::uint64_t audio_ticks_ = 0;  // blocks of sound so far
   bool ended_ = false;             // the servo ended by script, duration or stop, not by park(); read after its thread has ended
@@ -345,10 +348,30 @@ Status Loops::park() {
   return {};
 }
 
+std::shared_ptr<const std::vector<StepPrice>> Loops::prices() const {
+  const auto period = [&](Clock clock) {
+    return clock == Clock::servo        ? parts_->period
+           : clock == Clock::contact    ? parts_->contact_period
+           : clock == Clock::simulation ? parts_->bone_period
+                                        : kAudioPeriod;
+  };
+  auto out = std::make_shared<std::vector<StepPrice>>();
+  for (const StepGraph::StepInfo& step : parts_->graph.steps()) {
+    if (step.clock == Clock::frame) continue;  // runs at events alone
+    const float us = step.mean_us->load(std::memory_order_relaxed);
+    out->push_back({step.effect, step.name, us, static_cast<double>(us) * 1e-6 / period(step.clock)});
+  }
+  return out;
+}
+
 Status Loops::show() {
   if (options_.see) {
     state_.time = static_cast<double>(servo_ticks_.load(std::memory_order_relaxed)) * parts_->period;
     state_.missed = report_->servo_skipped + report_->contact_skipped;
+    if (state_.time - priced_ >= kPricesEvery || state_.prices == nullptr) {
+      state_.prices = prices();
+      priced_ = state_.time;
+    }
     options_.see(state_);
   }
   return options_.send && hand_off_->poll(false) ? options_.send() : Status();

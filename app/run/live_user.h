@@ -4,14 +4,23 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/run/inputs.h"
 #include "core/measure/drill_monitor.h"
 #include "haptics/hand/goal_hand.h"
 
 namespace burrhole {
+
+/// What a step of an effect costs now.
+struct StepPrice {
+  std::string effect, step;
+  float us = 0.0f;     ///< [us] of a call, mean of the latest
+  double share = 0.0;  ///< [-] of a core: that time over the period of its clock
+};
 
 /// What a person can see and feel of a live run.
 struct LiveState {
@@ -25,6 +34,7 @@ struct LiveState {
   float servo_late_us = 0.0f;                                ///< [us] lateness of the latest servo tick
   std::uint64_t missed = 0;                                  ///< ticks of servo and contact that were missed so far
   std::uint32_t faults = 0;                                  ///< ServoFault of the latest tick
+  std::shared_ptr<const std::vector<StepPrice>> prices{};    ///< of the steps in their order, twice a second; null before the first
 };
 
 class LiveUser {

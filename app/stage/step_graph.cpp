@@ -257,6 +257,22 @@ std::optional<Clock> StepGraph::want(Clock reader, std::span<const double> numbe
   return std::nullopt;
 }
 
+namespace {
+
+/// Receives the time of a call, for the statistics of its thread and for a mean that others read.
+struct Meter {
+  StepTimer& timer;
+  std::atomic<float>& mean;
+  void add(float us) noexcept {
+    constexpr float kNew = 0.05f;
+    timer.add(us);
+    const float before = mean.load(std::memory_order_relaxed);  // this thread is the only writer
+    mean.store(before + kNew * (us - before), std::memory_order_relaxed);
+  }
+};
+
+}  // namespace
+
 void StepGraph::run(Clock clock, const Tick& tick) {
   receive(clock);
   run_steps(clock, tick);
@@ -272,7 +288,8 @@ void StepGraph::run_steps(Clock clock, const Tick& tick) {
   for (const std::size_t slot : lane.resets) std::memcpy(slots_[slot].value.data(), slots_[slot].start.data(), slots_[slot].value.size);
   for (const std::size_t n : lane.steps) {
     BoundStep& step = steps_[n];
-    step.timer([&] { step.run(step.self, tick); });
+    Meter meter{step.timer, *step.mean_us};
+    timed(meter, [&] { step.run(step.self, tick); });
   }
 }
 
@@ -305,7 +322,7 @@ std::vector<Clock> StepGraph::sources(Clock reader) const {
 std::vector<StepGraph::StepInfo> StepGraph::steps() {
   std::vector<StepInfo> out;
   for (const Lane& lane : lanes_)
-    for (const std::size_t n : lane.steps) out.push_back({steps_[n].effect, steps_[n].name, steps_[n].clock, &steps_[n].timer});
+    for (const std::size_t n : lane.steps) out.push_back({steps_[n].effect, steps_[n].name, steps_[n].clock, &steps_[n].timer, steps_[n].mean_us.get()});
   return out;
 }
 

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -185,6 +186,7 @@ class StepGraph {
     std::string effect, name;
     Clock clock;
     StepTimer* timer;
+    const std::atomic<float>* mean_us;  ///< [us] of the latest calls; any thread may read it
   };
   /// @returns all steps in execution order, clock by clock.
   [[nodiscard]] std::vector<StepInfo> steps();
@@ -233,6 +235,7 @@ class StepGraph {
     std::vector<SlotUse> uses{};
     std::vector<StepColumn> columns{};
     StepTimer timer{};
+    std::shared_ptr<std::atomic<float>> mean_us = std::make_shared<std::atomic<float>>(0.0f);
   };
   struct Copy {  // of one value between a slot and a message
     void* value;

@@ -245,6 +245,9 @@ void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
                      view.live.contact_us, contact_us_.at(kHigh)));
     text(fmt::format("bone {:.1f} ms (p99 {:.1f})", view.live.bone_us * 1e-3f, bone_us_.at(kHigh) * 1e-3f));
     text(fmt::format("{} ticks missed", view.live.missed));
+    if (view.live.prices)
+      for (const StepPrice& price : *view.live.prices)
+        text(fmt::format("[{}] {}: {:.0f} us, {:.1f} % of a core", price.effect, price.step, price.us, 100.0 * price.share));
   }
   text(fmt::format("{:.0f} pictures/s, {:.0f} ms each, {:.0f} ms late", figures.frames_per_s, figures.picture_ms, figures.latency_ms));
   ImGui::PushTextWrapPos(0.0f);
