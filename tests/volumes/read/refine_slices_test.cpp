@@ -99,7 +99,7 @@ struct Twin {
 };
 
 double pixel(std::span<const float> slice, const Scan& scan, int i, int j) {
-  return static_cast<double>(slice[static_cast<std::size_t>(j * scan.dims.x + i)]);
+  return static_cast<double>(slice[VoxelBox{Vec3i(0), scan.dims}.offset_of({i, j, 0})]);
 }
 
 /// An edge from 0 to 1000 over the extent of a voxel along its normal.
@@ -120,7 +120,8 @@ std::shared_ptr<const BoneModel> import_fine(const Scan& scan) {
 
 TEST_CASE("cubic kernel: exact for cubics, exactly the sample at a sample, and as bounded as stated") {
   double overshoot = 0.0, weights = 0.0;
-  for (double t = 0.0; t <= 1.0; t += 1.0 / 64.0) {
+  for (int part = 0; part <= 64; ++part) {
+    const double t = part / 64.0;
     const auto w = cubic_weights(t);
     for (int power = 0; power <= 3; ++power) {
       double sum = 0.0;

@@ -83,16 +83,18 @@ class Field {
 /// Distance [m] from p along `out` of the outermost point of bone within 2.5 mm of p; NaN without one.
 double surface_along(const Field& field, const Vec3& p, const Vec3& out) {
   constexpr double kReach = 2.5e-3, kStep = 0.1e-3;
-  for (double s = kReach; s > -kReach; s -= kStep) {
+  for (int n = 0; n < 50; ++n) {
+    const double s = kReach - n * kStep;
     if (field.at(p + out * (s - kStep)) < 0.5) continue;
     double inside = s - kStep, outside = s;
-    for (int n = 0; n < 20; ++n) (field.at(p + out * (0.5 * (inside + outside))) >= 0.5 ? inside : outside) = 0.5 * (inside + outside);
+    for (int half = 0; half < 20; ++half)
+      (field.at(p + out * (0.5 * (inside + outside))) >= 0.5 ? inside : outside) = 0.5 * (inside + outside);
     return 0.5 * (inside + outside);
   }
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-constexpr int kSide = 33;
+constexpr int kHalf = 16, kSide = 2 * kHalf + 1;
 constexpr double kStepOnPatch = 0.5e-3;
 
 struct PatchPoint {
@@ -105,7 +107,7 @@ std::vector<PatchPoint> patch_of(const Body& body) {
   std::vector<PatchPoint> out;
   for (int j = 0; j < kSide; ++j)
     for (int i = 0; i < kSide; ++i) {
-      const double u = (i - kSide / 2) * kStepOnPatch, w = (j - kSide / 2) * kStepOnPatch;
+      const double u = (i - kHalf) * kStepOnPatch, w = (j - kHalf) * kStepOnPatch;
       PatchPoint p{frame[0] * u + frame[1] * w, body.normal};
       if (body.radius) {
         const Vec3 centre = -*body.radius * body.normal;
@@ -182,7 +184,7 @@ SurfaceFigures measure_surface(const BoneModel& bone, const Body& body, bool inn
   std::vector<double> angles;
   for (int j = 1; j + 1 < kSide; ++j)
     for (int i = 1; i + 1 < kSide; ++i) {
-      const auto e = [&](int di, int dj) { return errors[static_cast<std::size_t>((j + dj) * kSide + i + di)]; };
+      const auto e = [&](int di, int dj) { return errors[VoxelBox{Vec3i(0), Vec3i(kSide, kSide, 1)}.offset_of({i + di, j + dj, 0})]; };
       const double slope = std::hypot(e(1, 0) - e(-1, 0), e(0, 1) - e(0, -1)) / (2.0 * kStepOnPatch);
       if (!std::isnan(slope)) angles.push_back(std::atan(slope) / kDegree);
     }
@@ -205,7 +207,8 @@ int most_layers(const BoneModel& bone, const Body& body) {
   for (const auto& [place, normal] : patch_of(body)) {
     int layers = 0;
     bool inside = false;
-    for (double s = kFarthest; s > -kFarthest; s -= kStep) {
+    for (int n = 0; n < 120; ++n) {
+      const double s = kFarthest - n * kStep;
       const bool now = field.at(place + normal * s) >= 0.5;
       if (now && !inside) ++layers;
       inside = now;
