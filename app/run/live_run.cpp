@@ -108,7 +108,7 @@ class Loops {
   std::vector<double> row_;
   DrillProgress progress_;
   LiveState state_;
-  double priced_ = 0.0;  // [s] of the latest prices
+  double priced_ = 0.0;            // [s] of the latest prices
   double progress_time_ = 0.0;     // [s] simulated time of the last progress report
   std::uint64_t audio_ticks_ = 0;  // blocks of sound so far
   bool ended_ = false;             // the servo ended by script, duration or stop, not by park(); read after its thread has ended

@@ -322,7 +322,8 @@ std::vector<Clock> StepGraph::sources(Clock reader) const {
 std::vector<StepGraph::StepInfo> StepGraph::steps() {
   std::vector<StepInfo> out;
   for (const Lane& lane : lanes_)
-    for (const std::size_t n : lane.steps) out.push_back({steps_[n].effect, steps_[n].name, steps_[n].clock, &steps_[n].timer, steps_[n].mean_us.get()});
+    for (const std::size_t n : lane.steps)
+      out.push_back({steps_[n].effect, steps_[n].name, steps_[n].clock, &steps_[n].timer, steps_[n].mean_us.get()});
   return out;
 }
 

@@ -39,7 +39,7 @@ struct WindowPlan {
   double spin_rpm = 0.0;             ///< full speed of the drive
   double reference_push = 0.0;       ///< [N] thrust of the scene's script, a mark on the gauge; 0: none
   double largest_push = 0.0;         ///< [N] of the arm
-  double users_push = 0.0;  ///< [N] of the arm of a person who takes a demonstration over
+  double users_push = 0.0;           ///< [N] of the arm of a person who takes a demonstration over
   bool one_eye = true;               ///< the picture is that of the camera: no stereo, no workbench
   bool demonstration = false;        ///< the scene's script drills
   std::vector<MessageLine> marks{};  ///< of a watched session: what happened when [s]; empty in a run
