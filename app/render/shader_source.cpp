@@ -108,7 +108,7 @@ ShaderVariant surface_variant(const SurfaceChoice& choice) {
   add_define(variant, appearance.specular, "SPECULAR", "_specular");
   add_define(variant, appearance.labels, "LABELS", "_labels");
   add_define(variant, appearance.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
-  add_define(variant, appearance.drape && appearance.tissue, "DRAPE", "_drape");
+  add_define(variant, appearance.drape, "DRAPE", "_drape");
   return variant;
 }
 

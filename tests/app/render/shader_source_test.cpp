@@ -104,6 +104,16 @@ TEST_CASE("shader source: an appearance option that is off is not in the source,
     for (const LookWord& other : words)
       if (other.word != look.word) CHECK(surface_source(other.appearance).find(look.word) == std::string::npos);
   }
+  // Cloth has a pattern where tissue has one; a table is in the background alone, and only if asked for.
+  constexpr const char* kCloth = "if (color.g > color.r) return";
+  CHECK(surface_source({.tissue = true}).find(kCloth) == std::string::npos);
+  CHECK(surface_source({.drape = true}).find(kCloth) == std::string::npos);
+  CHECK(surface_source({.tissue = true, .drape = true}).find(kCloth) != std::string::npos);
+  const auto rays = [](bool table) {
+    return expand_shader(embedded_shaders(), "raycast.frag", raycast_variant({.table = table}).defines).value();
+  };
+  CHECK(rays(false).find("table_color.rgb") == std::string::npos);
+  CHECK(rays(true).find("table_color.rgb") != std::string::npos);
   // Recomputed normals look up no stored one for the surface; stored ones are the only ones otherwise.
   Appearance recomputed = none;
   recomputed.normals = NormalSource::recomputed;
