@@ -79,6 +79,13 @@ std::vector<Item> scenes() {
   return out;
 }
 
+/// @returns the date and time of an ISO 8601 text, as people write them.
+std::string spoken(std::string iso) {
+  if (iso.size() != std::string_view("2026-01-01T00:00:00Z").size()) return iso;
+  iso[10] = ' ';
+  return iso.substr(0, 16) + " UTC";
+}
+
 /// Recorded sessions below the folder of the results, the newest first.
 std::vector<Item> sessions() {
   std::vector<std::pair<fs::file_time_type, fs::path>> found;
@@ -98,9 +105,10 @@ std::vector<Item> sessions() {
     const auto document = TomlDocument::parse(session->meta().scene, session->meta().scene_path);
     if (!document) continue;
     Issues issues;
-    out.push_back(
-        {{{}, document->root(issues).text("title", path.string(), ""), fmt::format("{}, {}", session->meta().created, path.string())},
-         {"replay", path.string(), "--view"}});
+    out.push_back({{{},
+                    document->root(issues).text("title", path.string(), ""),
+                    fmt::format("{}, {}", spoken(session->meta().created), path.string())},
+                   {"replay", path.string(), "--view"}});
   }
   if (!out.empty()) out.front().choice.heading = "WATCH A RECORDED SESSION";
   return out;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <csignal>
+#include <filesystem>
 
 #include "app/cli/commands.h"
 #include "app/cli/drill_window.h"
@@ -160,6 +161,11 @@ void add_drill(CLI::App& app, int& exit_code) {
       exit_code = report(bad_input("--video is not valid with --live: a film is drawn in lockstep"));
       return;
     }
+    if (std::error_code ignored;
+        std::filesystem::exists(option->files.folder, ignored) && !std::filesystem::is_directory(option->files.folder, ignored)) {
+      exit_code = report(bad_input("the output folder is a file", option->files.folder));
+      return;
+    }
     const bool by_script =
         option->offscreen || option->json || option->mode.live || !option->files.video.empty() || !option->files.inputs.empty();
     const auto windowed = decide_window(option->window, option->scene, by_script, option->quiet);
@@ -177,6 +183,7 @@ void add_drill(CLI::App& app, int& exit_code) {
                                    : drill_scene(*loaded, option->files, option->quiet, option->mode);
     if (!summary) {
       exit_code = report(summary.error());
+      if (summary.error().message == kNeverBegan) exit_code = kInterrupted;
       return;
     }
     if (!option->quiet) print_figures(*summary);

@@ -89,7 +89,8 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   for (const Approach::Layer& layer : simulation.approach().layers)
     if (const std::string name = layer_name(layer.label); !name.empty()) r.layers.push_back({name, layer.from * 1e3, layer.to * 1e3});
   for (const RunEvent& event : simulation.events())
-    r.events.push_back({event.time, event.kind == "hand" ? "hand: " + event.text : event.kind});
+    r.events.push_back(
+        {event.time, event.kind == "hand" || event.kind == "tool" || event.kind == "mark" ? event.kind + ": " + event.text : event.kind});
   r.setting = setting_of(loaded.scene, summary.by_user);
   for (const std::string& file : pictures) r.pictures.push_back({file, caption_of(file)});
   r.thickness_mm = summary.thickness_mm;
@@ -136,6 +137,16 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
     if (Status noted = session->event({0.0, 0, "restore", job.restore_path, std::move(checkpoint).value()}); !noted) return noted.error();
   }
   return std::optional<SessionWriter>(std::move(session).value());
+}
+
+/// @returns a line on a breakthrough that an undo, a reset or a restore took back: it happened, and the figures of the hole do not show it.
+std::optional<std::string> undone_warning(const Simulation& simulation, const RunSummary& summary) {
+  if (summary.breakthrough_s) return std::nullopt;
+  const auto& events = simulation.events();
+  const auto first = std::ranges::find(events, "breakthrough", &RunEvent::kind);
+  if (first == events.end()) return std::nullopt;
+  return fmt::format("the bone was drilled through at {:.3f} s before bone was brought back; the tip came {:.2f} mm beyond the bone",
+                     first->time, std::max(0.0, summary.reached_mm - summary.thickness_mm));
 }
 
 Status close_session(SessionWriter& session, const RunSummary& summary, const Simulation& simulation) {
@@ -255,6 +266,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   thickness = simulation->approach().thickness;
   if (sink && job.say) job.say("renderer: " + sink->driver());
   if (simulation->approach().from_inside && job.warn) job.warn("the axis points out of the skull: it meets brain or dura before the entry");
+  if (job.stop != nullptr && job.stop->load(std::memory_order_relaxed)) return Error{ErrorCode::unavailable, kNeverBegan, {}};
   if (Status made = make_folder(job.folder); !made) return made.error();
   const auto lock = FolderLock::take(job.folder);
   if (!lock) return lock.error();
@@ -276,6 +288,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (const auto left = simulation->inputs_left(); !left.empty() && job.user == nullptr)
     found.push_back(fmt::format("the run ended at {:.3f} s, before {} of {} inputs; the next was due at {:.3f} s", simulation->time(),
                                 left.size(), job.inputs.size(), static_cast<double>(left.front().tick) / loaded.scene.servo_hz));
+  if (auto undone = undone_warning(*simulation, summary)) found.push_back(std::move(*undone));
   if (auto unfinished = unfinished_warning(summary)) found.push_back(std::move(*unfinished));
   for (const std::string& line : found) {
     if (job.warn) job.warn(line);

@@ -45,9 +45,12 @@ struct DrillJob {
 /// @returns the tools that inputs change to, each once.
 [[nodiscard]] InputTools tools_of(const std::vector<Input>& inputs);
 
+/// The message of a run that was stopped before its first tick; it writes nothing.
+inline constexpr const char* kNeverBegan = "the run was stopped before it began: nothing was written";
+
 /// Runs the scene and writes summary.json and, unless the scene turns them off, pictures, the session, bone.vdb and report.html. Scene,
 /// tools and inputs are checked before the first file is written.
-/// Errors: those of the scene's effects, bad_input for a folder that cannot be written, unavailable for a refused priority.
+/// Errors: those of the scene's effects, unavailable with kNeverBegan, bad_input for a folder that cannot be written, unavailable for a refused priority.
 [[nodiscard]] Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job);
 
 }  // namespace burrhole

@@ -30,6 +30,8 @@ std::optional<std::size_t> draw_list(const Gui& gui, std::span<const Choice> cho
     const bool here = selection.at() == n;
     if (ImGui::Selectable("##line", here, possible ? 0 : ImGuiSelectableFlags_Disabled, ImVec2(0.0f, tall)) && selection.point_at(n))
       clicked = n;
+    const ImVec2 pointer = ImGui::GetIO().MouseDelta;
+    if (ImGui::IsItemHovered() && (pointer.x != 0.0f || pointer.y != 0.0f)) selection.point_at(n);
     if (here && moved) ImGui::SetScrollHereY();
     ImDrawList* const list = ImGui::GetWindowDrawList();
     const float in = 8.0f * gui.scale();

@@ -243,6 +243,12 @@ void Controls::keep_in_reach() {
   const double reach = setup_.hand.push / setup_.hand.dynamics.stiffness;
   const Vec3 pull = goal_.place - hand_;
   if (touches_ && glm::length(pull) > reach) goal_.place = hand_ + pull * (reach / glm::length(pull));
+  // Bone beside the bit holds it too; a goal far aside would swing it there once it is free.
+  const glm::dvec2 aside(goal_.place - hand_);
+  if (const double far = glm::length(aside); touches_ && far > config_.aside) {
+    goal_.place.x = hand_.x + aside.x * (config_.aside / far);
+    goal_.place.y = hand_.y + aside.y * (config_.aside / far);
+  }
   goal_.place = glm::clamp(goal_.place, Vec3(-kFarAway, -kFarAway, -setup_.deepest), Vec3(kFarAway));
   const double lean = std::hypot(goal_.tilt_right, goal_.tilt_away);
   if (lean > setup_.hand.largest_tilt) {
@@ -302,6 +308,7 @@ void Controls::take_over() noexcept {
   inputs_.push_back({0, InputKind::mark, 0.0, "the user takes the drill over", {}});
   goal_.place = hand_ - Vec3(0.0, 0.0, thrust_ / setup_.hand.dynamics.stiffness);
   locked_on_ = spins_;
+  answer_ = spins_ ? "You have the drill; it spins until X is pressed" : "You have the drill";
 }
 
 void Controls::toggle_cut() noexcept {

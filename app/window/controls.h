@@ -29,6 +29,7 @@ struct ControlsConfig {
   double wheel = 0.0005;        ///< [m] a step of the wheel without contact
   double wheel_press = 0.0002;  ///< [m] the same in contact
   double fine = 5.0;            ///< [-]
+  double aside = 0.003;         ///< [m] of the goal across the axis from the hand in contact, at most: times the stiffness, 15 N
   double touch = 0.5;           ///< [N] force that counts as contact
   double turn = 0.008;          ///< [rad/pixel] of the camera
   double turn_by_key = 1.2;     ///< [rad/s]

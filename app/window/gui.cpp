@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "app/render/gl_platform.h"
 
@@ -68,7 +69,18 @@ Gui::~Gui() {
 
 void Gui::feed(const std::vector<WindowEvent>& events) {
   ImGuiIO& io = ImGui::GetIO();
-  for (const WindowEvent& event : events) {
+  std::vector<WindowEvent> all = std::exchange(kept_, {});
+  all.insert(all.end(), events.begin(), events.end());
+  bool pressed[3] = {};
+  for (auto at = all.begin(); at != all.end(); ++at) {
+    const WindowEvent& event = *at;
+    if (event.kind == WindowEvent::Kind::button && event.code >= 0 && event.code < 3) {
+      if (!event.down && pressed[event.code]) {
+        kept_.assign(at, all.end());
+        return;
+      }
+      pressed[event.code] = event.down;
+    }
     const auto x = static_cast<float>(event.x), y = static_cast<float>(event.y);
     switch (event.kind) {
       case WindowEvent::Kind::motion:

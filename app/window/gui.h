@@ -25,6 +25,7 @@ class Gui {
   Gui& operator=(const Gui&) = delete;
   ~Gui();
 
+  /// A button that is pressed and released within one frame is released in the next: the panel sees every click.
   void feed(const std::vector<WindowEvent>& events);
   void begin(int width, int height, double dt);
   /// Draws into the current framebuffer.
@@ -37,6 +38,7 @@ class Gui {
  private:
   explicit Gui(float scale) : scale_(scale) {}
   float scale_;
+  std::vector<WindowEvent> kept_;  // for the next frame
   ImFont *normal_ = nullptr, *small_ = nullptr, *big_ = nullptr;
 };
 

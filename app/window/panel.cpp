@@ -127,7 +127,7 @@ void Panel::big(const char* label, const std::string& value, unsigned rgb) {
 
 void Panel::figures_of(const WindowView& view) {
   const double half = ImGui::GetContentRegionAvail().x * 0.5f;
-  big("DEPTH", depth_text(view.live.progress), GuiColors::kSky);
+  big("DEPTH", depth_text(view.live.progress), beyond_bone(plan_, view.live) > 0.0 ? GuiColors::kRed : GuiColors::kSky);
   ImGui::SameLine(static_cast<float>(half) + 2.0f * ImGui::GetStyle().WindowPadding.x);
   big("BONE LEFT", bone_left_text(plan_, view.live),
       is_near_exit(plan_.approach, view.live.progress) ? GuiColors::kOrange : GuiColors::kSky);
@@ -265,7 +265,6 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
     ImGui::End();
     return;
   }
-  if (view.mode == CameraMode::microscope) draw_eyepiece(width, height);
   draw_cut_handle(*gui_, *state_, view, plan_, width, height);
   warnings(view, width);
   if (!view.lines.empty()) {
@@ -330,7 +329,7 @@ void Panel::hints(const WindowView& view, int width, int height) {
   };
   step(view.live.hand.spin > 0.0 || view.live.progress.deepest > 0.0, "Hold Space: the drill spins. X keeps it on.");
   step(glm::length(view.live.force) > 1.0 || view.live.progress.deepest > 0.0,
-       "Hold W, or turn the wheel: the drill advances and presses. S moves back.");
+       "Hold W, or turn the wheel: the drill advances and presses, and stays pressed. S moves back.");
   step(false, "Arrows or left drag move it across the bone, right drag turns the view.");
   ImGui::PushFont(gui_->small());
   text("F1 shows all keys. H hides this.");
@@ -339,7 +338,9 @@ void Panel::hints(const WindowView& view, int width, int height) {
 }
 
 void Panel::help(bool watches, int width, int height) {
-  begin_over("help", ImVec2(0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f);
+  fit_over(width, height);
+  begin_over("help", ImVec2(0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f, true);
+  if (static_cast<float>(height) < 30.0f * ImGui::GetFontSize()) ImGui::PushFont(gui_->small());
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
     for (const auto& [key, meaning] : watches ? watching_keys() : key_table()) {
       ImGui::TableNextRow();
@@ -350,10 +351,12 @@ void Panel::help(bool watches, int width, int height) {
     }
     ImGui::EndTable();
   }
+  if (static_cast<float>(height) < 30.0f * ImGui::GetFontSize()) ImGui::PopFont();
   ImGui::End();
 }
 
 void Panel::end_question(int width, int height) {
+  fit_over(width, height);
   begin_over("end", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f, true);
   text("End the run and write the report?");
   if (ImGui::Button("End (Enter)")) state_->with_controls([](Controls& p) { p.end(); });
@@ -363,6 +366,7 @@ void Panel::end_question(int width, int height) {
 }
 
 void Panel::end_screen(int width, int height) {
+  fit_over(width, height);
   begin_over("ended", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f, true);
   const std::string failure = state_->failure();
   if (!failure.empty()) {
@@ -394,7 +398,8 @@ void Panel::end_screen(int width, int height) {
     if (ImGui::Button("Open the report") && !open_file(report_)) state_->say("xdg-open is missing; the report is " + report_, true);
     ImGui::SameLine();
   }
-  if (ImGui::Button("Close")) state_->close();
+  if (ImGui::Button("Close (Esc)")) state_->close();
+  if (!report_.empty() && failure.empty()) caption(*gui_, report_.c_str());
   ImGui::End();
 }
 

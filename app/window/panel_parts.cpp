@@ -18,6 +18,10 @@ void caption(const Gui& gui, const char* words) {
   ImGui::PopFont();
 }
 
+void fit_over(int width, int height) {
+  ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f), ImVec2(static_cast<float>(width), static_cast<float>(height)));
+}
+
 bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, float alpha, bool takes_mouse) {
   ImGui::SetNextWindowPos(place, ImGuiCond_Always, pivot);
   ImGui::SetNextWindowBgAlpha(alpha);

@@ -18,6 +18,8 @@ void text(const std::string& line);
 /// A small caption above what follows.
 void caption(const Gui& gui, const char* words);
 
+/// The next window is no larger than a picture of that size; what does not fit is reached by the wheel.
+void fit_over(int width, int height);
 /// A window without frame over the picture. @param takes_mouse it has buttons; other words leave the mouse to the picture below.
 bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, float alpha, bool takes_mouse = false);
 

@@ -31,6 +31,10 @@ bool is_near_exit(const Approach& approach, const DrillProgress& progress) noexc
   return !progress.breakthrough_time && progress.deepest > 0.0 && bone_left(approach, progress) < kNearExit;
 }
 
+double beyond_bone(const WindowPlan& plan, const LiveState& live) noexcept {
+  return live.progress.breakthrough_time ? std::max(0.0, live.progress.depth - plan.approach.thickness) : 0.0;
+}
+
 std::string depth_text(const DrillProgress& progress) {
   const double mm = std::max(0.0, progress.depth) / kMillimetre;
   return mm < 10.0 ? fmt::format("{:.1f} mm", mm) : fmt::format("{:.0f} mm", mm);
@@ -55,8 +59,8 @@ std::string layer_under_tip(const WindowPlan& plan, const LiveState& live) {
   const Approach& approach = plan.approach;
   const DrillProgress& p = live.progress;
   if (const double away = beside_plan(plan, live); away > kBesidePlan) return fmt::format("{:.1f} mm beside the plan", away / kMillimetre);
-  if (p.breakthrough_time) return "through the bone";
   if (p.depth < 0.0 && glm::length(live.force) < kTouch) return fmt::format("air, {:.1f} mm above the bone", -p.depth / kMillimetre);
+  if (p.breakthrough_time) return "through the bone";
   for (const Approach::Layer& layer : approach.layers)
     if (p.front >= layer.from && p.front < layer.to)
       if (std::string name = layer_name(layer.label); !name.empty()) return name;
@@ -68,6 +72,8 @@ std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& v
   const LiveState& live = view.live;
   if (const double away = beside_plan(plan, live); away > kBesidePlan && live.progress.depth > 0.0)
     out.push_back(fmt::format("{:.1f} mm beside the plan: bone left is unknown", away / kMillimetre));
+  else if (const double beyond = beyond_bone(plan, live); beyond > kNearExit)
+    out.push_back(fmt::format("{:.0f} mm beyond the bone, where dura and brain are: move back", beyond / kMillimetre));
   else if (live.progress.breakthrough_time && live.hand.spin > 0.0)
     out.emplace_back("Through the bone: stop the drill and move back");
   else if (is_near_exit(plan.approach, live.progress))

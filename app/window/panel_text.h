@@ -15,6 +15,8 @@ namespace burrhole {
 [[nodiscard]] double bone_left(const Approach& approach, const DrillProgress& progress) noexcept;
 /// @returns whether so little bone is left that a person should press less.
 [[nodiscard]] bool is_near_exit(const Approach& approach, const DrillProgress& progress) noexcept;
+/// @returns how far the tip is beyond the bone now [m], where it was drilled through; 0 before, and above.
+[[nodiscard]] double beyond_bone(const WindowPlan& plan, const LiveState& live) noexcept;
 /// @returns the depth of the tip below the entry, with few digits where it is deep.
 [[nodiscard]] std::string depth_text(const DrillProgress& progress);
 /// @returns the distance [m] of the tip from the planned axis. Bone left and layer are known along that axis alone.

@@ -66,8 +66,9 @@ class Replayer {
     const double period = simulation_->stage().period;
     start.transport = Transport(static_cast<double>(hand_->ticks()) * period, period);
     for (const SessionEvent& event : session_->events())
-      start.marks.push_back({event.time_s, event.text.empty() ? event.kind : fmt::format("{}: {}", event.kind, event.text),
-                             event.kind == "fault" || event.kind == "refused"});
+      start.marks.push_back(
+          {event.time_s, event.text.empty() || event.kind == "breakthrough" ? event.kind : fmt::format("{}: {}", event.kind, event.text),
+           event.kind == "fault" || event.kind == "refused"});
     start_window(*state_, *viewer_, *loaded_, start, *simulation_);
   }
 

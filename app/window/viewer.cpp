@@ -11,6 +11,7 @@
 #include "app/render/tip_slices_picture.h"
 #include "app/view/quality.h"
 #include "app/view/stereo.h"
+#include "app/window/over_bone.h"
 #include "app/window/transport_bar.h"
 
 namespace burrhole {
@@ -25,6 +26,7 @@ constexpr double kSliceStep = 5e-5;                         // [m] of the tip, l
 constexpr double kSliceTurn = 0.999999;                     // [-] cosine of half a turn of 0.16 degrees, above which no slice changes
 constexpr double kSliceEvery = 0.1;                         // [s] between two pictures of the slices, at least
 constexpr int kSliceSize = 200;                             // [pixels] of a slice at scale 1
+constexpr int kSmallestSlice = 64, kSliceGaps = 16;         // [pixels]
 constexpr double kSmooth = 0.1;                             // share of a new value in the shown frame rate and latency
 const Vec3 kGround(0.06, 0.065, 0.075);
 
@@ -273,7 +275,9 @@ void Viewer::draw_frame() {
   const double since = seconds(now - last_frame_);
   last_frame_ = now;
   const WindowView view = state_->view();
-  gui_->feed(state_->take_events());
+  const std::vector<WindowEvent> events = state_->take_events();
+  if (!events.empty()) changed_at_ = now;  // the next frames come soon
+  gui_->feed(events);
   const int side = panel_width(width, gui_->scale());
   state_->set_picture_size(width - side, height);
   const bool turned = !last_camera_ || !(*last_camera_ == view.camera);
@@ -287,6 +291,7 @@ void Viewer::draw_frame() {
     // ImGui keeps names of OpenGL textures as pointers.  NOLINTNEXTLINE(performance-no-int-to-ptr)
     ImGui::GetBackgroundDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture_->name())),
                                              ImVec2(0.0f, 0.0f), ImVec2(static_cast<float>(width - side), static_cast<float>(height)));
+  if (view.mode == CameraMode::microscope) draw_eyepiece(width - side, height);
   if (slices_) show_slices(*slices_, view, *gui_, height);
   panel_->draw(view, figures_, width, height);
   gui_->end();
@@ -409,7 +414,8 @@ void Viewer::draw_slices(const WindowView& view) {
   if (slices_ && !((moved || slices_stale_) && seconds(now - sliced_) > kSliceEvery)) return;
   auto mineral = parts_.renderer->read_mineral(bone_from_tool.translation, kSliceHalfWidth);
   if (!mineral) return state_->say("The slices cannot be drawn: " + mineral.error().text(), true);
-  const int size = static_cast<int>(static_cast<float>(kSliceSize) * gui_->scale());
+  const int room = (window_->width() - panel_width(window_->width(), gui_->scale())) / 3 - kSliceGaps;
+  const int size = std::max(kSmallestSlice, std::min(static_cast<int>(static_cast<float>(kSliceSize) * gui_->scale()), room));
   if (!slices_) slices_ = std::make_unique<PictureTexture>(parts_.renderer->context());
   slices_->set(draw_tip_slices(make_tip_slices(*mineral, tool_look_, bone_from_tool, kSliceHalfWidth, size)));
   sliced_at_ = bone_from_tool;

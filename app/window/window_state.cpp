@@ -96,6 +96,8 @@ void WindowState::handle(const WindowEvent& event) {
     closing_ = true;
     if (stage_ == RunStage::ended) closed_ = true;
   }
+  const bool leaves = event.code == static_cast<int>(Key::escape) || event.code == static_cast<int>(Key::enter);
+  if (stage_ == RunStage::ended && event.kind == WindowEvent::Kind::key && event.down && leaves) closed_ = true;
   controls_->handle(event, mouse_taken_.load(std::memory_order_relaxed));
   resumed_.notify_all();
 }

@@ -386,3 +386,20 @@ TEST_CASE("controls: the keys of a watched session move its head and the view, a
   rig.press(Key::escape);
   CHECK(rig.controls.goal().ends);
 }
+
+TEST_CASE("controls: in contact the goal does not run away to the side, where bone holds the bit") {
+  Rig rig;
+  rig.touch(20.0, -0.003);
+  rig.run(kStep);
+  rig.handle(key(Key::right, true));
+  rig.run(2.0);
+  rig.handle(key(Key::right, false));
+  const Vec3 aside(rig.place().x, rig.place().y, 0.0);
+  CHECK(glm::length(aside) == doctest::Approx(rig.config.aside));
+  rig.touch(0.0, -0.003);  // free
+  rig.run(kStep);
+  rig.handle(key(Key::right, true));
+  rig.run(1.0);
+  rig.handle(key(Key::right, false));
+  CHECK(std::hypot(rig.place().x, rig.place().y) > 2.0 * rig.config.aside);
+}

@@ -49,6 +49,9 @@ TEST_CASE("panel: the layer under the tip is that of the cutting front") {
   LiveState through = at(6e-3, 7e-3);
   through.progress.breakthrough_time = 12.0;
   CHECK(layer_under_tip(plan(), through) == "through the bone");
+  through = at(6e-3, -5e-2, 0.0);
+  through.progress.breakthrough_time = 12.0;
+  CHECK(layer_under_tip(plan(), through) == "air, 50.0 mm above the bone");
 }
 
 TEST_CASE("panel: bone left falls with the cutting front, never below nothing") {
@@ -68,6 +71,11 @@ TEST_CASE("panel: a person is warned of little bone, of the arm's limit, of lean
   CHECK(has(warnings_of(plan(), view), "Through the bone"));
   view.live.hand.spin = 0.0;
   CHECK_FALSE(has(warnings_of(plan(), view), "Through the bone"));
+  view.live = at(6e-3, 26e-3);
+  view.live.progress.breakthrough_time = 10.0;  // the drill is off
+  CHECK(has(warnings_of(plan(), view), "20 mm beyond the bone"));
+  CHECK(beyond_bone(plan(), view.live) == doctest::Approx(20e-3));
+  CHECK(beyond_bone(plan(), at(6e-3, 26e-3)) == 0.0);
   view.live = at(1e-3, 1e-3);
   view.live.hand.thrust = 79.0;
   CHECK(has(warnings_of(plan(), view), "largest force"));

@@ -146,6 +146,9 @@ class Window(WithFolder):
         summary = self.end()
         self.assertEqual(summary["drilling"]["removed_mm3"], 0.0)
         self.assertIsNone(summary["drilling"]["breakthrough_s"])
+        with contextlib.closing(sqlite3.connect(self.out / "session.sqlite")) as database:
+            through = database.execute("SELECT count(*) FROM events WHERE kind = 'breakthrough'").fetchone()[0]
+        self.assertEqual(any("was drilled through" in line for line in summary["warnings"]), through > 0)  # an undo hides nothing
         self.assert_replays()
 
     @unittest.skipIf(virtual_pad.missing(), "umockdev-run is missing")
@@ -227,6 +230,18 @@ class Window(WithFolder):
         self.assertIn("the display was lost", self.log.read_text())
         self.assertTrue((self.out / "report.html").exists())
         self.assert_replays()
+
+    def test_a_run_that_never_began_writes_nothing(self):
+        self.out.write_text("a file")
+        wrong = run("drill", QUICK, "--window", "--out", self.out, env=self.display.environment)
+        self.assertEqual(wrong.returncode, 2, wrong.stderr)
+        self.assertIn("is a file", wrong.stderr)
+        self.out.unlink()
+        self.start_program("drill", "parietal", "--window", "--out", self.out)
+        self.find_window()
+        self.process.send_signal(signal.SIGINT)  # while it loads, or just after
+        self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
+        self.assertEqual(self.out.exists(), "nothing was written" not in self.log.read_text())
 
     def test_a_folder_belongs_to_one_run(self):
         self.start()
