@@ -104,7 +104,7 @@ void add_drape(const DrapeConfig& drape, const Pose& bone_from_approach, const V
       const double width = std::abs(gradient.x) + std::abs(gradient.y) + std::abs(gradient.z);
       const double share = std::clamp(0.5 - d / (2.0 * std::max(width, 0.2 * pitch)), 0.0, 1.0);
       const std::size_t n = all.offset_of(v);
-      const auto field = static_cast<std::uint16_t>(65535.0 * share + 0.5);
+      const auto field = static_cast<std::uint16_t>(std::lround(65535.0 * share));
       if (field < whole.field[n] || (share <= 0.0 && whole.field[n] > 0)) return;
       whole.color[n] = color;
       if (share <= 0.0) return;
