@@ -49,10 +49,10 @@ Vec3 inion() { return seen_from(Vec3(0.0, 0.0, 8.0) * kMm, kBack); }
 Vec3 bregma() { return seen_from(Vec3(0.0, -26.0, 45.0) * kMm, kUp); }
 Vec3 lambda() { return seen_from(Vec3(0.0, 0.0, 45.0) * kMm, glm::normalize(Vec3(0.0, 62.0, 39.0))); }
 Vec3 vertex() {
-  // The highest point of the midline: a walk cannot end higher.
+  // The highest point of the midline, to half a millimetre.
   Vec3 best = bregma();
-  for (double y = -30.0; y <= 40.0; y += 0.5) {
-    const Vec3 p = seen_from(Vec3(0.0, y, 45.0) * kMm, kUp);
+  for (int half_mm = -60; half_mm <= 80; ++half_mm) {
+    const Vec3 p = seen_from(Vec3(0.0, 0.5 * half_mm, 45.0) * kMm, kUp);
     if (p.z > best.z) best = p;
   }
   return best;
@@ -74,13 +74,13 @@ Vec3 keen() {
 Vec3 frazier() { return side_of(walk_on_vault(inion(), kUp, 60.0 * kMm), 40.0 * kMm); }
 /// Dandy's point: 3 cm above the inion and 2 cm to the side.
 Vec3 dandy() { return side_of(walk_on_vault(inion(), kUp, 30.0 * kMm), 20.0 * kMm); }
-/// The parietal eminence, a usual site for a chronic subdural haematoma: assumed 9 cm from the midline half way between bregma and lambda.
+/// The parietal eminence, a usual site for a chronic subdural haematoma: assumed 7.5 cm from the midline, half way between bregma and lambda.
 Vec3 parietal() {
   const Vec3 from = bregma(), to = lambda();
   return side_of(on_vault(seen_from(Vec3(0.0, 0.0, 45.0) * kMm, glm::normalize(0.5 * (from + to) - Vec3(0.0, 0.0, 45.0) * kMm))),
                  75.0 * kMm);
 }
-/// The pterion: 4 cm above the middle of the zygomatic arch, and as far forward as that (3.5 cm in front of the ear canal: assumed).
+/// The pterion: about 4 cm above the middle of the zygomatic arch, and as far forward as that (3.8 cm in front of the ear canal: assumed).
 Vec3 pterion() {
   const Vec3 below = on_vault(seen_from(Vec3(0.0, -38.0, 12.0) * kMm, {1.0, 0.0, 0.0}));
   return walk_on_vault(below, kUp, 32.0 * kMm);
