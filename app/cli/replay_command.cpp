@@ -36,7 +36,7 @@ struct Replayed {
 /// @returns why equal results could not be expected; empty when they could.
 std::string why_different(const Replayed& replayed) {
   const SessionMeta& meta = replayed.recorded;
-  if (std::string why = why_different(meta); !why.empty()) return why;
+  if (std::string why = cli::why_different(meta); !why.empty()) return why;
   if (!replayed.renderer.empty() && !meta.renderer.empty() && (meta.renderer != replayed.renderer || meta.cpu != cpu_model()))
     return fmt::format("recorded with {} on {}: equal pictures are promised for equal renderers and processors only", meta.renderer,
                        meta.cpu);
