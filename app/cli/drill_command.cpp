@@ -41,6 +41,16 @@ class NoSpeaker final : public SoundSink {
   void write(std::span<const float>) noexcept override {}
 };
 
+/// @returns the error of options that exclude each other, or of a folder that is none.
+Status check_options(const LiveMode& mode, const DrillingFiles& files) {
+  if (mode.require_realtime && !mode.live) return bad_input("--require-realtime is valid only with --live");
+  if (mode.live && !files.video.empty()) return bad_input("--video is not valid with --live: a film is drawn in lockstep");
+  std::error_code ignored;
+  if (std::filesystem::exists(files.folder, ignored) && !std::filesystem::is_directory(files.folder, ignored))
+    return bad_input("the output folder is a file", files.folder);
+  return {};
+}
+
 Result<bool> decide_window(WindowOptions& window, SceneOption& scene, bool by_script, bool quiet) {
   if (!by_script) return prepare_window(window, scene, quiet);
   if (window.asked || window.demonstration || window.light || window.text_scale != 1.0)
@@ -153,17 +163,8 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->add_flag("--json", option->json, "print only summary.json on stdout");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
-    if (option->mode.require_realtime && !option->mode.live) {
-      exit_code = report(bad_input("--require-realtime is valid only with --live"));
-      return;
-    }
-    if (option->mode.live && !option->files.video.empty()) {
-      exit_code = report(bad_input("--video is not valid with --live: a film is drawn in lockstep"));
-      return;
-    }
-    if (std::error_code ignored;
-        std::filesystem::exists(option->files.folder, ignored) && !std::filesystem::is_directory(option->files.folder, ignored)) {
-      exit_code = report(bad_input("the output folder is a file", option->files.folder));
+    if (const Status valid = check_options(option->mode, option->files); !valid) {
+      exit_code = report(valid.error());
       return;
     }
     const bool by_script =

@@ -158,7 +158,10 @@ Status close_session(SessionWriter& session, const RunSummary& summary, const Si
   return session.close();
 }
 
-Status make_folder(const std::string& folder) {
+/// Makes the output folder of a run that has not been stopped yet.
+Status make_folder(const DrillJob& job) {
+  const std::string& folder = job.folder;
+  if (job.stop != nullptr && job.stop->load(std::memory_order_relaxed)) return Error{ErrorCode::unavailable, kNeverBegan, {}};
   if (folder.empty()) return {};
   std::error_code error;
   fs::create_directories(folder, error);
@@ -266,8 +269,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   thickness = simulation->approach().thickness;
   if (sink && job.say) job.say("renderer: " + sink->driver());
   if (simulation->approach().from_inside && job.warn) job.warn("the axis points out of the skull: it meets brain or dura before the entry");
-  if (job.stop != nullptr && job.stop->load(std::memory_order_relaxed)) return Error{ErrorCode::unavailable, kNeverBegan, {}};
-  if (Status made = make_folder(job.folder); !made) return made.error();
+  if (Status made = make_folder(job); !made) return made.error();
   const auto lock = FolderLock::take(job.folder);
   if (!lock) return lock.error();
   remove_old_results(job.folder);
