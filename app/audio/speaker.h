@@ -21,8 +21,9 @@ class Speaker final : public SoundSink {
   /// OpenAL and ALSA then print no messages of their own, unless the environment variable ALSOFT_LOGLEVEL is set. To be called before other
   /// threads start.
   static void silence_libraries();
-  /// @param sample_rate [Hz]. @param report called at the end with the numbers of underruns and dropped blocks; may be empty. A device that plays nothing, which OpenAL opens where there is no other, counts as none, unless the environment
-  /// variable ALSOFT_DRIVERS or ALSOFT_CONF chooses the driver.
+  /// @param sample_rate [Hz]. @param report called at the end with the numbers of underruns and dropped blocks; may be empty. A device that
+  /// plays nothing, which OpenAL opens where there is no other, counts as none, unless the environment variable ALSOFT_DRIVERS or
+  /// ALSOFT_CONF chooses the driver.
   [[nodiscard]] static Result<std::unique_ptr<Speaker>> open(int sample_rate, Report report = {});
   Speaker(const Speaker&) = delete;
   Speaker& operator=(const Speaker&) = delete;

@@ -217,10 +217,9 @@ void Panel::buttons(const WindowView& view) {
     button("End (Esc)", [](Controls& p) { p.requests().asks_end = true; });
   else
     button("Close (Esc)", [](Controls& p) { p.end(); });
-  ImGui::SameLine();
   button(view.cut.on ? "Close the cut (K)" : "Cut open (K)", [](Controls& p) { p.toggle_cut(); });
-  button(view.requests.slices ? "No slices (L)" : "Slices (L)", [](Controls& p) { p.requests().slices = !p.requests().slices; });
   ImGui::SameLine();
+  button(view.requests.slices ? "No slices (L)" : "Slices (L)", [](Controls& p) { p.requests().slices = !p.requests().slices; });
   button(view.requests.lab ? "Trainee (F2)" : "Lab (F2)", [](Controls& p) { p.requests().lab = !p.requests().lab; });
   draw_cut_sliders(*gui_, *state_, view);
 }
