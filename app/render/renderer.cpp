@@ -239,21 +239,16 @@ void Renderer::update(const TexelBox& texels) {
   ++impl_->counters.update_boxes;
 }
 
-Result<MineralBox> Renderer::read_mineral(const Vec3& p_bone, double half_width) const {
+Result<std::vector<MineralBox>> Renderer::read_mineral(const Vec3& p_bone, double half_width) const {
   if (const Status current = impl_->context.make_current(); !current) return current.error();
-  MineralBox out;
-  const auto read = [&](const VolumeTexture& volume) {
-    out.index_from_bone = volume.bone_from_index().inverse();
-    out.box = voxels_around(out.index_from_bone, p_bone, half_width).intersect({Vec3i(0), volume.dims()});
-    out.values = volume.read_mineral(out.box);
-  };
-  const auto holds = [&](const VolumeTexture& volume) {
-    return VoxelBox{Vec3i(0), volume.dims()}.contains(voxels_around(volume.bone_from_index().inverse(), p_bone, half_width));
-  };
-  if (impl_->detail && holds(*impl_->detail))
-    read(*impl_->detail);
-  else if (impl_->volume)
-    read(*impl_->volume);
+  std::vector<MineralBox> out;
+  for (const std::optional<VolumeTexture>* level : {&impl_->detail, &impl_->volume}) {
+    if (!*level) continue;
+    const VolumeTexture& volume = **level;
+    const Affine index_from_bone = volume.bone_from_index().inverse();
+    const VoxelBox box = voxels_around(index_from_bone, p_bone, half_width).intersect({Vec3i(0), volume.dims()});
+    out.push_back({box, index_from_bone, volume.read_mineral(box)});
+  }
   return out;
 }
 

@@ -124,10 +124,9 @@ class Renderer {
   /// without a volume or with slices; the errors of draw().
   [[nodiscard]] Result<FrameProbe> probe(const FrameView& view, int width, int height);
 
-  /// Reads bone around a point back, as it would be drawn (VolumeTexture::read_mineral): of the detail if it holds the whole cube, else of
-  /// the whole volume. For slices.
-  /// @param half_width [m] of a cube around it. Empty without a volume; the errors of the context.
-  [[nodiscard]] Result<MineralBox> read_mineral(const Vec3& p_bone, double half_width) const;
+  /// Reads bone around a point back, as it would be drawn (VolumeTexture::read_mineral), for slices: of the detail, if there is one, and then
+  /// of the whole volume. @param half_width [m] of a cube around it. Nothing without a volume; the errors of the context.
+  [[nodiscard]] Result<std::vector<MineralBox>> read_mineral(const Vec3& p_bone, double half_width) const;
 
   /// Compiles and links all_shader_variants(). @returns the first error.
   [[nodiscard]] Status link_every_variant();

@@ -48,9 +48,14 @@ std::vector<std::array<glm::dvec2, 2>> cross(const TriangleMesh& mesh, const Pos
 
 }  // namespace
 
-double MineralBox::at(const Vec3& p_bone) const {
+bool MineralBox::holds(const Vec3& p_bone) const {
   const Vec3 index = index_from_bone * p_bone;
-  if (box.empty() || glm::any(glm::lessThan(index, Vec3(box.lo))) || glm::any(glm::greaterThan(index, Vec3(box.hi - 1)))) return 0.0;
+  return !box.empty() && glm::all(glm::greaterThanEqual(index, Vec3(box.lo))) && glm::all(glm::lessThanEqual(index, Vec3(box.hi - 1)));
+}
+
+double MineralBox::at(const Vec3& p_bone) const {
+  if (!holds(p_bone)) return 0.0;
+  const Vec3 index = index_from_bone * p_bone;
   const Vec3i low = glm::min(Vec3i(glm::floor(index)), glm::max(box.hi - 2, box.lo));
   return trilinear(index - Vec3(low),
                    [&](unsigned n) { return static_cast<double>(values[box.offset_of(glm::min(low + cell_corner(n), box.hi - 1))]); });
@@ -76,12 +81,17 @@ TipSlices make_tip_slices(Voxmap& voxmap, const TriangleMesh& tool, const Pose& 
     voxmap.bone().read_hardness(mineral.box, hardness);
     std::transform(mineral.values.begin(), mineral.values.end(), hardness.begin(), mineral.values.begin(), std::multiplies<>());
   }
-  return make_tip_slices(mineral, tool, bone_from_tool, half_width, size);
+  return make_tip_slices({&mineral, 1}, tool, bone_from_tool, half_width, size);
 }
 
-TipSlices make_tip_slices(const MineralBox& mineral, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width, int size) {
+TipSlices make_tip_slices(std::span<const MineralBox> levels, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width,
+                          int size) {
   BH_ASSERT(half_width > 0.0 && size >= 2);
   const Vec3 tip = bone_from_tool.translation;
+  const auto value_at = [&](const Vec3& p) {
+    const auto level = std::ranges::find_if(levels, [&](const MineralBox& one) { return one.holds(p); });
+    return level != levels.end() ? level->at(p) : 0.0;
+  };
   TipSlices out{.size = size, .pixel = 2.0 * half_width / size, .planes = {}};
   for (std::size_t n = 0; n < 3; ++n) {
     const Section& section = sections()[n];
@@ -99,7 +109,7 @@ TipSlices make_tip_slices(const MineralBox& mineral, const TriangleMesh& tool, c
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x) {
         const Vec3 p = tip + out.pixel * ((x + 0.5 - 0.5 * size) * section.right + (y + 0.5 - 0.5 * size) * section.down);
-        plane.grey.push_back(static_cast<std::uint8_t>(std::floor(255.0 * std::clamp(mineral.at(p), 0.0, 1.0) + 0.5)));
+        plane.grey.push_back(static_cast<std::uint8_t>(std::floor(255.0 * std::clamp(value_at(p), 0.0, 1.0) + 0.5)));
       }
     plane.tool = cross(
         tool, bone_from_tool, [&](const Vec3& p) { return p[section.across] - tip[section.across] - 1e-9; },

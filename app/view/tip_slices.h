@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,9 @@ struct MineralBox {
   Affine index_from_bone;     ///< of the voxels
   std::vector<float> values;  ///< [-] of the box, x fastest
 
-  /// @returns the value at a point, trilinear; 0 outside the centres of the voxels.
+  /// @returns whether a point lies between the centres of the voxels.
+  [[nodiscard]] bool holds(const Vec3& p_bone) const;
+  /// @returns the value at a point, trilinear; 0 where the box does not hold it.
   [[nodiscard]] double at(const Vec3& p_bone) const;
 };
 /// @returns the voxels, in any grid, that a cube around a point needs. @param half_width [m].
@@ -42,8 +45,8 @@ struct MineralBox {
 /// @param tool mesh of the bit as it erodes. @param half_width [m] > 0 from the tip, which is the centre, to the edges. @param size >= 2.
 /// The grey value of a pixel is occupancy x remaining x hardness at its centre, trilinear between voxels.
 [[nodiscard]] TipSlices make_tip_slices(Voxmap& voxmap, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width, int size);
-/// The same from voxels that were read before.
-[[nodiscard]] TipSlices make_tip_slices(const MineralBox& mineral, const TriangleMesh& tool, const Pose& bone_from_tool, double half_width,
-                                        int size);
+/// The same from voxels that were read before. @param levels the first that holds a point gives its value.
+[[nodiscard]] TipSlices make_tip_slices(std::span<const MineralBox> levels, const TriangleMesh& tool, const Pose& bone_from_tool,
+                                        double half_width, int size);
 
 }  // namespace burrhole

@@ -162,6 +162,22 @@ TEST_CASE("slices through the tip: a pixel is the density of its place, from vox
   CHECK(cut_pixels > 20);  // of the hole and of the air
 }
 
+TEST_CASE("slices through the tip: of two levels the first that holds a point is seen") {
+  const auto filled = [](const Vec3i& lo, const Vec3i& hi, double edge, float value) {
+    const VoxelBox box{lo, hi};
+    return MineralBox{box, Affine{glm::dmat3(1.0 / edge), Vec3(0.0)}, std::vector<float>(box.count(), value)};
+  };
+  const std::vector<MineralBox> levels{filled(Vec3i(-4), Vec3i(5), 0.25e-3, 1.0f), filled(Vec3i(-3), Vec3i(4), 1e-3, 0.5f)};
+  const TipSlices slices = make_tip_slices(levels, {}, {}, 4e-3, 64);
+  for (const TipSlice& slice : slices.planes)
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        const double away = std::max(std::abs(x + 0.5 - 32.0), std::abs(y + 0.5 - 32.0)) * slices.pixel;
+        const int expected = away <= 1e-3 ? 255 : away <= 3e-3 ? 128 : 0;
+        REQUIRE(slice.grey[static_cast<std::size_t>(y * 64 + x)] == expected);
+      }
+}
+
 TEST_CASE("slices through the tip: the tool's outline is where its surface crosses the plane") {
   DrillRun run(SmallScene{.sets = {"duration_s=0.01"}});
   const double radius = 1e-3;  // of the ball; its tip is its lowest point, so a plane half a millimetre up would cut a circle of 0.87 mm
