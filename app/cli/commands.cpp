@@ -78,7 +78,7 @@ void add_stereo_options(CLI::App& command, SceneOption& scene) {
   command
       .add_option_function<double>(
           "--workbench", [&scene](double height) { scene.sets.push_back(fmt::format("display.workbench_mm={}", height)); },
-          "bone at its true size on a screen of that height, for a head before it (keys workbench_mm, head_mm, mirrored)")
+          "bone at its true size on a screen of that height (keys workbench_mm, head_mm, mirrored)")
       ->type_name("MM")
       ->check(CLI::Range(1.0, 5000.0));
 }

@@ -68,8 +68,11 @@ bool refuse_unknown_command(const CLI::App& program, int argc, char** argv) {
 void run_command(CLI::App& app, int argc, char** argv, int& exit_code) {
   if (argc > 1) return app.parse(argc, argv);
   const auto chosen = choose_command();
-  if (!chosen) static_cast<void>(report(chosen.error()));
-  if (!chosen || !*chosen) throw CLI::CallForHelp();
+  if (!chosen) {
+    exit_code = report(chosen.error());
+    return;
+  }
+  if (!*chosen) return app.parse(argc, argv);  // no display: the error that a command is missing
   std::vector<std::string> words = **chosen;
   if (words.empty()) {  // closed
     if (stop_requested().load()) exit_code = kInterrupted;

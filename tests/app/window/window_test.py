@@ -447,8 +447,8 @@ class Window(WithFolder):
         self.assertEqual(nothing.returncode, 2)
         self.assertIn("none.sqlite", nothing.stderr)
         helped = run(env=plain)
-        self.assertEqual(helped.returncode, 0)
-        self.assertIn("burrhole drill parietal", helped.stdout)
+        self.assertEqual(helped.returncode, 2)
+        self.assertIn("--help", helped.stderr)
         offscreen = run("drill", QUICK, "--offscreen", "--out", self.out, env={**plain, "DISPLAY": ":4242"})
         self.assertEqual(offscreen.returncode, 0, offscreen.stderr)
 
