@@ -339,7 +339,8 @@ void Panel::hints(const WindowView& view, int width, int height) {
 void Panel::help(bool watches, int width, int height) {
   fit_over(width, height);
   begin_over("help", ImVec2(0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f, true);
-  if (static_cast<float>(height) < 30.0f * ImGui::GetFontSize()) ImGui::PushFont(gui_->small());
+  const bool is_low = static_cast<float>(height) < 30.0f * ImGui::GetFontSize();
+  if (is_low) ImGui::PushFont(gui_->small());
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
     for (const auto& [key, meaning] : watches ? watching_keys() : key_table()) {
       ImGui::TableNextRow();
@@ -350,7 +351,7 @@ void Panel::help(bool watches, int width, int height) {
     }
     ImGui::EndTable();
   }
-  if (static_cast<float>(height) < 30.0f * ImGui::GetFontSize()) ImGui::PopFont();
+  if (is_low) ImGui::PopFont();
   ImGui::End();
 }
 

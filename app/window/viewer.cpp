@@ -87,9 +87,11 @@ class Viewer::Sink final : public PictureSink {
       viewer_->send_texels();
       // The pictures of a run have its quality, whatever the window shows.
       viewer_->drawn_ = false;
+      // A driver may refuse new pictures once its display is lost. The run still writes its other results.
+      const auto passes = [this](Status done) { return !done && viewer_->window_->is_lost() ? Status() : std::move(done); };
       if (viewer_->quality_ != viewer_->run_quality_)
-        if (Status set = viewer_->parts_.renderer->set_quality(viewer_->run_quality_); !set) return set;
-      Status drawn = own().draw(name, view, width, height, hash);
+        if (Status set = viewer_->parts_.renderer->set_quality(viewer_->run_quality_); !set) return passes(std::move(set));
+      Status drawn = passes(own().draw(name, view, width, height, hash));
       viewer_->quality_ = viewer_->run_quality_ = own().display().quality;  // a budget has chosen it now
       return drawn;
     });
