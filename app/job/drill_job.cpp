@@ -277,12 +277,11 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   auto session = open_session(loaded, job, simulation->stage(), sink.get());
   if (!session) return session.error();
   if (*session) simulation->set_session(&**session);
-
   if (job.begin) job.begin(*simulation);
   const auto start = std::chrono::steady_clock::now();
   if (Status ran = simulation->run(); !ran) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (Status finished = sound.finish(); !finished) return finished.error();
+  const Status sounded = sound.finish();
   RunSummary summary = make_summary(loaded, *simulation, plan, wall);
   summary.by_user = summary.by_user || (job.user != nullptr && job.user->took_over());
   std::vector<std::string> found;
@@ -303,7 +302,8 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (job.folder.empty()) return summary;
   auto pictures = sink ? sink->files() : std::vector<std::string>();
   if (!pictures) return pictures.error();
-  if (Status written = write_results(loaded, *simulation, summary, *pictures, job.folder); !written) return written.error();
+  Status written = write_results(loaded, *simulation, summary, *pictures, job.folder);
+  if (!written || !sounded) return !written ? written.error() : sounded.error();
   return summary;
 }
 
