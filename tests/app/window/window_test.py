@@ -290,7 +290,7 @@ class Window(WithFolder):
         self.hold("s", 1.0)
         summary = self.end()
         self.assertEqual(summary["end"], "done")
-        self.assertNotIn("hand", summary["outcome"])  # it is not told as the script's
+        self.assertIn("until a user took the drill over", (self.out / "report.html").read_text())
         with contextlib.closing(sqlite3.connect(self.out / "session.sqlite")) as database:
             self.assertIn(("the user takes the drill over",), database.execute("SELECT text FROM events WHERE kind = 'mark'").fetchall())
         self.assert_replays()
