@@ -82,7 +82,7 @@ TEST_CASE("stopped in the hole: every shipped bit stays within a quarter of a vo
   }
 }
 
-TEST_CASE("stopped in the hole: a perforator that has not spun there is pushed out of it (sabotage)") {
+TEST_CASE("stopped in the hole: a perforator that has not spun there rises out of it (sabotage)") {
   auto text = read_tool_text("perforator_14_11", "parietal.toml", test_context());
   REQUIRE(text);
   // A change to the same bit leaves pose and bone, and forgets that the bit has cut there.
