@@ -390,6 +390,9 @@ class NoDisplay final : public Effect {
 // [bytes] of Mesa's software driver with its compiler: resident memory of a run that draws 64 x 48 pixels, less that of one that draws
 // nothing.
 constexpr std::uint64_t kDriverBytes = 91'000'000;
+// [bytes] of the skin: its lattice, its mesh, and the triangles that Mesa's software driver sorts into tiles; 58 to 73 MB measured, of pictures
+// of 64 x 48 and 1200 x 900 pixels with four rays each. A scan that is read again takes its own memory in addition, for a moment.
+constexpr std::uint64_t kSkinBytes = 65'000'000;
 
 /// @returns the memory of a bone at every factor-th voxel; 0 for the bone itself. Thin bone: the exponent measured on two heads with factors
 /// of 2 to 6 is 2.38 to 2.47.
@@ -434,7 +437,7 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
     const Levels levels = levels_of(config_, context.bone, head);
     const std::uint64_t coarse = head ? 0 : coarse_bytes(context.bone, levels.factor);  // that of a head belongs to the volume
     // At the start the texels are in memory and in the textures.
-    const std::uint64_t drawn = levels.voxels * (a_texel + 2) + coarse + kDriverBytes;
+    const std::uint64_t drawn = levels.voxels * (a_texel + 2) + coarse + kDriverBytes + (config_.skin ? kSkinBytes : 0);
     const auto rays = static_cast<std::uint64_t>(config_.quality.supersample);
     const std::uint64_t samples = rays * rays * static_cast<std::uint64_t>(config_.width) * static_cast<std::uint64_t>(config_.height);
     const std::string budget = config_.budget ? fmt::format(", quality for {:g} ms a picture", *config_.budget * 1e3) : std::string();
