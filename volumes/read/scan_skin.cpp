@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "core/base/parallel.h"
 #include "core/base/trilinear.h"
@@ -131,13 +130,14 @@ void smooth_along(std::vector<float>& values, const VoxelBox& all, const Vec3i& 
 }  // namespace
 
 double ScanSkin::at(const Vec3& p_bone) const noexcept {
-  const Vec3 index = index_from_bone * p_bone;
-  if (glm::any(glm::lessThan(index, Vec3(0.0))) || !glm::all(glm::lessThan(index, Vec3(dims - 1))))
-    return std::numeric_limits<double>::quiet_NaN();
-  return trilinear({Vec3i(0), dims}, value.data(), index);
+  const Vec3 index = index_from_bone * p_bone, half = 0.5 * Vec3(dims - 1);
+  const Vec3 beyond = glm::abs(index - half) - half;
+  const double side = bone_from_index.mean_edge() * std::max({beyond.x, beyond.y, beyond.z});
+  if (side >= 0.0) return side;
+  return std::max(side, trilinear({Vec3i(0), dims}, value.data(), index));
 }
 
-Bounds ScanSkin::box() const noexcept { return bounds_under(bone_from_index, Bounds{Vec3(0.0), Vec3(dims - 1)}); }
+Bounds ScanSkin::box() const noexcept { return bounds_under(bone_from_index, Bounds{Vec3(-1.5), Vec3(dims) + 0.5}); }
 
 Result<ScanSkin> find_scan_skin(const Scan& scan, double offset, double pitch) {
   ScanSkin out = shrink_scan(scan, offset, pitch);

@@ -20,9 +20,9 @@ struct ScanSkin {
   Affine bone_from_index, index_from_bone;
   std::vector<float> value;  ///< [m] about the distance from the skin near it, positive outside; i fastest
 
-  /// @returns the interpolated value at a point of the bone frame; NaN outside the scan, where the skin ends.
+  /// @returns the interpolated value at a point of the bone frame; positive outside the scan, so that a plane closes the skin where the scan ends.
   [[nodiscard]] double at(const Vec3& p_bone) const noexcept;
-  [[nodiscard]] Bounds box() const noexcept;  ///< [m] bone frame, round the scan
+  [[nodiscard]] Bounds box() const noexcept;  ///< [m] bone frame, round the scan with room
 };
 
 /// @param offset [HU] added to the scan's values. @param pitch [m] > 0. @returns bad_input if no voxel is bone, or none of it lies in soft
