@@ -409,7 +409,7 @@ Status find_skin(const VolumeScene& volume, SkinConfig& skin) {
     return {};
   }
   const ImportRequest& request = volume.scan->request;
-  const auto at_scan = [&](Error error) { return Error{error.code, "display.skin: " + error.message, request.path}; };
+  const auto at_scan = [&](const Error& error) { return Error{error.code, "display.skin: " + error.message, request.path}; };
   auto read = read_scan(request.path, request.read);
   if (!read) return read.error();
   const auto offset = find_hu_offset(read->scan, request.bone);

@@ -89,9 +89,9 @@ Result<SkinMesh> SkinMesh::create(const GladGLContext& gl, const SkinView& view)
 
 void SkinMesh::draw(GLsizei first, GLsizei count) const {
   gl_->BindVertexArray(array_.name());
+  const std::size_t offset = static_cast<std::size_t>(first) * sizeof(std::uint32_t);
   // With a bound buffer the offset is passed as a pointer.  NOLINTNEXTLINE(performance-no-int-to-ptr)
-  gl_->DrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT,
-                    reinterpret_cast<const void*>(static_cast<std::size_t>(first) * sizeof(std::uint32_t)));
+  gl_->DrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
 }
 
 }  // namespace burrhole

@@ -25,7 +25,7 @@ FrameView tilted_view() {
 
 Vec3 stored(const Rgba8& p) { return Vec3(p.r, p.g, p.b); }
 
-Renderer bone_and_tool(RenderOptions options) {
+Renderer bone_and_tool(const RenderOptions& options) {
   Renderer renderer = require_renderer(options);
   REQUIRE(renderer.set_volume(ball_on_plate()).ok());
   REQUIRE(renderer.set_tool(square(4e-3, 0.0)).ok());

@@ -36,8 +36,10 @@ double air(const Vec3&) { return -1000.0; }
 /// Where a ray from the middle leaves the skin last.
 double last_crossing(const ScanSkin& skin, const Vec3& way) {
   double out = 0.0;
-  for (double r = 10.0 * kMm; r < 53.0 * kMm; r += 0.1 * kMm)
+  for (int n = 100; n < 530; ++n) {
+    const double r = 0.1 * kMm * n;
     if (skin.at(r * way) < 0.0) out = r;
+  }
   return out;
 }
 
