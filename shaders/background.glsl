@@ -1,5 +1,8 @@
 // A vertical gradient of the background. y: 0 bottom .. 1 top.
 vec3 background(float y) {
+#ifdef FOG
+  return fog.rgb;   // far beyond the focus
+#else
   vec3 far = mix(background_bottom.rgb, background_top.rgb, smoothstep(-0.1, 1.0, y));
 #ifdef TABLE
   // A round table that fades into the gradient. Its shadows are bells: one under what lies there, one cast by the light.
@@ -15,5 +18,6 @@ vec3 background(float y) {
   return mix(far, table_color.rgb * shade, share);
 #else
   return far;
+#endif
 #endif
 }

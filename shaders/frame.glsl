@@ -36,6 +36,11 @@ layout(std140, binding = 0) uniform Frame {
   vec4 table_color;
   vec4 changed_lo;             // index: the box outside which no look-up reads a texel that has changed since the last picture
   vec4 changed_hi;
+  mat4 clip_from_bone;         // of the skin
+  mat4 world_from_bone_at;     // with the translation
+  vec4 skin;                   // rgb; w: opacity square on
+  vec4 fog;                    // FOG: rgb
+  vec4 focus;                  // FOG: x: view depth of the plane without fog [m], y: 1 / depth of the fog [1/m]
 };
 
 // Factor of the hit depths of a detail, which distinguishes them from those of the whole volume. A power of two changes no bit of a float.

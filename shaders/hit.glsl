@@ -6,6 +6,9 @@ struct Hit {
   vec3 normal, to_eye;   // world, unit length
   bool is_face;          // on a face of the box or a cut
   bool is_drawn;         // false: the other level of a bone in two is in front
+#ifdef FOG
+  float depth;           // view depth [m]
+#endif
 };
 
 Hit hit_here() {
@@ -24,6 +27,9 @@ Hit hit_here() {
 #endif
   float t = abs(found);
   hit.is_face = found < 0.0;
+#ifdef FOG
+  hit.depth = t;
+#endif
   hit.p = eye_index.xyz + t * direction_index;
   hit.world = eye_world.xyz + t * direction_world;
   hit.to_eye = -normalize(direction_world);

@@ -2,6 +2,9 @@
 #include "frame.glsl"
 #include "volume.glsl"
 #include "shade.glsl"
+#ifdef FOG
+#include "fog.glsl"
+#endif
 layout(location = 0) in vec3 index;
 layout(location = 0) out vec4 picture;
 
@@ -25,4 +28,7 @@ void main() {
 #endif
   vec3 normal = is_face ? cut.xyz : surface_normal(index, to_eye);
   picture = vec4(shade(index, world, normal, to_eye, is_face), opacity);
+#ifdef FOG
+  picture.rgb = fogged(picture.rgb, 1.0 / gl_FragCoord.w);
+#endif
 }

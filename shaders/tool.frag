@@ -6,6 +6,9 @@ layout(location = 0) out vec4 picture;
 #ifdef LAYER
 layout(binding = 4) uniform sampler2D hit_depth;   // of raycast.frag: the bone, which is drawn in a picture of its own
 #endif
+#ifdef FOG
+#include "fog.glsl"
+#endif
 #ifdef PROBE
 layout(location = 2) out vec4 probe;   // the tool is not a hit of the volume
 #endif
@@ -31,6 +34,9 @@ void main() {
   float rim = pow(1.0 - max(dot(n, to_eye), 0.0), 4.0);
   vec3 steel = vec3(0.70, 0.72, 0.75);
   picture = vec4(steel * (0.35 * light_terms.x + 0.40 * direct + 0.65 * room(mirrored)) + 0.4 * glint + 0.12 * rim, 1.0);
+#ifdef FOG
+  picture.rgb = fogged(picture.rgb, 1.0 / gl_FragCoord.w);
+#endif
 #ifdef PROBE
   probe = vec4(0.0);
 #endif

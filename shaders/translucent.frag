@@ -4,6 +4,9 @@
 #include "volume.glsl"
 #include "shade.glsl"
 #include "span.glsl"
+#ifdef FOG
+#include "fog.glsl"
+#endif
 layout(binding = 3) uniform sampler1D transfer;    // by density, 256 values: extinction [1/m] in R; with TINT in A, and in RGB the tint
 layout(binding = 4) uniform sampler2D tool_depth;  // depth buffer of opaque surfaces
 layout(location = 0) out vec4 picture;             // premultiplied by opacity
@@ -61,7 +64,11 @@ void main() {
     vec3 p = eye_index.xyz + t * direction_index;
     vec4 tissue = transfer_at(bone_at(p));
     float passes = exp(-tissue.a * width * metres);
+#ifdef FOG
+    sum += left * (1.0 - passes) * fogged(tissue.rgb * shade(p, eye_world.xyz + t * direction_world, facing_normal(p, to_eye), to_eye, true), t);
+#else
     sum += left * (1.0 - passes) * tissue.rgb * shade(p, eye_world.xyz + t * direction_world, facing_normal(p, to_eye), to_eye, true);
+#endif
     left *= passes;
 #ifdef SOFT
     soft = soft_at(p);
@@ -76,7 +83,11 @@ void main() {
     float low = soft_at(eye_index.xyz + outside * direction_index);
     t = low < 0.5 ? mix(outside, t, (0.5 - low) / (soft - low)) : outside;
     vec3 p = eye_index.xyz + t * direction_index;
+#ifdef FOG
+    sum += left * fogged(shade(p, eye_world.xyz + t * direction_world, facing_normal(p, to_eye), to_eye, false), t);
+#else
     sum += left * shade(p, eye_world.xyz + t * direction_world, facing_normal(p, to_eye), to_eye, false);
+#endif
     left = 0.0;
   }
 #endif

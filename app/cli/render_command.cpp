@@ -28,6 +28,7 @@ Status apply_view(const Options& option, DisplayConfig& display) {
     display.transfer.clear();
     display.budget.reset();
     display.appearance.tissue = false;  // slices do not support it
+    display.skin.reset();
   }
   if (!option.size.empty()) {
     const auto size = split_numbers(option.size, 'x', 2);

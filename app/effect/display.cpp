@@ -12,6 +12,7 @@
 #include "core/config/rules.h"
 #include "volumes/phantom/head_bone.h"
 #include "volumes/phantom/head_shape.h"
+#include "volumes/read/scan_skin.h"
 
 namespace burrhole {
 namespace {
@@ -173,6 +174,40 @@ void read_scenery(TableReader& table, const StageConfig& scene, DisplayConfig& o
   out.drape->window = window;
 }
 
+/// @returns why the volume has no skin; empty if it has one.
+std::string why_no_skin(const VolumeScene& volume) {
+  constexpr const char* kNeeds = "needs a whole head: volume.source = \"phantom:head\", or a CT without region_mm";
+  if (volume.phantom) return volume.phantom->kind == PhantomKind::head ? std::string() : kNeeds;
+  if (!volume.scan) return {};
+  if (volume.scan->region) return kNeeds;
+  const std::string& path = volume.scan->request.path;
+  for (const char* ending : {".vdb", ".stl", ".obj", ".ply"})
+    if (path.ends_with(ending)) return std::string("needs a CT: a file ") + ending + " has bone alone";
+  return {};
+}
+
+/// Reads the skin. @pre the drape was read.
+void read_skin(TableReader& table, const StageConfig& scene, DisplayConfig& out) {
+  const bool on = table.boolean("skin", false,
+                                "the skin of a whole head as a translucent shell with an opening at the entry: that of \"phantom:head\" is "
+                                "assumed, that of a CT is its surface between air and soft tissue");
+  if (!on) return;
+  SkinConfig skin;
+  if (out.drape) {
+    skin.window = out.drape->window - 2.0 * skin.shown;
+    skin.round = out.drape->round;
+    skin.reach = 3.0 * skin.shown;
+  }
+  skin.opacity = table.number("skin_opacity", {.fallback = skin.opacity, .min = 0.0, .max = 1.0},
+                              "share of the light that the skin takes where it is seen square on; it takes more at an angle");
+  skin.window =
+      table.number("skin_window_mm", {.fallback = skin.window / kMillimetre, .min = 1.0, .max = 200.0, .to_si = kMillimetre},
+                   "width of the opening, which is round, or has the shape of the drape's window and is by default smaller than it");
+  if (!draws_detail(out)) return table.fault("skin", "needs method = \"raycast\" with shading = \"surface\"");
+  if (const std::string why = why_no_skin(scene.volume); !why.empty()) return table.fault("skin", why);
+  out.skin = skin;
+}
+
 DisplayConfig read_display(TableReader& table, const StageConfig& scene) {
   DisplayConfig out;
   out.method =
@@ -227,6 +262,7 @@ DisplayConfig read_display(TableReader& table, const StageConfig& scene) {
   out.stereo = read_stereo(table, out.distance);
   read_scenery(table, scene, out);
   out.appearance.drape = out.drape.has_value();
+  read_skin(table, scene, out);
   return out;
 }
 
@@ -309,6 +345,7 @@ std::string picture_text(const DisplayConfig& display) {
     out += fmt::format(", workbench of {:.3g} mm{}", bench->height / kMillimetre, bench->mirrored ? ", mirrored" : "");
   if (display.table) out += ", on a table";
   if (display.drape) out += fmt::format(", draped, window of {:.3g} mm", display.drape->window / kMillimetre);
+  if (display.skin) out += fmt::format(", skin with an opening of {:.3g} mm", display.skin->window / kMillimetre);
   if (display.overview) out += ", an overview first";
   return out + (display.scale_bar ? ", scale bar" : "");
 }
@@ -353,12 +390,36 @@ class NoDisplay final : public Effect {
 // [bytes] of Mesa's software driver with its compiler: resident memory of a run that draws 64 x 48 pixels, less that of one that draws
 // nothing.
 constexpr std::uint64_t kDriverBytes = 91'000'000;
+// [bytes] of the skin: its lattice, its mesh, and the triangles that Mesa's software driver sorts into tiles; 58 to 73 MB measured, of pictures
+// of 64 x 48 and 1200 x 900 pixels with four rays each. A scan that is read again takes its own memory in addition, for a moment.
+constexpr std::uint64_t kSkinBytes = 65'000'000;
 
 /// @returns the memory of a bone at every factor-th voxel; 0 for the bone itself. Thin bone: the exponent measured on two heads with factors
 /// of 2 to 6 is 2.38 to 2.47.
 std::uint64_t coarse_bytes(const BoneShape& bone, int factor) {
   constexpr double kExponent = 2.4;
   return factor == 1 ? 0 : static_cast<std::uint64_t>(static_cast<double>(bone.in_memory) / std::pow(factor, kExponent));
+}
+
+/// Sets the body of the skin. The skin of a scan is found in the scan, which is read again: the bone model does not have it.
+Status find_skin(const VolumeScene& volume, SkinConfig& skin) {
+  if (volume.phantom) {
+    skin.body = [](const Vec3& p) { return HeadShape::skin(p); };
+    skin.box = HeadShape::skin_box();
+    return {};
+  }
+  const ImportRequest& request = volume.scan->request;
+  const auto at_scan = [&](const Error& error) { return Error{error.code, "display.skin: " + error.message, request.path}; };
+  auto read = read_scan(request.path, request.read);
+  if (!read) return read.error();
+  const auto offset = find_hu_offset(read->scan, request.bone);
+  if (!offset) return at_scan(offset.error());
+  auto found = find_scan_skin(read->scan, *offset, skin.pitch);
+  if (!found) return at_scan(found.error());
+  const auto shape = std::make_shared<const ScanSkin>(std::move(found).value());
+  skin.body = [shape](const Vec3& p) { return shape->at(p); };
+  skin.box = shape->box();
+  return {};
 }
 
 class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
@@ -376,7 +437,7 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
     const Levels levels = levels_of(config_, context.bone, head);
     const std::uint64_t coarse = head ? 0 : coarse_bytes(context.bone, levels.factor);  // that of a head belongs to the volume
     // At the start the texels are in memory and in the textures.
-    const std::uint64_t drawn = levels.voxels * (a_texel + 2) + coarse + kDriverBytes;
+    const std::uint64_t drawn = levels.voxels * (a_texel + 2) + coarse + kDriverBytes + (config_.skin ? kSkinBytes : 0);
     const auto rays = static_cast<std::uint64_t>(config_.quality.supersample);
     const std::uint64_t samples = rays * rays * static_cast<std::uint64_t>(config_.width) * static_cast<std::uint64_t>(config_.height);
     const std::string budget = config_.budget ? fmt::format(", quality for {:g} ms a picture", *config_.budget * 1e3) : std::string();
@@ -395,6 +456,8 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
     if (stage.outside().sink == nullptr) return std::unique_ptr<Effect>(std::make_unique<NoDisplay>());
     DisplayConfig display = config_;
     if (display.drape) display.drape->body = [](const Vec3& p) { return HeadShape::hull(p); };
+    if (display.skin)
+      if (Status found = find_skin(stage.config.volume, *display.skin); !found) return found.error();
     auto frame =
         FrameStep::create(display, stage.config.volume.world_from_bone, stage.approach, *stage.tool, *stage.voxmap, *stage.outside().sink);
     if (!frame) return frame.error();

@@ -98,6 +98,20 @@ void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
   block.cut = vec4(view.cut->normal / length, view.cut->offset / length);
 }
 
+void fill_skin(FrameBlock& block, const SkinView& skin, const Pose& world_from_bone, const glm::dmat4& clip_from_world) {
+  glm::dmat4 matrix(glm::mat3_cast(world_from_bone.rotation));
+  matrix[3] = glm::dvec4(world_from_bone.translation, 1.0);
+  block.world_from_bone_at = glm::fmat4(matrix);
+  block.clip_from_bone = glm::fmat4(clip_from_world * matrix);
+  block.skin = vec4(skin.color, skin.opacity);
+}
+
+void fill_fog(FrameBlock& block, const CameraView& camera, const CameraRays& rays) {
+  if (!camera.fog) return;
+  block.fog = vec4(camera.fog->color);
+  block.focus = vec4({glm::dot(camera.target - rays.eye, rays.axis), 1.0 / camera.fog->depth, 0.0});
+}
+
 void append_corners(const Vec3i& dims, const Affine& world_from_index, std::vector<Vec3>& points) {
   for (const Vec3& corner : Bounds{Vec3(-0.5), Vec3(dims) - 0.5}.corners()) points.push_back(world_from_index * corner);
 }

@@ -24,8 +24,10 @@ struct FrameBlock {
   Vec4f hole_lo{0}, hole_hi{0}, part{0}, whole_dims{0}, blend{0};                             ///< [voxels]
   Vec4f table{0}, table_x{0}, table_y{0}, table_cast{0}, table_color{0};                      ///< [unit of frame.glsl]
   Vec4f changed_lo{0}, changed_hi{0};                                                         ///< [voxels]
+  glm::fmat4 clip_from_bone{1}, world_from_bone_at{1};                                        ///< [unit of frame.glsl]
+  Vec4f skin{0}, fog{0}, focus{0};                                                            ///< [unit of frame.glsl]
 };
-static_assert(sizeof(FrameBlock) == 51 * 16);
+static_assert(sizeof(FrameBlock) == 62 * 16);
 
 void fill_camera(FrameBlock& block, const CameraRays& rays);
 /// @param dims [voxels] > 0.
@@ -41,6 +43,10 @@ void fill_changed(FrameBlock& block, const VoxelBox& changed);
 void fill_slices(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, const Affine& world_from_index, double per_voxel);
 /// Appends the corners of the box of all voxel cells, to which rays are clipped, in world coordinates.
 void append_corners(const Vec3i& dims, const Affine& world_from_index, std::vector<Vec3>& points);
+/// Fills the skin's colour, opacity and place. @param clip_from_world of the same picture.
+void fill_skin(FrameBlock& block, const SkinView& skin, const Pose& world_from_bone, const glm::dmat4& clip_from_world);
+/// @param rays of the same camera.
+void fill_fog(FrameBlock& block, const CameraView& camera, const CameraRays& rays);
 /// Fills light, background and cut. @pre the view was checked.
 void fill_light_and_cut(FrameBlock& block, const FrameView& view);
 

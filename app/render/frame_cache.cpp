@@ -50,7 +50,7 @@ FrameKey make_frame_key(std::string variant, const FrameBlock& block) {
   // plane is at its minimum and cuts the volume.
   if (block.lens.x <= static_cast<float>(kNearestPlane)) return key;
   key.block.lens.x = key.block.lens.y = 0.0f;
-  for (glm::length_t column = 0; column < 4; ++column) key.block.clip_from_index[column].z = 0.0f;
+  for (glm::length_t column = 0; column < 4; ++column) key.block.clip_from_index[column].z = key.block.clip_from_bone[column].z = 0.0f;
   return key;
 }
 

@@ -41,6 +41,12 @@ Status check_view(const FrameView& view) {
   if (view.table && (!is_finite(view.table->normal) || !is_finite(view.table->centre) || glm::length(view.table->half_x) == 0.0 ||
                      glm::length(view.table->half_y) == 0.0))
     return out_of_range("the table has no place");
+  if (view.camera.fog) {
+    const FogView& fog = *view.camera.fog;
+    if (!(fog.depth > 0.0 && std::isfinite(fog.depth))) return out_of_range("the depth of fog must be above 0");
+    for (const double channel : {fog.color.x, fog.color.y, fog.color.z})
+      if (!(channel >= 0.0 && channel <= 1.0)) return out_of_range("the colour of fog must be in 0..1");
+  }
   if (view.cut && (!is_finite(view.cut->normal) || glm::length(view.cut->normal) == 0.0)) return out_of_range("the cut has no direction");
   return {};
 }
@@ -56,6 +62,7 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   std::vector<Vec3> points;
   fill_camera(block, rays.value());
   fill_light_and_cut(block, view);
+  fill_fog(block, view.camera, rays.value());
   const Mat3 rotation = glm::mat3_cast(view.world_from_bone.rotation);
   for (int axis = 0; axis < 3; ++axis) block.world_from_bone[axis] = Vec4f(glm::dvec4(rotation[axis], 0.0));
   if (volume) {
@@ -70,8 +77,11 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   const bool with_tool = tool && view.world_from_tool;
   if (with_tool)
     for (const Vec3& corner : tool->corners()) points.push_back(*view.world_from_tool * corner);
+  if (skin)
+    for (const Vec3& corner : skin->corners()) points.push_back(view.world_from_bone * corner);
   range = fit_depth_range(rays.value(), points);
   block.lens = Vec4f(glm::dvec4(range.near_plane, range.far_plane, width, height));
+  if (skin) fill_skin(block, skin->look(), view.world_from_bone, clip_from_world(rays.value(), range));
   if (volume && options.slices) {
     const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
     fill_slices(block, rays.value(), volume->dims(), world_from_index, options.slices->per_voxel);
@@ -89,6 +99,11 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   return block;
 }
 
+void Renderer::Impl::note_view(const FrameView& view) noexcept {
+  has_fog = view.camera.fog.has_value();
+  has_table = view.table.has_value() && !has_fog;  // fog hides the background
+}
+
 FrameBlock Renderer::Impl::make_detail_block(const FrameBlock& whole, const FrameView& view) const {
   FrameBlock block = whole;
   fill_volume(block, rays_of(whole), detail->dims(), Affine::from_pose(view.world_from_bone) * detail->bone_from_index());
@@ -104,11 +119,11 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   auto block = make_block(view, drawn.x, drawn.y, n);
   if (!block) return block.error();
   if (Status made = prepare(target, drawn.x, drawn.y, bone_kind()); !made) return made.error();
-  const bool layers = has_layers(), over_copy = layers && tool;
+  const bool layers = has_layers(), over_copy = layers && (tool || skin);
   if (over_copy)
     if (Status made = prepare(shown, drawn.x, drawn.y, TargetKind::shown); !made) return made.error();
   const bool cut = view.cut.has_value();
-  has_table = view.table.has_value();
+  note_view(view);
   std::string shaders;
   if (volume) shaders = volume_variant(cut, false, has_soft(), outer_level()).name;
   if (volume && has_surface()) shaders += " " + light_variant(cut, has_tissue(), has_soft(), outer_level()).name;
@@ -141,7 +156,7 @@ Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) 
   if (Status made = prepare(probe_target, width, height, TargetKind::probed); !made) return made;
   const auto block = make_block(view, width, height, 1);
   if (!block) return block.error();
-  has_table = view.table.has_value();
+  note_view(view);
   StalePixels whole;
   whole.drawn.add({Vec2i(0), Vec2i(width, height)});
   std::swap(target, probe_target);
@@ -201,6 +216,13 @@ Status Renderer::set_volume(const VolumeView& view) {
     detail = std::move(part).value();
     impl_->grid = view.detail->grid;
   }
+  std::optional<SkinMesh> skin;
+  if (view.skin && impl_->has_surface()) {
+    auto shell = SkinMesh::create(impl_->gl, *view.skin);
+    if (!shell) return shell.error();
+    skin = std::move(shell).value();
+  }
+  impl_->skin = std::move(skin);
   impl_->volume = std::move(made).value();
   impl_->detail = std::move(detail);
   impl_->cache.forget();

@@ -91,7 +91,7 @@ class Renderer {
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
-  /// Replaces the volume. @returns ErrorCode::bad_input, out_of_range or unavailable with the reason; the old volume is then kept.
+  /// Replaces the volume and its skin. @returns ErrorCode::bad_input, out_of_range or unavailable with the reason; the old volume is then kept.
   [[nodiscard]] Status set_volume(const VolumeView& view);
   /// Replaces the detail of the volume. Without one, as with slices and translucent bone, nothing happens. @returns the errors of
   /// set_volume(); the old detail is then kept.
@@ -119,7 +119,7 @@ class Renderer {
   /// at RenderOptions::resolution x pace.resolution() and enlarged, and its wall time is recorded in `pace`; such pictures depend on
   /// measured times. If the camera is that of the last call, the picture is that of draw().
   [[nodiscard]] Result<Image> draw_at_pace(const FrameView& view, int width, int height, DynamicResolution& pace);
-  /// Draws a picture with hit positions and sample counts, by one ray per pixel at full resolution: `supersample` and `resolution` are
+  /// Draws a picture without skin, with hit positions and sample counts, by one ray per pixel at full resolution: `supersample` and `resolution` are
   /// ignored. All pixels are drawn, and the values per pixel are read back, so it is slower than draw(). @returns ErrorCode::bad_input
   /// without a volume or with slices; the errors of draw().
   [[nodiscard]] Result<FrameProbe> probe(const FrameView& view, int width, int height);

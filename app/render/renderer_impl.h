@@ -12,6 +12,7 @@
 #include "app/render/gl_target.h"
 #include "app/render/renderer.h"
 #include "app/render/shader_program.h"
+#include "app/render/skin_mesh.h"
 #include "app/render/tool_mesh.h"
 #include "app/render/transfer_texture.h"
 #include "app/render/volume_texture.h"
@@ -38,6 +39,7 @@ struct Renderer::Impl {
   DetailGrid grid;                      ///< of the detail
   std::optional<UploadRing> ring;
   std::optional<ToolMesh> tool;
+  std::optional<SkinMesh> skin;  ///< drawn where has_layers()
   FrameCache cache;
   bool may_grow = false;                  ///< forget() came since the last picture
   std::optional<CameraView> last_camera;  ///< of draw_at_pace
@@ -71,9 +73,11 @@ struct Renderer::Impl {
     GLuint background = 0, volume = 0, light = 0, tool = 0;  ///< light: on the surface that rays hit
     GLuint detail = 0, detail_light = 0;                     ///< those of the detail, if there is one
     GLuint stale_occlusion = 0, detail_stale_occlusion = 0;  ///< mark the hits to be relit, if any
+    GLuint skin = 0, rim = 0;                                ///< of the skin, if there is one
     PixelRect detail_rect{};                                 ///< pixels whose rays may meet the detail
   };
-  bool has_table = false;  ///< the view that is drawn has a table
+  bool has_table = false;  ///< the view that is drawn has a table that is seen
+  bool has_fog = false;    ///< the view that is drawn has fog
   [[nodiscard]] bool has_soft() const noexcept { return volume && (volume->has_soft() || (detail && detail->has_soft())); }
   [[nodiscard]] bool has_tissue() const noexcept { return volume && volume->has_tissue(); }
   [[nodiscard]] ShaderVariant volume_variant(bool cut, bool probe, bool soft, VolumeLevel level) const;
@@ -91,6 +95,7 @@ struct Renderer::Impl {
   void scissor(const PixelRect& part) const;
   void draw_screen(GLuint program) const;
   void draw_tool(GLuint program) const;
+  void draw_skin(const Programs& used) const;
   void draw_slices(GLuint program, int count) const;
   void draw_translucent(GLuint program, const PixelRect& part) const;
   void draw_light(GLuint program) const;
@@ -102,6 +107,8 @@ struct Renderer::Impl {
   std::uint64_t relight(std::span<const PixelRect> parts, const Programs& used) const;
   /// @param width, height [pixels] drawn. @param rays_a_side of a pixel of the picture.
   Result<FrameBlock> make_block(const FrameView& view, int width, int height, int rays_a_side);
+  void note_view(const FrameView& view) noexcept;
+  Status find_skin_programs(bool cut, Programs& out);
   [[nodiscard]] FrameBlock make_detail_block(const FrameBlock& whole, const FrameView& view) const;
   Result<Programs> find_programs(bool cut, ToolPass pass, bool with_stale);
   [[nodiscard]] TargetKind bone_kind() const noexcept;

@@ -17,6 +17,26 @@ void Renderer::Impl::draw_tool(GLuint program) const {
   tool->draw();
 }
 
+/// The opaque edge of the opening, then the shell blended over what is there, where neither bone nor tool nor edge is nearer. Of each pixel only
+/// the nearest layer of the shell is drawn: a first pass writes its depth. Both passes have the same program, so their depths are equal.
+void Renderer::Impl::draw_skin(const Programs& used) const {
+  gl.UseProgram(used.rim);
+  skin->draw_rim();
+  gl.UseProgram(used.skin);
+  gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  skin->draw_shell();
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  gl.DepthMask(GL_FALSE);
+  gl.DepthFunc(GL_EQUAL);
+  skin->draw_shell();
+  gl.DepthFunc(GL_LEQUAL);
+  gl.DepthMask(GL_TRUE);
+  gl.Disable(GL_BLEND);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
 /// Blends them over what is there; what is nearer, the tool, hides them.
 void Renderer::Impl::draw_slices(GLuint program, int count) const {
   gl.UseProgram(program);
@@ -128,7 +148,8 @@ ShaderVariant Renderer::Impl::stale_variant(bool cut, VolumeLevel level) const {
 }
 
 ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft, VolumeLevel level) const {
-  SurfaceChoice choice{.cut = cut, .soft = false, .finish = options.finish, .appearance = options.appearance, .level = level};
+  SurfaceChoice choice{
+      .cut = cut, .soft = false, .finish = options.finish, .fog = has_fog, .appearance = options.appearance, .level = level};
   choice.appearance.tissue = choice.appearance.tissue && tissue;
   choice.soft = choice.appearance.tissue && soft;
   return surface_variant(choice);
@@ -137,11 +158,17 @@ ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft, Vo
 ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft, VolumeLevel level) const {
   const Appearance& appearance = options.appearance;
   if (options.slices)
-    return slices_variant({.cut = cut, .correct = options.slices->correct, .labels = appearance.labels, .normals = appearance.normals});
+    return slices_variant(
+        {.cut = cut, .correct = options.slices->correct, .labels = appearance.labels, .fog = has_fog, .normals = appearance.normals});
   if (options.translucent)
-    return translucent_variant(
-        {.cut = cut, .soft = soft, .skip = options.skip_empty, .probe = probe, .labels = appearance.labels, .tint = tinted});
-  return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe, .table = has_table, .level = level});
+    return translucent_variant({.cut = cut,
+                                .soft = soft,
+                                .skip = options.skip_empty,
+                                .probe = probe,
+                                .labels = appearance.labels,
+                                .tint = tinted,
+                                .fog = has_fog});
+  return raycast_variant({.cut = cut, .skip = options.skip_empty, .probe = probe, .table = has_table, .fog = has_fog, .level = level});
 }
 
 /// A user's faulty shader is found at once and not at the first picture that takes it: every program the options may call for, as if the
@@ -180,13 +207,13 @@ Status Renderer::Impl::prepare(GlTarget& into, int width, int height, TargetKind
 
 Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPass pass, bool with_stale) {
   const bool probe = pass == ToolPass::probe;
-  const auto empty = programs.find_or_link(background_variant(has_table));
+  const auto empty = programs.find_or_link(background_variant(has_table, has_fog));
   if (!empty) return empty.error();
   const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe, has_soft(), outer_level())) : empty;
   if (!bone) return bone.error();
   const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut, has_tissue(), has_soft(), outer_level())) : empty;
   if (!light) return light.error();
-  const auto steel = programs.find_or_link(tool_variant(pass));
+  const auto steel = programs.find_or_link(tool_variant(pass, has_fog));
   if (!steel) return steel.error();
   Programs out{.background = empty.value(), .volume = bone.value(), .light = light.value(), .tool = steel.value()};
   if (with_stale) {
@@ -194,6 +221,8 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPas
     if (!stale) return stale.error();
     out.stale_occlusion = stale.value();
   }
+  if (skin)
+    if (Status found = find_skin_programs(cut, out); !found) return found.error();
   if (!detail) return out;
   const auto part = programs.find_or_link(volume_variant(cut, probe, has_soft(), VolumeLevel::detail));
   if (!part) return part.error();
@@ -207,6 +236,15 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPas
     out.detail_stale_occlusion = part_stale.value();
   }
   return out;
+}
+
+Status Renderer::Impl::find_skin_programs(bool cut, Programs& out) {
+  for (const bool rim : {false, true}) {
+    const auto found = programs.find_or_link(skin_variant({.cut = cut, .fog = has_fog, .rim = rim}));
+    if (!found) return found.error();
+    (rim ? out.rim : out.skin) = found.value();
+  }
+  return {};
 }
 
 std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const {
@@ -230,14 +268,15 @@ void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, c
   if (!opaque && options.translucent) draw_translucent(used.volume, part);
 }
 
-/// The picture: the bone, and over it the tool where no bone is nearer.
+/// The picture: the bone, and over it tool and skin where no bone is nearer.
 void Renderer::Impl::draw_layer(const PixelRect& part, const Programs& used, bool with_tool) const {
   scissor(part);
   target.copy_picture(shown, part);
-  if (!with_tool) return;
+  if (!with_tool && !skin) return;
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   gl.BindTextureUnit(4, target.hits());
-  draw_tool(used.tool);
+  if (with_tool) draw_tool(used.tool);
+  if (skin) draw_skin(used);
 }
 
 Result<std::uint64_t> Renderer::Impl::render(const StalePixels& stale, const FrameView& view, const FrameBlock& block,

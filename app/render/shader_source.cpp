@@ -91,6 +91,7 @@ ShaderVariant raycast_variant(const RaycastChoice& choice) {
   add_define(variant, choice.skip, "SKIP", "_skip");
   add_define(variant, choice.probe, "PROBE", "_probe");
   add_define(variant, choice.table, "TABLE", "_table");
+  add_define(variant, choice.fog, "FOG", "_fog");
   add_level(variant, choice.level);
   return variant;
 }
@@ -109,6 +110,7 @@ ShaderVariant surface_variant(const SurfaceChoice& choice) {
   add_define(variant, appearance.labels, "LABELS", "_labels");
   add_define(variant, appearance.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
   add_define(variant, appearance.drape, "DRAPE", "_drape");
+  add_define(variant, choice.fog, "FOG", "_fog");
   return variant;
 }
 
@@ -128,6 +130,7 @@ ShaderVariant slices_variant(const SlicesChoice& choice) {
   add_define(variant, choice.correct, "CORRECT", "_correct");
   add_define(variant, choice.labels, "LABELS", "_labels");
   add_define(variant, choice.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
+  add_define(variant, choice.fog, "FOG", "_fog");
   return variant;
 }
 
@@ -139,21 +142,53 @@ ShaderVariant translucent_variant(const TranslucentChoice& choice) {
   add_define(variant, choice.probe, "PROBE", "_probe");
   add_define(variant, choice.labels, "LABELS", "_labels");
   add_define(variant, choice.tint, "TINT", "_tint");
+  add_define(variant, choice.fog, "FOG", "_fog");
   return variant;
 }
 
-ShaderVariant tool_variant(ToolPass pass) {
+ShaderVariant tool_variant(ToolPass pass, bool fog) {
   ShaderVariant variant{"tool", "tool.vert", "tool.frag", {}};
   add_define(variant, pass == ToolPass::probe, "PROBE", "_probe");
   add_define(variant, pass == ToolPass::layer, "LAYER", "_layer");
+  add_define(variant, fog, "FOG", "_fog");
   return variant;
 }
 
-ShaderVariant background_variant(bool table) {
+ShaderVariant background_variant(bool table, bool fog) {
   ShaderVariant variant{"background", "screen.vert", "background.frag", {}};
   add_define(variant, table, "TABLE", "_table");
+  add_define(variant, fog, "FOG", "_fog");
   return variant;
 }
+
+ShaderVariant skin_variant(const SkinChoice& choice) {
+  ShaderVariant variant{"skin", "skin.vert", "skin.frag", {}};
+  add_define(variant, choice.cut, "CUT", "_cut");
+  add_define(variant, choice.rim, "RIM", "_rim");
+  add_define(variant, choice.fog, "FOG", "_fog");
+  return variant;
+}
+
+namespace {
+
+/// Fog with each drawing method, with the options of a default scene and with all of them.
+void add_fog_variants(const Appearance& usual, const Appearance& all, std::vector<ShaderVariant>& variants) {
+  variants.push_back(background_variant(false, true));
+  for (const ToolPass pass : {ToolPass::picture, ToolPass::probe, ToolPass::layer}) variants.push_back(tool_variant(pass, true));
+  for (const VolumeLevel level : {VolumeLevel::only, VolumeLevel::whole, VolumeLevel::detail})
+    for (const bool cut : {false, true}) {
+      variants.push_back(raycast_variant({.cut = cut, .skip = true, .fog = true, .level = level}));
+      variants.push_back(surface_variant({.cut = cut, .soft = true, .finish = true, .fog = true, .appearance = usual, .level = level}));
+    }
+  variants.push_back(raycast_variant({.cut = true, .skip = true, .probe = true, .fog = true}));
+  variants.push_back(surface_variant({.cut = true, .soft = true, .finish = true, .fog = true, .appearance = all}));
+  for (const bool on : {false, true}) {
+    variants.push_back(translucent_variant({.cut = on, .soft = on, .skip = true, .probe = on, .labels = true, .tint = on, .fog = true}));
+    variants.push_back(slices_variant({.cut = on, .correct = true, .labels = true, .fog = true}));
+  }
+}
+
+}  // namespace
 
 std::vector<ShaderVariant> all_shader_variants() {
   std::vector<ShaderVariant> variants{background_variant(), background_variant(true), tool_variant(ToolPass::picture),
@@ -202,6 +237,9 @@ std::vector<ShaderVariant> all_shader_variants() {
                                        .correct = bit(bits, 1),
                                        .labels = bit(bits, 2),
                                        .normals = bit(bits, 3) ? NormalSource::recomputed : NormalSource::texture}));
+  for (unsigned bits = 0; bits < 8; ++bits)
+    variants.push_back(skin_variant({.cut = bit(bits, 0), .fog = bit(bits, 1), .rim = bit(bits, 2)}));
+  add_fog_variants(options(kDefault), options(kAllOptions), variants);
   return variants;
 }
 

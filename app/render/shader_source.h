@@ -33,6 +33,7 @@ struct RaycastChoice {
   bool skip = false;   ///< empty space is skipped by the distance map
   bool probe = false;  ///< writes hit positions and sample counts beside the picture
   bool table = false;  ///< the background has a table
+  bool fog = false;
   VolumeLevel level = VolumeLevel::only;
 };
 
@@ -41,6 +42,7 @@ struct SurfaceChoice {
   bool cut = false;
   bool soft = false;    ///< the volume contains dura or brain
   bool finish = false;  ///< smoothed normals and soft highlights
+  bool fog = false;
   Appearance appearance{.labels = false};
   VolumeLevel level = VolumeLevel::only;
 };
@@ -50,6 +52,7 @@ struct SlicesChoice {
   bool cut = false;
   bool correct = false;  ///< opacity corrected for the distance between slices
   bool labels = false;
+  bool fog = false;
   NormalSource normals = NormalSource::texture;
 };
 
@@ -61,6 +64,14 @@ struct TranslucentChoice {
   bool probe = false;
   bool labels = false;
   bool tint = false;  ///< the transfer function has a tint
+  bool fog = false;
+};
+
+/// Options of the skin.
+struct SkinChoice {
+  bool cut = false;
+  bool fog = false;
+  bool rim = false;  ///< the cut edge of the opening
 };
 
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
@@ -71,10 +82,12 @@ struct TranslucentChoice {
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
 /// The tool: into the picture of the bone, with a probe or not; or over a copy of it.
 enum class ToolPass { picture, probe, layer };
-[[nodiscard]] ShaderVariant tool_variant(ToolPass pass);
-[[nodiscard]] ShaderVariant background_variant(bool table = false);
+[[nodiscard]] ShaderVariant tool_variant(ToolPass pass, bool fog = false);
+[[nodiscard]] ShaderVariant background_variant(bool table = false, bool fog = false);
+[[nodiscard]] ShaderVariant skin_variant(const SkinChoice& choice);
 /// The build validates and a test links each of these: all options of the drawing method, without appearance options, with those of a
-/// default scene and with all, and each appearance option alone and left out.
+/// default scene and with all, and each appearance option alone and left out; fog with each method, with the default scene's options and with
+/// all.
 [[nodiscard]] std::vector<ShaderVariant> all_shader_variants();
 
 /// @returns the text for the driver: #version 450, one #define per name, then `file` with each `#include "name"` line replaced by that file

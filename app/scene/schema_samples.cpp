@@ -35,6 +35,7 @@ std::vector<SchemaSample> scene_samples() {
   const std::string head = "source = \"phantom:head\"", entry = "entry_mm = [0, 0, 0]";
   for (const std::string shape : {"square", "round"})
     samples.push_back({"phantom:head drape " + shape, scene(head, "display", "drape = \"" + shape + "\""), {}});
+  samples.push_back({"skin = true", scene(head, "display", "skin = true"), {}});
   std::string at_site = scene(head);
   at_site.replace(at_site.find(entry), entry.size(), "site = \"kocher_left\"");
   samples.push_back({"site", at_site, {}});

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app/view/view.h"
+#include "core/base/bounds.h"
 #include "core/base/units.h"
 
 namespace burrhole {
@@ -26,6 +27,22 @@ struct DrapeConfig {
   bool round = false;     ///< a round window, otherwise a square one with its sides along the approach frame's x and y; key drape
   /// @returns the distance [m] of a point of the bone frame from the body's surface, positive outside. Set where the bone is known.
   std::function<double(const Vec3&)> body;
+};
+
+/// The skin of a whole head as a translucent shell, with an opening round the entry.
+struct SkinConfig {
+  double opacity = 0.55;             ///< [-] share of the light that it takes square on; key skin_opacity
+  double window = 0.042;             ///< [m] width of the opening without a drape; key skin_window_mm
+  double shown = 0.005;              ///< [m] of skin between the opening and the window of a drape, if there is one
+  std::optional<double> reach;       ///< [m] beyond the opening to which the skin is drawn, under a drape; absent: all of it
+  bool round = true;                 ///< the shape of the opening; that of a drape, if there is one
+  double below = 0.006;              ///< [m] assumed thickness under the head, by which a table lies lower
+  Vec3 color{0.86, 0.59, 0.49};      ///< [-] 0..1
+  double pitch = 2.0 * kMillimetre;  ///< [m] of the lattice on which the body is evaluated
+  /// @returns about the distance [m] of a point of the bone frame from the body's surface, positive outside; NaN where the body is not known.
+  /// Set where the bone is known.
+  std::function<double(const Vec3&)> body;
+  Bounds box;  ///< [m] bone frame, that contains the surface
 };
 
 /// [display]
@@ -55,6 +72,7 @@ struct DisplayConfig {
   bool only_overviews = false;       ///< every picture is taken from there; render --overview
   bool table = false;                ///< what is drawn lies on a table, a plane across the approach axis
   std::optional<DrapeConfig> drape;  ///< absent: no cloth
+  std::optional<SkinConfig> skin;    ///< absent: no skin
   CutConfig cut;
   StereoView stereo;
 };

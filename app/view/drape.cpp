@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "app/view/site_window.h"
 #include "app/view/tissue_texels.h"
 #include "core/base/parallel.h"
 #include "core/base/portable_math.h"
@@ -63,28 +64,19 @@ Hanging hang(const DrapeConfig& drape, const Affine& approach_from_index, const 
   return out;
 }
 
-/// @returns the distance [m] beyond the edge of the window, negative inside it.
-double beyond_window(const DrapeConfig& drape, const Vec3& p) {
-  const double half = 0.5 * drape.window;
-  if (drape.round) return std::sqrt(p.x * p.x + p.y * p.y) - half;
-  const double corner = 0.2 * half;
-  const double x = std::abs(p.x) - half + corner, y = std::abs(p.y) - half + corner;
-  const double ox = std::max(x, 0.0), oy = std::max(y, 0.0);
-  return std::sqrt(ox * ox + oy * oy) + std::min(std::max(x, y), 0.0) - corner;
-}
-
 }  // namespace
 
 void add_drape(const DrapeConfig& drape, const Pose& bone_from_approach, const VoxelBox& region, int factor, double bottom,
                VolumeView& whole) {
   const Affine& bone_from_index = whole.bone_from_index;
   const Affine approach_from_index = Affine::from_pose(bone_from_approach.inverse()) * bone_from_index;
+  const SiteWindow window{drape.window, drape.round};
   const Hanging hanging = hang(drape, approach_from_index, bone_from_index, whole.dims);
   const double pitch = bone_from_index.mean_edge();
   const VoxelBox all{Vec3i(0), whole.dims}, keep{region.lo / factor - 1, (region.hi - 1) / factor + 2};
   const auto cloth = [&](const Vec3i& v) {
     const Vec3 p = approach_from_index * Vec3(v);
-    const double beyond = p.z > -0.5 * drape.window ? beyond_window(drape, p) : 1.0;
+    const double beyond = p.z > -0.5 * drape.window ? window.beyond(p) : 1.0;
     const double hem = beyond / 2.2e-3;
     const double half = kHalfThick + (std::abs(hem) < 6.0 ? kHem * portable_exp(-hem * hem) : 0.0);
     // Away from the window the inner side is deeper, where it is not seen: a thin sheet is too thin for coarse voxels.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/view/drape.h"
+#include "app/view/skin.h"
 #include "core/base/bounds.h"
 
 namespace burrhole {
@@ -33,6 +34,9 @@ Bounds find_extent(const BoneModel& bone, const Pose& world_from_bone, const Pos
   return out;
 }
 
+/// @returns the distance [m] of the table, or of the lower end of a cloth, below the bone.
+double below_bone(const DisplayConfig& display) { return display.skin ? display.skin->below : 0.0; }
+
 Vec3 middle_of(const Bounds& extent, const Pose& world_from_approach) { return world_from_approach * (0.5 * (extent.lo + extent.hi)); }
 
 }  // namespace
@@ -45,8 +49,8 @@ std::optional<TableView> find_table(const DisplayConfig& display, const BoneMode
   TableView out;
   out.normal = world_from_approach.rotate(Vec3(0, 0, 1));
   out.centre = middle_of(extent, world_from_approach);
-  out.height = half.z;
-  out.offset = glm::dot(out.normal, out.centre) - half.z;
+  out.height = half.z + below_bone(display);
+  out.offset = glm::dot(out.normal, out.centre) - half.z - below_bone(display);
   out.half_x = world_from_approach.rotate(Vec3(half.x, 0, 0));
   out.half_y = world_from_approach.rotate(Vec3(0, half.y, 0));
   if (display.drape) out.color = kClothColor;
@@ -102,8 +106,10 @@ Result<FrameStep> FrameStep::create(const DisplayConfig& display, const Pose& wo
                                     Voxmap& voxmap, FrameSink& sink) {
   FrameStep out(display, world_from_bone, approach, voxmap, sink);
   out.turns_ = tool.turns;
-  const auto volume = out.make_levels(approach.bone_from_approach);
+  auto volume = out.make_levels(approach.bone_from_approach);
   if (!volume) return volume.error();
+  if (display.skin && display.skin->body)
+    volume->skin = std::make_shared<const SkinView>(make_skin(*display.skin, approach.bone_from_approach));
   if (Status started = sink.start(*volume, tool.look); !started) return started.error();
   return out;
 }
@@ -123,8 +129,8 @@ Result<VolumeView> FrameStep::make_levels(const Pose& bone_from_approach) {
   }
   VolumeView whole = make_volume_view(coarse_->drawn(*voxmap_), coarse_->loaded().bounds(), tissue);
   if (display_.drape && around != nullptr)
-    add_drape(*display_.drape, bone_from_approach, around->region, factor, find_extent(bone, world_from_bone_, world_from_approach_).lo.z,
-              whole);
+    add_drape(*display_.drape, bone_from_approach, around->region, factor,
+              find_extent(bone, world_from_bone_, world_from_approach_).lo.z - below_bone(display_), whole);
   if (!draws_detail(display_)) return whole;
   const Affine& affine = bone.bone_from_index();
   detail_ = around != nullptr

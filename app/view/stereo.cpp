@@ -80,14 +80,18 @@ Result<std::vector<CameraView>> make_eye_cameras(const CameraView& camera, const
   const Quat turned = glm::quat_cast(glm::dmat3(right, glm::cross(towards, right), towards));
   const ScreenView screen{{turned, camera.target}, stereo.workbench->height * aspect, stereo.workbench->height};
   const Pose world_from_head{turned, screen.world_from_screen * stereo.workbench->head};
+  std::vector<CameraView> out;
   if (both) {
     const auto eyes = make_workbench_cameras(world_from_head, stereo.separation, screen);
     if (!eyes) return eyes.error();
-    return std::vector<CameraView>(eyes->begin(), eyes->end());
+    out.assign(eyes->begin(), eyes->end());
+  } else {
+    const auto eye = make_screen_camera(world_from_head.translation, screen);
+    if (!eye) return eye.error();
+    out.push_back(*eye);
   }
-  const auto eye = make_screen_camera(world_from_head.translation, screen);
-  if (!eye) return eye.error();
-  return std::vector<CameraView>{*eye};
+  for (CameraView& eye : out) eye.fog = camera.fog;  // the screen stands at the camera's target
+  return out;
 }
 
 Image make_screen_picture(const StereoView& stereo, std::vector<Image> eyes) {

@@ -61,6 +61,7 @@ struct PreciseTexels {
 };
 
 struct DetailView;
+struct SkinView;
 
 /// The volume as first sent: every texel and its colour. Alpha of `color` is the occupancy of soft tissue (dura, brain), 0..255. Its 0.5
 /// level is drawn as a surface, but has no contact.
@@ -73,6 +74,17 @@ struct VolumeView {
   std::vector<TissueTexel> tissue{};           ///< empty if no picture needs it
   PreciseTexels precise{};                     ///< if not empty, drawn instead of normal_opacity and field, for measurements
   std::shared_ptr<const DetailView> detail{};  ///< a part with finer voxels; null: there is none
+  std::shared_ptr<const SkinView> skin{};      ///< null: there is none
+};
+
+/// A translucent shell over the bone: skin with an opening, whose edge is opaque. Drawn by rays to a surface only, over the bone's picture.
+struct SkinView {
+  TriangleMesh shell;         ///< bone frame
+  std::vector<float> beyond;  ///< [m] of each vertex of the shell beyond the opening; where it is negative nothing is drawn
+  TriangleMesh rim;           ///< bone frame; the cut edge of the skin
+  std::vector<float> depth;   ///< [-] of each vertex of the rim: 0 at the skin's surface, 1 at the lower end
+  Vec3 color{0.0};            ///< [-] 0..1
+  double opacity = 0.0;       ///< [-] share of the light that the shell takes square on; at an angle 1 - (1 - opacity)^(1 / cosine)
 };
 
 /// Position of a part that is drawn at the bone's own voxels, in a bone that is otherwise drawn at coarser voxels, every `factor`-th one.
@@ -126,6 +138,14 @@ struct Appearance {
   NormalSource normals = NormalSource::texture;
 };
 
+/// Fog of a microscope: of what lies at depth d from the plane of the camera's target, square to the view, a share 1 - exp(-(d / depth)^2) of
+/// the colour is replaced.
+struct FogView {
+  double depth = 0.010;            ///< [m] > 0
+  Vec3 color{0.035, 0.035, 0.04};  ///< [-] 0..1, as stored
+  friend bool operator==(const FogView&, const FogView&) = default;
+};
+
 /// Perspective camera.
 struct CameraView {
   Vec3 eye{0.0, -0.1, 0.1};   ///< [m]
@@ -134,6 +154,7 @@ struct CameraView {
   double vertical_fov = 0.6;  ///< [rad] in (0, 3)
   /// [-] Off-axis frustum: offset of the centre of the picture from the direction of view, in half widths and half heights of the picture.
   glm::dvec2 shift{0.0};
+  std::optional<FogView> fog{};  ///< absent: none, and nothing of it in a shader
   friend bool operator==(const CameraView&, const CameraView&) = default;
 };
 

@@ -100,6 +100,7 @@ CameraView OrbitCamera::camera() const noexcept {
   out.eye = world_from_approach_ * (target() + outward() * distance());
   out.up = world_from_approach_.rotate(Vec3(0.0, 0.0, 1.0));
   out.vertical_fov = field();
+  if (mode_ == CameraMode::microscope) out.fog.emplace();
   return out;
 }
 

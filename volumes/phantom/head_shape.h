@@ -7,6 +7,7 @@
 ///           position of each part is assumed from the proportions of skulls.
 #pragma once
 
+#include "core/base/bounds.h"
 #include "core/base/geometry.h"
 
 namespace burrhole {
@@ -33,6 +34,10 @@ class HeadShape {
   [[nodiscard]] static HeadField vault(const Vec3& p) noexcept;
   /// @returns a smooth solid [m] that holds the skull, without details: what a cloth lies on; positive outside.
   [[nodiscard]] static double hull(const Vec3& p) noexcept;
+  /// @returns the skin [m], positive outside: scalp of 5.5 mm over the vault, a simplified face with closed eyes, ears and a short neck. Thickness
+  /// and shape are assumed; the skull lies at least 1 mm inside.
+  [[nodiscard]] static double skin(const Vec3& p) noexcept;
+  [[nodiscard]] static Bounds skin_box() noexcept;  ///< [m] round the skin
   /// @returns the furthest distance [m] of the skull from the origin along a direction of length 1: an upper bound.
   [[nodiscard]] static double reach(const Vec3& direction) noexcept;
 

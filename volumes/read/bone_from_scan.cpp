@@ -298,6 +298,15 @@ std::uint64_t slab_bytes(const Scan& scan, const BoneGrid& grid) noexcept {
   return slabs + resampler_bytes(scan, slice_factor(scan, grid.bone_from_index.mean_edge()), scan_from(scan, grid));
 }
 
+Result<double> find_hu_offset(const Scan& scan, const BoneOptions& options) {
+  if (scan.values.empty() || scan.quantity == Quantity::occupancy) return bad_input("the scan has no values in HU");
+  std::vector<std::string> assumed;
+  const auto meaning = find_meaning(scan, collect_facts(scan.values), options, assumed);
+  if (!meaning) return meaning.error();
+  if (!meaning->hounsfield) return bad_input("the values of the scan are not in HU");
+  return meaning->offset;
+}
+
 Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std::vector<std::string>& assumed,
                                const ChooseStorage& place) {
   if (scan.values.empty() || scan.values.size() != VoxelBox{Vec3i(0), scan.dims}.count()) return bad_input("the scan has no voxels");

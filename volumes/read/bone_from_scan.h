@@ -86,6 +86,9 @@ struct BoneFromScan {
 /// values of the scan.
 [[nodiscard]] std::uint64_t slab_bytes(const Scan& scan, const BoneGrid& grid) noexcept;
 
+/// @returns what is to be added to the values of a scan to convert them to HU, as make_bone() finds it; bad_input if they are not HU.
+[[nodiscard]] Result<double> find_hu_offset(const Scan& scan, const BoneOptions& options);
+
 /// @param assumed receives one line per assumption. @param place may be empty: the bone is in memory. @returns bad_input: values that are not
 /// HU without a band, a band that does not increase, no bone in the band (with the range of the values); unavailable: more bone than the
 /// machine has memory for, or errors of bone_file.h. Works in slabs, see slab_bytes(). Uses all cores.

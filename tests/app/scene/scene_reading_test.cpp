@@ -278,6 +278,10 @@ TEST_CASE("scene: a site gives entry and axis; one that the volume does not know
   fails(with(plain, "site = \"kocher_left\"\naxis = [0, 0, -1]"), "approach.axis is given by site");
   fails(with(scene_text({}), "site = \"kocher_left\""), "needs a volume that knows its sites");
   fails(scene_text({.display = true}) + "drape = \"round\"\n", "needs volume.source = \"phantom:head\"");
+  fails(scene_text({.display = true}) + "skin = true\n", "display.skin = true needs a whole head");
+  const std::string head = scene_text({.volume = "source = \"phantom:head\"\nspacing_mm = 0.5\nsurroundings_mm = 3\n", .display = true});
+  fails(head + "skin = true\nmethod = \"slices\"\n", "display.skin = true needs method = \"raycast\"");
+  fails(head + "skin_opacity = 0.5\n", "skin_opacity");
 }
 
 TEST_CASE("scene: a tool too large for the window is refused with the numbers") {

@@ -171,6 +171,35 @@ TEST_CASE("drape: the cloth leaves the window free, covers the rest of the head 
   }
 }
 
+TEST_CASE("skin: it is there only where the scene names it, and leaves the texels of the bone, the drilling and the view alone") {
+  const DrilledHead plain, skinned({"display.skin=true"}), draped({"display.skin=true", "display.drape=\"square\""});
+  CHECK(!plain.sink.first.skin);
+  REQUIRE(skinned.sink.first.skin);
+  CHECK(plain.sink.first.field == skinned.sink.first.field);
+  CHECK(plain.sink.first.color == skinned.sink.first.color);
+  CHECK(plain.sink.first.normal_opacity == skinned.sink.first.normal_opacity);
+  CHECK(plain.sink.volume.field == skinned.sink.volume.field);
+  CHECK(plain.sink.detail.volume.field == skinned.sink.detail.volume.field);
+  CHECK(plain.sink.views.back().camera == skinned.sink.views.back().camera);
+  const SkinView& skin = *skinned.sink.first.skin;
+  CHECK(skin.shell.indices.size() > 30'000);
+  // The opening at the entry, 42 mm wide: above it no skin, 5.5 mm above the bone beside it.
+  double nearest = 1.0, highest = -1.0;
+  for (const std::uint32_t n : skin.shell.indices) {
+    const Vec3 p = Vec3(skin.shell.positions[n]) - Vec3(0.0, -9e-3, 113.2e-3);
+    highest = std::max(highest, p.z);
+    if (p.z > -20e-3) nearest = std::min(nearest, std::sqrt(p.x * p.x + p.y * p.y));
+  }
+  CHECK(nearest > 21e-3 - 4e-3);  // less the longest edge of a triangle, whose part inside is not drawn
+  CHECK(nearest < 21e-3);
+  CHECK(highest > 1e-3);
+  CHECK(highest < 5.6e-3);
+  // Under a drape 5 mm of skin lie between its window and the opening: 28 + 6 x 2 - 10 mm.
+  double edge = 0.0;
+  for (const Vec3f& p : draped.sink.first.skin->rim.positions) edge = std::max(edge, static_cast<double>(std::abs(p.x)));
+  CHECK(std::abs(edge - 15e-3) < 1e-6);
+}
+
 TEST_CASE("overview: the first picture shows the middle of the head from its own distance; the table lies under the head") {
   DrilledHead head({"display.overview_mm=500", "display.table=true"});
   REQUIRE(head.sink.names.size() >= 3);

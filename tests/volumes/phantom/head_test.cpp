@@ -74,6 +74,37 @@ TEST_CASE("head: the vault has the size of an adult's skull, and the skull lies 
   CHECK(outside == 0);
 }
 
+TEST_CASE("head: the skin holds the skull with room, is the scalp's thickness above the sites of the vault, and lies in its box") {
+  int under = 0, bare = 0, out_of_box = 0;
+  double least = 1.0;
+  const Bounds box = HeadShape::skin_box();
+  for (int i = -114; i <= 114; i += 3)
+    for (int j = -150; j <= 114; j += 3)
+      for (int k = -150; k <= 135; k += 3) {
+        const Vec3 p = Vec3(i, j, k) * kMm;
+        const double skin = HeadShape::skin(p);
+        out_of_box += skin <= 0.0 && (glm::any(glm::lessThan(p, box.lo + 2.0 * kMm)) || glm::any(glm::greaterThan(p, box.hi - 2.0 * kMm)));
+        if (kHead.at(p).bone.value > 0.0) continue;
+        ++under;
+        least = std::min(least, -skin);
+        bare += skin > -1.0 * kMm;
+      }
+  CHECK(under > 5'000);
+  CHECK(bare == 0);
+  CHECK(least > 1.0 * kMm);
+  CHECK(out_of_box == 0);
+  for (const std::string name : {"kocher", "keen", "frazier", "parietal"})
+    for (const std::string side : {"_left", "_right"}) {
+      const auto site = find_head_site(name + side);
+      REQUIRE(site);
+      double low = 0.0, high = 30.0 * kMm;
+      for (int n = 0; n < 40; ++n)
+        (HeadShape::skin(site->point + 0.5 * (low + high) * site->normal) < 0.0 ? low : high) = 0.5 * (low + high);
+      // 5.5 mm; the field of an ellipsoid is a distance to first order: 5.5^2 / (2 x 50) mm off where it is curved most.
+      CHECK_MESSAGE(std::abs(low - 5.5 * kMm) < 0.5 * kMm, name);
+    }
+}
+
 TEST_CASE("head: the fields slope by about 1 on their surfaces, and the slope given is their gradient there") {
   int checked = 0;
   double worst = 0.0;
