@@ -1,4 +1,4 @@
-#include "app/window/chooser.h"
+#include "app/window/selection.h"
 
 #include <doctest/doctest.h>
 
