@@ -17,7 +17,7 @@ constexpr double kSteepest = 85.0 * kDegree;       // elevation, up and down
 constexpr double kZoomStep = 1.1;
 constexpr double kStep = 1.0e-3, kSpeed = 0.020;  // [m] of a key, [m/s] of one that is held
 constexpr double kHold = 0.3;                     // [s] after which a key is held
-constexpr double kAside = 28.0 * kDegree;         // of the view beside the region that it shows
+constexpr double kAside = 38.0 * kDegree;         // of the view beside the region that it shows
 constexpr double kHigher = 14.0 * kDegree;
 
 double between(bool minus, bool plus) { return (plus ? 1.0 : 0.0) - (minus ? 1.0 : 0.0); }
@@ -125,6 +125,7 @@ void SkullPointer::show_region(std::size_t n) {
     return;
   }
   point_at(*found + 0.05 * region.outward, -region.outward);
+  if (site_) look_from(-site_->axis);
 }
 
 void SkullPointer::look_from(const Vec3& outward) noexcept {

@@ -122,7 +122,7 @@ void SkullScreen::draw_regions() {
   ImGui::PushTextWrapPos(0.0f);
   text(
       "Arrows move the bit over the bone, with Shift a fifth as far. Right drag or Ctrl + arrows turn the view, the wheel zooms, F shows "
-      "at the bit.");
+      "the bit.");
   ImGui::PopTextWrapPos();
   ImGui::PopFont();
 }

@@ -140,8 +140,8 @@ Result<SkullSite> make_site(const BoneModel& bone, const Vec3& at, const Vec3& o
 }
 
 const std::array<SkullRegion, 6>& skull_regions() noexcept {
-  static const std::array<SkullRegion, 6> kRegions{{{"left frontal", glm::normalize(Vec3(0.40, -0.60, 0.70))},
-                                                    {"right frontal", glm::normalize(Vec3(-0.40, -0.60, 0.70))},
+  static const std::array<SkullRegion, 6> kRegions{{{"left frontal", glm::normalize(Vec3(0.30, -0.55, 0.78))},
+                                                    {"right frontal", glm::normalize(Vec3(-0.30, -0.55, 0.78))},
                                                     {"left parietal", glm::normalize(Vec3(0.75, 0.35, 0.55))},
                                                     {"right parietal", glm::normalize(Vec3(-0.75, 0.35, 0.55))},
                                                     {"left occipital", glm::normalize(Vec3(0.35, 0.90, 0.25))},
