@@ -61,7 +61,7 @@ struct DisplayRequests {
   bool full_screen = false;
   bool slices = false;                      ///< through the tip
   bool asks_end = false;                    ///< the question whether to end is shown
-  double text_scale = 1.0;                  ///< [-] of the desktop's own scale
+  double text_scale = 0.0;                  ///< [-] of the desktop's own scale; 0: as at the start
   std::optional<DrawingQuality> quality{};  ///< of a picture at rest; absent: the scene's
 };
 

@@ -81,13 +81,12 @@ Result<FolderList> list_folder(const fs::path& folder) {
     const std::string name = at->path().filename().string();
     if (name.starts_with('.')) continue;
     std::error_code ignored;
+    const bool is_file = at->is_regular_file(ignored);
     if (at->is_directory(ignored)) {
       folders.push_back({FileKind::folder, name, "folder", at->path()});
-    } else if (!at->is_regular_file(ignored)) {
-      ++out.others;
-    } else if (auto line = line_of(at->path(), name)) {
+    } else if (auto line = is_file ? line_of(at->path(), name) : std::nullopt) {
       files.push_back(std::move(*line));
-    } else if (is_dicom(at->path())) {
+    } else if (is_file && is_dicom(at->path())) {
       ++slices;
     } else {
       ++out.others;

@@ -52,7 +52,8 @@ struct Height {
 };
 
 std::vector<Height> heights_around(const BoneModel& bone, const Vec3& at, const Vec3& outward, double radius) {
-  const auto [right, up] = across(outward);
+  const auto sides = across(outward);
+  const Vec3 &right = sides.first, &up = sides.second;
   std::vector<Height> out;
   const auto add = [&](double u, double v) {
     if (const auto hit = find_bone(bone, at + u * right + v * up + kAbove * outward, -outward))

@@ -434,7 +434,7 @@ void Viewer::measure(const Change& change, bool other_quality, double took, cons
 }
 
 void Viewer::fit_texts(const WindowView& view) {
-  const double person = view.stage == RunStage::loading ? config_.text_scale : view.requests.text_scale;
+  const double person = view.requests.text_scale > 0.0 ? view.requests.text_scale : config_.text_scale;
   const auto wanted = static_cast<float>(person) * window_->scale();
   if (wanted == gui_->scale()) return;
   gui_->rescale(wanted);

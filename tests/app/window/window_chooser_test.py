@@ -58,7 +58,7 @@ class Chooser(WindowTest):
         self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
         self.assertEqual(len(list((self.folder / "out").glob("mine-*/summary.json"))), 1)
 
-    def test_letters_grow_and_shrink_and_quality_changes_only_the_window(self):
+    def test_letters_grow_and_shrink_while_the_window_is_open(self):
         self.start()
         before = self.picture()
         self.press(*["ctrl+plus"] * 3)
