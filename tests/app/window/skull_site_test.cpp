@@ -164,7 +164,7 @@ TEST_CASE("pointer: arrows move the bit over the bone, a fifth as far with Shift
   const auto moved = [&](double held) {
     const Vec3 before = pointer.site()->entry;
     pointer.handle(key(Key::right, true), false);
-    for (double t = 0.0; t < held; t += 0.01) pointer.step(0.01);
+    for (int n = 0; n < std::lround(held / 0.01); ++n) pointer.step(0.01);
     pointer.handle(key(Key::right, false), false);
     return glm::length(pointer.site()->entry - before);
   };
