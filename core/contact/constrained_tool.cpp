@@ -346,7 +346,8 @@ void ConstrainedTool::report(const SurfaceView& bone) noexcept {
   state_.aside = bone.world_from_bone.rotate(flanks_.aside());
 }
 
-void ConstrainedTool::describe(const SurfaceView& bone, double reach, LocalContact& out) noexcept {
+void ConstrainedTool::describe(const SurfaceView& whole, double reach, LocalContact& out) noexcept {
+  const SurfaceView bone = lying_in(whole);
   out.count = 0;
   out.kind = LocalKind::none;
   if ((state_.flags & (kContactOutsideWindow | kContactNotFinite)) != 0) return;
@@ -403,11 +404,13 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
     since_far_look_ = 1.0;
   begin_added(added, spin.rate, dt, placed);
   const Pull pull = pull_of(hand, dt);
+  const bool was_spinning = spinning_;
   spinning_ = spin.spinning;
+  let_overlap_lie(bone, was_spinning);
   set_clearance(spinning_);
   measure_flanks(bone, spinning_);
   const Vec3 before = bone.world_from_bone.inverse().rotate(state_.on_hand.force);
-  sweep(bone, pull, spinning_);
+  sweep(lying_in(bone), pull, spinning_);
   if (spinning_) pass_through_nothing(bone.world_from_bone.inverse() * pull.world_from_target, before);
   report(bone);
   if ((state_.flags & kContactOutsideWindow) != 0)

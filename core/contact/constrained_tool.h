@@ -10,6 +10,9 @@
 ///                that is cut.
 ///   Places  At spin 0 contact is at places of the tool's surface: a plane follows the place of its contact (contact_place.h), and bone that
 ///           reaches the tool between its shell points is searched for (shell_cells.h). A spinning tool touches at its shell points only.
+///   Stopped  A tool whose spin ends in its hole reaches into bone: by its engagement, and where distances between voxels round the edges of
+///            the hole. It has cut there, so bone does not push it out: contact begins at the deepest of this overlap, which shrinks as the
+///            tool leaves and never grows.
 ///   Window  Outside the window the tool moves freely as far as the coarse distance proves that no bone is near. Beyond, it is held: the
 ///           force is that of its springs, as at a wall (hold_force.h).
 ///   Tangential loads, such as friction, come from a TangentialLaw (tangential_hold.h); without one the surface is frictionless.
@@ -151,6 +154,9 @@ class ConstrainedTool {
   /// The normal of a plane that cuts. A smooth face of the tool that touches bone is tangent to it, so its normal is the tool's, also where
   /// bone has an edge; at an edge of the tool it is that of bone. @param bone_normal of the record there.
   [[nodiscard]] Vec3 cutting_normal(std::size_t point, const Vec3& bone_normal) const noexcept;
+  /// At the start of a step: updates lying_. @param was_spinning in the last step.
+  void let_overlap_lie(const SurfaceView& bone, bool was_spinning) noexcept;
+  [[nodiscard]] SurfaceView lying_in(const SurfaceView& bone) const noexcept;
   void sweep(const SurfaceView& bone, const Pull& pull, bool spinning) noexcept;
   /// Outside the window. @returns the distance [m] that no point of the tool can move without being far from bone; 0: bone may be near.
   [[nodiscard]] double free_distance(const SurfaceView& bone) const noexcept;
@@ -196,9 +202,11 @@ class ConstrainedTool {
   Vec3 push_{0.0, 0.0, 1.0};  // unit, tool frame: opposite to the thrust
   Pose world_from_bone_;
   Quat hand_before_{1.0, 0.0, 0.0, 0.0};
-  bool spinning_ = false;  // in the last step
-  bool placed_ = false;    // the frames above are from the last step
-  HoldForce hold_force_;   // world frame
+  bool spinning_ = false;      // in the last step
+  double lying_ = 0.0;         // [voxels] overlap of a stopped tool with its hole, see Stopped
+  Vec3 engaged_at_stop_{0.0};  // [m] bone frame
+  bool placed_ = false;        // the frames above are from the last step
+  HoldForce hold_force_;       // world frame
   ConstrainedToolState state_;
 };
 

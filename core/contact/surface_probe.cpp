@@ -128,13 +128,18 @@ void probe_surface(const RecordView& bone, const ContactShellPart& points, const
   job.diagonal = true;
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t c = 0; c < 3; ++c) job.diagonal = job.diagonal && (c == axis || job.metric[4 * axis + 1 + c] == 0.0f);
-  job.look_ahead = static_cast<float>(look_ahead);
+  job.look_ahead = static_cast<float>(look_ahead - bone.lying);
   // The change of distance is at most the path length: half a cell's diagonal, plus a hundredth for rounding of stored values.
   job.slack = static_cast<float>(0.5 * diagonal / edge + 0.02);
   const float nearest_before = hits.nearest;
   hits.nearest = static_cast<float>(kRecordBand);
+  const std::size_t hits_before = hits.count, blocks_before = hits.blocks.count;
   probe_points(job, points, hits);
-  hits.nearest = std::min(nearest_before, hits.nearest - job.slack);
+  const auto lying = static_cast<float>(bone.lying);
+  hits.nearest = std::min(nearest_before, hits.nearest - job.slack + lying);
+  if (lying == 0.0f) return;
+  for (std::size_t n = hits_before; n < hits.count; ++n) hits.distance[n] += lying;
+  for (std::size_t n = blocks_before; n < hits.blocks.count; ++n) hits.blocks.distance[n] += lying;
 }
 
 RecordSampler::RecordSampler(const RecordView& bone) noexcept
@@ -153,6 +158,7 @@ std::optional<SurfaceSample> RecordSampler::at(const Vec3& index) const noexcept
                           : between(bone_.records16 + first, size, f, metric_, cut, kRecord16Distance, kRecord16Normal);
   const double length = glm::length(out.normal);
   out.normal = length > 0.0 ? out.normal / length : Vec3(0.0);
+  out.distance += bone_.lying;
   return out;
 }
 

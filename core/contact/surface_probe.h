@@ -25,7 +25,8 @@ struct RecordView {
   const Record8* records8 = nullptr;  ///< exactly one of the two is set
   const Record16* records16 = nullptr;
   Affine bone_from_index;
-  VoxelBox cut{};  ///< where records may be of the cut surface
+  VoxelBox cut{};      ///< where records may be of the cut surface
+  double lying = 0.0;  ///< [voxels] added to every distance: bone that reaches this deep into the tool does not touch it
 };
 
 inline constexpr std::size_t kHitBlock = 128;  ///< largest number of shell points per block of hits

@@ -93,6 +93,35 @@ TEST_CASE("constrained tool: spinning, it engages by F / K_cut where it cuts") {
   }
 }
 
+TEST_CASE("constrained tool: stopped where it engaged, it stays there until it is lifted") {
+  Stroke press{"plate", fine_spec(PhantomKind::plate)};
+  press.spec.thickness = 0.004;
+  const Bench bench(press);
+  ConstrainedToolConfig config;
+  config.cutting_stiffness = 50e3;
+  ConstrainedTool tool = bench.tool(config);
+  constexpr double kPush = 20.0;
+  const HandMotion pressed{{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, -kPush / config.coupling_stiffness)}, Vec3(0.0)};
+  const HandMotion lifted{{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, 1e-3)}, Vec3(0.0)};
+  const auto step = [&](const HandMotion& hand, bool spinning, int ticks) {
+    for (int tick = 0; tick < ticks; ++tick) (void)tool.step(bench.view(), hand, kPeriod, {.spinning = spinning});
+    return tool.state().world_from_tool.translation.z;
+  };
+  // A pose is settled to 0.05 voxel; the sum of two.
+  constexpr double kSettled = 0.1 * kFine;
+  const double engaged = step(pressed, true, 60);
+  REQUIRE(engaged < -5.0 * kSettled);
+  CHECK(std::abs(step(pressed, false, 60) - engaged) <= kSettled);
+  // Spin that comes and goes does not dig where nothing is removed.
+  for (int n = 0; n < 50; ++n) {
+    CHECK(std::abs(step(pressed, true, 1 + n % 7) - engaged) <= kSettled);
+    CHECK(std::abs(step(pressed, false, 1 + n % 3) - engaged) <= kSettled);
+  }
+  CHECK(step(lifted, false, 60) > 0.9e-3);
+  CHECK(tool.state().on_hand.force == Vec3(0.0));
+  CHECK(std::abs(step(pressed, false, 60)) <= kSettled);  // on the plate, as if it had never spun
+}
+
 TEST_CASE("constrained tool: a tool that cannot cut does not engage even when it spins") {
   Stroke press{"plate", fine_spec(PhantomKind::plate)};
   press.spec.thickness = 0.004;
