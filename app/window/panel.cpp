@@ -285,8 +285,10 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
   if (!view.lines.empty()) {
     // Below the warnings, which stand in the middle of the upper edge.
     begin_over("lines", ImVec2(edge, edge + 3.2f * ImGui::GetFontSize()), ImVec2(0.0f, 0.0f));
+    ImGui::PushTextWrapPos(w - 3.0f * edge);
     for (const MessageLine& line : view.lines)
       ImGui::TextColored(line.warning ? color(gui_->colors().orange) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s", line.text.c_str());
+    ImGui::PopTextWrapPos();
     ImGui::End();
   }
   if (figures.coarse) {
@@ -347,9 +349,9 @@ void Panel::warnings(const WindowView& view, int width) {
 }
 
 void Panel::hints(const WindowView& view, int width, int height) {
-  (void)width;
   const float edge = 12.0f * gui_->scale();
   begin_over("hints", ImVec2(edge, static_cast<float>(height) - edge), ImVec2(0.0f, 1.0f));
+  ImGui::PushTextWrapPos(static_cast<float>(width) - 3.0f * edge);  // large letters stay on the picture
   const auto step = [&](bool done, const char* words) {
     ImGui::TextColored(done ? color(gui_->colors().green) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s %s", done ? "+" : "-", words);
   };
@@ -360,6 +362,7 @@ void Panel::hints(const WindowView& view, int width, int height) {
   ImGui::PushFont(gui_->small());
   text("F1 shows all keys. H hides this.");
   ImGui::PopFont();
+  ImGui::PopTextWrapPos();
   ImGui::End();
 }
 
