@@ -16,6 +16,7 @@
 #include "app/window/chooser.h"
 #include "app/window/panel_text.h"
 #include "app/window/window_run.h"
+#include "core/tool/make_tool.h"
 
 namespace burrhole::cli {
 namespace {
@@ -25,6 +26,8 @@ using Words = std::vector<std::string>;
 
 constexpr const char* kResults = "out";  // folder of the results, as for drill
 constexpr std::size_t kMostSessions = 8;
+
+constexpr const char* kBit = "perforator_14_11";  // of a site on a scan, as in skull_site.h
 
 struct Item {
   Choice choice;
@@ -56,6 +59,13 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
   return out;
 }
 
+/// @returns a new folder for results.
+std::string results_of(const std::string& name) {
+  return fmt::format("{}/{}-{:%Y%m%d-%H%M%S}", kResults, name, fmt::localtime(std::time(nullptr)));
+}
+
+Words drill_words(const std::string& scene, const std::string& folder) { return {"drill", scene, "--window", "--out", folder}; }
+
 /// The shipped scenes, those without further data first.
 std::vector<Item> scenes() {
   std::vector<Item> out;
@@ -70,9 +80,9 @@ std::vector<Item> scenes() {
     auto tool = root.table("tool", "");
     const std::string source = volume ? volume->text("source", "", "") : "", bit = tool ? tool->text("name", "", "") : "";
     const std::string made = source.starts_with("phantom:") ? "generated bone" : "bone from a scan";
-    const std::string folder = fmt::format("{}/{}-{:%Y%m%d-%H%M%S}", kResults, name, fmt::localtime(std::time(nullptr)));
+    const std::string folder = results_of(name);
     out.push_back({{{}, title, fmt::format("{}, {}; results in {}", made, tool_title(bit), folder), missing_data(path, source)},
-                   {"drill", name, "--window", "--out", folder}});
+                   drill_words(name, folder)});
   }
   std::ranges::sort(out, {}, [](const Item& item) { return std::pair(!item.choice.missing.empty(), item.words[1]); });
   if (!out.empty()) out.front().choice.heading = "DRILL";
@@ -114,19 +124,45 @@ std::vector<Item> sessions() {
   return out;
 }
 
+/// @returns the command for a scene file, or for a site on a scan, whose scene is written into the folder of the results.
+Result<std::optional<Words>> words_of_file(const Chosen& chosen) {
+  if (!chosen.site) return std::optional(drill_words(chosen.scene, results_of(fs::path(chosen.scene).stem().string())));
+  const fs::path source(chosen.source.path);
+  const fs::path folder = results_of((source.has_stem() ? source.stem() : source.parent_path().filename()).string());
+  const fs::path scene = folder / "scene.toml";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  std::ofstream file(scene);
+  file << site_scene(*chosen.site, chosen.source);
+  file.close();
+  if (!file) return bad_input("the scene cannot be written", scene.string());
+  fmt::print(stderr, "scene: {}\n", scene.string());
+  return std::optional(drill_words(scene.string(), folder.string()));
+}
+
 }  // namespace
 
 Result<std::optional<Words>> choose_command() {
   if (!has_display()) return std::optional<Words>();
   std::vector<Item> items = scenes();
+  items.push_back(
+      {{"YOUR OWN", "Open a CT or scene ...", "a folder of DICOM slices, NIfTI, NRRD, MetaImage, a mesh, or a scene file", "", true}, {}});
   for (Item& item : sessions()) items.push_back(std::move(item));
   std::vector<Choice> choices;
   choices.reserve(items.size());
   for (const Item& item : items) choices.push_back(item.choice);
   catch_signals();
-  const auto chosen = choose_in_window("burrhole", choices, {}, &stop_requested());
+  ChooserConfig config;
+  Issues issues;
+  if (auto bit = load_tool((fs::path(share_folder()) / "tools" / (std::string(kBit) + ".toml")).string(), {}, issues)) {
+    config.bit = std::move(bit->look);
+    config.solid = std::move(bit->mesh);
+  }
+  const auto chosen = choose_in_window("burrhole", choices, config, &stop_requested());
   if (!chosen) return chosen.error();
-  return std::optional(*chosen ? items[**chosen].words : Words());
+  if (!*chosen) return std::optional(Words());
+  if ((*chosen)->line) return std::optional(items[*(*chosen)->line].words);
+  return words_of_file(**chosen);
 }
 
 }  // namespace burrhole::cli

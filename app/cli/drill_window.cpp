@@ -11,6 +11,7 @@
 #include "app/run/live_replay.h"
 #include "app/session/recorded_hand.h"
 #include "app/window/session_view.h"
+#include "app/window/text_scale.h"
 #include "app/window/window_run.h"
 
 namespace burrhole::cli {
@@ -69,7 +70,7 @@ ViewerConfig viewer_config(const WindowOptions& options, const std::string& fold
 void add_view_options(CLI::App& command, WindowOptions& options) {
   command.add_flag("--light", options.light, "a window with dark letters on a light ground");
   command.add_option("--text-scale", options.text_scale, "size of the window's letters")
-      ->check(CLI::Range(0.5, 4.0))
+      ->check(CLI::Range(kSmallestText, kLargestText))
       ->capture_default_str();
 }
 
@@ -130,9 +131,9 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
       fmt::print(
           stderr,
           "window: {:.0f} pictures a second while the drill ran, {:.0f} while the view turned; a picture {:.0f} ms (p95 {:.0f}), from "
-          "input to picture {:.0f} ms (p95 {:.0f})\n",
+          "input to picture {:.0f} ms (p95 {:.0f}), refined {:.0f} ms (p95 {:.0f}) after the last change\n",
           f.drilling.per_second(), f.turning.per_second(), kMs * f.picture.at(0.5), kMs * f.picture.at(0.95), kMs * f.latency.at(0.5),
-          kMs * f.latency.at(0.95));
+          kMs * f.latency.at(0.95), kMs * f.refined.at(0.5), kMs * f.refined.at(0.95));
     };
   run.viewer = viewer_config(options, files.folder);
   return drill_in_window(loaded, std::move(run));

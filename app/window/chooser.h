@@ -1,5 +1,5 @@
-/// app/window/chooser.h: a window with a list, from which a person chooses what to do.
-///   Thread  main.   Errors  unavailable: no display, or no OpenGL 4.5 core.
+/// app/window/chooser.h: a window with a list, from which a person chooses what to do; and from there files, and a place on the bone of a scan.
+///   Thread  main.   Errors  unavailable: no display, or no OpenGL 4.5 core. What cannot be opened is one line in the window.
 #pragma once
 
 #include <atomic>
@@ -7,46 +7,31 @@
 #include <span>
 #include <string>
 
-#include "app/window/window_event.h"
+#include "app/window/selection.h"
+#include "app/window/skull_site.h"
 #include "core/base/result.h"
+#include "core/tool/tool.h"
 
 namespace burrhole {
 
-/// A line of the list.
-struct Choice {
-  std::string heading{};  ///< above this line; empty: the line belongs to the heading before
-  std::string title;
-  std::string about{};    ///< below the title, small
-  std::string missing{};  ///< why it cannot be chosen; empty: it can
-};
-
 struct ChooserConfig {
   bool light = false;
-  double text_scale = 1.0;        ///< [-] of the desktop's own scale
-  int width = 900, height = 640;  ///< [pixels]
+  double text_scale = 1.0;         ///< [-] of the desktop's own scale
+  int width = 1100, height = 720;  ///< [pixels]
+  TriangleMesh bit{}, solid{};     ///< that stands on the bone of a scan: as drawn, and as it erodes
 };
 
-/// The line that is chosen, and how keys move it. It knows no window.
-class Selection {
- public:
-  explicit Selection(std::span<const Choice> choices) noexcept;
-  enum class Answer { none, chosen, closed };
-  /// Up and Down move to the next line that can be chosen, Home to the first, Enter chooses, Escape closes.
-  Answer press(Key key) noexcept;
-  [[nodiscard]] std::size_t at() const noexcept { return at_; }
-  [[nodiscard]] bool is_possible() const noexcept { return at_ < choices_.size() && choices_[at_].missing.empty(); }
-  /// @returns whether the line can be chosen.
-  bool point_at(std::size_t line) noexcept;
-
- private:
-  void move(int by) noexcept;
-  std::span<const Choice> choices_;
-  std::size_t at_ = 0;
+/// What a person has chosen: a line of the list, a scene file, or a place on a scan.
+struct Chosen {
+  std::optional<std::size_t> line{};
+  std::string scene{};  ///< path; empty: none
+  std::optional<SkullSite> site{};
+  SkullSource source{};  ///< of the site
 };
 
-/// Shows the list until a line is chosen. @param stop set by a signal handler: ends it; may be null.
-/// @returns the line; nothing if the person closed the window.
-[[nodiscard]] Result<std::optional<std::size_t>> choose_in_window(const std::string& title, std::span<const Choice> choices,
-                                                                  const ChooserConfig& config, const std::atomic<bool>* stop);
+/// Shows the list until something is chosen. @param stop set by a signal handler: ends it; may be null.
+/// @returns nothing if the person closed the window.
+[[nodiscard]] Result<std::optional<Chosen>> choose_in_window(const std::string& title, std::span<const Choice> choices,
+                                                             const ChooserConfig& config, const std::atomic<bool>* stop);
 
 }  // namespace burrhole

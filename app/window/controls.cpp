@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/window/text_scale.h"
+
 namespace burrhole {
 namespace {
 
@@ -23,6 +25,7 @@ double beyond(double axis, double idle) {
 Controls::Controls(const ControlsSetup& setup, const OrbitCamera& camera, const ControlsConfig& config)
     : setup_(setup), camera_(camera), config_(config) {
   goal_.place = Vec3(0.0, 0.0, setup.hand.standoff);
+  requests_.text_scale = setup.text_scale;
 }
 
 void Controls::set_picture_size(int width, int height) noexcept {
@@ -105,11 +108,24 @@ bool Controls::press_watching(Key key) {
   }
 }
 
+bool Controls::press_text(Key key) {
+  if (key == Key::digit_0)
+    requests_.text_scale = setup_.text_scale;
+  else if (key == Key::equal || key == Key::pad_plus || key == Key::minus || key == Key::pad_minus)
+    change_text(key == Key::equal || key == Key::pad_plus);
+  else
+    return false;
+  return true;
+}
+
+void Controls::change_text(bool larger) noexcept { requests_.text_scale = next_text_scale(requests_.text_scale, larger); }
+
 void Controls::press(Key key) {
+  const bool control = held(Key::left_control) || held(Key::right_control);
+  if (control && press_text(key)) return;
   if (setup_.transport && press_watching(key)) return;
   const int digit = static_cast<int>(key) - static_cast<int>(Key::digit_0);
   if (digit >= 0 && digit <= 9) return change_tool(static_cast<std::size_t>(digit == 0 ? 9 : digit - 1));
-  const bool control = held(Key::left_control) || held(Key::right_control);
   switch (key) {
     case Key::p:
       return toggle_pause();
@@ -131,6 +147,8 @@ void Controls::press(Key key) {
       return toggle_cut();
     case Key::t:
       return take_over();
+    case Key::g:
+      return relax();
     case Key::l:
       requests_.slices = !requests_.slices;
       return;
@@ -176,6 +194,7 @@ void Controls::scroll(double steps) {
   if (!moves()) return;
   // A step away from the person advances, as a hand would.
   goal_.place.z -= std::clamp(steps, -20.0, 20.0) * scale() * (touches_ ? config_.wheel_press : config_.wheel);
+  if (steps > 0.0) rest_ = std::max(rest_, hand_.z - goal_.place.z);  // a wheel stays where it was turned to
 }
 
 void Controls::drag(double dx, double dy) {
@@ -206,7 +225,9 @@ void Controls::turn_by_keys(double dt) {
 }
 
 void Controls::move_by_keys(double dt) {
-  advance(between(held(Key::s), held(Key::w)), dt);
+  const double along = between(held(Key::s), held(Key::w));
+  moves_along_ = along != 0.0;
+  advance(along, dt);
   if (!(held(Key::left_control) || held(Key::right_control))) {
     const double right = between(held(Key::left), held(Key::right)), up = between(held(Key::down), held(Key::up));
     slide(right * config_.slide * scale() * dt, up * config_.slide * scale() * dt);
@@ -227,7 +248,9 @@ void Controls::move_by_pad(double dt, const PadState& pad) {
   const Vec3 tilt = lean * (beyond(pad.right_x, idle) * camera_.right_across() - beyond(pad.right_y, idle) * camera_.up_across());
   goal_.tilt_right += tilt.x;
   goal_.tilt_away += tilt.y;
-  advance(beyond(pad.right_bumper ? -1.0 : pad.left_trigger, idle), dt);
+  const double along = beyond(pad.right_bumper ? -1.0 : pad.left_trigger, idle);
+  moves_along_ = moves_along_ || along != 0.0;
+  advance(along, dt);
 }
 
 void Controls::press_pad(const PadState& pad) {
@@ -236,6 +259,17 @@ void Controls::press_pad(const PadState& pad) {
   if (pad.b && !before.b) undo();
   if (pad.y && !before.y) camera_.next_mode();
   if (pad.x && !before.x) straighten();
+}
+
+double Controls::held_push() const noexcept {
+  return touches_ && is_own() && rest_ > light_lead() ? rest_ * setup_.hand.dynamics.stiffness : 0.0;
+}
+
+void Controls::relax_push(double dt) {
+  const double lead = hand_.z - goal_.place.z;
+  rest_ = std::clamp(rest_, 0.0, std::max(0.0, lead));  // what drilling or a move back has used up is not held any more
+  const double wanted = std::max(rest_, light_lead());
+  if (touches_ && !moves_along_ && lead > wanted) goal_.place.z += (lead - wanted) * (1.0 - std::exp(-dt / config_.relax));
 }
 
 void Controls::keep_in_reach() {
@@ -270,6 +304,7 @@ void Controls::step(double dt, const LiveState& now, const PadState& pad) {
   if (moves()) {
     move_by_keys(dt);
     move_by_pad(dt, pad);
+    relax_push(dt);
     keep_in_reach();
   }
   const bool pad_spins = pad.present && beyond(pad.right_trigger, config_.pad_idle) > 0.0;
@@ -307,6 +342,7 @@ void Controls::take_over() noexcept {
   goal_.takes_over = true;
   inputs_.push_back({0, InputKind::mark, 0.0, "the user takes the drill over", {}});
   goal_.place = hand_ - Vec3(0.0, 0.0, thrust_ / setup_.hand.dynamics.stiffness);
+  rest_ = thrust_ / setup_.hand.dynamics.stiffness;
   locked_on_ = spins_;
   answer_ = spins_ ? "You have the drill; it spins until X is pressed" : "You have the drill";
 }

@@ -12,6 +12,7 @@
 
 #include "app/run/live_user.h"
 #include "app/scene/load.h"
+#include "app/view/view.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/transport.h"
 #include "app/window/view_cut.h"
@@ -35,6 +36,8 @@ struct ControlsConfig {
   double turn_by_key = 1.2;     ///< [rad/s]
   double jump = 1.0;            ///< [s] of a key in a watched session
   double jump_fine = 0.01;      ///< [s] with fine control
+  double light = 3.0;           ///< [N] push of a hand that rests on bone
+  double relax = 0.25;          ///< [s] time constant with which the push falls to what is held, once nothing presses
   double pad_idle = 0.15;       ///< [-] share of a stick's way that moves nothing
 };
 
@@ -45,6 +48,7 @@ struct ControlsSetup {
   double deepest = 0.1;                  ///< [m] of the goal below the entry
   std::vector<ToolText> tools;           ///< the first ten have the keys 1 to 9 and 0
   bool demonstration = false;            ///< the scene's script drills until the person takes over
+  double text_scale = 1.0;               ///< [-] of texts, of the desktop's own scale
   std::optional<Transport> transport{};  ///< of a watched session: keys and mouse move its head and the camera, and no goal
 };
 
@@ -55,8 +59,10 @@ struct DisplayRequests {
   bool hints = true;        ///< of the first start
   bool screenshot = false;  ///< one, to be taken and cleared
   bool full_screen = false;
-  bool slices = false;    ///< through the tip
-  bool asks_end = false;  ///< the question whether to end is shown
+  bool slices = false;                      ///< through the tip
+  bool asks_end = false;                    ///< the question whether to end is shown
+  double text_scale = 0.0;                  ///< [-] of the desktop's own scale; 0: as at the start
+  std::optional<DrawingQuality> quality{};  ///< of a picture at rest; absent: the scene's
 };
 
 class Controls {
@@ -78,6 +84,8 @@ class Controls {
   [[nodiscard]] Transport* transport() noexcept { return setup_.transport ? &*setup_.transport : nullptr; }  ///< null: a run
   [[nodiscard]] bool paused() const noexcept { return paused_; }
   [[nodiscard]] bool fine() const noexcept;
+  /// @returns the push [N] that stays when nothing presses, as the wheel or a demonstration has set it; 0: the hand rests lightly.
+  [[nodiscard]] double held_push() const noexcept;
   [[nodiscard]] bool locked_on() const noexcept { return locked_on_; }  ///< the drive stays on without a held key
 
   // What keys do, for buttons.
@@ -91,6 +99,9 @@ class Controls {
   void toggle_cut() noexcept;
   /// Takes a demonstration over, from where the hand is.
   void take_over() noexcept;
+  /// Nothing is held any more: the push falls to that of a resting hand.
+  void relax() noexcept { rest_ = 0.0; }
+  void change_text(bool larger) noexcept;
   void lock_drive(bool on) noexcept { locked_on_ = on; }
   void straighten() noexcept;
   void back_to_entry() noexcept;
@@ -102,6 +113,8 @@ class Controls {
 
  private:
   void press(Key key);
+  /// A key that changes the size of texts, with Ctrl. @returns whether it is one.
+  bool press_text(Key key);
   /// A key of a watched session. @returns whether it is one.
   bool press_watching(Key key);
   void scroll(double steps);
@@ -117,6 +130,9 @@ class Controls {
   void press_pad(const PadState& pad);
   void move_by_pad(double dt, const PadState& pad);
   void keep_in_reach();
+  /// Without a key or trigger that presses, the goal in contact moves back until the push is that which is held.
+  void relax_push(double dt);
+  [[nodiscard]] double light_lead() const noexcept { return config_.light / setup_.hand.dynamics.stiffness; }  // [m]
   void slide(double right, double up);
   void advance(double towards_bone, double dt);
   [[nodiscard]] bool held(Key key) const { return keys_.contains(static_cast<int>(key)); }
@@ -132,6 +148,8 @@ class Controls {
   std::optional<MouseButton> dragging_;
   double x_ = 0.0, y_ = 0.0;  // [pixels] of the pointer
   int width_ = 1, height_ = 1;
+  double rest_ = 0.0;         // [m] of the goal beyond the hand that is held
+  bool moves_along_ = false;  // a key or the pad moves the goal along the axis
   bool runs_ = false, paused_ = false, locked_on_ = false, touches_ = false, in_bone_ = false, spins_ = false;
   std::string answer_;
   Vec3 hand_{0.0};       // [m] approach frame, as last seen

@@ -26,21 +26,30 @@ ImFont* add_font(float size) {
   return io.Fonts->AddFontDefault(&config);
 }
 
-void set_style(float scale, bool light) {
+ImVec4 part_of(unsigned rgb) {
+  const auto part = [&](int shift) { return static_cast<float>(rgb >> shift & 0xFFu) / 255.0f; };
+  return {part(16), part(8), part(0), 1.0f};
+}
+
+void set_style(float scale, bool light, const GuiColors& colors) {
+  ImGuiStyle& style = ImGui::GetStyle();
+  style = ImGuiStyle();  // sizes of an earlier scale
   if (light)
     ImGui::StyleColorsLight();
   else
     ImGui::StyleColorsDark();
-  ImGuiStyle& style = ImGui::GetStyle();
   style.WindowRounding = 0.0f;
   style.FrameRounding = 4.0f;
   style.WindowBorderSize = 0.0f;
   style.WindowPadding = ImVec2(14.0f, 12.0f);
   style.ItemSpacing = ImVec2(8.0f, 7.0f);
   style.ScaleAllSizes(scale);
+  style.Colors[ImGuiCol_WindowBg] = part_of(colors.ground);
+  style.Colors[ImGuiCol_PopupBg] = part_of(colors.ground);
+  style.Colors[ImGuiCol_Text] = part_of(colors.text);
+  style.Colors[ImGuiCol_TextDisabled] = part_of(colors.grey);
+  style.Colors[ImGuiCol_Header] = style.Colors[ImGuiCol_HeaderHovered] = style.Colors[ImGuiCol_HeaderActive] = part_of(colors.chosen);
   if (light) return;
-  style.Colors[ImGuiCol_WindowBg] = ImVec4(0.10f, 0.115f, 0.13f, 1.0f);
-  style.Colors[ImGuiCol_Text] = ImVec4(0.93f, 0.94f, 0.95f, 1.0f);
   style.Colors[ImGuiCol_Button] = ImVec4(0.20f, 0.23f, 0.26f, 1.0f);
   style.Colors[ImGuiCol_FrameBg] = ImVec4(0.16f, 0.18f, 0.20f, 1.0f);
 }
@@ -50,14 +59,11 @@ void set_style(float scale, bool light) {
 Result<std::unique_ptr<Gui>> Gui::create(float scale, bool light) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
-  std::unique_ptr<Gui> gui(new Gui(scale));
+  std::unique_ptr<Gui> gui(new Gui(scale, light));
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // a run leaves no file of its window behind
   io.BackendFlags |= ImGuiBackendFlags_HasMouseCursors;
-  gui->normal_ = add_font(kText * scale);
-  gui->small_ = add_font(kSmallText * scale);
-  gui->big_ = add_font(kBigText * scale);
-  set_style(scale, light);
+  gui->apply_scale();
   if (!ImGui_ImplOpenGL3_Init("#version 450 core")) return gl_unavailable("window: the panel's shaders do not build");
   return gui;
 }
@@ -65,6 +71,21 @@ Result<std::unique_ptr<Gui>> Gui::create(float scale, bool light) {
 Gui::~Gui() {
   if (ImGui::GetIO().BackendRendererUserData != nullptr) ImGui_ImplOpenGL3_Shutdown();
   ImGui::DestroyContext();
+}
+
+void Gui::apply_scale() {
+  ImGui::GetIO().Fonts->Clear();
+  normal_ = add_font(kText * scale_);
+  small_ = add_font(kSmallText * scale_);
+  big_ = add_font(kBigText * scale_);
+  set_style(scale_, light_, colors_);
+}
+
+void Gui::rescale(float scale) {
+  scale_ = scale;
+  apply_scale();
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui_ImplOpenGL3_CreateFontsTexture();
 }
 
 void Gui::feed(const std::vector<WindowEvent>& events) {

@@ -9,8 +9,9 @@
 namespace burrhole {
 namespace {
 
-constexpr double kHandleAbove = 0.004;  // [m] of the handle above the entry
-constexpr float kHandle = 11.0f;        // [pixels] its radius at scale 1
+constexpr double kHandleAbove = 0.004;            // [m] of the handle above the entry
+constexpr float kHandle = 11.0f;                  // [pixels] its radius at scale 1
+constexpr GuiColors kOnBone = GuiColors::dark();  // lines over the picture, in both themes
 
 ImVec2 place_of(const glm::dvec2& p) { return {static_cast<float>(p.x), static_cast<float>(p.y)}; }
 
@@ -46,8 +47,8 @@ void draw_cut_handle(const Gui& gui, WindowState& state, const WindowView& view,
   ImDrawList* const list = ImGui::GetBackgroundDrawList();
   const double longest = std::max(glm::length(a_step), 1e-6);
   const glm::dvec2 reach = a_step * (2.6 * radius / longest), back(centre.x, centre.y);
-  list->AddLine(place_of(back - reach), place_of(back + reach), paint(GuiColors::kYellow), 2.5f);
-  list->AddCircleFilled(centre, 0.7f * radius, paint(held || over ? GuiColors::kYellow : GuiColors::kSky));
+  list->AddLine(place_of(back - reach), place_of(back + reach), paint(kOnBone.yellow), 2.5f);
+  list->AddCircleFilled(centre, 0.7f * radius, paint(held || over ? kOnBone.yellow : kOnBone.sky));
   list->AddCircle(centre, 0.7f * radius, paint(0x101418), 0, 2.0f);
 }
 

@@ -9,6 +9,7 @@
 #include "app/window/over_bone.h"
 #include "app/window/panel_parts.h"
 #include "app/window/panel_text.h"
+#include "app/window/quality_panel.h"
 #include "app/window/transport_bar.h"
 #include "core/base/units.h"
 
@@ -20,9 +21,9 @@ constexpr double kHistory = 0.05;      // [s] between two points of a plot
 
 }  // namespace
 
-void PanelHistory::add(double time, double force, double depth) {
-  constexpr double kFeedOver = 0.5, kGap = 1.0;                                 // [s]
-  if (!time_.empty() && (time < time_.back() || time - time_.back() > kGap)) {  // a jump in a session
+void PanelHistory::add(double time, double force, double depth, bool jumps) {
+  constexpr double kFeedOver = 0.5, kGap = 1.0;  // [s]
+  if (!time_.empty() && (time < time_.back() || (jumps && time - time_.back() > kGap))) {
     time_.clear();
     force_.clear();
     depth_.clear();
@@ -62,7 +63,7 @@ int panel_width(int window_width, float scale) noexcept { return std::min(static
 void Panel::draw(const WindowView& view, const DisplayFigures& figures, int width, int height) {
   if (view.stage == RunStage::drilling || plan_.title.empty()) plan_ = state_->plan();
   if (view.stage == RunStage::drilling) {
-    history_.add(view.live.time, glm::length(view.live.force), view.live.progress.depth);
+    history_.add(view.live.time, glm::length(view.live.force), view.live.progress.depth, view.transport.has_value());
     servo_us_.add(view.live.servo_us);
     contact_us_.add(view.live.contact_us);
     bone_us_.add(view.live.bone_us);
@@ -98,20 +99,26 @@ void Panel::push_gauge(const WindowView& view) {
   const double push = std::max(0.0, view.live.hand.thrust);
   caption(*gui_, "PUSH");
   ImGui::PushFont(gui_->big());
-  ImGui::TextColored(color(push > 0.9 * most ? GuiColors::kRed : GuiColors::kSky), "%.0f N", push);
+  ImGui::TextColored(color(push > 0.9 * most ? gui_->colors().red : gui_->colors().sky), "%.0f N", push);
   ImGui::PopFont();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float wide = ImGui::GetContentRegionAvail().x, tall = 14.0f * gui_->scale();
   ImDrawList* const list = ImGui::GetWindowDrawList();
   const auto place = [&](double newton) { return at.x + wide * static_cast<float>(std::min(1.0, newton / most)); };
-  list->AddRectFilled(at, ImVec2(at.x + wide, at.y + tall), paint(GuiColors::kGrey, 0.25f), 4.0f);
-  list->AddRectFilled(at, ImVec2(place(push), at.y + tall), paint(push > 0.9 * most ? GuiColors::kRed : GuiColors::kSky), 4.0f);
+  list->AddRectFilled(at, ImVec2(at.x + wide, at.y + tall), paint(gui_->colors().grey, 0.25f), 4.0f);
+  list->AddRectFilled(at, ImVec2(place(push), at.y + tall), paint(push > 0.9 * most ? gui_->colors().red : gui_->colors().sky), 4.0f);
   if (plan_.reference_push > 0.0) {
     const float mark = place(plan_.reference_push);
-    list->AddLine(ImVec2(mark, at.y - 3.0f), ImVec2(mark, at.y + tall + 3.0f), paint(GuiColors::kYellow), 2.0f);
+    list->AddLine(ImVec2(mark, at.y - 3.0f), ImVec2(mark, at.y + tall + 3.0f), paint(gui_->colors().yellow), 2.0f);
   }
-  ImGui::Dummy(ImVec2(wide, tall + 2.0f));
+  if (view.held_push > 0.0) {
+    const float held = place(view.held_push), foot = at.y + tall;
+    list->AddTriangleFilled(ImVec2(held, foot - 5.0f), ImVec2(held - 6.0f, foot + 5.0f), ImVec2(held + 6.0f, foot + 5.0f),
+                            paint(gui_->colors().text));
+  }
+  ImGui::Dummy(ImVec2(wide, tall + 4.0f));
   if (plan_.reference_push > 0.0) caption(*gui_, fmt::format("mark: {:.0f} N, the scene's own thrust", plan_.reference_push).c_str());
+  if (view.held_push > 0.0) caption(*gui_, fmt::format("held: {:.0f} N; G relaxes", view.held_push).c_str());
 }
 
 void Panel::big(const char* label, const std::string& value, unsigned rgb) {
@@ -127,15 +134,15 @@ void Panel::big(const char* label, const std::string& value, unsigned rgb) {
 
 void Panel::figures_of(const WindowView& view) {
   const double half = ImGui::GetContentRegionAvail().x * 0.5f;
-  big("DEPTH", depth_text(view.live.progress), beyond_bone(plan_, view.live) > 0.0 ? GuiColors::kRed : GuiColors::kSky);
+  big("DEPTH", depth_text(view.live.progress), beyond_bone(plan_, view.live) > 0.0 ? gui_->colors().red : gui_->colors().sky);
   ImGui::SameLine(static_cast<float>(half) + 2.0f * ImGui::GetStyle().WindowPadding.x);
   big("BONE LEFT", bone_left_text(plan_, view.live),
-      is_near_exit(plan_.approach, view.live.progress) ? GuiColors::kOrange : GuiColors::kSky);
+      is_near_exit(plan_.approach, view.live.progress) ? gui_->colors().orange : gui_->colors().sky);
 }
 
 void Panel::layers(const WindowView& view) {
   caption(*gui_, "UNDER THE TIP");
-  ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::kGreen));
+  ImGui::PushStyleColor(ImGuiCol_Text, color(gui_->colors().green));
   text(layer_under_tip(plan_, view.live));
   ImGui::PopStyleColor();
   // The bone from outside (left) to inside, with the part that is cut and the tip.
@@ -150,14 +157,14 @@ void Panel::layers(const WindowView& view) {
   list->AddRectFilled(at, ImVec2(place(thick - bone_left(plan_.approach, view.live.progress)), at.y + tall), IM_COL32(20, 22, 26, 190));
   const float tip = place(view.live.progress.depth);
   list->AddTriangleFilled(ImVec2(tip, at.y + tall * 0.5f), ImVec2(tip - tall * 0.6f, at.y - 2.0f),
-                          ImVec2(tip - tall * 0.6f, at.y + tall + 2.0f), paint(GuiColors::kSky));
+                          ImVec2(tip - tall * 0.6f, at.y + tall + 2.0f), paint(gui_->colors().sky));
   ImGui::Dummy(ImVec2(wide, tall + 4.0f));
 }
 
 void Panel::drive(const WindowView& view) {
   const double rpm = view.live.hand.spin * plan_.spin_rpm;
   big("DRILL", view.live.hand.spin > 0.0 ? fmt::format("{:.0f} rpm", rpm) : std::string("off"),
-      view.live.hand.spin > 0.0 ? GuiColors::kGreen : GuiColors::kGrey);
+      view.live.hand.spin > 0.0 ? gui_->colors().green : gui_->colors().grey);
   ImGui::PushFont(gui_->small());
   if (view.transport)
     text("as recorded");
@@ -221,7 +228,19 @@ void Panel::buttons(const WindowView& view) {
   ImGui::SameLine();
   button(view.requests.slices ? "No slices (L)" : "Slices (L)", [](Controls& p) { p.requests().slices = !p.requests().slices; });
   button(view.requests.lab ? "Trainee (F2)" : "Lab (F2)", [](Controls& p) { p.requests().lab = !p.requests().lab; });
+  text_buttons(wide);
   draw_cut_sliders(*gui_, *state_, view);
+}
+
+void Panel::text_buttons(float wide) {
+  // Beside the last button, in halves of its place.
+  ImGui::SameLine();
+  const ImVec2 half((wide - ImGui::GetStyle().ItemSpacing.x) * 0.5f, 0.0f);
+  for (const bool larger : {false, true}) {
+    if (larger) ImGui::SameLine();
+    if (ImGui::Button(larger ? "A +" : "A -", half)) state_->with_controls([&](Controls& p) { p.change_text(larger); });
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("letters %s (Ctrl and %s)", larger ? "larger" : "smaller", larger ? "+" : "-");
+  }
 }
 
 void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
@@ -249,9 +268,6 @@ void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
         text(fmt::format("[{}] {}: {:.0f} us, {:.1f} % of a core", price.effect, price.step, price.us, 100.0 * price.share));
   }
   text(fmt::format("{:.0f} pictures/s, {:.0f} ms each, {:.0f} ms late", figures.frames_per_s, figures.picture_ms, figures.latency_ms));
-  ImGui::PushTextWrapPos(0.0f);
-  text(figures.quality);
-  ImGui::PopTextWrapPos();
   ImGui::PopFont();
   ImGui::Separator();
 }
@@ -259,7 +275,7 @@ void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
 void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, int width, int height) {
   const float w = static_cast<float>(width), h = static_cast<float>(height), edge = 12.0f * gui_->scale();
   if (view.stage == RunStage::loading) {
-    begin_over("loading", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f), 0.9f);
+    begin_over("loading", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f));
     text("Loading the bone ...");
     ImGui::End();
     return;
@@ -268,32 +284,34 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
   warnings(view, width);
   if (!view.lines.empty()) {
     // Below the warnings, which stand in the middle of the upper edge.
-    begin_over("lines", ImVec2(edge, edge + 3.2f * ImGui::GetFontSize()), ImVec2(0.0f, 0.0f), 0.6f);
+    begin_over("lines", ImVec2(edge, edge + 3.2f * ImGui::GetFontSize()), ImVec2(0.0f, 0.0f));
+    ImGui::PushTextWrapPos(w - 3.0f * edge);
     for (const MessageLine& line : view.lines)
-      ImGui::TextColored(line.warning ? color(GuiColors::kOrange) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s", line.text.c_str());
+      ImGui::TextColored(line.warning ? color(gui_->colors().orange) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s", line.text.c_str());
+    ImGui::PopTextWrapPos();
     ImGui::End();
   }
   if (figures.coarse) {
     const float below = view.transport ? transport_height(*gui_) : 0.0f;
-    begin_over("coarse", ImVec2(w - edge, h - edge - below), ImVec2(1.0f, 1.0f), 0.4f);
+    begin_over("coarse", ImVec2(w - edge, h - edge - below), ImVec2(1.0f, 1.0f));
     ImGui::PushFont(gui_->small());
     text("coarser while moving");
     ImGui::PopFont();
     ImGui::End();
   }
   if (view.mode != CameraMode::orbit || view.fine) {
-    begin_over("mode", ImVec2(w - edge, edge), ImVec2(1.0f, 0.0f), 0.4f);
+    begin_over("mode", ImVec2(w - edge, edge), ImVec2(1.0f, 0.0f));
     ImGui::PushFont(gui_->small());
     text(fmt::format("{}{}", view.mode != CameraMode::orbit ? fmt::format("view: {}", name_of(view.mode)) : std::string(),
                      view.fine ? "  fine control" : ""));
     ImGui::PopFont();
     ImGui::End();
   }
-  if (view.stage == RunStage::drilling && view.requests.hints && !view.requests.slices && (!plan_.demonstration || view.goal.takes_over) &&
-      !view.transport)
+  if (view.stage == RunStage::drilling && view.requests.hints && !view.requests.slices && !view.requests.lab &&
+      (!plan_.demonstration || view.goal.takes_over) && !view.transport)
     hints(view, width, height);
   if (view.paused) {
-    begin_over("paused", ImVec2(0.5f * w, 0.35f * h), ImVec2(0.5f, 0.5f), 0.8f);
+    begin_over("paused", ImVec2(0.5f * w, 0.35f * h), ImVec2(0.5f, 0.5f));
     ImGui::PushFont(gui_->big());
     text("Paused");
     ImGui::PopFont();
@@ -302,50 +320,62 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
   }
   if (view.transport && view.stage == RunStage::drilling) draw_transport(*gui_, *state_, view, plan_, width, height);
   if (view.stage == RunStage::writing) {
-    begin_over("writing", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f), 0.8f);
+    begin_over("writing", ImVec2(0.5f * w, 0.5f * h), ImVec2(0.5f, 0.5f));
     text("Writing the report ...");
     ImGui::End();
   }
+  if (view.requests.lab && view.stage == RunStage::drilling) quality(view, figures, width, height);
   if (view.requests.help) help(view.transport.has_value(), width, height);
   if (view.stage == RunStage::drilling && view.requests.asks_end) end_question(width, height);
   if (view.stage == RunStage::ended) end_screen(width, height);
 }
 
+void Panel::quality(const WindowView& view, const DisplayFigures& figures, int width, int height) {
+  const float edge = 12.0f * gui_->scale(), below = edge + 2.4f * ImGui::GetFontSize() + (view.transport ? transport_height(*gui_) : 0.0f);
+  fit_over(width, height);
+  begin_over("quality", ImVec2(static_cast<float>(width) - edge, static_cast<float>(height) - below), ImVec2(1.0f, 1.0f), true);
+  ImGui::PushFont(gui_->small());
+  draw_quality(*gui_, *state_, figures);
+  ImGui::PopFont();
+  ImGui::End();
+}
+
 void Panel::warnings(const WindowView& view, int width) {
   const std::vector<std::string> lines = warnings_of(plan_, view);
   if (lines.empty() || view.stage != RunStage::drilling) return;
-  begin_over("warnings", ImVec2(0.5f * static_cast<float>(width), 10.0f * gui_->scale()), ImVec2(0.5f, 0.0f), 0.75f);
-  for (const std::string& line : lines) ImGui::TextColored(color(GuiColors::kOrange), "%s", line.c_str());
+  begin_over("warnings", ImVec2(0.5f * static_cast<float>(width), 10.0f * gui_->scale()), ImVec2(0.5f, 0.0f));
+  for (const std::string& line : lines) ImGui::TextColored(color(gui_->colors().orange), "%s", line.c_str());
   ImGui::End();
 }
 
 void Panel::hints(const WindowView& view, int width, int height) {
-  (void)width;
   const float edge = 12.0f * gui_->scale();
-  begin_over("hints", ImVec2(edge, static_cast<float>(height) - edge), ImVec2(0.0f, 1.0f), 0.7f);
+  begin_over("hints", ImVec2(edge, static_cast<float>(height) - edge), ImVec2(0.0f, 1.0f));
+  ImGui::PushTextWrapPos(static_cast<float>(width) - 3.0f * edge);  // large letters stay on the picture
   const auto step = [&](bool done, const char* words) {
-    ImGui::TextColored(done ? color(GuiColors::kGreen) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s %s", done ? "+" : "-", words);
+    ImGui::TextColored(done ? color(gui_->colors().green) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s %s", done ? "+" : "-", words);
   };
   step(view.live.hand.spin > 0.0 || view.live.progress.deepest > 0.0, "Hold Space: the drill spins. X keeps it on.");
   step(glm::length(view.live.force) > 1.0 || view.live.progress.deepest > 0.0,
-       "Hold W, or turn the wheel: the drill advances and presses, and stays pressed. S moves back.");
+       "Hold W: the drill advances and presses; released, it rests lightly. The wheel presses and holds. S moves back.");
   step(false, "Arrows or left drag move it across the bone, right drag turns the view.");
   ImGui::PushFont(gui_->small());
   text("F1 shows all keys. H hides this.");
   ImGui::PopFont();
+  ImGui::PopTextWrapPos();
   ImGui::End();
 }
 
 void Panel::help(bool watches, int width, int height) {
   fit_over(width, height);
-  begin_over("help", ImVec2(0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f, true);
+  begin_over("help", ImVec2(0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), true);
   const bool is_low = static_cast<float>(height) < 30.0f * ImGui::GetFontSize();
   if (is_low) ImGui::PushFont(gui_->small());
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
     for (const auto& [key, meaning] : watches ? watching_keys() : key_table()) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      ImGui::TextColored(color(GuiColors::kSky), "%s", key);
+      ImGui::TextColored(color(gui_->colors().sky), "%s", key);
       ImGui::TableNextColumn();
       ImGui::TextUnformatted(meaning);
     }
@@ -357,7 +387,7 @@ void Panel::help(bool watches, int width, int height) {
 
 void Panel::end_question(int width, int height) {
   fit_over(width, height);
-  begin_over("end", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f, true);
+  begin_over("end", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), true);
   text("End the run and write the report?");
   if (ImGui::Button("End (Enter)")) state_->with_controls([](Controls& p) { p.end(); });
   ImGui::SameLine();
@@ -367,10 +397,10 @@ void Panel::end_question(int width, int height) {
 
 void Panel::end_screen(int width, int height) {
   fit_over(width, height);
-  begin_over("ended", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), 0.94f, true);
+  begin_over("ended", ImVec2(0.5f * static_cast<float>(width), 0.45f * static_cast<float>(height)), ImVec2(0.5f, 0.5f), true);
   const std::string failure = state_->failure();
   if (!failure.empty()) {
-    ImGui::TextColored(color(GuiColors::kRed), "The run failed");
+    ImGui::TextColored(color(gui_->colors().red), "The run failed");
     text(failure);
   }
   if (const auto summary = state_->summary()) {
@@ -384,13 +414,13 @@ void Panel::end_screen(int width, int height) {
         ImGui::TableNextColumn();
         text(name);
         ImGui::TableNextColumn();
-        ImGui::TextColored(color(GuiColors::kSky), "%s", value.c_str());
+        ImGui::TextColored(color(gui_->colors().sky), "%s", value.c_str());
       }
       ImGui::EndTable();
     }
     for (const std::string& line : summary->warnings) {
       ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26.0f);
-      ImGui::TextColored(color(GuiColors::kOrange), "%s", line.c_str());
+      ImGui::TextColored(color(gui_->colors().orange), "%s", line.c_str());
       ImGui::PopTextWrapPos();
     }
   }

@@ -2,9 +2,12 @@
 ///   Units  as the texts say.   Errors  none.   Thread  the one that draws, between Gui::begin() and Gui::end().
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "app/view/quality.h"
 #include "app/window/gui.h"
 #include "app/window/window_state.h"
 
@@ -13,17 +16,23 @@ namespace burrhole {
 /// Figures of the display itself.
 struct DisplayFigures {
   double frames_per_s = 0.0;
-  double picture_ms = 0.0;  ///< time of the latest picture
-  double latency_ms = 0.0;  ///< from an event to the picture that shows it, smoothed
-  std::string quality;      ///< of the latest picture
-  bool coarse = false;      ///< the latest picture is coarser than one at rest
+  double picture_ms = 0.0;                ///< time of the latest picture
+  double latency_ms = 0.0;                ///< from an event to the picture that shows it, smoothed
+  DrawingQuality quality;                 ///< of the latest picture
+  DrawingQuality at_rest;                 ///< wanted of a picture at rest
+  std::span<const QualityPoint> front{};  ///< what is known of qualities of this display; empty: nothing
+  std::optional<double> full_ms{};        ///< time of the last picture at rest of which all pixels were drawn, at this quality
+  std::optional<double> moving_psnr{};    ///< [dB] of the last picture with one ray a pixel against that at rest, of the same view
+  double refined_ms = 0.0;                ///< from the last change to the latest picture at rest; 0: none yet
+  bool coarse = false;                    ///< the latest picture is coarser than one at rest
 };
 
 /// Keeps the last seconds of force and depth for the plots.
 class PanelHistory {
  public:
   static constexpr std::size_t kMost = 600;
-  void add(double time, double force, double depth);
+  /// @param jumps a session may go on at another time: what was before is another part of it. A run does not jump, but its window may stall.
+  void add(double time, double force, double depth, bool jumps);
   [[nodiscard]] const std::vector<float>& force() const noexcept { return force_; }
   [[nodiscard]] const std::vector<float>& depth() const noexcept { return depth_; }
   [[nodiscard]] double feed() const noexcept { return feed_; }  ///< [mm/s] over the last half second
@@ -67,6 +76,8 @@ class Panel {
   void tools(const WindowView& view);
   void buttons(const WindowView& view);
   void lab(const WindowView& view, const DisplayFigures& figures);
+  void text_buttons(float wide);
+  void quality(const WindowView& view, const DisplayFigures& figures, int width, int height);
   void over_picture(const WindowView& view, const DisplayFigures& figures, int width, int height);
   void warnings(const WindowView& view, int width);
   void hints(const WindowView& view, int width, int height);

@@ -12,7 +12,7 @@ void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
 
 void caption(const Gui& gui, const char* words) {
   ImGui::PushFont(gui.small());
-  ImGui::PushStyleColor(ImGuiCol_Text, color(GuiColors::kGrey));
+  ImGui::PushStyleColor(ImGuiCol_Text, color(gui.colors().grey));
   ImGui::TextUnformatted(words);
   ImGui::PopStyleColor();
   ImGui::PopFont();
@@ -22,9 +22,9 @@ void fit_over(int width, int height) {
   ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f), ImVec2(static_cast<float>(width), static_cast<float>(height)));
 }
 
-bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, float alpha, bool takes_mouse) {
+bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, bool takes_mouse) {
   ImGui::SetNextWindowPos(place, ImGuiCond_Always, pivot);
-  ImGui::SetNextWindowBgAlpha(alpha);
+  ImGui::SetNextWindowBgAlpha(kOverPicture);
   return ImGui::Begin(name, nullptr,
                       ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                           (takes_mouse ? 0 : ImGuiWindowFlags_NoInputs) | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav |

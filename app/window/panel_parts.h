@@ -10,6 +10,9 @@
 
 namespace burrhole {
 
+/// Opacity of a window with text over the picture: its text keeps its contrast over black and over white.
+inline constexpr float kOverPicture = 0.9f;
+
 [[nodiscard]] ImVec4 color(unsigned rgb, float alpha = 1.0f);
 [[nodiscard]] ImU32 paint(unsigned rgb, float alpha = 1.0f);
 
@@ -21,6 +24,6 @@ void caption(const Gui& gui, const char* words);
 /// The next window is no larger than a picture of that size; what does not fit is reached by the wheel.
 void fit_over(int width, int height);
 /// A window without frame over the picture. @param takes_mouse it has buttons; other words leave the mouse to the picture below.
-bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, float alpha, bool takes_mouse = false);
+bool begin_over(const char* name, const ImVec2& place, const ImVec2& pivot, bool takes_mouse = false);
 
 }  // namespace burrhole

@@ -89,9 +89,10 @@ std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& v
 }
 
 std::span<const std::pair<const char*, const char*>> key_table() {
-  static constexpr std::array<std::pair<const char*, const char*>, 22> kKeys{{
+  static constexpr std::array<std::pair<const char*, const char*>, 24> kKeys{{
       {"Space (hold), X", "drill on; X keeps it on"},
-      {"W, S or wheel", "advance and press; move back"},
+      {"W; S", "advance and press, and rest lightly when released; move back"},
+      {"wheel; G", "advance and press, and hold that; relax"},
       {"arrows, left drag", "move across the bone"},
       {"A, D, Q, E", "lean left, right, towards you, away"},
       {"R, Home", "straighten; back to the entry"},
@@ -108,6 +109,7 @@ std::span<const std::pair<const char*, const char*>> key_table() {
       {"T", "take a demonstration over"},
       {"F2", "panel for trainees or for the lab"},
       {"F11, F12", "full screen; screenshot"},
+      {"Ctrl and +, -, 0", "letters larger, smaller, as at the start"},
       {"H, F1", "hints; these keys"},
       {"Esc", "end the run"},
       {"pad: triggers", "left advances, right drills; right bumper moves back"},
@@ -117,7 +119,7 @@ std::span<const std::pair<const char*, const char*>> key_table() {
 }
 
 std::span<const std::pair<const char*, const char*>> watching_keys() {
-  static constexpr std::array<std::pair<const char*, const char*>, 12> kKeys{{
+  static constexpr std::array<std::pair<const char*, const char*>, 13> kKeys{{
       {"Space, P", "run; pause"},
       {"left, right", "a second back, ahead"},
       {"Shift+left, right", "pause, and 10 ms back, ahead"},
@@ -129,6 +131,7 @@ std::span<const std::pair<const char*, const char*>> watching_keys() {
       {"F, V", "show the hole as at the start; orbit, surgeon, microscope"},
       {"K, L", "cut the bone open; slices through the tip"},
       {"F2, F11, F12", "all figures; full screen; screenshot"},
+      {"Ctrl and +, -, 0", "letters larger, smaller, as at the start"},
       {"F1, Esc", "these keys; close"},
   }};
   return kKeys;

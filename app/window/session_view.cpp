@@ -63,6 +63,7 @@ class Replayer {
   void start() {
     WindowStart start;
     start.tool = loaded_->tool.name;
+    start.text_scale = view_->viewer.text_scale;
     const double period = simulation_->stage().period;
     start.transport = Transport(static_cast<double>(hand_->ticks()) * period, period);
     for (const SessionEvent& event : session_->events())

@@ -12,7 +12,7 @@ namespace {
 
 std::string speed_text(double speed) { return speed < 1.0 ? fmt::format("1/{:.0f}x", 1.0 / speed) : fmt::format("{:g}x", speed); }
 
-void buttons(WindowState& state, const Transport& transport) {
+void buttons(const Gui& gui, WindowState& state, const Transport& transport) {
   const auto change = [&](const std::function<void(Transport&)>& f) {
     state.with_controls([&](Controls& controls) { f(*controls.transport()); });
   };
@@ -33,7 +33,7 @@ void buttons(WindowState& state, const Transport& transport) {
   text(fmt::format("  {:.2f} of {:.2f} s", transport.head(), transport.duration()));
   if (transport.seeks()) {
     ImGui::SameLine();
-    ImGui::TextColored(color(GuiColors::kOrange), "  computing %.1f s", transport.arrived());
+    ImGui::TextColored(color(gui.colors().orange), "  computing %.1f s", transport.arrived());
   }
 }
 
@@ -49,16 +49,16 @@ void line(const Gui& gui, WindowState& state, const Transport& transport, const 
   if (ImGui::IsItemActivated() || (ImGui::IsItemActive() && ImGui::GetIO().MouseDelta.x != 0.0f))
     state.with_controls([&](Controls& controls) { controls.transport()->jump(pointed); });
   ImDrawList* const list = ImGui::GetWindowDrawList();
-  list->AddRectFilled(ImVec2(at.x, middle - 3.0f), ImVec2(at.x + wide, middle + 3.0f), paint(GuiColors::kGrey, 0.35f), 3.0f);
-  list->AddRectFilled(ImVec2(at.x, middle - 3.0f), ImVec2(place(transport.arrived()), middle + 3.0f), paint(GuiColors::kSky, 0.8f), 3.0f);
+  list->AddRectFilled(ImVec2(at.x, middle - 3.0f), ImVec2(at.x + wide, middle + 3.0f), paint(gui.colors().grey, 0.35f), 3.0f);
+  list->AddRectFilled(ImVec2(at.x, middle - 3.0f), ImVec2(place(transport.arrived()), middle + 3.0f), paint(gui.colors().sky, 0.8f), 3.0f);
   const MessageLine* near = nullptr;
   for (const MessageLine& mark : plan.marks) {
     const float x = place(mark.time);
-    list->AddLine(ImVec2(x, at.y + 2.0f), ImVec2(x, at.y + tall - 2.0f), paint(mark.warning ? GuiColors::kOrange : GuiColors::kYellow),
+    list->AddLine(ImVec2(x, at.y + 2.0f), ImVec2(x, at.y + tall - 2.0f), paint(mark.warning ? gui.colors().orange : gui.colors().yellow),
                   2.0f);
     if (ImGui::IsItemHovered() && std::abs(ImGui::GetIO().MousePos.x - x) < 6.0f) near = &mark;
   }
-  list->AddCircleFilled(ImVec2(place(transport.head()), middle), 7.0f * gui.scale(), paint(GuiColors::kSky));
+  list->AddCircleFilled(ImVec2(place(transport.head()), middle), 7.0f * gui.scale(), paint(gui.colors().sky));
   if (near != nullptr)
     ImGui::SetTooltip("%.2f s: %s", near->time, near->text.c_str());
   else if (ImGui::IsItemHovered())
@@ -73,11 +73,11 @@ void draw_transport(const Gui& gui, WindowState& state, const WindowView& view, 
   const float tall = transport_height(gui);
   ImGui::SetNextWindowPos(ImVec2(0.0f, static_cast<float>(height) - tall));
   ImGui::SetNextWindowSize(ImVec2(static_cast<float>(width), tall));
-  ImGui::SetNextWindowBgAlpha(0.85f);
+  ImGui::SetNextWindowBgAlpha(kOverPicture);
   ImGui::Begin("transport", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
   line(gui, state, *view.transport, plan);
-  buttons(state, *view.transport);
+  buttons(gui, state, *view.transport);
   ImGui::End();
 }
 

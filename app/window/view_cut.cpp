@@ -36,7 +36,8 @@ std::optional<glm::dvec2> project(const CameraView& camera, const Vec3& point, i
   const double deep = glm::dot(to, ahead);
   if (!(deep > 0.0)) return std::nullopt;
   const double scale = 0.5 * height / (deep * std::tan(0.5 * camera.vertical_fov));
-  return glm::dvec2(0.5 * width + scale * glm::dot(to, right), 0.5 * height - scale * glm::dot(to, up));
+  return glm::dvec2(0.5 * width * (1.0 - camera.shift.x) + scale * glm::dot(to, right),
+                    0.5 * height * (1.0 + camera.shift.y) - scale * glm::dot(to, up));
 }
 
 }  // namespace burrhole

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "app/render/picture_texture.h"
 #include "app/render/png.h"
@@ -20,7 +21,9 @@ namespace {
 using Steady = std::chrono::steady_clock;
 
 constexpr auto kFrame = std::chrono::microseconds(16'000);  // between two pictures of a window that changes
+constexpr double kIdleAfter = 0.6;                          // [s] without a change or an event
 constexpr auto kIdle = std::chrono::milliseconds(250);      // of one that does not, unless something comes in
+constexpr double kStillTool = 1e-4;                         // [m] of the tool, less changes no refined picture
 constexpr double kSliceHalfWidth = 0.012;                   // [m] shown around the tip
 constexpr double kSliceStep = 5e-5;                         // [m] of the tip, less changes no slice
 constexpr double kSliceTurn = 0.999999;                     // [-] cosine of half a turn of 0.16 degrees, above which no slice changes
@@ -202,6 +205,7 @@ Result<std::unique_ptr<PictureSink>> Viewer::make_sink(const DisplayConfig& disp
     parts_ = std::move(parts).value();
     display_ = display;
     quality_ = run_quality_ = display.quality;
+    if (display.method == "raycast") figures_.front = shipped_front(!display.transfer.empty());
     return {};
   });
   if (!made) return made.error();
@@ -258,12 +262,12 @@ void Viewer::draw_until_closed() {
   if (!opened) {
     state_->fail(opened.error());
   } else {
-    changed_at_ = last_frame_ = Steady::now();
+    changed_at_ = active_at_ = last_frame_ = Steady::now();
     while (!(state_->closed() && released_.load(std::memory_order_acquire))) {
       const auto start = Steady::now();
       serve();
       if (gui_ && !window_->is_lost()) draw_frame();
-      const bool idle = seconds(Steady::now() - changed_at_) > 2.0 * config_.rest;
+      const bool idle = seconds(Steady::now() - std::max(active_at_, changed_at_)) > kIdleAfter;
       for (auto until = start + kFrame; !wait_for_jobs(until) && idle && until < start + kIdle && !state_->has_events(); until += kFrame) {
       }
     }
@@ -278,8 +282,9 @@ void Viewer::draw_frame() {
   last_frame_ = now;
   const WindowView view = state_->view();
   const std::vector<WindowEvent> events = state_->take_events();
-  if (!events.empty()) changed_at_ = now;  // the next frames come soon
+  if (!events.empty()) active_at_ = now;  // the next frames come soon
   gui_->feed(events);
+  fit_texts(view);
   const int side = panel_width(width, gui_->scale());
   state_->set_picture_size(width - side, height);
   const bool turned = !last_camera_ || !(*last_camera_ == view.camera);
@@ -300,6 +305,11 @@ void Viewer::draw_frame() {
   state_->take_mouse(gui_->wants_mouse());
   if (view.requests.screenshot) take_screenshot(width, height);
   window_->swap();
+  if (std::exchange(times_refined_, false)) {
+    const double after = seconds(Steady::now() - changed_at_);
+    figures_.refined_ms = after * 1e3;
+    totals_.refined.add(after);
+  }
   if (since > 0.0) figures_.frames_per_s += kSmooth * (1.0 / since - figures_.frames_per_s);
   if (view.stage == RunStage::drilling && turned)
     totals_.turning.add(since);
@@ -341,16 +351,24 @@ Viewer::Change Viewer::find_change(const WindowView& view, int width, int height
 
 bool Viewer::choose_quality(const WindowView& view, const Change& change) {
   const auto now = Steady::now();
-  if (change.camera || change.tool || change.bone || change.size) changed_at_ = now;
+  bool begins = false;
+  // A bit that trembles in the hand rests.
+  const std::optional<Pose>& tool = change.frame.world_from_tool;
+  const bool rests = !tool || (still_tool_ && glm::length(tool->translation - still_tool_->translation) < kStillTool &&
+                               std::abs(glm::dot(tool->rotation, still_tool_->rotation)) > kSliceTurn);
+  if (!rests) still_tool_ = tool;
+  if (change.camera || !rests || change.bone || change.size) changed_at_ = now;
   // A tool that moves without drilling leaves a refined picture as it is.
   if (change.camera || change.bone || view.live.hand.spin > 0.0)
     refined_ = false;
-  else if (texels_.empty() && seconds(now - changed_at_) > config_.rest)
-    refined_ = true;
-  DrawingQuality wanted = run_quality_;
+  else if (texels_.empty() && seconds(now - changed_at_) > refine_pace_.rest())
+    begins = !std::exchange(refined_, true);
+  DrawingQuality wanted = figures_.at_rest = view.requests.quality.value_or(run_quality_);
   if (!refined_) wanted.supersample = 1;
   if (wanted == quality_ || !parts_.renderer->set_quality(wanted)) return false;
+  if (refined_) figures_.full_ms.reset();  // that of another quality
   quality_ = wanted;
+  times_refined_ = begins;
   return true;
 }
 
@@ -381,7 +399,7 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   const bool other_quality = choose_quality(view, change);
   const double share = pace_.resolution();
   const bool same = !change.camera && !change.tool && !change.bone && !change.size && !other_quality;
-  if (drawn_ && same && !figures_.coarse) return;
+  if (drawn_ && same && !(figures_.coarse && (refined_ || refine_pace_.has_steps()))) return;
   auto image = draw_eyes(change.frame, width, height);
   if (!image) return state_->say("The picture cannot be drawn: " + image.error().text(), true);
   texture_->set(*image);
@@ -393,7 +411,8 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   totals_.picture.add(took);
   figures_.picture_ms = took * 1e3;
   figures_.coarse = change.camera && share < 1.0;
-  figures_.quality = quality_text(quality_, false);
+  figures_.quality = quality_;
+  measure(change, other_quality, took, *image);
   last_camera_ = change.frame.camera;
   last_cut_ = view.cut;
   last_tool_ = change.frame.world_from_tool;
@@ -401,6 +420,25 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   picture_height_ = height;
   bone_changed_ = false;
   drawn_ = true;
+}
+
+void Viewer::measure(const Change& change, bool other_quality, double took, const Image& image) {
+  const bool same_view = !change.camera && !change.tool && !change.bone && !change.size;
+  if (refined_ && (other_quality || change.size)) {
+    figures_.full_ms = took * 1e3;
+    refine_pace_.record(took);
+    if (same_view && rough_) figures_.moving_psnr = psnr_of(*rough_, image);
+  }
+  rough_.reset();
+  if (!refined_ && !figures_.coarse) rough_ = image;
+}
+
+void Viewer::fit_texts(const WindowView& view) {
+  const double person = view.requests.text_scale > 0.0 ? view.requests.text_scale : config_.text_scale;
+  const auto wanted = static_cast<float>(person) * window_->scale();
+  if (wanted == gui_->scale()) return;
+  gui_->rescale(wanted);
+  slices_stale_ = true;
 }
 
 void Viewer::draw_slices(const WindowView& view) {

@@ -17,6 +17,7 @@
 #include "app/render/renderer.h"
 #include "app/window/glfw_window.h"
 #include "app/window/panel.h"
+#include "app/window/quality_steps.h"
 #include "app/window/window_state.h"
 #include "core/base/step_timer.h"
 
@@ -37,7 +38,6 @@ struct ViewerConfig {
   double moving_budget = 0.050;  ///< [s] of a picture while the camera moves
   double coarsest = 0.625;       ///< [-] least share of its width and height that is drawn then
   double bone_share = 0.4;       ///< [-] of the time, at most, for pixels whose bone has changed; a moving tool needs no rays
-  double rest = 0.3;             ///< [s] with the drill off and without a change, after which the picture is refined
   std::string folder;            ///< of screenshots; empty: none can be taken
 };
 
@@ -71,6 +71,7 @@ struct WindowFigures {
   PictureRate turning;   ///< the view moved
   PictureTimes picture;  ///< time of one
   PictureTimes latency;  ///< from the first event that it shows to the picture on the screen
+  PictureTimes refined;  ///< from the last change to the picture at rest on the screen
 };
 
 class Viewer {
@@ -120,6 +121,10 @@ class Viewer {
   bool choose_quality(const WindowView& view, const Change& change);
   /// One picture, or those of both eyes joined, as the scene's stereo says.
   [[nodiscard]] Result<Image> draw_eyes(const FrameView& frame, int width, int height);
+  /// Makes texts of the size that desktop and person want.
+  void fit_texts(const WindowView& view);
+  /// Keeps what a picture has cost, and its difference from the coarser one of the same view.
+  void measure(const Change& change, bool other_quality, double took, const Image& image);
   /// Draws the slices through the tip, if they are asked for and bone or tip has changed.
   void draw_slices(const WindowView& view);
   void take_screenshot(int width, int height);
@@ -151,13 +156,18 @@ class Viewer {
   bool tool_turns_ = true, bone_changed_ = false, drawn_ = false, refined_ = true, grown_ = false;
   DrawingQuality quality_, run_quality_;  // of the last picture; of the pictures of the run
   DynamicResolution pace_;
+  RefinePace refine_pace_;
   Pose world_from_approach_;
   std::optional<CameraView> last_camera_;
   ViewCut last_cut_;
   std::optional<Pose> last_tool_;
-  std::vector<TexelBox> texels_;  // of changed bone, not sent to the renderer yet
-  double bone_time_ = 0.0;        // [s] of the last picture with changed bone
-  Time changed_at_{}, last_frame_{}, sent_at_{};
+  std::optional<Pose> still_tool_;  // where the tool has rested since the last change
+  std::vector<TexelBox> texels_;    // of changed bone, not sent to the renderer yet
+  double bone_time_ = 0.0;          // [s] of the last picture with changed bone
+  // Of what the picture shows; of that, or events; of the last picture; of the last bone; of the change after which a picture is refined.
+  Time changed_at_{}, active_at_{}, last_frame_{}, sent_at_{};
+  bool times_refined_ = false;  // the picture that is drawn now is the first refined one after a change
+  std::optional<Image> rough_;  // the last picture with one ray a pixel; absent: another has been drawn since
   int picture_width_ = 0, picture_height_ = 0, screenshots_ = 0;
   DisplayFigures figures_;
   WindowFigures totals_;

@@ -28,6 +28,7 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   setup.deepest = thickness + kBeyondBone;
   setup.demonstration = start.demonstration;
   setup.transport = start.transport;
+  setup.text_scale = start.text_scale;
   WindowPlan plan;
   plan.title = loaded.scene.title;
   plan.approach = stage.approach;

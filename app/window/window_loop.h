@@ -19,6 +19,7 @@ struct WindowStart {
   std::string tool{};                    ///< name of the scene's
   double reference_push = 0.0;           ///< [N] of the scene's script; 0: none
   bool demonstration = false;            ///< the scene's own hand drills
+  double text_scale = 1.0;               ///< [-] of texts, of the desktop's own scale
   std::optional<Transport> transport{};  ///< of a watched session
   std::vector<MessageLine> marks{};      ///< on its time line
 };

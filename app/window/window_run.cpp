@@ -37,6 +37,7 @@ Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
 
   RunSwitches switches;
   switches.signal = run.job.stop;
+  run.start.text_scale = run.viewer.text_scale;
   run.job.live = true;
   run.job.stop = &switches.stop;
   run.job.user = &state;

@@ -157,6 +157,7 @@ WindowView WindowState::view() {
   out.paused = controls_->paused();
   out.fine = controls_->fine();
   out.locked_on = controls_->locked_on();
+  out.held_push = controls_->held_push();
   out.requests = controls_->requests();
   if (const Transport* const transport = controls_->transport()) out.transport = *transport;
   return out;

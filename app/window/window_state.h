@@ -55,6 +55,7 @@ struct WindowView {
   UserGoal goal;
   DisplayRequests requests;
   bool paused = false, fine = false, locked_on = false, pad = false;
+  double held_push = 0.0;  ///< [N] that stays when nothing presses; 0: the hand rests lightly
   std::string tool;
   double turned = 0.0;  ///< [rev] of the spindle, for the picture of the bit
   double time = 0.0;    ///< [s] of state time

@@ -1,4 +1,4 @@
-#include "app/window/chooser.h"
+#include "app/window/selection.h"
 
 #include <doctest/doctest.h>
 
@@ -30,6 +30,22 @@ TEST_CASE("keys move over what can be chosen, and stop at both ends") {
   CHECK(selection.at() == 1);
   CHECK(selection.point_at(3));
   CHECK(selection.at() == 3);
+}
+
+TEST_CASE("a page is eight lines, and ends at both ends") {
+  std::array<Choice, 20> choices{};
+  choices[3].missing = "gone";
+  Selection selection(choices);
+  (void)selection.press(Key::page_down);
+  CHECK(selection.at() == 9);  // one of the lines cannot be chosen
+  (void)selection.press(Key::page_down);
+  (void)selection.press(Key::page_down);
+  CHECK(selection.at() == 19);
+  (void)selection.press(Key::page_up);
+  CHECK(selection.at() == 11);
+  (void)selection.press(Key::page_up);
+  (void)selection.press(Key::page_up);
+  CHECK(selection.at() == 0);
 }
 
 TEST_CASE("of nothing, nothing is chosen") {

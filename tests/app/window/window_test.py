@@ -6,110 +6,19 @@ folder BURRHOLE_PICTURES, if it is set.
 import contextlib
 import json
 import os
-import pathlib
 import random
-import shutil
 import signal
 import sqlite3
-import struct
-import subprocess
 import sys
 import time
 import unittest
 
-TESTS = pathlib.Path(__file__).resolve().parents[2]
-sys.path += [str(TESTS / "app" / "cli"), str(TESTS / "support")]
-from program_support import PROGRAM, QUICK, WithFolder, run  # noqa: E402
-import session_blocks  # noqa: E402
-import virtual_pad  # noqa: E402
-from virtual_display import PATIENCE, Display, missing  # noqa: E402
+from window_support import PATIENCE, QUICK, WindowTest, missing, run, size_of
+import session_blocks
+import virtual_pad
 
 
-def size_of(picture):
-    return struct.unpack(">II", picture.read_bytes()[16:24])
-
-
-class Window(WithFolder):
-    def setUp(self):
-        super().setUp()
-        self.display = Display()
-        self.addCleanup(self.display.close)
-        self.out = self.folder / "out"
-        self.process = None
-
-    def tearDown(self):
-        if self.process is not None and self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
-        pictures = os.environ.get("BURRHOLE_PICTURES")
-        if pictures and self.out.exists():
-            pathlib.Path(pictures).mkdir(parents=True, exist_ok=True)
-            for picture in self.out.glob("screenshot-*.png"):
-                shutil.copy(picture, pathlib.Path(pictures) / f"{self._testMethodName}-{picture.name}")
-
-    def start(self, *arguments, scene=QUICK, before=()):
-        self.start_program("drill", scene, "--window", "--out", self.out, *arguments, before=before)
-        self.wait_until(lambda: "renderer: window" in self.log.read_text(), "the window's renderer")
-        self.find_window()
-        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
-
-    def start_program(self, *words, before=()):
-        self.log = self.folder / "log"
-        with self.log.open("w") as log:
-            self.process = subprocess.Popen([*before, PROGRAM, *map(str, words)], env=self.display.environment, cwd=self.folder, stdout=subprocess.DEVNULL,
-                                            stderr=log)
-
-    def find_window(self):
-        self.window = self.display.tool("search", "--sync", "--onlyvisible", "--name", "burrhole").stdout.split()[0]
-        self.display.tool("windowfocus", "--sync", self.window)
-
-    def wait_until(self, ready, what):
-        end = time.monotonic() + PATIENCE
-        while not ready():
-            if self.process.poll() is not None:
-                self.fail(f"the program ended ({self.process.returncode}) before {what}: {self.log.read_text()}")
-            self.assertLess(time.monotonic(), end, f"{what} did not come")
-            time.sleep(0.05)
-
-    def press(self, *keys):
-        for key in keys:
-            self.display.tool("key", key)
-
-    def hold(self, key, seconds):
-        self.display.tool("keydown", key)
-        time.sleep(seconds)
-        self.display.tool("keyup", key)
-
-    def picture(self):
-        before = len(list(self.out.glob("screenshot-*.png")))
-        self.press("F12")
-        self.wait_until(lambda: len(list(self.out.glob("screenshot-*.png"))) > before, "a screenshot")
-        return self.out / f"screenshot-{before + 1}.png"
-
-    def close(self):
-        """Closes the window as its manager does; the manager may not be ready for its key yet."""
-        end = time.monotonic() + PATIENCE
-        while self.process.poll() is None and time.monotonic() < end:
-            self.display.tool("key", "alt+F4", check=False)
-            try:
-                self.process.wait(2.0)
-            except subprocess.TimeoutExpired:
-                pass
-        self.assertEqual(self.process.poll(), 0, self.log.read_text())
-
-    def end(self):
-        self.press("Escape")
-        time.sleep(0.3)
-        self.press("Return")
-        self.wait_until(lambda: (self.out / "report.html").exists(), "the report")
-        time.sleep(0.5)
-        self.close()
-        return json.loads((self.out / "summary.json").read_text())
-
-    def assert_replays(self):
-        replayed = run("replay", self.out / "session.sqlite")
-        self.assertEqual(replayed.returncode, 0, replayed.stdout + replayed.stderr)
-
+class Window(WindowTest):
     def test_a_person_drills_through_with_keys_alone_and_the_session_replays(self):
         self.start()
         before = self.picture()
@@ -383,44 +292,6 @@ class Window(WithFolder):
         self.picture()
         self.press("Escape")
         self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
-
-    def test_without_a_command_a_person_chooses(self):
-        self.start_program()
-        self.find_window()
-        time.sleep(1.0)
-        self.press("Return")  # the first scene
-        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
-        self.find_window()
-        self.process.send_signal(signal.SIGINT)
-        self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
-        results = list((self.folder / "out").iterdir())
-        self.assertEqual(len(results), 1)
-        self.assertTrue((results[0] / "summary.json").exists())
-        self.start_program()
-        self.find_window()
-        time.sleep(1.0)
-        self.press(*["Down"] * 6, "Return")  # the last line: the session
-        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the session")
-        self.find_window()
-        self.press("Escape")
-        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
-
-    def test_a_chooser_is_closed_by_a_key_and_by_a_signal(self):
-        self.start_program()
-        self.find_window()
-        time.sleep(1.0)
-        self.press("Escape")
-        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
-        self.start_program()
-        self.find_window()
-        self.process.send_signal(signal.SIGTERM)
-        self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
-        self.start_program()
-        self.find_window()
-        self.display.server.kill()
-        self.display.server.wait()
-        self.assertNotEqual(self.process.wait(PATIENCE), -signal.SIGKILL, self.log.read_text())
-        self.assertIn("the display was lost", self.log.read_text())
 
     def test_a_renderer_that_cannot_be_made_is_one_line(self):
         empty = self.folder / "shaders"

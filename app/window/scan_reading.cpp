@@ -1,0 +1,47 @@
+#include "app/window/scan_reading.h"
+
+#include <utility>
+
+#include "app/scene/volume_scene.h"
+
+namespace burrhole {
+namespace {
+
+constexpr double kOverviewVoxel = 1.0e-3;  // [m] enough for a picture of a head and for the direction of its surface
+
+/// An exception may not leave the thread.
+Result<ImportedBone> read_safely(const ImportRequest& request) {
+  try {
+    return import_bone(request, {});
+  } catch (const std::exception& error) {
+    return Error{ErrorCode::internal, std::string("the reading ended with an exception: ") + error.what(), request.path};
+  }
+}
+
+}  // namespace
+
+ImportRequest overview_request(const SkullSource& source, bool is_grids) {
+  ImportRequest out{source.path, {}, {}};
+  if (!source.unit.empty()) out.read.unit = length_unit(source.unit);
+  // A .vdb without a unit is a bone model, which is used at its own voxels, or an error.
+  if (!is_grids || !source.unit.empty()) out.bone.spacing = out.read.pitch = kOverviewVoxel;
+  return out;
+}
+
+ScanReading::ScanReading(SkullSource source, bool is_grids) : source_(std::move(source)), is_grids_(is_grids) {
+  thread_ = std::thread([this] {
+    ImportRequest request = overview_request(source_, is_grids_);
+    request.read.progress = [this](double share) { share_.store(share, std::memory_order_relaxed); };
+    bone_.emplace(read_safely(request));
+    done_.store(true, std::memory_order_release);
+  });
+}
+
+ScanReading::~ScanReading() { thread_.join(); }
+
+std::optional<Result<ImportedBone>> ScanReading::take() {
+  if (!done_.load(std::memory_order_acquire)) return std::nullopt;
+  return std::exchange(bone_, std::nullopt);
+}
+
+}  // namespace burrhole
