@@ -274,7 +274,40 @@ class BadInput(WithFolder):
         self.assertEqual(run("replay", self.folder / "none.sqlite").returncode, 2)
 
     def test_an_axis_that_misses_bone(self):
-        self.refused(self.quick([("entry_mm = [0, 0, 0]", "entry_mm = [40, 0, 0]")]), 2, "meets no bone")
+        self.refused(self.quick([("entry_mm = [0, 0, 0]", "entry_mm = [40, 0, 0]")]), 2, "meets no bone within 20 mm of entry_mm; bone begins at entry_mm = [")
+
+    def check_refuses(self, scene, *needles, sets=()):
+        result = run("check", scene, *[a for s in sets for a in ("--set", s)])
+        self.assertEqual((result.returncode, result.stdout), (2, ""), result.stderr)
+        for line in lines(result.stderr):
+            self.assertRegex(line, r"^(--set \S+|\S+:\d+:\d+): ")
+        for needle in needles:
+            self.assertIn(needle, result.stderr)
+
+    def test_an_approach_from_inside_the_skull_is_an_error_with_the_start_of_the_opposite_one(self):
+        self.check_refuses("parietal", "leaves it: it meets dura or brain before the entry; start at entry_mm = [", "axis = [0.000, 0.000, -1.000]",
+                           sets=["approach.entry_mm=[0,0,-7]", "approach.axis=[0,0,1]"])
+
+    def test_ras_given_for_lps_is_named(self):
+        # A slab of bone that lies left and behind of the origin, as one side of a head does.
+        size, low, high = 40, 10, 20
+        layer = {True: struct.pack("<h", 1000) * size * size, False: struct.pack("<h", -1000) * size * size}
+        (self.folder / "slab.bin").write_bytes(b"".join(layer[low <= k < high] for k in range(size)))
+        (self.folder / "slab.toml").write_text(f"data = \"slab.bin\"\ntype = \"int16\"\nbyte_order = \"little\"\ndims = [{size}, {size}, {size}]\n"
+                                               "spacing_mm = [1, 1, 1]\norigin_mm = [30, 20, 0]\nquantity = \"hounsfield\"\n")
+        scene = self.quick([("source = \"phantom:plate\"\nspacing_mm = 0.2\nextent_mm = [8, 8, 3]\nabove_mm = 1.0\nthickness_mm = 1.2",
+                             "source = \"slab.toml\"\nspacing_mm = 0.5\nregion_mm = [20, 20, 30]")])
+        good = ["approach.entry_mm=[50, 40, 19.5]", "approach.axis=[0.3, 0.1, -0.9]"]
+        result = run("check", scene, *[a for s in good for a in ("--set", s)])
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for entry, axis, what in (("[-50, -40, 19.5]", "[-0.3, -0.1, -0.9]", "entry_mm and axis seem to be RAS"),
+                                  ("[-50, -40, 19.5]", "[0, 0, -1]", "entry_mm seems to be RAS")):
+            self.check_refuses(scene, what + ", and a scene is LPS: negate x and y; entry_mm = [50, 40, 19.5], axis = [",
+                               sets=[f"approach.entry_mm={entry}", f"approach.axis={axis}"])
+        # What is wrong for another reason is not taken for RAS.
+        other = run("check", scene, "--set", "approach.entry_mm=[500, 40, 19.5]")
+        self.assertEqual(other.returncode, 2)
+        self.assertNotIn("RAS", other.stderr)
 
     def test_an_output_that_cannot_be_written(self):
         blocker = self.folder / "file"
