@@ -309,6 +309,33 @@ class BadInput(WithFolder):
         self.assertEqual(other.returncode, 2)
         self.assertNotIn("RAS", other.stderr)
 
+    def test_expectations_are_read_before_the_run_and_judged_after_it(self):
+        out = self.folder / "never"
+        result = run("drill", QUICK, "--out", out, "--expect", "through, plunge<0.5")
+        self.assertEqual((result.returncode, result.stdout, len(lines(result.stderr))), (2, "", 1), result.stderr)
+        self.assertIn("needs the unit mm", result.stderr)
+        self.assertIn("allowed: through, faulted", result.stderr)
+        self.assertFalse(out.exists())
+        for terms, code, needle in (("through, plunge<99mm, peak-force>1N", 0, None), ("through, plunge<0.001mm", 3, "expected plunge<0.001mm: plunge is "),
+                                    ("stopped-short", 3, "expected stopped-short: the result is drilled-through: ")):
+            result = run("drill", QUICK, "--out", self.folder / "out", "--quiet", "--expect", terms)
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertEqual(len(lines(result.stderr)), 1 if needle else 0, result.stderr)
+            if needle:
+                self.assertIn(needle, result.stderr)
+
+    def test_result_is_the_same_in_summary_report_and_on_the_last_line(self):
+        for sets, name in ((["duration_s=0.3"], "did-not-cut"), (["duration_s=0.8"], "stopped-short"), ([], "drilled-through")):
+            out = self.folder / name
+            result = run("drill", QUICK, "--out", out, *[a for s in sets for a in ("--set", s)])
+            self.assertEqual(result.returncode, 0, result.stderr)
+            summary = json.loads((out / "summary.json").read_text())
+            self.assertEqual(summary["result"], name, summary["reason"])
+            last = f"result: {name}: {summary['reason']}" + ("; flags: " + ", ".join(summary["flags"]) if summary["flags"] else "")
+            self.assertEqual(lines(result.stderr)[-1], last)
+            self.assertIn(f"Result: {name} (", (out / "report.html").read_text())
+            self.assertEqual(bool(summary["warnings"]), name != "drilled-through")
+
     def test_an_output_that_cannot_be_written(self):
         blocker = self.folder / "file"
         blocker.write_text("a file where a folder is asked for")
