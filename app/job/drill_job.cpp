@@ -104,7 +104,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.hole_diameter_mm = summary.hole_diameter_mm;
   r.inner_diameter_mm = summary.inner_diameter_mm;
   r.breakthrough_s = summary.breakthrough_s;
-  const Outcome outcome = outcome_of(summary);
+  const RunOutcome outcome = outcome_of(summary);
   r.result = name_of(outcome.result);
   r.reason = outcome.reason;
   r.flags = flag_names(outcome.flags);

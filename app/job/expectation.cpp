@@ -73,7 +73,7 @@ Result<ExpectedTerm> parse_term(std::string_view term) {
 }
 
 /// @returns what was found in place of the term; empty if it holds.
-std::string found_instead(const ExpectedTerm& term, const RunSummary& summary, const Outcome& outcome) {
+std::string found_instead(const ExpectedTerm& term, const RunSummary& summary, const RunOutcome& outcome) {
   if (term.result)
     return *term.result == outcome.result ? "" : fmt::format("the result is {}: {}", name_of(outcome.result), outcome.reason);
   if (term.no_flag) return (outcome.flags & *term.no_flag) == 0 ? "" : fmt::format("the flag {} is set", name_of(*term.no_flag));
@@ -117,7 +117,7 @@ Result<std::vector<ExpectedTerm>> parse_expectation(std::string_view text) {
 }
 
 std::vector<std::string> missed_terms(const std::vector<ExpectedTerm>& terms, const RunSummary& summary) {
-  const Outcome outcome = outcome_of(summary);
+  const RunOutcome outcome = outcome_of(summary);
   std::vector<std::string> out;
   for (const ExpectedTerm& term : terms)
     if (const std::string instead = found_instead(term, summary, outcome); !instead.empty())

@@ -73,10 +73,10 @@ std::string short_text(const RunSummary& s) {
 
 }  // namespace
 
-Outcome outcome_of(const RunSummary& summary) { return judge(figures_of(summary), summary.limits); }
+RunOutcome outcome_of(const RunSummary& summary) { return judge(figures_of(summary), summary.limits); }
 
 std::string outcome_text(const RunSummary& s) {
-  const Outcome outcome = outcome_of(s);
+  const RunOutcome outcome = outcome_of(s);
   switch (outcome.result) {
     case DrillResult::faulted:
       return "A latched servo fault ended the force on the hand: " + s.latched_faults.front() + ".";
@@ -98,7 +98,7 @@ std::string outcome_text(const RunSummary& s) {
 }
 
 std::string result_line(const RunSummary& summary) {
-  const Outcome outcome = outcome_of(summary);
+  const RunOutcome outcome = outcome_of(summary);
   const std::vector<std::string> flags = flag_names(outcome.flags);
   const std::string line = fmt::format("result: {}: {}", name_of(outcome.result), outcome.reason);
   return flags.empty() ? line : fmt::format("{}; flags: {}", line, fmt::join(flags, ", "));
@@ -116,7 +116,7 @@ std::optional<std::string> unfinished_warning(const RunSummary& s) {
 
 std::vector<std::string> outcome_warnings(const RunSummary& s) {
   std::vector<std::string> out;
-  const Outcome outcome = outcome_of(s);
+  const RunOutcome outcome = outcome_of(s);
   if (s.live)
     for (const MissedSteps& clock : s.live->steps)
       if (clock.share() > s.limits.missed_share)

@@ -223,7 +223,7 @@ std::string summary_json(const RunSummary& s) {
   json["schema"] = kSummarySchema;
   json["scene"] = s.scene;
   json["title"] = s.title;
-  const Outcome outcome = outcome_of(s);
+  const RunOutcome outcome = outcome_of(s);
   json["result"] = name_of(outcome.result);
   json["reason"] = outcome.reason;
   json["flags"] = flag_names(outcome.flags);

@@ -77,7 +77,7 @@ struct RunSummary {
 /// @returns the name of a layer of bone, as reports and the window write it; empty for what is no bone.
 [[nodiscard]] std::string layer_name(VoxelLabel label);
 /// @returns result, reason and flags of a run (core/measure/outcome.h).
-[[nodiscard]] Outcome outcome_of(const RunSummary& summary);
+[[nodiscard]] RunOutcome outcome_of(const RunSummary& summary);
 /// @returns one sentence on how the run ended.
 [[nodiscard]] std::string outcome_text(const RunSummary& summary);
 /// @returns "RESULT: REASON", and the flags if there are any: one line.

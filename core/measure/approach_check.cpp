@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include "core/contact/contact_view.h"
@@ -12,6 +15,7 @@ namespace burrhole {
 namespace {
 
 constexpr double kReach = 0.3;    // [m] along an axis, more than the length of a head
+constexpr double kGap = 2e-3;     // [m] as in make_approach()
 constexpr double kBehind = 0.02;  // [m] the search range of make_approach() above the entry
 
 /// Bone as loaded on a line.
@@ -74,6 +78,40 @@ std::optional<Vec3> nearest_bone(const BoneModel& bone, const Vec3& point) {
   return out;
 }
 
+/// Depths of the first and of the last bone on a line, from its origin [m]; a gap of 2 mm ends the bone. Nothing if bone is there from the
+/// start, does not begin, or does not end.
+std::optional<std::pair<double, double>> bone_on(const Line& line, double from, double to) {
+  const auto first = line.find(from, to, true);
+  if (!first || *first <= from) return std::nullopt;
+  for (double last = *first; last < to;) {
+    const auto free = line.find(last, to, false);
+    if (!free) return std::nullopt;
+    const auto next = line.find(*free, *free + kGap, true);
+    if (!next) return std::pair{*first, *free};
+    last = *next;
+  }
+  return std::nullopt;
+}
+
+/// @returns whether both surfaces of the bone round the entry are hollow towards the start of the axis, as those of a skull are from inside:
+/// on a ring round the axis they lie nearer to the start than on the axis, by 0.4 mm on average. A sphere of radius R differs by r^2 / (2 R),
+/// 0.9 mm for a skull of R = 80 mm. Opposite points of the ring cancel a leaning axis. False where the ring leaves the bone as loaded.
+bool is_hollow(const BoneModel& bone, const Approach& approach) {
+  constexpr double kRing = 0.012, kHollow = 0.4e-3, kRange = 0.015;  // [m]
+  constexpr int kPoints = 16;
+  const Vec3 axis = approach.bone_from_approach.rotate(Vec3(0.0, 0.0, -1.0));
+  double outer = 0.0, inner = 0.0;  // [m] mean depth on the ring against that on the axis
+  for (int n = 0; n < kPoints; ++n) {
+    const double angle = 2.0 * std::numbers::pi * n / kPoints;
+    const Line line(bone, approach.bone_from_approach * (kRing * Vec3(std::cos(angle), std::sin(angle), 0.0)), axis);
+    const auto found = bone_on(line, -kRange, approach.thickness + kRange);
+    if (!found) return false;
+    outer += found->first / kPoints;
+    inner += (found->second - approach.thickness) / kPoints;
+  }
+  return outer < -kHollow && inner < -kHollow;
+}
+
 /// @returns v, rounded to multiples of 1 / per; never -0.
 Vec3 rounded(const Vec3& v, double per) { return glm::round(v * per) / per + Vec3(0.0); }
 
@@ -105,8 +143,11 @@ std::optional<std::string> leaves_skull(const BoneModel& bone, const Approach& a
   const Line line(bone, entry, axis);
   const bool bone_behind = line.find(-kBehind, -kReach, true).has_value();
   const bool bone_ahead = line.find(approach.thickness + kBehind, kReach, true).has_value();
-  if (!approach.from_inside && (!bone_behind || bone_ahead)) return std::nullopt;
-  const char* why = approach.from_inside ? "it meets dura or brain before the entry" : "the other side of the skull is behind the entry";
+  const char* why = approach.from_inside         ? "it meets dura or brain before the entry"
+                    : bone_behind && !bone_ahead ? "the other side of the skull is behind the entry"
+                    : is_hollow(bone, approach)  ? "the bone is hollow there, as the skull is from inside"
+                                                 : nullptr;
+  if (why == nullptr) return std::nullopt;
   return fmt::format("the approach starts inside the skull and leaves it: {}; start at {}", why,
                      start_text({entry + axis * approach.thickness, -axis}));
 }

@@ -27,7 +27,8 @@ struct ApproachStart {
 
 /// @returns what is wrong with an approach whose axis leaves the skull, with the start of the opposite approach; nothing for a valid one. The
 /// axis leaves the skull if dura or brain lies above the entry, or if bone as loaded lies on the axis more than 20 mm above the entry and none
-/// beyond its inner surface. The second rule needs a volume that holds both sides of the skull.
+/// beyond its inner surface, or if both surfaces of the bone are hollow towards the start of the axis, measured 12 mm round it. The second rule
+/// needs a volume that holds both sides of the skull, and the third one decides for a cropped scan.
 [[nodiscard]] std::optional<std::string> leaves_skull(const BoneModel& bone, const Approach& approach);
 
 }  // namespace burrhole

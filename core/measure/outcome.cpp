@@ -115,8 +115,8 @@ bool is_set(OutcomeFlag flag, DrillResult result, const OutcomeFigures& f, const
 
 }  // namespace
 
-Outcome judge(const OutcomeFigures& figures, const OutcomeLimits& limits) {
-  Outcome out;
+RunOutcome judge(const OutcomeFigures& figures, const OutcomeLimits& limits) {
+  RunOutcome out;
   for (std::size_t n = 0; n < kDrillResults; ++n) {
     out.result = static_cast<DrillResult>(n);
     if (holds(out.result, figures, limits)) break;

@@ -29,7 +29,7 @@ namespace burrhole {
 enum class DrillResult : std::uint8_t { faulted, skated_off, passed_uncut, drilled_through, interrupted, did_not_cut, stopped_short };
 inline constexpr std::size_t kDrillResults = 7;
 
-/// Bits of Outcome::flags.
+/// Bits of RunOutcome::flags.
 enum OutcomeFlag : std::uint32_t {
   kFlagPlunged = 1u << 0,          ///< the plunge exceeds its limit
   kFlagShelfLeft = 1u << 1,        ///< drilled through, and less than nine tenths of the cross-section is clear
@@ -82,13 +82,13 @@ struct OutcomeFigures {
   std::uint64_t contact_degraded = 0, contact_evaluations = 0;  ///< evaluations with a bit of ContactFlag, and all
 };
 
-struct Outcome {
+struct RunOutcome {
   DrillResult result = DrillResult::stopped_short;
   std::string reason;       ///< the criterion with its numbers, one sentence without a full stop
   std::uint32_t flags = 0;  ///< bits of OutcomeFlag
 };
 
-[[nodiscard]] Outcome judge(const OutcomeFigures& figures, const OutcomeLimits& limits);
+[[nodiscard]] RunOutcome judge(const OutcomeFigures& figures, const OutcomeLimits& limits);
 
 /// @returns the word of a result or flag, as in summary.json: "drilled-through".
 [[nodiscard]] const char* name_of(DrillResult result) noexcept;

@@ -158,6 +158,48 @@ TEST_CASE("approach: one that leaves the skull through its far side is named wit
   CHECK_FALSE(leaves_skull(*alone.bone, *alone.approach).has_value());
 }
 
+/// A shell of radius R to R + 6 mm without labels, cropped to a box of 40 x 40 x 30 mm round its top at z = 0, as a region of a scan is.
+std::shared_ptr<const BoneModel> cropped_shell(double radius) {
+  constexpr double kPitch = 0.5e-3;
+  const Vec3i dims(80, 80, 60);
+  DenseBone dense;
+  dense.dims = dims;
+  dense.bone_from_index.linear = Mat3(kPitch);
+  dense.bone_from_index.offset = Vec3(-39.5, -39.5, -39.5) * kPitch;
+  const Vec3 centre(0.0, 0.0, -radius - 6e-3);
+  for_each_voxel({Vec3i(0), dims}, [&](const Vec3i& v) {
+    const double r = glm::length(dense.bone_from_index * Vec3(v) - centre), inside = std::min(radius + 6e-3 - r, r - radius) / kPitch;
+    dense.occupancy.push_back(static_cast<float>(std::clamp(0.5 + inside, 0.0, 1.0)));
+  });
+  dense.hardness.assign(dense.occupancy.size(), 0.8f);
+  dense.labels.assign(dense.occupancy.size(), static_cast<std::uint8_t>(VoxelLabel::none));
+  auto bone = BoneModel::create(dense);
+  REQUIRE(bone);
+  return *bone;
+}
+
+TEST_CASE(
+    "approach: from inside a cropped shell it is known by the hollow bone, and a flatter shell or a leaning axis from outside is not") {
+  // r^2 / (2 R) for r = 12 mm: 0.9 mm and, for the flat one, 0.24 mm, under the 0.4 mm that count.
+  for (const auto& [radius, hollow] : {std::pair{80e-3, true}, {300e-3, false}}) {
+    CAPTURE(radius);
+    const auto bone = cropped_shell(radius);
+    const auto out = make_approach(*bone, straight(-6e-3, 1.0)), in = make_approach(*bone, straight(0.0, -1.0));
+    REQUIRE(out);
+    REQUIRE(in);
+    CHECK(leaves_skull(*bone, *out).has_value() == hollow);
+    CHECK_FALSE(leaves_skull(*bone, *in).has_value());
+  }
+  const auto bone = cropped_shell(80e-3);
+  for (const double lean : {-0.3, 0.3}) {
+    ApproachScene scene = straight(0.0, -1.0);
+    scene.axis = glm::normalize(Vec3(lean, 0.1, -1.0));
+    const auto leaning = make_approach(*bone, scene);
+    REQUIRE(leaning);
+    CHECK_FALSE(leaves_skull(*bone, *leaning).has_value());
+  }
+}
+
 TEST_CASE("approach: from the brain's side of a patch of skull it is refused by its labels") {
   const Planned out = plan(patch(), Vec3(0.0, 0.0, -7e-3), Vec3(0, 0, 1));
   REQUIRE_MESSAGE(out.approach.ok(), (out.approach ? "" : out.approach.error().text()));

@@ -51,7 +51,7 @@ double above(double value) { return std::nextafter(value, 1e9); }
 double below(double value) { return std::nextafter(value, -1e9); }
 
 TEST_CASE("outcome: a hole through the whole cross-section is drilled through, without a flag") {
-  const Outcome outcome = judge(through(), kLimits);
+  const RunOutcome outcome = judge(through(), kLimits);
   CHECK(outcome.result == DrillResult::drilled_through);
   CHECK(outcome.flags == 0);
   CHECK(outcome.reason == "97 % of the bit's cross-section is clear of bone");
@@ -64,7 +64,7 @@ TEST_CASE("outcome: through from half of the cross-section on, and short of it b
 }
 
 TEST_CASE("outcome: a run that ends with the bit in bone is stopped short, with its end and depth") {
-  const Outcome outcome = judge(halfway(), kLimits);
+  const RunOutcome outcome = judge(halfway(), kLimits);
   CHECK(outcome.result == DrillResult::stopped_short);
   CHECK(outcome.reason == "the hand withdrew 3.50 mm deep in 7.00 mm of bone; 0 % of the bit's cross-section is clear");
 }
