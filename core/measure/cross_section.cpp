@@ -45,8 +45,9 @@ struct Column {
 Column column_at(const DenseField& before, const DenseField& after, const Affine& index_from_approach, const Vec3& top, double length,
                  double step) {
   Column out;
-  for (double s = 0.0; s < length; s += step) {
-    const double depth = s - top.z;
+  const auto count = static_cast<int>(length / step);
+  for (int n = 0; n <= count; ++n) {
+    const double s = n * step, depth = s - top.z;
     if (out.bone && depth - out.last > kGap) break;
     const Vec3 p = index_from_approach * (top - Vec3(0.0, 0.0, s));
     if (before.sample(p) < kSurfaceLevel) continue;
