@@ -15,6 +15,7 @@
 #include "core/base/hash.h"
 #include "core/base/physics_version.h"
 #include "core/base/units.h"
+#include "core/measure/approach_check.h"
 #include "haptics/servo/realtime.h"
 
 namespace burrhole {
@@ -277,7 +278,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (!simulation) return issues.front();
   thickness = simulation->approach().thickness;
   if (sink && job.say) job.say("renderer: " + sink->driver());
-  if (simulation->approach().from_inside && job.warn) job.warn("the axis points out of the skull: it meets brain or dura before the entry");
+  if (const auto wrong = leaves_skull(*loaded.bone, simulation->approach()); wrong && job.warn) job.warn(*wrong);
   if (Status made = make_folder(job); !made) return made.error();
   const auto lock = FolderLock::take(job.folder);
   if (!lock) return lock.error();

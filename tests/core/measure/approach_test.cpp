@@ -120,7 +120,8 @@ std::shared_ptr<const BoneModel> two_slabs() {
   dense.hardness.assign(count, 0.8f);
   dense.labels.assign(count, static_cast<std::uint8_t>(VoxelLabel::none));
   for (std::size_t n = 0; n < count; ++n) {
-    const double z = (static_cast<double>(n / 64) - 110.5) * kPitch;
+    const std::size_t layer = n / 64;
+    const double z = (static_cast<double>(layer) - 110.5) * kPitch;
     if ((z > -3e-3 && z < 0.0) || (z > -43e-3 && z < -40e-3)) dense.occupancy[n] = 1.0f;
   }
   auto bone = BoneModel::create(dense);
@@ -181,7 +182,8 @@ std::shared_ptr<const BoneModel> cropped_shell(double radius) {
 TEST_CASE(
     "approach: from inside a cropped shell it is known by the hollow bone, and a flatter shell or a leaning axis from outside is not") {
   // r^2 / (2 R) for r = 12 mm: 0.9 mm and, for the flat one, 0.24 mm, under the 0.4 mm that count.
-  for (const auto& [radius, hollow] : {std::pair{80e-3, true}, {300e-3, false}}) {
+  for (const double radius : {80e-3, 300e-3}) {
+    const bool hollow = radius < 0.1;
     CAPTURE(radius);
     const auto bone = cropped_shell(radius);
     const auto out = make_approach(*bone, straight(-6e-3, 1.0)), in = make_approach(*bone, straight(0.0, -1.0));
