@@ -9,6 +9,7 @@
 #include "app/cli/film.h"
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
+#include "app/job/expectation.h"
 
 namespace burrhole::cli {
 namespace {
@@ -56,6 +57,11 @@ Result<bool> decide_window(WindowOptions& window, SceneOption& scene, bool by_sc
   if (window.asked || window.demonstration || window.light || window.text_scale != 1.0)
     return bad_input("--window, --demo, --light and --text-scale are not valid with --offscreen, --json, --live, --video or --inputs");
   return false;
+}
+
+Result<std::vector<ExpectedTerm>> parse_if_given(const std::optional<std::string>& expect) {
+  if (!expect) return std::vector<ExpectedTerm>();
+  return parse_expectation(*expect);
 }
 
 }  // namespace
@@ -116,14 +122,59 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   return summary;
 }
 
+namespace {
+
+struct DrillOptions {
+  SceneOption scene;
+  DrillingFiles files{.folder = "out", .restore_path = {}};
+  LiveMode mode;
+  WindowOptions window;
+  std::optional<std::string> expect;
+  bool json = false, quiet = false, offscreen = false;
+};
+
+/// Runs the command once its arguments are parsed.
+void run_drill(DrillOptions& option, int& exit_code) {
+  if (const Status valid = check_options(option.mode, option.files); !valid) {
+    exit_code = report(valid.error());
+    return;
+  }
+  auto expected = parse_if_given(option.expect);
+  if (!expected) {
+    exit_code = report(expected.error());
+    return;
+  }
+  const bool by_script = option.offscreen || option.json || option.mode.live || !option.files.video.empty() || !option.files.inputs.empty();
+  const auto windowed = decide_window(option.window, option.scene, by_script, option.quiet);
+  if (!windowed) {
+    exit_code = report(windowed.error());
+    return;
+  }
+  option.mode.live = option.mode.live || *windowed;
+  const auto loaded = load_or_report(option.scene, exit_code, option.quiet, option.mode.live, option.files.inputs);
+  if (!loaded) return;
+  if (!option.quiet)
+    for (const std::string& warning : make_plan(*loaded).warnings) print_warning(loaded->scene.file, warning);
+  catch_signals();
+  const auto summary = *windowed ? drill_scene_in_window(*loaded, option.window, option.files, option.quiet)
+                                 : drill_scene(*loaded, option.files, option.quiet, option.mode);
+  if (!summary) {
+    exit_code = report(summary.error());
+    if (summary.error().message == kNeverBegan) exit_code = kInterrupted;
+    return;
+  }
+  if (!option.quiet) print_figures(*summary);
+  const std::vector<std::string> missed = missed_terms(*expected, *summary);
+  for (const std::string& line : missed) fmt::print(stderr, "{}: {}\n", loaded->scene.file, line);
+  if (!option.quiet) fmt::print(stderr, "{}\n", result_line(*summary));
+  if (option.json) print(summary_json(*summary));
+  exit_code = missed.empty() ? kDone : kCheckFailed;
+  if (summary->end == "stopped" && stop_requested()) exit_code = kInterrupted;  // a person may end a demonstration
+}
+
+}  // namespace
+
 void add_drill(CLI::App& app, int& exit_code) {
-  struct Options {
-    SceneOption scene;
-    DrillingFiles files{.folder = "out", .restore_path = {}};
-    LiveMode mode;
-    WindowOptions window;
-    bool json = false, quiet = false, offscreen = false;
-  };
   CLI::App* command = add_command(
       app, "drill", kDrillGroup,
       {.summary = "Drills a scene, in a window or offscreen, and writes pictures, figures and a report",
@@ -136,10 +187,12 @@ void add_drill(CLI::App& app, int& exit_code) {
        .examples = {"burrhole drill parietal --out out/parietal", "burrhole drill parietal --offscreen --out out/parietal",
                     "burrhole drill parietal --set tool.spin_rpm=800 --set hand.push_N=35 --out out/harder",
                     "burrhole drill parietal --video out/parietal.mp4", "burrhole drill parietal --live --out out/live",
-                    "burrhole drill parietal --json --quiet | jq .drilling"},
-       .exits = "Exit 130 after Ctrl-C; 4 if a scene needs pictures and there is no OpenGL, if a video needs ffmpeg and it is missing or "
+                    "burrhole drill parietal --json --quiet | jq .drilling",
+                    "burrhole drill parietal --offscreen --expect 'through, plunge<1.5mm'"},
+       .exits = "Exit 3 if --expect does not hold; 130 after Ctrl-C; 4 if a scene needs pictures and there is no OpenGL, if a video needs "
+                "ffmpeg and it is missing or "
                 "fails, or if --require-realtime is refused."});
-  auto option = std::make_shared<Options>();
+  auto option = std::make_shared<DrillOptions>();
   option->scene.add_to(*command);
   add_stereo_options(*command, option->scene);
   command->add_option("--out", option->files.folder, "folder for the results")->type_name(kFolderValue)->capture_default_str();
@@ -160,37 +213,11 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->add_flag("--require-realtime", option->mode.require_realtime, "exit if the system refuses real-time priority (with --live)");
   command->add_flag("--offscreen", option->offscreen, "no window: the scene's own hand drills");
   add_window_options(*command, option->window);
+  command->add_option("--expect", option->expect, "exit 3 unless all hold: results, 'no FLAG', FIGURE<VALUE UNIT (burrhole docs outcome)")
+      ->type_name("TERMS");
   command->add_flag("--json", option->json, "print only summary.json on stdout");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
-  command->callback([option, &exit_code] {
-    if (const Status valid = check_options(option->mode, option->files); !valid) {
-      exit_code = report(valid.error());
-      return;
-    }
-    const bool by_script =
-        option->offscreen || option->json || option->mode.live || !option->files.video.empty() || !option->files.inputs.empty();
-    const auto windowed = decide_window(option->window, option->scene, by_script, option->quiet);
-    if (!windowed) {
-      exit_code = report(windowed.error());
-      return;
-    }
-    option->mode.live = option->mode.live || *windowed;
-    const auto loaded = load_or_report(option->scene, exit_code, option->quiet, option->mode.live, option->files.inputs);
-    if (!loaded) return;
-    if (!option->quiet)
-      for (const std::string& warning : make_plan(*loaded).warnings) print_warning(loaded->scene.file, warning);
-    catch_signals();
-    const auto summary = *windowed ? drill_scene_in_window(*loaded, option->window, option->files, option->quiet)
-                                   : drill_scene(*loaded, option->files, option->quiet, option->mode);
-    if (!summary) {
-      exit_code = report(summary.error());
-      if (summary.error().message == kNeverBegan) exit_code = kInterrupted;
-      return;
-    }
-    if (!option->quiet) print_figures(*summary);
-    if (option->json) print(summary_json(*summary));
-    exit_code = summary->end == "stopped" && stop_requested() ? kInterrupted : kDone;  // a person may end a demonstration
-  });
+  command->callback([option, &exit_code] { run_drill(*option, exit_code); });
 }
 
 }  // namespace burrhole::cli

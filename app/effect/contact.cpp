@@ -52,6 +52,8 @@ class ContactEffect final : public Effect {
     out.add("points", static_cast<std::uint64_t>(model_->points()));
     out.add("constraints_dropped", dropped_);
     out.add("held", held_);
+    out.add("degraded", degraded_);
+    out.add("evaluations", evaluations_);
   }
   void warn(std::vector<std::string>& out) const override {
     if (held_ > 0)
@@ -64,6 +66,8 @@ class ContactEffect final : public Effect {
     flags_ = static_cast<double>(state_->flags);
     dropped_ += constraints_->dropped;
     if ((state_->flags & kContactOutsideWindow) != 0) ++held_;
+    if (state_->flags != 0) ++degraded_;
+    ++evaluations_;
   }
   void evaluate(const Tick& tick) noexcept {
     const HandState& hand = touch_->hand;
@@ -81,9 +85,10 @@ class ContactEffect final : public Effect {
   ContactState* state_ = nullptr;
   const Tangential* tangential_ = nullptr;
   const Constraints* constraints_ = nullptr;
-  double flags_ = 0.0;         // bits of ContactFlag
-  std::uint64_t dropped_ = 0;  // constraints beyond Constraints::kMax
-  std::uint64_t held_ = 0;     // evaluations with kContactOutsideWindow
+  double flags_ = 0.0;                            // bits of ContactFlag
+  std::uint64_t dropped_ = 0;                     // constraints beyond Constraints::kMax
+  std::uint64_t held_ = 0;                        // evaluations with kContactOutsideWindow
+  std::uint64_t degraded_ = 0, evaluations_ = 0;  // evaluations with any ContactFlag, and all
 };
 
 /// The thrust is then whatever bone requires.

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <ctime>
 #include <filesystem>
+#include <iterator>
 
 #include "app/job/folder_lock.h"
 #include "app/report/drill_report.h"
@@ -14,6 +15,7 @@
 #include "core/base/hash.h"
 #include "core/base/physics_version.h"
 #include "core/base/units.h"
+#include "core/measure/approach_check.h"
 #include "haptics/servo/realtime.h"
 
 namespace burrhole {
@@ -103,12 +105,20 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.hole_diameter_mm = summary.hole_diameter_mm;
   r.inner_diameter_mm = summary.inner_diameter_mm;
   r.breakthrough_s = summary.breakthrough_s;
+  const RunOutcome outcome = outcome_of(summary);
+  r.result = name_of(outcome.result);
+  r.reason = outcome.reason;
+  r.flags = flag_names(outcome.flags);
+  r.through = outcome.result == DrillResult::drilled_through;
   r.outcome = outcome_text(summary);
+  r.plunge_limit_mm = summary.limits.plunge_mm;
+  if (summary.cleared_share) r.cleared_percent = 100.0 * *summary.cleared_share;
   r.warnings = summary.warnings;
   r.duration_s = summary.duration_s;
   for (const auto& [name, t] : summary.timing)
     if (t.count > 0) r.timing.push_back({name, t.count, t.p50_us, t.p99_us, t.p999_us, t.max_us});
-  r.missed = summary.missed;
+  if (summary.live)
+    for (const MissedSteps& clock : summary.live->steps) r.missed.push_back({clock.clock, clock.missed, clock.all});
   r.hashes = {{"voxels", summary.voxel_hash}, {"forces", summary.force_hash}};
   if (!summary.image_hash.empty()) r.hashes.push_back({"image", summary.image_hash});
   return r;
@@ -268,7 +278,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (!simulation) return issues.front();
   thickness = simulation->approach().thickness;
   if (sink && job.say) job.say("renderer: " + sink->driver());
-  if (simulation->approach().from_inside && job.warn) job.warn("the axis points out of the skull: it meets brain or dura before the entry");
+  if (const auto wrong = leaves_skull(*loaded.bone, simulation->approach()); wrong && job.warn) job.warn(*wrong);
   if (Status made = make_folder(job); !made) return made.error();
   const auto lock = FolderLock::take(job.folder);
   if (!lock) return lock.error();
@@ -290,12 +300,12 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
     found.push_back(fmt::format("the run ended at {:.3f} s, before {} of {} inputs; the next was due at {:.3f} s", simulation->time(),
                                 left.size(), job.inputs.size(), static_cast<double>(left.front().tick) / loaded.scene.servo_hz));
   if (auto undone = undone_warning(*simulation, summary)) found.push_back(std::move(*undone));
-  if (auto unfinished = unfinished_warning(summary)) found.push_back(std::move(*unfinished));
+  std::ranges::move(outcome_warnings(summary), std::back_inserter(found));
   for (const std::string& line : found) {
     if (job.warn) job.warn(line);
     summary.warnings.push_back(line);
   }
-  for (const std::string& fault : fault_warnings(*simulation)) summary.warnings.push_back(fault);  // warned of when they appeared
+  std::ranges::copy(summary.latched_faults, std::back_inserter(summary.warnings));  // warned of when they appeared
   if (sink) summary.display = sink->display();
   if (*session)
     if (Status closed = close_session(**session, summary, *simulation); !closed) return closed.error();

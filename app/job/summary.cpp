@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/hash.h"
 #include "core/base/units.h"
+#include "core/measure/cross_section.h"
 
 namespace burrhole {
 namespace {
@@ -37,6 +39,15 @@ Json display_json(const std::optional<RunSummary::Display>& display) {
             {"resolution", q.resolution}}},
           {"budget_ms", optional_number(display->budget_ms)},
           {"expected_ms", optional_number(display->expected_ms)}};
+}
+
+Json live_json(const RunSummary& s) {
+  if (!s.live) return nullptr;
+  Json out = {{"servo_ticks_missed", s.missed},           {"contact_ticks_missed", s.live->contact_missed},
+              {"bone_steps_missed", s.live->bone_missed}, {"rows_not_recorded", s.live->unrecorded},
+              {"servo_faults", s.live->faults},           {"force_left_N", s.live->force_left ? Json(*s.live->force_left) : Json()}};
+  for (const MissedSteps& clock : s.live->steps) out["steps"][clock.clock] = {{"missed", clock.missed}, {"all", clock.all}};
+  return out;
 }
 
 const char* end_name(RunEnd end) {
@@ -74,6 +85,8 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   if (progress.largest_ahead > -1.0) out.largest_ahead_mm = progress.largest_ahead * kMm;
 }
 
+std::uint64_t count_of(const SampleTimer& timer) { return static_cast<std::uint64_t>(timer.timing().count); }
+
 void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
   const std::vector<TimedStep> timings = simulation.timings();
   for (const TimedStep& step : timings) out.timing.emplace_back(step.name, step.timing);
@@ -81,7 +94,13 @@ void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
     const LiveReport& live = *simulation.live();
     out.timing.insert(out.timing.end(), {{"servo_late", live.servo_late.timing()}, {"contact_late", live.contact_late.timing()}});
     out.missed = live.servo_skipped;
-    out.live = RunSummary::Live{live.contact_skipped, live.bone_skipped, live.unrecorded, live.faults,
+    out.live = RunSummary::Live{live.contact_skipped,
+                                live.bone_skipped,
+                                live.unrecorded,
+                                {{"servo", live.servo_skipped, live.ticks},
+                                 {"contact", live.contact_skipped, live.contact_skipped + count_of(live.contact)},
+                                 {"simulation", live.bone_skipped, live.bone_skipped + count_of(live.bone)}},
+                                live.faults,
                                 simulation.stage().figure("device", "shown_force_N")};
   }
   for (const PlanRow& row : plan.rows) {
@@ -90,6 +109,35 @@ void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
       if (made.table == row.table) made.effect->report(cost.figures);
     out.effects.push_back(std::move(cost));
   }
+}
+
+/// Measures the cross-section of the bit, if the scene removes bone.
+void add_section(RunSummary& out, Simulation& simulation) {
+  if (!simulation.stage().needs.removes) return;
+  const DrillProgress& progress = simulation.progress();
+  const CrossSection section = leading_section(simulation.stage().tool->erosion);
+  out.section_mm2 = section.area() * 1e6;
+  out.section_radius_mm = section.radius * 1e3;
+  out.section_on_axis = section.on_axis;
+  const auto measured = measure_section(simulation.voxmap(), simulation.approach(), section, progress.deepest);
+  if (!measured) return;
+  out.cleared_share = measured->cleared;
+  out.uncut_share = measured->uncut;
+}
+
+/// A bit that passed the bone without a breakthrough on the axis plunges from the inner surface on, unless it passed beside the bone.
+void add_outcome(RunSummary& out, Simulation& simulation) {
+  add_section(out, simulation);
+  const auto count = [&](const char* name) { return static_cast<std::uint64_t>(simulation.stage().figure("contact", name).value_or(0.0)); };
+  out.contact_degraded = count("degraded");
+  out.contact_evaluations = count("evaluations");
+  out.contact_flags = simulation.contact_flags();
+  out.aside_mm = simulation.progress().largest_aside * 1e3;
+  out.latched_faults = fault_warnings(simulation);
+  out.brought_back =
+      !out.breakthrough_s && std::ranges::find(simulation.events(), "breakthrough", &RunEvent::kind) != simulation.events().end();
+  if (!out.plunge_mm && out.passed_s && outcome_of(out).result != DrillResult::skated_off)
+    out.plunge_mm = std::max(0.0, out.reached_mm - out.thickness_mm);
 }
 
 Json figures_json(const Figures& figures) {
@@ -120,6 +168,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.bench = loaded.scene.feed_hand.has_value();
   out.by_user = loaded.scene.goal_hand.has_value();
   out.warnings = plan.warnings;
+  out.limits = loaded.scene.outcome;
   out.end = end_name(simulation.end());
   out.dims = loaded.bone->dims();
   out.spacing_mm = loaded.bone->bone_from_index().mean_edge() / kMillimetre;
@@ -137,10 +186,10 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.wall_s = wall_s;
   add_drilling(out, simulation);
   add_costs(out, simulation, plan);
+  add_outcome(out, simulation);
   if (const FrameStep* frame = simulation.frame_step()) out.uploaded_texels = frame->texels_sent();
   out.window_copies = simulation.bone_step().window_copies();
   out.points_outside = simulation.bone_step().points_outside();
-  out.contact_flags = simulation.contact_flags();
   out.voxel_hash = hash_text(simulation.voxmap().hash());
   out.force_hash = hash_text(simulation.force_hash());
   if (const auto image = simulation.image_hash()) out.image_hash = hash_text(*image);
@@ -169,41 +218,15 @@ std::string layer_name(VoxelLabel label) {
   return {};
 }
 
-std::string outcome_text(const RunSummary& s) {
-  const std::string how_far = fmt::format("{:.2f} mm deep in {:.2f} mm of bone", s.reached_mm, s.thickness_mm);
-  if (s.breakthrough_s) {
-    std::string out = fmt::format("The bone was drilled through after {:.2f} s", *s.breakthrough_s);
-    out += s.plunge_mm ? fmt::format("; the tip then went {:.2f} mm further.", *s.plunge_mm) : ".";
-    return out;
-  }
-  if (s.passed_s)
-    return fmt::format(
-        "The bit passed the bone after {:.2f} s without cutting all of it: {:.0f} % of the bone on the axis was removed by then. Unless a "
-        "crown left its core there, the contact model failed to hold the bit; this is not a burrhole.",
-        *s.passed_s, 100.0 * s.removed_at_passing.value_or(0.0));
-  if (s.end == "stopped") return "The run was interrupted, " + how_far + ".";
-  if (s.end == "done" && s.by_user) return "The user ended the run, " + how_far + "; the bone was not drilled through.";
-  if (s.end == "done" && s.bench) return "The feed reached its stop, " + how_far + ".";
-  if (s.end == "done") return "The hand detected a breakthrough and withdrew, " + how_far + "; the bone was not drilled through.";
-  const char* why = s.spin_rpm == 0.0 ? " The bit does not spin." : "";
-  return fmt::format("The time of the scene ended, {}.{}", how_far, why);
-}
-
-std::optional<std::string> unfinished_warning(const RunSummary& s) {
-  const bool through = s.breakthrough_s || s.passed_s, stop_reached = s.bench && s.end == "done";
-  if (s.erosion_points == 0 || s.spin_rpm == 0.0 || s.end == "stopped" || through || stop_reached || s.by_user) return std::nullopt;
-  return "hand: " +
-         std::string(s.end == "done" ? "it detected a breakthrough"
-                     : s.bench       ? "its stop was not reached"
-                                     : "the time ended") +
-         fmt::format(" {:.2f} mm deep in {:.2f} mm of bone, which is not drilled through", s.reached_mm, s.thickness_mm);
-}
-
 std::string summary_json(const RunSummary& s) {
   Json json;
   json["schema"] = kSummarySchema;
   json["scene"] = s.scene;
   json["title"] = s.title;
+  const RunOutcome outcome = outcome_of(s);
+  json["result"] = name_of(outcome.result);
+  json["reason"] = outcome.reason;
+  json["flags"] = flag_names(outcome.flags);
   json["end"] = s.end;
   json["outcome"] = outcome_text(s);
   json["warnings"] = s.warnings;
@@ -226,6 +249,11 @@ std::string summary_json(const RunSummary& s) {
                       {"thickness_mm", s.thickness_mm},
                       {"breakthrough_s", optional_number(s.breakthrough_s)},
                       {"plunge_mm", optional_number(s.plunge_mm)},
+                      {"plunge_limit_mm", s.limits.plunge_mm},
+                      {"cleared_share", optional_number(s.cleared_share)},
+                      {"uncut_share", optional_number(s.uncut_share)},
+                      {"aside_mm", s.aside_mm},
+                      {"section_mm2", s.section_mm2 > 0.0 ? Json(s.section_mm2) : Json()},
                       {"peak_force_N", s.peak_force_N},
                       {"angle_deg", s.angle_deg},
                       {"passed_s", optional_number(s.passed_s)},
@@ -234,11 +262,7 @@ std::string summary_json(const RunSummary& s) {
   for (const auto& [name, t] : s.timing)
     json["timing"][name] = {{"count", t.count}, {"p50_us", t.p50_us}, {"p99_us", t.p99_us}, {"p999_us", t.p999_us}, {"max_us", t.max_us}};
   json["timing"]["missed"] = s.missed;
-  json["live"] = nullptr;
-  if (s.live)
-    json["live"] = {{"servo_ticks_missed", s.missed},           {"contact_ticks_missed", s.live->contact_missed},
-                    {"bone_steps_missed", s.live->bone_missed}, {"rows_not_recorded", s.live->unrecorded},
-                    {"servo_faults", s.live->faults},           {"force_left_N", s.live->force_left ? Json(*s.live->force_left) : Json()}};
+  json["live"] = live_json(s);
   json["display"] = display_json(s.display);
   json["memory"] = {{"peak_bytes", s.peak_bytes},
                     {"predicted_bytes", s.predicted_bytes},

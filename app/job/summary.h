@@ -10,6 +10,7 @@
 #include "app/job/plan.h"
 #include "app/run/simulation.h"
 #include "app/scene/load.h"
+#include "core/measure/outcome.h"
 
 namespace burrhole {
 
@@ -18,7 +19,10 @@ inline constexpr int kSummarySchema = 1;
 /// Figures of one finished or interrupted run.
 struct RunSummary {
   std::string scene, title, tool;
-  std::string end;  ///< "done", "duration" or "stopped"
+  std::string end;                            ///< "done", "duration" or "stopped"
+  OutcomeLimits limits;                       ///< of the scene
+  std::vector<std::string> latched_faults{};  ///< one line for each servo fault that was latched
+  bool brought_back = false;                  ///< a breakthrough was taken back by an undo, a reset or a restore
   double spin_rpm = 0.0, push_N = 0.0;
   bool bench = false;                 ///< hand.kind = "feed"
   bool by_user = false;               ///< a user moved the hand and ended the run
@@ -31,12 +35,18 @@ struct RunSummary {
   double duration_s = 0.0, wall_s = 0.0;
   double removed_mm3 = 0.0, removed_mass_mm3 = 0.0, thickness_mm = 0.0, angle_deg = 0.0, peak_force_N = 0.0;
   double reached_mm = 0.0;  ///< deepest position of the tip, along the axis from the entry
+  double aside_mm = 0.0;    ///< greatest distance of the tip from the axis, in contact, until the tip passed the bone
+  double section_mm2 = 0.0,
+         section_radius_mm = 0.0;  ///< [mm^2], [mm] of the bit's cross-section (cross_section.h); 0 without erosion points
+  bool section_on_axis = true;     ///< false for a crown
+  std::optional<double> cleared_share, uncut_share;  ///< [-] SectionMeasure
   std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, plunge_mm, passed_s, removed_at_passing,
       largest_ahead_mm;
   std::vector<std::pair<std::string, StepTiming>> timing;  ///< in the order of the JSON
   std::uint64_t missed = 0;                                ///< servo ticks; 0 in lockstep
   struct Live {
     std::uint64_t contact_missed = 0, bone_missed = 0, unrecorded = 0;
+    std::vector<MissedSteps> steps{};  ///< servo, contact, simulation
     std::uint32_t faults = 0;          ///< bits of ServoFault that occurred
     std::optional<double> force_left;  ///< [N] that the simulated device renders after the end of the run
   };
@@ -46,6 +56,7 @@ struct RunSummary {
   std::optional<std::uint64_t> bone_file_bytes;  ///< [bytes] of the temporary file of a paged bone
   std::uint64_t uploaded_texels = 0, window_copies = 0, points_outside = 0;
   std::uint32_t contact_flags = 0;
+  std::uint64_t contact_degraded = 0, contact_evaluations = 0;  ///< figures of the effect contact
   struct EffectCost {
     std::string name, step;
     double time_us = 0.0;
@@ -65,8 +76,15 @@ struct RunSummary {
 
 /// @returns the name of a layer of bone, as reports and the window write it; empty for what is no bone.
 [[nodiscard]] std::string layer_name(VoxelLabel label);
+/// @returns result, reason and flags of a run (core/measure/outcome.h).
+[[nodiscard]] RunOutcome outcome_of(const RunSummary& summary);
 /// @returns one sentence on how the run ended.
 [[nodiscard]] std::string outcome_text(const RunSummary& summary);
+/// @returns "RESULT: REASON", and the flags if there are any: one line.
+[[nodiscard]] std::string result_line(const RunSummary& summary);
+/// @returns one warning for each condition of a run that its outcome does not show by itself, or that its user must know: missed steps,
+/// degraded contact, a plunge beyond its limit, and a run that drills and is not through.
+[[nodiscard]] std::vector<std::string> outcome_warnings(const RunSummary& summary);
 /// @returns a warning if a run that drills (erosion, spin above 0) ended before the bit was through the bone. Nothing if a feed reached its
 /// stop, or if a person ended the run.
 [[nodiscard]] std::optional<std::string> unfinished_warning(const RunSummary& summary);

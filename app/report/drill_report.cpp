@@ -26,6 +26,7 @@ std::vector<HtmlTile> key_figures(const DrillReport& report) {
   add_tile(tiles, "Angle to the surface normal", report.angle_deg, 1, "°");
   add_tile(tiles, "Hole, outside", report.hole_diameter_mm, 2, "mm");
   add_tile(tiles, "Hole, inside", report.inner_diameter_mm, 2, "mm");
+  add_tile(tiles, "Cross-section clear of bone", report.cleared_percent, 0, "%");
   add_tile(tiles, "Bone removed", report.removed_mm3, 1, "mm³");
   add_tile(tiles, "Bone removed, by mass", report.removed_mass_mm3, 1, "mm³");
   add_tile(tiles, "Duration", report.duration_s, 2, "s");
@@ -34,13 +35,28 @@ std::vector<HtmlTile> key_figures(const DrillReport& report) {
 
 /// One sentence on the end of the run.
 std::string verdict(const DrillReport& report) {
-  if (!report.breakthrough_s) return report.outcome.empty() ? "The run ended before the bone was drilled through." : report.outcome;
+  if (!report.through || !report.breakthrough_s)
+    return report.outcome.empty() ? "The run ended before the bone was drilled through." : report.outcome;
   std::string out = fmt::format("The bone was drilled through after {:.2f} s", *report.breakthrough_s);
   if (!report.plunge_mm) return out + ".";
   if (*report.plunge_mm > report.plunge_limit_mm)
     return out +
            fmt::format("; the tip then went {:.2f} mm beyond it, which is more than {:.2f} mm.", *report.plunge_mm, report.plunge_limit_mm);
   return out + fmt::format("; the tip went {:.2f} mm beyond it, within {:.2f} mm.", *report.plunge_mm, report.plunge_limit_mm);
+}
+
+std::string result_text(const DrillReport& report) {
+  const std::string line = fmt::format("Result: {} ({})", report.result, report.reason);
+  return report.flags.empty() ? line + "." : fmt::format("{}. Flags: {}.", line, fmt::join(report.flags, ", "));
+}
+
+/// All clocks count: a step of simulation that is missed cuts no bone, although the servo was on time.
+std::string missed_text(const DrillReport& report) {
+  if (report.missed.empty()) return "Missed steps: none, in lockstep.";
+  std::string out = "Missed steps:";
+  for (const DrillReport::Missed& clock : report.missed)
+    out += fmt::format("{} {} of {} of the {} clock", &clock == &report.missed.front() ? "" : ",", clock.missed, clock.all, clock.clock);
+  return out + ".";
 }
 
 Plot make_plot(const DrillReport& report) {
@@ -103,7 +119,7 @@ void add_tables(const DrillReport& report, HtmlPage& page) {
                       fmt::format("{:.1f}", step.p999_us), fmt::format("{:.1f}", step.max_us)});
     }
     page.table({"Step", "Calls", "Median (µs)", "99 % (µs)", "99.9 % (µs)", "Longest (µs)"}, rows);
-    page.paragraph(fmt::format("Missed servo ticks: {}.", report.missed));
+    page.paragraph(missed_text(report));
   }
   if (!report.hashes.empty()) {
     page.heading("Hashes");
@@ -118,6 +134,7 @@ void add_tables(const DrillReport& report, HtmlPage& page) {
 Result<std::string> make_drill_report(const DrillReport& report) {
   HtmlPage page(report.title, report.tool + " · " + report.scene);
   page.paragraph(verdict(report));
+  if (!report.result.empty()) page.paragraph(result_text(report));
   if (!report.setting.empty()) page.paragraph(report.setting);
   for (const std::string& warning : report.warnings) page.paragraph("Warning: " + warning + ".");
   page.tiles(key_figures(report));

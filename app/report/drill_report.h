@@ -32,6 +32,11 @@ struct DrillReport {
     std::int64_t count = 0;
     double p50_us = 0.0, p99_us = 0.0, p999_us = 0.0, max_us = 0.0;
   };
+  /// Steps of one clock of a live run.
+  struct Missed {
+    std::string clock;
+    std::uint64_t missed = 0, all = 0;  ///< all includes the missed ones
+  };
   struct Hash {
     std::string name, value;
   };
@@ -40,7 +45,10 @@ struct DrillReport {
   std::string scene;  ///< file of the scene
   std::string tool;
   std::string setting;                ///< the settings of the run, in one line
-  std::string outcome;                ///< end of a run without breakthrough, in one sentence
+  std::string result, reason;         ///< word of the result and its criterion with numbers; not shown if empty
+  std::vector<std::string> flags;     ///< words of the flags of the result
+  bool through = true;                ///< the result is that the bone was drilled through
+  std::string outcome;                ///< end of a run that is not through, in one sentence
   std::vector<std::string> warnings;  ///< warnings of the scene
 
   // Time series; each has the size of time_s or is empty.
@@ -56,10 +64,11 @@ struct DrillReport {
   std::optional<double> thickness_mm, depth_mm_at_breakthrough, plunge_mm, peak_force_N, angle_deg;
   std::optional<double> removed_mm3, removed_mass_mm3, hole_diameter_mm, inner_diameter_mm;
   std::optional<double> breakthrough_s, duration_s;
-  double plunge_limit_mm = 0.5;  ///< a larger plunge is shown as an alert; the thinnest dura is about 0.3 mm thick
+  std::optional<double> cleared_percent;  ///< [%] of the bit's cross-section that is clear of bone
+  double plunge_limit_mm = 0.5;           ///< a larger plunge is shown as an alert; drill() sets it from the scene
 
   std::vector<Timing> timing;
-  std::uint64_t missed = 0;  ///< [ticks] of the servo, of a live run
+  std::vector<Missed> missed;  ///< of a live run: servo, contact, simulation
   std::vector<Hash> hashes;
 };
 

@@ -268,6 +268,15 @@ OutputScene read_output(TableReader table) {
   return out;
 }
 
+OutcomeLimits read_outcome(TableReader table) {
+  OutcomeLimits out;
+  out.plunge_mm =
+      table.number("plunge_limit_mm", at_least_zero(out.plunge_mm, 1.0, 100.0),
+                   "plunge above which the result has the flag plunged; the default is of the order of the dura, 0.3 to 0.8 mm thick");
+  table.finish();
+  return out;
+}
+
 void read_effects(TableReader& root, const SceneContext& context, Scene& scene, Issues& issues) {
   for (const EffectEntry& entry : *context.registry) {
     if (entry.read == nullptr) {
@@ -358,6 +367,8 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   }
   if (auto table = root.table("output", "files that a run writes besides summary.json, [display]'s pictures and [record]'s session"))
     scene.output = read_output(*table);
+  if (auto table = root.table("outcome", "limits by which the result of a run is judged (docs/outcome.md)"))
+    scene.outcome = read_outcome(*table);
   if (scene.hand.feels && scene.hand.push > scene.servo.largest_force)
     issues.push_back(bad_input(fmt::format("hand.push_N = {:g} is over the largest force on the hand, servo.force_N = {:g}: bone could not "
                                            "hold the hand",

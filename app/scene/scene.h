@@ -9,6 +9,7 @@
 #include "app/effect/registry.h"
 #include "app/stage/effect.h"
 #include "core/config/toml.h"
+#include "core/measure/outcome_limits.h"
 
 namespace burrhole {
 
@@ -23,6 +24,7 @@ struct OutputScene {
 struct Scene : StageConfig {
   EffectPlans effects;
   OutputScene output;
+  OutcomeLimits outcome;  ///< [outcome]: limits of the flags of the result
 
   /// @returns the config struct of type Config of the first effect that has one; null if no effect has one.
   template <class Config>

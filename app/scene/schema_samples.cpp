@@ -50,6 +50,7 @@ std::vector<SchemaSample> scene_samples() {
   samples.push_back({"mouse", scene(plate, "hand", "kind = \"mouse\""), {}});
   samples.push_back({"limits", scene(plate, "limits", "memory_mb = 1000"), {}});
   samples.push_back({"output", scene(plate, "output"), {}});
+  samples.push_back({"outcome", scene(plate, "outcome"), {}});
   for (const EffectEntry& effect : shipped_effects()) {
     if (effect.read == nullptr) continue;
     samples.push_back({effect.table, scene(plate, effect.table), {}});

@@ -5,6 +5,7 @@
 
 #include "core/base/trilinear.h"
 #include "core/contact/contact_view.h"
+#include "core/measure/approach_check.h"
 
 namespace burrhole {
 namespace {
@@ -46,6 +47,10 @@ void list_layers(const BoneModel& bone, Approach& out) {
   }
 }
 
+Error refused(const std::string& why, const std::optional<ApproachStart>& start) {
+  return bad_input(start ? why + "; bone begins at " + start_text(*start) : why);
+}
+
 }  // namespace
 
 double sample_occupancy(const BoneModel& bone, const Vec3& index) {
@@ -63,9 +68,10 @@ Result<Approach> make_approach(const BoneModel& bone, const ApproachScene& scene
   };
 
   double start = -kSearch;
-  if (inside(scene.entry, start)) return bad_input("the approach starts inside bone: no free space within 20 mm above entry_mm");
+  if (inside(scene.entry, start))
+    return refused("the approach starts inside bone: no free space within 20 mm above entry_mm", start_above(bone, scene));
   while (start < kSearch && !inside(scene.entry, start + step)) start += step;
-  if (start >= kSearch) return bad_input("the approach axis meets no bone within 20 mm of entry_mm");
+  if (start >= kSearch) return refused("the approach axis meets no bone within 20 mm of entry_mm", start_where_bone_is(bone, scene));
   start = refine(bone, index_from_bone, scene.entry, scene.axis, start, start + step, false);
 
   Approach out;

@@ -1,6 +1,7 @@
 #include "core/measure/drill_monitor.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace burrhole {
 namespace {
@@ -15,13 +16,16 @@ constexpr double kCutLag = 0.01;
 template <class Solid>
 void DrillMonitor::follow(const Tip& tip, double voxel_edge, const Solid& solid) noexcept {
   const Approach& a = *approach_;
-  const double depth = -(a.bone_from_approach.inverse() * tip.place).z;
+  const Vec3 at = a.bone_from_approach.inverse() * tip.place;
+  const double depth = -at.z;
   const double speed = tip.time > last_time_ ? std::max(0.0, depth - progress_.depth) / (tip.time - last_time_) : 0.0;
   last_time_ = tip.time;
   progress_.depth = depth;
   progress_.deepest = std::max(progress_.deepest, progress_.depth);
   progress_.peak_force = std::max(progress_.peak_force, tip.force);
   if (progress_.breakthrough_time) return;
+  if (!progress_.passed_time && tip.force > kAsideForce)
+    progress_.largest_aside = std::max(progress_.largest_aside, std::hypot(at.x, at.y));
 
   std::size_t front = 0;
   while (front < a.axis_index.size() && !solid(front)) ++front;
@@ -57,6 +61,7 @@ void DrillMonitor::bone_grew(std::span<const std::uint8_t> bone) noexcept {
   now.front = first < cut_.size() ? approach_->axis_depth[first] : approach_->thickness;
   now.peak_force = progress_.peak_force;
   now.largest_ahead = progress_.largest_ahead;
+  now.largest_aside = progress_.largest_aside;
   progress_ = now;
 }
 

@@ -26,7 +26,11 @@ struct DrillProgress {
   std::optional<double> breakthrough_depth;  ///< [m] of the tip at breakthrough_time
   std::optional<double> passed_time;         ///< [s] first tick with the tip beyond the last bone on the axis, by cutting or not
   double removed_at_passing = 0.0;           ///< [-] share of the axis samples as loaded that were cut at passed_time
+  double largest_aside = 0.0;                ///< [m] greatest distance of the tip from the axis, in contact, up to passed_time
 };
+
+/// [N] Force on the hand above which the tip counts as in contact for DrillProgress::largest_aside.
+inline constexpr double kAsideForce = 1.0;
 
 class DrillMonitor {
  public:

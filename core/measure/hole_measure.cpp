@@ -9,29 +9,16 @@
 #include <vector>
 
 #include "core/base/bounds.h"
-#include "core/base/trilinear.h"
 #include "core/contact/contact_view.h"
+#include "core/measure/dense_field.h"
 
 namespace burrhole {
 namespace {
 
-/// Dense field over a box with trilinear sampling; 0 outside.
-struct Field {
-  VoxelBox box;
-  std::vector<float> values;
-
-  [[nodiscard]] float at(const Vec3i& v) const { return box.contains(v) ? values[box.offset_of(v)] : 0.0f; }
-  [[nodiscard]] double sample(const Vec3& p) const {
-    const Vec3i base = floor_int(p);
-    if (box.contains(base) && box.contains(base + 1)) return trilinear(box, values.data(), p);
-    return trilinear(p - Vec3(base), [&](unsigned n) { return static_cast<double>(at(base + cell_corner(n))); });
-  }
-};
-
 /// Smallest and largest of the 27 values round a voxel, on which the trilinear samples in its cell depend.
 struct Around {
   float least = std::numeric_limits<float>::max(), most = std::numeric_limits<float>::lowest();
-  Around(const Field& field, std::size_t at, std::size_t row, std::size_t slab) {
+  Around(const DenseField& field, std::size_t at, std::size_t row, std::size_t slab) {
     for (std::size_t n = 0; n < 27; ++n) {
       const float value = field.values[at + n % 3 + n / 3 % 3 * row + n / 9 * slab - 1 - row - slab];
       least = std::min(least, value);
@@ -41,7 +28,7 @@ struct Around {
 };
 
 /// @param box at least a voxel inside those of the fields, which are the same.
-double removed_volume(const Field& before, const Field& after, const VoxelBox& box, double cell_volume) {
+double removed_volume(const DenseField& before, const DenseField& after, const VoxelBox& box, double cell_volume) {
   constexpr int kSub = 4;
   std::uint64_t gone = 0;
   const auto row = static_cast<std::size_t>(before.box.size().x), slab = row * static_cast<std::size_t>(before.box.size().y);
@@ -69,7 +56,7 @@ double removed_volume(const Field& before, const Field& after, const VoxelBox& b
 }
 
 /// Heights along the axis [m] of the first and the last bone on a ray, among those of `heights`, in falling order.
-std::optional<std::pair<double, double>> bone_span(const Field& field, const Affine& index_from_approach, double x, double y,
+std::optional<std::pair<double, double>> bone_span(const DenseField& field, const Affine& index_from_approach, double x, double y,
                                                    const std::vector<double>& heights) {
   const auto is_bone = [&](double z) { return field.sample(index_from_approach * Vec3(x, y, z)) >= kSurfaceLevel; };
   const auto first = std::ranges::find_if(heights, is_bone);
@@ -86,7 +73,7 @@ HoleMeasure measure_hole(Voxmap& voxmap, const Approach& approach) {
   const Affine& bone_from_index = voxmap.bone().bone_from_index();
   const double edge = bone_from_index.mean_edge();
   const VoxelBox box = changed.grown(static_cast<int>(std::ceil(0.004 / edge)));
-  Field before{box, std::vector<float>(box.count())}, after{box, std::vector<float>(box.count())};
+  DenseField before{box, std::vector<float>(box.count())}, after{box, std::vector<float>(box.count())};
   voxmap.bone().read_occupancy(box, before.values);
   voxmap.read_density(box, after.values);
   out.removed = removed_volume(before, after, changed, bone_from_index.cell_volume());

@@ -139,7 +139,7 @@ class Completion(unittest.TestCase):
         self.assertEqual(sorted(self.complete("")), sorted(listed_commands()))
         self.assertEqual(self.complete("dri"), ["drill"])
         self.assertEqual(self.complete("zzz"), [])
-        self.assertEqual(self.complete("docs", ""), ["scene", "tool", "raw"])
+        self.assertEqual(self.complete("docs", ""), ["scene", "tool", "raw", "outcome"])
         self.assertEqual(self.complete("cost", "con"), ["contact"])
 
     def test_options_are_those_of_each_help_page(self):

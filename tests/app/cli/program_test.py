@@ -274,7 +274,67 @@ class BadInput(WithFolder):
         self.assertEqual(run("replay", self.folder / "none.sqlite").returncode, 2)
 
     def test_an_axis_that_misses_bone(self):
-        self.refused(self.quick([("entry_mm = [0, 0, 0]", "entry_mm = [40, 0, 0]")]), 2, "meets no bone")
+        self.refused(self.quick([("entry_mm = [0, 0, 0]", "entry_mm = [40, 0, 0]")]), 2, "meets no bone within 20 mm of entry_mm; bone begins at entry_mm = [")
+
+    def check_refuses(self, scene, *needles, sets=()):
+        result = run("check", scene, *[a for s in sets for a in ("--set", s)])
+        self.assertEqual((result.returncode, result.stdout), (2, ""), result.stderr)
+        for line in lines(result.stderr):
+            self.assertRegex(line, r"^(--set \S+|\S+:\d+:\d+): ")
+        for needle in needles:
+            self.assertIn(needle, result.stderr)
+
+    def test_an_approach_from_inside_the_skull_is_an_error_with_the_start_of_the_opposite_one(self):
+        self.check_refuses("parietal", "leaves it: it meets dura or brain before the entry; start at entry_mm = [", "axis = [0.000, 0.000, -1.000]",
+                           sets=["approach.entry_mm=[0,0,-7]", "approach.axis=[0,0,1]"])
+
+    def test_ras_given_for_lps_is_named(self):
+        # A slab of bone that lies left and behind of the origin, as one side of a head does.
+        size, low, high = 40, 10, 20
+        layer = {True: struct.pack("<h", 1000) * size * size, False: struct.pack("<h", -1000) * size * size}
+        (self.folder / "slab.bin").write_bytes(b"".join(layer[low <= k < high] for k in range(size)))
+        (self.folder / "slab.toml").write_text(f"data = \"slab.bin\"\ntype = \"int16\"\nbyte_order = \"little\"\ndims = [{size}, {size}, {size}]\n"
+                                               "spacing_mm = [1, 1, 1]\norigin_mm = [30, 20, 0]\nquantity = \"hounsfield\"\n")
+        scene = self.quick([("source = \"phantom:plate\"\nspacing_mm = 0.2\nextent_mm = [8, 8, 3]\nabove_mm = 1.0\nthickness_mm = 1.2",
+                             "source = \"slab.toml\"\nspacing_mm = 0.5\nregion_mm = [20, 20, 30]")])
+        good = ["approach.entry_mm=[50, 40, 19.5]", "approach.axis=[0.3, 0.1, -0.9]"]
+        result = run("check", scene, *[a for s in good for a in ("--set", s)])
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for entry, axis, what in (("[-50, -40, 19.5]", "[-0.3, -0.1, -0.9]", "entry_mm and axis seem to be RAS"),
+                                  ("[-50, -40, 19.5]", "[0, 0, -1]", "entry_mm seems to be RAS")):
+            self.check_refuses(scene, what + ", and a scene is LPS: negate x and y; entry_mm = [50, 40, 19.5], axis = [",
+                               sets=[f"approach.entry_mm={entry}", f"approach.axis={axis}"])
+        # What is wrong for another reason is not taken for RAS.
+        other = run("check", scene, "--set", "approach.entry_mm=[500, 40, 19.5]")
+        self.assertEqual(other.returncode, 2)
+        self.assertNotIn("RAS", other.stderr)
+
+    def test_expectations_are_read_before_the_run_and_judged_after_it(self):
+        out = self.folder / "never"
+        result = run("drill", QUICK, "--out", out, "--expect", "through, plunge<0.5")
+        self.assertEqual((result.returncode, result.stdout, len(lines(result.stderr))), (2, "", 1), result.stderr)
+        self.assertIn("needs the unit mm", result.stderr)
+        self.assertIn("allowed: through, faulted", result.stderr)
+        self.assertFalse(out.exists())
+        for terms, code, needle in (("through, plunge<99mm, peak-force>1N", 0, None), ("through, plunge<0.001mm", 3, "expected plunge<0.001mm: plunge is "),
+                                    ("stopped-short", 3, "expected stopped-short: the result is drilled-through: ")):
+            result = run("drill", QUICK, "--out", self.folder / "out", "--quiet", "--expect", terms)
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertEqual(len(lines(result.stderr)), 1 if needle else 0, result.stderr)
+            if needle:
+                self.assertIn(needle, result.stderr)
+
+    def test_result_is_the_same_in_summary_report_and_on_the_last_line(self):
+        for sets, name in ((["duration_s=0.3"], "did-not-cut"), (["duration_s=0.8"], "stopped-short"), ([], "drilled-through")):
+            out = self.folder / name
+            result = run("drill", QUICK, "--out", out, *[a for s in sets for a in ("--set", s)])
+            self.assertEqual(result.returncode, 0, result.stderr)
+            summary = json.loads((out / "summary.json").read_text())
+            self.assertEqual(summary["result"], name, summary["reason"])
+            last = f"result: {name}: {summary['reason']}" + ("; flags: " + ", ".join(summary["flags"]) if summary["flags"] else "")
+            self.assertEqual(lines(result.stderr)[-1], last)
+            self.assertIn(f"Result: {name} (", (out / "report.html").read_text())
+            self.assertEqual(bool(summary["warnings"]), name != "drilled-through")
 
     def test_an_output_that_cannot_be_written(self):
         blocker = self.folder / "file"

@@ -48,6 +48,26 @@ TEST_CASE("drill report: a plunge beyond the limit is marked, one within it is n
   CHECK_FALSE(contains(*make_drill_report(report), "class=\"tile alert\""));
 }
 
+TEST_CASE("drill report: result, reason and flags are in one line, and missed steps are those of every clock") {
+  DrillReport report = make_report();
+  report.result = "stopped-short", report.reason = "the hand withdrew", report.flags = {"plunged", "missed-steps"};
+  report.timing = {{.name = "servo", .count = 10}};
+  CHECK(contains(*make_drill_report(report), "Result: stopped-short (the hand withdrew). Flags: plunged, missed-steps."));
+  CHECK(contains(*make_drill_report(report), "Missed steps: none, in lockstep."));
+  report.missed = {{"servo", 0, 44040}, {"contact", 3, 44040}, {"simulation", 972, 4404}};
+  CHECK(contains(*make_drill_report(report),
+                 "Missed steps: 0 of 44040 of the servo clock, 3 of 44040 of the contact clock, 972 of 4404 of the simulation clock."));
+  report.result = "drilled-through", report.flags.clear();
+  CHECK_FALSE(contains(*make_drill_report(report), "Flags:"));
+}
+
+TEST_CASE("drill report: a breakthrough of a run that is not through is not reported as drilled through") {
+  DrillReport report = make_report();
+  report.through = false, report.outcome = "The bit skated off.";
+  CHECK(contains(*make_drill_report(report), "The bit skated off."));
+  CHECK_FALSE(contains(*make_drill_report(report), "was drilled through after"));
+}
+
 TEST_CASE("drill report: a run that did not break through says so") {
   DrillReport report = make_report();
   report.breakthrough_s.reset();

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "app/job/summary.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/plain_trilinear.h"
 #include "tests/support/real_data.h"
@@ -62,6 +63,10 @@ void drill_head(const char* name) {
   // The tip leaves when the last engaged layer, F/K = 0.2 mm, is in the bit; with the 0.4 mm above and a voxel 0.85 mm.
   CHECK(std::abs(*p.breakthrough_depth - ray) < 0.85e-3);
   CHECK(p.removed_at_passing >= 1.0 - (0.2e-3 + 0.5 * run.voxel()) / ray);
+  const RunSummary summary = make_summary(run.loaded(), run.simulation(), make_plan(run.loaded()), 1.0);
+  MESSAGE(result_line(summary) << "; plunge " << summary.plunge_mm.value_or(-1.0) << " mm");
+  CHECK(outcome_of(summary).result == DrillResult::drilled_through);
+  CHECK((outcome_of(summary).flags & kFlagPlunged) == 0);  // its own limit
 }
 
 }  // namespace

@@ -58,7 +58,11 @@ const BadScene kBadScenes[] = {
     {"\"ball\"", "\"no/such.toml\"", {"bad.toml:13:1: tool.name = \"no/such.toml\" is no tool (burrhole tools lists them)"}},
     {"cutting_N_per_m = 40e3", "rate_hz = 300", {"bad.toml:26:1: contact.rate_hz = 300 must divide servo_hz = 1000"}},
     {"[erosion]", "[erosion]\nrate_hz = 333", {"bad.toml:29:1: erosion.rate_hz = 333 must divide servo_hz = 1000"}},
-    {"[0.0, 0.0, 0.0]", "[40.0, 0.0, 0.0]", {"bad.toml:17:1: the approach axis meets no bone within 20 mm of entry_mm"}},
+    {"[0.0, 0.0, 0.0]",
+     "[40.0, 0.0, 0.0]",
+     {"bad.toml:17:1: the approach axis meets no bone within 20 mm of entry_mm; bone begins at entry_mm = [2.9, -0.1, -0.1], axis = "
+      "[-1.000, "
+      "-0.003, -0.003]"}},
     {"[0.0, 0.0, 0.0]", "[0.0, 0.0, 0.0]\naxis = [0, 0, 0]", {"bad.toml:18:1: approach.axis has length 0"}},
     {"[6.0, 6.0, 6.0]",
      "[300, 300, 300]",

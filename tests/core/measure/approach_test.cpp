@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/units.h"
+#include "core/measure/approach_check.h"
 #include "volumes/phantom/phantom.h"
 
 namespace burrhole {
@@ -88,7 +89,9 @@ TEST_CASE("approach: what cannot be planned is refused with its reason") {
   plate.extent = Vec3(6e-3);
   const Planned missed = plan(plate, Vec3(20e-3, 0, 0), Vec3(0, 0, -1));
   REQUIRE_FALSE(missed.approach.ok());
-  CHECK(missed.approach.error().text() == "the approach axis meets no bone within 20 mm of entry_mm");
+  CHECK(missed.approach.error().text() ==
+        "the approach axis meets no bone within 20 mm of entry_mm; bone begins at entry_mm = [2.9, -0.1, -0.1], axis = [-1.000, -0.007, "
+        "-0.007]");
 
   PhantomSpec thick = plate;
   thick.pitch = 1e-3;
@@ -100,7 +103,130 @@ TEST_CASE("approach: what cannot be planned is refused with its reason") {
 
   const Planned inside = plan(thick, Vec3(0, 0, -30e-3), Vec3(0, 0, -1));
   REQUIRE_FALSE(inside.approach.ok());
-  CHECK(inside.approach.error().text() == "the approach starts inside bone: no free space within 20 mm above entry_mm");
+  CHECK(inside.approach.error().text() ==
+        "the approach starts inside bone: no free space within 20 mm above entry_mm; bone begins at entry_mm = [0.0, 0.0, 0.5], axis = "
+        "[0.000, 0.000, -1.000]");
+}
+
+/// Two slabs of 3 mm with 37 mm between them, square to z, the upper face of the upper one at z = 0: a skull without dura and brain.
+std::shared_ptr<const BoneModel> two_slabs() {
+  constexpr double kPitch = 0.5e-3;
+  DenseBone dense;
+  dense.dims = {8, 8, 120};
+  dense.bone_from_index.linear = Mat3(kPitch);
+  dense.bone_from_index.offset = Vec3(-3.5 * kPitch, -3.5 * kPitch, -110.5 * kPitch);
+  const std::size_t count = 8 * 8 * 120;
+  dense.occupancy.assign(count, 0.0f);
+  dense.hardness.assign(count, 0.8f);
+  dense.labels.assign(count, static_cast<std::uint8_t>(VoxelLabel::none));
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::size_t layer = n / 64;
+    const double z = (static_cast<double>(layer) - 110.5) * kPitch;
+    if ((z > -3e-3 && z < 0.0) || (z > -43e-3 && z < -40e-3)) dense.occupancy[n] = 1.0f;
+  }
+  auto bone = BoneModel::create(dense);
+  REQUIRE(bone);
+  return *bone;
+}
+
+ApproachScene straight(double z, double axis_z) {
+  ApproachScene scene;
+  scene.entry = Vec3(0.0, 0.0, z);
+  scene.axis = Vec3(0.0, 0.0, axis_z);
+  return scene;
+}
+
+TEST_CASE("approach: one that leaves the skull through its far side is named with the start of the opposite one, which is valid") {
+  const auto bone = two_slabs();
+  for (const double axis : {-1.0, 1.0}) {
+    CAPTURE(axis);
+    const double outside = axis < 0.0 ? 0.0 : -43e-3, inside = axis < 0.0 ? -40e-3 : -3e-3;
+    const auto valid = make_approach(*bone, straight(outside, axis)), leaving = make_approach(*bone, straight(inside, axis));
+    REQUIRE(valid);
+    REQUIRE(leaving);
+    CHECK_FALSE(leaves_skull(*bone, *valid).has_value());
+    const auto wrong = leaves_skull(*bone, *leaving);
+    REQUIRE(wrong.has_value());
+    CHECK(wrong->find("the other side of the skull is behind the entry; start at " +
+                      start_text({Vec3(0.0, 0.0, axis < 0.0 ? -43e-3 : 0.0), Vec3(0.0, 0.0, -axis)})) != std::string::npos);
+  }
+  // One slab alone, as a cropped scan: nothing is known of the other side.
+  PhantomSpec plate;
+  plate.kind = PhantomKind::plate;
+  plate.extent = Vec3(6e-3, 6e-3, 12e-3);
+  const Planned alone = plan(plate, Vec3(0.0), Vec3(0, 0, -1));
+  REQUIRE(alone.approach);
+  CHECK_FALSE(leaves_skull(*alone.bone, *alone.approach).has_value());
+}
+
+/// A shell of radius R to R + 6 mm without labels, cropped to a box of 40 x 40 x 30 mm round its top at z = 0, as a region of a scan is.
+std::shared_ptr<const BoneModel> cropped_shell(double radius) {
+  constexpr double kPitch = 0.5e-3;
+  const Vec3i dims(80, 80, 60);
+  DenseBone dense;
+  dense.dims = dims;
+  dense.bone_from_index.linear = Mat3(kPitch);
+  dense.bone_from_index.offset = Vec3(-39.5, -39.5, -39.5) * kPitch;
+  const Vec3 centre(0.0, 0.0, -radius - 6e-3);
+  for_each_voxel({Vec3i(0), dims}, [&](const Vec3i& v) {
+    const double r = glm::length(dense.bone_from_index * Vec3(v) - centre), inside = std::min(radius + 6e-3 - r, r - radius) / kPitch;
+    dense.occupancy.push_back(static_cast<float>(std::clamp(0.5 + inside, 0.0, 1.0)));
+  });
+  dense.hardness.assign(dense.occupancy.size(), 0.8f);
+  dense.labels.assign(dense.occupancy.size(), static_cast<std::uint8_t>(VoxelLabel::none));
+  auto bone = BoneModel::create(dense);
+  REQUIRE(bone);
+  return *bone;
+}
+
+TEST_CASE(
+    "approach: from inside a cropped shell it is known by the hollow bone, and a flatter shell or a leaning axis from outside is not") {
+  // r^2 / (2 R) for r = 12 mm: 0.9 mm and, for the flat one, 0.24 mm, under the 0.4 mm that count.
+  for (const double radius : {80e-3, 300e-3}) {
+    const bool hollow = radius < 0.1;
+    CAPTURE(radius);
+    const auto bone = cropped_shell(radius);
+    const auto out = make_approach(*bone, straight(-6e-3, 1.0)), in = make_approach(*bone, straight(0.0, -1.0));
+    REQUIRE(out);
+    REQUIRE(in);
+    CHECK(leaves_skull(*bone, *out).has_value() == hollow);
+    CHECK_FALSE(leaves_skull(*bone, *in).has_value());
+  }
+  const auto bone = cropped_shell(80e-3);
+  for (const double lean : {-0.3, 0.3}) {
+    ApproachScene scene = straight(0.0, -1.0);
+    scene.axis = glm::normalize(Vec3(lean, 0.1, -1.0));
+    const auto leaning = make_approach(*bone, scene);
+    REQUIRE(leaning);
+    CHECK_FALSE(leaves_skull(*bone, *leaning).has_value());
+  }
+}
+
+TEST_CASE("approach: from the brain's side of a patch of skull it is refused by its labels") {
+  const Planned out = plan(patch(), Vec3(0.0, 0.0, -7e-3), Vec3(0, 0, 1));
+  REQUIRE_MESSAGE(out.approach.ok(), (out.approach ? "" : out.approach.error().text()));
+  const auto wrong = leaves_skull(*out.bone, *out.approach);
+  REQUIRE(wrong.has_value());
+  CHECK(wrong->find("it meets dura or brain before the entry") != std::string::npos);
+  CHECK(wrong->find("axis = [0.000, 0.000, -1.000]") != std::string::npos);
+  const Planned in = plan(patch(), Vec3(0.0), Vec3(0, 0, -1));
+  REQUIRE(in.approach);
+  CHECK_FALSE(leaves_skull(*in.bone, *in.approach).has_value());
+}
+
+TEST_CASE("approach: an axis that meets bone only far from the entry is given the place where it does") {
+  const auto bone = two_slabs();
+  const auto start = start_where_bone_is(*bone, straight(60e-3, -1.0));
+  REQUIRE(start.has_value());
+  CHECK(glm::length(start->entry) < 0.5e-3);  // half of the step of half a voxel, and half a voxel of ramp
+  CHECK(make_approach(*bone, {start->entry, start->axis, {}}).ok());
+  // Beside the bone: the nearest voxel, on the way there.
+  ApproachScene beside = straight(-1.5e-3, -1.0);
+  beside.entry.x = 30e-3;
+  const auto near = start_where_bone_is(*bone, beside);
+  REQUIRE(near.has_value());
+  CHECK(std::abs(near->entry.x - 1.75e-3) < 1e-9);
+  CHECK(near->axis.x < -0.99);
 }
 
 }  // namespace

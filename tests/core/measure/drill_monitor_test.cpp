@@ -118,5 +118,24 @@ TEST_CASE("monitor: a bit that comes out while it is engaged in the last of the 
   CHECK(loose.progress().passed_time == 1.0);
 }
 
+TEST_CASE("monitor: distance from the axis counts in contact alone, and until the tip has passed the bone") {
+  ClearedPlate plate;
+  DrillMonitor monitor(plate.approach);
+  ContactWindowPublisher publisher(*plate.voxmap);
+  publisher.publish(*plate.voxmap);
+  const ContactView view(publisher.exchange().latest(), plate.bone->bone_from_index(), {});
+  double time = 0.0;
+  const auto aside = [&](const Vec3& tip, double force) {
+    monitor.look(view, tip, Vec3(0.0, 0.0, force), 0.0, time += 0.1);
+    return monitor.progress().largest_aside;
+  };
+  CHECK(aside(Vec3(9e-3, 0.0, 1e-3), kAsideForce) == 0.0);
+  CHECK(std::abs(aside(Vec3(3e-3, 4e-3, -1e-3), 1.01 * kAsideForce) - 5e-3) < 1e-9);
+  CHECK(std::abs(aside(Vec3(1e-3, 0.0, -1e-3), 20.0) - 5e-3) < 1e-9);    // the largest stays
+  CHECK(std::abs(aside(Vec3(6e-3, 0.0, -3.5e-3), 20.0) - 6e-3) < 1e-9);  // the tick in which it passes still counts
+  CHECK(monitor.progress().passed_time.has_value());
+  CHECK(std::abs(aside(Vec3(20e-3, 0.0, -4e-3), 20.0) - 6e-3) < 1e-9);
+}
+
 }  // namespace
 }  // namespace burrhole::test

@@ -1,0 +1,128 @@
+#include "app/job/expectation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+namespace burrhole {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
+}
+
+std::optional<double> percent(const std::optional<double>& share) { return share ? std::optional(100.0 * *share) : std::nullopt; }
+
+std::optional<OutcomeFlag> flag_named(std::string_view name) {
+  for (std::size_t n = 0; n < kOutcomeFlags; ++n)
+    if (const auto flag = static_cast<OutcomeFlag>(1u << n); name == name_of(flag)) return flag;
+  return std::nullopt;
+}
+
+/// @returns what may be written, in one line.
+std::string allowed() {
+  std::string out = "through";
+  for (const OutcomeRow& row : result_rows({})) out += ", " + row.name;
+  out += "; no FLAG, where FLAG is ";
+  bool first = true;
+  for (const OutcomeRow& row : flag_rows({})) out += (std::exchange(first, false) ? "" : ", ") + row.name;
+  out += "; FIGURE<VALUE UNIT or FIGURE>VALUE UNIT, where FIGURE and UNIT are ";
+  first = true;
+  for (const ExpectedFigure& figure : expected_figures())
+    out += fmt::format("{}{} {}", std::exchange(first, false) ? "" : ", ", figure.name, figure.unit);
+  return out;
+}
+
+Error wrong(std::string_view term, const std::string& why) {
+  return bad_input(fmt::format("--expect: \"{}\" {}; allowed: {}", term, why, allowed()));
+}
+
+Result<ExpectedTerm> parse_comparison(std::string_view term, std::size_t sign) {
+  ExpectedTerm out;
+  out.text = term;
+  out.below = term[sign] == '<';
+  const std::string_view name = trimmed(term.substr(0, sign)), right = trimmed(term.substr(sign + 1));
+  const auto& figures = expected_figures();
+  const auto found = std::ranges::find_if(figures, [&](const ExpectedFigure& figure) { return name == figure.name; });
+  if (found == figures.end()) return wrong(term, fmt::format("names no figure: \"{}\"", name));
+  out.figure = &*found;
+  const auto [end, error] = std::from_chars(right.data(), right.data() + right.size(), out.value);
+  if (error != std::errc() || !std::isfinite(out.value)) return wrong(term, "has no number after " + std::string(1, term[sign]));
+  const std::string_view unit = trimmed(right.substr(static_cast<std::size_t>(end - right.data())));
+  if (unit != found->unit) return wrong(term, fmt::format("needs the unit {} after its number", found->unit));
+  return out;
+}
+
+Result<ExpectedTerm> parse_term(std::string_view term) {
+  if (term.empty()) return wrong(term, "is an empty term");
+  if (const auto sign = term.find_first_of("<>"); sign != std::string_view::npos) return parse_comparison(term, sign);
+  ExpectedTerm out;
+  out.text = term;
+  if (term.starts_with("no ")) {
+    out.no_flag = flag_named(trimmed(term.substr(3)));
+    if (!out.no_flag) return wrong(term, "names no flag");
+    return out;
+  }
+  out.result = term == "through" ? DrillResult::drilled_through : result_named(term);
+  if (!out.result) return wrong(term, "is no result");
+  return out;
+}
+
+/// @returns what was found in place of the term; empty if it holds.
+std::string found_instead(const ExpectedTerm& term, const RunSummary& summary, const RunOutcome& outcome) {
+  if (term.result)
+    return *term.result == outcome.result ? "" : fmt::format("the result is {}: {}", name_of(outcome.result), outcome.reason);
+  if (term.no_flag) return (outcome.flags & *term.no_flag) == 0 ? "" : fmt::format("the flag {} is set", name_of(*term.no_flag));
+  const auto value = term.figure->value(summary);
+  if (!value) return fmt::format("the run has no {}", term.figure->name);
+  if (term.below ? *value < term.value : *value > term.value) return {};
+  return fmt::format("{} is {:.6g} {}", term.figure->name, *value, term.figure->unit);
+}
+
+}  // namespace
+
+const std::vector<ExpectedFigure>& expected_figures() {
+  using Summary = const RunSummary&;
+  using Value = std::optional<double>;
+  static const std::vector<ExpectedFigure> kFigures{
+      {"plunge", "mm", "drilling.plunge_mm", [](Summary s) -> Value { return s.plunge_mm; }},
+      {"depth", "mm", "drilling.reached_mm", [](Summary s) -> Value { return s.reached_mm; }},
+      {"thickness", "mm", "drilling.thickness_mm", [](Summary s) -> Value { return s.thickness_mm; }},
+      {"hole", "mm", "drilling.hole_diameter_mm", [](Summary s) -> Value { return s.hole_diameter_mm; }},
+      {"inner-hole", "mm", "drilling.inner_diameter_mm", [](Summary s) -> Value { return s.inner_diameter_mm; }},
+      {"aside", "mm", "drilling.aside_mm", [](Summary s) -> Value { return s.aside_mm; }},
+      {"removed", "mm3", "drilling.removed_mm3", [](Summary s) -> Value { return s.removed_mm3; }},
+      {"cleared", "%", "drilling.cleared_share", [](Summary s) -> Value { return percent(s.cleared_share); }},
+      {"peak-force", "N", "drilling.peak_force_N", [](Summary s) -> Value { return s.peak_force_N; }},
+      {"angle", "deg", "drilling.angle_deg", [](Summary s) -> Value { return s.angle_deg; }},
+      {"time", "s", "drilling.breakthrough_s", [](Summary s) -> Value { return s.breakthrough_s; }},
+      {"duration", "s", "duration_s", [](Summary s) -> Value { return s.duration_s; }}};
+  return kFigures;
+}
+
+Result<std::vector<ExpectedTerm>> parse_expectation(std::string_view text) {
+  std::vector<ExpectedTerm> out;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    auto term = parse_term(trimmed(text.substr(from, comma - from)));
+    if (!term) return term.error();
+    out.push_back(std::move(term).value());
+    from = comma + 1;
+  }
+  return out;
+}
+
+std::vector<std::string> missed_terms(const std::vector<ExpectedTerm>& terms, const RunSummary& summary) {
+  const RunOutcome outcome = outcome_of(summary);
+  std::vector<std::string> out;
+  for (const ExpectedTerm& term : terms)
+    if (const std::string instead = found_instead(term, summary, outcome); !instead.empty())
+      out.push_back(fmt::format("expected {}: {}", term.text, instead));
+  return out;
+}
+
+}  // namespace burrhole

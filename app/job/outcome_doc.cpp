@@ -1,0 +1,72 @@
+#include "app/job/outcome_doc.h"
+
+#include <fmt/format.h>
+
+#include "app/job/expectation.h"
+
+namespace burrhole {
+namespace {
+
+constexpr const char* kHead = R"(# The outcome of a run
+
+Each run has one **result**, with its **reason**, and **flags**. `summary.json`, the report, and the last line of `burrhole drill` on stderr (not
+with `--quiet`) show them. They follow from the figures of [summary.json](summary.md) alone, so a replay of a run has the same outcome.
+
+`burrhole docs outcome` generates this page from the tables that judge runs.
+
+## Definitions
+- **Cross-section** of a bit: the projection of its cutting part along the axis, from the tip up to the first shoulder: a disc for a drill or a burr,
+  a ring for a crown, a rectangle for a saw blade; of a 14/11 perforator the inner drill alone. A shoulder is where the cutting part widens by more
+  than 0.25 mm after it has not widened over 0.5 mm.
+- **Column**: the bone as loaded that lies in the direction of the axis over one cell of the cross-section, round the planned axis. It is *clear* if
+  none of that bone is left at the end of the run.
+- **Cleared share**: the share of the columns that are clear. It decides whether the bone is drilled through. The *breakthrough* is another
+  thing: the time at which no bone is left on the axis itself. Hand, plunge and pictures use it; a crown has none, because its core stays on the
+  axis, and a narrow hole has one although the bit is not through.
+- **Uncut share**: of the columns that the bit has passed by more than 0.5 mm and a voxel, the share that is not clear.
+- **Plunge**: the largest distance of the tip beyond its depth at breakthrough; of a bit that passed the bone without a breakthrough, beyond the bone.
+
+## Results
+The first criterion that holds is the result. Results that nothing later takes back come first; an interruption comes before those that a longer
+run could have changed.
+
+| | result | criterion |
+|---|---|---|
+)";
+
+constexpr const char* kFlagHead = R"(
+## Flags
+Flags do not depend on each other.
+
+| flag | criterion |
+|---|---|
+)";
+
+constexpr const char* kExpectHead = R"(
+## Expectations
+`burrhole drill --expect TERMS` exits with code 3 and prints one line for each term that does not hold. An error in TERMS is exit code 2, before
+the run. Ctrl-C is exit code 130 whatever was expected. Terms are separated by commas, and all must hold:
+
+- a result, or `through` for `drilled-through`;
+- `no FLAG`: the flag is not set;
+- `FIGURE<VALUE UNIT` or `FIGURE>VALUE UNIT`, as in `plunge<0.5mm`. A figure that the run does not have does not hold.
+
+| figure | unit | key of summary.json |
+|---|---|---|
+)";
+
+}  // namespace
+
+std::string outcome_markdown() {
+  std::string out = kHead;
+  int order = 0;
+  for (const OutcomeRow& row : result_rows({})) out += fmt::format("| {} | `{}` | {} |\n", ++order, row.name, row.criterion);
+  out += kFlagHead;
+  for (const OutcomeRow& row : flag_rows({})) out += fmt::format("| `{}` | {} |\n", row.name, row.criterion);
+  out += kExpectHead;
+  for (const ExpectedFigure& figure : expected_figures())
+    out += fmt::format("| `{}` | {} | `{}` |\n", figure.name, figure.unit, figure.about);
+  return out;
+}
+
+}  // namespace burrhole

@@ -1,0 +1,34 @@
+/// core/measure/approach_check.h: where an approach that cannot be used should start, found on the bone as loaded.
+///   Frame  bone frame.   Units  SI; millimetres in texts.   Errors  none.   Thread  any; reads the bone only.   Source  own definition.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/measure/approach.h"
+
+namespace burrhole {
+
+/// The start of an approach that would be valid.
+struct ApproachStart {
+  Vec3 entry{0.0};  ///< [m] on the outer surface
+  Vec3 axis{0.0};   ///< [-] unit vector into bone
+};
+
+/// @returns the keys entry_mm and axis of [approach] with these values, as written in a scene.
+[[nodiscard]] std::string start_text(const ApproachStart& start);
+
+/// For an axis that meets no bone within the search range of make_approach(): the first bone on the whole axis, if it is met from outside;
+/// otherwise the bone nearest to `entry`, with the axis from `entry` to it. @returns nothing if there is no bone.
+[[nodiscard]] std::optional<ApproachStart> start_where_bone_is(const BoneModel& bone, const ApproachScene& scene);
+
+/// For an entry in bone without free space above it: the surface above, up to 0.3 m along the axis. @returns nothing if there is none.
+[[nodiscard]] std::optional<ApproachStart> start_above(const BoneModel& bone, const ApproachScene& scene);
+
+/// @returns what is wrong with an approach whose axis leaves the skull, with the start of the opposite approach; nothing for a valid one. The
+/// axis leaves the skull if dura or brain lies above the entry, or if bone as loaded lies on the axis more than 20 mm above the entry and none
+/// beyond its inner surface, or if both surfaces of the bone are hollow towards the start of the axis, measured 12 mm round it. The second rule
+/// needs a volume that holds both sides of the skull, and the third one decides for a cropped scan.
+[[nodiscard]] std::optional<std::string> leaves_skull(const BoneModel& bone, const Approach& approach);
+
+}  // namespace burrhole

@@ -1,0 +1,93 @@
+// The grammar of --expect, and what it finds in a summary.
+
+#include "app/job/expectation.h"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "app/job/outcome_doc.h"
+#include "tests/support/source_folder.h"
+
+namespace burrhole::test {
+namespace {
+
+/// A run that is through, with a plunge of 0.4 mm.
+RunSummary through() {
+  RunSummary s;
+  s.end = "done";
+  s.erosion_points = 1000, s.spin_rpm = 1000.0;
+  s.thickness_mm = 7.0, s.reached_mm = 7.4;
+  s.breakthrough_s = s.passed_s = 20.0;
+  s.cleared_share = 0.95, s.uncut_share = 0.0;
+  s.section_mm2 = 95.0, s.section_radius_mm = 5.5, s.removed_mass_mm3 = 900.0;
+  s.plunge_mm = 0.4, s.peak_force_N = 29.0, s.spacing_mm = 0.25;
+  return s;
+}
+
+std::vector<std::string> missed(const char* text, const RunSummary& summary) {
+  const auto terms = parse_expectation(text);
+  REQUIRE_MESSAGE(terms.ok(), (terms ? "" : terms.error().text()));
+  return missed_terms(*terms, summary);
+}
+
+TEST_CASE("expectation: what holds is missed by none, with or without blanks") {
+  for (const char* text : {"through", "drilled-through", "through, plunge<0.5mm", " through ,plunge < 0.5 mm,peak-force>28N", "cleared>90%",
+                           "no plunged, no shelf-left", "depth>7.39mm, depth<7.41mm", "time<20.1 s"})
+    CHECK_MESSAGE(missed(text, through()).empty(), std::string(text));
+}
+
+TEST_CASE("expectation: each missed term is one line with what was found") {
+  CHECK(missed("plunge<0.3mm", through()) == std::vector<std::string>{"expected plunge<0.3mm: plunge is 0.4 mm"});
+  CHECK(missed("plunge<0.4mm", through()).size() == 1);  // strictly
+  CHECK(missed("plunge>0.4mm", through()).size() == 1);
+  CHECK(
+      missed("stopped-short", through()) ==
+      std::vector<std::string>{"expected stopped-short: the result is drilled-through: 95 % of the bit's cross-section is clear of bone"});
+  CHECK(missed("did-not-cut, plunge<0.1mm, peak-force>1N", through()).size() == 2);
+  RunSummary plunged = through();
+  plunged.limits.plunge_mm = 0.3;
+  CHECK(missed("no plunged", plunged) == std::vector<std::string>{"expected no plunged: the flag plunged is set"});
+}
+
+TEST_CASE("expectation: a figure that a run does not have does not hold, above or below") {
+  RunSummary s = through();
+  s.plunge_mm.reset();
+  CHECK(missed("plunge<0.5mm", s) == std::vector<std::string>{"expected plunge<0.5mm: the run has no plunge"});
+  CHECK(missed("plunge>0mm", s).size() == 1);
+}
+
+TEST_CASE("expectation: a wrong term is one line with what is allowed") {
+  for (const char* text : {"", "thru", "through,", "plunge", "plunge<", "plunge<0.5", "plunge<0.5cm", "plunge<0.5mm2", "depht<1mm",
+                           "plunge=1mm", "plunge<<1mm", "plunge<nan mm", "no", "no plunge", "plunge<-inf mm", "through plunge<1mm"}) {
+    CAPTURE(std::string(text));
+    const auto terms = parse_expectation(text);
+    REQUIRE_FALSE(terms.ok());
+    CHECK(terms.error().code == ErrorCode::bad_input);
+    CHECK(terms.error().message.find("; allowed: through, faulted") != std::string::npos);
+    CHECK(terms.error().message.find('\n') == std::string::npos);
+  }
+}
+
+TEST_CASE("expectation: names of figures are unique, and each has a value in a complete run") {
+  RunSummary s = through();
+  s.hole_diameter_mm = 14.0, s.inner_diameter_mm = 11.0;
+  for (const ExpectedFigure& figure : expected_figures()) {
+    CAPTURE(std::string(figure.name));
+    CHECK(figure.value(s).has_value());
+    CHECK(parse_expectation(std::string(figure.name) + ">1" + figure.unit).ok());
+    int same = 0;
+    for (const ExpectedFigure& other : expected_figures()) same += std::string(other.name) == figure.name ? 1 : 0;
+    CHECK(same == 1);
+  }
+}
+
+TEST_CASE("outcome: docs/outcome.md is what the program prints") {
+  std::ostringstream page;
+  page << std::ifstream(in_source("docs/outcome.md")).rdbuf();
+  CHECK_MESSAGE(page.str() == outcome_markdown(), "docs/outcome.md is out of date; run: burrhole docs outcome > docs/outcome.md");
+}
+
+}  // namespace
+}  // namespace burrhole::test
