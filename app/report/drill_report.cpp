@@ -118,7 +118,7 @@ void add_tables(const DrillReport& report, HtmlPage& page) {
       rows.push_back({step.name, std::to_string(step.count), fmt::format("{:.1f}", step.p50_us), fmt::format("{:.1f}", step.p99_us),
                       fmt::format("{:.1f}", step.p999_us), fmt::format("{:.1f}", step.max_us)});
     }
-    page.table({"Step", "Calls", "Median (µs)", "99 % (µs)", "99.9 % (µs)", "Longest (µs)"}, rows);
+    page.table({"Step", "Calls", "Median (µs)", "99th percentile (µs)", "99.9th (µs)", "Longest (µs)"}, rows);
     page.paragraph(missed_text(report));
   }
   if (!report.hashes.empty()) {

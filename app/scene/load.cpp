@@ -212,7 +212,7 @@ std::vector<Tool> load_tools(const std::vector<ToolText>& texts, const Scene& sc
 
 Result<std::string> read_tool_text(const std::string& name, const std::string& scene_file, const SceneContext& context) {
   const auto path = find_tool(name, scene_file, context);
-  if (!path) return bad_input("\"" + name + "\" is no tool (burrhole tools lists them)");
+  if (!path) return bad_input("\"" + name + "\" is not a tool (burrhole tools lists them)");
   const auto text = text_of_file(*path);
   if (!text) return text.error();
   const auto document = TomlDocument::parse(*text, *path);

@@ -42,7 +42,7 @@ ToolScene read_tool(TableReader table, const std::string& file, const SceneConte
       out.path = *path;
     } else {
       const auto near = nearest_name(name, tool_names(context));
-      table.fault("name", std::string("is no tool") + (near ? "; did you mean \"" + *near + "\"?" : " (burrhole tools lists them)"));
+      table.fault("name", std::string("is not a tool") + (near ? "; did you mean \"" + *near + "\"?" : " (burrhole tools lists them)"));
     }
   }
   out.spin = table.number("spin_rpm", {.fallback = std::nullopt, .min = 0.0, .max = 200e3, .to_si = kRevPerMinute}, "speed of the spindle");

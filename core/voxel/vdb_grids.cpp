@@ -226,7 +226,7 @@ namespace {
 /// Checks the header before OpenVDB reads it: OpenVDB prints a message about an unknown version to the standard error.
 std::optional<std::string> start_fault(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) return "cannot be read: no such file, or not for us to read";
+  if (!stream) return "cannot be read: no such file, or permission denied";
   std::int64_t magic = 0;
   std::uint32_t version = 0;
   stream.read(reinterpret_cast<char*>(&magic), sizeof magic);

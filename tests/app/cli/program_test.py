@@ -219,7 +219,7 @@ class BadInput(WithFolder):
             ([("[erosion]", "[erosoin]")], "did you mean [erosion]?"),
             ([("[erosion]", "[contact.label_stiffness]\ndiploo = 0.5\n[erosion]")], "did you mean \"diploe\"?"),
             ([("[erosion]", "[contact.label_stiffness]\ndiploe = 2\n[erosion]")], "must be in [0.01, 1]"),
-            ([("name = \"pin_2mm\"", "name = \"pin_3mm\"")], "is no tool"),
+            ([("name = \"pin_2mm\"", "name = \"pin_3mm\"")], "is not a tool"),
             ([("[contact]", "[contact]\nmodel = \"mesh\"")], "is not in this version"),
             ([("[contact]", "[contact]\ntool = \"device\"")], "unknown key \"tool\" in [contact]"),
             ([("size = [160, 120]", "method = \"mesh\"")], "is not in this version"),

@@ -63,7 +63,7 @@ TEST_CASE("mesh_error: holes are counted and measured") {
 }
 
 TEST_CASE("mesh_error: inside-out, wound both ways, doubled and flat surfaces are distinguished") {
-  CHECK(fault_of(inside_out(kBox)) == "inside-out: signed volume -48 cm3");
+  CHECK(fault_of(inside_out(kBox)) == "inside-out: its normals point inwards; flip them (signed volume -48 cm3)");
   SurfaceMesh one_turned = kBox;
   std::swap(one_turned.indices[0], one_turned.indices[1]);
   CHECK(fault_of(one_turned) == "wound both ways: the triangles at 3 edges do not agree on which side is outside");
@@ -79,7 +79,7 @@ TEST_CASE("mesh_error: a part wound inward is a cavity inside another and an err
   CHECK(fault_of(joined(kBox, hole)) == "");
   CHECK(check_mesh(joined(kBox, hole)).parts == 2);
   const SurfaceMesh apart = inside_out(box_mesh({0.005, 0.005, 0.005}, {Quat(0.0, 0.0, 0.0, 1.0), {0.1, 0.001, 0.002}}));
-  CHECK(fault_of(joined(kBox, apart)) == "inside-out in 1 of 2 parts: the first has a signed volume of -1 cm3 and no solid round it");
+  CHECK(fault_of(joined(kBox, apart)) == "inside-out in 1 of 2 parts: normals point inwards; flip them (the first has a signed volume of -1 cm3 and no solid round it)");
   // Left of the solid, too, where no ray has entered yet.
   const SurfaceMesh left = inside_out(box_mesh({0.005, 0.005, 0.005}, {Quat(0.0, 0.0, 0.0, 1.0), {-0.1, 0.001, 0.002}}));
   CHECK(fault_of(joined(kBox, left)) != "");
