@@ -214,7 +214,6 @@ Status Renderer::set_volume(const VolumeView& view) {
     auto part = VolumeTexture::create(impl_->gl, view.detail->volume, impl_->seen_from);
     if (!part) return part.error();
     detail = std::move(part).value();
-    impl_->grid = view.detail->grid;
   }
   std::optional<SkinMesh> skin;
   if (view.skin && impl_->has_surface()) {
@@ -225,6 +224,7 @@ Status Renderer::set_volume(const VolumeView& view) {
   impl_->skin = std::move(skin);
   impl_->volume = std::move(made).value();
   impl_->detail = std::move(detail);
+  if (impl_->detail) impl_->grid = view.detail->grid;
   impl_->cache.forget();
   impl_->counters.volume_bytes = 0;
   for (const VolumeTexture* one : {&*impl_->volume, impl_->detail ? &*impl_->detail : nullptr}) {

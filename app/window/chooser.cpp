@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <vector>
@@ -149,6 +150,7 @@ class ChooserWindow {
   void open_file(std::size_t line) {
     const auto file = files_->open(line);
     if (!file) return;
+    if (file->kind == FileKind::scene && file->about.starts_with("not valid: ")) return files_->set_problem(file->about);
     if (file->kind == FileKind::scene) {
       chosen_ = Chosen{.scene = file->path.string()};
       done_ = true;
@@ -189,6 +191,10 @@ class ChooserWindow {
       return {};
     }
     source_.is_bone_model = is_grids_ && source_.unit.empty();
+    // The folder may get another series that is better, so the scene names this one.
+    const auto& series = (*bone)->report.scan.series;
+    const auto taken = std::ranges::find_if(series, &SeriesLine::taken);
+    source_.series = taken != series.end() ? taken->name : std::string();
     if (!skull_) {
       auto made = SkullScreen::create(std::move(*context_), *gui_, config_->bit, config_->solid);
       context_.reset();

@@ -24,7 +24,7 @@ bool FileBrowser::enter(const std::filesystem::path& folder) {
     choices_.push_back({{},
                         fmt::format("{} other {}", list_.others, list_.others == 1 ? "file" : "files"),
                         {},
-                        "not a scene, a scan or a mesh that this program reads"});
+                        "not recognised by name; `burrhole import FILE` says whether it can be read"});
   selection_ = std::make_unique<Selection>(choices_);
   if (!list_.lines.empty() && list_.lines.front().name == "..") selection_->point_at(1);
   return true;

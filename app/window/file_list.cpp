@@ -97,8 +97,8 @@ Result<FolderList> list_folder(const fs::path& folder) {
   std::ranges::sort(files, {}, by_name);
   if (out.folder.has_relative_path()) out.lines.push_back({FileKind::folder, "..", "the folder above", out.folder.parent_path()});
   if (slices > 0)
-    out.lines.push_back(
-        {FileKind::slices, "The scan in this folder", fmt::format("DICOM, {} {}", slices, slices == 1 ? "file" : "files"), out.folder});
+    out.lines.push_back({FileKind::slices, "The scan in this folder and those below",
+                         fmt::format("DICOM, {} {} here", slices, slices == 1 ? "file" : "files"), out.folder});
   out.lines.insert(out.lines.end(), folders.begin(), folders.end());
   out.lines.insert(out.lines.end(), files.begin(), files.end());
   return out;

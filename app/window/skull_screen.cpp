@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "app/window/panel.h"
@@ -53,13 +54,15 @@ SkullScreen::Answer SkullScreen::draw_panel(int width, int height) {
   const auto w = static_cast<float>(width - side), h = static_cast<float>(height), edge = 12.0f * gui_->scale();
   ::burrhole::show(view_->picture(), 0.0f, 0.0f, w, h);
   const PictureTexture& slices = view_->slices();
-  if (pointer_->site())
+  if (pointer_->site() && view_->sliced() == pointer_->site()->entry)
     ::burrhole::show(slices, edge, h - edge - static_cast<float>(slices.height()), static_cast<float>(slices.width()),
                      static_cast<float>(slices.height()));
   const std::string& problem = failure_.empty() ? pointer_->problem() : failure_;
   if (!problem.empty()) {
     begin_over("problem", ImVec2(0.5f * w, edge), ImVec2(0.5f, 0.0f));
+    ImGui::PushTextWrapPos(w - 4.0f * edge);
     ImGui::TextColored(color(gui_->colors().orange), "%s", problem.c_str());
+    ImGui::PopTextWrapPos();
     ImGui::End();
   }
   ImGui::SetNextWindowPos(ImVec2(w, 0.0f));
@@ -78,6 +81,9 @@ void SkullScreen::draw_figures() {
   ImGui::PushFont(gui_->small());
   const Vec3 size = (report_.bone_hi - report_.bone_lo) / kMillimetre;
   text(fmt::format("{}, bone of {:.0f} x {:.0f} x {:.0f} mm", report_.scan.format, size.x, size.y, size.z));
+  if (const auto series = std::ranges::find_if(report_.scan.series, &SeriesLine::taken); series != report_.scan.series.end())
+    text(fmt::format("series {} of {}: {}, {} slices of {} x {}", series->name, report_.scan.series.size(), series->direction,
+                     series->dims.z, series->dims.x, series->dims.y));
   for (const std::string& line : report_.scan.assumed) text("Assumed: " + line);
   ImGui::PopFont();
   ImGui::Separator();

@@ -12,6 +12,7 @@
 #include "core/base/bounds.h"
 #include "core/base/units.h"
 #include "core/measure/approach.h"
+#include "core/measure/approach_check.h"
 
 namespace burrhole {
 namespace {
@@ -137,6 +138,7 @@ Result<SkullSite> make_site(const BoneModel& bone, const Vec3& at, const Vec3& o
   const Vec3 normal = disc_normal(bone, at, outward, kFootprint);
   const auto approach = make_approach(bone, {.entry = at, .axis = -normal, .place = {}});
   if (!approach) return approach.error();
+  if (const auto wrong = leaves_skull(bone, *approach)) return bad_input(*wrong);
   return SkullSite{approach->bone_from_approach.translation, -normal, approach->thickness};
 }
 
@@ -166,6 +168,7 @@ std::optional<Vec3> find_region(const BoneModel& bone, const SkullRegion& region
 std::string site_scene(const SkullSite& site, const SkullSource& source) {
   const Vec3 entry = site.entry / kMillimetre;
   std::string volume = fmt::format("source = {}\n", quoted(source.path));
+  if (!source.series.empty()) volume += fmt::format("series = {}\n", quoted(source.series));
   if (!source.unit.empty()) volume += fmt::format("unit = \"{}\"\n", source.unit);
   if (!source.is_bone_model)
     volume +=
@@ -184,7 +187,8 @@ std::string site_scene(const SkullSite& site, const SkullSource& source) {
       "[contact]\nmodel = \"surface\"\n\n"
       "[erosion]\nlaw = \"rate\"\n\n"
       "[display]\nmethod = \"raycast\"\n\n"
-      "[record]\n",
+      "[record]\n\n"
+      "[outcome]\nplunge_limit_mm = 1.5               # of a drill without a clutch, as app/scenes/head_phantom.toml says\n",
       quoted("Burrhole in " + path.filename().string()), volume, entry.x, entry.y, entry.z, site.axis.x, site.axis.y, site.axis.z);
 }
 

@@ -75,7 +75,6 @@ Status SkullView::draw(const SkullPointer& pointer, int width, int height) {
     if (!rests) quality.supersample = 1;
     if (rests != fine_ || !camera_)
       if (Status set = renderer_.set_quality(quality); !set) return set;
-    fine_ = rests;
     FrameView frame;
     frame.camera = camera;
     frame.light = light_for(camera);
@@ -85,6 +84,7 @@ Status SkullView::draw(const SkullPointer& pointer, int width, int height) {
     auto image = renderer_.draw_at_pace(frame, width, height, pace_);
     if (!image) return image.error();
     picture_.set(*image);
+    fine_ = rests;
     coarse_ = moved && share < 1.0;
     camera_ = camera;
     entry_ = entry;
@@ -93,9 +93,9 @@ Status SkullView::draw(const SkullPointer& pointer, int width, int height) {
   }
   const int size = std::min(width / 4, height / 4);
   if (rests && (sliced_ != entry || size != slice_size_)) {
+    if (Status drawn = draw_slices(site, size); !drawn) return drawn;
     sliced_ = entry;
     slice_size_ = size;
-    return draw_slices(site, size);
   }
   return {};
 }

@@ -24,6 +24,8 @@ class SkullView {
 
   [[nodiscard]] const PictureTexture& picture() const noexcept { return picture_; }
   [[nodiscard]] const PictureTexture& slices() const noexcept { return slices_; }
+  /// @returns the entry of the site that the slices show.
+  [[nodiscard]] const std::optional<Vec3>& sliced() const noexcept { return sliced_; }
 
  private:
   using Time = std::chrono::steady_clock::time_point;

@@ -358,6 +358,7 @@ bool Viewer::choose_quality(const WindowView& view, const Change& change) {
                                std::abs(glm::dot(tool->rotation, still_tool_->rotation)) > kSliceTurn);
   if (!rests) still_tool_ = tool;
   if (change.camera || !rests || change.bone || change.size) changed_at_ = now;
+  if (change.tool) active_at_ = now;
   // A tool that moves without drilling leaves a refined picture as it is.
   if (change.camera || change.bone || view.live.hand.spin > 0.0)
     refined_ = false;
@@ -399,7 +400,7 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   const bool other_quality = choose_quality(view, change);
   const double share = pace_.resolution();
   const bool same = !change.camera && !change.tool && !change.bone && !change.size && !other_quality;
-  if (drawn_ && same && !(figures_.coarse && (refined_ || refine_pace_.has_steps()))) return;
+  if (drawn_ && same && !(figures_.coarse && (refined_ || refine_pace_.has_steps() || view.live.hand.spin > 0.0))) return;
   auto image = draw_eyes(change.frame, width, height);
   if (!image) return state_->say("The picture cannot be drawn: " + image.error().text(), true);
   texture_->set(*image);
@@ -424,6 +425,7 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
 
 void Viewer::measure(const Change& change, bool other_quality, double took, const Image& image) {
   const bool same_view = !change.camera && !change.tool && !change.bone && !change.size;
+  if (change.camera || change.bone || change.size || other_quality) figures_.moving_psnr.reset();
   if (refined_ && (other_quality || change.size)) {
     figures_.full_ms = took * 1e3;
     refine_pace_.record(took);

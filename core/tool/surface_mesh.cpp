@@ -185,8 +185,9 @@ std::optional<std::string> part_error(const SurfaceMesh& mesh, const Parts& part
   for (std::size_t n = 0; n < points.size(); ++n)
     if (around[n] < 1 && astray++ == 0) first_volume = parts.volume[which[n]];
   if (astray == 0) return std::nullopt;
-  return fmt::format("inside-out in {} of {} parts: normals point inwards; flip them (the first has a signed volume of {:.3g} cm3 and no solid round it)", astray,
-                     parts.volume.size(), first_volume * 1e6);
+  return fmt::format(
+      "inside-out in {} of {} parts: normals point inwards; flip them (the first has a signed volume of {:.3g} cm3 and no solid round it)",
+      astray, parts.volume.size(), first_volume * 1e6);
 }
 
 }  // namespace
@@ -224,7 +225,8 @@ std::optional<std::string> mesh_error(const SurfaceMesh& mesh) {
   if (auto error = index_error(mesh)) return error;
   const MeshCheck check = check_mesh(mesh);
   if (auto error = edge_error(check)) return error;
-  if (check.volume < 0.0) return fmt::format("inside-out: its normals point inwards; flip them (signed volume {:.3g} cm3)", check.volume * 1e6);
+  if (check.volume < 0.0)
+    return fmt::format("inside-out: its normals point inwards; flip them (signed volume {:.3g} cm3)", check.volume * 1e6);
   if (!(check.volume > 0.0)) return "flat: it encloses no volume";
   const std::vector<Id> first = first_at_place(mesh.positions);
   return part_error(mesh, find_parts(whole_triangles(mesh, first), mesh.positions));

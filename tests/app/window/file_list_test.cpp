@@ -58,13 +58,13 @@ TEST_CASE("files: what can be opened is listed with what it is, folders first; t
   folder.write(".DS_Store", "");
   const auto list = list_folder(folder.path.string() + "/");
   REQUIRE(list.ok());
-  CHECK(names_of(*list) == std::vector<std::string>{"..", "The scan in this folder", "A", "b", "bone.vdb", "my scene.toml", "raw.toml",
-                                                    "scan.NII.GZ", "skull.stl", "torn.toml"});
+  CHECK(names_of(*list) == std::vector<std::string>{"..", "The scan in this folder and those below", "A", "b", "bone.vdb", "my scene.toml",
+                                                    "raw.toml", "scan.NII.GZ", "skull.stl", "torn.toml"});
   CHECK(list->others == 2);  // the tool and the notes
   const std::vector<FileKind> kinds{FileKind::folder, FileKind::slices, FileKind::folder, FileKind::folder, FileKind::grids,
                                     FileKind::scene,  FileKind::scan,   FileKind::scan,   FileKind::mesh,   FileKind::scene};
   for (std::size_t n = 0; n < kinds.size(); ++n) CHECK(list->lines[n].kind == kinds[n]);
-  CHECK(list->lines[1].about == "DICOM, 2 files");
+  CHECK(list->lines[1].about == "DICOM, 2 files here");
   CHECK(list->lines[1].path == folder.path);
   CHECK(list->lines[5].about == "scene: Mine");
   CHECK(list->lines[9].about.find("torn.toml:1") != std::string::npos);

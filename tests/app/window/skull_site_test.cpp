@@ -107,6 +107,9 @@ TEST_CASE("site: the bit stands square to a shell, and its thickness is known") 
     CHECK(site->thickness == doctest::Approx(kThickness).epsilon(2.0 * kSurfaceError / kThickness));
     CHECK(angle_between(site->axis, -radial(site->entry - kCentre)) < 2.0 * kSurfaceError / 4.9e-3);
   }
+  // From inside the shell a drill would leave the skull.
+  const Vec3 up(0.0, 0.0, 1.0);
+  CHECK_FALSE(make_site(*shell(), kCentre + (kRadius - kThickness) * up, -up).ok());
   const auto ball = make_bone([](const Vec3& p) { return glm::length(p) - kRadius; }, radial);
   const auto no_end = make_site(*ball, kCentre + Vec3(0.0, 0.0, kRadius), Vec3(0.0, 0.0, 1.0));
   REQUIRE_FALSE(no_end.ok());
@@ -116,7 +119,8 @@ TEST_CASE("site: the bit stands square to a shell, and its thickness is known") 
 TEST_CASE("site: a scene file holds the site and the source, whatever the path") {
   const SkullSite site{Vec3(0.0539, 0.1, 0.8), glm::normalize(Vec3(-0.758, 0.242, -0.606)), 6e-3};
   const std::string path = "/tmp/a \"quoted\" back\\slash\tfolder/scan.nii";
-  for (const SkullSource& source : {SkullSource{path}, SkullSource{path, "cm"}, SkullSource{path, {}, true}}) {
+  for (const SkullSource& source :
+       {SkullSource{path}, SkullSource{path, "cm"}, SkullSource{path, {}, true}, SkullSource{path, {}, false, "3b"}}) {
     const auto document = TomlDocument::parse(site_scene(site, source), "scene.toml");
     REQUIRE(document.ok());
     Issues issues;
@@ -126,6 +130,8 @@ TEST_CASE("site: a scene file holds the site and the source, whatever the path")
     REQUIRE(approach.has_value());
     CHECK(volume->text("source", "", "") == path);
     CHECK(volume->text("unit", "", "") == source.unit);
+    CHECK(volume->text("series", "", "") == source.series);
+    CHECK(root.has("outcome"));
     CHECK(volume->has("spacing_mm") == !source.is_bone_model);  // a bone model is used at its own voxels
     const Vec3 entry = approach->vector("entry_mm", Vec3(0.0), {.to_si = kMillimetre}, "");
     CHECK(glm::length(entry - site.entry) < 1e-6);

@@ -79,7 +79,8 @@ TEST_CASE("mesh_error: a part wound inward is a cavity inside another and an err
   CHECK(fault_of(joined(kBox, hole)) == "");
   CHECK(check_mesh(joined(kBox, hole)).parts == 2);
   const SurfaceMesh apart = inside_out(box_mesh({0.005, 0.005, 0.005}, {Quat(0.0, 0.0, 0.0, 1.0), {0.1, 0.001, 0.002}}));
-  CHECK(fault_of(joined(kBox, apart)) == "inside-out in 1 of 2 parts: normals point inwards; flip them (the first has a signed volume of -1 cm3 and no solid round it)");
+  CHECK(fault_of(joined(kBox, apart)) ==
+        "inside-out in 1 of 2 parts: normals point inwards; flip them (the first has a signed volume of -1 cm3 and no solid round it)");
   // Left of the solid, too, where no ray has entered yet.
   const SurfaceMesh left = inside_out(box_mesh({0.005, 0.005, 0.005}, {Quat(0.0, 0.0, 0.0, 1.0), {-0.1, 0.001, 0.002}}));
   CHECK(fault_of(joined(kBox, left)) != "");

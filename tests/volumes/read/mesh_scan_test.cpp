@@ -308,7 +308,8 @@ TEST_CASE("read_mesh_scan: refusals say what and how much") {
   open.indices.resize(open.indices.size() - 3);
   CHECK(refusal(write_mesh(folder.file("open"), open, MeshForm::ply), options(kMm)) ==
         "open: 3 edges without a neighbour in 1 hole, the longest 44.4 mm around");
-  CHECK(refusal(write_mesh(folder.file("in"), inside_out(box), MeshForm::obj), options(kMm)) == "inside-out: its normals point inwards; flip them (signed volume -1.6 cm3)");
+  CHECK(refusal(write_mesh(folder.file("in"), inside_out(box), MeshForm::obj), options(kMm)) ==
+        "inside-out: its normals point inwards; flip them (signed volume -1.6 cm3)");
   CHECK(refusal(folder.file("none.stl"), options(kMm)) == "cannot be read: No such file or directory");
 }
 
