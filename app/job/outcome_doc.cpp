@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kHead = R"(# The outcome of a run
 
 Each run has one **result**, with its **reason**, and **flags**. `summary.json`, the report, and the last line of `burrhole drill` on stderr (not
-with `--quiet`) show them. They follow from the figures of [summary.json](summary.md) alone, so a replay of a run has the same outcome.
+with `--quiet`) show them. A replay has the figures of bone and tool of its run; how a run ended, and steps that a live run missed, belong to the run alone.
 
 `burrhole docs outcome` generates this page from the tables that judge runs.
 
@@ -23,7 +23,8 @@ with `--quiet`) show them. They follow from the figures of [summary.json](summar
 - **Cleared share**: the share of the columns that are clear. It decides whether the bone is drilled through. The *breakthrough* is another
   thing: the time at which no bone is left on the axis itself. Hand, plunge and pictures use it; a crown has none, because its core stays on the
   axis, and a narrow hole has one although the bit is not through.
-- **Uncut share**: of the columns that the bit has passed by more than 0.5 mm and a voxel, the share that is not clear.
+- **Uncut share**: of the columns that the bit has passed by more than 0.5 mm and a voxel, the share that is not clear; absent
+  if it has passed less than half of them.
 - **Plunge**: the largest distance of the tip beyond its depth at breakthrough; of a bit that passed the bone without a breakthrough, beyond the bone.
 
 ## Results

@@ -128,6 +128,7 @@ std::vector<std::string> outcome_warnings(const RunSummary& s) {
                               fmt::join(contact_flag_texts(s.contact_flags), "; ")));
   if ((outcome.flags & kFlagPlunged) != 0)
     out.push_back(fmt::format("the tip plunged {:.2f} mm, more than [outcome] plunge_limit_mm = {:g}", *s.plunge_mm, s.limits.plunge_mm));
+  if (outcome.result == DrillResult::drilled_through) return out;
   if (auto unfinished = unfinished_warning(s)) {
     out.push_back(std::move(*unfinished));
     return out;

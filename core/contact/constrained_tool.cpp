@@ -107,7 +107,8 @@ void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
   forget_places();
   flanks_.clear();
   hold_force_.clear();
-  placed_ = false;
+  lying_ = 0.0;
+  stop_unseen_ = spinning_ = placed_ = false;
 }
 
 ConstrainedTool::Pull ConstrainedTool::pull_of(const HandMotion& hand, double dt) const noexcept {

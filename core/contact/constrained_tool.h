@@ -204,6 +204,7 @@ class ConstrainedTool {
   Quat hand_before_{1.0, 0.0, 0.0, 0.0};
   bool spinning_ = false;      // in the last step
   double lying_ = 0.0;         // [voxels] overlap of a stopped tool with its hole, see Stopped
+  bool stop_unseen_ = false;   // the spin has ended, and bone was not read since
   Vec3 engaged_at_stop_{0.0};  // [m] bone frame
   bool placed_ = false;        // the frames above are from the last step
   HoldForce hold_force_;       // world frame

@@ -114,7 +114,7 @@ std::optional<SectionMeasure> measure_section(const Voxmap& voxmap, const Approa
   }
   if (columns == 0) return std::nullopt;
   SectionMeasure out{.cleared = static_cast<double>(clear) / static_cast<double>(columns)};
-  if (passed > 0) out.uncut = static_cast<double>(uncut) / static_cast<double>(passed);
+  if (2 * passed >= columns && passed > 0) out.uncut = static_cast<double>(uncut) / static_cast<double>(passed);
   return out;
 }
 

@@ -35,8 +35,9 @@ struct CrossSection {
 [[nodiscard]] CrossSection leading_section(const ErosionPoints& points);
 
 struct SectionMeasure {
-  double cleared = 0.0;           ///< [-] share of the columns with bone as loaded that are clear, 0..1
-  std::optional<double> uncut{};  ///< [-] share that is not clear, of the columns that the bit has passed; nothing if it has passed none
+  double cleared = 0.0;  ///< [-] share of the columns with bone as loaded that are clear, 0..1
+  std::optional<double>
+      uncut{};  ///< [-] share that is not clear, of the columns that the bit has passed; nothing if it has passed less than half of them
 };
 
 /// @param deepest [m] greatest depth of the tip. The bit has passed a column if its lowest cutting point over it was more than 0.5 mm and a

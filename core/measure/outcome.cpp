@@ -25,7 +25,7 @@ double aside_limit_mm(const OutcomeFigures& f, const OutcomeLimits& limits) { re
 bool skated(const OutcomeFigures& f, const OutcomeLimits& limits) { return !f.by_user && f.aside_mm > aside_limit_mm(f, limits); }
 
 bool uncut(const OutcomeFigures& f, const OutcomeLimits& limits) {
-  if (!f.passed) return false;
+  if (!f.passed || f.by_user) return false;  // a user may drill beside the planned axis
   return f.uncut_share ? *f.uncut_share > limits.uncut_share : f.axis_removed < limits.uncut_share;
 }
 
@@ -187,7 +187,8 @@ std::vector<OutcomeRow> result_rows(const OutcomeLimits& limits) {
           "than {:g} mm; not for a hand that a user moves",
           limits.aside_mm),
       fmt::format(
-          "the tip passed the bone, and `drilling.uncut_share` > {0:g}; without that figure: `drilling.axis_removed_at_passing` < {0:g}",
+          "the tip passed the bone, and `drilling.uncut_share` > {0:g}; without that figure: `drilling.axis_removed_at_passing` < {0:g}; "
+          "not for a hand that a user moves",
           limits.uncut_share),
       fmt::format("`drilling.cleared_share` >= {:g}", limits.through_share),
       "a signal ended the run, or a user ended a demonstration",

@@ -5,7 +5,7 @@
 ///     2 skated-off       in contact and before the tip passed the bone, the tip was farther from the axis than the bit's radius and than
 ///                        1 mm; not for a hand that a user moves
 ///     3 passed-uncut     the tip passed the bone, and more than half of the columns that the bit passed are not clear of bone; without
-///                        columns: less than half of the bone on the axis was removed when the tip passed it
+///                        columns: less than half of the bone on the axis was removed when the tip passed it; not for a hand that a user moves
 ///     4 drilled-through  at least half of the bit's cross-section is clear
 ///     5 interrupted      a signal or a user ended the run
 ///     6 did-not-cut      the removed bone, spread over the bit's cross-section, is less than 0.1 mm deep

@@ -94,6 +94,8 @@ TEST_CASE("outcome: a tip beyond bone that is still there has passed uncut, by c
   };
   CHECK(result_of(through(), axis(kLimits.uncut_share)) == DrillResult::stopped_short);
   CHECK(result_of(through(), axis(below(kLimits.uncut_share))) == DrillResult::passed_uncut);
+  // A user's hole may lie beside the planned axis.
+  CHECK(result_of(through(), [](auto& f) { f.cleared_share = 0.1, f.uncut_share = 1.0, f.by_user = true; }) == DrillResult::stopped_short);
   CHECK(result_of(halfway(), [](auto& f) { f.uncut_share = 1.0; }) == DrillResult::stopped_short);  // it never passed
 }
 
