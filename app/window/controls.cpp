@@ -38,18 +38,15 @@ bool Controls::fine() const noexcept { return held(Key::left_shift) || held(Key:
 void Controls::handle(const WindowEvent& event, bool taken) {
   switch (event.kind) {
     case WindowEvent::Kind::key:
-      if (event.down && keys_.insert(event.code).second) press(static_cast<Key>(event.code));
-      if (!event.down) keys_.erase(event.code);
+      if (const auto key = held_.take_key(event)) press(*key);
       return;
     case WindowEvent::Kind::button:
-      if (!event.down) dragging_.reset();
-      if (event.down && !taken && event.x < width_ && event.code <= static_cast<int>(MouseButton::middle))
-        dragging_ = static_cast<MouseButton>(event.code);
+      held_.take_button(event, taken, width_);
       x_ = event.x;
       y_ = event.y;
       return;
     case WindowEvent::Kind::motion:
-      if (dragging_) drag(event.x - x_, event.y - y_);
+      if (held_.dragging()) drag(event.x - x_, event.y - y_);
       x_ = event.x;
       y_ = event.y;
       return;
@@ -58,8 +55,7 @@ void Controls::handle(const WindowEvent& event, bool taken) {
       return;
     case WindowEvent::Kind::focus:
       // A window without focus gets no release of a key: nothing may stay pressed, the drive above all.
-      keys_.clear();
-      dragging_.reset();
+      held_.clear();
       if (!event.down) locked_on_ = false;
       return;
     case WindowEvent::Kind::close:
@@ -198,10 +194,10 @@ void Controls::scroll(double steps) {
 }
 
 void Controls::drag(double dx, double dy) {
-  if (*dragging_ == MouseButton::right || (setup_.transport && *dragging_ == MouseButton::left))
+  if (*held_.dragging() == MouseButton::right || (setup_.transport && *held_.dragging() == MouseButton::left))
     return camera_.turn(-dx * config_.turn, dy * config_.turn);
   const double metres = camera_.length_of(1.0 / height_);
-  if (*dragging_ == MouseButton::middle) return camera_.pan(-dx * metres, dy * metres);
+  if (*held_.dragging() == MouseButton::middle) return camera_.pan(-dx * metres, dy * metres);
   slide(dx * metres * scale(), -dy * metres * scale());
 }
 

@@ -5,7 +5,6 @@
 
 #include <deque>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "app/run/live_user.h"
 #include "app/scene/load.h"
 #include "app/view/view.h"
+#include "app/window/held_input.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/transport.h"
 #include "app/window/view_cut.h"
@@ -135,7 +135,7 @@ class Controls {
   [[nodiscard]] double light_lead() const noexcept { return config_.light / setup_.hand.dynamics.stiffness; }  // [m]
   void slide(double right, double up);
   void advance(double towards_bone, double dt);
-  [[nodiscard]] bool held(Key key) const { return keys_.contains(static_cast<int>(key)); }
+  [[nodiscard]] bool held(Key key) const { return held_.has(key); }
   [[nodiscard]] double scale() const noexcept { return fine() ? 1.0 / config_.fine : 1.0; }
 
   ControlsSetup setup_;
@@ -144,8 +144,7 @@ class Controls {
   ControlsConfig config_;
   DisplayRequests requests_;
   UserGoal goal_;
-  std::set<int> keys_;
-  std::optional<MouseButton> dragging_;
+  HeldInput held_;
   double x_ = 0.0, y_ = 0.0;  // [pixels] of the pointer
   int width_ = 1, height_ = 1;
   double rest_ = 0.0;         // [m] of the goal beyond the hand that is held

@@ -46,19 +46,14 @@ void SkullPointer::set_picture_size(int width, int height) noexcept {
 void SkullPointer::handle(const WindowEvent& event, bool taken) {
   switch (event.kind) {
     case WindowEvent::Kind::key:
-      if (event.down && keys_.insert(event.code).second) press(static_cast<Key>(event.code));
-      if (!event.down) keys_.erase(event.code);
+      if (const auto key = held_.take_key(event)) press(*key);
       return;
     case WindowEvent::Kind::button:
-      if (!event.down) dragging_.reset();
-      if (event.down && !taken && event.x < width_ && event.code <= static_cast<int>(MouseButton::middle)) {
-        dragging_ = static_cast<MouseButton>(event.code);
-        if (*dragging_ == MouseButton::left) pointed_ = glm::dvec2(event.x, event.y);
-      }
+      if (held_.take_button(event, taken, width_) && held_.dragging() == MouseButton::left) pointed_ = glm::dvec2(event.x, event.y);
       break;
     case WindowEvent::Kind::motion:
-      if (dragging_ == MouseButton::left) pointed_ = glm::dvec2(event.x, event.y);
-      if (dragging_ == MouseButton::right || dragging_ == MouseButton::middle) {
+      if (held_.dragging() == MouseButton::left) pointed_ = glm::dvec2(event.x, event.y);
+      if (held_.dragging() == MouseButton::right || held_.dragging() == MouseButton::middle) {
         azimuth_ -= kTurn * (event.x - x_);
         elevation_ = std::clamp(elevation_ + kTurn * (event.y - y_), -kSteepest, kSteepest);
       }
@@ -69,8 +64,7 @@ void SkullPointer::handle(const WindowEvent& event, bool taken) {
             std::clamp(distance_ / std::pow(kZoomStep, std::clamp(event.y, -20.0, 20.0)), 0.2 * start_distance_, 3.0 * start_distance_);
       return;
     case WindowEvent::Kind::focus:
-      keys_.clear();
-      dragging_.reset();
+      held_.clear();
       return;
     case WindowEvent::Kind::character:
     case WindowEvent::Kind::size:

@@ -5,10 +5,10 @@
 
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "app/view/view.h"
+#include "app/window/held_input.h"
 #include "app/window/skull_site.h"
 #include "app/window/window_event.h"
 
@@ -39,7 +39,7 @@ class SkullPointer {
   /// The ray of a point of the picture meets bone there.
   void point_at(const Vec3& from, const Vec3& direction);
   void move(double right, double up);  // [m] over the bone as the picture shows it
-  [[nodiscard]] bool held(Key key) const { return keys_.contains(static_cast<int>(key)); }
+  [[nodiscard]] bool held(Key key) const { return held_.has(key); }
   [[nodiscard]] bool turns() const { return held(Key::left_control) || held(Key::right_control); }
   [[nodiscard]] double scale() const { return held(Key::left_shift) || held(Key::right_shift) ? 0.2 : 1.0; }
   [[nodiscard]] Vec3 outward() const noexcept;  // from the target to the eye
@@ -49,10 +49,9 @@ class SkullPointer {
   double azimuth_ = 0.0, elevation_ = 0.0, distance_ = 0.4, start_distance_ = 0.4;
   std::optional<SkullSite> site_;
   std::string problem_;
-  std::set<int> keys_;
+  HeldInput held_;
   double held_for_ = 0.0;                // [s] of an arrow
   std::optional<glm::dvec2> pointed_{};  // [pixels] not resolved yet
-  std::optional<MouseButton> dragging_{};
   double x_ = 0.0, y_ = 0.0;
   int width_ = 1, height_ = 1;
 };

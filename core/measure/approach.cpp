@@ -47,20 +47,8 @@ void list_layers(const BoneModel& bone, Approach& out) {
   }
 }
 
-Error refused(const std::string& why, const std::optional<ApproachStart>& start) {
-  return bad_input(start ? why + "; bone begins at " + start_text(*start) : why);
-}
-
-}  // namespace
-
-double sample_occupancy(const BoneModel& bone, const Vec3& index) {
-  const Vec3i base = floor_int(index);
-  std::array<float, 8> corner{};
-  bone.read_occupancy({base, base + 2}, corner);
-  return trilinear(index - Vec3(base), [&](unsigned n) { return static_cast<double>(corner[n]); });
-}
-
-Result<Approach> make_approach(const BoneModel& bone, const ApproachScene& scene) {
+/// make_approach() without a place to start in its errors. @param misses set where the axis does not begin outside bone and meet it.
+Result<Approach> measure_approach(const BoneModel& bone, const ApproachScene& scene, bool& misses) {
   const Affine index_from_bone = bone.bone_from_index().inverse();
   const double step = 0.25 * bone.bone_from_index().mean_edge();
   const auto inside = [&](const Vec3& origin, double depth) {
@@ -68,10 +56,11 @@ Result<Approach> make_approach(const BoneModel& bone, const ApproachScene& scene
   };
 
   double start = -kSearch;
-  if (inside(scene.entry, start))
-    return refused("the approach starts inside bone: no free space within 20 mm above entry_mm", start_above(bone, scene));
+  misses = inside(scene.entry, start);
+  if (misses) return bad_input("the approach starts inside bone: the point 20 mm above entry_mm is bone");
   while (start < kSearch && !inside(scene.entry, start + step)) start += step;
-  if (start >= kSearch) return refused("the approach axis meets no bone within 20 mm of entry_mm", start_where_bone_is(bone, scene));
+  misses = start >= kSearch;
+  if (misses) return bad_input("the approach axis meets no bone within 20 mm of entry_mm");
   start = refine(bone, index_from_bone, scene.entry, scene.axis, start, start + step, false);
 
   Approach out;
@@ -93,6 +82,37 @@ Result<Approach> make_approach(const BoneModel& bone, const ApproachScene& scene
     const VoxelLabel label = bone.label(voxel_of(index_from_bone * (entry - scene.axis * above)));
     out.from_inside = label == VoxelLabel::dura || label == VoxelLabel::brain;
   }
+  return out;
+}
+
+/// @returns the valid approach that begins at `start`, or, if its axis leaves the skull, the opposite one; nothing if neither is valid.
+std::optional<ApproachStart> valid_start(const BoneModel& bone, const ApproachStart& start) {
+  bool misses = false;
+  auto found = measure_approach(bone, {start.entry, start.axis, {}}, misses);
+  Vec3 axis = start.axis;
+  if (found && leaves_skull(bone, *found)) {
+    axis = -axis;
+    found = measure_approach(bone, {found->bone_from_approach.translation - axis * found->thickness, axis, {}}, misses);
+  }
+  if (!found || leaves_skull(bone, *found)) return std::nullopt;
+  return ApproachStart{found->bone_from_approach.translation, axis};
+}
+
+}  // namespace
+
+double sample_occupancy(const BoneModel& bone, const Vec3& index) {
+  const Vec3i base = floor_int(index);
+  std::array<float, 8> corner{};
+  bone.read_occupancy({base, base + 2}, corner);
+  return trilinear(index - Vec3(base), [&](unsigned n) { return static_cast<double>(corner[n]); });
+}
+
+Result<Approach> make_approach(const BoneModel& bone, const ApproachScene& scene) {
+  bool misses = false;
+  auto out = measure_approach(bone, scene, misses);
+  if (out || !misses) return out;
+  for (const ApproachStart& possible : possible_starts(bone, scene))
+    if (const auto start = valid_start(bone, possible)) return bad_input(out.error().message + "; bone begins at " + start_text(*start));
   return out;
 }
 

@@ -122,20 +122,17 @@ std::string start_text(const ApproachStart& start) {
   return fmt::format("entry_mm = [{:.1f}, {:.1f}, {:.1f}], axis = [{:.3f}, {:.3f}, {:.3f}]", e.x, e.y, e.z, a.x, a.y, a.z);
 }
 
-std::optional<ApproachStart> start_where_bone_is(const BoneModel& bone, const ApproachScene& scene) {
+std::vector<ApproachStart> possible_starts(const BoneModel& bone, const ApproachScene& scene) {
+  std::vector<ApproachStart> out;
   const Line line(bone, scene.entry, scene.axis);
-  if (const auto first = line.find(-kReach, kReach, true)) return ApproachStart{line.place(*first), scene.axis};
-  const auto near = nearest_bone(bone, scene.entry);
-  if (!near) return std::nullopt;
-  const Vec3 way = *near - scene.entry;
-  return ApproachStart{*near, glm::length(way) > 0.0 ? glm::normalize(way) : scene.axis};
-}
-
-std::optional<ApproachStart> start_above(const BoneModel& bone, const ApproachScene& scene) {
-  const Line line(bone, scene.entry, scene.axis);
-  const auto free = line.find(0.0, -kReach, false);
-  if (!free) return std::nullopt;
-  return ApproachStart{line.place(*free), scene.axis};
+  if (const auto free = line.find(-kBehind, -kReach, false)) out.push_back({line.place(*free), scene.axis});
+  if (const auto first = line.find(-kReach, kReach, true)) out.push_back({line.place(*first), scene.axis});
+  if (const auto near = nearest_bone(bone, scene.entry)) {
+    out.push_back({*near, scene.axis});
+    const Vec3 way = *near - scene.entry;
+    if (glm::length(way) > 0.0) out.push_back({*near, glm::normalize(way)});
+  }
+  return out;
 }
 
 std::optional<std::string> leaves_skull(const BoneModel& bone, const Approach& approach) {

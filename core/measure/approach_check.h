@@ -4,12 +4,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/measure/approach.h"
 
 namespace burrhole {
 
-/// The start of an approach that would be valid.
+/// The start of an approach.
 struct ApproachStart {
   Vec3 entry{0.0};  ///< [m] on the outer surface
   Vec3 axis{0.0};   ///< [-] unit vector into bone
@@ -18,12 +19,9 @@ struct ApproachStart {
 /// @returns the keys entry_mm and axis of [approach] with these values, as written in a scene.
 [[nodiscard]] std::string start_text(const ApproachStart& start);
 
-/// For an axis that meets no bone within the search range of make_approach(): the first bone on the whole axis, if it is met from outside;
-/// otherwise the bone nearest to `entry`, with the axis from `entry` to it. @returns nothing if there is no bone.
-[[nodiscard]] std::optional<ApproachStart> start_where_bone_is(const BoneModel& bone, const ApproachScene& scene);
-
-/// For an entry in bone without free space above it: the surface above, up to 0.3 m along the axis. @returns nothing if there is none.
-[[nodiscard]] std::optional<ApproachStart> start_above(const BoneModel& bone, const ApproachScene& scene);
+/// For an approach that begins in bone or meets none: where bone is, best first. The surface above the entry, the first bone on the whole axis
+/// within 0.3 m, and the bone nearest to the entry, with the axis of the scene and with that from the entry to it. None is checked.
+[[nodiscard]] std::vector<ApproachStart> possible_starts(const BoneModel& bone, const ApproachScene& scene);
 
 /// @returns what is wrong with an approach whose axis leaves the skull, with the start of the opposite approach; nothing for a valid one. The
 /// axis leaves the skull if dura or brain lies above the entry, or if bone as loaded lies on the axis more than 20 mm above the entry and none

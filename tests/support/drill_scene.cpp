@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <sstream>
 
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
@@ -85,6 +86,13 @@ LoadedScene load_text(const std::string& text, const std::vector<std::string>& s
 
 LoadedScene load_small(const SmallScene& scene) { return load_text(scene_text(scene), scene.sets); }
 
+LoadedScene load_parietal(const std::vector<std::string>& sets) {
+  const std::string file = in_source("app/scenes/parietal.toml");
+  LoadedScene out = load_text((std::ostringstream() << std::ifstream(file).rdbuf()).str(), sets, file);
+  (void)out.scene.effects.remove("display");
+  return out;
+}
+
 DrillRun::DrillRun(LoadedScene loaded, const SimulationOptions& options) : loaded_(std::make_unique<LoadedScene>(std::move(loaded))) {
   Issues issues;
   simulation_ = Simulation::create(loaded_->scene, loaded_->bone, loaded_->tool, options, issues);
@@ -113,6 +121,19 @@ SimulatedHand make_hand(const LoadedScene& loaded) {
 }  // namespace
 
 WatchedHand::WatchedHand(const LoadedScene& loaded, std::function<void()> watch) : hand_(make_hand(loaded)), watch_(std::move(watch)) {}
+
+ReplayRun::ReplayRun(const std::string& path, SimulationOptions options) {
+  auto session = SessionReader::open(path);
+  REQUIRE_MESSAGE(session.ok(), (session ? "" : session.error().text()));
+  session_ = std::make_unique<SessionReader>(std::move(session).value());
+  auto hand = RecordedHand::create(*session_);
+  REQUIRE_MESSAGE(hand.ok(), (hand ? "" : hand.error().text()));
+  hand_ = std::make_unique<RecordedHand>(std::move(hand).value());
+  options.hand = hand_.get();
+  run_ = std::make_unique<DrillRun>(load_text(session_->meta().scene, {}), options);
+  const Status replayed = run_->simulation().run_recorded(*session_, *hand_);
+  REQUIRE_MESSAGE(replayed.ok(), (replayed.ok() ? "" : replayed.error().text()));
+}
 
 DrillRun& run_recorded(DrillRun& run, const std::string& path) {
   const LoadedScene& loaded = run.loaded();

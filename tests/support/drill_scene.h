@@ -11,6 +11,7 @@
 
 #include "app/run/simulation.h"
 #include "app/scene/load.h"
+#include "app/session/recorded_hand.h"
 
 namespace burrhole::test {
 
@@ -69,6 +70,8 @@ struct SmallScene {
 [[nodiscard]] LoadedScene load_text(const std::string& text, const std::vector<std::string>& sets,
                                     const std::string& file_name = "small.toml");
 [[nodiscard]] LoadedScene load_small(const SmallScene& scene);
+/// app/scenes/parietal.toml with overrides and without pictures.
+[[nodiscard]] LoadedScene load_parietal(const std::vector<std::string>& sets);
 
 /// A scene loaded and put together; run() is called by the test.
 class DrillRun {
@@ -106,6 +109,17 @@ class WatchedHand final : public HandSource {
 
 /// Runs with a session at `path`, hashes noted, and closes it: what `burrhole drill` records.
 DrillRun& run_recorded(DrillRun& run, const std::string& path);
+/// A recorded session whose scene is loaded again and whose steps run again in the recorded order; an error fails the test.
+class ReplayRun {
+ public:
+  explicit ReplayRun(const std::string& path, SimulationOptions options = {});
+  [[nodiscard]] DrillRun& run() noexcept { return *run_; }
+
+ private:
+  std::unique_ptr<SessionReader> session_;
+  std::unique_ptr<RecordedHand> hand_;
+  std::unique_ptr<DrillRun> run_;
+};
 /// One column of the first stream of a session that has it, a value a row; a session or column that is not there fails the test.
 [[nodiscard]] std::vector<double> session_column(const std::string& path, const std::string& name);
 

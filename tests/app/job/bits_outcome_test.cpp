@@ -111,16 +111,9 @@ TEST_CASE("outcome: a replay of a session has the outcome of its run, figure by 
   const SmallScene scene{.sets = {"tool.erosion_scale=4", "duration_s=3"}};
   DrillRun run(scene);
   run_recorded(run, path);
-  const auto session = SessionReader::open(path);
-  REQUIRE(session);
-  auto hand = RecordedHand::create(*session);
-  REQUIRE(hand);
-  SimulationOptions options;
-  options.hand = &*hand;
-  DrillRun again(scene, options);
-  REQUIRE(again.simulation().run_recorded(*session, *hand));
+  ReplayRun again(path);
   const auto summary_of = [](DrillRun& of) { return make_summary(of.loaded(), of.simulation(), make_plan(of.loaded()), 1.0); };
-  const RunSummary first = summary_of(run), second = summary_of(again);
+  const RunSummary first = summary_of(run), second = summary_of(again.run());
   CHECK(outcome_of(first).result == DrillResult::drilled_through);
   CHECK(result_line(first) == result_line(second));
   for (const ExpectedFigure& figure : expected_figures())

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
-#include <sstream>
 
 #include "app/lab/drilling_bits.h"
 #include "app/stage/stage.h"
@@ -69,14 +68,6 @@ LoadedScene plate(const char* bit, double spacing_mm, double push, const Sets& s
   return load_text(kPlate, all);
 }
 
-LoadedScene shipped_patch(const Sets& sets) {
-  std::ostringstream text;
-  text << std::ifstream(in_source("app/scenes/parietal.toml")).rdbuf();
-  LoadedScene loaded = load_text(text.str(), sets);
-  (void)loaded.scene.effects.remove("display");  // no picture is looked at here
-  return loaded;
-}
-
 TEST_CASE("hand: a cone enters coarse voxels at any push and is no breakthrough, which it is to a hand that does not know them") {
   CHECK(drills_through(plate("cone 8 mm", 0.3125, 15.0)));
   CHECK(drills_through(plate("cone 8 mm", 0.3125, 28.0)));
@@ -94,8 +85,8 @@ TEST_CASE("hand: the end of the ramp is no breakthrough, however soft the coupli
 
 TEST_CASE("hand: a round burr crosses the pores of the diploe, where it is faster than soft bone is for a bit of one factor") {
   const Sets burr{"tool.name=round_burr_4mm"};
-  CHECK(drills_through(shipped_patch(burr)));
-  CHECK_FALSE(drills_through(shipped_patch(burr), [](HandConfig& hand) { hand.softest = 4.0; }));
+  CHECK(drills_through(load_parietal(burr)));
+  CHECK_FALSE(drills_through(load_parietal(burr), [](HandConfig& hand) { hand.softest = 4.0; }));
 }
 
 }  // namespace

@@ -96,17 +96,10 @@ struct Outcome {
 Outcome outcome_of(DrillRun& run) { return {run.voxel_hash(), run.simulation().force_hash(), run.simulation().sent_hash()}; }
 
 Outcome replay(const std::string& path) {
-  const auto session = SessionReader::open(path);
-  REQUIRE(session);
-  auto hand = RecordedHand::create(*session);
-  REQUIRE(hand);
   SimulationOptions options;
-  options.hand = &*hand;
   options.history = true;
-  DrillRun run(load_text(session->meta().scene, {}), options);
-  const Status replayed = run.simulation().run_recorded(*session, *hand);
-  REQUIRE_MESSAGE(replayed.ok(), (replayed.ok() ? "" : replayed.error().text()));
-  return outcome_of(run);
+  ReplayRun replayed(path, options);
+  return outcome_of(replayed.run());
 }
 
 Input plain(InputKind kind, const std::string& text = {}) { return {0, kind, 0.0, text, {}}; }

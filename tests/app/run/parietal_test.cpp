@@ -9,7 +9,6 @@
 #include "app/session/recorded_hand.h"
 #include "core/contact/constrained_tool.h"
 #include "tests/support/drill_scene.h"
-#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/phantom/truth.h"
 
@@ -17,17 +16,6 @@ namespace burrhole::test {
 namespace {
 
 constexpr double kVoxel = 0.25e-3;  // [m] of the shipped scene
-
-LoadedScene load_shipped(const std::vector<std::string>& sets) {
-  auto document = TomlDocument::load(test::in_source("app/scenes/parietal.toml"));
-  REQUIRE(document);
-  for (const std::string& set : sets) REQUIRE(document->set(set));
-  Issues issues;
-  auto loaded = load_scene(*document, test_context(), issues);
-  REQUIRE_MESSAGE(loaded.has_value(), (issues.empty() ? "" : issues.front().text()));
-  (void)loaded->scene.effects.remove("display");  // no picture is looked at here
-  return std::move(*loaded);
-}
 
 /// Diameter [m] of the circle with the area that is gone from bone on a plane across the axis at `depth` [m].
 double diameter_at(Simulation& simulation, double depth) {
@@ -140,7 +128,7 @@ void check_sway(const std::string& session, double most) {
 TEST_CASE("parietal: the shipped scene breaks through, leaves a ledged 14/11 mm hole and replays to the bit") {
   const TemporaryFolder folder;
   const std::string path = folder.file("run.sqlite");
-  DrillRun run(load_shipped({}));
+  DrillRun run(load_parietal({}));
   run_recorded(run, path);
   CHECK(run.simulation().end() == RunEnd::done);
   CHECK(figure(run.simulation(), "erosion", "points_outside") == 0.0);
@@ -154,7 +142,7 @@ TEST_CASE("parietal: the shipped scene breaks through, leaves a ledged 14/11 mm 
   REQUIRE(hand);
   SimulationOptions options;
   options.hand = &*hand;
-  LoadedScene loaded = load_shipped({});
+  LoadedScene loaded = load_parietal({});
   loaded.scene.duration = static_cast<double>(hand->ticks()) / loaded.scene.servo_hz;
   DrillRun again(std::move(loaded), options);
   again.run();

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "tests/support/drill_scene.h"
-#include "tests/support/source_folder.h"
 
 namespace burrhole::test {
 namespace {
@@ -17,17 +16,6 @@ constexpr double kPeriod = 1e-3;                    // [s] of a tick
 constexpr std::uint64_t kStop = 5000, kStart = 6500;
 constexpr const char* kEnd = "8";  // [s]
 
-LoadedScene load_shipped(const std::vector<std::string>& sets) {
-  auto document = TomlDocument::load(test::in_source("app/scenes/parietal.toml"));
-  REQUIRE(document);
-  for (const std::string& set : sets) REQUIRE(document->set(set));
-  Issues issues;
-  auto loaded = load_scene(*document, test_context(), issues);
-  REQUIRE_MESSAGE(loaded.has_value(), (issues.empty() ? "" : issues.front().text()));
-  (void)loaded->scene.effects.remove("display");
-  return std::move(*loaded);
-}
-
 Input spin(std::uint64_t tick, double command) { return {tick, InputKind::spin, command, {}, {}}; }
 
 /// Depth [m] of the tip and force [N] per tick, drilling with the inputs.
@@ -35,7 +23,7 @@ std::vector<RunSample> drilled(const std::string& bit, std::vector<Input> inputs
   SimulationOptions options;
   options.samples = true;
   options.inputs = std::move(inputs);
-  DrillRun run(load_shipped({std::string("duration_s=") + kEnd, "tool.name=" + bit, "tool.spin_rpm=1000", "hand.detects=false"}), options);
+  DrillRun run(load_parietal({std::string("duration_s=") + kEnd, "tool.name=" + bit, "tool.spin_rpm=1000", "hand.detects=false"}), options);
   run.run();
   return run.simulation().samples();
 }

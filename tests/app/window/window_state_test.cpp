@@ -110,17 +110,10 @@ TEST_CASE("state: a monkey at keys, mouse and pad; the run ends cleanly and repl
     CHECK(state.view().live.steps > 0);
     const Outcome recorded = outcome_of(run);
 
-    const auto session = SessionReader::open(path);
-    REQUIRE(session);
-    auto hand = RecordedHand::create(*session);
-    REQUIRE(hand);
     SimulationOptions again;
-    again.hand = &*hand;
     again.history = true;
-    DrillRun twin(load_text(session->meta().scene, {}), again);
-    const Status replayed = twin.simulation().run_recorded(*session, *hand);
-    REQUIRE_MESSAGE(replayed.ok(), (replayed.ok() ? "" : replayed.error().text()));
-    CHECK(outcome_of(twin) == recorded);
+    ReplayRun twin(path, again);
+    CHECK(outcome_of(twin.run()) == recorded);
   }
 }
 

@@ -44,6 +44,18 @@ bool held(const Bench& bench, const Outcome& outcome) {
   return outcome.deepest <= bench.stroke.allowed && outcome.felt <= kHeld && !outcome.crossed;
 }
 
+Bench plate_bench() {
+  Stroke press{"plate", fine_spec(PhantomKind::plate)};
+  press.spec.thickness = 0.004;
+  return Bench(press);
+}
+
+ConstrainedToolConfig soft_cutting() {
+  ConstrainedToolConfig out;
+  out.cutting_stiffness = 50e3;
+  return out;
+}
+
 }  // namespace
 
 TEST_CASE("constrained tool: at spin 0 up to 40 N leave it on the plate and the force balances the push") {
@@ -74,11 +86,8 @@ TEST_CASE("constrained tool: at spin 0 up to 40 N leave it on the plate and the 
 }
 
 TEST_CASE("constrained tool: spinning, it engages by F / K_cut where it cuts") {
-  Stroke press{"plate", fine_spec(PhantomKind::plate)};
-  press.spec.thickness = 0.004;
-  const Bench bench(press);
-  ConstrainedToolConfig config;
-  config.cutting_stiffness = 50e3;
+  const Bench bench = plate_bench();
+  const ConstrainedToolConfig config = soft_cutting();
   ConstrainedTool tool = bench.tool(config);
   for (const double push : {5.0, 20.0}) {
     CAPTURE(push);
@@ -94,11 +103,8 @@ TEST_CASE("constrained tool: spinning, it engages by F / K_cut where it cuts") {
 }
 
 TEST_CASE("constrained tool: stopped where it engaged, it stays there until it is lifted") {
-  Stroke press{"plate", fine_spec(PhantomKind::plate)};
-  press.spec.thickness = 0.004;
-  const Bench bench(press);
-  ConstrainedToolConfig config;
-  config.cutting_stiffness = 50e3;
+  const Bench bench = plate_bench();
+  const ConstrainedToolConfig config = soft_cutting();
   ConstrainedTool tool = bench.tool(config);
   constexpr double kPush = 20.0;
   const HandMotion pressed{{Quat(1.0, 0.0, 0.0, 0.0), Vec3(0.0, 0.0, -kPush / config.coupling_stiffness)}, Vec3(0.0)};
