@@ -12,7 +12,7 @@ namespace burrhole {
 
 class SkinMesh {
  public:
-  /// @returns ErrorCode::bad_input if sizes disagree, an index is beyond the vertices, a value is not finite, or colour or opacity are outside
+  /// @returns ErrorCode::bad_input if sizes disagree, an index is beyond the vertices, a vertex is not finite, or colour or opacity are outside
   /// 0..1; ErrorCode::unavailable if the driver has not enough memory.
   [[nodiscard]] static Result<SkinMesh> create(const GladGLContext& gl, const SkinView& view);
   void draw_shell() const { draw(0, shell_count_); }
