@@ -23,7 +23,7 @@ std::optional<Built> build(const TomlDocument& document, Issues& issues) {
   auto loaded = load_scene(document, scene_context(), issues);
   if (!loaded) return std::nullopt;
   Built out{std::make_unique<LoadedScene>(std::move(*loaded)), nullptr};
-  out.simulation = Simulation::create(out.loaded->scene, out.loaded->bone, out.loaded->tool, {}, issues);
+  out.simulation = Simulation::create(out.loaded->scene, out.loaded->bone, out.loaded->tool, {.runs = false}, issues);
   if (!out.simulation) return std::nullopt;
   if (const auto wrong = leaves_skull(*out.loaded->bone, out.simulation->approach())) {
     issues.push_back(bad_input(*wrong, out.loaded->scene.approach.place));

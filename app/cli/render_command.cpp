@@ -64,6 +64,7 @@ Status draw_slices(const Options& option, LoadedScene& loaded, const fs::path& i
   (void)loaded.scene.effects.remove("display");
   SimulationOptions options;
   options.restore_path = option.restore;
+  options.runs = false;
   Issues issues;
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
@@ -86,6 +87,7 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   SimulationOptions options;
   options.sink = sink->get();
   options.restore_path = option.restore;
+  options.runs = false;
   Issues issues;
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();

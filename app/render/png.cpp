@@ -24,6 +24,7 @@ png_image make_header(int width, int height) {
   header.width = static_cast<png_uint_32>(width);
   header.height = static_cast<png_uint_32>(height);
   header.format = PNG_FORMAT_RGBA;
+  header.flags = PNG_IMAGE_FLAG_FAST;
   return header;
 }
 

@@ -5,6 +5,11 @@
 #include "haptics/servo/realtime.h"
 
 namespace burrhole {
+namespace {
+
+Error not_for_runs() { return {ErrorCode::internal, "the simulation was built without the bone that contact reads", {}}; }
+
+}  // namespace
 
 Simulation::Simulation(std::unique_ptr<Stage> parts, const SimulationOptions& options) : parts_(std::move(parts)), options_(options) {
   set_session(options.session);
@@ -25,7 +30,8 @@ std::unique_ptr<Simulation> Simulation::create(const Scene& scene, std::shared_p
                             .restore_path = options.restore_path,
                             .history = options.history,
                             .sound = options.sound,
-                            .one_thread = !options.live});
+                            .one_thread = !options.live,
+                            .runs = options.runs});
   if (!parts) {
     Error error = parts.error();
     if (error.place.empty()) error.place = scene.file;
@@ -57,6 +63,7 @@ void Simulation::set_session(SessionWriter* session) {
 }
 
 Status Simulation::run() {
+  if (!options_.runs) return not_for_runs();
   if (has_overview_)
     if (Status drawn = log_->draw(kOverview, parts_->contact->state().world_from_tool, false); !drawn) return drawn;
   if (Status drawn = log_->draw("before", parts_->contact->state().world_from_tool, false); !drawn) return drawn;
@@ -192,6 +199,7 @@ LiveInput Simulation::live_input(std::uint64_t tick, bool parked, Status& status
 }
 
 Status Simulation::run_recorded(const SessionReader& session, RecordedHand& hand) {
+  if (!options_.runs) return not_for_runs();
   const auto every = static_cast<std::uint64_t>(kProgressEvery / parts_->period + 0.5);
   const auto tick = [&, next = std::uint64_t{0}](double time) mutable -> Status {
     if (options_.progress && next++ % every == 0) options_.progress(time, progress());

@@ -45,6 +45,7 @@ struct SimulationOptions {
   /// Called by run_recorded() before each servo tick with its time [s]; the recorded pictures are not drawn then. It may wait, read the
   /// stage, and send changed texels to a sink. Empty: the replay runs at full speed.
   std::function<Status(double time)> watch{};
+  bool runs = true;      ///< false: built for a check or a picture, at less time and memory; run() refuses
   bool history = false;  ///< keeps what undo, reset and checkpoints need
   bool samples = true;   ///< keeps force and depth of every contact evaluation, for plots
 };

@@ -60,7 +60,6 @@ Result<BoneStep> BoneStep::create(const StageConfig& config, const Needs& needs,
   } else {
     out.axis_ = std::make_unique<AxisBone>(approach);
   }
-  out.publish();
   return out;
 }
 

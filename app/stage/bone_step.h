@@ -43,7 +43,7 @@ inline constexpr std::size_t kReservedBlocks = 2048;
 
 class BoneStep {
  public:
-  /// Places the window at the tool and publishes it. out_of_range: the tool does not fit in a window; the message states the sizes.
+  /// Places the window at the tool; publish() then gives contact its first copy. out_of_range: the tool does not fit in a window; the message states the sizes.
   /// @param approach must outlive it. @param coarse bounds the distance of bone, so that the window can precede a fast tool; null: it
   /// follows the tool. @param one_thread contact runs on the simulation thread.
   [[nodiscard]] static Result<BoneStep> create(const StageConfig& config, const Needs& needs, const Tool& tool, Voxmap& voxmap,

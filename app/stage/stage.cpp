@@ -126,6 +126,7 @@ Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> m
   auto step = BoneStep::create(config, needs, *tool, *voxmap, start, graph, approach, coarse_.get(), outside_.one_thread);
   if (!step) return Error{step.error().code, step.error().message, config.tool.place};
   bone.emplace(std::move(step).value());
+  if (outside_.runs) bone->publish();
   contact.emplace(graph, approach,
                   ContactTickConfig{{bone->publisher() != nullptr ? &bone->publisher()->exchange() : nullptr, bone->grids(), bone->axis(),
                                      model->bone_from_index(), config.volume.world_from_bone, coarse_.get()},

@@ -60,6 +60,7 @@ class Stage {
     bool history = false;          ///< enables undo and checkpoints
     SoundSink* sound = nullptr;    ///< receives the samples of [sound]; null: none are made
     bool one_thread = false;       ///< all steps run on one thread: contact reads one copy of bone instead of three
+    bool runs = true;              ///< false: no step is called, as for a check or a picture; contact gets no copy of bone
   };
   /// `tool` and the objects in `outside` must outlive the stage. Errors include the scene's place if there is one.
   [[nodiscard]] static Result<std::unique_ptr<Stage>> make(const StageConfig& config, const EffectPlans& plans,
