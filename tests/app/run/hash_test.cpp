@@ -39,6 +39,18 @@ TEST_CASE("same bits: a scene run twice gives the same voxels and forces, and bo
   CHECK(once.voxels != untouched.voxel_hash());
 }
 
+TEST_CASE("a simulation that is only built publishes no bone, and refuses to run") {
+  SimulationOptions options;
+  options.runs = false;
+  DrillRun built(tremulous(), options);
+  CHECK(built.simulation().stage().bone->published() == 0);
+  const Status ran = built.simulation().run();
+  REQUIRE_FALSE(ran.ok());
+  CHECK(ran.error().code == ErrorCode::internal);
+  DrillRun usual(tremulous());
+  CHECK(usual.simulation().stage().bone->published() == 1);
+}
+
 // 0.1 mm of tremor: under 0.0625 mm, a quarter voxel, no erosion point of a tool on the axis ever leaves its voxel and seeds differ in
 // forces alone.
 TEST_CASE("same bits: another tremor seed gives other forces and another hole") {
