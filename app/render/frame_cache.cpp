@@ -1,8 +1,10 @@
 #include "app/render/frame_cache.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
+#include "app/render/enlarge.h"
 #include "core/base/assert.h"
 
 namespace burrhole {
@@ -60,6 +62,11 @@ CameraRays rays_of(const FrameBlock& block) noexcept {
   return {Vec3(block.eye_world), forward, right, up, glm::dot(across, forward) < 0.0 ? -across : across};
 }
 
+void FrameCache::restart(int supersample) noexcept {
+  forget();
+  supersample_ = supersample;
+}
+
 void FrameCache::texels_changed(const VoxelBox& box) {
   if (key_) changed_.add(box);
 }
@@ -67,12 +74,12 @@ void FrameCache::texels_changed(const VoxelBox& box) {
 StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
                                    const std::optional<Affine>& world_from_index, const Reach& reach, bool layers) const {
   StalePixels out;
-  PixelRegion& region = out.drawn;
   if (!key_ || !same(*key_, key) || Vec2i(picture_.width, picture_.height) * supersample_ != drawn) {
-    region.add({Vec2i(0), drawn});
+    out.drawn.push_back({Vec2i(0), drawn});
     return out;
   }
   BH_ASSERT(changed_.empty() || world_from_index);
+  PixelRegion region;
   const CameraRays rays = rays_of(key.block);
   const auto footprints = [&](const Reach& of, PixelRegion& into) {
     for (const VoxelBox& box : changed_)
@@ -83,28 +90,45 @@ StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, cons
   if (!same(tool_, tool))
     for (const std::optional<DrawnTool>& one : {tool_, tool})
       if (one) (layers ? moved : region).add(in_blocks(one->footprint, supersample_));
+  out.drawn.assign(region.rects().begin(), region.rects().end());
+  for (const PixelRect& part : outside(missing_, region.rects())) out.drawn.push_back(part);
   if (!layers) return out;
   if (reach.occlusion > 0.0 && !changed_.empty()) {
     PixelRegion wide;
     footprints(reach.with_occlusion(), wide);
-    out.relit = outside(wide.rects(), region.rects());
+    out.relit = outside(wide.rects(), out.drawn);
     out.changed = changed_.bounds();
   }
-  out.tool = outside(outside(moved.rects(), region.rects()), out.relit);
+  out.tool = outside(outside(moved.rects(), out.drawn), out.relit);
   return out;
 }
 
 std::vector<PixelRect> StalePixels::all() const {
-  std::vector<PixelRect> out(drawn.rects().begin(), drawn.rects().end());
+  std::vector<PixelRect> out = drawn;
   out.insert(out.end(), relit.begin(), relit.end());
   out.insert(out.end(), tool.begin(), tool.end());
   return out;
 }
 
+std::vector<StalePixels> StalePixels::in_bands(int supersample, int focus) const {
+  std::vector<PixelRect> bands;
+  for (const PixelRect& rect : drawn) {
+    const int whole = std::max(1, kBandPixels / (supersample * rect.size().x)) * supersample;
+    for (int row = rect.lo.y; row < rect.hi.y; row += whole)
+      bands.push_back({{rect.lo.x, row}, {rect.hi.x, std::min(row + whole, rect.hi.y)}});
+  }
+  std::ranges::stable_sort(bands, {}, [focus](const PixelRect& band) { return std::abs(band.lo.y + band.hi.y - 2 * focus); });
+  std::vector<StalePixels> out(std::max<std::size_t>(1, bands.size()));
+  out.front() = {{}, relit, tool, changed};
+  for (std::size_t n = 0; n < bands.size(); ++n) out[n].drawn.push_back(bands[n]);
+  return out;
+}
+
 void FrameCache::keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, std::span<const PixelRect> rects,
-                      std::span<const Image> shrunk) {
+                      std::span<const Image> shrunk, std::vector<PixelRect> missing) {
   BH_ASSERT(rects.size() == shrunk.size());
   const Vec2i size = drawn / supersample_;
+  if (!missing.empty() && !picture_.pixels.empty()) picture_ = enlarge(picture_, size.x, size.y);
   picture_.width = size.x;
   picture_.height = size.y;
   picture_.pixels.resize(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y));
@@ -115,6 +139,7 @@ void FrameCache::keep(FrameKey key, const Vec2i& drawn, const std::optional<Draw
   key_ = std::move(key);
   tool_ = tool;
   changed_.clear();
+  missing_ = std::move(missing);
 }
 
 }  // namespace burrhole

@@ -30,14 +30,20 @@ struct DrawnTool {
 
 /// What a picture must draw.
 struct StalePixels {
-  PixelRegion drawn;             ///< rays and light; without layers also the tool
+  std::vector<PixelRect> drawn;  ///< disjoint: rays and light; without layers also the tool
   std::vector<PixelRect> relit;  ///< beside `drawn`, disjoint: the light of those hits whose ambient occlusion may read a changed texel
   std::vector<PixelRect> tool;   ///< with layers, beside both, disjoint: where the tool is, or was in the last picture
   VoxelBox changed;              ///< round all texels that changed since the last picture
 
   /// @returns all rectangles.
   [[nodiscard]] std::vector<PixelRect> all() const;
+  /// @returns the same in parts that can be drawn one after the other: bands of about kBandPixels of `drawn`, those nearest to the row
+  /// `focus` first; the first part has everything else.
+  [[nodiscard]] std::vector<StalePixels> in_bands(int supersample, int focus) const;
 };
+
+/// [drawn pixels] 10 ms of four rays a pixel with llvmpipe on two cores.
+inline constexpr int kBandPixels = 1 << 17;
 
 class FrameCache {
  public:
@@ -46,6 +52,8 @@ class FrameCache {
 
   /// The next picture is drawn completely: volume or tool were replaced, or bone changed in a way that was not reported.
   void forget() noexcept { key_.reset(); }
+  /// The next picture is drawn completely, with that many drawn pixels. Until all of it is drawn, the last one is shown in the rest.
+  void restart(int supersample) noexcept;
   void texels_changed(const VoxelBox& box);
 
   /// @returns what the picture of `key` must draw, in whole pixels of the picture. @param drawn size in drawn pixels.
@@ -53,16 +61,18 @@ class FrameCache {
   /// over a copy of the picture of the bone; then hits can be relit, if `reach.occlusion` is not 0.
   [[nodiscard]] StalePixels find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
                                        const std::optional<Affine>& world_from_index, const Reach& reach, bool layers) const;
-  /// Stores the drawn parts of the picture. @param shrunk one image per rectangle, in pixels of the picture.
+  /// Stores the drawn parts of the picture. @param shrunk one image per rectangle, in pixels of the picture. @param missing what was not
+  /// drawn of the stale pixels, disjoint: the next find_stale() returns it again.
   void keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, std::span<const PixelRect> rects,
-            std::span<const Image> shrunk);
+            std::span<const Image> shrunk, std::vector<PixelRect> missing = {});
   [[nodiscard]] const Image& picture() const noexcept { return picture_; }
 
  private:
   int supersample_;
   std::optional<FrameKey> key_;
   std::optional<DrawnTool> tool_;
-  BoxList<VoxelBox, 32> changed_;  // since the last picture
+  BoxList<VoxelBox, 32> changed_;   // since the last picture
+  std::vector<PixelRect> missing_;  // of the last picture
   Image picture_;
 };
 

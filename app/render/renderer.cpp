@@ -112,7 +112,8 @@ FrameBlock Renderer::Impl::make_detail_block(const FrameBlock& whole, const Fram
   return block;
 }
 
-Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height) {
+Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int height, std::optional<double> seconds) {
+  const auto start = std::chrono::steady_clock::now();
   const int n = options.supersample;
   const Vec2i drawn = n * Vec2i(width, height);
   if (const Status current = context.make_current(); !current) return current.error();
@@ -132,23 +133,49 @@ Result<Image> Renderer::Impl::draw(const FrameView& view, int width, int height)
   if (volume) world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
   const Reach reach = reach_of(options, world_from_index ? world_from_index->longest_edge() : 0.0);
   const std::optional<DrawnTool> drawn_tool = place_tool(view, block.value(), drawn);
-  if (!options.keep_picture) cache.forget();
+  if (!options.keep_picture) {
+    cache.forget();
+    seconds.reset();  // a step would begin anew each time
+  }
   const StalePixels stale = cache.find_stale(key, drawn, drawn_tool, world_from_index, reach, layers);
   fill_changed(block.value(), stale.changed);
-  const auto relit = render(stale, view, block.value(), drawn_tool, over_copy ? ToolPass::layer : ToolPass::picture);
-  if (!relit) {
-    cache.forget();
-    return relit.error();
-  }
-  const std::vector<PixelRect> rects = stale.all();
+  const int focus = drawn_tool ? (drawn_tool->footprint.lo.y + drawn_tool->footprint.hi.y) / 2 : drawn.y / 2;
+  std::vector<PixelRect> rects;
   std::vector<Image> parts;
-  for (const PixelRect& part : rects) parts.push_back(shrink((over_copy ? shown : target).read_part(part), n));
-  cache.keep(std::move(key), drawn, drawn_tool, rects, parts);
+  std::vector<PixelRect> missing;
+  for (const StalePixels& step : seconds ? stale.in_bands(n, focus) : std::vector{stale}) {
+    if (!rects.empty() && std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > seconds.value_or(INFINITY)) {
+      missing.insert(missing.end(), step.drawn.begin(), step.drawn.end());
+      continue;
+    }
+    const auto relit = render(step, view, block.value(), drawn_tool, over_copy ? ToolPass::layer : ToolPass::picture);
+    if (!relit) {
+      cache.forget();
+      return relit.error();
+    }
+    for (const PixelRect& part : step.all()) {
+      rects.push_back(part);
+      parts.push_back(shrink((over_copy ? shown : target).read_part(part), n));
+    }
+    for (const PixelRect& part : step.drawn) counters.drawn_pixels += static_cast<std::uint64_t>(part.count() / (n * n));
+    counters.drawn_pixels += *relit / static_cast<std::uint64_t>(n * n);
+  }
+  const bool whole = missing.empty();
+  cache.keep(std::move(key), drawn, drawn_tool, rects, parts, std::move(missing));
   may_grow = false;
-  ++counters.frames;
-  counters.drawn_pixels += (static_cast<std::uint64_t>(stale.drawn.pixels()) + *relit) / static_cast<std::uint64_t>(n * n);
+  if (whole) ++counters.frames;
   for (const PixelRect& part : stale.tool) counters.tool_pixels += static_cast<std::uint64_t>(part.count() / (n * n));
-  return cache.picture();
+  return PictureStep{cache.picture(), whole};
+}
+
+Result<PictureStep> Renderer::Impl::draw_sized(const FrameView& view, int width, int height, std::optional<double> seconds) {
+  const int n = options.supersample;
+  if (width < 1 || height < 1 || width > kMaxSide / n || height > kMaxSide / n)
+    return out_of_range("a picture must be 1 to " + std::to_string(kMaxSide / n) + " pixels wide and high");
+  const auto drawn_side = [&](int side) { return std::max(1, static_cast<int>(std::lround(options.resolution * side))); };
+  auto drawn = draw(view, drawn_side(width), drawn_side(height), seconds);
+  if (drawn) drawn->image = enlarge(drawn->image, width, height);
+  return drawn;
 }
 
 Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) {
@@ -158,7 +185,7 @@ Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) 
   if (!block) return block.error();
   note_view(view);
   StalePixels whole;
-  whole.drawn.add({Vec2i(0), Vec2i(width, height)});
+  whole.drawn.push_back({Vec2i(0), Vec2i(width, height)});
   std::swap(target, probe_target);
   const auto done = render(whole, view, block.value(), place_tool(view, block.value(), Vec2i(width, height)), ToolPass::probe);
   std::swap(target, probe_target);
@@ -299,18 +326,19 @@ Status Renderer::set_quality(const DrawingQuality& quality) {
   options.resolution = quality.resolution;
   if (Status valid = check_options(options); !valid) return valid;
   impl_->options = std::move(options);
-  impl_->cache = FrameCache(impl_->options.supersample);
+  impl_->cache.restart(impl_->options.supersample);
   return {};
 }
 
 Result<Image> Renderer::draw(const FrameView& view, int width, int height) {
-  const int n = impl_->options.supersample;
-  if (width < 1 || height < 1 || width > kMaxSide / n || height > kMaxSide / n)
-    return out_of_range("a picture must be 1 to " + std::to_string(kMaxSide / n) + " pixels wide and high");
-  const auto drawn_side = [&](int side) { return std::max(1, static_cast<int>(std::lround(impl_->options.resolution * side))); };
-  auto drawn = impl_->draw(view, drawn_side(width), drawn_side(height));
+  auto drawn = impl_->draw_sized(view, width, height, std::nullopt);
   if (!drawn) return drawn.error();
-  return enlarge(*drawn, width, height);
+  return std::move(drawn->image);
+}
+
+Result<PictureStep> Renderer::draw_step(const FrameView& view, int width, int height, double seconds) {
+  impl_->last_camera = view.camera;
+  return impl_->draw_sized(view, width, height, seconds);
 }
 
 Result<Image> Renderer::draw_at_pace(const FrameView& view, int width, int height, DynamicResolution& pace) {

@@ -68,6 +68,12 @@ struct RenderCounters {
   std::uint64_t probe_samples = 0;  ///< sum of FrameProbe::samples of the last probe()
 };
 
+/// A picture that is drawn in steps.
+struct PictureStep {
+  Image image;        ///< where it is not drawn yet, that of the last step shows the last picture, resampled if its size differs
+  bool whole = true;  ///< false: pixels are missing
+};
+
 /// A frame with measurements; one value per pixel, row 0 at the top.
 struct FrameProbe {
   Image image;
@@ -119,6 +125,9 @@ class Renderer {
   /// at RenderOptions::resolution x pace.resolution() and enlarged, and its wall time is recorded in `pace`; such pictures depend on
   /// measured times. If the camera is that of the last call, the picture is that of draw().
   [[nodiscard]] Result<Image> draw_at_pace(const FrameView& view, int width, int height, DynamicResolution& pace);
+  /// As draw(), in steps: ends when `seconds` [s] have passed and at least one band of rows has been drawn, those round the tool first. Call
+  /// it again until the picture is whole; then it is that of draw(). View, tool and bone may change between the steps.
+  [[nodiscard]] Result<PictureStep> draw_step(const FrameView& view, int width, int height, double seconds);
   /// Draws a picture without skin, with hit positions and sample counts, by one ray per pixel at full resolution: `supersample` and `resolution` are
   /// ignored. All pixels are drawn, and the values per pixel are read back, so it is slower than draw(). @returns ErrorCode::bad_input
   /// without a volume or with slices; the errors of draw().

@@ -119,7 +119,10 @@ struct Renderer::Impl {
   /// @returns the number of drawn pixels that were only lit again.
   Result<std::uint64_t> render(const StalePixels& stale, const FrameView& view, const FrameBlock& block,
                                const std::optional<DrawnTool>& drawn_tool, ToolPass pass);
-  Result<Image> draw(const FrameView& view, int width, int height);
+  /// @param seconds [s] after which no further band is begun; absent: the picture is drawn as a whole.
+  Result<PictureStep> draw(const FrameView& view, int width, int height, std::optional<double> seconds);
+  /// As Renderer::draw_step(), at RenderOptions::resolution.
+  Result<PictureStep> draw_sized(const FrameView& view, int width, int height, std::optional<double> seconds);
   Status draw_probe(const FrameView& view, int width, int height);
 };
 

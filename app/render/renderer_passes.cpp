@@ -299,7 +299,7 @@ Result<std::uint64_t> Renderer::Impl::render(const StalePixels& stale, const Fra
   gl.Enable(GL_SCISSOR_TEST);
   const bool layers = pass == ToolPass::layer;
   const auto has_tool = [&](const PixelRect& part) { return drawn_tool && !drawn_tool->footprint.intersect(part).empty(); };
-  for (const PixelRect& part : stale.drawn.rects()) draw_part(part, block, used.value(), !layers && has_tool(part));
+  for (const PixelRect& part : stale.drawn) draw_part(part, block, used.value(), !layers && has_tool(part));
   const std::uint64_t relit = stale.relit.empty() ? 0 : relight(stale.relit, *used);
   if (layers) {
     shown.bind();

@@ -22,7 +22,7 @@ struct DisplayFigures {
   DrawingQuality at_rest;                 ///< wanted of a picture at rest
   std::span<const QualityPoint> front{};  ///< what is known of qualities of this display; empty: nothing
   std::optional<double> full_ms{};        ///< time of the last picture at rest of which all pixels were drawn, at this quality
-  std::optional<double> moving_psnr{};    ///< [dB] of the last picture with one ray a pixel against that at rest, of the same view
+  std::optional<double> moving_psnr{};    ///< [dB] of the last picture before it was refined against that at rest, of the same view
   double refined_ms = 0.0;                ///< from the last change to the latest picture at rest; 0: none yet
   bool coarse = false;                    ///< the latest picture is coarser than one at rest
 };

@@ -68,7 +68,7 @@ void draw_quality(const Gui& gui, WindowState& state, const DisplayFigures& figu
   const auto known = known_psnr(figures.front, figures.at_rest);
   text(known ? fmt::format("error: {:.1f} dB to the best, on a skull patch (docs/drawing.md)", *known)
              : "error: not in the table of docs/drawing.md");
-  if (figures.moving_psnr) text(fmt::format("one ray a pixel: {:.1f} dB to this picture, measured here", *figures.moving_psnr));
+  if (figures.moving_psnr) text(fmt::format("while it moved: {:.1f} dB to this picture, measured here", *figures.moving_psnr));
   if (figures.refined_ms > 0.0) text(fmt::format("refined {:.0f} ms after the last change", figures.refined_ms));
   ImGui::PopTextWrapPos();
 }

@@ -49,9 +49,4 @@ std::optional<double> psnr_of(const Image& image, const Image& reference) {
   return 10.0 * std::log10(255.0 * 255.0 * 3.0 * static_cast<double>(image.pixels.size()) / sum);
 }
 
-double RefinePace::rest() const noexcept {
-  // A picture that comes late in any case would only stop a person who goes on turning the view.
-  return has_steps() ? kMost : std::min(kTarget - took_, kMost);
-}
-
 }  // namespace burrhole

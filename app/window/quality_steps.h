@@ -20,22 +20,4 @@ namespace burrhole {
 /// are equal or differ in size.
 [[nodiscard]] std::optional<double> psnr_of(const Image& image, const Image& reference);
 
-/// When a picture at rest is refined: so that it is finished `target` after the last change, where the machine is fast enough for that.
-/// It does not read a clock.
-class RefinePace {
- public:
-  static constexpr double kTarget = 0.5;              ///< [s] from the last change to the refined picture
-  static constexpr double kLeast = 0.1, kMost = 0.3;  ///< [s] of rest; a shorter one would refine between two steps of a turning view
-
-  /// @returns the time [s] without a change after which refining starts.
-  [[nodiscard]] double rest() const noexcept;
-  /// @returns whether a picture with one ray a pixel is drawn before the refined one, because that would come too late.
-  [[nodiscard]] bool has_steps() const noexcept { return took_ + kLeast > kTarget; }
-  /// Records the time [s] that a refined picture took.
-  void record(double seconds) noexcept { took_ = seconds; }
-
- private:
-  double took_ = kTarget;  // nothing is known yet
-};
-
 }  // namespace burrhole

@@ -23,6 +23,8 @@ using Steady = std::chrono::steady_clock;
 constexpr auto kFrame = std::chrono::microseconds(16'000);  // between two pictures of a window that changes
 constexpr double kIdleAfter = 0.6;                          // [s] without a change or an event
 constexpr auto kIdle = std::chrono::milliseconds(250);      // of one that does not, unless something comes in
+constexpr double kRest = 0.1;                               // [s] without a change, after which the picture is refined
+constexpr double kStep = 0.05;                              // [s] of a picture that is drawn in steps: what an input waits for, at most
 constexpr double kStillTool = 1e-4;                         // [m] of the tool, less changes no refined picture
 constexpr double kSliceHalfWidth = 0.012;                   // [m] shown around the tip
 constexpr double kSliceStep = 5e-5;                         // [m] of the tip, less changes no slice
@@ -267,7 +269,7 @@ void Viewer::draw_until_closed() {
       const auto start = Steady::now();
       serve();
       if (gui_ && !window_->is_lost()) draw_frame();
-      const bool idle = seconds(Steady::now() - std::max(active_at_, changed_at_)) > kIdleAfter;
+      const bool idle = whole_ && seconds(Steady::now() - std::max(active_at_, changed_at_)) > kIdleAfter;
       for (auto until = start + kFrame; !wait_for_jobs(until) && idle && until < start + kIdle && !state_->has_events(); until += kFrame) {
       }
     }
@@ -305,7 +307,7 @@ void Viewer::draw_frame() {
   state_->take_mouse(gui_->wants_mouse());
   if (view.requests.screenshot) take_screenshot(width, height);
   window_->swap();
-  if (std::exchange(times_refined_, false)) {
+  if (whole_ && std::exchange(times_refined_, false)) {
     const double after = seconds(Steady::now() - changed_at_);
     figures_.refined_ms = after * 1e3;
     totals_.refined.add(after);
@@ -342,7 +344,8 @@ Viewer::Change Viewer::find_change(const WindowView& view, int width, int height
                               : make_scene_cut(display_.cut, view.camera, out.frame.world_from_bone, view.live.world_from_tool.translation);
   const auto differ = [](const Pose& a, const Pose& b) { return a.translation != b.translation || a.rotation != b.rotation; };
   const std::optional<Pose>& tool = out.frame.world_from_tool;
-  out.camera = !last_camera_ || !(*last_camera_ == view.camera) || !(last_cut_ == view.cut);
+  out.turned = !last_camera_ || !(*last_camera_ == view.camera);
+  out.camera = out.turned || !(last_cut_ == view.cut);
   out.tool = tool.has_value() != last_tool_.has_value() || (tool && differ(*tool, *last_tool_));
   out.bone = bone_changed_;
   out.size = width != picture_width_ || height != picture_height_;
@@ -357,12 +360,15 @@ bool Viewer::choose_quality(const WindowView& view, const Change& change) {
   const bool rests = !tool || (still_tool_ && glm::length(tool->translation - still_tool_->translation) < kStillTool &&
                                std::abs(glm::dot(tool->rotation, still_tool_->rotation)) > kSliceTurn);
   if (!rests) still_tool_ = tool;
-  if (change.camera || !rests || change.bone || change.size) changed_at_ = now;
+  if (change.camera || !rests || change.bone || change.size) {
+    changed_at_ = now;
+    times_refined_ = false;
+  }
   if (change.tool) active_at_ = now;
   // A tool that moves without drilling leaves a refined picture as it is.
   if (change.camera || change.bone || view.live.hand.spin > 0.0)
     refined_ = false;
-  else if (texels_.empty() && seconds(now - changed_at_) > refine_pace_.rest())
+  else if (texels_.empty() && seconds(now - changed_at_) > kRest)
     begins = !std::exchange(refined_, true);
   DrawingQuality wanted = figures_.at_rest = view.requests.quality.value_or(run_quality_);
   if (!refined_) wanted.supersample = 1;
@@ -373,22 +379,31 @@ bool Viewer::choose_quality(const WindowView& view, const Change& change) {
   return true;
 }
 
-Result<Image> Viewer::draw_eyes(const FrameView& frame, int width, int height) {
+Result<PictureStep> Viewer::draw_eyes(const FrameView& frame, int width, int height, bool at_once) {
   // Side by side and top-bottom, each eye has half of the picture.
   const bool beside = display_.stereo.mode == StereoMode::side_by_side, above = display_.stereo.mode == StereoMode::top_bottom;
   const int eye_width = beside ? width / 2 : width, eye_height = above ? height / 2 : height;
   const auto cameras = make_eye_cameras(frame.camera, display_.stereo, static_cast<double>(eye_width) / eye_height);
   if (!cameras) return cameras.error();
+  const bool alone = cameras->size() == 1;
   std::vector<Image> eyes;
+  bool whole = true;
   for (const CameraView& camera : *cameras) {
     FrameView of_eye = frame;
     of_eye.camera = camera;
-    auto image = cameras->size() == 1 ? parts_.renderer->draw_at_pace(of_eye, eye_width, eye_height, pace_)
-                                      : parts_.renderer->draw(of_eye, eye_width, eye_height);
+    if (alone && !at_once) {
+      auto step = parts_.renderer->draw_step(of_eye, eye_width, eye_height, kStep);
+      if (!step) return step.error();
+      whole = step->whole;
+      eyes.push_back(std::move(step->image));
+      continue;
+    }
+    auto image =
+        alone ? parts_.renderer->draw_at_pace(of_eye, eye_width, eye_height, pace_) : parts_.renderer->draw(of_eye, eye_width, eye_height);
     if (!image) return image.error();
     eyes.push_back(std::move(image).value());
   }
-  return make_screen_picture(display_.stereo, std::move(eyes));
+  return PictureStep{make_screen_picture(display_.stereo, std::move(eyes)), whole};
 }
 
 void Viewer::draw_picture(const WindowView& view, int width, int height) {
@@ -400,10 +415,12 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   const bool other_quality = choose_quality(view, change);
   const double share = pace_.resolution();
   const bool same = !change.camera && !change.tool && !change.bone && !change.size && !other_quality;
-  if (drawn_ && same && !(figures_.coarse && (refined_ || refine_pace_.has_steps() || view.live.hand.spin > 0.0))) return;
-  auto image = draw_eyes(change.frame, width, height);
-  if (!image) return state_->say("The picture cannot be drawn: " + image.error().text(), true);
-  texture_->set(*image);
+  if (drawn_ && same && whole_ && !(figures_.coarse && (refined_ || view.live.hand.spin > 0.0))) return;
+  // Steps show the last picture below; after one of the run that is another.
+  auto drawn = draw_eyes(change.frame, width, height, change.turned || !drawn_);
+  if (!drawn) return state_->say("The picture cannot be drawn: " + drawn.error().text(), true);
+  texture_->set(drawn->image);
+  whole_ = drawn->whole;
   const double took = seconds(Steady::now() - start);
   if (sends) {
     sent_at_ = Steady::now();
@@ -411,9 +428,9 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   }
   totals_.picture.add(took);
   figures_.picture_ms = took * 1e3;
-  figures_.coarse = change.camera && share < 1.0;
+  figures_.coarse = change.turned && share < 1.0;
   figures_.quality = quality_;
-  measure(change, other_quality, took, *image);
+  measure(change, other_quality, took, *drawn);
   last_camera_ = change.frame.camera;
   last_cut_ = view.cut;
   last_tool_ = change.frame.world_from_tool;
@@ -423,16 +440,21 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   drawn_ = true;
 }
 
-void Viewer::measure(const Change& change, bool other_quality, double took, const Image& image) {
-  const bool same_view = !change.camera && !change.tool && !change.bone && !change.size;
-  if (change.camera || change.bone || change.size || other_quality) figures_.moving_psnr.reset();
-  if (refined_ && (other_quality || change.size)) {
-    figures_.full_ms = took * 1e3;
-    refine_pace_.record(took);
-    if (same_view && rough_) figures_.moving_psnr = psnr_of(*rough_, image);
+void Viewer::measure(const Change& change, bool other_quality, double took, const PictureStep& drawn) {
+  const bool other_view = change.camera || change.bone || change.size;
+  if (other_view || other_quality) {
+    figures_.moving_psnr.reset();
+    steps_took_ = 0.0;
   }
-  rough_.reset();
-  if (!refined_ && !figures_.coarse) rough_ = image;
+  all_stale_ = other_quality || change.size || (all_stale_ && !change.camera && !change.bone);
+  steps_took_ += took;
+  if (other_view || change.tool) rough_.reset();
+  if (!drawn.whole) return;
+  if (refined_ && std::exchange(all_stale_, false)) {
+    figures_.full_ms = steps_took_ * 1e3;
+    if (rough_) figures_.moving_psnr = psnr_of(*rough_, drawn.image);
+  }
+  if (!refined_) rough_ = drawn.image;
 }
 
 void Viewer::fit_texts(const WindowView& view) {

@@ -114,17 +114,19 @@ class Viewer {
   /// What the next picture shows, and which parts of it differ from the last.
   struct Change {
     FrameView frame;
+    bool turned = false;                                            // the camera
     bool camera = false, tool = false, bone = false, size = false;  // camera: or the cut
   };
   [[nodiscard]] Change find_change(const WindowView& view, int width, int height) const;
   /// Decides on one ray a pixel or on the scene's quality. @returns whether it changed.
   bool choose_quality(const WindowView& view, const Change& change);
-  /// One picture, or those of both eyes joined, as the scene's stereo says.
-  [[nodiscard]] Result<Image> draw_eyes(const FrameView& frame, int width, int height);
+  /// One picture, or those of both eyes joined, as the scene's stereo says. @param at_once a picture is drawn as a whole, if the view
+  /// has moved at its pace; otherwise the picture of one eye is drawn in steps.
+  [[nodiscard]] Result<PictureStep> draw_eyes(const FrameView& frame, int width, int height, bool at_once);
   /// Makes texts of the size that desktop and person want.
   void fit_texts(const WindowView& view);
   /// Keeps what a picture has cost, and its difference from the coarser one of the same view.
-  void measure(const Change& change, bool other_quality, double took, const Image& image);
+  void measure(const Change& change, bool other_quality, double took, const PictureStep& drawn);
   /// Draws the slices through the tip, if they are asked for and bone or tip has changed.
   void draw_slices(const WindowView& view);
   void take_screenshot(int width, int height);
@@ -154,9 +156,11 @@ class Viewer {
   Time sliced_{};
   std::optional<FrameView> base_;
   bool tool_turns_ = true, bone_changed_ = false, drawn_ = false, refined_ = true, grown_ = false;
+  bool whole_ = true;                     // false: the picture is drawn in steps, and pixels are missing
   DrawingQuality quality_, run_quality_;  // of the last picture; of the pictures of the run
   DynamicResolution pace_;
-  RefinePace refine_pace_;
+  double steps_took_ = 0.0;  // [s] of the picture that is drawn, since all of its pixels were stale
+  bool all_stale_ = false;   // they were, and nothing else has changed since
   Pose world_from_approach_;
   std::optional<CameraView> last_camera_;
   ViewCut last_cut_;
@@ -167,7 +171,7 @@ class Viewer {
   // Of what the picture shows; of that, or events; of the last picture; of the last bone; of the change after which a picture is refined.
   Time changed_at_{}, active_at_{}, last_frame_{}, sent_at_{};
   bool times_refined_ = false;  // the picture that is drawn now is the first refined one after a change
-  std::optional<Image> rough_;  // the last picture with one ray a pixel; absent: another has been drawn since
+  std::optional<Image> rough_;  // the last picture that was not refined, of the present view
   int picture_width_ = 0, picture_height_ = 0, screenshots_ = 0;
   DisplayFigures figures_;
   WindowFigures totals_;

@@ -75,7 +75,7 @@ TEST_CASE("fog: bone, tool and background have the share of their depth; with th
   }
 }
 
-TEST_CASE("fog: slices, translucent bone and skin have it, in the plane of focus nothing changes") {
+TEST_CASE("fog: slices and translucent bone have it, in the plane of focus nothing changes") {
   for (const bool slices : {true, false}) {
     CAPTURE(slices);
     RenderOptions options{.finish = false};

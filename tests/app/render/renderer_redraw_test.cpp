@@ -332,3 +332,52 @@ TEST_CASE(
     CHECK(composed(was, is, {old_place, new_place.grown(-2)}).pixels != is.pixels);
   }
 }
+
+TEST_CASE("steps: a picture drawn in bands is that of one draw, whatever changes between the bands, and shows the last one until then") {
+  constexpr int kWide = 480, kHigh = 320;
+  for (const bool occlusion : {true, false}) {
+    RenderOptions options{.finish = true, .supersample = 2};
+    options.appearance.occlusion = occlusion;
+    Renderer stepped = require_renderer(options), at_once = require_renderer(options);
+    FrameView view = oblique_view();
+    view.world_from_tool = at(0.0, 6e-3);
+    for (Renderer* one : {&stepped, &at_once}) {
+      REQUIRE(one->set_volume(ball_on_plate()).ok());
+      REQUIRE(one->set_tool(post()).ok());
+    }
+    // The last picture has a quarter of the rays and half of the size.
+    DrawingQuality coarse{.finish = true, .supersample = 1};
+    coarse.resolution = 0.5;
+    REQUIRE(stepped.set_quality(coarse).ok());
+    const auto before = stepped.draw(view, kWide, kHigh);
+    REQUIRE(before.ok());
+    REQUIRE(stepped.set_quality({.finish = true, .supersample = 2}).ok());
+    const std::uint64_t drawn_before = stepped.counters().drawn_pixels;
+    int steps = 0;
+    for (bool whole = false; !whole; ++steps) {
+      REQUIRE(steps < 50);
+      if (steps == 2) view.world_from_tool = at(3e-3, 5e-3);
+      if (steps == 3)
+        for (Renderer* one : {&stepped, &at_once}) one->update(filled(kPit, 0));
+      const auto step = stepped.draw_step(view, kWide, kHigh, 0.0);
+      REQUIRE(step.ok());
+      whole = step->whole;
+      if (steps == 0) {
+        // The rows of the tool are drawn first; the top row still shows the last picture.
+        CHECK_FALSE(whole);
+        CHECK(std::equal(step->image.pixels.begin(), step->image.pixels.begin() + kWide, before->pixels.begin()));
+        CHECK_FALSE(step->image.pixels == before->pixels);
+      }
+      if (!whole) continue;
+      const auto expected = at_once.draw(view, kWide, kHigh);
+      REQUIRE(expected.ok());
+      CHECK(pictures_agree(occlusion ? "steps-occlusion" : "steps", step->image, *expected, {}));
+    }
+    CHECK(steps >= 5);  // bands of the whole picture
+    // What was drawn is drawn once, but for what changed.
+    CHECK(stepped.counters().drawn_pixels - drawn_before < 2u * kWide * kHigh);
+    const auto again = stepped.draw_step(view, kWide, kHigh, 0.0);
+    REQUIRE(again.ok());
+    CHECK(again->whole);
+  }
+}

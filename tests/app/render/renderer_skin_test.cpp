@@ -107,6 +107,42 @@ TEST_CASE("skin: a ball has the silhouette and the transmitted light of its clos
   CHECK(wrong_flat > inside / 4);
 }
 
+TEST_CASE("skin: in the fog of a microscope a ball has the share of its depth in closed form; without fog it does not") {
+  constexpr double kRadius = 40e-3;
+  const FogView fog{.depth = 30e-3, .color = {0.1, 0.05, 0.2}};
+  Renderer renderer = require_renderer();
+  VolumeView volume = no_bone();
+  volume.skin = ball_skin(kRadius);
+  REQUIRE(renderer.set_volume(volume).ok());
+  FrameView view = even_view({0.05, -0.28, 0.06});
+  view.camera.target = 0.15 * view.camera.eye;  // the plane of focus is just before the ball
+  view.camera.fog = fog;
+  const Vec3 forward = glm::normalize(view.camera.target - view.camera.eye);
+  const double focus = glm::length(view.camera.target - view.camera.eye);
+  const Image image = picture_of(renderer, view);
+  int inside = 0, wrong = 0, wrong_clear = 0;
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const PixelRay ray = ray_at(view, x, y);
+      const double off = off_origin(ray), cosine = std::sqrt(std::max(0.0, 1.0 - off * off / (kRadius * kRadius)));
+      if (cosine < 0.25) continue;
+      ++inside;
+      const double along = -glm::dot(ray.eye, ray.way) - kRadius * cosine;
+      const double beyond = (along * glm::dot(ray.way, forward) - focus) / fog.depth;
+      const auto off_by = [&](double clear) {
+        const Vec3 skin = glm::mix(fog.color, 0.7 * kColor, clear);
+        const Vec3 d = glm::abs(stored(image.pixels[index_of(x, y)]) - 255.0 * glm::mix(fog.color, skin, opacity_at(cosine)));
+        return std::max({d.x, d.y, d.z});
+      };
+      // Rounding as without fog.
+      wrong += off_by(std::exp(-beyond * beyond)) > 3.0;
+      wrong_clear += off_by(1.0) > 3.0;
+    }
+  CHECK(inside > 5'000);
+  CHECK(wrong == 0);
+  CHECK(wrong_clear > inside / 4);
+}
+
 TEST_CASE("skin: the opening is free of it, to the byte, and elsewhere the bone shows through") {
   constexpr double kRadius = 20e-3, kOpening = 18e-3;
   const FrameView view = even_view({0.02, -0.06, 0.16});

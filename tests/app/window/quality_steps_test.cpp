@@ -53,20 +53,3 @@ TEST_CASE("quality: the error of a picture is its closed form") {
   CHECK_FALSE(psnr_of(a, grey(5, 7, 100)).has_value());
   CHECK_FALSE(psnr_of({}, {}).has_value());
 }
-
-TEST_CASE("refining: it starts so that it ends in time where that can be, and rests between two steps of a turning view") {
-  RefinePace pace;
-  CHECK(pace.rest() == RefinePace::kMost);  // nothing is known
-  CHECK(pace.has_steps());
-  for (int n = 0; n < 300; ++n) {
-    const double took = 0.01 * n;
-    pace.record(took);
-    CHECK(pace.rest() >= RefinePace::kLeast - 1e-12);
-    CHECK(pace.rest() <= RefinePace::kMost);
-    const bool can_be = took + RefinePace::kLeast <= RefinePace::kTarget;
-    if (!can_be) CHECK(pace.rest() == RefinePace::kMost);
-    if (can_be) CHECK(pace.rest() + took <= RefinePace::kTarget + 1e-12);
-    // A step between is drawn only where the refined picture comes late, so it never makes one late that could be in time.
-    CHECK(pace.has_steps() == (took + RefinePace::kLeast > RefinePace::kTarget));
-  }
-}
