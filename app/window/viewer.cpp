@@ -132,20 +132,6 @@ class Viewer::Sink final : public PictureSink {
   Viewer* viewer_;
 };
 
-void PictureTimes::add(double seconds) {
-  if (seconds_.size() < kMost)
-    seconds_.push_back(static_cast<float>(seconds));
-  else
-    seconds_[next_++ % kMost] = static_cast<float>(seconds);
-}
-
-double PictureTimes::at(double share) const {
-  if (seconds_.empty()) return 0.0;
-  std::vector<float> sorted = seconds_;
-  std::ranges::sort(sorted);
-  return static_cast<double>(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
-}
-
 Viewer::Viewer(GlfwWindow& window, WindowState& state, MakeWindowSink make_sink, const ViewerConfig& config)
     : window_(&window), state_(&state), make_parts_(std::move(make_sink)), config_(config), pace_(config.moving_budget, config.coarsest) {}
 Viewer::~Viewer() = default;
