@@ -164,8 +164,9 @@ Result<ImportedBone> import_bone(const ImportRequest& request, const std::functi
   };
   BoneOptions bone = request.bone;
   // A mesh was sampled at the requested spacing already.
-  if (scan.quantity == Quantity::occupancy && request.read.pitch && !bone.region && !out.report.scan.format.starts_with("OpenVDB"))
-    bone.spacing.reset();
+  const std::string& format = out.report.scan.format;
+  const bool sampled = !format.starts_with("OpenVDB") && !format.starts_with("NRRD") && !format.starts_with("NIfTI");
+  if (scan.quantity == Quantity::occupancy && sampled && request.read.pitch && !bone.region) bone.spacing.reset();
   auto made = make_bone(scan, bone, out.report.scan.assumed, place);
   if (!storage) return storage.error();
   if (!made) return at(made.error(), request.path);

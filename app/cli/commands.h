@@ -76,6 +76,7 @@ void add_cost(CLI::App& app, int& exit_code);
 void add_stability(CLI::App& app, int& exit_code);
 void add_replay(CLI::App& app, int& exit_code);
 void add_import(CLI::App& app, int& exit_code);
+void add_export(CLI::App& app, int& exit_code);
 void add_docs(CLI::App& app, int& exit_code);
 void add_man(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);

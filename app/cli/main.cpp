@@ -30,6 +30,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_drill(app, exit_code);
   add_render(app, exit_code);
   add_import(app, exit_code);
+  add_export(app, exit_code);
   add_replay(app, exit_code);
   add_check(app, exit_code);
   add_explain(app, exit_code);

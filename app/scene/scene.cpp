@@ -8,12 +8,17 @@
 #include "core/base/units.h"
 #include "core/config/rules.h"
 #include "volumes/phantom/head_sites.h"
+#include "volumes/read/markups.h"
+#include "volumes/read/written_path.h"
 
 namespace burrhole {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kMarkupsAbout =
+    "markups file of 3D Slicer (.mrk.json or .fcsv), in place of entry_mm and axis: a line, or two points, entry and target; the axis runs "
+    "from one to the other; relative to the scene's folder, or $NAME/... with an environment variable";
 constexpr const char* kSiteAbout =
     "name of a site that the volume knows, in place of entry_mm and axis: the entry is there, and the axis is square to the skull";
 
@@ -76,9 +81,33 @@ bool read_site(TableReader& table, const VolumeScene& volume, ApproachScene& out
   return true;
 }
 
-ApproachScene read_approach(TableReader table, const VolumeScene& volume) {
+/// Reads `markups` into entry, axis and target. @returns whether it is there.
+bool read_plan(TableReader& table, const std::string& scene_file, ApproachScene& out) {
+  if (!table.has("markups")) return false;
+  const std::string written = table.text("markups", "", kMarkupsAbout);
+  out.place = table.place_of("markups");
+  for (const char* key : {"entry_mm", "axis"})
+    if (table.has(key)) table.fault(key, "is given by markups: remove one of the two");
+  const auto path = written_path(written, scene_file, "");
+  if (!path) {
+    table.fault("markups", "cannot be found: " + path.error().message);
+    return true;
+  }
+  const auto line = read_planned_line(*path);
+  if (!line) {
+    table.fault("markups", "cannot be read: " + line.error().text());
+    return true;
+  }
+  out.entry = line->entry;
+  out.target = line->target;
+  out.axis = glm::normalize(line->target - line->entry);
+  return true;
+}
+
+ApproachScene read_approach(TableReader table, const VolumeScene& volume, const std::string& scene_file) {
   ApproachScene out;
-  if (read_site(table, volume, out)) {
+  if (table.has("site") && table.has("markups")) table.fault("site", "is given by markups: remove one of the two");
+  if (read_plan(table, scene_file, out) || read_site(table, volume, out)) {
     table.finish();
     return out;
   }
@@ -345,7 +374,7 @@ std::optional<Scene> read_scene(const TomlDocument& document, const SceneContext
   if (auto table = required("volume", "the bone; required")) scene.volume = read_volume(*table, scene.file);
   if (auto table = required("tool", "the bit and its spindle; required")) scene.tool = read_tool(*table, scene.file, context);
   if (auto table = required("approach", "where the drill enters the bone, and its direction; required"))
-    scene.approach = read_approach(*table, scene.volume);
+    scene.approach = read_approach(*table, scene.volume, scene.file);
   if (scene.volume.phantom) {
     scene.volume.phantom->head_entry = scene.approach.entry;
     scene.volume.phantom->head_axis = scene.approach.axis;

@@ -116,6 +116,25 @@ std::string two_conditions(std::span<const KeyLog> logs, const SchemaRow& row, c
   return {};
 }
 
+/// @returns "only without A and B": keys of the row's own table, one of which is in each sample that does not read the row and none in the
+/// others; empty if there are no such keys.
+std::string absent_keys(std::span<const KeyLog> logs, const SchemaRow& row, const Rows& rows) {
+  std::vector<std::string> keys;
+  std::set<std::size_t> explained;
+  for (const SchemaRow& other : rows) {
+    if (other.key.table != row.key.table || other.key.key == row.key.key || !has_word(other.key)) continue;
+    std::set<std::size_t> there;
+    for (std::size_t n = 0; n < logs.size(); ++n)
+      if (const KeyInfo* info = find(logs[n], other.key.table, other.key.key); info != nullptr && !info->word.empty()) there.insert(n);
+    if (there.empty() || std::any_of(row.samples.begin(), row.samples.end(), [&](std::size_t n) { return there.contains(n); })) continue;
+    keys.push_back(markdown_code(other.key.key));
+    explained.insert(there.begin(), there.end());
+  }
+  const auto visitors = std::count_if(logs.begin(), logs.end(), [&](const KeyLog& log) { return visits(log, row.key.table); });
+  const bool all = explained.size() + row.samples.size() == static_cast<std::size_t>(visitors);
+  return all ? fmt::format("only without {}", fmt::join(keys, " and ")) : std::string();
+}
+
 std::string condition_of(std::span<const KeyLog> logs, std::span<const std::string> names, const SchemaRow& row, const Rows& rows) {
   const auto visitors = std::count_if(logs.begin(), logs.end(), [&](const KeyLog& log) { return visits(log, row.key.table); });
   if (static_cast<std::size_t>(visitors) == row.samples.size()) return {};
@@ -132,6 +151,7 @@ std::string condition_of(std::span<const KeyLog> logs, std::span<const std::stri
       return fmt::format("{} with {} = {}", few ? "only" : "not", markdown_code(other.key.key), listed(few ? split.with : split.without));
     }
   if (const std::string both = two_conditions(logs, row, rows); !both.empty()) return both;
+  if (const std::string without = absent_keys(logs, row, rows); !without.empty()) return without;
   std::set<std::string> where;
   for (const std::size_t n : row.samples) where.insert(names[n]);
   return "only in some files: " + listed(where);

@@ -39,6 +39,9 @@ std::vector<SchemaSample> scene_samples() {
   std::string at_site = scene(head);
   at_site.replace(at_site.find(entry), entry.size(), "site = \"kocher_left\"");
   samples.push_back({"site", at_site, {}});
+  std::string planned = scene(plate);
+  planned.replace(planned.find(entry), entry.size(), "markups = \"PLAN.mrk.json\"");
+  samples.push_back({"markups", planned, "cannot be read"});
   // The reference shows names in capitals unchanged.
   for (const std::string& unit : length_unit_names())
     samples.push_back({"scan in " + unit, scene("source = \"SCAN\"\nunit = \"" + unit + "\"\n[[volume.hardness]]\nvalue = 0\nhardness = 0"),

@@ -3,6 +3,7 @@
 ///   Errors  bad_input if the axis meets no bone or the bone does not end within the search range.   Thread  any; reads the bone only.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,10 @@ namespace burrhole {
 
 /// Table [approach]. Bone frame.
 struct ApproachScene {
-  Vec3 entry{0.0};            ///< [m] near the outer surface; moved onto the surface along the axis
-  Vec3 axis{0.0, 0.0, -1.0};  ///< [-] unit vector into bone
-  std::string place;          ///< location of the table in the file, for errors found later
+  Vec3 entry{0.0};               ///< [m] near the outer surface; moved onto the surface along the axis
+  Vec3 axis{0.0, 0.0, -1.0};     ///< [-] unit vector into bone
+  std::string place;             ///< location of the table in the file, for errors found later
+  std::optional<Vec3> target{};  ///< [m] end of a planned line, on the axis; no run reads it
 };
 
 struct Approach {

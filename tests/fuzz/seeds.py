@@ -15,6 +15,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import seed_dicom  # noqa: E402
 import seed_images  # noqa: E402
+import seed_markups  # noqa: E402
 import seed_meshes  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -143,9 +144,10 @@ def main():
         sys.exit("usage: seeds.py FOLDER")
     folder = Path(sys.argv[1])
     seeds = {"scene": scenes(), "tool": tools(), "raw_sidecar": raw_sidecars(), "dicom": seed_dicom.files(), "mesh": seed_meshes.files(),
-             **seed_images.files()}
+             "markups": seed_markups.files(), **seed_images.files()}
     words = {"scene": words_of(reference("scene")), "tool": words_of(reference("tool")), "raw_sidecar": words_of(reference("raw")),
              "metaimage": literals("volumes/read/meta_header.cpp"), "nrrd": literals("volumes/read/nrrd_header.cpp"),
+             "markups": literals("volumes/read/markups.cpp"),
              "mesh": literals("volumes/read/ply_format.cpp") | literals("volumes/read/stl_format.cpp")}
     for name, files in seeds.items():
         (folder / name).mkdir(parents=True, exist_ok=True)

@@ -177,8 +177,8 @@ void classify(const Slab& slab, const Rule& rule, DenseBone& out) {
         const float some = up > 0.0f ? up : 0.0f;
         return down > some ? down : some;
       };
-      const float ramp = rule.given_occupancy ? half_band : std::max(half_band, step(1) + step(dy) + step(dz));
-      const float share = 0.5f + (here + offset - middle) / (2.0f * ramp);
+      const auto ramp = [&] { return std::max(half_band, step(1) + step(dy) + step(dz)); };
+      const float share = rule.given_occupancy ? here : 0.5f + (here + offset - middle) / (2.0f * ramp());
       occupancy[i] = share > 0.0f ? std::min(share, 1.0f) : 0.0f;
       most = std::max(most, occupancy[i]);
     }

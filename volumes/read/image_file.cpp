@@ -149,6 +149,10 @@ Status fill(const ImageFile& file, std::vector<float>& values, const ReadOptions
 
 Result<ReadScan> read_image(ImageFile file, const ReadOptions& options) {
   const Vec3i dims = file.head.dims;
+  if (file.head.own_density) {
+    file.quantity = Quantity::occupancy;
+    file.head.assumed.emplace_back("the values are density that burrhole has exported: they are taken for occupancy");
+  }
   if (const auto error = dims_error(dims.x, dims.y, dims.z)) return bad_input(*error, file.place);
   if (const auto error = affine_error(file.head.bone_from_index)) return bad_input(*error, file.place);
   if (file.parts.empty() || static_cast<std::size_t>(dims.z) % file.parts.size() != 0)

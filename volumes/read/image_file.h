@@ -20,7 +20,12 @@ struct ImageHead {
   PixelForm form;
   Affine bone_from_index;            ///< [m], LPS
   std::vector<std::string> assumed;  ///< lines for the report
+  bool own_density = false;          ///< written by this program as density: the values are occupancy
 };
+
+/// What the header of a file with density says, by which the readers recognise it: an NRRD key:=value line, and NIfTI's descrip.
+inline constexpr const char* kNrrdDensity = "burrhole_field:=density";
+inline constexpr const char* kNiftiDensity = "burrhole density";
 
 enum class Packing { raw, packed, text };  ///< packed: gzip or zlib; text: decimal numbers separated by blanks
 

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <string>
 #include <string_view>
 
 #include "core/base/units.h"
@@ -18,6 +19,7 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::size_t kBytes1 = 348, kBytes2 = 540;
+constexpr std::size_t kDescrip = 148;  ///< offset of the description in version 1
 constexpr double kReportedDifference =
     0.1 * kMillimetre;  ///< sform and qform may differ by this much due to rounding; a larger difference is reported
 
@@ -237,6 +239,7 @@ Result<NiftiHeader> parse_nifti(std::span<const std::byte> bytes) {
   const Result<PixelType> type = pixel_type(fields.get<std::int16_t>(at.datatype), fields.get<std::int16_t>(at.bitpix));
   if (!type) return type.error();
   out.image.form.type = type.value();
+  out.image.own_density = out.version == 1 && has(bytes, kDescrip, std::string(kNiftiDensity) + '\0');
   set_scaling(fields, at, out.image.form);
   const Result<std::uint64_t> offset = data_offset(fields, at, out.pair);
   if (!offset) return offset.error();

@@ -34,6 +34,7 @@ struct Lines {
   Fields fields;
   std::vector<std::string> list;  ///< lines after "data file: LIST"
   std::size_t bytes = 0;          ///< up to the data
+  bool own_density = false;       ///< see ImageHead
 };
 
 /// Splits the header; drops comments and key:=value pairs.
@@ -55,6 +56,7 @@ Result<Lines> split(std::string_view text) {
     if (line->front() == '#') continue;
     const std::size_t colon = line->find(':');
     if (colon == std::string_view::npos) return bad_input(fmt::format("line {} of the header is not \"field: value\"", number));
+    out.own_density = out.own_density || *line == kNrrdDensity;
     if (line->substr(colon).starts_with(":=")) continue;
     std::string name = lower(trimmed(line->substr(0, colon)));
     if (!is_field(name)) return bad_input(fmt::format("line {} of the header is not a field of NRRD", number));
@@ -333,6 +335,7 @@ Result<NrrdHeader> parse_nrrd(std::string_view text) {
   if (!lines) return lines.error();
   NrrdHeader out;
   out.header_bytes = lines->bytes;
+  out.image.own_density = lines->own_density;
   const Result<Vec3i> dims = dims_of(lines->fields);
   if (!dims) return dims.error();
   out.image.dims = dims.value();

@@ -1,8 +1,10 @@
 // What is wrong with a scene, and where, as the user is told: exact lines.
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "core/contact/constrained_tool.h"
 #include "core/contact/gradient_plane.h"
@@ -11,7 +13,9 @@
 #include "core/drill/erosion.h"
 #include "core/drill/spindle.h"
 #include "tests/support/drill_scene.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/phantom/head_sites.h"
+#include "volumes/write/planned_line.h"
 
 namespace burrhole::test {
 namespace {
@@ -285,6 +289,43 @@ TEST_CASE("scene: a site gives entry and axis; one that the volume does not know
   const std::string head = scene_text({.volume = "source = \"phantom:head\"\nspacing_mm = 0.5\nsurroundings_mm = 3\n", .display = true});
   fails(head + "skin = true\nmethod = \"slices\"\n", "display.skin = true needs method = \"raycast\"");
   fails(head + "skin_opacity = 0.5\n", "skin_opacity");
+}
+
+TEST_CASE(
+    "scene: markups of 3D Slicer give entry, axis and target; the same line in RAS is the same approach, and errors name both files") {
+  const TemporaryFolder folder;
+  const PlannedLine line{Vec3(0.5e-3, -0.25e-3, 1e-3), Vec3(1.5e-3, -0.25e-3, -2e-3)};
+  const auto write = [&](const std::string& name, const std::string& text) { std::ofstream(folder.file(name)) << text; };
+  write("lps.mrk.json", markups_json(line));
+  write("ras.mrk.json", markups_json(line, MarkupsFrame::ras));
+  write("lps.fcsv", markups_fcsv(line));
+  write("ras.fcsv", markups_fcsv(line, MarkupsFrame::ras));
+  const std::string plain = scene_text({});
+  const auto with = [&](const std::string& keys) {
+    return plain.substr(0, plain.find("entry_mm")) + keys + "\n" + plain.substr(plain.find("[hand]"));
+  };
+  for (const char* const name : {"lps.mrk.json", "ras.mrk.json", "lps.fcsv", "ras.fcsv"}) {
+    const ApproachScene read = load_text(with(fmt::format("markups = \"{}\"", name)), {}, folder.file("scene.toml")).scene.approach;
+    CHECK(glm::length(read.entry - line.entry) < 1e-15);
+    CHECK(glm::length(read.axis - glm::normalize(line.target - line.entry)) < 1e-12);
+    REQUIRE(read.target.has_value());
+    CHECK(glm::length(*read.target - line.target) < 1e-15);
+  }
+  CHECK_FALSE(load_small({}).scene.approach.target.has_value());
+  write("bad.mrk.json", "{\"markups\": [\n  {\"type\": \"ROI\"}]}");
+  Issues issues;
+  const auto fails = [&](const std::string& keys, const std::string& words) {
+    issues.clear();
+    const std::vector<std::string> lines = faults(with(keys), issues);
+    REQUIRE(lines.size() == 1);
+    CHECK_MESSAGE(lines[0].find(words) != std::string::npos, lines[0]);
+  };
+  fails(fmt::format("markups = \"{}\"", folder.file("bad.mrk.json")),
+        "cannot be read: " + folder.file("bad.mrk.json") + ":2:3: is a markup of another type");
+  fails("markups = \"none.mrk.json\"", "approach.markups = \"none.mrk.json\" cannot be read: none.mrk.json: there is no such file");
+  const std::string good = fmt::format("markups = \"{}\"\n", folder.file("lps.fcsv"));
+  fails(good + "entry_mm = [0, 0, 0]", "approach.entry_mm is given by markups: remove one of the two");
+  fails(good + "site = \"kocher_left\"", "approach.site = \"kocher_left\" is given by markups: remove one of the two");
 }
 
 TEST_CASE("scene: a tool too large for the window is refused with the numbers") {

@@ -1,0 +1,206 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/cli/command_text.h"
+#include "app/cli/commands.h"
+#include "app/cli/progress.h"
+#include "app/scene/volume_scene.h"
+#include "core/base/units.h"
+#include "core/measure/approach.h"
+#include "core/voxel/vdb_grids.h"
+#include "volumes/export_bone.h"
+#include "volumes/import_bone.h"
+#include "volumes/read/number_text.h"
+#include "volumes/write/planned_line.h"
+
+namespace burrhole::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  SceneOption input;  ///< a scene, or a volume
+  std::string output, field, restore, unit, series;
+  bool undrilled = false, crop = false, quiet = false;
+};
+
+/// The bone of a scene or of a file; of a scene also where it is drilled.
+struct Source {
+  std::shared_ptr<const BoneModel> bone;
+  std::optional<ApproachScene> approach;
+  std::string drilled;  ///< file with what is left of the bone; empty: as loaded
+};
+
+/// @returns whether the input is a scene: the name of a shipped one, or a TOML file with the tables of one (a raw volume has none).
+bool is_scene(const std::string& input) {
+  const std::string path = find_scene(input);
+  if (path != input) return true;
+  if (!lower(path).ends_with(".toml")) return false;
+  const auto document = TomlDocument::load(path);
+  if (!document) return true;  // its error has line and column
+  Issues ignored;
+  const TableReader root = document->root(ignored);
+  return root.has("volume") || root.has("tool") || root.has("approach");
+}
+
+/// @returns whether a .vdb file of this program says what tools have left of its bone.
+bool has_remaining(const std::string& path) {
+  const auto content = read_vdb(path);
+  return content &&
+         std::any_of(content->grids.begin(), content->grids.end(), [](const FloatVdb& grid) { return grid.name() == "remaining"; });
+}
+
+Status check_paths(const Options& option) {
+  const fs::path output(option.output);
+  std::error_code ignored;
+  if (output.has_parent_path() && !fs::is_directory(output.parent_path(), ignored))
+    return bad_input("there is no folder " + output.parent_path().string(), option.output);
+  for (const std::string& read : {option.input.scene, option.restore})
+    if (!read.empty() && fs::equivalent(read, output, ignored))
+      return bad_input("is the file that is read: choose another name", option.output);
+  return {};
+}
+
+/// Options of a bone have no effect on a planned line.
+Status check_markups(const Options& option) {
+  if (option.field.empty() && option.restore.empty() && !option.undrilled && !option.crop) return {};
+  return bad_input("a planned line holds no bone: leave out --field, --undrilled, --crop and --restore", option.output);
+}
+
+ExportRequest request_of(const Options& option) {
+  ExportRequest out{.path = option.output, .undrilled = option.undrilled, .crop = option.crop};
+  const auto& names = export_field_names();
+  const auto found = std::find(names.begin(), names.end(), option.field);
+  if (found != names.end()) out.field = static_cast<ExportField>(found - names.begin());
+  return out;
+}
+
+Result<Source> load_volume(const Options& option, Progress& progress) {
+  const std::string& path = option.input.scene;
+  if (!option.input.sets.empty()) return bad_input("--set is for scenes, and this is a volume", path);
+  ImportRequest request{path, {}, {}};
+  request.read.series = option.series;
+  if (!option.unit.empty()) request.read.unit = length_unit(option.unit);
+  request.read.progress = [&](double share) { progress.show(share, "reading"); };
+  const bool own = lower(path).ends_with(".vdb") && option.unit.empty();
+  const bool drilled = own && has_remaining(path);
+  auto imported = import_bone(request, [&](const std::string& line) { progress.say(line); });
+  if (!imported) {
+    Error error = imported.error();
+    if (drilled) error.message += "; it holds changes alone: export the scene, with --restore " + path;
+    return error;
+  }
+  return Source{std::move(imported->bone), std::nullopt, drilled ? path : std::string()};
+}
+
+std::optional<Source> load_source(const Options& option, Progress& progress, int& exit_code) {
+  if (is_scene(option.input.scene)) {
+    if (!option.unit.empty() || !option.series.empty()) {
+      exit_code = report(bad_input("--unit and --series are for volumes: a scene has keys for them", option.input.scene));
+      return std::nullopt;
+    }
+    auto loaded = load_or_report(option.input, exit_code, option.quiet);
+    if (!loaded) return std::nullopt;
+    return Source{std::move(loaded->bone), std::move(loaded->scene.approach), {}};
+  }
+  auto source = load_volume(option, progress);
+  if (source) return std::move(*source);
+  exit_code = report(source.error());
+  return std::nullopt;
+}
+
+Status export_plan(const Options& option, const Source& source) {
+  if (!source.approach) return bad_input("a planned line is that of a scene, and this is a volume", option.input.scene);
+  const auto approach = make_approach(*source.bone, *source.approach);
+  if (!approach) return approach.error();
+  const Pose& pose = approach->bone_from_approach;
+  const PlannedLine line{pose.translation, source.approach->target.value_or(pose * Vec3(0.0, 0.0, -approach->thickness))};
+  if (const Status written = write_planned_line(option.output, line); !written) return written;
+  const Vec3 entry = line.entry / kMillimetre, target = line.target / kMillimetre;
+  print(fmt::format("{}: entry ({:.2f}, {:.2f}, {:.2f}), target ({:.2f}, {:.2f}, {:.2f}) mm, LPS\n", option.output, entry.x, entry.y,
+                    entry.z, target.x, target.y, target.z));
+  return {};
+}
+
+std::string report_text(const Options& option, const ExportReport& done, bool drilled) {
+  const std::string size = fmt::format("{:.1f} MB", static_cast<double>(done.bytes) * 1e-6);
+  const char* state = drilled ? "as drilled" : "as loaded";
+  if (done.triangles > 0)
+    return fmt::format("{}: {}, surface of the bone {}, {} triangles, mm in LPS, {}\n", option.output, done.format, state, done.triangles,
+                       size);
+  return fmt::format("{}: {}, {} of the bone {}, {} x {} x {} voxels, {}\n", option.output, done.format,
+                     done.format == "OpenVDB" ? "all fields"
+                     : option.field.empty()   ? "density"
+                                              : option.field.c_str(),
+                     state, done.dims.x, done.dims.y, done.dims.z, size);
+}
+
+Status export_volume(const Options& option, const Source& source, Progress& progress) {
+  auto voxmap = Voxmap::create(source.bone, {});
+  if (!voxmap) return voxmap.error();
+  const std::string drilled = option.restore.empty() ? source.drilled : option.restore;
+  if (!drilled.empty() && !option.undrilled)
+    if (const Status restored = voxmap->restore(drilled); !restored) return restored;
+  ExportRequest request = request_of(option);
+  request.progress = [&](double share) { progress.show(share, "writing"); };
+  const auto done = export_bone(*voxmap, request);
+  if (!done) return done.error();
+  print(report_text(option, *done, voxmap->blocks().size() > 0));
+  return {};
+}
+
+int export_input(const Options& option) {
+  const bool plan = is_markups_path(option.output);
+  const Status valid = plan ? check_markups(option) : check_request(request_of(option));
+  if (!valid) return report(valid.error());
+  if (const Status paths = check_paths(option); !paths) return report(paths.error());
+  if (option.undrilled && !option.restore.empty())
+    return report(bad_input("--restore and --undrilled exclude each other: with the hole, or without it"));
+  Progress progress(option.quiet, kReadingDelay);
+  int exit_code = kDone;
+  const auto source = load_source(option, progress, exit_code);
+  if (!source) return exit_code;
+  const Status done = plan ? export_plan(option, *source) : export_volume(option, *source, progress);
+  return done ? kDone : report(done.error());
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, int& exit_code) {
+  CLI::App* command = add_command(
+      app, "export", kSceneGroup,
+      {.summary = "Writes a bone, its surface or the planned line for other programs",
+       .about =
+           "INPUT is the bone.vdb of a run, any volume that import reads, or a scene. The ending of the output chooses what is written: "
+           ".nrrd, .nii or .nii.gz voxels; .vdb all fields, which this program reads again; .stl, .ply or .obj the surface; .mrk.json or "
+           ".fcsv entry and target of a scene's approach, for 3D Slicer. Coordinates are mm in the patient's LPS, in NIfTI RAS. "
+           "docs/export.md has a Python example.",
+       .examples = {"burrhole export out/bone.vdb -o drilled.nii.gz", "burrhole export out/bone.vdb -o before.nrrd --undrilled",
+                    "burrhole export out/bone.vdb -o labels.nii.gz --field labels --crop", "burrhole export out/bone.vdb -o skull.stl",
+                    "burrhole export my_scene.toml --restore out/bone.vdb -o drilled.nrrd", "burrhole export parietal -o plan.mrk.json"},
+       .exits = ""});
+  auto option = std::make_shared<Options>();
+  command->add_option("input", option->input.scene, "bone.vdb of a run, volume that import reads, scene file, or name of a shipped scene")
+      ->type_name(kFileValue)
+      ->required();
+  command->add_option("-o,--out", option->output, "file to write: .nrrd .nii .nii.gz .vdb .stl .ply .obj .mrk.json .fcsv")
+      ->type_name(kFileValue)
+      ->required();
+  command->add_option("--field", option->field, "what the voxels hold: density, hardness, remaining or labels (default density)")
+      ->type_name("FIELD")
+      ->check(CLI::IsMember(export_field_names()));
+  command->add_flag("--undrilled", option->undrilled, "the bone as loaded, without holes");
+  command->add_flag("--crop", option->crop, "only the box round the bone; it stays where it is in the patient");
+  command->add_option("--restore", option->restore, "checkpoint with the holes: the bone.vdb of a run of this bone")->type_name(kFileValue);
+  command->add_option("--set", option->input.sets, "override a key of a scene, e.g. --set volume.spacing_mm=0.5 (repeatable)")
+      ->type_name("TABLE.KEY=VALUE")
+      ->allow_extra_args(false);
+  command->add_option("--unit", option->unit, "unit of length of a mesh or another program's .vdb, which carry none")
+      ->check(CLI::IsMember(length_unit_names()));
+  command->add_option("--series", option->series, "series of a DICOM folder, or grid of another program's .vdb; default: the best");
+  command->add_flag("--quiet", option->quiet, "no progress on stderr");
+  command->callback([option, &exit_code] { exit_code = export_input(*option); });
+}
+
+}  // namespace burrhole::cli
