@@ -98,7 +98,7 @@ Result<std::string> export_format(const std::string& path) {
   const std::string name = lower(path);
   for (const Ending& ending : kEndings)
     if (name.ends_with(ending.text)) return std::string(ending.format);
-  return bad_input("must end in .nrrd, .nii, .nii.gz, .vdb, .stl, .ply or .obj", path);
+  return bad_input("must end in .nrrd, .nii, .nii.gz, .vdb, .stl, .ply or .obj; a planned line in .mrk.json or .fcsv", path);
 }
 
 Status check_request(const ExportRequest& request) {

@@ -116,7 +116,7 @@ Status export_plan(const Options& option, const Source& source) {
   if (!approach) return approach.error();
   const Pose& pose = approach->bone_from_approach;
   const PlannedLine line{pose.translation, source.approach->target.value_or(pose * Vec3(0.0, 0.0, -approach->thickness))};
-  if (const Status written = write_planned_line(option.output, line); !written) return written;
+  if (Status written = write_planned_line(option.output, line); !written) return written;
   const Vec3 entry = line.entry / kMillimetre, target = line.target / kMillimetre;
   print(fmt::format("{}: entry ({:.2f}, {:.2f}, {:.2f}), target ({:.2f}, {:.2f}, {:.2f}) mm, LPS\n", option.output, entry.x, entry.y,
                     entry.z, target.x, target.y, target.z));
@@ -141,7 +141,7 @@ Status export_volume(const Options& option, const Source& source, Progress& prog
   if (!voxmap) return voxmap.error();
   const std::string drilled = option.restore.empty() ? source.drilled : option.restore;
   if (!drilled.empty() && !option.undrilled)
-    if (const Status restored = voxmap->restore(drilled); !restored) return restored;
+    if (Status restored = voxmap->restore(drilled); !restored) return restored;
   ExportRequest request = request_of(option);
   request.progress = [&](double share) { progress.show(share, "writing"); };
   const auto done = export_bone(*voxmap, request);

@@ -151,7 +151,7 @@ std::string condition_of(std::span<const KeyLog> logs, std::span<const std::stri
       return fmt::format("{} with {} = {}", few ? "only" : "not", markdown_code(other.key.key), listed(few ? split.with : split.without));
     }
   if (const std::string both = two_conditions(logs, row, rows); !both.empty()) return both;
-  if (const std::string without = absent_keys(logs, row, rows); !without.empty()) return without;
+  if (std::string without = absent_keys(logs, row, rows); !without.empty()) return without;
   std::set<std::string> where;
   for (const std::size_t n : row.samples) where.insert(names[n]);
   return "only in some files: " + listed(where);

@@ -14,11 +14,13 @@ constexpr std::size_t kDeepest = 64;
 /// Hands the parser one byte after the other, and counts them.
 class CountingIterator {
  public:
+  // NOLINTBEGIN(readability-identifier-naming): names of the standard library
   using iterator_category = std::input_iterator_tag;
   using value_type = char;
   using difference_type = std::ptrdiff_t;
   using pointer = const char*;
   using reference = const char&;
+  // NOLINTEND(readability-identifier-naming)
 
   CountingIterator(const char* at, const char** seen) : at_(at), seen_(seen) {}
   reference operator*() const { return *at_; }

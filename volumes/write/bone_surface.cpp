@@ -17,7 +17,7 @@ constexpr double kSurface = 0.5;  ///< [-] level of the density that is the surf
 
 /// Fills whole leaves: a region may be part of one.
 Grid::Ptr density_grid(const DensitySource& density) {
-  const Grid::Ptr grid = Grid::create(0.0f);
+  Grid::Ptr grid = Grid::create(0.0f);
   auto& tree = grid->tree();
   std::vector<float> values(Leaf::SIZE);
   for (const VoxelBox& region : density.regions) {

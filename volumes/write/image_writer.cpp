@@ -27,7 +27,7 @@ Status write_values(OutputFile& file, const ImageOut& image) {
     values.resize(slab.count());
     image.read(slab, values);
     if (image.labels) labels.assign(values.begin(), values.end());
-    const Status written = file.write(image.labels ? std::as_bytes(std::span(labels)) : std::as_bytes(std::span(values)));
+    Status written = file.write(image.labels ? std::as_bytes(std::span(labels)) : std::as_bytes(std::span(values)));
     if (!written) return written;
     if (image.progress) image.progress(static_cast<double>(slab.hi.z - image.box.lo.z) / image.box.size().z);
   }

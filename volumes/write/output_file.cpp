@@ -48,7 +48,7 @@ struct OutputFile::State {
       zlib.next_out = piece.data();
       zlib.avail_out = kPiece;
       if (deflate(&zlib, flush) == Z_STREAM_ERROR) return fail(EIO);
-      if (const Status written = put(piece.data(), kPiece - zlib.avail_out); !written) return written;
+      if (Status written = put(piece.data(), kPiece - zlib.avail_out); !written) return written;
     } while (zlib.avail_out == 0);
     return status;
   }

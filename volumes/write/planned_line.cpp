@@ -62,7 +62,7 @@ bool is_markups_path(const std::string& path) {
 Status write_planned_line(const std::string& path, const PlannedLine& line) {
   auto file = OutputFile::create(path);
   if (!file) return file.error();
-  const Status written = file->write(lower(path).ends_with(".fcsv") ? markups_fcsv(line) : markups_json(line));
+  Status written = file->write(lower(path).ends_with(".fcsv") ? markups_fcsv(line) : markups_json(line));
   if (!written) return written;
   const auto finished = file->finish();
   return finished ? Status() : Status(finished.error());

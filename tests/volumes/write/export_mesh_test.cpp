@@ -32,12 +32,12 @@ double off(double radius) { return 2.5 / radius; }
 
 TEST_CASE("export: the mesh of a ball is closed and has its volume; the hole's volume is missing from that of the drilled one") {
   const TemporaryFolder folder;
-  const double R = kBallRadius / kEdge, r = kHoleRadius / kEdge, pi = std::numbers::pi;
-  const double ball_tolerance = 4.0 * pi * R * R * off(R);
+  const double ball = kBallRadius / kEdge, hole = kHoleRadius / kEdge, pi = std::numbers::pi;
+  const double ball_tolerance = 4.0 * pi * ball * ball * off(ball);
   // The wall of the hole likewise. At its two rims, wedges of 60 degrees, the product of both ramps is below 0.5 up to two voxels from each
   // surface, and vertices round the edge off: less than 2 by 2 voxels.
-  const double wall = 2.0 * pi * r * 2.0 * std::sqrt(R * R - r * r), rims = 2.0 * 2.0 * pi * r * 4.0;
-  const double hole_tolerance = wall * off(r) + rims;
+  const double wall = 2.0 * pi * hole * 2.0 * std::sqrt(ball * ball - hole * hole), rims = 2.0 * 2.0 * pi * hole * 4.0;
+  const double hole_tolerance = wall * off(hole) + rims;
   for (const Affine& map : {oblique_map(), sheared_map()}) {
     const Voxmap bone = ball_voxmap(map, true);
     for (const char* const name : {"a.stl", "a.ply", "a.obj"}) {
@@ -54,7 +54,7 @@ TEST_CASE("export: the mesh of a ball is closed and has its volume; the hole's v
       CHECK(std::abs(volume - ball_volume()) < ball_tolerance);
       CHECK(std::abs(missing - hole_volume()) < hole_tolerance);
       // Sabotage: a level of 0.25 would lie one voxel outside, with the ramp of four.
-      CHECK(std::abs(4.0 / 3.0 * pi * std::pow(R + 1.0, 3) - ball_volume()) > ball_tolerance);
+      CHECK(std::abs(4.0 / 3.0 * pi * std::pow(ball + 1.0, 3) - ball_volume()) > ball_tolerance);
     }
   }
 }
