@@ -191,9 +191,7 @@ void add_import(CLI::App& app, int& exit_code) {
   command
       ->add_option("--overview", option->overview, "draw three slices and a 3D view with the box around the bone; a PNG file, or a folder")
       ->type_name(kFileValue);
-  command
-      ->add_option("--suggest", option->suggest,
-                   "print [approach] for the place of the skull nearest to this point, patient coordinates in mm")
+  command->add_option("--suggest", option->suggest, "print [approach] for the place of the skull nearest to this point, LPS in mm")
       ->type_name("X,Y,Z");
   add_gl_option(*command, option->gl);
   command->add_flag("--json", option->json, "print only the report on stdout, as JSON");

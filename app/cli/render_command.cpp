@@ -167,9 +167,7 @@ void add_render(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember(length_unit_names()));
   command->add_option("--image", option->image, "PNG file to write")->type_name(kFileValue)->capture_default_str();
   command->add_option("--size", option->size, "size in pixels; default: the scene's")->type_name("WIDTHxHEIGHT");
-  command
-      ->add_option("--camera", option->camera,
-                   "angles in degrees, distance in mm to the entry, or to the middle of a volume; default: the scene's")
+  command->add_option("--camera", option->camera, "degrees, degrees, mm to the entry, or to the middle of a volume; default: the scene's")
       ->type_name("AZIMUTH,ELEVATION,DISTANCE");
   command->add_option("--method", option->method, "how bone is drawn; default: the scene's")
       ->type_name("METHOD")

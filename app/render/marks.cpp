@@ -82,9 +82,10 @@ void draw_orientation(Image& image, const CameraView& camera, const Pose& world_
 }
 
 void draw_note(Image& image, const std::string& text) {
-  const double letter = std::min(0.8 * letter_height(image), 0.8 * letter_height(image) * 0.45 * image.width /
+  const double letter = std::min(0.8 * letter_height(image), 0.8 * letter_height(image) * 0.42 * image.width /
                                                                  std::max(1.0, text_width(text, 0.8 * letter_height(image))));
-  draw_rimmed(image, write_text(text, {0.5 * (image.width - text_width(text, letter)), image.height - 1.6 * letter_height(image)}, letter),
+  draw_rimmed(image,
+              write_text(text, {0.53 * image.width - 0.5 * text_width(text, letter), image.height - 1.6 * letter_height(image)}, letter),
               std::max(1.0, letter / 8.0), kNear);
 }
 

@@ -61,8 +61,8 @@ std::string missed_text(const DrillReport& report) {
   return out + ".";
 }
 
-constexpr double kLast = 3.0;              // [s] at the end of a run, which are drawn larger if it is more than twice as long
-constexpr int kWide = 900, kNarrow = 460;  // [px] of a plot
+constexpr double kLast = 3.0, kLongest = 8.0;  // [s] at the end of a run, which are drawn larger if it is more than twice as long
+constexpr int kWide = 900, kNarrow = 460;      // [px] of a plot
 
 /// @param from [s] start of the plot. @param width [px].
 Plot make_plot(const DrillReport& report, double from, int width) {
@@ -102,8 +102,11 @@ Status add_plots(const DrillReport& report, HtmlPage& page) {
   page.heading("Course");
   const std::string layers = "Depth is that of the tip along the axis, from the entry; the shaded layers are the bone as loaded.";
   Status drawn = add_plot(report, 0.0, report.layers.empty() ? "" : layers, page);
-  if (const double end = report.time_s.back(); drawn && end - report.time_s.front() > 2.0 * kLast)
-    drawn = add_plot(report, end - kLast, fmt::format("The last {:g} s.", kLast), page);
+  // From half a second before the breakthrough on, if that is not long ago.
+  const double end = report.time_s.back(), through = report.breakthrough_s.value_or(end) - 0.5;
+  const double last = std::min(kLongest, std::max(kLast, end - through));
+  if (drawn && end - report.time_s.front() > 2.0 * last)
+    drawn = add_plot(report, end - last, fmt::format("The last {:.1f} s.", last), page);
   if (drawn) return {};
   // A page without its plot is useful. Any error other than a missing program is our bug.
   if (drawn.error().code != ErrorCode::unavailable) return drawn;

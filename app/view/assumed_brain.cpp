@@ -20,7 +20,8 @@ constexpr double kGap = 2e-3;        // [m] as in make_approach()
 constexpr double kThickest = 20e-3;  // [m] of bone at the entry that may be a skull
 constexpr double kDura = 0.6e-3;     // [m]
 constexpr double kInBone = 0.75;     // [voxels] of their surface above the inner surface, so that no slit is drawn between them
-constexpr int kSmoothings = 3;
+constexpr int kBisections = 6;
+constexpr int kSmoothings = 12;
 
 const Rgba8 kDuraColor{204, 158, 153, 0}, kBrainColor{214, 140, 135, 0};  // as make_colors()
 
@@ -84,7 +85,12 @@ std::optional<AssumedBrain> AssumedBrain::create(const BoneModel& bone, const Po
       // Bone that ends at the edge of the volume has no inner surface there.
       const Vec3 end = block.index_from_bone * (bone_from_approach * Vec3(x, y, -last - kGap));
       column.found = ended && glm::all(glm::greaterThan(end, Vec3(0.0))) && glm::all(glm::lessThan(end, Vec3(bone.dims() - 1)));
-      column.inner = last + 0.5 * step;
+      double free = last + step;  // [m] the inner surface lies between
+      for (int n = 0; n < kBisections; ++n) {
+        const double half = 0.5 * (last + free);
+        (block.at(bone_from_approach * Vec3(x, y, -half)) >= 0.5 ? last : free) = half;
+      }
+      column.inner = last;
     }
   });
   out.fill();
