@@ -9,13 +9,14 @@
 #include <sstream>
 
 #include "core/base/units.h"
+#include "volumes/read/readable_path.h"
 
 namespace burrhole {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kImportSchema = 1;
+constexpr int kImportSchema = 2;
 constexpr double kMegabyte = 1e6;
 
 Error at(Error error, const std::string& path) {
@@ -32,6 +33,7 @@ double likely_bytes(const BoneGrid& grid) {
 void describe_bone(const BoneModel& bone, ImportReport& report) {
   report.bone_dims = bone.dims();
   report.bone_spacing = bone.bone_from_index().mean_edge();
+  report.bone_edges = describe_grid(bone.bone_from_index()).spacing;
   report.bone_voxels = bone.bone_voxels();
   report.bone_share = static_cast<double>(bone.bone_voxels()) / static_cast<double>(bone.bounds().count());
   report.bytes = bone.bytes();
@@ -129,8 +131,12 @@ std::string series_text(const SeriesLine& s) {
 
 }  // namespace
 
-Result<ImportedBone> import_bone(const ImportRequest& request, const std::function<void(const std::string&)>& say) {
-  if (const Status checked = check_options(request.bone); !checked) return at(checked.error(), request.path);
+Result<ImportedBone> import_bone(const ImportRequest& given, const std::function<void(const std::string&)>& say) {
+  if (const Status checked = check_options(given.bone); !checked) return at(checked.error(), given.path);
+  const auto path = readable_path(given.path);
+  if (!path) return path.error();
+  ImportRequest request = given;
+  request.path = *path;
   const auto accept = [&](const Scan& scan) -> Status {
     const auto grid = plan_grid(scan, request.bone);
     // What cannot be planned is refused when the bone is made.
@@ -202,7 +208,7 @@ std::string import_json(const ImportReport& r) {
               {"values", values},
               {"bone",
                {{"dims", {r.bone_dims.x, r.bone_dims.y, r.bone_dims.z}},
-                {"spacing_mm", r.bone_spacing / kMillimetre},
+                {"spacing_mm", in_mm(r.bone_edges)},
                 {"voxels", r.bone_voxels},
                 {"share", r.bone_share},
                 {"from_mm", in_mm(r.bone_lo)},

@@ -36,6 +36,7 @@ struct ImportReport {
   double bone_share = 0.0;          ///< [-] share of the voxels with occupancy >= 0.5
   Vec3 bone_lo{0.0}, bone_hi{0.0};  ///< [m] box around the centres of bone voxels, bone frame
   double bone_spacing = 0.0;        ///< [m] edge of the cube with the volume of a voxel
+  Vec3 bone_edges{0.0};             ///< [m] distances of voxel centres along i, j, k
   std::uint64_t bone_voxels = 0, bytes = 0;
 };
 
@@ -44,9 +45,9 @@ struct ImportedBone {
   ImportReport report;
 };
 
-/// Reads and classifies. A bone model of this program is used unchanged; a .vdb of another program needs a unit. Options that the format
-/// does not use are errors. @param say is called with one line on the memory that the bone needs, before it is allocated; may be empty.
-/// @returns bad_input with the path as place.
+/// Reads and classifies. Of a folder without DICOM that holds one volume, that volume is read (readable_path.h). A bone model of this program
+/// is used unchanged; a .vdb of another program needs a unit. Options that the format does not use are errors. @param say is called with one
+/// line on the memory that the bone needs, before it is allocated; may be empty. @returns bad_input with the path as place.
 [[nodiscard]] Result<ImportedBone> import_bone(const ImportRequest& request, const std::function<void(const std::string&)>& say);
 
 /// {schema, source, format, series[], dims, spacing_mm, direction, shear_deg, oblique_deg, values{..}, bone{..}, assumed[], skipped[],

@@ -48,7 +48,7 @@ std::string missing_data(const fs::path& scene, const std::string& source) {
   const char* const folder = std::getenv("BURRHOLE_DATA");
   std::error_code ignored;
   if (!needs || (folder != nullptr && fs::is_directory(folder, ignored))) return {};
-  return "Its scan is not part of the program: set BURRHOLE_DATA to the folder that holds it";
+  return "Its scan is not part of the program: scripts/fetch-data gets it, or set BURRHOLE_DATA to the folder that holds it";
 }
 
 /// @returns what a folder holds; nothing of one that cannot be read.

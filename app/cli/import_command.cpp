@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "app/cli/command_text.h"
 #include "app/cli/commands.h"
 #include "app/cli/progress.h"
+#include "app/cli/volume_picture.h"
 #include "app/scene/volume_scene.h"
 #include "core/base/units.h"
+#include "core/measure/drill_site.h"
 #include "core/voxel/vdb_grids.h"
 #include "volumes/import_bone.h"
 
@@ -16,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string input, volume, series, unit, band, offset, spacing, region, centre;
+  std::string input, volume, series, unit, band, offset, spacing, region, centre, overview, suggest, gl = "auto";
   std::vector<std::string> keep;
   bool json = false, quiet = false, volume_given = false;
 };
@@ -72,6 +75,46 @@ Status check_output(const std::string& volume, bool given) {
   return {};
 }
 
+/// @returns the file of the overview: the path itself, or overview.png in a folder, which is created.
+Result<std::string> overview_file(const std::string& path) {
+  if (fs::path(path).extension() == ".png") return path;
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (!fs::is_directory(path)) return bad_input("--overview " + path + " must end in .png or be a folder");
+  return (fs::path(path) / "overview.png").string();
+}
+
+/// Draws slices and a view of the bone, with the box around it.
+Status draw_overview(const Options& option, const BoneModel& bone) {
+  if (bone.bone_voxels() == 0) return bad_input("has no bone to draw", option.input);
+  const auto file = overview_file(option.overview);
+  if (!file) return file.error();
+  VolumePicture picture;
+  picture.gl = option.gl;
+  picture.display.height = picture.display.width;
+  const auto driver = write_volume_sheet(*file, bone, picture);
+  if (!driver) return driver.error();
+  if (!option.quiet) fmt::print(stderr, "renderer: {}\n{} written\n", *driver, *file);
+  return {};
+}
+
+nlohmann::ordered_json site_json(const DrillSite& site) {
+  const auto list = [](const Vec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+  return {{"entry_mm", list(site.entry / kMillimetre)}, {"axis", list(site.axis)}, {"thickness_mm", site.thickness / kMillimetre}};
+}
+
+/// Prints the report, and the site if one was asked for: its TOML alone goes to stdout then, so that it can be appended to a scene.
+void print_results(const Options& option, const ImportReport& report, const std::optional<DrillSite>& site) {
+  if (option.json) {
+    auto json = nlohmann::ordered_json::parse(import_json(report));
+    if (site) json["suggested"] = site_json(*site);
+    return print(json.dump(2) + "\n");
+  }
+  if (!site) return print(import_text(report));
+  if (!option.quiet) fmt::print(stderr, "{}", import_text(report));
+  print(fmt::format("# {:.2f} mm of bone along the axis\n{}", site->thickness / kMillimetre, approach_text(*site)));
+}
+
 int import_input(const Options& option) {
   ImportRequest request{option.input, {}, {}};
   request.read.series = option.series;
@@ -80,6 +123,12 @@ int import_input(const Options& option) {
   if (const Status read = read_bone_options(option, request.bone); !read) return report(read.error());
   request.read.pitch = request.bone.spacing;
   if (const Status fits = check_output(option.volume, option.volume_given); !fits) return report(fits.error());
+  std::optional<Vec3> near;
+  if (!option.suggest.empty()) {
+    const auto point = numbers_of("--suggest", option.suggest, 3, -1e5, 1e5);
+    if (!point) return report(point.error());
+    near = in_metres(*point);
+  }
 
   Progress progress(option.quiet, kReadingDelay);
   request.read.progress = [&](double share) { progress.show(share, "reading"); };
@@ -89,7 +138,15 @@ int import_input(const Options& option) {
   if (!option.volume.empty())
     if (const Status written = write_vdb(option.volume, bone.dims(), bone.bone_from_index(), bone.grids(), bone.notes()); !written)
       return report(written.error());
-  print(option.json ? import_json(imported->report) : import_text(imported->report));
+  if (!option.overview.empty())
+    if (const Status drawn = draw_overview(option, bone); !drawn) return report(drawn.error());
+  std::optional<DrillSite> site;
+  if (near) {
+    const auto found = suggest_site(bone, *near);
+    if (!found) return report(Error{found.error().code, found.error().message, imported->report.source});
+    site = *found;
+  }
+  print_results(option, imported->report, site);
   return kDone;
 }
 
@@ -102,8 +159,11 @@ void add_import(CLI::App& app, int& exit_code) {
        .about =
            "Reads DICOM (a folder or a file), NIfTI, NRRD, MetaImage, a raw volume described by a TOML file, a closed mesh, or a .vdb. "
            "Checks positions of slices, sizes and lengths; keeps shear and gantry tilt; does not copy data that identify a patient. "
-           "Without --volume it prints the report only. A scene may also name the scan itself as [volume] source.",
+           "Without --volume it prints the report only. --overview draws the bone. --suggest prints a table [approach]: an entry near a "
+           "point, "
+           "and the axis square to the bone there. A scene may also name the scan itself as [volume] source.",
        .examples = {"burrhole import scan/", "burrhole import scan/ --series 3 --volume head.vdb",
+                    "burrhole import scan/ --overview head.png", "burrhole import scan/ --suggest 62,80,790 >> scene.toml",
                     "burrhole import scan/ --spacing-mm 0.3 --region-mm 48,48,48 --centre-mm 54,100,797 --volume site.vdb",
                     "burrhole import skull.stl --unit mm --spacing-mm 0.5 --volume skull.vdb"},
        .exits = ""});
@@ -128,6 +188,12 @@ void add_import(CLI::App& app, int& exit_code) {
   command->add_option("--keep", option->keep, "copy this DICOM field into the report, e.g. PatientID (repeatable)")
       ->type_name("KEYWORD")
       ->allow_extra_args(false);
+  command
+      ->add_option("--overview", option->overview, "draw three slices and a 3D view with the box around the bone; a PNG file, or a folder")
+      ->type_name(kFileValue);
+  command->add_option("--suggest", option->suggest, "print [approach] for the place of the skull nearest to this point, LPS in mm")
+      ->type_name("X,Y,Z");
+  add_gl_option(*command, option->gl);
   command->add_flag("--json", option->json, "print only the report on stdout, as JSON");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, command, &exit_code] {

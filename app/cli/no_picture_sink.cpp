@@ -1,5 +1,6 @@
 #include "app/cli/film.h"
 #include "app/cli/picture_sink.h"
+#include "app/cli/volume_picture.h"
 
 namespace burrhole::cli {
 
@@ -11,8 +12,16 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string&, int) 
   return Error{ErrorCode::unavailable, "this program was built without the renderer, so it cannot draw a film", {}};
 }
 
-Status write_tip_slices(const std::string&, const TipSlices&) {
+Status write_tip_slices(const std::string&, int, int, const std::function<TipSlices(int)>&, const std::vector<std::string>&) {
   return Error{ErrorCode::unavailable, "this program was built without the renderer, so it cannot write pictures", {}};
+}
+
+Result<std::string> write_volume_picture(const std::string&, const BoneModel&, const VolumePicture&) {
+  return Error{ErrorCode::unavailable, "this program was built without the renderer, so it cannot draw a volume", {}};
+}
+
+Result<std::string> write_volume_sheet(const std::string&, const BoneModel&, const VolumePicture&) {
+  return Error{ErrorCode::unavailable, "this program was built without the renderer, so it cannot draw a volume", {}};
 }
 
 }  // namespace burrhole::cli

@@ -8,6 +8,7 @@
 
 #include "app/cli/film.h"
 #include "app/cli/png_writer.h"
+#include "app/render/marks.h"
 #include "app/render/overlay.h"
 #include "app/render/png.h"
 #include "app/render/renderer.h"
@@ -27,12 +28,14 @@ class OffscreenSink final : public PictureSink {
         quality_(display.quality),
         budget_(display.budget),
         stereo_(display.stereo),
-        scale_bar_(display.scale_bar) {}
+        scale_bar_(display.scale_bar),
+        orientation_(display.orientation) {}
 
   [[nodiscard]] Renderer& renderer() noexcept { return renderer_; }
 
   Status start(const VolumeView& volume, const TriangleMesh& tool) override {
     if (Status set = renderer_.set_volume(volume); !set) return set;
+    note_ = volume.note;
     return renderer_.set_tool(tool);
   }
   void update(const TexelBox& texels) override { renderer_.update(texels); }
@@ -104,8 +107,25 @@ class OffscreenSink final : public PictureSink {
 
   Result<Image> draw_one(const FrameView& view, int width, int height) {
     auto image = renderer_.draw(view, width, height);
-    if (image && scale_bar_) draw_scale_bar(*image, fit_scale_bar(view.camera, width, height));
+    if (!image) return image;
+    if (view.inset && stereo_.mode == StereoMode::off)
+      if (Status drawn = add_inset(view, *image); !drawn) return drawn.error();
+    if (scale_bar_) draw_scale_bar(*image, fit_scale_bar(view.camera, width, height));
+    if (orientation_) draw_orientation(*image, view.camera, view.world_from_bone);
+    if (!note_.empty()) draw_note(*image, note_);
     return image;
+  }
+
+  /// Draws all of a head into the upper right corner.
+  Status add_inset(const FrameView& view, Image& image) {
+    FrameView small = view;
+    small.camera = *view.inset;
+    small.inset.reset();
+    small.cut.reset();
+    const auto drawn = renderer_.draw(small, std::max(16, image.width / 4), std::max(16, image.height / 4));
+    if (!drawn) return drawn.error();
+    frame_into(image, *drawn);
+    return {};
   }
 
   Renderer renderer_;
@@ -114,7 +134,8 @@ class OffscreenSink final : public PictureSink {
   DrawingQuality quality_;
   std::optional<double> budget_, expected_;  // [s]
   StereoView stereo_;
-  bool scale_bar_;
+  bool scale_bar_, orientation_;
+  std::string note_;  // on what is assumed; empty: nothing
   PngWriter writer_;
 };
 
@@ -144,7 +165,11 @@ Result<DrawingSink> make_window_sink(const DisplayConfig& display, const Picture
   return DrawingSink{std::move(sink), drawing};
 }
 
-Status write_tip_slices(const std::string& file, const TipSlices& slices) { return write_png(file, draw_tip_slices(slices)); }
+Status write_tip_slices(const std::string& file, int width, int height, const std::function<TipSlices(int size)>& make,
+                        const std::vector<std::string>& legend) {
+  const CellLayout layout = fit_cells(width, height);
+  return write_png(file, draw_tip_slices(make(layout.size), layout, legend));
+}
 
 Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options) {
   auto renderer = Renderer::create(options_of(display, options));

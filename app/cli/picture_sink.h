@@ -37,8 +37,9 @@ struct DrawingSink {
 /// invalid shader.
 [[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options);
 
-/// Writes slices side by side into one PNG file, with labels, the tool's outline and a scale bar; needs no OpenGL. bad_input: the file
-/// cannot be written.
-[[nodiscard]] Status write_tip_slices(const std::string& file, const TipSlices& slices);
+/// Writes slices with labels, the tool's outline and a scale bar into a PNG file; needs no OpenGL. @param make makes the slices of a size
+/// [pixels]. bad_input: the file cannot be written.
+[[nodiscard]] Status write_tip_slices(const std::string& file, int width, int height, const std::function<TipSlices(int size)>& make,
+                                      const std::vector<std::string>& legend);
 
 }  // namespace burrhole::cli

@@ -4,7 +4,10 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/picture_sink.h"
+#include "app/cli/volume_picture.h"
+#include "app/cli/volume_source.h"
 #include "app/run/simulation.h"
+#include "app/scene/volume_scene.h"
 #include "app/view/display_config.h"
 #include "core/base/units.h"
 
@@ -17,7 +20,7 @@ constexpr double kSliceHalfWidth = 20e-3;  ///< [m] of slices through the tip
 
 struct Options {
   SceneOption scene;
-  std::string image = "burrhole.png", size, camera, method, restore, gl = "auto", shader_folder;
+  std::string image = "burrhole.png", size, camera, method, restore, unit, gl = "auto", shader_folder;
   bool cut = false, no_tool = false, overview = false, slices_through_tip = false;
   std::optional<double> depth_mm;
 };
@@ -60,7 +63,7 @@ Pose tool_pose(const Options& option, Simulation& simulation, const Scene& scene
 
 /// Draws slices through the tip. They need no renderer, so the simulation is built without [display].
 Status draw_slices(const Options& option, LoadedScene& loaded, const fs::path& image) {
-  const int size = loaded.scene.find<DisplayConfig>()->width / 3;
+  const DisplayConfig display = *loaded.scene.find<DisplayConfig>();
   (void)loaded.scene.effects.remove("display");
   SimulationOptions options;
   options.restore_path = option.restore;
@@ -69,7 +72,12 @@ Status draw_slices(const Options& option, LoadedScene& loaded, const fs::path& i
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
   const Pose bone_from_tool = loaded.scene.volume.world_from_bone.inverse() * tool_pose(option, *simulation, loaded.scene);
-  return write_tip_slices(image.string(), make_tip_slices(simulation->voxmap(), loaded.tool.mesh, bone_from_tool, kSliceHalfWidth, size));
+  const auto make = [&](int size) {
+    return make_tip_slices(simulation->voxmap(), loaded.tool.mesh, bone_from_tool, kSliceHalfWidth, size);
+  };
+  return write_tip_slices(
+      image.string(), display.width, display.height, make,
+      {"cross: the tip of the bit", "orange: the bit as it erodes", "grey: occupancy x hardness,", "of what bone remains"});
 }
 
 Status draw_scene(const Options& option, LoadedScene& loaded) {
@@ -99,25 +107,69 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   return loaded.bone->read_status();
 }
 
+/// Options that name a part of a scene. @returns bad_input if one was given for a volume.
+Status check_volume_options(const Options& option) {
+  const std::pair<bool, const char*> scene_only[] = {{!option.restore.empty(), "--restore"},
+                                                     {option.no_tool, "--no-tool"},
+                                                     {option.depth_mm.has_value(), "--depth-mm"},
+                                                     {option.slices_through_tip, "--slices-through-tip"}};
+  for (const auto& [given, name] : scene_only)
+    if (given)
+      return bad_input(fmt::format("{} needs a scene: {} is a volume, which has no bit and no approach", name, option.scene.scene));
+  return {};
+}
+
+/// Draws a volume in place of a scene: all of its bone, from anterior left above, or cut open with --cut.
+Status draw_volume(const Options& option) {
+  if (Status valid = check_volume_options(option); !valid) return valid;
+  VolumePicture picture;
+  picture.gl = option.gl;
+  picture.shader_folder = option.shader_folder;
+  picture.view.cut = option.cut;
+  if (option.cut) picture.view.azimuth = 70.0 * kDegree;
+  Options view = option;
+  view.overview = false;  // it always shows all of the bone
+  if (Status applied = apply_view(view, picture.display); !applied) return applied;
+  if (!option.camera.empty()) {
+    picture.view.azimuth = picture.display.azimuth;
+    picture.view.elevation = picture.display.elevation;
+    picture.view.distance = picture.display.distance;
+  }
+  const fs::path image(option.image);
+  if (image.extension() != ".png") return bad_input("--image " + option.image + " must end in .png");
+  std::vector<std::string> sets = option.scene.sets;
+  if (!option.unit.empty()) sets.push_back("volume.unit=\"" + option.unit + "\"");
+  const auto volume = read_volume_for_picture(option.scene.scene, sets);
+  if (!volume) return volume.error();
+  const auto driver = write_volume_picture(image.string(), *volume->bone, picture);
+  if (!driver) return driver.error();
+  fmt::print(stderr, "renderer: {}\n", *driver);
+  return {};
+}
+
 }  // namespace
 
 void add_render(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
       app, "render", kDrillGroup,
-      {.summary = "Draws one picture of a scene, undrilled or from a checkpoint",
+      {.summary = "Draws one picture of a scene or of a volume",
        .about =
            "Draws the scene offscreen into one PNG file: the bone as loaded, or with --restore the drilled bone of an earlier run, from "
-           "the scene's camera or from --camera.",
-       .examples = {"burrhole render parietal --image before.png",
+           "the scene's camera or from --camera. In place of a scene it takes what burrhole import reads, a file or a folder, and draws "
+           "all "
+           "of its bone from anterior left, or cut open with --cut.",
+       .examples = {"burrhole render parietal --image before.png", "burrhole render head.nrrd --image head.png",
                     "burrhole render parietal --restore out/bone.vdb --cut --camera 35,20,60 --image hole.png",
                     "burrhole render parietal --restore out/bone.vdb --slices-through-tip --depth-mm 4 --image slices.png"},
        .exits = "Exit 4 if there is no OpenGL."});
   auto option = std::make_shared<Options>();
   option->scene.add_to(*command);
   add_stereo_options(*command, option->scene);
+  command->add_option("--unit", option->unit, "of a volume: unit of length of a mesh or another program's .vdb, which carry none")
+      ->check(CLI::IsMember(length_unit_names()));
   command->add_option("--image", option->image, "PNG file to write")->type_name(kFileValue)->capture_default_str();
   command->add_option("--size", option->size, "size in pixels; default: the scene's")->type_name("WIDTHxHEIGHT");
-  command->add_option("--camera", option->camera, "angles in degrees, distance to the entry in mm; default: the scene's")
+  command->add_option("--camera", option->camera, "degrees, degrees, mm to the entry, or to the middle of a volume; default: the scene's")
       ->type_name("AZIMUTH,ELEVATION,DISTANCE");
   command->add_option("--method", option->method, "how bone is drawn; default: the scene's")
       ->type_name("METHOD")
@@ -134,6 +186,15 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_flag("--slices-through-tip", option->slices_through_tip,
                     "three slices of 40 mm through the tip, grey by density, instead of a perspective view");
   command->callback([option, &exit_code] {
+    if (is_volume(option->scene.scene)) {
+      const Status drawn = draw_volume(*option);
+      exit_code = drawn ? kDone : report(drawn.error());
+      return;
+    }
+    if (!option->unit.empty()) {
+      exit_code = report(bad_input("--unit is for a volume; a scene has volume.unit"));
+      return;
+    }
     auto loaded = load_or_report(option->scene, exit_code);
     if (!loaded) return;
     if (!loaded->paged_note.empty()) print_warning(loaded->scene.file, "[limits] " + loaded->paged_note);

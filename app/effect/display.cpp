@@ -149,6 +149,14 @@ StereoView read_stereo(TableReader& table, double distance) {
   return out;
 }
 
+/// Reads what pictures show beside the bone as it is known.
+void read_marks(TableReader& table, const VolumeScene& volume, DisplayConfig& out) {
+  const bool scan = volume.scan.has_value(), head = volume.phantom && volume.phantom->kind == PhantomKind::head;
+  out.orientation = table.boolean("orientation_mark", true, "directions A P L R S I of a head or scan") && (scan || head);
+  out.inset = table.boolean("inset", out.inset, "a small picture of a whole head beside those of its site");
+  out.assumed_brain = table.boolean("assumed_brain", true, "dura and brain are drawn under the bone of a scan, which holds none") && scan;
+}
+
 /// Reads what surrounds the bone in pictures.
 void read_scenery(TableReader& table, const StageConfig& scene, DisplayConfig& out) {
   out.overview = table.optional_number("overview_mm", above_zero(0.0, kMillimetre, 5000.0),
@@ -260,6 +268,7 @@ DisplayConfig read_display(TableReader& table, const StageConfig& scene) {
       table.boolean("scale_bar", out.scale_bar, "draws a scale bar; its length is exact at the distance of the camera's target");
   out.cut = read_cut(table);
   out.stereo = read_stereo(table, out.distance);
+  read_marks(table, scene.volume, out);
   read_scenery(table, scene, out);
   out.appearance.drape = out.drape.has_value();
   read_skin(table, scene, out);

@@ -39,14 +39,17 @@ struct Caption {
 constexpr Caption kCaptions[] = {{"overview", "Before: the whole body and the bit"},
                                  {"before", "Before: the bit above the entry point"},
                                  {"during", "At half the thickness of the bone"},
-                                 {"breakthrough", "Breakthrough, section through the axis"},
+                                 {"breakthrough", "Breakthrough: bone and bit in section through the axis"},
                                  {"after", "After: the hole from above"},
                                  {"cutaway", "After: section through the axis"}};
 constexpr const char* kSummaryFile = "summary.json";
 constexpr const char* kReportFile = "report.html";
 
-std::string caption_of(const std::string& file) {
+/// @param through the bone is drilled through. @param removed_mm3 of it.
+std::string caption_of(const std::string& file, bool through, double removed_mm3) {
   const std::string name = fs::path(file).stem().string();
+  if (name == "after" && !through)
+    return removed_mm3 > 0.0 ? "After: the cut from above; it does not go through" : "After: the bone from above; nothing was cut";
   const auto found = std::ranges::find(kCaptions, name, &Caption::name);
   return found != std::end(kCaptions) ? found->text : name;
 }
@@ -94,7 +97,6 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
     r.events.push_back(
         {event.time, event.kind == "hand" || event.kind == "tool" || event.kind == "mark" ? event.kind + ": " + event.text : event.kind});
   r.setting = setting_of(loaded.scene, summary.by_user);
-  for (const std::string& file : pictures) r.pictures.push_back({file, caption_of(file)});
   r.thickness_mm = summary.thickness_mm;
   r.depth_mm_at_breakthrough = summary.depth_mm;
   r.plunge_mm = summary.plunge_mm;
@@ -110,6 +112,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.reason = outcome.reason;
   r.flags = flag_names(outcome.flags);
   r.through = outcome.result == DrillResult::drilled_through;
+  for (const std::string& file : pictures) r.pictures.push_back({file, caption_of(file, r.through, summary.removed_mm3)});
   r.outcome = outcome_text(summary);
   r.plunge_limit_mm = summary.limits.plunge_mm;
   if (summary.cleared_share) r.cleared_percent = 100.0 * *summary.cleared_share;

@@ -120,11 +120,6 @@ void blend(Rgba8& pixel, const Rgba8& color, double share) {
 
 constexpr Rgba8 kWhite{250, 250, 250, 255}, kRim{18, 22, 28, 255};
 
-void draw_rimmed(Image& image, const std::vector<Stroke>& strokes, double width) {
-  paint(image, strokes, width + std::max(2.0, 1.2 * width), kRim);
-  paint(image, strokes, width, kWhite);
-}
-
 std::string in_millimetres(double mm) {
   std::array<char, 32> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), mm, std::chars_format::general, 3);
@@ -158,6 +153,11 @@ void paint(Image& image, const std::vector<Stroke>& strokes, double width, const
     }
 }
 
+void draw_rimmed(Image& image, const std::vector<Stroke>& strokes, double width, const Rgba8& color) {
+  paint(image, strokes, width + std::max(2.0, 1.2 * width), kRim);
+  paint(image, strokes, width, color);
+}
+
 std::vector<Stroke> write_text(std::string_view text, const PixelPoint& start, double height) {
   const double unit = height / kCapital;
   std::vector<Stroke> strokes;
@@ -182,7 +182,7 @@ double text_width(std::string_view text, double height) noexcept {
 }
 
 void draw_text(Image& image, std::string_view text, const PixelPoint& start, double height) {
-  draw_rimmed(image, write_text(text, start, height), line_width(height));
+  draw_rimmed(image, write_text(text, start, height), line_width(height), kWhite);
 }
 
 ScaleBar fit_scale_bar(const CameraView& camera, int width, int height) {
@@ -199,7 +199,7 @@ void draw_scale_bar(Image& image, const ScaleBar& bar) {
   const double margin = 1.6 * letter, tick = 0.45 * letter;
   const PixelPoint left(margin, image.height - margin), right = left + PixelPoint(bar.pixels, 0.0);
   const PixelPoint down(0.0, tick);
-  draw_rimmed(image, {{left, right}, {left - down, left + down}, {right - down, right + down}}, line_width(letter) * 1.3);
+  draw_rimmed(image, {{left, right}, {left - down, left + down}, {right - down, right + down}}, line_width(letter) * 1.3, kWhite);
   const double middle = 0.5 * (left.x + right.x) - 0.5 * text_width(bar.label, letter);
   draw_text(image, bar.label, {std::max(margin, middle), left.y - 0.9 * letter}, letter);
 }

@@ -22,6 +22,9 @@ struct Stroke {
 /// @param width [pixels] > 0. Parts outside the picture are ignored.
 void paint(Image& image, const std::vector<Stroke>& strokes, double width, const Rgba8& color);
 
+/// Draws strokes with a dark rim, which separates them from any background.
+void draw_rimmed(Image& image, const std::vector<Stroke>& strokes, double width, const Rgba8& color);
+
 /// @returns the strokes of a line of text; capitals are `height` pixels high. Supported: ASCII letters, digits, blanks and . , : ; - + = /
 /// ( ) %; other characters are drawn as an empty frame.
 /// @param start lower left corner of the first letter, on the base line.

@@ -40,30 +40,74 @@ Image draw_slice(const TipSlice& slice, const TipSlices& all) {
   return image;
 }
 
+/// The three slices, the first with a scale bar.
+std::array<Image, 3> draw_slices(const TipSlices& slices) {
+  std::array<Image, 3> out;
+  for (std::size_t n = 0; n < out.size(); ++n) out[n] = draw_slice(slices.planes[n], slices);
+  // A slice is a parallel projection; this camera at a distance of 1 m gives the scale bar the same length per pixel.
+  const double height = slices.size * slices.pixel;
+  const CameraView camera{
+      .eye = {0.0, 0.0, 1.0}, .target = Vec3(0.0), .up = {0.0, 1.0, 0.0}, .vertical_fov = 2.0 * std::atan(0.5 * height)};
+  draw_scale_bar(out.front(), fit_scale_bar(camera, slices.size, slices.size));
+  return out;
+}
+
+Image make_ground(int width, int height) {
+  Image out{width, height, {}};
+  out.pixels.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), kGround);
+  return out;
+}
+
+/// Cells of the largest size, in the middle of the picture.
+CellLayout make_layout(int width, int height, int columns, int rows, int below) {
+  CellLayout out{width, height, columns, rows, 0, std::max(4, std::min(width, height) / 150)};
+  out.size = std::max(16, std::min((width - (columns + 1) * out.gap) / columns, (height - below - (rows + 1) * out.gap) / rows));
+  out.left = std::max(0, (width - columns * out.size - (columns - 1) * out.gap) / 2);
+  out.top = std::max(0, (height - below - rows * out.size - (rows - 1) * out.gap) / 2);
+  return out;
+}
+
 }  // namespace
+
+void copy_into(Image& to, const Image& from, int left, int top) {
+  const int first = std::max(0, -left), last = std::min(from.width, to.width - left);
+  for (int y = std::max(0, -top); y < std::min(from.height, to.height - top) && first < last; ++y) {
+    const auto row = from.pixels.begin() + static_cast<std::ptrdiff_t>(y) * from.width;
+    std::copy(row + first, row + last, to.pixels.begin() + static_cast<std::ptrdiff_t>(y + top) * to.width + left + first);
+  }
+}
+
+CellLayout fit_cells(int width, int height) {
+  CellLayout best = make_layout(width, height, 3, 1, 0);
+  for (const CellLayout& other : {make_layout(width, height, 2, 2, 0), make_layout(width, height, 1, 3, 0)})
+    if (other.size > best.size) best = other;
+  return best;
+}
+
+CellLayout square_cells(int width, int height, int below) { return make_layout(width, height, 2, 2, below); }
+
+Image draw_tip_slices(const TipSlices& slices, const CellLayout& layout, const std::vector<std::string>& legend) {
+  Image sheet = make_ground(layout.width, layout.height);
+  const auto place = [&](int n) {
+    return glm::dvec2(layout.left + n % layout.columns * (layout.size + layout.gap),
+                      layout.top + n / layout.columns * (layout.size + layout.gap));
+  };
+  const std::array<Image, 3> drawn = draw_slices(slices);
+  for (int n = 0; n < 3; ++n)
+    copy_into(sheet, drawn[static_cast<std::size_t>(n)], static_cast<int>(place(n).x), static_cast<int>(place(n).y));
+  if (layout.columns * layout.rows < 4) return sheet;
+  const double letter = std::max(8.0, layout.size / 32.0);
+  PixelPoint at = place(3) + PixelPoint(letter, 2.4 * letter);
+  for (const std::string& line : legend) {
+    draw_text(sheet, line, at, letter);
+    at.y += 2.4 * letter;
+  }
+  return sheet;
+}
 
 Image draw_tip_slices(const TipSlices& slices) {
   const int gap = std::max(4, slices.size / 60);
-  Image sheet{3 * slices.size + 4 * gap, slices.size + 2 * gap, {}};
-  sheet.pixels.assign(static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height), kGround);
-  for (std::size_t n = 0; n < 3; ++n) {
-    Image slice = draw_slice(slices.planes[n], slices);
-    if (n == 0) {
-      // A slice is a parallel projection; this camera at a distance of 1 m gives the scale bar the same length per pixel.
-      const double height = slices.size * slices.pixel;
-      const CameraView camera{
-          .eye = {0.0, 0.0, 1.0}, .target = Vec3(0.0), .up = {0.0, 1.0, 0.0}, .vertical_fov = 2.0 * std::atan(0.5 * height)};
-      draw_scale_bar(slice, fit_scale_bar(camera, slices.size, slices.size));
-    }
-    const std::size_t left = static_cast<std::size_t>(gap) + n * static_cast<std::size_t>(slices.size + gap);
-    for (int y = 0; y < slices.size; ++y) {
-      const auto row = slice.pixels.begin() + static_cast<std::ptrdiff_t>(y) * slices.size;
-      std::copy(row, row + slices.size,
-                sheet.pixels.begin() +
-                    static_cast<std::ptrdiff_t>((static_cast<std::size_t>(y + gap) * static_cast<std::size_t>(sheet.width)) + left));
-    }
-  }
-  return sheet;
+  return draw_tip_slices(slices, {3 * slices.size + 4 * gap, slices.size + 2 * gap, 3, 1, slices.size, gap, gap, gap}, {});
 }
 
 }  // namespace burrhole

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/report/file.h"
 #include "app/report/html.h"
 #include "app/report/plot.h"
@@ -59,12 +61,19 @@ std::string missed_text(const DrillReport& report) {
   return out + ".";
 }
 
-Plot make_plot(const DrillReport& report) {
+constexpr double kLast = 3.0, kLongest = 8.0;  // [s] at the end of a run, which are drawn larger if it is more than twice as long
+constexpr int kWide = 900, kNarrow = 460;      // [px] of a plot
+
+/// @param from [s] start of the plot. @param width [px].
+Plot make_plot(const DrillReport& report, double from, int width) {
   Plot plot;
   plot.x_label = "Time (s)";
+  plot.width_px = width;
+  const auto first = std::ranges::lower_bound(report.time_s, from) - report.time_s.begin();
+  const std::vector<double> time(report.time_s.begin() + first, report.time_s.end());
   const auto add_panel = [&](const char* y_label, const char* name, const std::vector<double>& y) -> PlotPanel* {
-    if (y.size() != report.time_s.size() || y.empty()) return nullptr;
-    plot.panels.push_back({.y_label = y_label, .series = {{name, report.time_s, y}}, .bands = {}});
+    if (y.size() != report.time_s.size() || time.empty()) return nullptr;
+    plot.panels.push_back({.y_label = y_label, .series = {{name, time, {y.begin() + first, y.end()}}}, .bands = {}});
     return &plot.panels.back();
   };
   if (PlotPanel* force = add_panel("Force (N)", "force", report.force_N)) force->from_zero = true;
@@ -73,24 +82,35 @@ Plot make_plot(const DrillReport& report) {
     for (const DrillReport::Layer& layer : report.layers) depth->bands.push_back({layer.name, layer.from_mm, layer.to_mm});
   }
   if (PlotPanel* speed = add_panel("Speed (mm/s)", "speed of the tip", report.speed_mm_s)) speed->from_zero = true;
-  for (const DrillReport::Event& event : report.events) plot.events.push_back({event.time_s, event.text});
+  for (const DrillReport::Event& event : report.events)
+    if (event.time_s >= from) plot.events.push_back({event.time_s, event.text});
   return plot;
 }
 
-Status add_plot(const DrillReport& report, HtmlPage& page) {
-  const Plot plot = make_plot(report);
-  if (plot.panels.empty()) return {};
+/// Appends the plots from a time on. @returns unavailable without gnuplot.
+Status add_plot(const DrillReport& report, double from, const std::string& caption, HtmlPage& page) {
+  const auto wide = draw_svg(make_plot(report, from, kWide));
+  if (!wide) return wide.error();
+  const auto narrow = draw_svg(make_plot(report, from, kNarrow));
+  if (!narrow) return narrow.error();
+  page.svg(*wide, *narrow, caption);
+  return {};
+}
+
+Status add_plots(const DrillReport& report, HtmlPage& page) {
+  if (make_plot(report, 0.0, kWide).panels.empty()) return {};
   page.heading("Course");
-  const Result<std::string> svg = draw_svg(plot);
-  if (svg) {
-    page.svg(*svg, report.layers.empty()
-                       ? ""
-                       : "Depth is that of the tip along the axis, from the entry; the shaded layers are the bone as loaded.");
-    return {};
-  }
+  const std::string layers = "Depth is that of the tip along the axis, from the entry; the shaded layers are the bone as loaded.";
+  Status drawn = add_plot(report, 0.0, report.layers.empty() ? "" : layers, page);
+  // From half a second before the breakthrough on, if that is not long ago.
+  const double end = report.time_s.back(), through = report.breakthrough_s.value_or(end) - 0.5;
+  const double last = std::min(kLongest, std::max(kLast, end - through));
+  if (drawn && end - report.time_s.front() > 2.0 * last)
+    drawn = add_plot(report, end - last, fmt::format("The last {:.1f} s.", last), page);
+  if (drawn) return {};
   // A page without its plot is useful. Any error other than a missing program is our bug.
-  if (svg.error().code != ErrorCode::unavailable) return svg.error();
-  page.paragraph("No plot: " + svg.error().message + ".");
+  if (drawn.error().code != ErrorCode::unavailable) return drawn;
+  page.paragraph("No plot: " + drawn.error().message + ".");
   return {};
 }
 
@@ -138,7 +158,7 @@ Result<std::string> make_drill_report(const DrillReport& report) {
   if (!report.setting.empty()) page.paragraph(report.setting);
   for (const std::string& warning : report.warnings) page.paragraph("Warning: " + warning + ".");
   page.tiles(key_figures(report));
-  if (const Status added = add_plot(report, page); !added) return added.error();
+  if (const Status added = add_plots(report, page); !added) return added.error();
   if (const Status added = add_pictures(report, page); !added) return added.error();
   add_tables(report, page);
   return page.text();

@@ -1,6 +1,7 @@
 #include "app/report/html.h"
 
 #include <cstdint>
+#include <filesystem>
 
 #include "app/report/file.h"
 
@@ -32,7 +33,14 @@ figcaption { margin-top: .3rem; font-size: .85rem; color: #666; }
 figure svg { width: 100%; height: auto; display: block; }
 figure svg text { font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; }
 figure img { width: 100%; height: auto; display: block; border-radius: 4px; }
+.narrow { display: none; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(17rem, 1fr)); gap: 1rem; }
+@media (max-width: 42rem) {
+  body { padding: .8rem .7rem 2rem; }
+  .wide { display: none; }
+  .narrow { display: block; }
+  .tiles { grid-template-columns: repeat(auto-fit, minmax(8rem, 1fr)); }
+}
 @media print {
   body { max-width: none; padding: 0; font-size: 12px; }
   .tile, figure, tr { break-inside: avoid; }
@@ -50,6 +58,12 @@ std::string row(const std::vector<std::string>& cells, std::string_view tag) {
   std::string out = "<tr>";
   for (const std::string& cell : cells) out += element(tag, cell);
   return out + "</tr>\n";
+}
+
+/// @returns the element of an SVG document: the XML declaration and document type before it are not valid inside a page.
+std::string_view svg_element(std::string_view document) {
+  const std::size_t begin = document.find("<svg");
+  return begin == std::string_view::npos ? document : document.substr(begin);
 }
 
 std::string caption_element(std::string_view caption) { return caption.empty() ? std::string() : element("figcaption", caption); }
@@ -120,18 +134,21 @@ void HtmlPage::table(const std::vector<std::string>& columns, const std::vector<
 }
 
 void HtmlPage::svg(std::string_view document, std::string_view caption) {
-  // The XML declaration and document type before the element are not valid inside a page.
-  const std::size_t begin = document.find("<svg");
-  body_ += "<figure>" + std::string(begin == std::string_view::npos ? document : document.substr(begin)) + caption_element(caption) +
-           "</figure>\n";
+  body_ += "<figure>" + std::string(svg_element(document)) + caption_element(caption) + "</figure>\n";
+}
+
+void HtmlPage::svg(std::string_view wide, std::string_view narrow, std::string_view caption) {
+  body_ += "<figure><div class=\"wide\">" + std::string(svg_element(wide)) + "</div><div class=\"narrow\">" +
+           std::string(svg_element(narrow)) + "</div>" + caption_element(caption) + "</figure>\n";
 }
 
 Status HtmlPage::picture(const std::string& png_path, std::string_view caption) {
   const Result<std::string> bytes = read_file(png_path);
   if (!bytes) return bytes.error();
   if (!bytes->starts_with(kPngSignature)) return bad_input("is not a PNG picture", png_path);
-  body_ += "<figure><img alt=\"" + html_escape(caption) + "\" src=\"data:image/png;base64," + base64(*bytes) + "\">" +
-           caption_element(caption) + "</figure>\n";
+  const std::string file = std::filesystem::path(png_path).filename().string();
+  body_ += "<figure><a href=\"" + html_escape(file) + "\"><img alt=\"" + html_escape(caption) + "\" src=\"data:image/png;base64," +
+           base64(*bytes) + "\"></a>" + caption_element(caption) + "</figure>\n";
   return {};
 }
 

@@ -34,7 +34,9 @@ class HtmlPage {
   /// The first column is text, the others are numbers (right-aligned).
   void table(const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows);
   void svg(std::string_view document, std::string_view caption);
-  /// Embeds a PNG file. Errors: bad_input if it cannot be read or is not a PNG; the page is then unchanged.
+  /// The same plot drawn for a wide and for a narrow page; the page shows the one that fits.
+  void svg(std::string_view wide, std::string_view narrow, std::string_view caption);
+  /// Embeds a PNG file, with a link to the file beside the page. Errors: bad_input if it cannot be read or is not a PNG; the page is then unchanged.
   [[nodiscard]] Status picture(const std::string& png_path, std::string_view caption);
   /// Pictures between begin and end are placed side by side if there is room.
   void begin_pictures();

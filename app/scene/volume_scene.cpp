@@ -29,7 +29,7 @@ std::string source_path(TableReader& table, const std::string& source, const std
   }
   std::error_code ignored;
   if (fs::exists(*path, ignored)) return *path;
-  table.fault("source", "is not there: " + *path);
+  table.fault("source", "is not there: " + *path + missing_data_note(source));
   return {};
 }
 

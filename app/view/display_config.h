@@ -66,6 +66,9 @@ struct DisplayConfig {
   double elevation = 42.0 * kDegree;                  ///< [rad] of the camera above the xy plane of the approach frame
   double distance = 0.074;                            ///< [m] of the camera from its target, 0.8 of the thickness below the entry
   bool scale_bar = true;
+  bool orientation = false;    ///< directions of the patient; key orientation_mark, true for a bone with patient axes
+  bool inset = true;           ///< a small picture of a whole head beside the pictures of a site; key inset
+  bool assumed_brain = false;  ///< dura and brain under the bone of a scan (assumed_brain.h); key assumed_brain, true for a scan
   /// [m] distance of the camera in the picture `overview`, the first of a run, which shows all that is drawn; key overview_mm. Absent: there is
   /// no such picture.
   std::optional<double> overview;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "app/view/cut_mesh.h"
 #include "app/view/drape.h"
 #include "app/view/skin.h"
 #include "core/base/bounds.h"
@@ -106,10 +107,12 @@ Result<FrameStep> FrameStep::create(const DisplayConfig& display, const Pose& wo
                                     Voxmap& voxmap, FrameSink& sink) {
   FrameStep out(display, world_from_bone, approach, voxmap, sink);
   out.turns_ = tool.turns;
+  out.look_ = tool.look;
   auto volume = out.make_levels(approach.bone_from_approach);
   if (!volume) return volume.error();
   if (display.skin && display.skin->body)
     volume->skin = std::make_shared<const SkinView>(make_skin(*display.skin, approach.bone_from_approach));
+  if (out.brain_) volume->note = "layers by density; dura and brain assumed";
   if (Status started = sink.start(*volume, tool.look); !started) return started.error();
   return out;
 }
@@ -119,7 +122,13 @@ Result<VolumeView> FrameStep::make_levels(const Pose& bone_from_approach) {
   const bool tissue = display_.appearance.tissue;
   const Surroundings* around = bone.surroundings();
   const int factor = around != nullptr ? around->factor : coarse_factor(bone.dims(), display_.whole_voxels);
-  if (factor == 1) return make_volume_view(*voxmap_, tissue);
+  const double edge = bone.bone_from_index().mean_edge();
+  if (factor == 1) {
+    if (display_.assumed_brain) brain_ = AssumedBrain::create(bone, bone_from_approach, thickness_, edge);
+    VolumeView whole = make_volume_view(*voxmap_, tissue);
+    if (brain_) brain_->add_to(whole);
+    return whole;
+  }
   if (around != nullptr) {
     coarse_ = CoarseBone::around(*around);
   } else {
@@ -128,6 +137,9 @@ Result<VolumeView> FrameStep::make_levels(const Pose& bone_from_approach) {
     coarse_ = std::move(coarse).value();
   }
   VolumeView whole = make_volume_view(coarse_->drawn(*voxmap_), coarse_->loaded().bounds(), tissue);
+  if (display_.assumed_brain)
+    brain_ = AssumedBrain::create(coarse_->loaded(), bone_from_approach, thickness_, draws_detail(display_) ? edge : factor * edge);
+  if (brain_) brain_->add_to(whole);
   if (display_.drape && around != nullptr)
     add_drape(*display_.drape, bone_from_approach, around->region, factor,
               find_extent(bone, world_from_bone_, world_from_approach_).lo.z - below_bone(display_), whole);
@@ -136,8 +148,14 @@ Result<VolumeView> FrameStep::make_levels(const Pose& bone_from_approach) {
   detail_ = around != nullptr
                 ? DetailGrid{around->region, factor}
                 : place_detail(bone.dims(), factor, affine.inverse() * bone_from_approach.translation, detail_edge(display_, affine));
-  whole.detail = std::make_shared<const DetailView>(make_detail_view(*detail_, *coarse_, *voxmap_, tissue));
+  whole.detail = std::make_shared<const DetailView>(make_detail());
   return whole;
+}
+
+DetailView FrameStep::make_detail() const {
+  DetailView out = make_detail_view(*detail_, *coarse_, *voxmap_, display_.appearance.tissue);
+  if (brain_) brain_->add_to(out.volume);
+  return out;
 }
 
 /// Moves the detail to where bone is cut, once that is no longer inside it.
@@ -155,7 +173,7 @@ void FrameStep::follow(const VoxelBox& changed) {
   };
   if (depth(moved) < depth(*detail_) + 2 * moved.factor) return;
   detail_ = moved;
-  moved_ = make_detail_view(moved, *coarse_, *voxmap_, display_.appearance.tissue);
+  moved_ = make_detail();
   // The new detail has all changes so far.
   for (std::size_t n = 0; n < filled_; ++n) batch_[n].own.box = {};
 }
@@ -177,12 +195,15 @@ void FrameStep::make_change(const Change& change, std::vector<TexelBox>& out) co
   const float dead_zone = voxmap_->config().gradient_dead_zone;
   if (!coarse_) {
     out.push_back(make_texels(voxmap_->bone(), dead_zone, change.own));
+    if (brain_) brain_->add_to(out.back(), voxmap_->bone().bone_from_index());
     return;
   }
   out.push_back(make_texels(coarse_->loaded(), dead_zone, change.coarse));
+  if (brain_) brain_->add_to(out.back(), coarse_->loaded().bone_from_index());
   if (change.own.box.empty()) return;
   TexelBox own = make_texels(voxmap_->bone(), dead_zone, change.own);
   if (is_blended(*detail_, own.box)) blend_with_coarse(*detail_, out.back(), own);
+  if (brain_) brain_->add_to(own, voxmap_->bone().bone_from_index());
   own.box = {own.box.lo - detail_->box.lo, own.box.hi - detail_->box.lo};
   own.of_detail = true;
   out.push_back(std::move(own));
@@ -264,7 +285,19 @@ FrameView FrameStep::view_of(const std::optional<Pose>& world_from_tool, bool cu
   if (world_from_tool) view.world_from_tool = turns_ ? turned_tool(*world_from_tool, turned_) : *world_from_tool;
   const Vec3 tip = world_from_tool ? world_from_tool->translation : tip_;
   if (!cut) view.cut = make_scene_cut(display_.cut, view.camera, world_from_bone_, tip);
+  if (!overview) view.inset = inset_of(view);
   return view;
+}
+
+/// @returns a camera in the direction of a view that sees all of a head; nothing if the bone is drawn as a whole in each picture.
+std::optional<CameraView> FrameStep::inset_of(const FrameView& view) const {
+  if (!display_.inset || !coarse_) return std::nullopt;
+  const Bounds extent = find_extent(voxmap_->bone(), world_from_bone_, world_from_approach_);
+  CameraView out = view.camera;
+  const Vec3 direction = glm::normalize(out.eye - out.target);
+  out.target = middle_of(extent, world_from_approach_);
+  out.eye = out.target + 0.5 * glm::length(extent.hi - extent.lo) / std::sin(0.5 * out.vertical_fov) * direction;
+  return out;
 }
 
 Status FrameStep::send_changes() {
@@ -276,8 +309,29 @@ Status FrameStep::send_changes() {
 
 Status FrameStep::film(const Pose& world_from_tool) {
   if (Status sent = send_changes(); !sent) return sent;
-  const FrameView view = view_of(world_from_tool, false);
+  FrameView view = view_of(world_from_tool, false);
+  view.inset.reset();
   return timers_.frame([&] { return sink_->film(view, display_.width, display_.height); });
+}
+
+Status FrameStep::draw_view(const std::string& name, const FrameView& view, Hash64& hash) {
+  return timers_.frame([&] { return sink_->draw(name, view, display_.width, display_.height, hash); });
+}
+
+/// Draws a section, with the bit cut by its plane.
+Status FrameStep::draw_section(const std::string& name, FrameView view, Hash64& hash) {
+  constexpr double kBefore = 2e-5;  // [m] of the section of the bit before that of the bone, which is in the same plane
+  const Pose& pose = *view.world_from_tool;
+  const TriangleMesh cut =
+      cut_mesh(look_, pose.inverse().rotate(view.cut->normal), view.cut->offset - glm::dot(view.cut->normal, pose.translation) + kBefore);
+  if (cut.indices.empty()) {
+    view.world_from_tool.reset();
+    return draw_view(name, view, hash);
+  }
+  if (Status set = sink_->change_tool(cut); !set) return set;
+  const Status drawn = draw_view(name, view, hash);
+  const Status restored = sink_->change_tool(look_);
+  return drawn ? restored : drawn;
 }
 
 Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut) {
@@ -285,7 +339,8 @@ Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world
   const FrameView view = view_of(world_from_tool, cut, display_.overview && (display_.only_overviews || name == kOverview));
   if (world_from_tool) tip_ = world_from_tool->translation;
   Hash64 picture;
-  if (Status drawn = timers_.frame([&] { return sink_->draw(name, view, display_.width, display_.height, picture); }); !drawn) return drawn;
+  const bool section = cut && world_from_tool && view.cut;
+  if (Status drawn = section ? draw_section(name, view, picture) : draw_view(name, view, picture); !drawn) return drawn;
   picture_hash_ = picture.value();
   hash_.add(picture_hash_);
   return {};

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/view/assumed_brain.h"
 #include "app/view/detail.h"
 #include "app/view/display_config.h"
 #include "app/view/texel_queue.h"
@@ -55,14 +56,15 @@ class FrameStep {
   void gather_rest(double turned = 0.0);
   /// Sends the batch without drawing, to a sink that draws by itself.
   [[nodiscard]] Status send() { return send_changes(); }
-  /// Sends the batch, then draws. @param world_from_tool absent: the tool is not drawn. @param cut clips the bone at a plane through the
-  /// approach axis instead of the scene's own cut. A cut at the tip uses the latest tip position, or the entry if there is none yet.
+  /// Sends the batch, then draws. @param world_from_tool absent: the tool is not drawn. @param cut clips bone and bit at a plane through the
+  /// approach axis instead of the scene's own cut, which clips bone alone. A cut at the tip uses the latest tip position, or the entry if there is none yet.
   [[nodiscard]] Status draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut);
   /// Sends the batch, then draws the next frame of the film, as the scene shows the bone. It has no part in image_hash().
   [[nodiscard]] Status film(const Pose& world_from_tool);
   [[nodiscard]] Status change_tool(const Tool& tool) {
     turns_ = tool.turns;
-    return sink_->change_tool(tool.look);
+    look_ = tool.look;
+    return sink_->change_tool(look_);
   }
   [[nodiscard]] const FrameStepTimers& timers() const noexcept { return timers_; }
   [[nodiscard]] std::uint64_t image_hash() const noexcept { return hash_.value(); }    ///< of all pictures
@@ -84,24 +86,30 @@ class FrameStep {
   double thickness_;
   Vec3 tip_;             // [m] world, of the latest picture
   bool turns_ = true;    // whether the bit rotates about its axis
+  TriangleMesh look_;    // of the bit
   double turned_ = 0.0;  // [rev]
   Voxmap* voxmap_;
   FrameSink* sink_;
   std::size_t listener_;
   [[nodiscard]] Result<VolumeView> make_levels(const Pose& bone_from_approach);
+  [[nodiscard]] DetailView make_detail() const;
+  [[nodiscard]] std::optional<CameraView> inset_of(const FrameView& view) const;
   void read_change(const VoxelBox& box, Change& out) const;
   void make_change(const Change& change, std::vector<TexelBox>& out) const;
   void follow(const VoxelBox& changed);
   void fill_batch(std::size_t most, double seconds);
   [[nodiscard]] Status send_batch();
   [[nodiscard]] Status send_changes();
+  [[nodiscard]] Status draw_view(const std::string& name, const FrameView& view, Hash64& hash);
+  [[nodiscard]] Status draw_section(const std::string& name, FrameView view, Hash64& hash);
   [[nodiscard]] FrameView view_of(const std::optional<Pose>& world_from_tool, bool cut, bool overview = false) const;
   [[nodiscard]] std::size_t texels_in_batch() const noexcept;
   TexelQueue queue_;
-  std::optional<CoarseBone> coarse_;  // absent: the bone is drawn at its own voxels
-  std::optional<DetailGrid> detail_;  // absent: no part is drawn at other voxels than the rest
-  std::optional<DetailView> moved_;   // to be sent before the batch
-  std::vector<Change> batch_;         // the batch is the first `filled_`; the others are reused memory
+  std::optional<CoarseBone> coarse_;   // absent: the bone is drawn at its own voxels
+  std::optional<DetailGrid> detail_;   // absent: no part is drawn at other voxels than the rest
+  std::optional<DetailView> moved_;    // to be sent before the batch
+  std::optional<AssumedBrain> brain_;  // absent: no soft tissue is drawn but that of the bone model
+  std::vector<Change> batch_;          // the batch is the first `filled_`; the others are reused memory
   std::size_t filled_ = 0;
   double make_time_ = 0.0;  // [s] limit for making texels of the batch; 0: no limit
   std::uint64_t growth_epoch_ = 0;

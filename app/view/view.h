@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/geometry.h"
@@ -75,6 +76,7 @@ struct VolumeView {
   PreciseTexels precise{};                     ///< if not empty, drawn instead of normal_opacity and field, for measurements
   std::shared_ptr<const DetailView> detail{};  ///< a part with finer voxels; null: there is none
   std::shared_ptr<const SkinView> skin{};      ///< null: there is none
+  std::string note{};                          ///< what of it is assumed, one line for the picture; empty: nothing
 };
 
 /// A translucent shell over the bone: skin with an opening, whose edge is opaque. Drawn by rays to a surface only, over the bone's picture.
@@ -225,6 +227,8 @@ struct FrameView {
   };
   std::optional<Cut> cut;
   std::optional<TableView> table;  ///< absent: a gradient alone
+  std::optional<CameraView>
+      inset;  ///< of a small picture of all that is drawn, without the cut; displays without a place for it leave it out
 };
 
 struct Image {

@@ -25,7 +25,7 @@ struct ChooserConfig {
 struct Chosen {
   std::optional<std::size_t> line{};
   std::string scene{};  ///< path; empty: none
-  std::optional<SkullSite> site{};
+  std::optional<DrillSite> site{};
   SkullSource source{};  ///< of the site
 };
 

@@ -27,7 +27,7 @@ class SkullPointer {
   void step(double dt);
 
   [[nodiscard]] CameraView camera() const noexcept;
-  [[nodiscard]] const std::optional<SkullSite>& site() const noexcept { return site_; }
+  [[nodiscard]] const std::optional<DrillSite>& site() const noexcept { return site_; }
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }  ///< empty where there is a site
   [[nodiscard]] const BoneModel& bone() const noexcept { return *bone_; }
 
@@ -47,7 +47,7 @@ class SkullPointer {
   std::shared_ptr<const BoneModel> bone_;
   Vec3 target_{0.0}, at_{0.0};
   double azimuth_ = 0.0, elevation_ = 0.0, distance_ = 0.4, start_distance_ = 0.4;
-  std::optional<SkullSite> site_;
+  std::optional<DrillSite> site_;
   std::string problem_;
   HeldInput held_;
   double held_for_ = 0.0;                // [s] of an arrow

@@ -24,7 +24,7 @@ class SkullScreen {
   [[nodiscard]] Status show(ImportedBone bone, const SkullSource& source);
   void handle(const WindowEvent& event, bool taken) { pointer_->handle(event, taken); }
   void step(double dt) { pointer_->step(dt); }
-  [[nodiscard]] const std::optional<SkullSite>& site() const noexcept { return pointer_->site(); }
+  [[nodiscard]] const std::optional<DrillSite>& site() const noexcept { return pointer_->site(); }
 
   void draw_picture(int width, int height);
   /// Between Gui::begin() and Gui::end().

@@ -1,11 +1,9 @@
 #include "app/window/skull_view.h"
 
 #include "app/render/tip_slices_picture.h"
-#include "app/view/coarse_bone.h"
-#include "app/view/detail.h"
 #include "app/view/display_config.h"
-#include "app/view/texels.h"
 #include "app/view/tip_slices.h"
+#include "app/view/whole_bone.h"
 
 namespace burrhole {
 namespace {
@@ -14,23 +12,8 @@ using Steady = std::chrono::steady_clock;
 constexpr double kBudget = 0.060, kCoarsest = 0.5;  // [s] of a picture while the view moves; [-] least share of its width and height
 constexpr double kRest = 0.15;                      // [s] without a change, after which the picture is refined
 constexpr double kSliceHalfWidth = 0.024;           // [m] shown around the entry
-constexpr float kDeadZone = 0.08f;                  // [1/voxel] as VolumeScene
 
-/// The light of a run: from the upper left, behind the person's shoulder.
-LightView light_for(const CameraView& camera) {
-  const Vec3 back = glm::normalize(camera.eye - camera.target);
-  const Vec3 right = glm::normalize(glm::cross(camera.up, back));
-  LightView out;
-  out.direction_to_light = back + 0.6 * glm::cross(back, right) - 0.5 * right;
-  return out;
-}
-
-/// Nothing of this bone is removed.
-DrawnBone drawn_as_loaded(const BoneModel& bone) {
-  return {&bone, [&bone](const VoxelBox& box, std::span<float> out) { bone.read_occupancy(box, out); }, kDeadZone};
-}
-
-Pose pose_of(const SkullSite& site) { return {rotation_from_z(-site.axis), site.entry}; }
+Pose pose_of(const DrillSite& site) { return {rotation_from_z(-site.axis), site.entry}; }
 
 }  // namespace
 
@@ -53,12 +36,9 @@ Status SkullView::set_bone(const BoneModel& bone) {
   const DisplayConfig display;
   camera_.reset();
   sliced_.reset();
-  const int factor = coarse_factor(bone.dims(), display.whole_voxels);
-  if (factor == 1) return renderer_.set_volume(make_volume_view(drawn_as_loaded(bone), bone.bounds(), display.appearance.tissue));
-  const auto coarse = CoarseBone::create(bone, factor);
-  if (!coarse) return coarse.error();
-  const BoneModel& loaded = coarse->loaded();
-  return renderer_.set_volume(make_volume_view(drawn_as_loaded(loaded), loaded.bounds(), display.appearance.tissue));
+  auto view = make_whole_view(bone, display.whole_voxels, display.appearance.tissue);
+  if (!view) return view.error();
+  return renderer_.set_volume(*view);
 }
 
 Status SkullView::draw(const SkullPointer& pointer, int width, int height) {
@@ -100,7 +80,7 @@ Status SkullView::draw(const SkullPointer& pointer, int width, int height) {
   return {};
 }
 
-Status SkullView::draw_slices(const std::optional<SkullSite>& site, int size) {
+Status SkullView::draw_slices(const std::optional<DrillSite>& site, int size) {
   if (!site) return {};
   auto mineral = renderer_.read_mineral(site->entry, kSliceHalfWidth);
   if (!mineral) return mineral.error();

@@ -30,7 +30,7 @@ class SkullView {
  private:
   using Time = std::chrono::steady_clock::time_point;
   SkullView(Renderer renderer, TriangleMesh solid);
-  [[nodiscard]] Status draw_slices(const std::optional<SkullSite>& site, int size);
+  [[nodiscard]] Status draw_slices(const std::optional<DrillSite>& site, int size);
 
   Renderer renderer_;
   TriangleMesh solid_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "core/base/portable_math.h"
@@ -61,10 +62,28 @@ std::pair<double, double> cutting_heights(const ToolSpec& spec) {
   return {low, high};
 }
 
+/// @returns the region of the body of a twist drill: the passive cylinder on the part that cuts, if that is a cone with two lips. Its flutes
+/// continue those of the lips.
+std::optional<std::size_t> find_drill_body(const ToolSpec& spec, const CuttingEdges& edges) {
+  if (edges.count != 2 || edges.twist == 0.0) return std::nullopt;
+  const double top = cutting_heights(spec).second;
+  for (std::size_t n = 0; n < spec.regions.size(); ++n) {
+    const RegionSpec& region = spec.regions[n];
+    if (region.erosion.base <= 0.0 && region.solid.kind == SolidKind::frustum && meets(region.solid.z_low, top)) return n;
+  }
+  return std::nullopt;
+}
+
 class FlutedBit {
  public:
   FlutedBit(const ToolSpec& spec, const CuttingEdges& edges)
-      : spec_(&spec), edges_(edges), profile_(ring_profile(edges.count)), heights_(cutting_heights(spec)) {}
+      : spec_(&spec),
+        edges_(edges),
+        profile_(ring_profile(edges.count)),
+        heights_(cutting_heights(spec)),
+        body_(find_drill_body(spec, edges)) {
+    if (body_) heights_.second = spec.regions[*body_].solid.z_high;
+  }
 
   [[nodiscard]] std::vector<Vec3> triangles() {
     for (const OutlineChain chain : chains_of(spec_->outline))
@@ -80,18 +99,20 @@ class FlutedBit {
     return chain.size() > 1 && meet(at_start ? other.end : other.start, place) ? &other : nullptr;
   }
 
+  [[nodiscard]] bool is_fluted(const OutlinePiece& piece) const { return cuts(*spec_, piece) || piece.solid == body_; }
+
   void append(OutlineChain chain, std::size_t n) {
     const OutlinePiece& piece = chain[n];
-    const bool cutting = cuts(*spec_, piece);
+    const bool cutting = is_fluted(piece);
     int steps = piece.curved ? kArcSteps : 1;
     if (cutting && !piece.curved && piece.face != Face::bottom && piece.face != Face::top)
-      steps = std::clamp(static_cast<int>(std::ceil(piece.length() / kStep)), 4, 48);
+      steps = std::clamp(static_cast<int>(std::ceil(piece.length() / kStep)), 4, 96);
     std::vector<Vec3> before;
     for (int i = 0; i <= steps; ++i) {
       const bool end = i == 0 || i == steps;
       const OutlinePiece* other = end ? neighbour(chain, n, i == 0) : nullptr;
       // A passive piece starts without a flute; otherwise the surface would have a gap.
-      const bool fluted = cutting && (other == nullptr || cuts(*spec_, *other));
+      const bool fluted = cutting && (other == nullptr || is_fluted(*other));
       const bool falls = fluted && other != nullptr && other->solid == piece.solid && at_bottom(piece, i == 0 ? piece.start : piece.end);
       std::vector<Vec3> ring = make_ring(piece, piece.point(static_cast<double>(i) / steps), fluted, falls);
       if (i > 0) append_band(before, ring);
@@ -137,6 +158,7 @@ class FlutedBit {
   CuttingEdges edges_;
   std::vector<ProfilePoint> profile_;
   std::pair<double, double> heights_;  // [m]
+  std::optional<std::size_t> body_;    // region
   std::vector<Vec3> corners_;
 };
 
@@ -178,12 +200,68 @@ CuttingEdges edges_by_shape(const ToolSpec& spec) {
   };
   if (lowest->bored()) return {.count = every(2.5e-3, 8, 24), .relief = std::min(1e-3, 0.3 * lowest->height())};
   const bool frustum = lowest->kind == SolidKind::frustum;
-  if (frustum && lowest->low_radius == 0.0) return {.count = 2, .twist = 0.5 / widest, .depth = 0.3};
+  if (frustum && lowest->low_radius == 0.0) return {.count = 2, .twist = 0.58 / widest, .depth = 0.42};
   if (frustum && widest >= 4e-3) return {.count = 4, .depth = 0.13, .relief = std::min(0.5e-3, 0.3 * lowest->height())};
   return {.count = every(1.6e-3, 6, 12),
           .twist = 0.35 / widest,
           .depth = 0.12,
           .relief = frustum ? std::min(0.2e-3, 0.3 * lowest->height()) : 0.0};
+}
+
+/// A range of the width of a saw's tooth at two heights.
+struct Trapezoid {
+  double low, high;                             // [m] heights
+  double from_low, to_low, from_high, to_high;  // [m] x at them
+};
+
+/// Appends a prism across the blade, closed and seen counter-clockwise from outside.
+void append_prism(const Trapezoid& t, double y_low, double y_high, std::vector<Vec3>& corners) {
+  const auto at = [&](bool right, bool front, bool top) {
+    const double x = top ? (right ? t.to_high : t.from_high) : (right ? t.to_low : t.from_low);
+    return Vec3(x, front ? y_low : y_high, top ? t.high : t.low);
+  };
+  const auto quad = [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { corners.insert(corners.end(), {a, b, c, a, c, d}); };
+  quad(at(false, true, false), at(true, true, false), at(true, true, true), at(false, true, true));
+  quad(at(true, false, false), at(false, false, false), at(false, false, true), at(true, false, true));
+  quad(at(false, false, false), at(false, true, false), at(false, true, true), at(false, false, true));
+  quad(at(true, true, false), at(true, false, false), at(true, false, true), at(true, true, true));
+  quad(at(false, false, false), at(true, false, false), at(true, true, false), at(false, true, false));
+  quad(at(false, true, true), at(true, true, true), at(true, false, true), at(false, false, true));
+}
+
+/// The teeth of a blade: boxes that cut, with notches from below. Boxes on each other share their notches.
+std::vector<Vec3> saw_teeth(const ToolSpec& spec) {
+  constexpr double kPitch = 1.2e-3, kTip = 0.12,
+                   kNotch = 0.8;  // [m] from tooth to tooth; [-] of it that is flat; [-] of the height that cuts
+  double low = 1e9, high = -1e9, half = 0.0;
+  const auto is_part = [](const RegionSpec& region) { return !region.solid.revolves() && region.erosion.base > 0.0; };
+  for (const RegionSpec& region : spec.regions) {
+    if (!is_part(region)) continue;
+    low = std::min(low, region.solid.z_low);
+    high = std::max(high, region.solid.z_high);
+    half = std::max(half, region.solid.half_size.x);
+  }
+  std::vector<Vec3> corners;
+  if (half <= 0.0) return corners;
+  const int count = std::max(2, static_cast<int>(std::round(2.0 * half / kPitch)));
+  const double pitch = 2.0 * half / count, root = low + kNotch * (high - low);
+  const auto share = [&](double z) { return z >= root ? 1.0 : kTip + (1.0 - kTip) * (z - low) / (root - low); };
+  for (const RegionSpec& region : spec.regions) {
+    if (!is_part(region)) continue;
+    const Solid& solid = region.solid;
+    const double left = solid.middle.x - solid.half_size.x, right = solid.middle.x + solid.half_size.x;
+    const double y_low = solid.middle.y - solid.half_size.y, y_high = solid.middle.y + solid.half_size.y;
+    const double top = std::min(solid.z_high, root);
+    for (int n = 0; n < count && top > solid.z_low; ++n) {
+      const double middle = solid.middle.x - half + (n + 0.5) * pitch;
+      const auto from = [&](double z) { return std::max(left, middle - 0.5 * pitch * share(z)); };
+      const auto to = [&](double z) { return std::min(right, middle + 0.5 * pitch * share(z)); };
+      append_prism({solid.z_low, top, from(solid.z_low), to(solid.z_low), from(top), to(top)}, y_low, y_high, corners);
+    }
+    if (const double base = std::max(solid.z_low, root); base < solid.z_high)
+      append_prism({base, solid.z_high, left, right, left, right}, y_low, y_high, corners);
+  }
+  return corners;
 }
 
 }  // namespace
@@ -203,10 +281,15 @@ int teeth_of(const ToolSpec& spec) {
 
 TriangleMesh make_fluted_mesh(const ToolSpec& spec) {
   const CuttingEdges edges = find_cutting_edges(spec);
-  if (edges.count == 0) return make_tool_mesh(spec);
+  const std::vector<Vec3> teeth = saw_teeth(spec);
+  if (edges.count == 0 && teeth.empty()) return make_tool_mesh(spec);
   ToolSpec boxes = spec;
-  boxes.outline.clear();
+  if (!teeth.empty())
+    std::erase_if(boxes.regions, [](const RegionSpec& region) { return !region.solid.revolves() && region.erosion.base > 0.0; });
+  if (edges.count > 0) boxes.outline.clear();
   TriangleMesh mesh = make_tool_mesh(boxes);
+  append_creased(mesh, teeth);
+  if (edges.count == 0) return mesh;
   append_creased(mesh, FlutedBit(spec, edges).triangles());
   return mesh;
 }

@@ -17,8 +17,9 @@ struct CuttingEdges {
   double relief = 0.0;  ///< [m] axial relief of flat ends behind their edges
 };
 
-/// Chooses the edges by the lowest cutting region, and their number by the key `teeth` where the tool file has it: two lips on a cone, teeth on a tube, four edges on a flat bit of at least 8 mm, and on a
-/// burr one edge per 1.6 mm of circumference (6 to 12) on a helix.
+/// Chooses the edges by the lowest cutting region, and their number by the key `teeth` where the tool file has it: two lips on a cone, whose
+/// flutes continue on the passive cylinder above, teeth on a tube, four edges on a flat bit of at least 8 mm, and on a burr one edge per 1.6 mm
+/// of circumference (6 to 12) on a helix. Boxes that cut have the teeth of a saw.
 [[nodiscard]] CuttingEdges find_cutting_edges(const ToolSpec& spec);
 /// @returns Tool::teeth: the key `teeth`, or the number of edges by the shape, or 2 for a tool that is no solid of revolution.
 [[nodiscard]] int teeth_of(const ToolSpec& spec);

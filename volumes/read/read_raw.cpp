@@ -77,7 +77,11 @@ Result<ReadScan> read_raw(const std::string& sidecar_toml, const ReadOptions& op
     file.parts = {{.path = where.value(), .offset = sidecar->offset_bytes}};
   } else {
     Result<std::vector<VoxelPart>> slices = slices_of(where.value(), sidecar.value());
-    if (!slices) return slices.error();
+    if (!slices) {
+      std::error_code ignored;
+      const bool missing = !std::filesystem::exists(where.value(), ignored);
+      return Error{slices.error().code, slices.error().message + (missing ? missing_data_note(sidecar->folder) : ""), slices.error().place};
+    }
     file.parts = std::move(slices).value();
   }
   file.head = std::move(sidecar->image);

@@ -10,6 +10,7 @@
 #include "volumes/read/nifti_header.h"
 #include "volumes/read/number_text.h"
 #include "volumes/read/pixels.h"
+#include "volumes/read/readable_path.h"
 #include "volumes/read/scan.h"
 #include "volumes/read/scan_geometry.h"
 
@@ -80,11 +81,13 @@ Status check(const Scan& scan, const std::string& path) {
 }  // namespace
 
 Result<ReadScan> read_scan(const std::string& path, const ReadOptions& options) {
-  const Result<Reader> reader = reader_of(path);
+  const auto found = readable_path(path);
+  if (!found) return found.error();
+  const Result<Reader> reader = reader_of(*found);
   if (!reader) return reader.error();
-  Result<ReadScan> read = reader.value().read(path, options);
+  Result<ReadScan> read = reader.value().read(*found, options);
   if (!read) return read;
-  if (const Status status = check(read->scan, path); !status) return status.error();
+  if (const Status status = check(read->scan, *found); !status) return status.error();
   return read;
 }
 

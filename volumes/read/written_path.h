@@ -12,4 +12,7 @@ namespace burrhole {
 /// bad_input at `place` if the variable is not set or empty. It does not check that the path exists.
 [[nodiscard]] Result<std::string> written_path(const std::string& written, const std::string& file, const std::string& place);
 
+/// @returns for a path below $BURRHOLE_DATA how to get the scans of the shipped scenes, to be appended to an error; empty for another path.
+[[nodiscard]] std::string missing_data_note(const std::string& written);
+
 }  // namespace burrhole

@@ -213,6 +213,17 @@ cutting_N_per_m = 25e3
         self.assertRegex(result.stderr, r"scene.toml:2:\d+: .*BURRHOLE_NOWHERE")
         self.assertEqual(run("check", scene, env={**environment, "BURRHOLE_NOWHERE": str(self.folder)}).returncode, 0)
 
+    def test_shipped_scenes_without_their_scans_say_how_to_get_them(self):
+        environment = {key: value for key, value in os.environ.items() if key != "BURRHOLE_DATA"}
+        for scene in ("head_phantom", "cadaver_head", "cadaver_whole"):
+            for name, more in (("not set", {}), ("empty", {"BURRHOLE_DATA": str(self.folder)})):
+                with self.subTest(scene, data=name):
+                    result = run("check", scene, env={**environment, **more})
+                    self.assertEqual(result.returncode, 2)
+                    self.assertIn("scripts/fetch-data", result.stderr)
+        result = run("check", self.scene(self.folder / "absent"), env=environment)
+        self.assertNotIn("fetch-data", result.stderr)
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -116,8 +116,27 @@ TEST_CASE("site: the bit stands square to a shell, and its thickness is known") 
   CHECK(no_end.error().message.find("does not end") != std::string::npos);
 }
 
+TEST_CASE("site: a proposal is the place of the surface nearest to a point, square to it") {
+  for (const SkullRegion& region : skull_regions())
+    for (const double height : {20e-3, 1e-3, -2e-3, -kThickness - 3e-3}) {  // [m] above the surface; the last one is inside the cavity
+      CAPTURE(region.name);
+      CAPTURE(height);
+      const Vec3 near = kCentre + (kRadius + height) * region.outward;
+      const auto site = suggest_site(*shell(), near);
+      REQUIRE_MESSAGE(site.ok(), site.error().message);
+      // The middle of the box of the bone is the centre of the shell within half a voxel, so the ray to it leans by that over the radius.
+      CHECK(std::abs(glm::length(site->entry - kCentre) - kRadius) < kSurfaceError);
+      CHECK(glm::length(site->entry - (kCentre + kRadius * region.outward)) < kPitch + std::abs(height) * kPitch / kRadius);
+      CHECK(angle_between(site->axis, -radial(site->entry - kCentre)) < 2.0 * kSurfaceError / 4.9e-3);
+    }
+  const auto far = suggest_site(*shell(), kCentre + Vec3(0.0, 0.0, 0.2));
+  REQUIRE_FALSE(far.ok());
+  CHECK(far.error().message.find("160 mm away") != std::string::npos);
+  CHECK(far.error().message.find("the bone spans x -27.5 to 51.5") != std::string::npos);
+}
+
 TEST_CASE("site: a scene file holds the site and the source, whatever the path") {
-  const SkullSite site{Vec3(0.0539, 0.1, 0.8), glm::normalize(Vec3(-0.758, 0.242, -0.606)), 6e-3};
+  const DrillSite site{Vec3(0.0539, 0.1, 0.8), glm::normalize(Vec3(-0.758, 0.242, -0.606)), 6e-3};
   const std::string path = "/tmp/a \"quoted\" back\\slash\tfolder/scan.nii";
   for (const SkullSource& source :
        {SkullSource{path}, SkullSource{path, "cm"}, SkullSource{path, {}, true}, SkullSource{path, {}, false, "3b"}}) {

@@ -1,0 +1,132 @@
+#include "app/render/marks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "app/render/overlay.h"
+#include "app/render/tip_slices_picture.h"
+#include "app/view/camera.h"
+#include "core/base/units.h"
+
+namespace burrhole {
+namespace {
+
+constexpr Rgba8 kNear{250, 250, 250, 255}, kFar{150, 160, 172, 255}, kBox{255, 214, 120, 255};
+constexpr double kShortest = 0.30;  // [-] of a half axis that has a letter
+constexpr std::array kSides{"R-L", "A-P", "I-S"};
+
+double letter_height(const Image& image) { return std::clamp(image.height / 50.0, 7.0, 40.0); }
+
+/// Where a camera shows a point [pixels]; nothing behind it.
+class Projection {
+ public:
+  Projection(const CameraRays& rays, const Image& image) : rays_(rays), size_(image.width, image.height) {}
+  [[nodiscard]] std::optional<PixelPoint> at(const Vec3& p) const {
+    const Vec3 way = p - rays_.eye;
+    const double depth = glm::dot(way, rays_.axis);
+    if (depth < kNearestPlane) return std::nullopt;
+    const Vec3 aside = way / depth - rays_.forward;
+    const double x = glm::dot(aside, rays_.right) / glm::dot(rays_.right, rays_.right);
+    const double y = glm::dot(aside, rays_.up) / glm::dot(rays_.up, rays_.up);
+    return 0.5 * PixelPoint(1.0 + x, 1.0 - y) * size_;
+  }
+
+ private:
+  CameraRays rays_;
+  PixelPoint size_;
+};
+
+}  // namespace
+
+std::array<PatientDirection, 6> patient_directions(const CameraView& camera, const Pose& world_from_patient) {
+  const auto rays = make_camera_rays(camera, 1.0);
+  std::array<PatientDirection, 6> out{};
+  if (!rays) return out;
+  const Vec3 right = glm::normalize(rays->right), up = glm::normalize(rays->up);
+  constexpr std::array<char, 6> kLetters{'L', 'R', 'P', 'A', 'S', 'I'};
+  for (std::size_t n = 0; n < out.size(); ++n) {
+    Vec3 axis(0.0);
+    axis[n / 2] = n % 2 == 0 ? 1.0 : -1.0;
+    const Vec3 way = world_from_patient.rotate(axis);
+    out[n] = {kLetters[n], {glm::dot(way, right), glm::dot(way, up)}, -glm::dot(way, rays->axis)};
+  }
+  std::ranges::stable_sort(out, {}, &PatientDirection::depth);
+  return out;
+}
+
+void draw_orientation(Image& image, const CameraView& camera, const Pose& world_from_patient) {
+  const double letter = letter_height(image), radius = 2.3 * letter, width = std::max(1.2, letter / 8.0);
+  const PixelPoint middle(image.width - 1.6 * letter - radius - letter, image.height - 1.6 * letter - radius - letter);
+  const std::array<PatientDirection, 6> directions = patient_directions(camera, world_from_patient);
+  std::vector<PixelPoint> letters;
+  for (const PatientDirection& one : directions) {
+    const PixelPoint end = middle + radius * PixelPoint(one.end.x, -one.end.y);
+    const Rgba8& color = one.depth > -0.05 ? kNear : kFar;
+    draw_rimmed(image, {{middle, end}}, one.depth > -0.05 ? 1.5 * width : width, color);
+    const double length = glm::length(one.end);
+    if (length < kShortest) continue;
+    const PixelPoint outward = letter * PixelPoint(one.end.x, -one.end.y) / length;
+    PixelPoint beyond = end + 0.95 * outward;
+    const auto is_free = [&](const PixelPoint& at) {
+      return std::ranges::none_of(letters, [&](const PixelPoint& other) { return glm::length(other - at) < 1.15 * letter; });
+    };
+    for (int n = 0; n < 3 && !is_free(beyond); ++n) beyond += 0.6 * outward;
+    letters.push_back(beyond);
+    const std::string name(1, one.letter);
+    draw_rimmed(image, write_text(name, beyond + PixelPoint(-0.5 * text_width(name, letter), 0.5 * letter), letter), width, color);
+  }
+}
+
+void draw_note(Image& image, const std::string& text) {
+  const double letter = std::min(0.8 * letter_height(image), 0.8 * letter_height(image) * 0.42 * image.width /
+                                                                 std::max(1.0, text_width(text, 0.8 * letter_height(image))));
+  draw_rimmed(image,
+              write_text(text, {0.53 * image.width - 0.5 * text_width(text, letter), image.height - 1.6 * letter_height(image)}, letter),
+              std::max(1.0, letter / 8.0), kNear);
+}
+
+void frame_into(Image& image, const Image& small) {
+  const int gap = std::max(4, image.height / 60);
+  const double left = image.width - small.width - gap, right = left + small.width, bottom = gap + small.height;
+  copy_into(image, small, static_cast<int>(left), gap);
+  const PixelPoint a(left, gap), b(right, gap), c(right, bottom), d(left, bottom);
+  for (const Stroke& side : {Stroke{a, b}, Stroke{b, c}, Stroke{c, d}, Stroke{d, a}}) paint(image, {side}, 1.5, kFar);
+}
+
+void draw_box(Image& image, const CameraView& camera, const Bounds& box) {
+  const auto rays = make_camera_rays(camera, static_cast<double>(image.width) / image.height);
+  if (!rays) return;
+  const Projection projection(*rays, image);
+  const double letter = letter_height(image);
+  const auto centre = projection.at(0.5 * (box.lo + box.hi));
+  const std::vector<BoxEdge> edges = seen_edges(box, camera.eye);
+  std::vector<Stroke> strokes;
+  std::array<std::optional<PixelPoint>, 3> labels;  // the lowest edge of the outline along each axis
+  for (const BoxEdge& edge : edges) {
+    const auto from = projection.at(edge.from), to = projection.at(edge.to);
+    if (!from || !to) continue;
+    strokes.push_back({*from, *to});
+    const PixelPoint middle = 0.5 * (*from + *to);
+    auto& label = labels[edge.axis];
+    const bool better = !label || (edge.axis == 2 ? middle.x < label->x : middle.y > label->y);
+    if (edge.outline && better) label = middle;
+  }
+  draw_rimmed(image, strokes, std::max(1.2, letter / 10.0), kBox);
+  for (std::size_t axis = 0; axis < labels.size(); ++axis) {
+    if (!labels[axis] || !centre) continue;
+    const std::string text = fmt::format("{} {:.1f} mm", kSides[axis], (box.hi[axis] - box.lo[axis]) / kMillimetre);
+    const double wide = text_width(text, letter);
+    const PixelPoint away = *labels[axis] - *centre;
+    const double length = std::max(1.0, glm::length(away));
+    PixelPoint middle = *labels[axis] + away / length * (letter + 0.5 * wide * std::abs(away.x) / length);
+    middle = glm::clamp(middle, PixelPoint(0.5 * wide + letter, 2.0 * letter),
+                        PixelPoint(image.width - 0.5 * wide - letter, image.height - 2.0 * letter));
+    draw_rimmed(image, write_text(text, middle + PixelPoint(-0.5 * wide, 0.5 * letter), letter), std::max(1.2, letter / 8.0), kBox);
+  }
+}
+
+}  // namespace burrhole

@@ -1,0 +1,150 @@
+"""A volume in place of a scene: render draws it, import draws an overview and proposes an approach that check accepts.
+
+Run by ctest with the program's path in BURRHOLE_PROGRAM. The volume is a hollow ball of 1000 HU, written here.
+"""
+import json
+import math
+import struct
+import unittest
+
+from film_test import pixels_of
+from program_support import WithFolder, main, run
+
+EDGE_MM, SIZE = 1.0, (72, 72, 72)
+CENTRE, RADIUS_MM, WALL_MM = (10.0, -20.0, 300.0), 30.0, 6.0
+ORIGIN = tuple(c - 0.5 * (n - 1) * EDGE_MM for c, n in zip(CENTRE, SIZE))
+PLATE = "[tool]\nname = \"round_burr_5mm\"\nspin_rpm = 30000\n[hand]\npush_N = 10\n[contact]\n[erosion]\n"
+
+
+def ball():
+    """HU of the ball; the edge is a ramp of one voxel, as a scan has it."""
+    values = []
+    for k in range(SIZE[2]):
+        for j in range(SIZE[1]):
+            for i in range(SIZE[0]):
+                r = math.dist((ORIGIN[0] + i * EDGE_MM, ORIGIN[1] + j * EDGE_MM, ORIGIN[2] + k * EDGE_MM), CENTRE)
+                inside = min(max(0.5 - max(r - RADIUS_MM, RADIUS_MM - WALL_MM - r) / EDGE_MM, 0.0), 1.0)
+                values.append(round(-1000 + inside * 2650))  # half way is the middle of the band of bone, 325 HU
+    return struct.pack(f"<{len(values)}h", *values)
+
+
+BALL = ball()
+
+
+def nrrd(path):
+    head = ("NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: {} {} {}\n"
+            "space directions: ({e},0,0) (0,{e},0) (0,0,{e})\nspace origin: ({},{},{})\nencoding: raw\nendian: little\n\n")
+    path.write_bytes(head.format(*SIZE, *ORIGIN, e=EDGE_MM).encode() + BALL)
+    return path
+
+
+class Volume(WithFolder):
+    def setUp(self):
+        super().setUp()
+        self.volume = nrrd(self.folder / "ball.nrrd")
+
+    def draw(self, source, *arguments, size="160x120"):
+        image = self.folder / "x.png"
+        image.unlink(missing_ok=True)
+        result = run("render", source, "--image", image, "--size", size, *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return pixels_of(image)
+
+    def refused(self, *arguments):
+        result = run(*arguments)
+        self.assertEqual(result.returncode, 2, result.stdout + result.stderr)
+        return result.stderr
+
+    def test_a_volume_is_drawn_as_all_of_its_bone(self):
+        rows = self.draw(self.volume, "--set", "volume.bone_hu=[200, 450]")
+        bone = [(x, y) for y, row in enumerate(rows) for x, (r, _, b) in enumerate(row) if r > b + 8]  # bone is yellower than the background
+        # The box of the ball fills nine tenths of the height, or less where a corner sticks out; the ball is a disc in it.
+        tall = max(y for _, y in bone) - min(y for _, y in bone)
+        wide = max(x for x, _ in bone) - min(x for x, _ in bone)
+        self.assertGreater(tall, 0.4 * 120)
+        self.assertLess(tall, 0.95 * 120)
+        self.assertLess(abs(tall - wide), 0.08 * 120)
+        middle = sum(x for x, _ in bone) / len(bone), sum(y for _, y in bone) / len(bone)
+        self.assertLess(math.dist(middle, (80, 60)), 4)
+        self.assertGreater(len(bone), 0.9 * math.pi / 4 * tall * wide)
+
+    def test_views_and_methods_differ_and_a_section_shows_the_hollow(self):
+        plain = self.draw(self.volume)
+        for arguments in (["--cut"], ["--method", "slices"], ["--camera", "90,10,200"]):
+            self.assertNotEqual(self.draw(self.volume, *arguments), plain, arguments)
+
+    def test_a_folder_with_one_volume_is_that_volume(self):
+        folder = self.folder / "scan"
+        folder.mkdir()
+        nrrd(folder / "ball.nrrd")
+        (folder / "readme.txt").write_text("a ball")
+        self.assertEqual(self.draw(folder), self.draw(self.volume))
+        report = json.loads(run("import", folder, "--json", "--quiet").stdout)
+        self.assertEqual(report["format"], "NRRD")
+        nrrd(folder / "second.nrrd")
+        for command in ("import", "render"):
+            error = self.refused(command, folder)
+            self.assertIn("2 volumes", error)
+            self.assertIn("ball.nrrd, second.nrrd", error)
+
+    def test_a_raw_volume_and_a_mesh_are_volumes_and_scenes_stay_scenes(self):
+        (self.folder / "ball.raw").write_bytes(BALL)
+        raw = self.folder / "ball.toml"
+        raw.write_text(f"data = \"ball.raw\"\ndims = {list(SIZE)}\ntype = \"int16\"\nbyte_order = \"little\"\n"
+                       f"spacing_mm = {[EDGE_MM] * 3}\norigin_mm = {list(ORIGIN)}\n")
+        self.assertEqual(self.draw(raw), self.draw(self.volume))
+        self.draw(self.quick())
+        corners = [(0, 0, 0), (20, 0, 0), (0, 20, 0), (0, 0, 20)]
+        mesh = self.folder / "solid.obj"
+        mesh.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+        self.assertIn("unit", self.refused("render", mesh))
+        self.draw(mesh, "--unit", "mm")
+
+    def test_what_a_volume_lacks_is_named(self):
+        for option in (["--restore", "x.vdb"], ["--no-tool"], ["--depth-mm", "1"], ["--slices-through-tip"]):
+            self.assertIn(f"{option[0]} needs a scene", self.refused("render", self.volume, *option))
+        self.assertIn("only keys of [volume]", self.refused("render", self.volume, "--set", "tool.spin_rpm=1"))
+        self.assertIn("--unit is for a volume", self.refused("render", self.quick(), "--unit", "mm"))
+
+    def test_an_overview_has_slices_and_a_view(self):
+        image = self.folder / "sheet.png"
+        result = run("import", self.volume, "--overview", image)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("renderer: ", result.stderr)
+        width, height = struct.unpack(">II", image.read_bytes()[16:24])
+        self.assertEqual((width, height), (1200, 1200))
+        result = run("import", self.volume, "--overview", self.folder / "new", "--quiet")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertEqual((self.folder / "new" / "overview.png").read_bytes(), image.read_bytes())
+        self.assertIn("--overview", self.refused("import", self.volume, "--overview", self.volume))
+
+    def test_a_proposed_approach_is_square_to_the_bone_and_accepted_by_check(self):
+        way = (0.6, -0.48, 0.64)
+        near = [c + (RADIUS_MM + 7.0) * w for c, w in zip(CENTRE, way)]
+        result = run("import", self.volume, "--suggest", ",".join(f"{x:.2f}" for x in near), "--quiet")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertIn("[approach]", result.stdout)
+        scene = self.scene(f"[volume]\nsource = \"{self.volume}\"\n" + PLATE + result.stdout)
+        checked = run("check", scene)
+        self.assertEqual(checked.returncode, 0, checked.stderr)
+        self.assertIn("ok; 6.", checked.stdout)
+        found = json.loads(run("import", self.volume, "--suggest", ",".join(map(str, near)), "--json", "--quiet").stdout)["suggested"]
+        self.assertLess(math.dist(found["entry_mm"], [c + RADIUS_MM * w for c, w in zip(CENTRE, way)]), 0.7)
+        self.assertGreater(-sum(a * w for a, w in zip(found["axis"], way)), math.cos(math.radians(2)))
+        self.assertAlmostEqual(found["thickness_mm"], WALL_MM, delta=0.2)
+
+    def test_a_point_far_from_bone_is_refused_with_where_the_bone_is(self):
+        error = self.refused("import", self.volume, "--suggest", "10,-20,500", "--quiet")
+        self.assertIn("170 mm away", error)
+        self.assertRegex(error, r"bone spans x -19\.5 to 39\.5")
+        self.assertIn("--suggest", self.refused("import", self.volume, "--suggest", "1,2"))
+
+    def test_the_report_has_the_three_edges_of_a_voxel(self):
+        report = json.loads(run("import", self.volume, "--json", "--quiet").stdout)
+        self.assertEqual(report["schema"], 2)
+        for name in (report["spacing_mm"], report["bone"]["spacing_mm"]):
+            self.assertEqual([round(x, 9) for x in name], [EDGE_MM] * 3)
+
+
+if __name__ == "__main__":
+    main()
