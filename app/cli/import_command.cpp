@@ -8,6 +8,7 @@
 #include "app/scene/volume_scene.h"
 #include "core/base/units.h"
 #include "core/voxel/vdb_grids.h"
+#include "core/voxel/voxmap.h"
 #include "volumes/import_bone.h"
 
 namespace burrhole::cli {
@@ -72,6 +73,13 @@ Status check_output(const std::string& volume, bool given) {
   return {};
 }
 
+/// Saves a bone, with what was drilled of it.
+Status save_bone(const std::shared_ptr<const BoneModel>& bone, const std::string& path) {
+  if (bone->drilled() == nullptr) return write_vdb(path, bone->dims(), bone->bone_from_index(), bone->grids(), bone->notes());
+  auto voxmap = Voxmap::create(bone, {});
+  return voxmap ? voxmap->save(path) : Status(voxmap.error());
+}
+
 int import_input(const Options& option) {
   ImportRequest request{option.input, {}, {}};
   request.read.series = option.series;
@@ -85,10 +93,8 @@ int import_input(const Options& option) {
   request.read.progress = [&](double share) { progress.show(share, "reading"); };
   auto imported = import_bone(request, [&](const std::string& line) { progress.say(line); });
   if (!imported) return report(imported.error());
-  const BoneModel& bone = *imported->bone;
   if (!option.volume.empty())
-    if (const Status written = write_vdb(option.volume, bone.dims(), bone.bone_from_index(), bone.grids(), bone.notes()); !written)
-      return report(written.error());
+    if (const Status written = save_bone(imported->bone, option.volume); !written) return report(written.error());
   print(option.json ? import_json(imported->report) : import_text(imported->report));
   return kDone;
 }

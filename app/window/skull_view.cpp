@@ -25,9 +25,9 @@ LightView light_for(const CameraView& camera) {
   return out;
 }
 
-/// Nothing of this bone is removed.
+/// Of this bone nothing is removed but what was drilled before it was saved.
 DrawnBone drawn_as_loaded(const BoneModel& bone) {
-  return {&bone, [&bone](const VoxelBox& box, std::span<float> out) { bone.read_occupancy(box, out); }, kDeadZone};
+  return {&bone, [&bone](const VoxelBox& box, std::span<float> out) { bone.read_density(box, out); }, kDeadZone};
 }
 
 Pose pose_of(const SkullSite& site) { return {rotation_from_z(-site.axis), site.entry}; }
