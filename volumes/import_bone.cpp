@@ -18,6 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kImportSchema = 2;
 constexpr double kMegabyte = 1e6;
+constexpr float kBoneLevel = 0.5f;  // as BoneModel::bone_voxels()
 
 Error at(Error error, const std::string& path) {
   if (error.place.empty()) error.place = path;
@@ -30,6 +31,19 @@ double likely_bytes(const BoneGrid& grid) {
   return kFields * (kNodes * sizeof(float) * grid.bone_share * grid.dims.x * grid.dims.y * grid.dims.z + kRoots);
 }
 
+/// @returns the number of bone voxels that were drilled away before the bone was saved.
+std::uint64_t drilled_voxels(const BoneModel& bone) {
+  if (bone.drilled() == nullptr) return 0;
+  std::uint64_t out = 0;
+  std::vector<float> occupancy(kBlockVoxels);
+  bone.drilled()->for_each_block([&](const Vec3i& block, const BlockValues& remaining) {
+    bone.read_occupancy(box_of_block(block), occupancy);
+    for (std::size_t n = 0; n < occupancy.size(); ++n)
+      out += occupancy[n] >= kBoneLevel && occupancy[n] * remaining[n] < kBoneLevel ? 1 : 0;
+  });
+  return out;
+}
+
 void describe_bone(const BoneModel& bone, ImportReport& report) {
   report.bone_dims = bone.dims();
   report.bone_spacing = bone.bone_from_index().mean_edge();
@@ -37,6 +51,11 @@ void describe_bone(const BoneModel& bone, ImportReport& report) {
   report.bone_voxels = bone.bone_voxels();
   report.bone_share = static_cast<double>(bone.bone_voxels()) / static_cast<double>(bone.bounds().count());
   report.bytes = bone.bytes();
+  if (const std::uint64_t removed = drilled_voxels(bone); removed > 0) {
+    report.bone_voxels -= removed;
+    report.bone_share = static_cast<double>(report.bone_voxels) / static_cast<double>(bone.bounds().count());
+    report.scan.assumed.push_back(fmt::format("the bone was drilled before it was saved: {} of its bone voxels are removed", removed));
+  }
   if (bone.bone_voxels() == 0) return;
   const auto [lo, hi] = bounds_of(bone.bone_box(), bone.bone_from_index());
   report.bone_lo = lo;

@@ -19,8 +19,10 @@ struct Built {
 
 /// Loads a scene and builds its run. That finds errors that depend on bone and tool together: a tool that is too large, an axis that misses
 /// the bone or leaves the skull. @returns nothing where an issue was pushed.
-std::optional<Built> build(const TomlDocument& document, Issues& issues) {
-  auto loaded = load_scene(document, scene_context(), issues);
+std::optional<Built> build(const TomlDocument& document, const std::vector<std::string>& tool_sets, Issues& issues) {
+  LoadOptions options;
+  options.tool_sets = tool_sets;
+  auto loaded = load_scene(document, scene_context(), issues, options);
   if (!loaded) return std::nullopt;
   Built out{std::make_unique<LoadedScene>(std::move(*loaded)), nullptr};
   out.simulation = Simulation::create(out.loaded->scene, out.loaded->bone, out.loaded->tool, {.runs = false}, issues);
@@ -94,7 +96,7 @@ void add_check(CLI::App& app, int& exit_code) {
       return;
     }
     Issues issues;
-    const auto built = build(*document, issues);
+    const auto built = build(*document, option->tool_sets, issues);
     if (!built)
       if (auto ras = ras_error(*document)) issues.push_back(std::move(*ras));
     exit_code = report(issues);

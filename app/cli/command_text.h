@@ -17,6 +17,7 @@ inline constexpr const char* kReferenceGroup = "Reference and shell";
 /// Kinds of value as help shows them; completion chooses between files, folders and shipped names by them.
 inline constexpr const char* kSceneValue = "SCENE";
 inline constexpr const char* kToolValue = "NAME";
+inline constexpr const char* kShippedValue = "SHIPPED";  // a shipped scene, no file
 inline constexpr const char* kFileValue = "FILE";
 inline constexpr const char* kFolderValue = "FOLDER";
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -66,6 +67,12 @@ void SceneOption::add_to(CLI::App& command) {
   command.add_option("--set", sets, "override a key, e.g. --set tool.spin_rpm=800 (repeatable)")
       ->type_name("TABLE.KEY=VALUE")
       ->allow_extra_args(false);
+  command.add_option("--unset", unsets, "leave a table or key of the scene out, e.g. --unset record (repeatable)")
+      ->type_name("TABLE")
+      ->allow_extra_args(false);
+  command.add_option("--set-tool", tool_sets, "override a key of the tool's file, e.g. --set-tool region.head.erosion_factor=0.1")
+      ->type_name("TABLE.KEY=VALUE")
+      ->allow_extra_args(false);
 }
 
 void add_stereo_options(CLI::App& command, SceneOption& scene) {
@@ -104,11 +111,80 @@ void add_shader_option(CLI::App& command, std::string& folder) {
   command.add_option("--shader-dir", folder, "folder of shaders to use instead of the built-in ones")->type_name(kFolderValue);
 }
 
+std::vector<std::string> shipped_names(const char* folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(fs::path(share_folder()) / folder, ignored))
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  std::ranges::sort(names);
+  return names;
+}
+
+namespace {
+
+/// @returns the error of a scene that is not there, with the folders that were searched.
+Error scene_not_found(const std::string& scene) {
+  const fs::path path(scene);
+  const bool by_path = scene.find('/') != std::string::npos;
+  const std::string folder =
+      by_path ? path.parent_path().string() : "the current folder, " + (fs::path(share_folder()) / "scenes").string();
+  const auto near = nearest_name(path.stem().string(), shipped_names("scenes"));
+  return bad_input(fmt::format("scene not found in {}{}", folder,
+                               near ? "; did you mean \"" + *near + "\"?" : " (burrhole scenes lists the shipped ones)"),
+                   scene);
+}
+
+/// @returns an error for what is likely a volume or a mesh in place of a scene.
+Status is_a_scene(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored))
+    return bad_input("is a folder, not a scene: for a DICOM folder give --set volume.source=FOLDER with a scene, or burrhole import FOLDER",
+                     path);
+  std::string ending = fs::path(path).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr const char* kVolumes[] = {".vdb", ".nii", ".gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".dcm", ".stl", ".ply", ".obj", ".raw"};
+  if (std::ranges::find(kVolumes, ending) == std::end(kVolumes)) return {};
+  return bad_input("is a volume or a mesh, not a scene: give it to a scene by --set volume.source=FILE, or see burrhole import FILE", path);
+}
+
+/// The keys whose values are paths of files that are read.
+constexpr const char* kPathKeys[] = {"volume.source", "tool.name"};
+
+/// @returns the assignment with the path of a file below the current folder made absolute; others unchanged.
+std::string from_current_folder(const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos) return assignment;
+  const std::string key = assignment.substr(0, equals);
+  std::string value = assignment.substr(equals + 1);
+  if (std::ranges::find(kPathKeys, key) == std::end(kPathKeys)) return assignment;
+  if (value.size() >= 2 && value.front() == '"' && value.back() == '"') value = value.substr(1, value.size() - 2);
+  std::error_code ignored;
+  const bool by_name = key == "tool.name" && !value.ends_with(".toml") && value.find('/') == std::string::npos;
+  if (value.empty() || by_name || value.front() == '/' || value.front() == '$' || !fs::exists(value, ignored)) return assignment;
+  std::string quoted;
+  for (const char c : fs::absolute(value).lexically_normal().string()) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return key + "=\"" + quoted + "\"";
+}
+
+}  // namespace
+
 Result<TomlDocument> SceneOption::document() const {
-  auto document = TomlDocument::load(find_scene(scene));
+  const std::string path = find_scene(scene);
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return scene_not_found(scene);
+  if (const Status valid = is_a_scene(path); !valid) return valid.error();
+  auto document = TomlDocument::load(path);
   if (!document) return document.error();
   for (const std::string& assignment : sets)
-    if (Status applied = document->set(assignment); !applied) return applied.error();
+    if (Status applied = document->set(from_current_folder(assignment)); !applied) return applied.error();
+  for (const std::string& name : unsets)
+    if (Status removed = document->unset(name); !removed) return removed.error();
+  Issues unread;
+  if (no_pictures && document->root(unread).has("display"))
+    if (Status removed = document->unset("display", "--no-pictures"); !removed) return removed.error();
   return document;
 }
 
@@ -129,6 +205,7 @@ std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_c
   Issues issues;
   Progress progress(quiet, kReadingDelay);
   LoadOptions options;
+  options.tool_sets = option.tool_sets;
   options.progress = [&](double share) { progress.show(share, "reading the scan"); };
   options.say = [&](const std::string& line) { progress.say(line); };
   options.live = live;

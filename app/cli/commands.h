@@ -29,12 +29,16 @@ int report(const Error& error);
 /// @returns the path as given, or the path of the shipped scene of that name.
 [[nodiscard]] std::string find_scene(const std::string& scene);
 
-/// The argument SCENE with the overrides of --set.
+/// @returns the names of the shipped scenes, or tools, in alphabetical order. @param folder "scenes" or "tools" of share_folder().
+[[nodiscard]] std::vector<std::string> shipped_names(const char* folder);
+
+/// The argument SCENE with the overrides of --set, --set-tool and --unset.
 struct SceneOption {
   std::string scene;
-  std::vector<std::string> sets;
+  std::vector<std::string> sets, tool_sets, unsets;
+  bool no_pictures = false;  ///< [display] is left out, if the scene has it
   void add_to(CLI::App& command);
-  /// Parses the file and applies the overrides.
+  /// Parses the file and applies the overrides of the scene. Paths of files in them count from the current folder, then from the scene's.
   [[nodiscard]] Result<TomlDocument> document() const;
 };
 
@@ -69,6 +73,9 @@ void print(const std::string& text);
 void add_drill(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
+void add_compare(CLI::App& app, int& exit_code);
+void add_session(CLI::App& app, int& exit_code);
+void add_scenes(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);
 void add_tools(CLI::App& app, int& exit_code);
 void add_devices(CLI::App& app, int& exit_code);

@@ -18,6 +18,9 @@ struct ShippedNames {
 [[nodiscard]] std::string zsh_completion(const CommandNode& program, const ShippedNames& shipped);
 [[nodiscard]] std::string fish_completion(const CommandNode& program, const ShippedNames& shipped);
 
+/// @returns the words that a kind of value allows, from its form "KIND:{a,b,c}"; empty if it allows others.
+[[nodiscard]] std::vector<std::string> allowed_words(const std::string& value);
+
 /// @returns 'text' as one quoted word for bash and zsh, which write a quote as '\''.
 [[nodiscard]] std::string shell_quoted(const std::string& text);
 /// @returns 'text' as one quoted word for fish, which writes a quote as \'.

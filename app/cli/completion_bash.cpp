@@ -33,12 +33,19 @@ constexpr const char* kOffer = R"SH(
 _burrhole_offer() {
   local names=''
   case $1 in
-    SCENE) names=@SCENES@ ;;
+    SCENE | SHIPPED) names=@SCENES@ ;;
     NAME) names=@TOOLS@ ;;
+    *:\{*\})
+      names=${1#*:\{}
+      names=${names%\}}
+      names=${names//,/ }
+      mapfile -t COMPREPLY < <(compgen -W "$names" -- "$2")
+      ;;
     FOLDER) mapfile -t COMPREPLY < <(compgen -d -- "$2") ;;
     FILE) mapfile -t COMPREPLY < <(compgen -f -- "$2") ;;
   esac
   case $1 in
+    SHIPPED) mapfile -t COMPREPLY < <(compgen -W "$names" -- "$2") ;;
     SCENE | NAME) mapfile -t COMPREPLY < <(compgen -W "$names" -- "$2"; compgen -d -- "$2"; compgen -f -X '!*.toml' -- "$2") ;;
   esac
   case $1 in SCENE | NAME | FOLDER | FILE) compopt -o filenames 2>/dev/null ;; esac

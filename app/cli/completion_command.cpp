@@ -17,15 +17,25 @@ bool is_plain(const std::string& name) {
 }
 
 std::vector<std::string> shipped(const char* folder) {
-  std::vector<std::string> names;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(fs::path(share_folder()) / folder, ignored))
-    if (const std::string name = entry.path().stem().string(); entry.path().extension() == ".toml" && is_plain(name)) names.push_back(name);
-  std::sort(names.begin(), names.end());
+  std::vector<std::string> names = shipped_names(folder);
+  std::erase_if(names, [](const std::string& name) { return !is_plain(name); });
   return names;
 }
 
 }  // namespace
+
+std::vector<std::string> allowed_words(const std::string& value) {
+  std::vector<std::string> out;
+  const std::size_t open = value.find(":{"), close = value.find('}');
+  if (open == std::string::npos || close == std::string::npos) return out;
+  std::size_t at = open + 2;
+  while (at < close) {
+    const std::size_t end = std::min(value.find(',', at), close);
+    out.push_back(value.substr(at, end - at));
+    at = end + 1;
+  }
+  return out;
+}
 
 std::string shell_quoted(const std::string& text) {
   std::string out = "'";

@@ -11,6 +11,8 @@ std::string values(const std::string& value, const ShippedNames& shipped) {
   if (value == kSceneValue) return " -F -a " + fish_quoted(joined(shipped.scenes));
   if (value == kToolValue) return " -F -a " + fish_quoted(joined(shipped.tools));
   if (value == kFolderValue) return " -a '(__fish_complete_directories)'";
+  if (value == kShippedValue) return " -a " + fish_quoted(joined(shipped.scenes));
+  if (const auto words = allowed_words(value); !words.empty()) return " -a " + fish_quoted(joined(words));
   return value == kFileValue ? " -F" : "";
 }
 

@@ -25,6 +25,8 @@ std::string action(const std::string& value) {
   if (value == kSceneValue) return "__burrhole_scenes";
   if (value == kToolValue) return "__burrhole_tools";
   if (value == kFolderValue) return "_files -/";
+  if (value == kShippedValue) return "__burrhole_shipped";
+  if (const auto words = allowed_words(value); !words.empty()) return "(" + joined(words) + ")";
   return value == kFileValue ? "_files" : " ";
 }
 
@@ -66,6 +68,7 @@ std::string names_function(const std::string& name, const std::vector<std::strin
 std::string zsh_completion(const CommandNode& program, const ShippedNames& shipped) {
   std::string out = "#compdef burrhole\n# zsh completion of burrhole; printed by `burrhole completion zsh`.\n\n";
   out += names_function("__burrhole_scenes", shipped.scenes) + names_function("__burrhole_tools", shipped.tools);
+  out += "__burrhole_shipped() {\n  compadd -- " + joined(shipped.scenes) + "\n}\n\n";
   for (const CommandNode* node : every_command(program)) out += node->commands.empty() ? leaf_function(*node) : branch_function(*node);
   // Autoloaded from a folder of fpath, the file is the body of the function; sourced, it registers the function.
   return out + "if [ \"$funcstack[1]\" = _burrhole ]; then\n  _burrhole \"$@\"\nelse\n  compdef _burrhole burrhole\nfi\n";

@@ -38,7 +38,7 @@ Status measure_contact(const std::string& folder, std::size_t& row_count) {
 }
 
 Status measure_multirate_cost(const std::string& folder, std::size_t& row_count) {
-  Progress progress(false);
+  Progress progress(false, {}, true);
   MultirateOptions options;
   options.progress = [&](double share) { progress.show(share, "multi-rate schemes"); };
   const auto rows = measure_multirate(options);
@@ -82,7 +82,7 @@ Status measure_render(const RenderCostArguments& arguments, std::size_t& row_cou
   options.height = static_cast<int>((*size)[1]);
   for (const GlBackend backend : gl_backends())
     if (arguments.gl == gl_backend_name(backend)) options.gl = backend;
-  Progress progress(false);
+  Progress progress(false, {}, true);
   options.progress = [&](double share, const std::string& what) { progress.show(share, what); };
   const auto cost = measure_render_cost(options);
   if (!cost) return cost.error();

@@ -15,36 +15,63 @@ namespace {
 struct DrillingCostArguments {
   std::string folder = "out/cost_drilling";
   DrillingCostOptions options;
-  bool convergence = false;
+  bool convergence = false, fresh = false;
 };
+
+/// The file of the holes that are done, which a later call goes on from.
+std::string partial_file(const DrillingCostArguments& arguments) {
+  return (std::filesystem::path(arguments.folder) / (arguments.convergence ? "partial_convergence.txt" : "partial_cost.txt")).string();
+}
+
+/// Makes the folder, and says where an earlier call is taken up.
+Status begin_partial(const DrillingCostArguments& arguments) {
+  std::error_code error;
+  std::filesystem::create_directories(arguments.folder, error);
+  if (error) return bad_input("the output folder cannot be created: " + error.message(), arguments.folder);
+  const std::string file = partial_file(arguments);
+  if (arguments.fresh) std::filesystem::remove(file, error);
+  if (std::filesystem::exists(file, error))
+    fmt::print(stderr, "goes on from {}: holes that are done are not drilled again (--fresh drills them)\n", file);
+  return {};
+}
+
+void end_partial(const DrillingCostArguments& arguments) {
+  std::error_code ignored;
+  std::filesystem::remove(partial_file(arguments), ignored);
+}
 
 DrillingRuns runs_of(const DrillingCostArguments& arguments, Progress& progress) {
   DrillingRuns runs = arguments.options.runs;
   runs.tool_folder = (std::filesystem::path(share_folder()) / "tools").string();
+  runs.partial = partial_file(arguments);
   runs.progress = [&](double share, const std::string& trial) { progress.show(share, trial); };
   return runs;
 }
 
 int run_cost(const DrillingCostArguments& arguments) {
-  Progress progress(false);
+  if (const Status begun = begin_partial(arguments); !begun) return report(begun.error());
+  Progress progress(false, {}, true);
   DrillingCostOptions options = arguments.options;
   options.runs = runs_of(arguments, progress);
   const auto points = measure_drilling_cost(options);
   if (!points) return report(points.error());
   if (const Status written = write_drilling_cost(*points, options.bit, arguments.folder); !written) return report(written.error());
+  end_partial(arguments);
   for (const std::string& sentence : drilling_sentences(*points)) print(sentence + "\n");
   print(fmt::format("{} points in {}/cost.csv, drilling.md, drilling.svg and drilling.html beside it\n", points->size(), arguments.folder));
   return kDone;
 }
 
 int run_convergence(const DrillingCostArguments& arguments) {
-  Progress progress(false);
+  if (const Status begun = begin_partial(arguments); !begun) return report(begun.error());
+  Progress progress(false, {}, true);
   ConvergenceOptions options;
   options.runs = runs_of(arguments, progress);
   options.quick = arguments.options.quick;
   const auto rows = measure_convergence(options);
   if (!rows) return report(rows.error());
   if (const Status written = write_convergence(*rows, arguments.folder); !written) return report(written.error());
+  end_partial(arguments);
   for (const StabilityRow& row : *rows)
     if (!row.pass) print(fmt::format("{}: {} is {:.4g}, bound {:.4g}\n", row.subject, row.measure, row.value, row.bound));
   const bool failed = convergence_failed(*rows);
@@ -65,7 +92,8 @@ void add_drilling_cost(CLI::App& cost, int& exit_code) {
            "surface records. Tables errors of volume, mass, diameters, depth, time to breakthrough, plunge, feed and wall against the "
            "closed "
            "form or a finer run, with CPU time, wall time and memory. --convergence instead checks that holes of several bits in several "
-           "bones, by both laws, do not depend on voxel edge and erosion rate.",
+           "bones, by both laws, do not depend on voxel edge and erosion rate. Each hole is kept when it is done, and a call that was "
+           "interrupted goes on from there.",
        .examples = {"burrhole cost drilling --quick --out out/cost_drilling", "burrhole cost drilling --knob erosion.rate_hz",
                     "burrhole cost drilling --convergence"},
        .exits = "Exit 3 if a bound of --convergence fails."});
@@ -75,10 +103,11 @@ void add_drilling_cost(CLI::App& cost, int& exit_code) {
       ->capture_default_str();
   CLI::Option* convergence = command->add_flag("--convergence", arguments->convergence, "check the bounds of holes by voxel edge and rate");
   command->add_option("--bit", arguments->options.bit, "bit that drills the hole")
-      ->type_name("BIT")
+      ->type_name(kToolValue)
       ->capture_default_str()
       ->excludes(convergence);
   command->add_option("--knob", arguments->options.only_knob, "vary only this setting")->type_name("KEY")->excludes(convergence);
+  command->add_flag("--fresh", arguments->fresh, "drill again what an interrupted call has done already");
   command->add_flag("--quick", arguments->options.quick, "a subset that takes minutes");
   command->add_option("--threads", arguments->options.runs.threads, "number of holes that are drilled in parallel; 0: one per core")
       ->capture_default_str();

@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "app/cli/commands.h"
 #include "app/cli/drill_window.h"
@@ -10,6 +11,7 @@
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
 #include "app/job/expectation.h"
+#include "app/report/file.h"
 
 namespace burrhole::cli {
 namespace {
@@ -55,7 +57,8 @@ Status check_options(const LiveMode& mode, const DrillingFiles& files) {
 Result<bool> decide_window(WindowOptions& window, SceneOption& scene, bool by_script, bool quiet) {
   if (!by_script) return prepare_window(window, scene, quiet);
   if (window.asked || window.demonstration || window.light || window.text_scale != 1.0)
-    return bad_input("--window, --demo, --light and --text-scale are not valid with --offscreen, --json, --live, --video or --inputs");
+    return bad_input(
+        "--window, --demo, --light and --text-scale are not valid with --offscreen, --no-pictures, --json, --live, --video or --inputs");
   return false;
 }
 
@@ -130,8 +133,24 @@ struct DrillOptions {
   LiveMode mode;
   WindowOptions window;
   std::optional<std::string> expect;
-  bool json = false, quiet = false, offscreen = false;
+  bool json = false, quiet = false, offscreen = false, force = false;
 };
+
+/// Results of another scene are not overwritten: they are likely wanted still. @returns bad_input if the folder holds some.
+Status check_old_results(const std::string& folder, const std::string& scene_file) {
+  const std::string path = (std::filesystem::path(folder) / "summary.json").string();
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return {};
+  const auto text = read_file(path);
+  if (!text) return {};
+  const nlohmann::json old = nlohmann::json::parse(*text, nullptr, false);
+  if (!old.is_object() || !old.contains("scene") || !old["scene"].is_string()) return {};
+  const std::string before = std::filesystem::path(old["scene"].get<std::string>()).filename().string();
+  const std::string now = std::filesystem::path(scene_file).filename().string();
+  if (before == now) return {};
+  return bad_input(fmt::format("holds results of another scene, {}: give another folder by --out, or --force to replace them", before),
+                   folder);
+}
 
 /// Runs the command once its arguments are parsed.
 void run_drill(DrillOptions& option, int& exit_code) {
@@ -144,7 +163,8 @@ void run_drill(DrillOptions& option, int& exit_code) {
     exit_code = report(expected.error());
     return;
   }
-  const bool by_script = option.offscreen || option.json || option.mode.live || !option.files.video.empty() || !option.files.inputs.empty();
+  const bool by_script = option.offscreen || option.scene.no_pictures || option.json || option.mode.live || !option.files.video.empty() ||
+                         !option.files.inputs.empty();
   const auto windowed = decide_window(option.window, option.scene, by_script, option.quiet);
   if (!windowed) {
     exit_code = report(windowed.error());
@@ -153,6 +173,11 @@ void run_drill(DrillOptions& option, int& exit_code) {
   option.mode.live = option.mode.live || *windowed;
   const auto loaded = load_or_report(option.scene, exit_code, option.quiet, option.mode.live, option.files.inputs);
   if (!loaded) return;
+  if (!option.force)
+    if (const Status free = check_old_results(option.files.folder, loaded->scene.file); !free) {
+      exit_code = report(free.error());
+      return;
+    }
   if (!option.quiet)
     for (const std::string& warning : make_plan(*loaded).warnings) print_warning(loaded->scene.file, warning);
   catch_signals();
@@ -212,6 +237,9 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->add_flag("--live", option->mode.live, "on threads in real time instead of in lockstep");
   command->add_flag("--require-realtime", option->mode.require_realtime, "exit if the system refuses real-time priority (with --live)");
   command->add_flag("--offscreen", option->offscreen, "no window: the scene's own hand drills");
+  command->add_flag("--no-pictures", option->scene.no_pictures,
+                    "offscreen and without [display]: needs no OpenGL, other results are the same");
+  command->add_flag("--force", option->force, "replace results of another scene in the folder");
   add_window_options(*command, option->window);
   command->add_option("--expect", option->expect, "exit 3 unless all hold: results, 'no FLAG', FIGURE<VALUE UNIT (burrhole docs outcome)")
       ->type_name("TERMS");

@@ -29,7 +29,6 @@ struct Options {
 struct Source {
   std::shared_ptr<const BoneModel> bone;
   std::optional<ApproachScene> approach;
-  std::string drilled;  ///< file with what is left of the bone; empty: as loaded
 };
 
 /// @returns whether the input is a scene: the name of a shipped one, or a TOML file with the tables of one (a raw volume has none).
@@ -84,14 +83,13 @@ Result<Source> load_volume(const Options& option, Progress& progress) {
   if (!option.unit.empty()) request.read.unit = length_unit(option.unit);
   request.read.progress = [&](double share) { progress.show(share, "reading"); };
   const bool own = lower(path).ends_with(".vdb") && option.unit.empty();
-  const bool drilled = own && has_remaining(path);
   auto imported = import_bone(request, [&](const std::string& line) { progress.say(line); });
   if (!imported) {
     Error error = imported.error();
-    if (drilled) error.message += "; it holds changes alone: export the scene, with --restore " + path;
+    if (own && has_remaining(path)) error.message += "; it holds changes alone: export the scene, with --restore " + path;
     return error;
   }
-  return Source{std::move(imported->bone), std::nullopt, drilled ? path : std::string()};
+  return Source{std::move(imported->bone), std::nullopt};
 }
 
 std::optional<Source> load_source(const Options& option, Progress& progress, int& exit_code) {
@@ -102,7 +100,7 @@ std::optional<Source> load_source(const Options& option, Progress& progress, int
     }
     auto loaded = load_or_report(option.input, exit_code, option.quiet);
     if (!loaded) return std::nullopt;
-    return Source{std::move(loaded->bone), std::move(loaded->scene.approach), {}};
+    return Source{std::move(loaded->bone), std::move(loaded->scene.approach)};
   }
   auto source = load_volume(option, progress);
   if (source) return std::move(*source);
@@ -139,14 +137,13 @@ std::string report_text(const Options& option, const ExportReport& done, bool dr
 Status export_volume(const Options& option, const Source& source, Progress& progress) {
   auto voxmap = Voxmap::create(source.bone, {});
   if (!voxmap) return voxmap.error();
-  const std::string drilled = option.restore.empty() ? source.drilled : option.restore;
-  if (!drilled.empty() && !option.undrilled)
-    if (Status restored = voxmap->restore(drilled); !restored) return restored;
+  if (!option.restore.empty())
+    if (Status restored = voxmap->restore(option.restore); !restored) return restored;
   ExportRequest request = request_of(option);
   request.progress = [&](double share) { progress.show(share, "writing"); };
   const auto done = export_bone(*voxmap, request);
   if (!done) return done.error();
-  print(report_text(option, *done, voxmap->blocks().size() > 0));
+  print(report_text(option, *done, voxmap->blocks().size() > 0 && !option.undrilled));
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include "core/base/units.h"
 #include "core/measure/drill_site.h"
 #include "core/voxel/vdb_grids.h"
+#include "core/voxel/voxmap.h"
 #include "volumes/import_bone.h"
 
 namespace burrhole::cli {
@@ -115,6 +116,13 @@ void print_results(const Options& option, const ImportReport& report, const std:
   print(fmt::format("# {:.2f} mm of bone along the axis\n{}", site->thickness / kMillimetre, approach_text(*site)));
 }
 
+/// Saves a bone, with what was drilled of it.
+Status save_bone(const std::shared_ptr<const BoneModel>& bone, const std::string& path) {
+  if (bone->drilled() == nullptr) return write_vdb(path, bone->dims(), bone->bone_from_index(), bone->grids(), bone->notes());
+  auto voxmap = Voxmap::create(bone, {});
+  return voxmap ? voxmap->save(path) : Status(voxmap.error());
+}
+
 int import_input(const Options& option) {
   ImportRequest request{option.input, {}, {}};
   request.read.series = option.series;
@@ -134,10 +142,9 @@ int import_input(const Options& option) {
   request.read.progress = [&](double share) { progress.show(share, "reading"); };
   auto imported = import_bone(request, [&](const std::string& line) { progress.say(line); });
   if (!imported) return report(imported.error());
-  const BoneModel& bone = *imported->bone;
   if (!option.volume.empty())
-    if (const Status written = write_vdb(option.volume, bone.dims(), bone.bone_from_index(), bone.grids(), bone.notes()); !written)
-      return report(written.error());
+    if (const Status written = save_bone(imported->bone, option.volume); !written) return report(written.error());
+  const BoneModel& bone = *imported->bone;
   if (!option.overview.empty())
     if (const Status drawn = draw_overview(option, bone); !drawn) return report(drawn.error());
   std::optional<DrillSite> site;

@@ -32,6 +32,9 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_import(app, exit_code);
   add_export(app, exit_code);
   add_replay(app, exit_code);
+  add_compare(app, exit_code);
+  add_session(app, exit_code);
+  add_scenes(app, exit_code);
   add_check(app, exit_code);
   add_explain(app, exit_code);
   add_tools(app, exit_code);
@@ -41,6 +44,11 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_docs(app, exit_code);
   add_completion(app, exit_code);
   add_man(app, exit_code);
+}
+
+bool is_scene(const std::string& word) {
+  const std::vector<std::string> shipped = shipped_names("scenes");
+  return std::ranges::find(shipped, word) != shipped.end() || (word.ends_with(".toml") && word.size() > std::string_view(".toml").size());
 }
 
 /// @returns whether a word in place of a command is unknown; prints it with the nearest known command, which CLI11 does not do.
@@ -56,13 +64,50 @@ bool refuse_unknown_command(const CLI::App& program, int argc, char** argv) {
     if (app->get_require_subcommand_min() == 0) return false;
     if (next == nullptr) {
       const auto near = nearest_name(argv[n], names);
+      const std::string drilled = app == &program && is_scene(argv[n]) ? std::string("drill ") + argv[n] : near.value_or("");
       std::fprintf(stderr, "burrhole: unknown command \"%s\"%s (--help lists them)\n", argv[n],
-                   near ? ("; did you mean \"" + *near + "\"?").c_str() : "");
+                   drilled.empty() ? "" : ("; did you mean \"" + drilled + "\"?").c_str());
       return true;
     }
     app = next;
   }
   return false;
+}
+
+/// @returns the command that was named last on the command line.
+const CLI::App& named_command(const CLI::App& program) {
+  const CLI::App* app = &program;
+  while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
+  return *app;
+}
+
+std::string full_name(const CLI::App& app) {
+  return app.get_parent() == nullptr ? app.get_name() : full_name(*app.get_parent()) + " " + app.get_name();
+}
+
+/// @returns the text of an unknown option, with the nearest that the command has.
+std::string unknown_option(const CLI::App& command, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  const auto near = nearest_name(word, names);
+  return "unknown option \"" + word + "\"" + (near ? "; did you mean \"" + *near + "\"?" : "");
+}
+
+/// @returns what is wrong with the words after the program's name, in one line without its end.
+std::string usage_text(const CLI::App& program, const CLI::ParseError& error) {
+  const CLI::App& command = named_command(program);
+  std::string text = error.what();
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
+    const std::vector<std::string> extra = program.remaining(true);
+    if (!extra.empty()) {
+      const std::string word = extra.front().substr(0, extra.front().find('='));
+      text = word.starts_with("-") ? unknown_option(command, word) : "unexpected \"" + word + "\"";
+    }
+  } else if (text == "scene is required") {
+    text = "SCENE is missing: a file, or the name of a shipped scene (burrhole scenes lists them)";
+  }
+  return text + " (see " + full_name(command) + " --help)";
 }
 
 /// Parses the command line; without a command, that which a person chooses in a window.
@@ -104,7 +149,7 @@ int main(int argc, char** argv) {
     return exit_code;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    std::fprintf(stderr, "burrhole: %s (see --help)\n", error.what());
+    std::fprintf(stderr, "burrhole: %s\n", usage_text(app, error).c_str());
     return kBadInput;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "burrhole: internal error: %s\n", error.what());

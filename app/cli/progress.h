@@ -12,7 +12,8 @@ inline constexpr std::chrono::milliseconds kReadingDelay{1000};
 class Progress {
  public:
   /// @param quiet prints nothing. @param delay time after construction in which show() prints nothing.
-  explicit Progress(bool quiet, std::chrono::milliseconds delay = std::chrono::milliseconds(0));
+  /// @param estimates adds the time that is left, from the share that is done, once it can be estimated.
+  explicit Progress(bool quiet, std::chrono::milliseconds delay = std::chrono::milliseconds(0), bool estimates = false);
   ~Progress();
   /// Redraws the bar in place; without a terminal, prints one line per tenth of the work. @param share of the work that is done, 0..1.
   void show(double share, const std::string& text);
@@ -20,7 +21,8 @@ class Progress {
   void say(const std::string& line);
 
  private:
-  bool quiet_, terminal_;
+  [[nodiscard]] std::string left(double share) const;
+  bool quiet_, terminal_, estimates_;
   std::chrono::steady_clock::time_point from_;
   int last_tenth_ = -1;
   bool drawn_ = false;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -213,19 +214,32 @@ Status draw_sheet(const TomlDocument& document, const Tool& tool, const std::vec
   return write_tool_sheet(sheet, path);
 }
 
+/// @returns the error of a name that is no tool file: a mesh, a folder, or not there.
+Status is_a_tool(const std::string& name) {
+  std::string ending = fs::path(name).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::error_code ignored;
+  if (ending == ".stl" || ending == ".ply" || ending == ".obj")
+    return bad_input(
+        fmt::format("is a mesh, not a tool file: write a tool file with a table [mesh], file = \"{}\", pitch_mm and erosion_factor "
+                    "(burrhole docs tool), and give that{}",
+                    fs::path(name).filename().string(), fs::exists(name, ignored) ? "" : "; the mesh is not there either"),
+        name);
+  if (!find_tool_file(name).empty()) return {};
+  const auto near = nearest_name(fs::path(name).stem().string(), shipped_names("tools"));
+  return bad_input(fmt::format("tool not found in the current folder, {}{}", (fs::path(share_folder()) / "tools").string(),
+                               near ? "; did you mean \"" + *near + "\"?" : " (burrhole tools lists the shipped ones)"),
+                   name);
+}
+
 struct Options {
   std::string name, image;
   bool json = false;
 };
 
 int show_tool(const Options& options) {
+  if (const Status valid = is_a_tool(options.name); !valid) return report(valid.error());
   const std::string file = find_tool_file(options.name);
-  if (file.empty()) {
-    std::vector<std::string> names;
-    for (const std::string& shipped : shipped_tools()) names.push_back(fs::path(shipped).stem().string());
-    const auto near = nearest_name(options.name, names);
-    return report(bad_input("no tool \"" + options.name + "\"" + (near ? "; did you mean \"" + *near + "\"?" : "")));
-  }
   Issues issues;
   const auto document = TomlDocument::load(file);
   if (!document) return report(document.error());

@@ -42,6 +42,8 @@ constexpr Caption kCaptions[] = {{"overview", "Before: the whole body and the bi
                                  {"breakthrough", "Breakthrough: bone and bit in section through the axis"},
                                  {"after", "After: the hole from above"},
                                  {"cutaway", "After: section through the axis"}};
+constexpr const char* kOpenAxis =
+    "no bone is on the axis at the start: it was drilled through before; the figures are those of this run alone";
 constexpr const char* kSummaryFile = "summary.json";
 constexpr const char* kReportFile = "report.html";
 
@@ -78,12 +80,29 @@ std::string setting_of(const Scene& scene, bool by_user) {
   return out + ".";
 }
 
+std::vector<DrillReport::Made> made_rows(const Provenance& made) {
+  const auto listed = [](const std::vector<std::string>& texts) {
+    return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
+  };
+  std::vector<DrillReport::Made> out{{"Program", made.program},
+                                     {"Date", made.date},
+                                     {"Machine", made.machine},
+                                     {"Overrides of the scene", listed(made.overrides)},
+                                     {"Overrides of the tool", listed(made.tool_overrides)}};
+  for (const auto& [region, factor] : made.erosion_factors)
+    out.push_back({"Erosion factor of the " + region, fmt::format("{:.4g} per revolution", factor)});
+  out.push_back({"Hash of the scene", made.scene_hash});
+  out.push_back({"Hash of the tool", made.tool_hash});
+  if (made.volume_hash) out.push_back({"Hash of the volume", *made.volume_hash});
+  return out;
+}
+
 DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary,
                         const std::vector<std::string>& pictures) {
   DrillReport r;
-  r.title = loaded.scene.title;
-  r.scene = loaded.scene.file;
-  r.tool = loaded.tool.title;
+  r.title = summary.title;
+  r.scene = summary.scene;
+  if (summary.provenance) r.made = made_rows(*summary.provenance);
   for (const RunSample& sample : simulation.samples()) {  // none are kept with plots off
     r.time_s.push_back(sample.time);
     r.force_N.push_back(sample.force);
@@ -127,6 +146,8 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   return r;
 }
 
+std::string date_of(const DrillJob& job) { return job.created.empty() ? now_iso8601() : job.created; }
+
 /// Creates the session of a run, before the first tick. @returns nothing if the scene has no [record] or there is no output folder.
 Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, const DrillJob& job, const Stage& stage,
                                                   const PictureSink* sink) {
@@ -140,7 +161,7 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   meta.physics_version = kPhysicsVersion;
   meta.cpu = cpu_model();
   if (sink != nullptr) meta.renderer = sink->driver();
-  meta.created = job.created.empty() ? now_iso8601() : job.created;
+  meta.created = date_of(job);
   const std::string path = (fs::path(job.folder) / *stage.record_path()).string();
   auto session = SessionWriter::create(path, meta, session_layout(stage));
   if (!session) return session.error();
@@ -207,6 +228,16 @@ Status write_results(const LoadedScene& loaded, Simulation& simulation, const Ru
   if (Status written = write_file(in_folder(kSummaryFile), summary_json(summary)); !written) return written;
   if (!output.report) return {};
   return write_drill_report(make_report(loaded, simulation, summary, pictures), in_folder(kReportFile));
+}
+
+/// Warns of what was found after a run. An open axis and latched faults were warned of when they appeared.
+void add_warnings(const DrillJob& job, const std::vector<std::string>& found, RunSummary& summary) {
+  for (const std::string& line : found) {
+    if (job.warn) job.warn(line);
+    summary.warnings.push_back(without_folders(line));
+  }
+  if (summary.open_axis) summary.warnings.emplace_back(kOpenAxis);
+  std::ranges::copy(summary.latched_faults, std::back_inserter(summary.warnings));
 }
 
 }  // namespace
@@ -281,6 +312,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (!simulation) return issues.front();
   thickness = simulation->approach().thickness;
   if (sink && job.say) job.say("renderer: " + sink->driver());
+  if (simulation->progress().open_axis && job.warn) job.warn(kOpenAxis);
   if (const auto wrong = leaves_skull(*loaded.bone, simulation->approach()); wrong && job.warn) job.warn(*wrong);
   if (Status made = make_folder(job); !made) return made.error();
   const auto lock = FolderLock::take(job.folder);
@@ -291,11 +323,13 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (!session) return session.error();
   if (*session) simulation->set_session(&**session);
   if (job.begin) job.begin(*simulation);
+  Provenance made = provenance_of(loaded, date_of(job), !job.restore_path.empty());
   const auto start = std::chrono::steady_clock::now();
   if (Status ran = simulation->run(); !ran) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Status sounded = sound.finish();
   RunSummary summary = make_summary(loaded, *simulation, plan, wall);
+  summary.provenance = std::move(made);
   summary.by_user = summary.by_user || (job.user != nullptr && job.user->took_over());
   std::vector<std::string> found;
   simulation->stage().warn(found);
@@ -304,11 +338,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
                                 left.size(), job.inputs.size(), static_cast<double>(left.front().tick) / loaded.scene.servo_hz));
   if (auto undone = undone_warning(*simulation, summary)) found.push_back(std::move(*undone));
   std::ranges::move(outcome_warnings(summary), std::back_inserter(found));
-  for (const std::string& line : found) {
-    if (job.warn) job.warn(line);
-    summary.warnings.push_back(line);
-  }
-  std::ranges::copy(summary.latched_faults, std::back_inserter(summary.warnings));  // warned of when they appeared
+  add_warnings(job, found, summary);
   if (sink) summary.display = sink->display();
   if (*session)
     if (Status closed = close_session(**session, summary, *simulation); !closed) return closed.error();

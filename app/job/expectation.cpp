@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/config/toml.h"
+
 namespace burrhole {
 namespace {
 
@@ -68,7 +70,12 @@ Result<ExpectedTerm> parse_term(std::string_view term) {
     return out;
   }
   out.result = term == "through" ? DrillResult::drilled_through : result_named(term);
-  if (!out.result) return wrong(term, "is no result");
+  if (!out.result) {
+    std::vector<std::string> words{"through"};
+    for (std::size_t n = 0; n < kDrillResults; ++n) words.emplace_back(name_of(static_cast<DrillResult>(n)));
+    const auto near = nearest_name(term, words);
+    return wrong(term, near ? "is no result; did you mean \"" + *near + "\"?" : "is no result");
+  }
   return out;
 }
 

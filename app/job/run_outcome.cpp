@@ -28,6 +28,7 @@ OutcomeFigures figures_of(const RunSummary& s) {
   out.passed = s.passed_s.has_value();
   out.axis_removed = s.removed_at_passing.value_or(0.0);
   out.axis_clear = s.breakthrough_s.has_value();
+  out.axis_open = s.open_axis;
   out.brought_back = s.brought_back;
   out.cleared_share = s.cleared_share;
   out.uncut_share = s.uncut_share;
@@ -47,6 +48,7 @@ OutcomeFigures figures_of(const RunSummary& s) {
 
 /// @returns the sentence of a run that drilled through.
 std::string through_text(const RunSummary& s) {
+  if (s.open_axis) return fmt::format("The hole was there before the run, which removed {:.1f} mm3 of bone round it.", s.removed_mass_mm3);
   if (!s.breakthrough_s)
     return fmt::format("The bone was drilled through round a core; the tip went {:.2f} mm beyond it.", s.plunge_mm.value_or(0.0));
   const std::string out = fmt::format("The bone was drilled through after {:.2f} s", *s.breakthrough_s);
@@ -54,6 +56,9 @@ std::string through_text(const RunSummary& s) {
 }
 
 std::string short_text(const RunSummary& s) {
+  if (s.open_axis)
+    return fmt::format("No bone was on the axis at the start: it was drilled through before. This run removed {:.1f} mm3 of bone.",
+                       s.removed_mass_mm3);
   const std::string open = s.breakthrough_s ? fmt::format(": the axis is clear of bone, but only {:.0f} % of the bit's cross-section",
                                                           100.0 * s.cleared_share.value_or(0.0))
                                             : std::string();
@@ -128,7 +133,7 @@ std::vector<std::string> outcome_warnings(const RunSummary& s) {
                               fmt::join(contact_flag_texts(s.contact_flags), "; ")));
   if ((outcome.flags & kFlagPlunged) != 0)
     out.push_back(fmt::format("the tip plunged {:.2f} mm, more than [outcome] plunge_limit_mm = {:g}", *s.plunge_mm, s.limits.plunge_mm));
-  if (outcome.result == DrillResult::drilled_through) return out;
+  if (outcome.result == DrillResult::drilled_through || s.open_axis) return out;
   if (auto unfinished = unfinished_warning(s)) {
     out.push_back(std::move(*unfinished));
     return out;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "core/base/hash.h"
@@ -41,6 +42,21 @@ Json display_json(const std::optional<RunSummary::Display>& display) {
           {"expected_ms", optional_number(display->expected_ms)}};
 }
 
+Json provenance_json(const std::optional<Provenance>& made) {
+  if (!made) return nullptr;
+  Json factors = Json::object();
+  for (const auto& [region, factor] : made->erosion_factors) factors[region] = factor;
+  return {{"program", made->program},
+          {"date", made->date},
+          {"machine", made->machine},
+          {"overrides", made->overrides},
+          {"tool_overrides", made->tool_overrides},
+          {"erosion_factors_per_rev", factors},
+          {"drilled_before", made->drilled_before},
+          {"hash",
+           {{"scene", made->scene_hash}, {"tool", made->tool_hash}, {"volume", made->volume_hash ? Json(*made->volume_hash) : Json()}}}};
+}
+
 Json live_json(const RunSummary& s) {
   if (!s.live) return nullptr;
   Json out = {{"servo_ticks_missed", s.missed},           {"contact_ticks_missed", s.live->contact_missed},
@@ -75,6 +91,10 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   out.angle_deg = simulation.approach().angle / kDegree;
   out.peak_force_N = progress.peak_force;
   out.reached_mm = progress.deepest * kMm;
+  out.open_axis = progress.open_axis;
+  const Pose world_from_approach = simulation.stage().world_from_approach();
+  out.entry_mm = world_from_approach.translation * kMm;
+  out.axis = world_from_approach.rotate(Vec3(0.0, 0.0, -1.0));
   out.depth_mm = in_mm(progress.breakthrough_depth);
   out.breakthrough_s = progress.breakthrough_time;
   if (progress.breakthrough_depth) {
@@ -136,6 +156,7 @@ void add_outcome(RunSummary& out, Simulation& simulation) {
   out.latched_faults = fault_warnings(simulation);
   out.brought_back =
       !out.breakthrough_s && std::ranges::find(simulation.events(), "breakthrough", &RunEvent::kind) != simulation.events().end();
+  if (out.open_axis) out.plunge_mm = std::max(0.0, out.reached_mm - out.thickness_mm);
   if (!out.plunge_mm && out.passed_s && outcome_of(out).result != DrillResult::skated_off)
     out.plunge_mm = std::max(0.0, out.reached_mm - out.thickness_mm);
 }
@@ -158,8 +179,8 @@ std::vector<std::string> fault_warnings(const Simulation& simulation) {
 
 RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const Plan& plan, double wall_s) {
   RunSummary out;
-  out.scene = loaded.scene.file;
-  out.title = loaded.scene.title;
+  out.scene = std::filesystem::path(loaded.scene.file).filename().string();
+  out.title = run_title(loaded);
   const Tool& tool = *simulation.stage().tool;
   const Needs& needs = simulation.stage().needs;
   out.tool = tool.name;
@@ -167,7 +188,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.push_N = loaded.scene.hand.push;
   out.bench = loaded.scene.feed_hand.has_value();
   out.by_user = loaded.scene.goal_hand.has_value();
-  out.warnings = plan.warnings;
+  for (const std::string& warning : plan.warnings) out.warnings.push_back(without_folders(warning));
   out.limits = loaded.scene.outcome;
   out.end = end_name(simulation.end());
   out.dims = loaded.bone->dims();
@@ -176,7 +197,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.volume_bytes = simulation.voxmap().bytes();
   if (loaded.import) {
     out.volume_format = loaded.import->scan.format;
-    out.assumed = loaded.import->scan.assumed;
+    for (const std::string& line : loaded.import->scan.assumed) out.assumed.push_back(without_folders(line));
   } else {
     out.volume_format = "phantom:" + std::string(phantom_name(loaded.scene.volume.phantom->kind));
   }
@@ -223,6 +244,7 @@ std::string summary_json(const RunSummary& s) {
   json["schema"] = kSummarySchema;
   json["scene"] = s.scene;
   json["title"] = s.title;
+  json["provenance"] = provenance_json(s.provenance);
   const RunOutcome outcome = outcome_of(s);
   json["result"] = name_of(outcome.result);
   json["reason"] = outcome.reason;
@@ -240,6 +262,7 @@ std::string summary_json(const RunSummary& s) {
                   {"push_N", s.push_N},
                   {"haptic_points", s.haptic_points},
                   {"erosion_points", s.erosion_points}};
+  json["approach"] = {{"entry_mm", {s.entry_mm.x, s.entry_mm.y, s.entry_mm.z}}, {"axis", {s.axis.x, s.axis.y, s.axis.z}}};
   json["drilling"] = {{"removed_mm3", s.removed_mm3},
                       {"removed_mass_mm3", s.removed_mass_mm3},
                       {"hole_diameter_mm", optional_number(s.hole_diameter_mm)},
@@ -247,6 +270,7 @@ std::string summary_json(const RunSummary& s) {
                       {"depth_mm", optional_number(s.depth_mm)},
                       {"reached_mm", s.reached_mm},
                       {"thickness_mm", s.thickness_mm},
+                      {"axis_open_at_start", s.open_axis},
                       {"breakthrough_s", optional_number(s.breakthrough_s)},
                       {"plunge_mm", optional_number(s.plunge_mm)},
                       {"plunge_limit_mm", s.limits.plunge_mm},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/job/plan.h"
+#include "app/job/provenance.h"
 #include "app/run/simulation.h"
 #include "app/scene/load.h"
 #include "core/measure/outcome.h"
@@ -18,7 +19,10 @@ inline constexpr int kSummarySchema = 1;
 
 /// Figures of one finished or interrupted run.
 struct RunSummary {
-  std::string scene, title, tool;
+  std::string scene;  ///< file name, without folder
+  std::string title;  ///< run_title()
+  std::string tool;
+  std::optional<Provenance> provenance{};     ///< filled by drill()
   std::string end;                            ///< "done", "duration" or "stopped"
   OutcomeLimits limits;                       ///< of the scene
   std::vector<std::string> latched_faults{};  ///< one line for each servo fault that was latched
@@ -34,8 +38,10 @@ struct RunSummary {
   std::uint64_t bone_voxels = 0, volume_bytes = 0, haptic_points = 0, erosion_points = 0;
   double duration_s = 0.0, wall_s = 0.0;
   double removed_mm3 = 0.0, removed_mass_mm3 = 0.0, thickness_mm = 0.0, angle_deg = 0.0, peak_force_N = 0.0;
-  double reached_mm = 0.0;  ///< deepest position of the tip, along the axis from the entry
-  double aside_mm = 0.0;    ///< greatest distance of the tip from the axis, in contact, until the tip passed the bone
+  Vec3 entry_mm{0.0}, axis{0.0};  ///< of the approach, world frame
+  bool open_axis = false;         ///< no bone was on the axis at the start: it was drilled before the run
+  double reached_mm = 0.0;        ///< deepest position of the tip, along the axis from the entry
+  double aside_mm = 0.0;          ///< greatest distance of the tip from the axis, in contact, until the tip passed the bone
   double section_mm2 = 0.0,
          section_radius_mm = 0.0;  ///< [mm^2], [mm] of the bit's cross-section (cross_section.h); 0 without erosion points
   bool section_on_axis = true;     ///< false for a crown

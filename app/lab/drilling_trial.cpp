@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "app/lab/cost_row.h"
+#include "app/lab/drilling_partial.h"
 #include "app/lab/drilling_wall.h"
 #include "core/base/units.h"
 
@@ -218,12 +219,16 @@ Result<std::vector<DrillingResult>> run_drillings(const std::vector<DrillingTria
   std::atomic<std::size_t> next{0}, done{0};
   std::atomic<bool> failed{false};
   std::mutex reporting;
+  PartialDrillings partial(runs.partial);
+  Status kept;
   const auto work = [&] {
     for (std::size_t n = next++; n < unique.size() && !failed; n = next++) {
       const DrillingTrial& trial = trials[unique[n]];
-      results[n] = run_drilling(trial, runs.tool_folder);
+      const std::optional<DrillingResult> earlier = partial.find(trial);
+      results[n] = earlier ? Result<DrillingResult>(*earlier) : run_drilling(trial, runs.tool_folder);
       if (!*results[n]) failed = true;
       const std::scoped_lock lock(reporting);
+      if (!earlier && *results[n] && kept) kept = partial.add(trial, **results[n]);
       if (runs.progress) runs.progress(static_cast<double>(++done) / static_cast<double>(unique.size()), text_of(trial));
     }
   };
@@ -234,6 +239,7 @@ Result<std::vector<DrillingResult>> run_drillings(const std::vector<DrillingTria
   for (std::thread& thread : threads) thread.join();
   for (const auto& result : results)
     if (result && !*result) return result->error();
+  if (!kept) return kept.error();
   std::vector<DrillingResult> out;
   for (const std::size_t at : place) out.push_back(**results[at]);
   return out;

@@ -58,8 +58,9 @@ struct DrillingResult {
 [[nodiscard]] Result<DrillingResult> run_drilling(const DrillingTrial& trial, const std::string& tool_folder);
 
 struct DrillingRuns {
-  std::string tool_folder;                                     ///< of the shipped tools
-  unsigned threads = 0;                                        ///< trials that run in parallel; 0: one per core
+  std::string tool_folder;  ///< of the shipped tools
+  unsigned threads = 0;     ///< trials that run in parallel; 0: one per core
+  std::string partial{};    ///< file of results that are kept while trials run, and used by the next call; empty: none
   std::function<void(double, const std::string&)> progress{};  ///< share done 0..1 and the last trial; one call at a time; may be empty
 };
 /// Runs each trial once, equal ones together. @returns the results in the order of the trials, the same for any number of threads except for

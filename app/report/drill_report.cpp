@@ -142,17 +142,23 @@ void add_tables(const DrillReport& report, HtmlPage& page) {
     page.paragraph(missed_text(report));
   }
   if (!report.hashes.empty()) {
-    page.heading("Hashes");
+    page.heading("Hashes of the results");
     std::vector<std::vector<std::string>> rows;
     for (const DrillReport::Hash& hash : report.hashes) rows.push_back({hash.name, hash.value});
     page.table({"Of", "Hash"}, rows);
+  }
+  if (!report.made.empty()) {
+    page.heading("Made by");
+    std::vector<std::vector<std::string>> rows;
+    for (const DrillReport::Made& made : report.made) rows.push_back({made.name, made.value});
+    page.table({"", ""}, rows);
   }
 }
 
 }  // namespace
 
 Result<std::string> make_drill_report(const DrillReport& report) {
-  HtmlPage page(report.title, report.tool + " · " + report.scene);
+  HtmlPage page(report.title, report.scene);
   page.paragraph(verdict(report));
   if (!report.result.empty()) page.paragraph(result_text(report));
   if (!report.setting.empty()) page.paragraph(report.setting);

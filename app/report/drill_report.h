@@ -41,9 +41,14 @@ struct DrillReport {
     std::string name, value;
   };
 
-  std::string title;  ///< title of the scene
-  std::string scene;  ///< file of the scene
-  std::string tool;
+  /// A line on what made the results.
+  struct Made {
+    std::string name, value;
+  };
+
+  std::string title;                  ///< of the run, with the bit in use
+  std::string scene;                  ///< file name of the scene
+  std::vector<Made> made;             ///< version, date, machine, overrides, erosion factors, hashes of the inputs
   std::string setting;                ///< the settings of the run, in one line
   std::string result, reason;         ///< word of the result and its criterion with numbers; not shown if empty
   std::vector<std::string> flags;     ///< words of the flags of the result

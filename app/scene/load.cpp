@@ -11,6 +11,7 @@
 #include "core/tool/cutting_field.h"
 #include "core/tool/make_tool.h"
 #include "core/tool/mesh_spec.h"
+#include "core/tool/tool_spec.h"
 #include "core/voxel/paged_bone.h"
 #include "haptics/servo/realtime.h"
 #include "volumes/phantom/head_bone.h"
@@ -177,6 +178,23 @@ Result<BoneStorage> place_bone(const LoadedScene& loaded, const std::string& too
   return storage;
 }
 
+/// Applies changes to the text of a tool, which must stay valid. Pushes what is wrong with them, at their place.
+std::string changed_tool(const std::string& text, const std::string& path, const std::vector<std::string>& sets, Issues& issues) {
+  auto document = TomlDocument::parse(text, path);
+  if (!document) {
+    issues.push_back(document.error());
+    return text;
+  }
+  for (const std::string& one : sets)
+    if (Status applied = document->set(one, "--set-tool"); !applied) issues.push_back(applied.error());
+  if (!issues.empty()) return text;
+  if (has_tool_mesh(*document))
+    (void)read_mesh_tool_spec(*document, issues);
+  else
+    (void)read_tool_spec(*document, issues);
+  return document->to_text();
+}
+
 Result<std::string> text_of_file(const std::string& path) {
   std::ifstream file(path);
   std::ostringstream text;
@@ -212,7 +230,7 @@ std::vector<Tool> load_tools(const std::vector<ToolText>& texts, const Scene& sc
 
 Result<std::string> read_tool_text(const std::string& name, const std::string& scene_file, const SceneContext& context) {
   const auto path = find_tool(name, scene_file, context);
-  if (!path) return bad_input("\"" + name + "\" is not a tool (burrhole tools lists them)");
+  if (!path) return bad_input("tool \"" + name + "\" " + tool_not_found(name, scene_file, context));
   const auto text = text_of_file(*path);
   if (!text) return text.error();
   const auto document = TomlDocument::parse(*text, *path);
@@ -245,6 +263,13 @@ std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneC
       return std::nullopt;
     }
     out.tool_text = std::move(text).value();
+  }
+  out.changes = document.changes();
+  out.tool_changes = options.tool_sets;
+  if (!options.tool_sets.empty()) {
+    const std::size_t before = issues.size();
+    out.tool_text = changed_tool(out.tool_text, out.scene.tool.path, options.tool_sets, issues);
+    if (issues.size() > before) return std::nullopt;
   }
   const std::string name = tool_text ? "the session's tool" : out.scene.tool.path;
   std::vector<ToolText> input_tools;

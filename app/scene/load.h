@@ -19,9 +19,11 @@ struct LoadedScene {
   std::string tool_text;  ///< TOML, for the session
   Tool tool;              ///< erosion factors already scaled
   std::shared_ptr<const BoneModel> bone;
-  std::uint64_t scan_bytes = 0;        ///< [bytes] of the scan from which the bone was made, and of what was needed to make it
-  std::string paged_note;              ///< one line on why the bone is in a temporary file; empty: it is in memory
-  std::optional<ImportReport> import;  ///< when the bone came from a scan or a mesh
+  std::uint64_t scan_bytes = 0;           ///< [bytes] of the scan from which the bone was made, and of what was needed to make it
+  std::string paged_note;                 ///< one line on why the bone is in a temporary file; empty: it is in memory
+  std::optional<ImportReport> import;     ///< when the bone came from a scan or a mesh
+  std::vector<std::string> changes;       ///< of the scene's file by the caller: TomlDocument::changes()
+  std::vector<std::string> tool_changes;  ///< of the tool's file: LoadOptions::tool_sets
 };
 
 /// The text of a tool's file.
@@ -33,6 +35,7 @@ struct ToolText {
 /// Options of load_scene() that are not part of the scene file.
 struct LoadOptions {
   std::optional<std::string> tool_text;          ///< use this instead of the tool's file (replay)
+  std::vector<std::string> tool_sets{};          ///< changes of the tool's file, each as TomlDocument::set() takes it; recorded in its text
   std::function<void(double)> progress;          ///< receives the share of a long read that is done, 0..1; may be empty
   std::function<void(const std::string&)> say;   ///< receives one line on the memory that an import will allocate; may be empty
   bool live = false;                             ///< the run will be on threads: counts for [limits] memory_mb

@@ -46,8 +46,7 @@ ToolScene read_tool(TableReader table, const std::string& file, const SceneConte
     if (const auto path = find_tool(name, file, context)) {
       out.path = *path;
     } else {
-      const auto near = nearest_name(name, tool_names(context));
-      table.fault("name", std::string("is not a tool") + (near ? "; did you mean \"" + *near + "\"?" : " (burrhole tools lists them)"));
+      table.fault("name", tool_not_found(name, file, context));
     }
   }
   out.spin = table.number("spin_rpm", {.fallback = std::nullopt, .min = 0.0, .max = 200e3, .to_si = kRevPerMinute}, "speed of the spindle");
@@ -321,7 +320,8 @@ void read_effects(TableReader& root, const SceneContext& context, Scene& scene, 
 
 }  // namespace
 
-std::optional<std::string> find_tool(const std::string& name, const std::string& scene_file, const SceneContext& context) {
+/// @returns the files that a tool's name or path may mean, in the order of the search.
+static std::vector<std::string> tool_places(const std::string& name, const std::string& scene_file, const SceneContext& context) {
   std::vector<std::string> places;
   const bool is_path = name.ends_with(".toml") || name.find('/') != std::string::npos;
   if (is_path) {
@@ -330,8 +330,22 @@ std::optional<std::string> find_tool(const std::string& name, const std::string&
     places.push_back(beside(scene_file, name + ".toml"));
     for (const std::string& folder : context.tool_folders) places.push_back((fs::path(folder) / (name + ".toml")).string());
   }
+  return places;
+}
+
+std::string tool_not_found(const std::string& name, const std::string& scene_file, const SceneContext& context) {
+  std::string where;
+  for (const std::string& place : tool_places(name, scene_file, context)) {
+    const std::string folder = fs::path(place).parent_path().string();
+    where += (where.empty() ? "" : ", ") + (folder.empty() ? std::string("the current folder") : folder);
+  }
+  const auto near = nearest_name(fs::path(name).stem().string(), tool_names(context));
+  return fmt::format("not found in {}{}", where, near ? "; did you mean \"" + *near + "\"?" : " (burrhole tools lists the shipped ones)");
+}
+
+std::optional<std::string> find_tool(const std::string& name, const std::string& scene_file, const SceneContext& context) {
   std::error_code unreadable;  // a name that is too long, or a folder without permission: not there
-  for (const std::string& place : places)
+  for (const std::string& place : tool_places(name, scene_file, context))
     if (fs::is_regular_file(place, unreadable)) return place;
   return std::nullopt;
 }

@@ -44,6 +44,9 @@ struct SceneContext {
   const EffectRegistry* registry = &shipped_effects();  ///< the known effects
 };
 
+/// @returns "not found in FOLDER, FOLDER; did you mean ...?", for a name that find_tool() does not find.
+[[nodiscard]] std::string tool_not_found(const std::string& name, const std::string& scene_file, const SceneContext& context);
+
 /// @returns the path of a tool's file by its name or path, as in [tool]; nothing if there is no such file.
 [[nodiscard]] std::optional<std::string> find_tool(const std::string& name, const std::string& scene_file, const SceneContext& context);
 

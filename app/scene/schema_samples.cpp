@@ -96,7 +96,7 @@ std::vector<SchemaSample> raw_samples() {
   return samples;
 }
 
-constexpr const char* kSceneExample = R"(title = "Parietal burrhole, 14/11 perforator"
+constexpr const char* kSceneExample = R"(title = "Parietal burrhole"
 duration_s = 90.0               # of simulated time, at most
 
 [volume]                        # generated bone: tables, porous diploe, dura and brain

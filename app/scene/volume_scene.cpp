@@ -29,7 +29,11 @@ std::string source_path(TableReader& table, const std::string& source, const std
   }
   std::error_code ignored;
   if (fs::exists(*path, ignored)) return *path;
-  table.fault("source", "is not there: " + *path + missing_data_note(source));
+  table.fault("source",
+              "is not there: tried " + *path + missing_data_note(source) +
+                  (fs::path(source).is_absolute() || source.front() == '$'
+                       ? std::string()
+                       : "; a path in a scene counts from the scene's folder, one on the command line also from the current one"));
   return {};
 }
 

@@ -82,10 +82,10 @@ Status SessionReader::State::check_identity() {
   sqlite3* raw = database.get();
   const std::optional<std::int64_t> id = pragma(raw, "PRAGMA application_id");
   if (!id) {
-    if (sqlite3_errcode(raw) == SQLITE_NOTADB) return bad_input("is no burrhole session (not an SQLite file)", path);
+    if (sqlite3_errcode(raw) == SQLITE_NOTADB) return bad_input("is not a session of burrhole (not an SQLite file)", path);
     return bad_input(std::string("cannot be read: ") + sqlite3_errmsg(raw), path);
   }
-  if (*id != kApplicationId) return bad_input("is no burrhole session", path);
+  if (*id != kApplicationId) return bad_input("is not a session of burrhole: another program wrote it", path);
   const std::int64_t version = pragma(raw, "PRAGMA user_version").value_or(0);
   if (version > kSessionSchema)
     return bad_input(

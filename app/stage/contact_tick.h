@@ -47,7 +47,8 @@ class ContactTick {
   void place(const Pose& world_from_tool) noexcept { state_->world_from_tool = world_from_tool; }
   /// Restores a state after bind(), for a tool change.
   void resume(const ContactState& state) noexcept { *state_ = state; }
-  /// As DrillMonitor::bone_grew().
+  /// As DrillMonitor::start() and bone_grew().
+  void bone_starts(std::span<const std::uint8_t> bone) noexcept { monitor_.start(bone); }
   void bone_grew(std::span<const std::uint8_t> bone) noexcept { monitor_.bone_grew(bone); }
   /// Sets the bone's pose from the next evaluation on; see BoneStep::move_bone().
   void move_bone(const Pose& world_from_bone) noexcept { config_.bone.world_from_bone = world_from_bone; }

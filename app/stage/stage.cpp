@@ -132,6 +132,11 @@ Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> m
                                      model->bone_from_index(), config.volume.world_from_bone, coarse_.get()},
                                     period,
                                     contact_period});
+  if (voxmap->starts_drilled()) {
+    const std::vector<std::uint8_t> axis = bone_on_axis(approach, *voxmap);
+    if (bone->axis() != nullptr) bone->axis()->set(axis);
+    contact->bone_starts(axis);
+  }
   if (Status bound = bind(); !bound) return Error{bound.error().code, bound.error().message, config.file};
   contact->place(start);
   place_effects(start);

@@ -69,7 +69,7 @@ std::uint8_t label_at(const Vec3i& centre, int factor, const VoxelBox& support, 
 DenseBone make_part(const BoneModel& bone, const VoxelBox& coarse, int factor) {
   const VoxelBox support = support_of(coarse, factor);
   std::vector<float> occupancy(support.count()), hardness(support.count()), soft(support.count()), labels(support.count());
-  bone.read_occupancy(support, occupancy);
+  bone.read_density(support, occupancy);
   bone.read_hardness(support, hardness);
   bone.read_soft(support, soft);
   bone.read_labels(support, labels);
@@ -158,7 +158,7 @@ void CoarseBone::subtract_removed(const BoneModel& bone, const VoxelBox& part, s
                                   std::span<float> out) const {
   const VoxelBox support = support_of(part, factor_);
   std::vector<float> removed(support.count());
-  bone.read_occupancy(support, removed);
+  bone.read_density(support, removed);
   for (std::size_t n = 0; n < removed.size(); ++n) removed[n] = std::max(removed[n] - density[n], 0.0f);
   const std::vector<float> mean = mean_over(part, factor_, std::move(removed));
   std::size_t n = 0;

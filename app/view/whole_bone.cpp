@@ -16,12 +16,12 @@ constexpr double kField = 0.6;      // [rad] vertical, as in a run
 constexpr double kMargin = 0.90;    // [-] share of the picture that a box fills at most
 constexpr double kSliceMargin = 1.28;
 
-/// Nothing of this bone is removed.
+/// Nothing of this bone is removed but what was drilled before it was saved.
 DrawnBone drawn_as_loaded(const BoneModel& bone) {
-  return {&bone, [&bone](const VoxelBox& box, std::span<float> out) { bone.read_occupancy(box, out); }, kDeadZone};
+  return {&bone, [&bone](const VoxelBox& box, std::span<float> out) { bone.read_density(box, out); }, kDeadZone};
 }
 
-/// @returns occupancy x hardness of the voxels that a plane needs.
+/// @returns density x hardness of the voxels that a plane needs.
 MineralBox read_plane(const BoneModel& bone, const Vec3& middle, const Vec3& half) {
   const Affine index_from_bone = bone.bone_from_index().inverse();
   VoxelBox box;
@@ -33,7 +33,7 @@ MineralBox read_plane(const BoneModel& bone, const Vec3& middle, const Vec3& hal
   if (out.box.empty()) return out;
   out.values.resize(out.box.count());
   std::vector<float> hardness(out.box.count());
-  bone.read_occupancy(out.box, out.values);
+  bone.read_density(out.box, out.values);
   bone.read_hardness(out.box, hardness);
   std::ranges::transform(out.values, hardness, out.values.begin(), std::multiplies<>());
   return out;

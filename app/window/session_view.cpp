@@ -5,6 +5,7 @@
 #include <chrono>
 #include <thread>
 
+#include "app/job/provenance.h"
 #include "app/session/recorded_hand.h"
 #include "core/base/hash.h"
 
@@ -154,7 +155,7 @@ class Replayer {
 
 Result<SessionViewed> view_session(const SessionReader& session, const LoadedScene& loaded, const SessionView& view) {
   if (loaded.scene.find<DisplayConfig>() == nullptr) return bad_input("a window needs the table [display]", loaded.scene.file);
-  auto window = GlfwWindow::create("session of " + loaded.scene.title + " - burrhole", view.width, view.height);
+  auto window = GlfwWindow::create("session of " + run_title(loaded) + " - burrhole", view.width, view.height);
   if (!window) return window.error();
   WindowState state;
   Viewer viewer(*window, state, view.make_sink, view.viewer);

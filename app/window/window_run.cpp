@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "app/job/provenance.h"
 #include "app/window/window_loop.h"
 
 namespace burrhole {
@@ -29,7 +30,7 @@ bool has_display() { return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY"); }
 
 Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
   if (loaded.scene.find<DisplayConfig>() == nullptr) return bad_input("a window needs the table [display]", loaded.scene.file);
-  auto window = GlfwWindow::create(loaded.scene.title + " - burrhole", run.width, run.height);
+  auto window = GlfwWindow::create(run_title(loaded) + " - burrhole", run.width, run.height);
   if (!window) return Error{window.error().code, window.error().message + " (--offscreen drills without a window)", {}};
   WindowState state;
   Viewer viewer(*window, state, run.make_sink, run.viewer);

@@ -77,6 +77,7 @@ struct TableReader::State {
   void missing(std::string_view key, std::string_view about);
   std::optional<double> checked(const toml::node& node, const NumberRule& rule, const std::string& name, const std::string& where);
   std::shared_ptr<State> child(const std::string& name, const toml::table& sub, const std::string& where);
+  [[nodiscard]] std::string in_a_table(const std::string& key) const;
   void unknown(const std::string& key, const toml::node& node);
 };
 
@@ -129,6 +130,15 @@ std::shared_ptr<TableReader::State> TableReader::State::child(const std::string&
   return slot;
 }
 
+/// @returns the path of a key in a table that was read from this one: the key itself, or with its unit; empty if there is none.
+std::string TableReader::State::in_a_table(const std::string& key) const {
+  for (const auto& [name, child] : children) {
+    if (std::find(child->asked.begin(), child->asked.end(), key) != child->asked.end()) return join(name, key);
+    if (const auto full = with_unit(key, child->asked)) return join(name, *full);
+  }
+  return {};
+}
+
 void TableReader::State::unknown(const std::string& key, const toml::node& node) {
   if (const auto full = with_unit(key, asked); full && find_renamed(renamed, without_indices(join(path, key))) == nullptr) {
     push(ErrorCode::bad_input, fmt::format("{} lacks its unit: write \"{}\"", join(path, key), *full), place_of(key));
@@ -150,7 +160,11 @@ void TableReader::State::unknown(const std::string& key, const toml::node& node)
   } else {
     message = fmt::format("unknown key \"{}\"", one_line(key));
     if (!path.empty()) message += fmt::format(" in [{}]", path);
-    if (near) message += fmt::format("; did you mean \"{}\"?", *near);
+    const std::string elsewhere = path.empty() ? in_a_table(key) : std::string();
+    if (!elsewhere.empty())
+      message += fmt::format("; did you mean \"{}\"?", elsewhere);
+    else if (near)
+      message += fmt::format("; did you mean \"{}\"?", *near);
   }
   push(ErrorCode::bad_input, message, place_of(key));
 }
@@ -355,7 +369,7 @@ Result<TomlDocument> TomlDocument::load(const std::string& path) {
 Result<TomlDocument> TomlDocument::parse(std::string_view text, const std::string& file_name) {
   Result<toml::table> root = parse_table(text, file_name);
   if (!root) return root.error();
-  auto parsed = std::make_shared<ParsedFile>(ParsedFile{file_name, std::string(text), {}, {}, {}, std::move(root).value()});
+  auto parsed = std::make_shared<ParsedFile>(ParsedFile{file_name, std::string(text), {}, {}, {}, {}, std::move(root).value()});
   return TomlDocument(std::make_shared<State>(State{std::move(parsed), renamed_keys()}));
 }
 
@@ -363,7 +377,7 @@ Result<TomlDocument> TomlDocument::parse(std::string_view text, const std::strin
 static Result<std::shared_ptr<ParsedFile>> parse_again(const ParsedFile& old) {
   Result<toml::table> root = parse_table(old.text, old.file);
   if (!root) return root.error();
-  auto next = std::make_shared<ParsedFile>(ParsedFile{old.file, old.text, {}, {}, old.renames, std::move(root).value()});
+  auto next = std::make_shared<ParsedFile>(ParsedFile{old.file, old.text, {}, {}, {}, old.renames, std::move(root).value()});
   auto renames = old.renames.begin();
   for (std::size_t n = 0; n <= old.assignments.size(); ++n) {
     for (; renames != old.renames.end() && renames->first == n; ++renames) static_cast<void>(rename(next->root, renames->second));
@@ -372,12 +386,21 @@ static Result<std::shared_ptr<ParsedFile>> parse_again(const ParsedFile& old) {
   }
   return next;
 }
-Status TomlDocument::set(std::string_view assignment) {
+Status TomlDocument::change(const toml_wrapper::Assignment& assignment) {
   auto next = parse_again(*state_->parsed);
   if (!next) return next.error();
   if (Status status = assign(**next, assignment); !status) return status;
   state_ = std::make_shared<State>(State{*next, state_->renamed});
   return {};
+}
+Status TomlDocument::set(std::string_view assignment, const std::string& option) {
+  return change({std::string(assignment), option, false});
+}
+Status TomlDocument::unset(std::string_view path, const std::string& option) { return change({std::string(path), option, true}); }
+std::vector<std::string> TomlDocument::changes() const {
+  std::vector<std::string> out;
+  for (const Assignment& one : state_->parsed->assignments) out.push_back((one.removes ? "unset " : "") + one.text);
+  return out;
 }
 std::vector<Renaming> TomlDocument::rename(RenamedKeys table) {
   auto next = parse_again(*state_->parsed);

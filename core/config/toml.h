@@ -20,6 +20,9 @@
 namespace burrhole {
 
 struct KeyLog;
+namespace toml_wrapper {
+struct Assignment;
+}
 
 /// Every error found, in the order of the reads; empty means valid.
 using Issues = std::vector<Error>;
@@ -90,9 +93,13 @@ class TomlDocument {
   [[nodiscard]] static Result<TomlDocument> load(const std::string& path);
   [[nodiscard]] static Result<TomlDocument> parse(std::string_view text, const std::string& file_name);
   /// Applies "table.key=value" (value in TOML syntax; a bare word or path is taken as text). Creates missing tables. "region[1].key" names
-  /// an element of an array of tables, from 0. Places of such values read "--set table.key". Existing readers and copies keep the old
-  /// values.
-  [[nodiscard]] Status set(std::string_view assignment);
+  /// an element of an array of tables, from 0, and "region.NAME.key" the element whose key `name` has that value. Places of such values
+  /// read "OPTION table.key". Existing readers and copies keep the old values.
+  [[nodiscard]] Status set(std::string_view assignment, const std::string& option = "--set");
+  /// Removes a table or a key. bad_input: it is not there.
+  [[nodiscard]] Status unset(std::string_view path, const std::string& option = "--unset");
+  /// @returns what set() and unset() were given, in order; a removal as "unset PATH".
+  [[nodiscard]] std::vector<std::string> changes() const;
   /// Brings keys of earlier versions to today's names and units. @returns what was renamed, in the order of the table. Later calls of set()
   /// take today's names.
   std::vector<Renaming> rename(RenamedKeys table = renamed_keys());
@@ -107,6 +114,7 @@ class TomlDocument {
  private:
   struct State;
   explicit TomlDocument(std::shared_ptr<State> state);
+  [[nodiscard]] Status change(const toml_wrapper::Assignment& assignment);
   std::shared_ptr<State> state_;
 };
 

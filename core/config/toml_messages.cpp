@@ -132,7 +132,15 @@ std::optional<std::string> nearest_name(std::string_view word, const std::vector
       found = &candidate;
     }
   }
-  return found != nullptr ? std::optional<std::string>(*found) : std::nullopt;
+  if (found != nullptr) return *found;
+  // A name that is typed in part.
+  constexpr std::size_t kPart = 4;
+  const auto begins = [&](const std::string& name) {
+    return name.size() > word.size() &&
+           std::equal(word.begin(), word.end(), name.begin(), [](char a, char b) { return lower(a) == lower(b); });
+  };
+  if (word.size() < kPart || std::ranges::count_if(candidates, begins) != 1) return std::nullopt;
+  return *std::ranges::find_if(candidates, begins);
 }
 
 }  // namespace burrhole

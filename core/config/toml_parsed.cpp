@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <optional>
 
+#include "core/config/toml.h"
 #include "core/config/toml_messages.h"
 
 namespace burrhole::toml_wrapper {
@@ -60,7 +62,7 @@ std::optional<toml::table> parse_value(std::string_view value) {
   auto table = parse_table("v = " + std::string(value), "");
   if (table.ok() && table->size() == 1) return std::move(table).value();
   const char first = value.front();
-  const bool wordlike = (first >= 'A' && first <= 'Z') || (first >= 'a' && first <= 'z') || std::strchr("_./~", first) != nullptr;
+  const bool wordlike = (first >= 'A' && first <= 'Z') || (first >= 'a' && first <= 'z') || std::strchr("_./~$", first) != nullptr;
   if (!wordlike || value.find_first_of("\"'[]{}=#,") != std::string_view::npos || one_line(value, value.size()) != value)
     return std::nullopt;
   toml::table word;
@@ -68,14 +70,53 @@ std::optional<toml::table> parse_value(std::string_view value) {
   return word;
 }
 
-/// Walks to the table that holds the last key and creates missing tables; nullptr and `stopped_at` if a value of another type is in the
-/// path.
-toml::table* descend(toml::table& root, const std::vector<Step>& steps, std::string& stopped_at) {
+/// @returns the names of the elements of an array of tables.
+std::vector<std::string> element_names(const toml::array& array) {
+  std::vector<std::string> out;
+  for (const toml::node& node : array) {
+    const toml::table* table = node.as_table();
+    out.push_back(table != nullptr ? table->get_as<std::string>("name") != nullptr ? table->get_as<std::string>("name")->get() : "" : "");
+  }
+  return out;
+}
+
+/// Makes a step by a name into one by its index. @returns an error if there is no element of that name.
+Status resolve(const toml::array& array, const std::string& stopped_at, Step& step) {
+  const auto plain = [](std::string name) {
+    std::ranges::replace_if(
+        name, [](char c) { return c == '_' || c == '-'; }, ' ');
+    return name;
+  };
+  const std::vector<std::string> names = element_names(array);
+  for (std::size_t n = 0; n < names.size(); ++n)
+    if (!names[n].empty() && plain(names[n]) == plain(step.key)) {
+      step = {{}, n};
+      return {};
+    }
+  return bad_input(fmt::format("{} has no \"{}\"; it has \"{}\"", stopped_at, step.key, fmt::join(names, "\", \"")));
+}
+
+std::string text_of(const std::vector<Step>& steps) {
+  std::string out;
+  for (const Step& step : steps)
+    if (step.index)
+      out += fmt::format("[{}]", *step.index);
+    else
+      out += (out.empty() ? "" : ".") + step.key;
+  return out;
+}
+
+/// Walks to the table that holds the last key and, if `creates`, creates missing tables; steps by name become steps by index.
+Result<toml::table*> descend(toml::table& root, std::vector<Step>& steps, bool creates) {
   toml::table* table = &root;
+  std::string stopped_at;
   for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
     stopped_at += (stopped_at.empty() ? "" : ".") + steps[i].key;
     toml::node* node = table->get(steps[i].key);
-    if (node == nullptr && !steps[i + 1].index) node = &table->insert(steps[i].key, toml::table{}).first->second;
+    if (node == nullptr && creates && !steps[i + 1].index) node = &table->insert(steps[i].key, toml::table{}).first->second;
+    if (node == nullptr && !creates) return bad_input(fmt::format("the file has no \"{}\"", stopped_at));
+    if (node != nullptr && node->as_array() != nullptr && !steps[i + 1].index)
+      if (Status found = resolve(*node->as_array(), stopped_at, steps[i + 1]); !found) return found.error();
     if (node != nullptr && steps[i + 1].index) {
       const std::size_t index = *steps[++i].index;
       stopped_at += fmt::format("[{}]", index);
@@ -83,9 +124,18 @@ toml::table* descend(toml::table& root, const std::vector<Step>& steps, std::str
       node = array != nullptr && index < array->size() ? array->get(index) : nullptr;
     }
     table = node != nullptr ? node->as_table() : nullptr;
-    if (table == nullptr) return nullptr;
+    if (table == nullptr) return bad_input(fmt::format("\"{}\" is not a table", stopped_at));
   }
   return table;
+}
+
+/// @returns the error of a key that is not there, with the nearest one.
+Error absent(const toml::table& table, const std::string& path, const std::string& key) {
+  std::vector<std::string> names;
+  for (const auto& [name, node] : table) names.emplace_back(name.str());
+  const auto near = nearest_name(key, names);
+  return bad_input(fmt::format("the file has no \"{}\"{}", path,
+                               near ? fmt::format("; did you mean \"{}\"?", *near) : fmt::format("; there is {}", fmt::join(names, ", "))));
 }
 
 }  // namespace
@@ -97,10 +147,10 @@ std::string join(const std::string& path, std::string_view key) {
 
 std::string place_at(const ParsedFile& parsed, const std::string& path, const toml::source_region& where) {
   for (const std::string& top : parsed.overridden)
-    if (lies_under(path, top)) return "--set " + top;
+    if (lies_under(path, top)) return parsed.option + " " + top;
   if (where.begin.line > 0 && !path.empty()) return fmt::format("{}:{}:{}", parsed.file, where.begin.line, where.begin.column);
   for (const std::string& top : parsed.overridden)
-    if (!path.empty() && lies_under(top, path)) return "--set " + top;
+    if (!path.empty() && lies_under(top, path)) return parsed.option + " " + top;
   return parsed.file;
 }
 
@@ -129,21 +179,32 @@ Result<toml::table> parse_table(std::string_view text, const std::string& file) 
   }
 }
 
-Status assign(ParsedFile& parsed, std::string_view assignment) {
-  const std::string place = "--set " + one_line(assignment, 120);
-  const std::size_t equals = assignment.find('=');
+Status assign(ParsedFile& parsed, const Assignment& assignment) {
+  const std::string_view text = assignment.text;
+  const std::string place = assignment.option + " " + one_line(text, 120);
+  const std::size_t equals = assignment.removes ? text.size() : text.find('=');
   if (equals == std::string_view::npos) return bad_input("must read table.key=value", place);
-  const std::string path(trimmed(assignment.substr(0, equals)));
-  const auto steps = parse_path(path);
-  if (!steps || steps->back().index) return bad_input("the part before '=' must read table.key", place);
-  auto value = parse_value(trimmed(assignment.substr(equals + 1)));
+  auto steps = parse_path(trimmed(text.substr(0, equals)));
+  if (!steps || steps->back().index)
+    return bad_input(assignment.removes ? "must read table or table.key" : "the part before '=' must read table.key", place);
+  const auto value = assignment.removes ? std::optional(toml::table()) : parse_value(trimmed(text.substr(equals + 1)));
   if (!value) return bad_input("the part after '=' is not a TOML value; put text in quotes", place);
-  std::string stopped_at;
-  toml::table* table = descend(parsed.root, *steps, stopped_at);
-  if (table == nullptr) return bad_input(fmt::format("\"{}\" is not a table", stopped_at), place);
-  table->insert_or_assign(steps->back().key, std::move(*value->get("v")));
-  parsed.assignments.emplace_back(assignment);
-  parsed.overridden.push_back(path);
+  const auto table = descend(parsed.root, *steps, !assignment.removes);
+  if (!table) return bad_input(table.error().message, place);
+  if (steps->back().index) return bad_input("must read table.key", place);
+  const std::string& key = steps->back().key;
+  if (assignment.removes && !(*table)->contains(key)) {
+    Error error = absent(**table, text_of(*steps), key);
+    return bad_input(error.message, place);
+  }
+  if (assignment.removes)
+    (*table)->erase(key);
+  else
+    (*table)->insert_or_assign(key, *value->get("v"));
+  parsed.assignments.push_back(assignment);
+  if (assignment.removes) return {};
+  parsed.option = assignment.option;
+  parsed.overridden.push_back(text_of(*steps));
   return {};
 }
 

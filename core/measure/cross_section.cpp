@@ -100,7 +100,7 @@ std::optional<SectionMeasure> measure_section(const Voxmap& voxmap, const Approa
   const Bounds around = bounds_under(index_from_approach, {Vec3(-wide, -wide, room - length), Vec3(wide, wide, room)});
   const VoxelBox box{floor_int(around.lo) - 1, floor_int(around.hi) + 3};
   DenseField before{box, std::vector<float>(box.count())}, after{box, std::vector<float>(box.count())};
-  voxmap.bone().read_occupancy(box, before.values);
+  voxmap.read_start(box, before.values);
   voxmap.read_density(box, after.values);
   std::size_t columns = 0, clear = 0, passed = 0, uncut = 0;
   for (const SectionCell& cell : section.cells) {
@@ -112,7 +112,7 @@ std::optional<SectionMeasure> measure_section(const Voxmap& voxmap, const Approa
     ++passed;
     uncut += column.clear ? 0 : 1;
   }
-  if (columns == 0) return std::nullopt;
+  if (columns == 0 || (voxmap.starts_drilled() && 2 * columns < section.cells.size())) return std::nullopt;
   SectionMeasure out{.cleared = static_cast<double>(clear) / static_cast<double>(columns)};
   if (2 * passed >= columns && passed > 0) out.uncut = static_cast<double>(uncut) / static_cast<double>(passed);
   return out;

@@ -2,7 +2,7 @@
 ///   The cross-section is the projection of the cutting part along the axis, from the tip up to the first shoulder: a disc for a drill or a
 ///   burr, a ring for a trephine, a rectangle for a saw blade; of a 14/11 perforator the inner drill alone. A shoulder is where the cutting
 ///   part widens by more than 0.25 mm after it has not widened over 0.5 mm of its length.
-///   A column is the bone as loaded beside the axis, parallel to it, over one cell of the cross-section: from its first bone to its last, a
+///   A column is the bone before the run beside the axis, parallel to it, over one cell of the cross-section: from its first bone to its last, a
 ///   gap of less than 2 mm being bone. It is clear if none of that bone is left.
 ///   Frame  tool frame (cells); the tool stands in the approach frame without rotation.   Units  SI.   Errors  none.
 ///   Thread  simulation (reads the voxmap).   Source  own definition.
@@ -41,7 +41,8 @@ struct SectionMeasure {
 };
 
 /// @param deepest [m] greatest depth of the tip. The bit has passed a column if its lowest cutting point over it was more than 0.5 mm and a
-/// voxel deeper than the column's last bone. @returns nothing if no column has bone.
+/// voxel deeper than the column's last bone. @returns nothing if no column has bone; of bone that was drilled before the run, if
+/// less than half of them have: the bit follows a hole that was there.
 [[nodiscard]] std::optional<SectionMeasure> measure_section(const Voxmap& voxmap, const Approach& approach, const CrossSection& section,
                                                             double deepest);
 

@@ -30,13 +30,17 @@ void DrillMonitor::follow(const Tip& tip, double voxel_edge, const Solid& solid)
   std::size_t front = 0;
   while (front < a.axis_index.size() && !solid(front)) ++front;
   progress_.front = front < a.axis_index.size() ? a.axis_depth[front] : a.thickness;
+  if (progress_.open_axis) return;
   progress_.largest_ahead = std::max(progress_.largest_ahead, progress_.depth - progress_.front - tip.engagement);
 
   for (std::size_t n = a.axis_index.size(); n-- > 0 && a.axis_depth[n] > progress_.depth;)
     if (solid(n)) return;
-  std::size_t cut = 0;
-  for (std::size_t n = 0; n < a.axis_index.size(); ++n) cut += solid(n) ? 0 : 1;
-  const double share = static_cast<double>(cut) / static_cast<double>(a.axis_index.size());
+  std::size_t cut = 0, all = 0;
+  for (std::size_t n = 0; n < a.axis_index.size(); ++n) {
+    all += start_[n];
+    cut += start_[n] != 0 && !solid(n) ? 1 : 0;
+  }
+  const double share = static_cast<double>(cut) / static_cast<double>(all);
   if (!progress_.passed_time) {
     progress_.passed_time = tip.time;
     progress_.removed_at_passing = share;
@@ -47,11 +51,20 @@ void DrillMonitor::follow(const Tip& tip, double voxel_edge, const Solid& solid)
   progress_.breakthrough_depth = progress_.depth;
 }
 
+void DrillMonitor::start(std::span<const std::uint8_t> bone) noexcept {
+  for (std::size_t n = 0; n < start_.size() && n < bone.size(); ++n) {
+    start_[n] = bone[n] != 0 ? 1 : 0;
+    cut_[n] = bone[n] != 0 ? 0 : 1;
+  }
+  progress_.open_axis = std::ranges::find(start_, std::uint8_t{1}) == start_.end();
+}
+
 void DrillMonitor::bone_grew(std::span<const std::uint8_t> bone) noexcept {
   bool grew = false;
   for (std::size_t n = 0; n < cut_.size() && n < bone.size(); ++n) {
     grew = grew || (cut_[n] != 0 && bone[n] != 0);
     cut_[n] = bone[n] != 0 ? 0 : 1;
+    if (bone[n] != 0) start_[n] = 1;  // a reset may bring back more than the run removed
   }
   if (!grew) return;
   const auto first = static_cast<std::size_t>(std::ranges::find(cut_, std::uint8_t{0}) - cut_.begin());

@@ -25,7 +25,8 @@ struct DrillProgress {
   std::optional<double> breakthrough_time;
   std::optional<double> breakthrough_depth;  ///< [m] of the tip at breakthrough_time
   std::optional<double> passed_time;         ///< [s] first tick with the tip beyond the last bone on the axis, by cutting or not
-  double removed_at_passing = 0.0;           ///< [-] share of the axis samples as loaded that were cut at passed_time
+  double removed_at_passing = 0.0;           ///< [-] share of the axis samples of bone at the start that were cut at passed_time
+  bool open_axis = false;                    ///< no bone was on the axis at the start: there is no breakthrough, and nothing to pass
   double largest_aside = 0.0;                ///< [m] greatest distance of the tip from the axis, in contact, up to passed_time
 };
 
@@ -34,7 +35,11 @@ inline constexpr double kAsideForce = 1.0;
 
 class DrillMonitor {
  public:
-  explicit DrillMonitor(const Approach& approach) : approach_(&approach), cut_(approach.axis_index.size(), 0) {}
+  explicit DrillMonitor(const Approach& approach)
+      : approach_(&approach), cut_(approach.axis_index.size(), 0), start_(approach.axis_index.size(), 1) {}
+  /// Bone on the axis was drilled before the run: what is gone is not of this run. Call it before the first tick.
+  /// @param bone as bone_on_axis().
+  void start(std::span<const std::uint8_t> bone) noexcept;
   /// Processes one contact tick. @param tip_bone [m] position of the tip, bone frame. @param force [N] on the hand. @param engagement [m]
   /// engaged depth of the bit. @param time [s].
   void look(const ContactView& bone, const Vec3& tip_bone, const Vec3& force, double engagement, double time) noexcept;
@@ -58,8 +63,9 @@ class DrillMonitor {
   void follow(const Tip& tip, double voxel_edge, const Solid& solid) noexcept;
 
   const Approach* approach_;
-  double last_time_ = 0.0;         // [s]
-  std::vector<std::uint8_t> cut_;  // 1: the axis sample is without bone; outside the window the last known state holds
+  double last_time_ = 0.0;           // [s]
+  std::vector<std::uint8_t> cut_;    // 1: the axis sample is without bone; outside the window the last known state holds
+  std::vector<std::uint8_t> start_;  // 1: the axis sample was bone at the start of the run
   DrillProgress progress_;
 };
 

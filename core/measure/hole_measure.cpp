@@ -74,11 +74,11 @@ HoleMeasure measure_hole(Voxmap& voxmap, const Approach& approach) {
   const double edge = bone_from_index.mean_edge();
   const VoxelBox box = changed.grown(static_cast<int>(std::ceil(0.004 / edge)));
   DenseField before{box, std::vector<float>(box.count())}, after{box, std::vector<float>(box.count())};
-  voxmap.bone().read_occupancy(box, before.values);
+  voxmap.read_start(box, before.values);
   voxmap.read_density(box, after.values);
   out.removed = removed_volume(before, after, changed, bone_from_index.cell_volume());
   for (std::size_t n = 0; n < before.values.size(); ++n)
-    out.removed_mass += static_cast<double>(before.values[n]) - static_cast<double>(after.values[n]);
+    out.removed_mass += std::max(0.0, static_cast<double>(before.values[n]) - static_cast<double>(after.values[n]));
   out.removed_mass *= bone_from_index.cell_volume();
 
   const Affine approach_from_index = Affine::from_pose(approach.bone_from_approach.inverse()) * bone_from_index;

@@ -1,4 +1,5 @@
-/// core/measure/hole_measure.h: the drilled hole, measured on the 0.5 surface at the end of a run.
+/// core/measure/hole_measure.h: what a run has drilled, measured on the 0.5 surface at its end. Bone that was gone before the run
+///   (Voxmap::starts_drilled) is no part of it: "as loaded" below is the state before the run.
 ///   Frame  bone frame.   Units  SI.   Errors  none.   Thread  simulation (reads the voxmap).
 #pragma once
 

@@ -84,8 +84,11 @@ std::string reason_of(DrillResult result, const OutcomeFigures& f) {
       return "the run was stopped " + depth;
     case DrillResult::did_not_cut:
       if (!f.spins) return "no bone is removed by this bit at this speed, or without [erosion]";
+      if (f.axis_open) return fmt::format("no bone was on the axis at the start; this run removed {:.2f} mm3", f.removed_mass_mm3);
       return fmt::format("the removed bone is {:.3f} mm deep, spread over the bit's cross-section", cut_depth_mm(f));
     case DrillResult::stopped_short:
+      if (f.axis_open)
+        return fmt::format("no bone was on the axis at the start; this run removed {:.1f} mm3; {}", f.removed_mass_mm3, end_text(f.end));
       return fmt::format("{} {}; {:.0f} % of the bit's cross-section is clear", end_text(f.end), depth,
                          percent(f.cleared_share.value_or(0.0)));
   }
@@ -100,7 +103,7 @@ bool is_set(OutcomeFlag flag, DrillResult result, const OutcomeFigures& f, const
     case kFlagShelfLeft:
       return through && *f.cleared_share < limits.whole_share;
     case kFlagCoreLeft:
-      return through && !f.axis_clear;
+      return through && !f.axis_clear && !f.axis_open;
     case kFlagTunnelled:
       return f.section_on_axis && !skated(f, limits) && f.ahead_mm.value_or(0.0) > f.voxel_mm;
     case kFlagBroughtBack:

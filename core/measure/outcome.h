@@ -68,6 +68,7 @@ struct OutcomeFigures {
   bool passed = false;                               ///< the tip was deeper than all bone on the axis
   double axis_removed = 0.0;                         ///< [-] share of the bone on the axis that was removed when the tip passed it
   bool axis_clear = false;                           ///< breakthrough: no bone is left on the axis
+  bool axis_open = false;                            ///< no bone was on the axis at the start: it was drilled before
   bool brought_back = false;                         ///< a breakthrough was taken back by an undo, a reset or a restore
   std::optional<double> cleared_share, uncut_share;  ///< [-] SectionMeasure
   double section_mm2 = 0.0;                          ///< [mm^2] area of the cross-section; 0: unknown

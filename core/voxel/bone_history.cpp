@@ -177,9 +177,14 @@ Status BoneHistory::restore(std::string_view name) {
 
 void BoneHistory::reset() {
   begin_step();
-  std::vector<BlockEntry> wanted;
-  voxmap_->blocks().for_each_block([&](const Vec3i& block, const BlockValues&) { wanted.push_back({key_of_block(block), kWasAsLoaded}); });
-  bring_back(wanted);
+  const BlockStore* const loaded = voxmap_->bone().drilled();
+  std::vector<BlockChange> changes;
+  voxmap_->blocks().for_each_block([&](const Vec3i& block, const BlockValues&) {
+    if (loaded == nullptr || loaded->find(block) == nullptr) changes.push_back({block, nullptr});
+  });
+  if (loaded != nullptr)
+    loaded->for_each_block([&](const Vec3i& block, const BlockValues& values) { changes.push_back({block, &values}); });
+  voxmap_->put_blocks(changes);
   end_step();
 }
 

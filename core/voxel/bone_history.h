@@ -51,7 +51,7 @@ class BoneHistory final : public BlockKeeper {
   [[nodiscard]] Status checkpoint(std::string_view name);
   /// Restores a checkpoint, as a separate step that can be undone. bad_input: no checkpoint of that name.
   [[nodiscard]] Status restore(std::string_view name);
-  /// Restores the bone as loaded, as a separate step that can be undone.
+  /// Restores the bone as loaded, with BoneModel::drilled(), as a separate step that can be undone.
   void reset();
 
   [[nodiscard]] std::size_t steps() const noexcept;  ///< number of steps that can be undone

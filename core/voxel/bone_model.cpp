@@ -4,6 +4,7 @@
 
 #include "core/base/parallel.h"
 #include "core/voxel/paged_bone.h"
+#include "core/voxel/saved_remaining.h"
 #include "core/voxel/vdb_grids.h"
 
 namespace burrhole {
@@ -104,6 +105,7 @@ std::size_t BoneModelBuilder::bytes() const { return fields_.bytes(); }
 std::shared_ptr<const BoneModel> BoneModelBuilder::finish(std::string notes) {
   std::shared_ptr<BoneModel> out(new BoneModel(dims_, bone_from_index_, std::move(fields_), std::move(notes)));
   out->surroundings_ = std::move(surroundings_);
+  out->drilled_ = std::move(drilled_);
   return out;
 }
 
@@ -114,7 +116,9 @@ Result<std::shared_ptr<const BoneModel>> BoneModel::load(const std::string& path
   fields.grids = std::make_unique<Grids>();
   const auto& grids = fields.grids;
   int found = 0;
+  const FloatVdb* remaining = nullptr;
   for (FloatVdb& grid : content->grids) {
+    if (grid.name() == kRemainingGrid) remaining = &grid;
     for (FloatVdb* slot : {&grids->occupancy, &grids->hardness, &grids->soft, &grids->labels}) {
       if (grid.name() != slot->name()) continue;
       *slot = std::move(grid);
@@ -123,9 +127,15 @@ Result<std::shared_ptr<const BoneModel>> BoneModel::load(const std::string& path
     }
   }
   if (found != 4 || VoxelBox{Vec3i(0), content->dims}.empty())
-    return bad_input("is not a bone model: grids occupancy, hardness, soft and labels are needed", path);
-  return std::shared_ptr<const BoneModel>(
-      new BoneModel(content->dims, content->bone_from_index, std::move(fields), std::move(content->notes)));
+    return found == 0 && remaining != nullptr
+               ? bad_input("holds the changes of a bone alone, not the bone: give its source, and this file by --restore", path)
+               : bad_input("is not a bone model: grids occupancy, hardness, soft and labels are needed", path);
+  std::shared_ptr<BoneModel> out(new BoneModel(content->dims, content->bone_from_index, std::move(fields), std::move(content->notes)));
+  if (remaining == nullptr) return std::shared_ptr<const BoneModel>(std::move(out));
+  auto blocks = saved_remaining(*remaining, out->bounds(), path);
+  if (!blocks) return blocks.error();
+  if (blocks->size() > 0) out->drilled_ = std::make_shared<const BlockStore>(std::move(blocks).value());
+  return std::shared_ptr<const BoneModel>(std::move(out));
 }
 
 Result<std::shared_ptr<const BoneModel>> BoneModel::paged(const BoneStorage& storage) const {
@@ -154,6 +164,7 @@ Result<std::shared_ptr<const BoneModel>> BoneModel::paged(const BoneStorage& sto
     grid->for_each_region([&](const VoxelBox& region) { for_each_voxel(blocks_of(region.intersect(bounds())), copy); });
   if (!status.ok()) return status.error();
   builder->surround(surroundings_);
+  builder->start_from(drilled_);
   return builder->finish(notes_);
 }
 
@@ -180,6 +191,13 @@ void BoneModel::for_each_drawn_region(const std::function<void(const VoxelBox&)>
 void BoneModel::read_occupancy(const VoxelBox& box, std::span<float> out) const {
   if (fields_.pages) return fields_.pages->read(BoneField::occupancy, box, out);
   fields_.grids->occupancy.read_box(box, out);
+}
+void BoneModel::read_density(const VoxelBox& box, std::span<float> out) const {
+  read_occupancy(box, out);
+  if (drilled_ == nullptr) return;
+  std::vector<float> remaining(out.size());
+  drilled_->read_box(box, remaining);
+  for (std::size_t n = 0; n < out.size(); ++n) out[n] *= remaining[n];
 }
 void BoneModel::read_hardness(const VoxelBox& box, std::span<float> out) const {
   if (fields_.pages) return fields_.pages->read(BoneField::hardness, box, out);

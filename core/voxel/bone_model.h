@@ -15,6 +15,7 @@
 
 #include "core/base/geometry.h"
 #include "core/base/result.h"
+#include "core/voxel/block_store.h"
 #include "core/voxel/bone_file.h"
 
 namespace burrhole {
@@ -72,7 +73,8 @@ class BoneModel {
   /// bad_input when sizes disagree, dims are not positive, the affine is singular, or a value is not finite or outside 0..1; errors of
   /// bone_file.h.
   [[nodiscard]] static Result<std::shared_ptr<const BoneModel>> create(const DenseBone& dense, const BoneStorage& storage = {});
-  /// Reads a file written by Voxmap::save; its `remaining` grid is ignored. bad_input: see read_vdb().
+  /// Reads a file written by Voxmap::save. Its `remaining` becomes drilled(): a voxmap of the bone starts with it. bad_input: see
+  /// read_vdb(); a `remaining` outside 0..1 or not finite.
   [[nodiscard]] static Result<std::shared_ptr<const BoneModel>> load(const std::string& path);
   ~BoneModel();
 
@@ -84,6 +86,8 @@ class BoneModel {
   /// Assumptions made by the import of the scan, one per line; saved with the bone.
   [[nodiscard]] const std::string& notes() const noexcept { return notes_; }
   [[nodiscard]] std::size_t bytes() const;  ///< in memory, without the surroundings
+  /// Blocks of `remaining` of a bone that was drilled before it was saved; null: it was not. The other fields are those before drilling.
+  [[nodiscard]] const BlockStore* drilled() const noexcept { return drilled_.get(); }
   /// What is drawn around the bone; null if it is drawn alone.
   [[nodiscard]] const Surroundings* surroundings() const noexcept { return surroundings_.get(); }
   /// @returns bytes(); of a paged bone about what they would be in memory.
@@ -102,6 +106,7 @@ class BoneModel {
   void for_each_drawn_region(const std::function<void(const VoxelBox&)>& f) const;
   // Dense copies of a box, i fastest; the box may reach outside the grid, where all fields are 0.
   void read_occupancy(const VoxelBox& box, std::span<float> out) const;
+  void read_density(const VoxelBox& box, std::span<float> out) const;  ///< occupancy x remaining of drilled()
   void read_hardness(const VoxelBox& box, std::span<float> out) const;
   void read_soft(const VoxelBox& box, std::span<float> out) const;
   void read_labels(const VoxelBox& box, std::span<float> out) const;  ///< VoxelLabel as a number
@@ -130,6 +135,7 @@ class BoneModel {
   VoxelBox bone_box_;
   std::string notes_;
   std::shared_ptr<const Surroundings> surroundings_;
+  std::shared_ptr<const BlockStore> drilled_;
 };
 
 /// Builds a bone model box by box, so that a large scan need not be in memory as dense fields.   Thread  one.
@@ -146,6 +152,8 @@ class BoneModelBuilder {
   [[nodiscard]] std::size_t bytes() const;
   /// Sets what is drawn around the bone; may be null.
   void surround(std::shared_ptr<const Surroundings> surroundings) noexcept { surroundings_ = std::move(surroundings); }
+  /// Sets BoneModel::drilled(); may be null.
+  void start_from(std::shared_ptr<const BlockStore> drilled) noexcept { drilled_ = std::move(drilled); }
   /// @returns the model; the builder is empty afterwards.
   [[nodiscard]] std::shared_ptr<const BoneModel> finish(std::string notes = {});
 
@@ -155,6 +163,7 @@ class BoneModelBuilder {
   Affine bone_from_index_;
   BoneModel::Fields fields_;
   std::shared_ptr<const Surroundings> surroundings_;
+  std::shared_ptr<const BlockStore> drilled_;
 };
 
 }  // namespace burrhole

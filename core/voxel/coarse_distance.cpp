@@ -11,8 +11,6 @@ constexpr int kEdge = 8;  // [voxels] of a block
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kFar = 1e18f;  // [blocks^2] above any square of a distance
 
-Vec3i block_of(const Vec3i& v) noexcept { return v >> 3; }
-
 /// The smallest factor by which a linear map stretches a vector: exact for orthogonal axes of any orientation, a lower bound for others.
 double least_stretch(const Mat3& linear) noexcept {
   const Mat3 inverse = glm::inverse(glm::transpose(linear) * linear);

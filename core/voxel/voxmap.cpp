@@ -5,6 +5,7 @@
 #include "core/base/assert.h"
 #include "core/voxel/box_parts.h"
 #include "core/voxel/gradient.h"
+#include "core/voxel/saved_remaining.h"
 #include "core/voxel/vdb_grids.h"
 
 namespace burrhole {
@@ -19,21 +20,13 @@ constexpr BlockValues kAsLoaded = [] {
 
 bool same_bits(const BlockValues& a, const BlockValues& b) noexcept { return std::memcmp(a.data(), b.data(), sizeof(BlockValues)) == 0; }
 
-/// Leaf by leaf; voxels of value 1 make no block.
-BlockStore blocks_from(const FloatVdb& grid) {
-  BlockStore out;
-  BlockValues values;
-  for_each_voxel(blocks_of(grid.active_bounds()), [&](const Vec3i& block) {
-    grid.read_box(box_of_block(block), values);
-    if (!same_bits(values, kAsLoaded)) out.put(block, values);
-  });
-  return out;
-}
-
 }  // namespace
 
 Voxmap::Voxmap(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config) : bone_(std::move(bone)), config_(config) {
   window_.gradient_dead_zone = config.gradient_dead_zone;
+  if (bone_->drilled() == nullptr) return;
+  bone_->drilled()->for_each_block([this](const Vec3i& block, const BlockValues& values) { blocks_.put(block, values); });
+  start_ = std::shared_ptr<const BlockStore>(bone_, bone_->drilled());
 }
 
 Result<Voxmap> Voxmap::create(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config) {
@@ -217,7 +210,7 @@ Status Voxmap::save(const std::string& path, SavedBone saved) {
   if (saved == SavedBone::whole && bone_->file_bytes())
     return bad_input("a bone whose voxels are in a temporary file cannot be saved whole, only its changes", path);
   write_back();
-  FloatVdb remaining("remaining", 1.0f);
+  FloatVdb remaining(kRemainingGrid, 1.0f);
   blocks_.for_each_block([&](const Vec3i& block, const BlockValues& values) { remaining.write_box(box_of_block(block), values); });
   std::vector<const FloatVdb*> grids;
   if (saved == SavedBone::whole) grids = bone_->grids();
@@ -230,28 +223,32 @@ Status Voxmap::restore(const std::string& path) {
   if (!content) return content.error();
   FloatVdb* found = nullptr;
   for (FloatVdb& grid : content->grids)
-    if (grid.name() == "remaining") found = &grid;
+    if (grid.name() == kRemainingGrid) found = &grid;
   if (found == nullptr) return bad_input("holds no grid named remaining: it is not a checkpoint", path);
-  if (content->dims != bone_->dims() || found->background() != 1.0f)
-    return bad_input("was saved from another bone: the dimensions differ", path);
+  if (content->dims != bone_->dims()) return bad_input("was saved from another bone: the dimensions differ", path);
   const Affine &saved = content->bone_from_index, &here = bone_->bone_from_index();
   if (saved.linear != here.linear || saved.offset != here.offset)
     return bad_input("was saved from another bone: it lies at another place", path);
-  if (!bone_->bounds().grown(2 * kMaxWindowEdge).contains(found->active_bounds()))
-    return bad_input("holds a remaining far outside its bone", path);
-  bool sound = true;
-  found->for_each_sorted([&](const Vec3i&, float value) { sound = sound && value >= 0.0f && value <= 1.0f; });
-  if (!sound) return bad_input("holds a remaining outside 0..1 or not finite", path);
-
-  const BlockStore read = blocks_from(*found);
+  auto blocks = saved_remaining(*found, bone_->bounds(), path);
+  if (!blocks) return blocks.error();
+  const auto read = std::make_shared<const BlockStore>(std::move(blocks).value());
   std::vector<BlockChange> changes;
   write_back();
   blocks_.for_each_block([&](const Vec3i& block, const BlockValues&) {
-    if (read.find(block) == nullptr) changes.push_back({block, nullptr});
+    if (read->find(block) == nullptr) changes.push_back({block, nullptr});
   });
-  read.for_each_block([&](const Vec3i& block, const BlockValues& values) { changes.push_back({block, &values}); });
+  read->for_each_block([&](const Vec3i& block, const BlockValues& values) { changes.push_back({block, &values}); });
   put_blocks(changes);
+  start_ = read->size() > 0 ? read : nullptr;
   return {};
+}
+
+void Voxmap::read_start(const VoxelBox& box, std::span<float> out) const {
+  bone_->read_occupancy(box, out);
+  if (start_ == nullptr) return;
+  std::vector<float> remaining(out.size());
+  start_->read_box(box, remaining);
+  for (std::size_t n = 0; n < out.size(); ++n) out[n] *= remaining[n];
 }
 
 std::uint64_t Voxmap::hash() {
@@ -272,7 +269,8 @@ VoxelBox Voxmap::changed_bounds() {
 }
 
 std::size_t Voxmap::bytes() const {
-  return bone_->bytes() + blocks_.bytes() + window_.bytes() + (prefetch_ != nullptr ? prefetch_->bytes() : 0);
+  return bone_->bytes() + (start_ != nullptr ? start_->bytes() : 0) + blocks_.bytes() + window_.bytes() +
+         (prefetch_ != nullptr ? prefetch_->bytes() : 0);
 }
 
 }  // namespace burrhole

@@ -124,8 +124,13 @@ class Voxmap {
   /// Saves one .vdb (temporary name, then rename). restore() reads either. bad_input: the path cannot be written, or the whole of a paged
   /// bone is requested.
   [[nodiscard]] Status save(const std::string& path, SavedBone saved = SavedBone::whole);
-  /// Reads `remaining` from a file saved from the same bone; increments the growth epoch. bad_input: the grids do not match the bone.
+  /// Reads `remaining` from a file saved from the same bone, as the start of a run; increments the growth epoch. bad_input: the grids do
+  /// not match the bone.
   [[nodiscard]] Status restore(const std::string& path);
+  /// @returns whether the bone was drilled before the run: by the file of the bone model, or by restore().
+  [[nodiscard]] bool starts_drilled() const noexcept { return start_ != nullptr; }
+  /// Density before the run: dense copy of a box, i fastest. The box may extend outside the grid.
+  void read_start(const VoxelBox& box, std::span<float> out) const;
 
   /// @returns the hash over all voxels that differ from the bone as loaded, sorted by k, j, i; independent of window and storage.
   [[nodiscard]] std::uint64_t hash();
@@ -143,7 +148,8 @@ class Voxmap {
 
   std::shared_ptr<const BoneModel> bone_;
   VoxmapConfig config_;
-  BlockStore blocks_;  // of remaining
+  BlockStore blocks_;                        // of remaining
+  std::shared_ptr<const BlockStore> start_;  // the same before the run; null: all voxels are 1
   CutSurface cut_;
   MasterWindow window_;
   BlockMarks unsaved_;  // blocks of the window that were committed since write_back()

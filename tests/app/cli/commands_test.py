@@ -43,7 +43,7 @@ class OtherCommands(WithFolder):
         for scene, sets in ((QUICK, ["display.size=[64,48]"]), (QUICK, []), ("parietal", ["duration_s=2"])):
             with self.subTest(scene=scene, sets=sets):
                 out = self.folder / "run"
-                done = run("drill", scene, "--out", out, *[a for s in sets for a in ("--set", s)])
+                done = run("drill", scene, "--force", "--out", out, *[a for s in sets for a in ("--set", s)])
                 self.assertEqual(done.returncode, 0, done.stderr)
                 memory = json.loads((out / "summary.json").read_text())["memory"]
                 self.assertLess(abs(memory["predicted_bytes"] / memory["peak_bytes"] - 1.0), 0.15, memory)

@@ -14,7 +14,6 @@ DrillReport make_report() {
   DrillReport report;
   report.title = "Parietal <burrhole>";
   report.scene = "parietal.toml";
-  report.tool = "perforator";
   for (int i = 0; i < 4000; ++i) {
     report.time_s.push_back(0.001 * i);
     report.force_N.push_back(2.0);

@@ -58,8 +58,10 @@ const BadScene kBadScenes[] = {
     {"spacing_mm = 0.25", "spacing_mm = [1, 2]", {"bad.toml:6:1: volume.spacing_mm = [array] must be a number"}},
     {"[hand]", "[hande]", {"~hand is missing: every scene needs this table", "bad.toml:19:2: unknown table [hande]; did you mean [hand]?"}},
     {"spin_rpm = 1000.0\n", "", {"bad.toml:12:2: tool.spin_rpm is missing (speed of the spindle)"}},
-    {"\"ball\"", "\"perforator_14\"", {"bad.toml:13:1: tool.name = \"perforator_14\" is not a tool; did you mean \"perforator_14_11\"?"}},
-    {"\"ball\"", "\"no/such.toml\"", {"bad.toml:13:1: tool.name = \"no/such.toml\" is not a tool (burrhole tools lists them)"}},
+    {"\"ball\"", "\"perforator_14\"", {"~bad.toml:13:1: tool.name = \"perforator_14\" not found in the current folder, "}},
+    {"\"ball\"",
+     "\"no/such.toml\"",
+     {"bad.toml:13:1: tool.name = \"no/such.toml\" not found in no (burrhole tools lists the shipped ones)"}},
     {"cutting_N_per_m = 40e3", "rate_hz = 300", {"bad.toml:26:1: contact.rate_hz = 300 must divide servo_hz = 1000"}},
     {"[erosion]", "[erosion]\nrate_hz = 333", {"bad.toml:29:1: erosion.rate_hz = 333 must divide servo_hz = 1000"}},
     {"[0.0, 0.0, 0.0]",
@@ -137,7 +139,9 @@ const BadScene kBadScenes[] = {
     {"[record]", "[display]\nmethod = \"slices\"\nshadow = true", {"~unknown key \"shadow\" in [display]"}},
     {"[record]", "[display]\nbackground_top = [0, 2, 0]", {"~display.background_top[1] = 2 must be in [0, 1]"}},
     {"[record]", "[heat]", {"bad.toml:30:2: heat is an effect that is not in this version"}},
-    {"phantom:plate", "skull.nii", {"bad.toml:5:1: volume.source = \"skull.nii\" is not there: skull.nii"}},
+    {"phantom:plate",
+     "skull.nii",
+     {"~bad.toml:5:1: volume.source = \"skull.nii\" is not there: tried skull.nii; a path in a scene counts from the scene's folder"}},
 };
 
 TEST_CASE("scene: each error is reported by file, line, column, value and remedy") {

@@ -166,9 +166,9 @@ TEST_CASE("session: missing, foreign and empty files are refused by name") {
   std::ofstream(folder.file("text")) << std::string(5000, 'x');
   CHECK(refusal(folder.file("text")).find("not an SQLite file") != std::string::npos);
   std::ofstream(folder.file("empty")).flush();
-  CHECK(refusal(folder.file("empty")).find("is no burrhole session") != std::string::npos);
+  CHECK(refusal(folder.file("empty")).find("is not a session of burrhole") != std::string::npos);
   run_sql(folder.file("other.db"), "CREATE TABLE t(x)");
-  CHECK(refusal(folder.file("other.db")).find("is no burrhole session") != std::string::npos);
+  CHECK(refusal(folder.file("other.db")).find("is not a session of burrhole") != std::string::npos);
 }
 
 TEST_CASE("session: a newer schema is refused by its number") {

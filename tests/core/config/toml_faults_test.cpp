@@ -161,6 +161,8 @@ TEST_CASE("nearest_name: slips of the keyboard are found, other words are not") 
   CHECK(nearest_name("spin_rmp", names) == "spin_rpm");     // two swapped
   CHECK(nearest_name("tolo", names) == "tool");             // two swapped are one slip, and a short word may have one
   CHECK(nearest_name("Tool", names) == "tool");             // capitals
+  CHECK(nearest_name("perforator", {"perforator_14_11", "acosta_liu_perforator"}) == "perforator_14_11");  // typed in part
+  CHECK_FALSE(nearest_name("round_burr", {"round_burr_2mm", "round_burr_4mm"}).has_value());               // of two
   CHECK_FALSE(nearest_name("heat", names).has_value());
   CHECK_FALSE(nearest_name("x", names).has_value());
   CHECK_FALSE(nearest_name("", names).has_value());

@@ -57,6 +57,56 @@ TEST_CASE("set: later places name the assignment, others keep their line") {
   CHECK(issues[3].text() == "--set heat.step_ms: heat.depth_mm is missing (d)");
 }
 
+TEST_CASE("set: an element of an array of tables by its name, a blank as _ or -") {
+  TomlDocument document = parsed("[[region]]\nname = \"inner drill\"\ne = 1\n[[region]]\nname = \"shank\"\ne = 2\n");
+  REQUIRE(document.set("region.inner_drill.e=0.25", "--set-tool").ok());
+  REQUIRE(document.set("region.inner-drill.f=-1", "--set-tool").ok());
+  REQUIRE(document.set("region.shank.e=0.5", "--set-tool").ok());
+  CHECK(document.changes() == std::vector<std::string>{"region.inner_drill.e=0.25", "region.inner-drill.f=-1", "region.shank.e=0.5"});
+  const Status wrong = document.set("region.shaft.e=1", "--set-tool");
+  REQUIRE_FALSE(wrong.ok());
+  CHECK(wrong.error().text() == "--set-tool region.shaft.e=1: region has no \"shaft\"; it has \"inner drill\", \"shank\"");
+  Issues issues;
+  TableReader root = document.root(issues);
+  std::vector<TableReader> regions = root.tables("region", "r");
+  CHECK(regions.at(0).number("e", {}, "e") == 0.25);
+  CHECK(regions.at(1).number("e", {}, "e") == 0.5);
+  regions.at(0).number("f", {.min = 0.0}, "f");
+  REQUIRE(issues.size() == 1);
+  CHECK(issues.front().text() == "--set-tool region[0].f: region[0].f = -1 must be at least 0");
+}
+
+TEST_CASE("unset: tables and keys go, what is not there is an error with the nearest name") {
+  TomlDocument document = parsed("[tool]\nspin_rpm = 800\nname = \"a\"\n[display]\n[record]\n");
+  REQUIRE(document.unset("display").ok());
+  REQUIRE(document.unset("tool.spin_rpm").ok());
+  REQUIRE(document.set("tool.name=b").ok());  // applies the removals again
+  CHECK(document.to_text().find("display") == std::string::npos);
+  CHECK(document.to_text().find("spin_rpm") == std::string::npos);
+  CHECK(document.changes() == std::vector<std::string>{"unset display", "unset tool.spin_rpm", "tool.name=b"});
+  for (const auto& [path, message] :
+       {std::pair("recrod", "the file has no \"recrod\"; did you mean \"record\"?"),
+        std::pair("tool.nmae", "the file has no \"tool.nmae\"; did you mean \"name\"?"), std::pair("tol.name", "the file has no \"tol\""),
+        std::pair("tool.", "must read table or table.key")}) {
+    const Status wrong = document.unset(path);
+    REQUIRE_FALSE(wrong.ok());
+    CHECK(wrong.error().message == message);
+  }
+}
+
+TEST_CASE("set: a key without its table is named with it") {
+  TomlDocument document = parsed("spin_rpm = 800\npush = 3\n[tool]\n[hand]\n");
+  Issues issues;
+  TableReader root = document.root(issues);
+  auto tool = root.table("tool", "t"), hand = root.table("hand", "h");
+  tool->number("spin_rpm", {.fallback = 1.0}, "s");
+  hand->number("push_N", {.fallback = 1.0}, "p");
+  root.finish();
+  REQUIRE(issues.size() == 2);
+  CHECK(issues[0].message == "unknown key \"spin_rpm\"; did you mean \"tool.spin_rpm\"?");
+  CHECK(issues[1].message == "unknown key \"push\"; did you mean \"hand.push_N\"?");
+}
+
 TEST_CASE("set: bad assignments are refused and leave the document as it was") {
   TomlDocument document = parsed("x = 1\nregion = [{e = 1}]\n");
   const std::string before = document.to_text();

@@ -56,6 +56,37 @@ TEST_CASE("monitor: bone that grew again is bone again, near the tip or not, and
   CHECK(*monitor.progress().breakthrough_time == 2.0);
 }
 
+TEST_CASE("monitor: an axis without bone at the start has no breakthrough, and nothing to pass") {
+  ClearedPlate plate;
+  plate.clear(2e-3, 10e-3);
+  DrillMonitor monitor(plate.approach);
+  monitor.start(bone_on_axis(plate.approach, *plate.voxmap));
+  CHECK(monitor.progress().open_axis);
+  look(monitor, plate, 5e-3, 0.0, 1.0);
+  CHECK_FALSE(monitor.progress().breakthrough_time.has_value());
+  CHECK_FALSE(monitor.progress().passed_time.has_value());
+  CHECK(monitor.progress().deepest == doctest::Approx(5e-3).epsilon(1e-9));
+  CHECK(monitor.progress().largest_ahead < 0.0);
+  DrillMonitor unaware(plate.approach);  // the twin that is not told
+  look(unaware, plate, 5e-3, 0.0, 1.0);
+  CHECK(unaware.progress().breakthrough_time.has_value());
+}
+
+TEST_CASE("monitor: of a hole that was begun before, only what the run cuts counts") {
+  ClearedPlate plate;
+  plate.clear(2e-3, 2e-3);
+  DrillMonitor monitor(plate.approach);
+  monitor.start(bone_on_axis(plate.approach, *plate.voxmap));
+  CHECK_FALSE(monitor.progress().open_axis);
+  look(monitor, plate, 3.5e-3, 0.0, 1.0);  // pushed through the last millimetre: none of it is cut
+  REQUIRE(monitor.progress().passed_time.has_value());
+  CHECK(monitor.progress().removed_at_passing == 0.0);
+  CHECK_FALSE(monitor.progress().breakthrough_time.has_value());
+  plate.clear(2e-3, 10e-3);
+  look(monitor, plate, 3.5e-3, 0.0, 2.0);
+  CHECK(monitor.progress().breakthrough_time == 2.0);
+}
+
 TEST_CASE("monitor: bone left on the axis ahead of the tip is no breakthrough, none left is one, noted once") {
   ClearedPlate plate;
   DrillMonitor monitor(plate.approach);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "tests/app/run/cleared_plate.h"
+#include "tests/support/temporary_folder.h"
 
 namespace burrhole::test {
 namespace {
@@ -53,6 +54,34 @@ TEST_CASE("hole: a step has an outer and an inner diameter; a blind hole has no 
   const HoleMeasure hole = measure_hole(*blind.voxmap, blind.approach);
   CHECK(hole.outer_diameter.has_value());
   CHECK_FALSE(hole.inner_diameter.has_value());
+}
+
+TEST_CASE("hole: what was drilled before the run is no part of it") {
+  const TemporaryFolder folder;
+  constexpr double kInner = 1.0e-3, kOuter = 2.0e-3;
+  ClearedPlate first;
+  first.clear(kInner, 10e-3);
+  const double before = measure_hole(*first.voxmap, first.approach).removed_mass;
+  REQUIRE(first.voxmap->save(folder.file("bone.vdb")));
+
+  ClearedPlate second;
+  REQUIRE(second.voxmap->restore(folder.file("bone.vdb")));
+  CHECK(second.voxmap->starts_drilled());
+  const HoleMeasure nothing = measure_hole(*second.voxmap, second.approach);
+  CHECK(nothing.removed == 0.0);
+  CHECK(nothing.removed_mass == 0.0);
+  CHECK_FALSE(nothing.outer_diameter.has_value());
+  second.clear(kOuter, 10e-3);
+  const HoleMeasure ring = measure_hole(*second.voxmap, second.approach);
+  ClearedPlate whole;
+  whole.clear(kOuter, 10e-3);
+  // Conservation: the mass of both runs is that of the wide hole in one go; sums of float products in double precision.
+  CHECK(before + ring.removed_mass == doctest::Approx(measure_hole(*whole.voxmap, whole.approach).removed_mass).epsilon(1e-6));
+  // The hole in the outer face is the ring, whose circle of the same area has the diameter 2 sqrt(R^2 - r^2). Both walls lie kWider / 2
+  // further out; half a voxel of the inner one is ramp.
+  REQUIRE(ring.outer_diameter.has_value());
+  const double outer = kOuter + 0.5 * kWider, inner = kInner + 0.5 * kWider;
+  CHECK(std::abs(*ring.outer_diameter - 2.0 * std::sqrt(outer * outer - inner * inner)) < 0.5 * kEdge);
 }
 
 TEST_CASE("hole: untouched bone has none") {

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <limits>
 
+#include "core/voxel/bone_history.h"
 #include "core/voxel/vdb_grids.h"
 #include "tests/core/voxel/voxel_cases.h"
 #include "tests/support/temporary_folder.h"
@@ -124,6 +125,50 @@ TEST_CASE("checkpoint: the bone itself comes back bit for bit, whatever its voxe
     CHECK(field == std::vector<float>(dense.labels.begin(), dense.labels.end()));
     ++number;
   }
+}
+
+TEST_CASE("checkpoint: a bone model that was drilled before it was saved starts drilled, and a reset brings it back so") {
+  const TemporaryFolder folder;
+  Drilled drilled(5);
+  REQUIRE(drilled.voxmap.save(folder.file("bone.vdb")).ok());
+  const auto loaded = BoneModel::load(folder.file("bone.vdb"));
+  REQUIRE(loaded.ok());
+  REQUIRE((*loaded)->drilled() != nullptr);
+  Voxmap voxmap = make_voxmap(*loaded);
+  CHECK(voxmap.starts_drilled());
+  CHECK(voxmap.hash() == drilled.voxmap.hash());
+  const VoxelBox box = drilled.bone->bounds().grown(2);
+  std::vector<float> expected(box.count()), found(box.count());
+  drilled.voxmap.read_density(box, expected);
+  (*loaded)->read_density(box, found);
+  CHECK(found == expected);
+  voxmap.read_start(box, found);
+  CHECK(found == expected);
+  drilled.bone->read_occupancy(box, found);
+  CHECK(found != expected);
+
+  auto history = BoneHistory::create(voxmap, {});
+  REQUIRE(history.ok());
+  Dice dice{6};
+  PlainTwin twin = drilled.twin;
+  REQUIRE(voxmap.place_window({Vec3i(0), kDims}).ok());
+  (*history)->begin_step();
+  erode_box(voxmap, twin, {Vec3i(3), Vec3i(16, 14, 20)}, dice);
+  (*history)->end_step();
+  CHECK(voxmap.hash() != drilled.voxmap.hash());
+  (*history)->reset();
+  CHECK(voxmap.hash() == drilled.voxmap.hash());
+
+  // Saved again and moved into a temporary file, it is the same.
+  REQUIRE(voxmap.save(folder.file("again.vdb")).ok());
+  const auto again = BoneModel::load(folder.file("again.vdb"));
+  REQUIRE(again.ok());
+  const auto paged = (*again)->paged({.folder = folder.file("")});
+  REQUIRE(paged.ok());
+  CHECK(make_voxmap(*paged).hash() == drilled.voxmap.hash());
+  Voxmap untouched = make_voxmap(drilled.bone);
+  REQUIRE(untouched.save(folder.file("untouched.vdb")).ok());
+  CHECK(BoneModel::load(folder.file("untouched.vdb")).value()->drilled() == nullptr);
 }
 
 TEST_CASE(

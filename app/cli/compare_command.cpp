@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "app/cli/commands.h"
+#include "app/job/compare_runs.h"
+#ifdef BH_WITH_RENDER
+#include "app/cli/picture_difference.h"
+#endif
+
+namespace burrhole::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::vector<std::string> runs;
+  std::string folder;
+  bool json = false;
+};
+
+/// Draws the differences of each run's pictures from those of the first. @returns them with the pictures themselves.
+Result<std::vector<ComparedPicture>> compare_pictures(const std::vector<RunResults>& runs, const std::string& folder) {
+  std::vector<ComparedPicture> out;
+#ifdef BH_WITH_RENDER
+  for (const std::string& name : runs.front().pictures)
+    for (std::size_t n = 1; n < runs.size(); ++n) {
+      if (std::ranges::find(runs[n].pictures, name) == runs[n].pictures.end()) continue;
+      const std::string first = (fs::path(runs.front().folder) / (name + ".png")).string();
+      const std::string other = (fs::path(runs[n].folder) / (name + ".png")).string();
+      const std::string file =
+          (fs::path(folder) / (runs.size() == 2 ? name + "_difference.png" : fmt::format("{}_difference_{}.png", name, n))).string();
+      const auto difference = write_picture_difference(first, other, file);
+      if (!difference) return difference.error();
+      if (difference->empty()) {
+        fmt::print(stderr, "{}: the pictures differ in size: not compared\n", name);
+        continue;
+      }
+      out.push_back({first, fmt::format("{}: {}", name, runs.front().name)});
+      out.push_back({other, fmt::format("{}: {}", name, runs[n].name)});
+      out.push_back({file, *difference});
+    }
+#else
+  static_cast<void>(runs);
+  static_cast<void>(folder);
+#endif
+  return out;
+}
+
+int run_compare(const Options& option) {
+  std::vector<RunResults> runs;
+  Issues issues;
+  for (const std::string& path : option.runs) {
+    auto run = read_run(path);
+    if (run)
+      runs.push_back(std::move(*run));
+    else
+      issues.push_back(run.error());
+  }
+  if (!issues.empty()) return report(issues);
+  for (const RunResults& run : runs)
+    if (!run.no_curves.empty()) fmt::print(stderr, "{}: no curves: {}\n", run.name, run.no_curves);
+  if (!option.folder.empty()) {
+    std::error_code error;
+    fs::create_directories(option.folder, error);
+    if (error || !fs::is_directory(option.folder)) return report(bad_input("the output folder cannot be created", option.folder));
+    const auto pictures = compare_pictures(runs, option.folder);
+    if (!pictures) return report(pictures.error());
+    if (Status written = write_comparison(runs, *pictures, option.folder); !written) return report(written.error());
+    fmt::print(stderr, "page: {}\n", (fs::path(option.folder) / "compare.html").string());
+  }
+  print(option.json ? comparison_json(runs) : comparison_text(runs));
+  return kDone;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, int& exit_code) {
+  CLI::App* command = add_command(
+      app, "compare", kDrillGroup,
+      {.summary = "Lays the results of runs side by side: a table, curves, pictures",
+       .about =
+           "A RUN is a folder that drill wrote. Prints a table of what made the results and of their figures; a star marks the rows "
+           "that differ, and of two runs the last column is the second minus the first. With --out it also writes compare.html with "
+           "force and depth of all runs over each other (compare.svg), and for each picture that the first run shares with another the "
+           "place of their differences.",
+       .examples = {"burrhole compare out/soft out/hard", "burrhole compare out/soft out/hard --out out/compared",
+                    "burrhole compare out/* --json | jq '.runs[].figures.plunge_mm'"},
+       .exits = {}});
+  auto option = std::make_shared<Options>();
+  command->add_option("run", option->runs, "folders of results, at least two")->type_name(kFolderValue)->required()->expected(2, 1000);
+  command->add_option("--out", option->folder, "folder for compare.html, compare.svg and pictures; default: only the table")
+      ->type_name(kFolderValue);
+  command->add_flag("--json", option->json, "print the table as JSON on stdout");
+  command->callback([option, &exit_code] { exit_code = run_compare(*option); });
+}
+
+}  // namespace burrhole::cli

@@ -1,0 +1,266 @@
+#include "app/job/compare_runs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "app/report/file.h"
+#include "app/report/html.h"
+#include "app/report/plot.h"
+#include "app/session/session.h"
+#include "core/base/geometry.h"
+#include "core/config/toml.h"
+
+namespace burrhole {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int kCompareSchema = 1;
+constexpr const char* kSession = "session.sqlite";
+
+std::string text_of(const Json& value) {
+  if (value.is_null()) return {};
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_array()) return value.dump();
+  std::string out;
+  for (const Json& one : value) out += (out.empty() ? "" : ", ") + text_of(one);
+  return out.empty() ? "none" : out;
+}
+
+void add_facts(const Json& json, RunResults& out) {
+  const auto add = [&](const char* name, const Json& value) { out.facts.emplace_back(name, text_of(value)); };
+  for (const char* key : {"title", "scene", "result", "reason", "flags"}) add(key, json.value(key, Json()));
+  const Json made = json.value("provenance", Json());
+  if (!made.is_object()) return;
+  for (const char* key : {"program", "date", "machine", "overrides", "tool_overrides"}) add(key, made.value(key, Json()));
+  const Json factors = made.value("erosion_factors_per_rev", Json::object()), hashes = made.value("hash", Json::object());
+  for (const auto& [region, factor] : factors.items()) add(("erosion factor of the " + region).c_str(), factor);
+  for (const auto& [of, hash] : hashes.items()) add(("hash of the " + of).c_str(), hash);
+}
+
+void add_figures(const Json& json, RunResults& out) {
+  const Json drilling = json.value("drilling", Json::object());
+  for (const auto& [key, value] : drilling.items())
+    if (value.is_number())
+      out.figures.emplace_back(key, value.get<double>());
+    else if (value.is_null())
+      out.figures.emplace_back(key, std::nullopt);
+  for (const char* key : {"duration_s", "wall_s"})
+    if (const Json value = json.value(key, Json()); value.is_number()) out.figures.emplace_back(key, value.get<double>());
+  const Json hashes = json.value("hash", Json::object());
+  for (const auto& [of, hash] : hashes.items()) out.facts.emplace_back("hash of the " + of + " of the run", text_of(hash));
+}
+
+std::optional<Vec3> vector_of(const Json& value) {
+  if (!value.is_array() || value.size() != 3) return std::nullopt;
+  Vec3 out(0.0);
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (!value[c].is_number()) return std::nullopt;
+    out[c] = value[c].get<double>();
+  }
+  return out;
+}
+
+/// Reads force and depth by time from the session. @returns why there are none; empty: they were read.
+Result<std::string> add_curves(const Json& json, RunResults& out) {
+  const std::string path = (fs::path(out.folder) / kSession).string();
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return std::string("no session.sqlite");
+  const auto session = SessionReader::open(path);
+  if (!session) return session.error();
+  const SessionStream* contact = session->stream(kContactStream);
+  const auto has = [&](const char* name) {
+    return contact != nullptr && std::ranges::find(contact->columns, name, &SessionColumn::name) != contact->columns.end();
+  };
+  if (!has("force_x") || !has("hand_tick")) return std::string("the session has no force");
+  const auto scene = TomlDocument::parse(session->meta().scene, path);
+  if (!scene) return scene.error();
+  Issues unread;
+  const auto servo_hz = static_cast<double>(scene->root(unread).integer("servo_hz", 1000, 1, 1'000'000, ""));
+  std::map<std::string, std::vector<double>> columns;
+  for (const char* name : {"hand_tick", "force_x", "force_y", "force_z", "tool_x", "tool_y", "tool_z"}) {
+    auto read = session->column(kContactStream, name);
+    if (!read) return read.error();
+    columns[name] = std::move(read).value();
+  }
+  const Json approach = json.value("approach", Json::object());
+  const auto entry = vector_of(approach.value("entry_mm", Json())), axis = vector_of(approach.value("axis", Json()));
+  for (std::size_t n = 0; n < columns["hand_tick"].size(); ++n) {
+    const auto at = [&](const char* x, const char* y, const char* z) { return Vec3(columns[x][n], columns[y][n], columns[z][n]); };
+    out.time_s.push_back(columns["hand_tick"][n] / servo_hz);
+    out.force_N.push_back(glm::length(at("force_x", "force_y", "force_z")));
+    if (entry && axis) out.depth_mm.push_back(glm::dot(at("tool_x", "tool_y", "tool_z") * 1e3 - *entry, *axis));
+  }
+  return out.time_s.empty() ? std::string("the session has no row") : std::string();
+}
+
+std::string number_of(const std::optional<double>& value) { return value ? fmt::format("{:.5g}", *value) : std::string("-"); }
+
+/// @returns the names that any run has, in the order of the first run that has them.
+template <class Value>
+std::vector<std::string> names_of(std::span<const RunResults> runs, std::vector<std::pair<std::string, Value>> RunResults::*list) {
+  std::vector<std::string> out;
+  for (const RunResults& run : runs)
+    for (const auto& row : run.*list)
+      if (std::ranges::find(out, row.first) == out.end()) out.push_back(row.first);
+  return out;
+}
+
+template <class Value>
+Value value_of(const std::vector<std::pair<std::string, Value>>& list, const std::string& name) {
+  for (const auto& [key, value] : list)
+    if (key == name) return value;
+  return Value();
+}
+
+Plot make_plot(std::span<const RunResults> runs) {
+  Plot plot;
+  plot.x_label = "Time (s)";
+  PlotPanel force{.y_label = "Force (N)", .series = {}, .bands = {}, .from_zero = true},
+      depth{.y_label = "Depth (mm)", .series = {}, .bands = {}, .y_down = true};
+  for (const RunResults& run : runs) {
+    if (!run.time_s.empty()) force.series.push_back({run.name, run.time_s, run.force_N});
+    if (!run.depth_mm.empty()) depth.series.push_back({run.name, run.time_s, run.depth_mm});
+  }
+  if (!force.series.empty()) plot.panels.push_back(force);
+  if (!depth.series.empty()) plot.panels.push_back(depth);
+  return plot;
+}
+
+Status add_plot(std::span<const RunResults> runs, const std::string& folder, HtmlPage& page) {
+  page.heading("Curves");
+  for (const RunResults& run : runs)
+    if (!run.no_curves.empty()) page.paragraph(fmt::format("{}: no curves: {}.", run.name, run.no_curves));
+  const Plot plot = make_plot(runs);
+  if (plot.panels.empty()) return {};
+  const auto svg = draw_svg(plot);
+  if (!svg && svg.error().code != ErrorCode::unavailable) return svg.error();
+  if (!svg) {
+    page.paragraph("No plot: " + svg.error().message + ".");
+    return {};
+  }
+  page.svg(*svg, "Force on the hand, and depth of the tip along the axis from the entry.");
+  return write_file((fs::path(folder) / "compare.svg").string(), *svg);
+}
+
+}  // namespace
+
+Result<RunResults> read_run(const std::string& path) {
+  RunResults out;
+  out.name = path;
+  while (out.name.size() > 1 && out.name.back() == '/') out.name.pop_back();
+  std::error_code ignored;
+  out.folder = fs::is_directory(path, ignored) ? path : fs::path(path).parent_path().string();
+  const std::string file = fs::is_directory(path, ignored) ? (fs::path(path) / "summary.json").string() : path;
+  if (!fs::exists(file, ignored))
+    return bad_input("holds no results: a RUN is a folder that burrhole drill wrote, with summary.json", path);
+  const auto text = read_file(file);
+  if (!text) return text.error();
+  const Json json = Json::parse(*text, nullptr, false);
+  if (!json.is_object() || !json.contains("schema") || !json.contains("drilling"))
+    return bad_input("is not a summary.json of burrhole drill", file);
+  add_facts(json, out);
+  add_figures(json, out);
+  auto curves = add_curves(json, out);
+  if (!curves) return curves.error();
+  out.no_curves = *curves;
+  for (fs::directory_iterator at(out.folder.empty() ? "." : out.folder, ignored); at != fs::directory_iterator(); at.increment(ignored))
+    if (at->path().extension() == ".png") out.pictures.push_back(at->path().stem().string());
+  std::ranges::sort(out.pictures);
+  return out;
+}
+
+std::vector<ComparedRow> compared_rows(std::span<const RunResults> runs) {
+  std::vector<ComparedRow> out;
+  const auto add = [&](ComparedRow row) {
+    row.differs = std::ranges::any_of(row.cells, [&](const std::string& cell) { return cell != row.cells.front(); });
+    out.push_back(std::move(row));
+  };
+  for (const std::string& name : names_of(runs, &RunResults::facts)) {
+    ComparedRow row;
+    row.name = name;
+    for (const RunResults& run : runs) row.cells.push_back(value_of(run.facts, name));
+    add(std::move(row));
+  }
+  for (const std::string& name : names_of(runs, &RunResults::figures)) {
+    ComparedRow row;
+    row.name = name;
+    for (const RunResults& run : runs) row.cells.push_back(number_of(value_of(run.figures, name)));
+    if (runs.size() == 2)
+      if (const auto a = value_of(runs[0].figures, name), b = value_of(runs[1].figures, name); a && b && *a != *b)
+        row.difference = fmt::format("{:+.4g}", *b - *a);
+    add(std::move(row));
+  }
+  return out;
+}
+
+std::string comparison_text(std::span<const RunResults> runs) {
+  constexpr std::size_t kWidest = 44;  // of a cell; longer ones are cut
+  const auto cut = [](const std::string& text) { return text.size() <= kWidest ? text : text.substr(0, kWidest - 3) + "..."; };
+  std::vector<std::vector<std::string>> lines{{"", ""}};
+  for (const RunResults& run : runs) lines.front().push_back(cut(run.name));
+  if (runs.size() == 2) lines.front().emplace_back("difference");
+  for (const ComparedRow& row : compared_rows(runs)) {
+    std::vector<std::string> line{row.differs ? "*" : " ", row.name};
+    for (const std::string& cell : row.cells) line.push_back(cut(cell));
+    if (runs.size() == 2) line.push_back(row.difference);
+    lines.push_back(std::move(line));
+  }
+  std::vector<std::size_t> widths(lines.front().size(), 0);
+  for (const auto& line : lines)
+    for (std::size_t n = 0; n < line.size(); ++n) widths[n] = std::max(widths[n], line[n].size());
+  std::string out;
+  for (const auto& line : lines) {
+    std::string text;
+    for (std::size_t n = 0; n < line.size(); ++n) text += fmt::format("{:<{}}{}", line[n], widths[n], n == 0 ? " " : "  ");
+    out += text.substr(0, text.find_last_not_of(' ') + 1) + "\n";
+  }
+  return out;
+}
+
+std::string comparison_json(std::span<const RunResults> runs) {
+  Json json;
+  json["schema"] = kCompareSchema;
+  json["runs"] = Json::array();
+  for (const RunResults& run : runs) {
+    Json facts = Json::object(), figures = Json::object();
+    for (const auto& [name, value] : run.facts) facts[name] = value;
+    for (const auto& [name, value] : run.figures) figures[name] = value ? Json(*value) : Json();
+    json["runs"].push_back({{"name", run.name}, {"facts", facts}, {"figures", figures}});
+  }
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Status write_comparison(std::span<const RunResults> runs, const std::vector<ComparedPicture>& pictures, const std::string& folder) {
+  std::vector<std::string> columns{""}, names;
+  for (const RunResults& run : runs) names.push_back(run.name);
+  columns.insert(columns.end(), names.begin(), names.end());
+  if (runs.size() == 2) columns.emplace_back("Difference");
+  HtmlPage page("Comparison of runs", fmt::format("{}", fmt::join(names, " · ")));
+  std::vector<std::vector<std::string>> rows;
+  for (const ComparedRow& row : compared_rows(runs)) {
+    std::vector<std::string> line{row.differs ? row.name + " *" : row.name};
+    line.insert(line.end(), row.cells.begin(), row.cells.end());
+    if (runs.size() == 2) line.push_back(row.difference);
+    rows.push_back(std::move(line));
+  }
+  if (Status drawn = add_plot(runs, folder, page); !drawn) return drawn;
+  if (!pictures.empty()) {
+    page.heading("Pictures");
+    page.paragraph("Left and middle: the same view of two runs. Right: where they differ, orange over the first in grey.");
+    page.begin_pictures();
+    for (const ComparedPicture& picture : pictures)
+      if (Status added = page.picture(picture.png_path, picture.caption); !added) return added;
+    page.end_pictures();
+  }
+  page.heading("Figures");
+  page.table(columns, rows);
+  page.paragraph("* The values differ.");
+  return write_file((fs::path(folder) / "compare.html").string(), page.text());
+}
+
+}  // namespace burrhole

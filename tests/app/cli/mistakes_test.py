@@ -1,0 +1,154 @@
+"""Typical mistakes typed by hand: each message is one that names the mistake and the next step, with the right exit code.
+
+Run by ctest with the program's path in BURRHOLE_PROGRAM. Nothing here draws.
+"""
+import pathlib
+import shutil
+import sys
+import unittest
+
+from program_support import lines, QUICK, run, WithFolder
+
+# (words, exit code, what one line of stderr must hold, in any order)
+MISTAKES = [
+    # commands and options
+    (["drll", "parietal"], 2, ['unknown command "drll"', 'did you mean "drill"?']),
+    (["parietal"], 2, ['unknown command "parietal"', 'did you mean "drill parietal"?']),
+    (["scene.toml"], 2, ['did you mean "drill scene.toml"?']),
+    (["completion", "zhs"], 2, ['did you mean "zsh"?']),
+    (["docs", "scne"], 2, ['did you mean "scene"?']),
+    (["drill"], 2, ["SCENE is missing", "burrhole scenes"]),
+    (["drill", "quick.toml", "--otu", "x"], 2, ['unknown option "--otu"', 'did you mean "--out"?']),
+    (["drill", "quick.toml", "--set-tol", "x=1"], 2, ['did you mean "--set-tool"?']),
+    (["drill", "quick.toml", "parietal"], 2, ['unexpected "parietal"', "burrhole drill --help"]),
+    (["drill", "quick.toml", "--window", "--offscreen"], 2, ["--window", "not valid with --offscreen"]),
+    (["render", "quick.toml", "--gl", "vulkan"], 2, ["--gl", "auto,window,osmesa,egl"]),
+    (["compare", "one"], 2, ["run", "2 required", "burrhole compare --help"]),
+    # scenes and files
+    (["drill", "parietl"], 2, ["scene not found in the current folder", 'did you mean "parietal"?']),
+    (["check", "nowhere/my.toml"], 2, ["nowhere/my.toml", "scene not found in nowhere"]),
+    (["check", "."], 2, ["is a folder, not a scene", "burrhole import"]),
+    (["drill", "head.nii"], 2, ["head.nii", "not a scene", "--set volume.source="]),
+    (["drill", "notes.txt"], 2, ["notes.txt:1:"]),
+    (["scenes", "--copy", "parietl"], 2, ['did you mean "parietal"?']),
+    (["import", "missing.nii"], 2, ["missing.nii", "there is no such file"]),
+    (["import", "empty"], 2, ["empty", "no file"]),
+    (["replay", "missing.sqlite"], 2, ["missing.sqlite"]),
+    (["replay", "notes.txt"], 2, ["notes.txt", "not a session"]),
+    (["session", "empty"], 2, ["empty", "[record]"]),
+    (["compare", "empty", "empty"], 2, ["empty", "holds no results", "summary.json"]),
+    (["drill", "quick.toml", "--restore", "missing.vdb"], 2, ["missing.vdb"]),
+    (["drill", "quick.toml", "--out", "taken"], 2, ["taken", "results of another scene, head.toml", "--force"]),
+    (["drill", "quick.toml", "--out", "notes.txt"], 2, ["notes.txt", "is a file"]),
+    # keys
+    (["check", "quick.toml", "--set", "tool.spin=800"], 2, ["--set tool.spin", 'write "spin_rpm"']),
+    (["check", "quick.toml", "--set", "spin_rpm=800"], 2, ['unknown key "spin_rpm"', 'did you mean "tool.spin_rpm"?']),
+    (["check", "quick.toml", "--set", "tol.spin_rpm=800"], 2, ["unknown table [tol]", "did you mean [tool]?"]),
+    (["check", "quick.toml", "--set", "tool.spin_rpm"], 2, ["--set tool.spin_rpm", "must read table.key=value"]),
+    (["check", "quick.toml", "--set", "tool.spin_rpm=fast"], 2, ["tool.spin_rpm", "must be a number"]),
+    (["check", "quick.toml", "--set", "tool.spin_rpm=-5"], 2, ["tool.spin_rpm = -5", "must be in [0, 200000]"]),
+    (["check", "quick.toml", "--set", "approach.entry_mm=[0, 0]"], 2, ["approach.entry_mm", "3 numbers"]),
+    (["check", "quick.toml", "--set", "approach.axis=[0, 0, 0]"], 2, ["approach.axis", "has length 0"]),
+    (["check", "quick.toml", "--set", "approach.entry_mm=[90, 0, 0]"], 2, ["meets no bone within 20 mm of entry_mm"]),
+    (["check", "quick.toml", "--set", "contact.model=voxmapp"], 2, ["contact.model", 'did you mean "voxmap"?']),
+    (["check", "quick.toml", "--set", "volume.source=phantom:plat"], 2, ["phantom:plat", 'did you mean "phantom:plate"?']),
+    (["check", "quick.toml", "--set", "volume.source=ct/skull.nii"], 2, ["volume.source", "is not there: tried", "ct/skull.nii"]),
+    (["check", "quick.toml", "--set", "volume.source=$NOT_SET_HERE/ct"], 2, ["NOT_SET_HERE", "--set volume.source=PATH"]),
+    (["check", "quick.toml", "--unset", "dispaly"], 2, ["--unset dispaly", 'did you mean "display"?']),
+    # tools
+    (["tools", "perforater_14_11"], 2, ["tool not found in the current folder", 'did you mean "perforator_14_11"?']),
+    (["tools", "perforator"], 2, ['did you mean "perforator_14_11"?']),
+    (["tools", "bit.stl"], 2, ["bit.stl", "is a mesh, not a tool file", "[mesh]", "burrhole docs tool"]),
+    (["check", "quick.toml", "--set", "tool.name=round_bur_4mm"], 2, ["tool.name", "not found in", 'did you mean "round_burr_4mm"?']),
+    (["check", "quick.toml", "--set-tool", "region.pen.erosion_factor=0.05"], 2, ["--set-tool", 'region has no "pen"', '"pin"']),
+    (["check", "quick.toml", "--set-tool", "region.pin.erosion=0.05"], 2, ["--set-tool region[0].erosion", "erosion_factor"]),
+    (["check", "quick.toml", "--set-tool", "region.pin.diameter_mm=-2"], 2, ["--set-tool region[0].diameter_mm", "must be"]),
+    # pictures and expectations
+    (["render", "quick.toml", "--size", "400"], 2, ["--size 400", "WIDTHxHEIGHT"]),
+    (["render", "quick.toml", "--image", "hole.jpg"], 2, ["hole.jpg", "must end in .png"]),
+    (["drill", "quick.toml", "--expect", "thruogh"], 2, ["thruogh", 'did you mean "through"?']),
+    (["drill", "quick.toml", "--expect", "plunge<0.5cm"], 2, ["plunge<0.5cm", "mm"]),
+    (["cost", "drilling", "--knob", "erosion.rate"], 2, ["erosion.rate", "erosion.rate_hz"]),
+]
+
+
+class Mistakes(WithFolder):
+    def setUp(self):
+        super().setUp()
+        self.quick().rename(self.folder / "quick.toml")
+        (self.folder / "empty").mkdir()
+        (self.folder / "taken").mkdir()
+        (self.folder / "taken" / "summary.json").write_text('{"schema": 1, "scene": "head.toml"}')
+        (self.folder / "notes.txt").write_text("these are notes, no scene\n")
+        (self.folder / "head.nii").write_bytes(b"\x5c\x01\0\0" + b"\xff" * 400)
+        (self.folder / "bit.stl").write_text("solid\n")
+
+    def test_each_message_names_the_mistake_and_the_next_step(self):
+        before = {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()}
+        for words, code, needles in MISTAKES:
+            with self.subTest(" ".join(words)):
+                result = run(*words, cwd=self.folder)
+                self.assertEqual((result.returncode, result.stdout), (code, ""), result.stderr)
+                self.assertTrue(any(all(needle in line for needle in needles) for line in lines(result.stderr)), result.stderr)
+                self.assertLessEqual(len(lines(result.stderr)), 5, "a mistake is not a page of text")
+        after = {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()}
+        self.assertEqual(before, after, "a mistake writes nothing")
+
+    def test_there_are_thirty_of_them(self):
+        self.assertGreaterEqual(len(MISTAKES), 30)
+        self.assertEqual(len({tuple(words) for words, _, _ in MISTAKES}), len(MISTAKES))
+
+
+class Habits(WithFolder):
+    def test_scenes_are_listed_and_copied_with_all_that_they_need(self):
+        listed = run("scenes")
+        self.assertEqual((listed.returncode, listed.stderr), (0, ""))
+        self.assertIn("parietal", listed.stdout)
+        copied = run("scenes", "--copy", "parietal", "--out", self.folder / "mine")
+        self.assertEqual((copied.returncode, copied.stderr), (0, ""))
+        self.assertEqual(sorted(path.name for path in (self.folder / "mine").iterdir()), ["parietal.toml", "perforator_14_11.toml"])
+        self.assertEqual(run("check", self.folder / "mine" / "parietal.toml").returncode, 0)
+        again = run("scenes", "--copy", "parietal", "--out", self.folder / "mine")
+        self.assertEqual(again.returncode, 2)
+        self.assertIn("--force", again.stderr)
+        self.assertEqual(run("scenes", "--copy", "parietal", "--out", self.folder / "mine", "--force").returncode, 0)
+        scan = run("scenes", "--copy", "cadaver_head", "--out", self.folder / "cadaver", env={"PATH": "/usr/bin:/bin"})
+        self.assertEqual(scan.returncode, 0, scan.stderr)
+        self.assertTrue((self.folder / "cadaver" / "volumes" / "cthead.toml").exists())
+        self.assertIn("BURRHOLE_DATA", scan.stderr)
+
+    def test_paths_of_the_command_line_count_from_the_current_folder(self):
+        here = self.folder / "here"
+        here.mkdir()
+        shutil.copy(self.quick(), here / "scene.toml")
+        shutil.copy(self.folder / "pin_2mm.toml", here / "pin_2mm.toml")
+        elsewhere = self.folder / "elsewhere"
+        elsewhere.mkdir()
+        (elsewhere / "bits").mkdir()
+        shutil.move(self.folder / "pin_2mm.toml", elsewhere / "bits" / "my_pin.toml")
+        result = run("check", here / "scene.toml", "--set", "tool.name=bits/my_pin.toml", cwd=elsewhere)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(run("check", here / "scene.toml", "--set", "tool.name=bits/my_pin.toml", cwd=here).returncode, 2)
+
+    def test_unset_and_no_pictures_leave_tables_out(self):
+        out = self.folder / "out"
+        result = run("drill", self.quick(), "--no-pictures", "--unset", "record", "--out", out, "--quiet", "--set", "duration_s=0.05")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(sorted(path.name for path in out.iterdir()), ["bone.vdb", "report.html", "summary.json"])
+
+    def test_results_of_another_scene_stay_unless_forced(self):
+        out = self.folder / "out"
+        short = ("--no-pictures", "--out", out, "--quiet", "--set", "duration_s=0.05")
+        first, other = self.quick(), self.folder / "other.toml"
+        self.assertEqual(run("drill", first, *short).returncode, 0)
+        shutil.copy(first, other)
+        before = (out / "summary.json").read_bytes()
+        refused = run("drill", other, *short)
+        self.assertEqual(refused.returncode, 2)
+        self.assertEqual((out / "summary.json").read_bytes(), before)
+        self.assertEqual(run("drill", first, *short).returncode, 0, "the same scene may replace its results")
+        self.assertEqual(run("drill", other, *short, "--force").returncode, 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

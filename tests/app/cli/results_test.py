@@ -1,0 +1,250 @@
+"""What a run leaves: bone that stays drilled, what made it, its rows for other programs, and its comparison with another run.
+
+Run by ctest with the program's path in BURRHOLE_PROGRAM; exits 77 when it cannot draw here.
+"""
+import csv
+import io
+import json
+import math
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+from program_support import lines, main, QUICK, run, SOURCE, WithFolder
+
+sys.path.insert(0, str(SOURCE / "tests" / "support"))
+import session_blocks  # noqa: E402
+import sqlite3  # noqa: E402
+
+SYSTEM_PYTHON = "/usr/bin/python3"
+
+
+def snippets():
+    """The Python blocks of docs/session.md."""
+    return re.findall(r"^```python\n(.*?)^```", (SOURCE / "docs" / "session.md").read_text(), re.MULTILINE | re.DOTALL)
+
+
+class Drilled(WithFolder):
+    """A hole of an earlier run, by bone.vdb as the source and by --restore, with the shipped defaults of a scene."""
+
+    def setUp(self):
+        super().setUp()
+        self.first = self.folder / "first"
+        result = run("drill", QUICK, "--no-pictures", "--out", self.first, "--json", "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.summary = json.loads(result.stdout)
+        self.assertEqual(self.summary["result"], "drilled-through")
+
+    def again(self, *arguments):
+        out = self.folder / "again"
+        result = run("drill", QUICK, "--no-pictures", "--out", out, "--json", *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout), result.stderr, (out / "report.html").read_text()
+
+    def test_a_finished_hole_is_no_result_of_the_next_run(self):
+        for arguments in (("--restore", self.first / "bone.vdb"), ("--set", f"volume.source={self.first / 'bone.vdb'}", "--unset", "volume.spacing_mm",
+                                                                 "--unset", "volume.extent_mm", "--unset", "volume.above_mm", "--unset", "volume.thickness_mm")):
+            with self.subTest(arguments[0]):
+                summary, errors, report = self.again(*arguments)
+                drilling = summary["drilling"]
+                self.assertTrue(drilling["axis_open_at_start"])
+                self.assertEqual(summary["result"], "did-not-cut")
+                self.assertIn("no bone was on the axis at the start", summary["reason"])
+                for key in ("breakthrough_s", "depth_mm", "hole_diameter_mm", "inner_diameter_mm", "passed_s"):
+                    self.assertIsNone(drilling[key], key)
+                self.assertIsNone(drilling["cleared_share"])
+                self.assertAlmostEqual(drilling["plunge_mm"], drilling["reached_mm"] - drilling["thickness_mm"], places=9)
+                self.assertLess(drilling["removed_mass_mm3"], 0.02 * self.summary["drilling"]["removed_mass_mm3"])
+                self.assertEqual(errors.count("no bone is on the axis at the start"), 1)
+                self.assertIn("no bone is on the axis at the start", report)
+                self.assertTrue(summary["provenance"]["drilled_before"])
+
+    def test_a_part_of_a_hole_counts_only_what_the_run_removes(self):
+        half = self.folder / "half"
+        before = json.loads(run("drill", QUICK, "--no-pictures", "--out", half, "--json", "--quiet", "--set", "duration_s=0.6").stdout)["drilling"]
+        self.assertGreater(before["removed_mass_mm3"], 0.1)
+        summary, _, _ = self.again("--restore", half / "bone.vdb")
+        self.assertFalse(summary["drilling"]["axis_open_at_start"])
+        self.assertIsNotNone(summary["drilling"]["breakthrough_s"])
+        bone = self.folder / "again" / "bone.vdb"
+        whole = self.removed_mass(bone)
+        # Conservation: what both runs removed is what is missing in the end. Figures are sums of the same voxels in double precision.
+        if whole is not None:
+            self.assertAlmostEqual(before["removed_mass_mm3"] + summary["drilling"]["removed_mass_mm3"], whole, delta=1e-3)
+
+    def removed_mass(self, bone):
+        if subprocess.run([SYSTEM_PYTHON, "-c", "import pyopenvdb, numpy"], capture_output=True).returncode:
+            return None
+        result = subprocess.run([SYSTEM_PYTHON, "-c", snippets()[1], bone.parent], capture_output=True, text=True, timeout=60)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return float(re.search(r"([\d.]+) mm3 of bone removed", result.stdout)[1])
+
+    def test_bone_vdb_as_a_source_shows_its_hole(self):
+        pictures = []
+        for name, sets in (("as_loaded", ()), ("drilled", ("--set", f"volume.source={self.first / 'bone.vdb'}", "--unset", "volume.spacing_mm",
+                                                           "--unset", "volume.extent_mm", "--unset", "volume.above_mm", "--unset", "volume.thickness_mm")),
+                           ("restored", ("--restore", self.first / "bone.vdb"))):
+            picture = self.folder / f"{name}.png"
+            result = run("render", QUICK, "--image", picture, "--size", "160x120", "--no-tool", *sets)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            pictures.append(picture.read_bytes())
+        self.assertNotEqual(pictures[0], pictures[1], "the hole is not shown")
+        self.assertEqual(pictures[1], pictures[2], "a source and a checkpoint show the same bone")
+
+    def test_import_reports_the_hole_and_keeps_it(self):
+        copy = self.folder / "copy.vdb"
+        told = json.loads(run("import", self.first / "bone.vdb", "--volume", copy, "--json").stdout)
+        removed = self.summary["volume"]["bone_voxels"] - told["bone"]["voxels"]
+        self.assertGreater(removed, 0)
+        self.assertIn(f"the bone was drilled before it was saved: {removed} of its bone voxels are removed", told["assumed"])
+        self.assertEqual(json.loads(run("import", copy, "--json").stdout)["bone"]["voxels"], told["bone"]["voxels"])
+
+    def test_changes_alone_are_no_source_and_the_message_says_what_to_do(self):
+        changes = self.folder / "changes"
+        run("drill", QUICK, "--no-pictures", "--out", changes, "--set", "output.whole_bone=false", "--set", "duration_s=0.3", "--quiet")
+        result = run("import", changes / "bone.vdb")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("--restore", result.stderr)
+
+
+class Provenance(WithFolder):
+    def test_results_name_what_made_them_and_no_folder(self):
+        out = self.folder / "run"
+        scene = self.quick()
+        result = run("drill", scene, "--no-pictures", "--out", out, "--json", "--quiet", "--set", "duration_s=0.3", "--set", f"tool.name={self.folder / 'pin_2mm.toml'}",
+                     "--set-tool", "region.pin.erosion_factor=0.02", "--set", "tool.erosion_scale=3")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        summary, report = (out / "summary.json").read_text(), (out / "report.html").read_text()
+        made = json.loads(summary)["provenance"]
+        self.assertRegex(made["program"], r"^burrhole \d+\.\d+")
+        self.assertRegex(made["date"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+        self.assertTrue(made["machine"])
+        self.assertEqual(made["overrides"], ["duration_s=0.3", "tool.name=pin_2mm.toml", "tool.erosion_scale=3", "unset display"])
+        self.assertEqual(made["tool_overrides"], ["region.pin.erosion_factor=0.02"])
+        self.assertAlmostEqual(made["erosion_factors_per_rev"]["pin"], 0.06, places=12)
+        for of in ("scene", "tool", "volume"):
+            self.assertRegex(made["hash"][of], r"^[0-9a-f]{16}$")
+        for text in (summary, report):
+            self.assertNotIn(str(self.folder), text)
+            self.assertNotIn("/home/", text)
+            self.assertNotIn("/tmp/", text)
+        for needle in (made["date"], made["hash"]["volume"], "region.pin.erosion_factor=0.02"):
+            self.assertIn(needle, report)
+
+    def test_titles_name_the_tool_in_use(self):
+        title = {}
+        for tool in ("pin_2mm", "round_burr_2mm"):
+            out = self.folder / tool
+            result = run("drill", QUICK, "--no-pictures", "--out", out, "--json", "--quiet", "--set", "duration_s=0.05", "--set", f"tool.name={tool}")
+            title[tool] = json.loads(result.stdout)["title"]
+            self.assertIn(f"<h1>{title[tool]}</h1>", (out / "report.html").read_text())
+        self.assertEqual(title["round_burr_2mm"], "Quick plate: Round burr 2 mm")
+        self.assertNotEqual(title["pin_2mm"], title["round_burr_2mm"])
+
+    def test_hashes_follow_what_they_are_of(self):
+        made = []
+        for n, arguments in enumerate(((), ("--set", "hand.seed=7"), ("--set-tool", "region.pin.erosion_factor=0.02"), ("--set", "volume.thickness_mm=1.3"))):
+            result = run("drill", QUICK, "--no-pictures", "--out", self.folder / str(n), "--json", "--quiet", "--set", "duration_s=0.05", *arguments)
+            made.append(json.loads(result.stdout)["provenance"]["hash"])
+        same = [[one[of] == made[0][of] for of in ("scene", "tool", "volume")] for one in made[1:]]
+        self.assertEqual(same, [[False, True, True], [True, False, True], [False, True, False]])
+
+    def test_a_changed_tool_is_replayed_from_its_session(self):
+        out = self.folder / "run"
+        scene = QUICK
+        self.assertEqual(run("drill", scene, "--no-pictures", "--out", out, "--quiet", "--set", "duration_s=0.8", "--set-tool", "region[0].erosion_factor=0.02").returncode, 0)
+        replayed = run("replay", out / "session.sqlite", "--quiet")
+        self.assertEqual(replayed.returncode, 0, replayed.stdout + replayed.stderr)
+
+
+class Compare(WithFolder):
+    def setUp(self):
+        super().setUp()
+        self.runs = [self.folder / "soft", self.folder / "hard"]
+        for out, push in zip(self.runs, (15, 25)):
+            self.assertEqual(run("drill", QUICK, "--out", out, "--quiet", "--set", f"hand.push_N={push}").returncode, 0)
+
+    def test_a_table_a_plot_and_differences(self):
+        out = self.folder / "compared"
+        result = run("compare", *self.runs, "--out", out)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        rows = {line[2:].split("  ")[0]: line for line in result.stdout.splitlines()[1:]}
+        summaries = [json.loads((folder / "summary.json").read_text()) for folder in self.runs]
+        peaks = [summary["drilling"]["peak_force_N"] for summary in summaries]
+        self.assertTrue(rows["peak_force_N"].startswith("* "))
+        self.assertEqual(rows["peak_force_N"].split()[2:], [f"{peaks[0]:.5g}", f"{peaks[1]:.5g}", f"{peaks[1] - peaks[0]:+.4g}"])
+        self.assertTrue(rows["thickness_mm"].startswith("  "))
+        page, plot = (out / "compare.html").read_text(), (out / "compare.svg").read_text()
+        self.assertIn("Depth (mm)", plot)
+        for folder in self.runs:
+            self.assertIn(folder.name, page)
+        self.assertTrue((out / "after_difference.png").exists())
+        self.assertEqual(page.count("<img "), 3 * len(list(self.runs[0].glob("*.png"))))
+
+    def test_a_run_equals_itself(self):
+        result = run("compare", self.runs[0], self.runs[0] / "summary.json", "--json")
+        told = json.loads(result.stdout)["runs"]
+        self.assertEqual((told[0]["facts"], told[0]["figures"]), (told[1]["facts"], told[1]["figures"]))
+        out = self.folder / "same"
+        run("compare", self.runs[0], self.runs[0], "--out", out)
+        self.assertIn("no difference", (out / "compare.html").read_text())
+
+    def test_what_is_no_run_is_named(self):
+        result = run("compare", self.runs[0], self.folder / "nowhere")
+        self.assertEqual((result.returncode, result.stdout), (2, ""))
+        self.assertIn("nowhere: holds no results", result.stderr)
+        self.assertEqual(run("compare", self.runs[0]).returncode, 2)
+
+
+class Session(WithFolder):
+    def setUp(self):
+        super().setUp()
+        self.out = self.folder / "run"
+        self.assertEqual(run("drill", QUICK, "--no-pictures", "--out", self.out, "--quiet").returncode, 0)
+
+    def rows(self, stream):
+        result = run("session", self.out, "--csv", "--stream", stream)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        return list(csv.DictReader(io.StringIO(result.stdout)))
+
+    def test_csv_holds_every_row_as_the_file_does(self):
+        rows = self.rows("contact")
+        with sqlite3.connect(self.out / "session.sqlite") as database:
+            columns = session_blocks.columns(database, "contact")
+            ((first, data),) = session_blocks.last_blocks(database, "contact", 1)
+            block = session_blocks.decode(data, columns)
+        self.assertEqual(len(rows), first + len(block["number"]))
+        for n, force in enumerate(block["force_z"]):
+            self.assertEqual(float(rows[first + n]["force_z_N"]), force)
+            self.assertEqual(float(rows[first + n]["time_s"]), block["hand_tick"][n] / 1000)
+
+    def test_an_overview_and_a_misspelt_stream(self):
+        text = run("session", self.out / "session.sqlite").stdout
+        for needle in ("stream     contact", "event", "hash       voxels"):
+            self.assertIn(needle, text)
+        result = run("session", self.out, "--csv", "--stream", "contct")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn('did you mean "contact"?', result.stderr)
+
+    def test_the_snippets_of_the_docs_read_a_run(self):
+        session, bone = snippets()
+        summary = json.loads((self.out / "summary.json").read_text())
+        result = subprocess.run([sys.executable, "-c", session, self.out], capture_output=True, text=True, timeout=60)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        forces = [math.hypot(*(float(row[f"force_{axis}_N"]) for axis in "xyz")) for row in self.rows("contact")]
+        self.assertEqual(result.stdout, f"{len(forces)} contact steps, largest force {max(forces):.3f} N\n")
+        if subprocess.run([SYSTEM_PYTHON, "-c", "import pyopenvdb, numpy"], capture_output=True).returncode:
+            self.skipTest("python3-openvdb is not here")
+        result = subprocess.run([SYSTEM_PYTHON, "-c", bone, self.out], capture_output=True, text=True, timeout=60)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        dims = summary["volume"]["dims"]
+        self.assertTrue(result.stdout.startswith(f"{dims[0]} x {dims[1]} x {dims[2]} voxels, "), result.stdout)
+        removed = float(re.search(r"([\d.]+) mm3", result.stdout)[1])
+        self.assertAlmostEqual(removed, summary["drilling"]["removed_mass_mm3"], delta=1e-3)
+
+
+if __name__ == "__main__":
+    main()
