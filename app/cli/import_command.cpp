@@ -8,6 +8,7 @@
 #include "app/cli/progress.h"
 #include "app/cli/volume_picture.h"
 #include "app/scene/volume_scene.h"
+#include "app/view/driver_text.h"
 #include "core/base/units.h"
 #include "core/measure/drill_site.h"
 #include "core/voxel/vdb_grids.h"
@@ -95,7 +96,7 @@ Status draw_overview(const Options& option, const BoneModel& bone) {
   picture.display.height = picture.display.width;
   const auto driver = write_volume_sheet(*file, bone, picture);
   if (!driver) return driver.error();
-  if (!option.quiet) fmt::print(stderr, "renderer: {}\n{} written\n", *driver, *file);
+  if (!option.quiet) fmt::print(stderr, "{}\n{} written\n", driver_text(*driver), *file);
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include "app/run/simulation.h"
 #include "app/scene/volume_scene.h"
 #include "app/view/display_config.h"
+#include "app/view/driver_text.h"
 #include "core/base/units.h"
 
 namespace burrhole::cli {
@@ -99,7 +100,7 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   Issues issues;
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
-  fmt::print(stderr, "renderer: {}\n", (*sink)->driver());
+  fmt::print(stderr, "{}\n", driver_text((*sink)->driver()));
   const std::optional<Pose> tool = option.no_tool ? std::nullopt : std::optional(tool_pose(option, *simulation, loaded.scene));
   if (Status drawn = simulation->stage().draw(image.stem().string(), tool, option.cut); !drawn) return drawn;
   const auto files = (*sink)->files();
@@ -143,7 +144,7 @@ Status draw_volume(const Options& option) {
   if (!volume) return volume.error();
   const auto driver = write_volume_picture(image.string(), *volume->bone, picture);
   if (!driver) return driver.error();
-  fmt::print(stderr, "renderer: {}\n", *driver);
+  fmt::print(stderr, "{}\n", driver_text(*driver));
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include "app/job/folder_lock.h"
 #include "app/report/drill_report.h"
 #include "app/report/file.h"
+#include "app/view/driver_text.h"
 #include "core/base/cpu_model.h"
 #include "core/base/hash.h"
 #include "core/base/physics_version.h"
@@ -311,7 +312,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
   thickness = simulation->approach().thickness;
-  if (sink && job.say) job.say("renderer: " + sink->driver());
+  if (sink && job.say) job.say(driver_text(sink->driver()));
   if (simulation->progress().open_axis && job.warn) job.warn(kOpenAxis);
   if (const auto wrong = leaves_skull(*loaded.bone, simulation->approach()); wrong && job.warn) job.warn(*wrong);
   if (Status made = make_folder(job); !made) return made.error();

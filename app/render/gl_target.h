@@ -25,6 +25,7 @@ class GlTarget {
   [[nodiscard]] bool fits(int width, int height, TargetKind kind) const noexcept;
   void bind() const;            ///< outputs 0 picture, 1 hit, 2 probe, as available
   void bind_for_light() const;  ///< picture and depth only; the hit depth can then be read as texture hits()
+  [[nodiscard]] std::int64_t pixels() const noexcept { return std::int64_t{width_} * height_; }
   [[nodiscard]] GLuint hits() const noexcept { return hits_.name(); }
   [[nodiscard]] Image read_picture() const { return read_part({Vec2i(0), Vec2i(width_, height_)}); }
   [[nodiscard]] Image read_part(const PixelRect& part) const;  ///< row 0 at the top

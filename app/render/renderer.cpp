@@ -119,10 +119,10 @@ Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int h
   if (const Status current = context.make_current(); !current) return current.error();
   auto block = make_block(view, drawn.x, drawn.y, n);
   if (!block) return block.error();
-  if (Status made = prepare(target, drawn.x, drawn.y, bone_kind()); !made) return made.error();
+  if (Status made = prepare(target, &spare_target, drawn.x, drawn.y, bone_kind()); !made) return made.error();
   const bool layers = has_layers(), over_copy = layers && (tool || skin);
   if (over_copy)
-    if (Status made = prepare(shown, drawn.x, drawn.y, TargetKind::shown); !made) return made.error();
+    if (Status made = prepare(shown, &spare_shown, drawn.x, drawn.y, TargetKind::shown); !made) return made.error();
   const bool cut = view.cut.has_value();
   note_view(view);
   std::string shaders;
@@ -180,7 +180,7 @@ Result<PictureStep> Renderer::Impl::draw_sized(const FrameView& view, int width,
 
 Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) {
   if (const Status current = context.make_current(); !current) return current;
-  if (Status made = prepare(probe_target, width, height, TargetKind::probed); !made) return made;
+  if (Status made = prepare(probe_target, nullptr, width, height, TargetKind::probed); !made) return made;
   const auto block = make_block(view, width, height, 1);
   if (!block) return block.error();
   note_view(view);

@@ -195,12 +195,14 @@ TargetKind Renderer::Impl::bone_kind() const noexcept {
   return relights() ? TargetKind::marked : TargetKind::bytes;
 }
 
-Status Renderer::Impl::prepare(GlTarget& into, int width, int height, TargetKind kind) {
+Status Renderer::Impl::prepare(GlTarget& into, GlTarget* spare, int width, int height, TargetKind kind) {
+  if (into.fits(width, height, kind)) return {};
+  if (&into != &probe_target) cache.forget();  // kept pixels read it
+  if (spare != nullptr && (spare->fits(width, height, kind) || into.pixels() > spare->pixels())) std::swap(into, *spare);
   if (into.fits(width, height, kind)) return {};
   auto made = GlTarget::create(gl, width, height, kind);
   if (!made) return made.error();
   into = std::move(made).value();
-  if (&into != &probe_target) cache.forget();  // kept pixels read it
   if (options.translucent) into.make_depth_copy();
   return {};
 }

@@ -23,8 +23,9 @@ using Steady = std::chrono::steady_clock;
 constexpr auto kFrame = std::chrono::microseconds(16'000);  // between two pictures of a window that changes
 constexpr double kIdleAfter = 0.6;                          // [s] without a change or an event
 constexpr auto kIdle = std::chrono::milliseconds(250);      // of one that does not, unless something comes in
-constexpr double kRest = 0.1;                               // [s] without a change, after which the picture is refined
+constexpr double kRest = 0.06;                              // [s] without a change, after which the picture is refined
 constexpr double kStep = 0.05;                              // [s] of a picture that is drawn in steps: what an input waits for, at most
+constexpr double kShowSteps = 0.25;                         // [s] after which what is drawn of it is shown, without an input
 constexpr double kStillTool = 1e-4;                         // [m] of the tool, less changes no refined picture
 constexpr double kSliceHalfWidth = 0.012;                   // [m] shown around the tip
 constexpr double kSliceStep = 5e-5;                         // [m] of the tip, less changes no slice
@@ -378,7 +379,10 @@ Result<PictureStep> Viewer::draw_eyes(const FrameView& frame, int width, int hei
     FrameView of_eye = frame;
     of_eye.camera = camera;
     if (alone && !at_once) {
+      const auto start = Steady::now();
       auto step = parts_.renderer->draw_step(of_eye, eye_width, eye_height, kStep);
+      while (step && !step->whole && seconds(Steady::now() - start) < kShowSteps && !state_->has_events() && !wait_for_jobs(start))
+        step = parts_.renderer->draw_step(of_eye, eye_width, eye_height, kStep);
       if (!step) return step.error();
       whole = step->whole;
       eyes.push_back(std::move(step->image));

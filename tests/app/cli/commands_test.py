@@ -164,7 +164,7 @@ class OtherCommands(WithFolder):
                 self.assertEqual(len(lines(result.stderr)), 1, result.stderr)
                 continue
             self.assertEqual(result.returncode, 0, result.stderr)
-            self.assertIn(f"renderer: {backend}: 4.", result.stderr)
+            self.assertRegex(result.stderr, rf"rendering on (CPU|GPU): .*, OpenGL 4\.\S+ by {backend}")
             images[backend] = image.read_bytes()
             if "llvmpipe" not in result.stderr:
                 images.pop(backend)

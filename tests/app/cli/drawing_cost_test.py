@@ -110,7 +110,7 @@ class Refused(WithFolder):
     def test_a_picture_that_cannot_be_written_is_exit_2(self):
         (self.folder / "plain").write_text("")
         result = run("render", QUICK, "--image", self.folder / "plain" / "x.png")
-        self.assertEqual((result.returncode, len([l for l in lines(result.stderr) if not l.startswith("renderer: ")])), (2, 1), result.stderr)
+        self.assertEqual((result.returncode, len([l for l in lines(result.stderr) if not l.startswith("rendering on ")])), (2, 1), result.stderr)
         self.assertIn(str(self.folder / "plain"), result.stderr)
         self.refused(2, "--size 0x0", "--size", "0x0")
 

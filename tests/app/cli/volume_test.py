@@ -110,7 +110,7 @@ class Volume(WithFolder):
         image = self.folder / "sheet.png"
         result = run("import", self.volume, "--overview", image)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("renderer: ", result.stderr)
+        self.assertIn("rendering on ", result.stderr)
         width, height = struct.unpack(">II", image.read_bytes()[16:24])
         self.assertEqual((width, height), (1200, 1200))
         result = run("import", self.volume, "--overview", self.folder / "new", "--quiet")

@@ -81,7 +81,7 @@ class WindowTest(WithFolder):
 
     def start(self, *arguments, scene=QUICK, before=()):
         self.start_program("drill", scene, "--window", "--out", self.out, *arguments, before=before)
-        self.wait_until(lambda: "renderer: window" in self.log.read_text(), "the window's renderer")
+        self.wait_until(lambda: " by window" in self.log.read_text(), "the window's renderer")
         self.find_window()
         self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
 
