@@ -11,6 +11,10 @@
 namespace burrhole {
 namespace {
 
+bool is_layer(float label) {
+  return label >= static_cast<float>(VoxelLabel::outer_table) && label <= static_cast<float>(VoxelLabel::inner_table);
+}
+
 constexpr double kPitch = 0.75e-3;   // [m] of the lattice
 constexpr double kRadius = 42e-3;    // [m] about the axis, in which they are drawn
 constexpr double kReach = 30e-3;     // [m] below the inner surface
@@ -59,6 +63,8 @@ std::optional<AssumedBrain> AssumedBrain::create(const BoneModel& bone, const Po
   std::vector<float> soft(block.box.count());
   bone.read_soft(block.box, soft);
   if (std::ranges::any_of(soft, [](float s) { return s > 0.0f; })) return std::nullopt;
+  bone.read_labels(block.box, soft);
+  if (std::ranges::any_of(soft, is_layer)) return std::nullopt;
   AssumedBrain out(bone_from_approach, edge);
   out.columns_.resize(kColumns * kColumns);
   const double step = 0.5 * bone.bone_from_index().mean_edge();

@@ -16,7 +16,7 @@ class AssumedBrain {
  public:
   /// Finds the inner surface of the bone along the approach axis, on a lattice across it. @param bone as drawn; one that is large at coarse
   /// voxels. @param edge [m] of the finest voxels that are drawn. @param thickness [m] of bone at the entry. @returns nothing for a bone
-  /// that has soft tissue of its own, or is too thick for a skull.
+  /// that has soft tissue or labelled layers of its own, or is too thick for a skull.
   [[nodiscard]] static std::optional<AssumedBrain> create(const BoneModel& bone, const Pose& bone_from_approach, double thickness,
                                                           double edge);
 

@@ -88,7 +88,9 @@ class Drilled(WithFolder):
                                                            "--unset", "volume.extent_mm", "--unset", "volume.above_mm", "--unset", "volume.thickness_mm")),
                            ("restored", ("--restore", self.first / "bone.vdb"))):
             picture = self.folder / f"{name}.png"
-            result = run("render", QUICK, "--image", picture, "--size", "160x120", "--no-tool", *sets)
+            # A file is taken for a scan of a patient: directions and assumed brain are shown.
+            result = run("render", QUICK, "--image", picture, "--size", "160x120", "--no-tool", "--set", "display.orientation_mark=false",
+                         "--set", "display.assumed_brain=false", *sets)
             self.assertEqual(result.returncode, 0, result.stderr)
             pictures.append(picture.read_bytes())
         self.assertNotEqual(pictures[0], pictures[1], "the hole is not shown")

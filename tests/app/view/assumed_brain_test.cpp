@@ -12,7 +12,8 @@ namespace {
 constexpr double kEdge = 0.5e-3, kRadius = 60e-3, kThickness = 6e-3;  // [m]
 
 /// A cap of a spherical shell about (0, 0, -kRadius), so that the entry is at the origin. @param soft below it.
-std::shared_ptr<const BoneModel> cap(bool soft = false) {
+/// @param label of the bone.
+std::shared_ptr<const BoneModel> cap(bool soft = false, VoxelLabel label = VoxelLabel::bone) {
   DenseBone dense;
   dense.dims = Vec3i(90, 90, 60);
   dense.bone_from_index = Affine::scaling(kEdge, kEdge * Vec3(-44.5, -44.5, -54.5));
@@ -21,7 +22,7 @@ std::shared_ptr<const BoneModel> cap(bool soft = false) {
     const auto occupancy = static_cast<float>(std::clamp(0.5 - std::max(r - kRadius, kRadius - kThickness - r) / (2.0 * kEdge), 0.0, 1.0));
     dense.occupancy.push_back(occupancy);
     dense.hardness.push_back(occupancy > 0.0f ? 0.8f : 0.0f);
-    dense.labels.push_back(occupancy >= 0.5f ? 1 : 0);
+    dense.labels.push_back(occupancy >= 0.5f ? static_cast<std::uint8_t>(label) : 0);
     if (soft) dense.soft.push_back(r < kRadius - kThickness ? 1.0f : 0.0f);
   });
   auto bone = BoneModel::create(dense);
@@ -52,8 +53,9 @@ TEST_CASE("assumed brain: its surface lies on the inner surface of a shell, and 
     }
 }
 
-TEST_CASE("assumed brain: none for bone that has soft tissue, or is thicker than a skull") {
+TEST_CASE("assumed brain: none for bone that has soft tissue or layers, or is thicker than a skull") {
   CHECK_FALSE(AssumedBrain::create(*cap(true), Pose{}, kThickness, kEdge).has_value());
+  CHECK_FALSE(AssumedBrain::create(*cap(false, VoxelLabel::diploe), Pose{}, kThickness, kEdge).has_value());
   CHECK_FALSE(AssumedBrain::create(*cap(), Pose{}, 0.05, kEdge).has_value());
 }
 
