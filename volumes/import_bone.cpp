@@ -150,6 +150,10 @@ std::string series_text(const SeriesLine& s) {
 
 }  // namespace
 
+bool knows_directions(const ImportReport& report) {
+  return std::ranges::none_of(report.scan.assumed, [](const std::string& line) { return line.find("LPS") != std::string::npos; });
+}
+
 Result<ImportedBone> import_bone(const ImportRequest& given, const std::function<void(const std::string&)>& say) {
   if (const Status checked = check_options(given.bone); !checked) return at(checked.error(), given.path);
   const auto path = readable_path(given.path);

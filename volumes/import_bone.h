@@ -40,6 +40,9 @@ struct ImportReport {
   std::uint64_t bone_voxels = 0, bytes = 0;
 };
 
+/// @returns whether the file says where left, back and up are; otherwise an assumption of the report says that LPS was taken.
+[[nodiscard]] bool knows_directions(const ImportReport& report);
+
 struct ImportedBone {
   std::shared_ptr<const BoneModel> bone;
   ImportReport report;

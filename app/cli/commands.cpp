@@ -148,16 +148,21 @@ Status is_a_scene(const std::string& path) {
 }
 
 /// The keys whose values are paths of files that are read.
-constexpr const char* kPathKeys[] = {"volume.source", "tool.name"};
+constexpr const char* kPathKeys[] = {"volume.source", "approach.markups", "tool.name", "mesh.file"};
 
 /// @returns the assignment with the path of a file below the current folder made absolute; others unchanged.
 std::string from_current_folder(const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos) return assignment;
-  const std::string key = assignment.substr(0, equals);
-  std::string value = assignment.substr(equals + 1);
+  const auto trimmed = [](const std::string& text) {
+    const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+    return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
+  };
+  const std::string key = trimmed(assignment.substr(0, equals));
+  std::string value = trimmed(assignment.substr(equals + 1));
   if (std::ranges::find(kPathKeys, key) == std::end(kPathKeys)) return assignment;
-  if (value.size() >= 2 && value.front() == '"' && value.back() == '"') value = value.substr(1, value.size() - 2);
+  if (value.size() >= 2 && value.front() == value.back() && (value.front() == '"' || value.front() == '\''))
+    value = value.substr(1, value.size() - 2);
   std::error_code ignored;
   const bool by_name = key == "tool.name" && !value.ends_with(".toml") && value.find('/') == std::string::npos;
   if (value.empty() || by_name || value.front() == '/' || value.front() == '$' || !fs::exists(value, ignored)) return assignment;
@@ -178,10 +183,11 @@ Result<TomlDocument> SceneOption::document() const {
   if (const Status valid = is_a_scene(path); !valid) return valid.error();
   auto document = TomlDocument::load(path);
   if (!document) return document.error();
-  for (const std::string& assignment : sets)
-    if (Status applied = document->set(from_current_folder(assignment)); !applied) return applied.error();
+  // First what goes: --unset approach --set approach.markups=FILE gives another approach.
   for (const std::string& name : unsets)
     if (Status removed = document->unset(name); !removed) return removed.error();
+  for (const std::string& assignment : sets)
+    if (Status applied = document->set(from_current_folder(assignment)); !applied) return applied.error();
   Issues unread;
   if (no_pictures && document->root(unread).has("display"))
     if (Status removed = document->unset("display", "--no-pictures"); !removed) return removed.error();
@@ -205,7 +211,7 @@ std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_c
   Issues issues;
   Progress progress(quiet, kReadingDelay);
   LoadOptions options;
-  options.tool_sets = option.tool_sets;
+  for (const std::string& assignment : option.tool_sets) options.tool_sets.push_back(from_current_folder(assignment));
   options.progress = [&](double share) { progress.show(share, "reading the scan"); };
   options.say = [&](const std::string& line) { progress.say(line); };
   options.live = live;

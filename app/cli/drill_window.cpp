@@ -152,8 +152,8 @@ Result<bool> view_session_in_window(const std::string& path, const WindowOptions
   if (!loaded) return loaded.error();
   if (loaded->scene.find<DisplayConfig>() == nullptr)
     return bad_input("the session's scene has no [display], so there is nothing to show", path);
-  CheckpointFile checkpoint;
-  if (Status written = checkpoint.write(*session); !written) return written.error();
+  RecordedFile checkpoint;
+  if (Status written = checkpoint.write(*session, "restore"); !written) return written.error();
   SessionView view;
   view.restore_path = checkpoint.path();
   view.make_sink = sink_maker({});

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 struct Options {
   SceneOption input;  ///< a scene, or a volume
   std::string output, field, restore, unit, series;
-  bool undrilled = false, crop = false, quiet = false;
+  bool undrilled = false, crop = false, quiet = false, force = false;
 };
 
 /// The bone of a scene or of a file; of a scene also where it is drilled.
@@ -58,6 +58,7 @@ Status check_paths(const Options& option) {
   for (const std::string& read : {option.input.scene, option.restore})
     if (!read.empty() && fs::equivalent(read, output, ignored))
       return bad_input("is the file that is read: choose another name", option.output);
+  if (!option.force && fs::exists(output, ignored)) return bad_input("is there already: choose another name, or --force", option.output);
   return {};
 }
 
@@ -196,6 +197,7 @@ void add_export(CLI::App& app, int& exit_code) {
   command->add_option("--unit", option->unit, "unit of length of a mesh or another program's .vdb, which carry none")
       ->check(CLI::IsMember(length_unit_names()));
   command->add_option("--series", option->series, "series of a DICOM folder, or grid of another program's .vdb; default: the best");
+  command->add_flag("--force", option->force, "replace a file of that name");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] { exit_code = export_input(*option); });
 }

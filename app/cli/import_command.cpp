@@ -87,12 +87,13 @@ Result<std::string> overview_file(const std::string& path) {
 }
 
 /// Draws slices and a view of the bone, with the box around it.
-Status draw_overview(const Options& option, const BoneModel& bone) {
+Status draw_overview(const Options& option, const BoneModel& bone, const ImportReport& report) {
   if (bone.bone_voxels() == 0) return bad_input("has no bone to draw", option.input);
   const auto file = overview_file(option.overview);
   if (!file) return file.error();
   VolumePicture picture;
   picture.gl = option.gl;
+  picture.display.orientation = knows_directions(report);
   picture.display.height = picture.display.width;
   const auto driver = write_volume_sheet(*file, bone, picture);
   if (!driver) return driver.error();
@@ -147,7 +148,7 @@ int import_input(const Options& option) {
     if (const Status written = save_bone(imported->bone, option.volume); !written) return report(written.error());
   const BoneModel& bone = *imported->bone;
   if (!option.overview.empty())
-    if (const Status drawn = draw_overview(option, bone); !drawn) return report(drawn.error());
+    if (const Status drawn = draw_overview(option, bone, imported->report); !drawn) return report(drawn.error());
   std::optional<DrillSite> site;
   if (near) {
     const auto found = suggest_site(bone, *near);

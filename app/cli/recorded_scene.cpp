@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "app/cli/commands.h"
@@ -16,6 +17,10 @@ Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t tick
   auto document = TomlDocument::parse(session.meta().scene, session.meta().scene_path);
   if (!document) return document.error();
   (void)document->rename();  // keys of earlier versions
+  RecordedFile plan;
+  if (Status written = plan.write(session, "markups"); !written) return written.error();
+  if (!plan.path().empty())
+    if (Status set = document->set("approach.markups=\"" + plan.path() + "\""); !set) return set.error();
   Issues issues;
   auto loaded = load_scene(*document, scene_context(), issues, {.tool_text = session.meta().tool, .progress = {}, .say = {}});
   if (!loaded) return issues.front();
@@ -30,15 +35,17 @@ std::string why_different(const SessionMeta& meta) {
                      meta.physics_version, kPhysicsVersion);
 }
 
-CheckpointFile::~CheckpointFile() {
+RecordedFile::~RecordedFile() {
   std::error_code ignored;
   if (!path_.empty()) std::filesystem::remove(path_, ignored);
 }
 
-Status CheckpointFile::write(const SessionReader& session) {
+Status RecordedFile::write(const SessionReader& session, const std::string& kind) {
   for (const SessionEvent& event : session.events()) {
-    if (event.kind != "restore") continue;
-    path_ = (std::filesystem::temp_directory_path() / fmt::format("burrhole-replay-{}.vdb", getpid())).string();
+    if (event.kind != kind) continue;
+    const std::string name = std::filesystem::path(event.text).filename().string();  // its ending names the format
+    const std::string ending = name.substr(std::min(name.find('.'), name.size()));
+    path_ = (std::filesystem::temp_directory_path() / fmt::format("burrhole-{}-{}{}", kind, getpid(), ending)).string();
     if (Status written = write_file(path_, event.data); !written) return written;
   }
   return {};

@@ -15,15 +15,15 @@ namespace burrhole::cli {
 /// @returns why a replay's voxels and forces could not be expected to be equal; empty when they could.
 [[nodiscard]] std::string why_different(const SessionMeta& meta);
 
-/// A temporary file for the checkpoint stored in a session, as OpenVDB reads files only.
-class CheckpointFile {
+/// A temporary file for a file that a session holds.
+class RecordedFile {
  public:
-  CheckpointFile() = default;
-  CheckpointFile(const CheckpointFile&) = delete;
-  CheckpointFile& operator=(const CheckpointFile&) = delete;
-  ~CheckpointFile();
-  /// Writes the checkpoint from which the session's run started, if there was one.
-  [[nodiscard]] Status write(const SessionReader& session);
+  RecordedFile() = default;
+  RecordedFile(const RecordedFile&) = delete;
+  RecordedFile& operator=(const RecordedFile&) = delete;
+  ~RecordedFile();
+  /// Writes that of the events of a kind, if there is one: "restore", the checkpoint from which the run started, or "markups", its plan.
+  [[nodiscard]] Status write(const SessionReader& session, const std::string& kind);
   [[nodiscard]] const std::string& path() const { return path_; }  ///< empty: none
 
  private:

@@ -142,6 +142,7 @@ Status draw_volume(const Options& option) {
   if (!option.unit.empty()) sets.push_back("volume.unit=\"" + option.unit + "\"");
   const auto volume = read_volume_for_picture(option.scene.scene, sets);
   if (!volume) return volume.error();
+  picture.display.orientation = knows_directions(volume->report);
   const auto driver = write_volume_picture(image.string(), *volume->bone, picture);
   if (!driver) return driver.error();
   fmt::print(stderr, "{}\n", driver_text(*driver));

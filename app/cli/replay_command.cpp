@@ -78,8 +78,8 @@ Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const 
   options.progress = [&](double time, const DrillProgress& p) {
     progress.show(time / loaded->scene.duration, fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
   };
-  CheckpointFile checkpoint;
-  if (Status written = checkpoint.write(*session); !written) return written.error();
+  RecordedFile checkpoint;
+  if (Status written = checkpoint.write(*session, "restore"); !written) return written.error();
   options.restore_path = checkpoint.path();
   options.history = !session->inputs().empty();
   ReplayedSound sound;

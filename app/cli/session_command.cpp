@@ -80,7 +80,7 @@ std::string overview(const SessionReader& session) {
     out += fmt::format("input      tick {:<7} {} {}{}{}\n", input.tick, input.kind, input.value, input.text.empty() ? "" : " ", input.text);
   for (const SessionEvent& event : session.events())
     out += fmt::format("event      {:8.3f} s  {}{}{}\n", event.time_s, event.kind, event.text.empty() ? "" : ": ",
-                       event.kind == "restore" ? fs::path(event.text).filename().string() : event.text);
+                       event.kind == "restore" || event.kind == "markups" ? fs::path(event.text).filename().string() : event.text);
   for (const SessionHash& hash : session.hashes()) out += fmt::format("hash       {:<8} {}\n", hash.kind, hash.value);
   return out;
 }

@@ -39,7 +39,7 @@ Result<Drawn> draw_outside(const BoneModel& bone, const VolumePicture& picture, 
   auto image = renderer->draw(frame, width, height);
   if (!image) return image.error();
   Drawn out{std::move(image).value(), frame, renderer->driver()};
-  draw_orientation(out.image, frame.camera, frame.world_from_bone);
+  if (picture.display.orientation) draw_orientation(out.image, frame.camera, frame.world_from_bone);
   return out;
 }
 

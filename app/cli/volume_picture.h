@@ -12,7 +12,7 @@
 namespace burrhole::cli {
 
 struct VolumePicture {
-  DisplayConfig display;  ///< method, quality, size, scale bar
+  DisplayConfig display;  ///< method, quality, size, scale bar, directions of the patient
   OuterView view;
   std::string gl = "auto", shader_folder{};  ///< values of --gl and --shader-dir
 };

@@ -81,7 +81,7 @@ std::string setting_of(const Scene& scene, bool by_user) {
   return out + ".";
 }
 
-std::vector<DrillReport::Made> made_rows(const Provenance& made) {
+std::vector<DrillReport::Made> made_rows(const RunProvenance& made) {
   const auto listed = [](const std::vector<std::string>& texts) {
     return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
   };
@@ -171,6 +171,11 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
     if (!checkpoint) return checkpoint.error();
     if (Status noted = session->event({0.0, 0, "restore", job.restore_path, std::move(checkpoint).value()}); !noted) return noted.error();
   }
+  if (const std::string& plan = loaded.scene.approach.markups; !plan.empty()) {
+    auto text = read_file(plan);
+    if (!text) return text.error();
+    if (Status noted = session->event({0.0, 0, "markups", plan, std::move(text).value()}); !noted) return noted.error();
+  }
   return std::optional<SessionWriter>(std::move(session).value());
 }
 
@@ -214,8 +219,21 @@ Status make_folder(const DrillJob& job) {
 void remove_old_results(const std::string& folder) {
   if (folder.empty()) return;
   std::error_code ignored;
+  const bool has_results = fs::is_regular_file(fs::path(folder) / kSummaryFile, ignored);
   for (const Caption& picture : kCaptions) fs::remove(fs::path(folder) / (std::string(picture.name) + ".png"), ignored);
   for (const char* name : {kSummaryFile, kReportFile, kSoundFile}) fs::remove(fs::path(folder) / name, ignored);
+  // A run without [record] would leave the session of those results beside its own.
+  if (!has_results) return;
+  for (const char* end : {"", "-wal", "-shm", "-journal"}) fs::remove(fs::path(folder) / (std::string("session.sqlite") + end), ignored);
+}
+
+/// @returns bad_input if the run would replace the file that its bone was read from.
+Status check_source(const LoadedScene& loaded, const DrillJob& job) {
+  const auto& scan = loaded.scene.volume.scan;
+  std::error_code ignored;
+  if (job.folder.empty() || !scan || !loaded.scene.output.bone) return {};
+  if (!fs::equivalent(scan->request.path, fs::path(job.folder) / "bone.vdb", ignored)) return {};
+  return bad_input("is the bone that this run would replace: give another folder by --out, or copy the file", scan->request.path);
 }
 
 Status write_results(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary, const std::vector<std::string>& pictures,
@@ -315,6 +333,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (sink && job.say) job.say(driver_text(sink->driver()));
   if (simulation->progress().open_axis && job.warn) job.warn(kOpenAxis);
   if (const auto wrong = leaves_skull(*loaded.bone, simulation->approach()); wrong && job.warn) job.warn(*wrong);
+  if (Status kept = check_source(loaded, job); !kept) return kept.error();
   if (Status made = make_folder(job); !made) return made.error();
   const auto lock = FolderLock::take(job.folder);
   if (!lock) return lock.error();
@@ -324,7 +343,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (!session) return session.error();
   if (*session) simulation->set_session(&**session);
   if (job.begin) job.begin(*simulation);
-  Provenance made = provenance_of(loaded, date_of(job), !job.restore_path.empty());
+  RunProvenance made = provenance_of(loaded, date_of(job), simulation->voxmap().starts_drilled());
   const auto start = std::chrono::steady_clock::now();
   if (Status ran = simulation->run(); !ran) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -21,12 +21,20 @@ std::string hash_of(std::string_view text) {
 }
 
 /// @returns an override as results show it.
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\"'"), last = text.find_last_not_of(" \t\"'");
+  return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
+}
+
+/// @returns an override as results show it. A file of a patient is not named: its name may be theirs.
 std::string shown(const std::string& change) {
-  const bool scan = change.starts_with("volume.source=") && change.find("phantom:") == std::string::npos;
-  if (scan) return "volume.source=<path>";
-  if (!change.starts_with("tool.name=") && !change.starts_with("mesh.file=")) return without_folders(change);
-  const std::size_t slash = change.rfind('/');
-  return slash == std::string::npos ? change : change.substr(0, change.find('=') + 1) + change.substr(slash + 1);
+  const auto equals = change.find('=');
+  if (equals == std::string::npos) return without_folders(change);
+  const std::string key(trimmed(std::string_view(change).substr(0, equals)));
+  const std::string_view value = trimmed(std::string_view(change).substr(equals + 1));
+  if ((key == "volume.source" && !value.starts_with("phantom:")) || key == "approach.markups") return key + "=<path>";
+  if (key != "tool.name" && key != "mesh.file") return without_folders(change);
+  return key + "=" + std::string(value.substr(value.rfind('/') + 1));
 }
 
 std::vector<std::pair<std::string, double>> factors_of(const LoadedScene& loaded) {
@@ -101,8 +109,8 @@ std::string run_title(const LoadedScene& loaded) {
   return title.find(tool) != std::string::npos ? title : fmt::format("{}: {}", title, tool);
 }
 
-Provenance provenance_of(const LoadedScene& loaded, const std::string& date, bool drilled_before) {
-  Provenance out;
+RunProvenance provenance_of(const LoadedScene& loaded, const std::string& date, bool drilled_before) {
+  RunProvenance out;
   out.program = std::string("burrhole ") + BH_VERSION;
   out.date = date;
   out.machine = fmt::format("{}, {} threads", cpu_model(), std::thread::hardware_concurrency());
@@ -112,7 +120,7 @@ Provenance provenance_of(const LoadedScene& loaded, const std::string& date, boo
   out.scene_hash = hash_of(without_folders(loaded.scene.text));
   out.tool_hash = hash_of(without_folders(loaded.tool_text));
   if (const auto hash = volume_hash(*loaded.bone)) out.volume_hash = hash_text(*hash);
-  out.drilled_before = drilled_before || loaded.bone->drilled() != nullptr;
+  out.drilled_before = drilled_before;
   return out;
 }
 

@@ -12,7 +12,7 @@
 
 namespace burrhole {
 
-struct Provenance {
+struct RunProvenance {
   std::string program;                                          ///< name and version
   std::string date;                                             ///< ISO 8601, UTC, start of the run
   std::string machine;                                          ///< model of the processor, number of its threads
@@ -23,8 +23,8 @@ struct Provenance {
   bool drilled_before = false;                                  ///< the bone had holes at the start
 };
 
-/// @param date ISO 8601. @param drilled_before the run starts from a checkpoint.
-[[nodiscard]] Provenance provenance_of(const LoadedScene& loaded, const std::string& date, bool drilled_before);
+/// @param date ISO 8601. @param drilled_before Voxmap::starts_drilled().
+[[nodiscard]] RunProvenance provenance_of(const LoadedScene& loaded, const std::string& date, bool drilled_before);
 
 /// @returns the title of a run: that of its scene, and the bit in use.
 [[nodiscard]] std::string run_title(const LoadedScene& loaded);

@@ -42,7 +42,7 @@ Json display_json(const std::optional<RunSummary::Display>& display) {
           {"expected_ms", optional_number(display->expected_ms)}};
 }
 
-Json provenance_json(const std::optional<Provenance>& made) {
+Json provenance_json(const std::optional<RunProvenance>& made) {
   if (!made) return nullptr;
   Json factors = Json::object();
   for (const auto& [region, factor] : made->erosion_factors) factors[region] = factor;

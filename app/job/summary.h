@@ -22,7 +22,7 @@ struct RunSummary {
   std::string scene;  ///< file name, without folder
   std::string title;  ///< run_title()
   std::string tool;
-  std::optional<Provenance> provenance{};     ///< filled by drill()
+  std::optional<RunProvenance> provenance{};  ///< filled by drill()
   std::string end;                            ///< "done", "duration" or "stopped"
   OutcomeLimits limits;                       ///< of the scene
   std::vector<std::string> latched_faults{};  ///< one line for each servo fault that was latched

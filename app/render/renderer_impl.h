@@ -30,8 +30,8 @@ struct Renderer::Impl {
   GlTarget target;  ///< the picture; with layers that of the bone
   GlTarget shown;   ///< with layers and a tool the picture
   GlTarget probe_target;
-  /// The largest of each that another size or number of rays replaced: a view that moves and rests alternates, and a software renderer clears
-  /// new memory page by page.
+  /// The last larger one of each that a smaller one replaced: a view that moves and rests alternates, and a software renderer clears new
+  /// memory page by page.
   GlTarget spare_target, spare_shown;
   DepthRange range;  ///< of the last picture
   GlObject transfer;
@@ -115,7 +115,7 @@ struct Renderer::Impl {
   [[nodiscard]] FrameBlock make_detail_block(const FrameBlock& whole, const FrameView& view) const;
   Result<Programs> find_programs(bool cut, ToolPass pass, bool with_stale);
   [[nodiscard]] TargetKind bone_kind() const noexcept;
-  /// Makes `into` a target of that size and kind. @param spare keeps the largest replaced one, and gives it back; null: none is kept.
+  /// Makes `into` a target of that size and kind. @param spare keeps the last larger one, and gives it back; null: none is kept.
   Status prepare(GlTarget& into, GlTarget* spare, int width, int height, TargetKind kind);
   [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
   void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;

@@ -198,7 +198,7 @@ TargetKind Renderer::Impl::bone_kind() const noexcept {
 Status Renderer::Impl::prepare(GlTarget& into, GlTarget* spare, int width, int height, TargetKind kind) {
   if (into.fits(width, height, kind)) return {};
   if (&into != &probe_target) cache.forget();  // kept pixels read it
-  if (spare != nullptr && (spare->fits(width, height, kind) || into.pixels() > spare->pixels())) std::swap(into, *spare);
+  if (spare != nullptr && (spare->fits(width, height, kind) || into.pixels() > std::int64_t{width} * height)) std::swap(into, *spare);
   if (into.fits(width, height, kind)) return {};
   auto made = GlTarget::create(gl, width, height, kind);
   if (!made) return made.error();

@@ -8,6 +8,7 @@
 
 #include "app/scene/memory_plan.h"
 #include "app/scene/volume_scene.h"
+#include "app/view/display_config.h"
 #include "core/tool/cutting_field.h"
 #include "core/tool/make_tool.h"
 #include "core/tool/mesh_spec.h"
@@ -111,6 +112,7 @@ Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene
   if (!imported) return Error{imported.error().code, imported.error().text(), volume.place};
   out.bone = std::move(imported->bone);
   out.import = std::move(imported->report);
+  if (auto* display = out.scene.find<DisplayConfig>(); display != nullptr && !knows_directions(*out.import)) display->orientation = false;
   return {};
 }
 

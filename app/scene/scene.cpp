@@ -99,6 +99,7 @@ bool read_plan(TableReader& table, const std::string& scene_file, ApproachScene&
   }
   out.entry = line->entry;
   out.target = line->target;
+  out.markups = *path;
   out.axis = glm::normalize(line->target - line->entry);
   return true;
 }

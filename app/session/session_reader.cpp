@@ -271,7 +271,8 @@ SessionReader::~SessionReader() = default;
 
 Result<SessionReader> SessionReader::open(const std::string& path) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return bad_input(error ? "cannot be opened: " + error.message() : "is no file", path);
+  if (!std::filesystem::is_regular_file(path, error))
+    return bad_input(error ? "cannot be opened: " + error.message() : "is no file: give the session.sqlite of a run", path);
   auto state = std::make_unique<State>();
   state->path = path;
   state->database = open_existing(path);

@@ -84,4 +84,12 @@ void draw_cut_sliders(const Gui& gui, WindowState& state, const WindowView& view
   ImGui::PopFont();
 }
 
+void draw_note(const std::string& note, const Gui& gui, int width) {
+  const ImVec2 size = ImGui::CalcTextSize(note.c_str());
+  const ImVec2 at(0.5f * (static_cast<float>(width) - size.x), 6.0f * gui.scale());
+  ImDrawList* const list = ImGui::GetBackgroundDrawList();
+  list->AddText(ImVec2(at.x + 1.0f, at.y + 1.0f), IM_COL32(0, 0, 0, 200), note.c_str());
+  list->AddText(at, IM_COL32(255, 255, 255, 235), note.c_str());
+}
+
 }  // namespace burrhole

@@ -2,6 +2,8 @@
 ///   Units  pixels.   Errors  none.   Thread  the one that draws, between Gui::begin() and Gui::end().
 #pragma once
 
+#include <string>
+
 #include "app/window/gui.h"
 #include "app/window/window_state.h"
 
@@ -14,6 +16,9 @@ void draw_cut_handle(const Gui& gui, WindowState& state, const WindowView& view,
 
 /// The dark edge of a microscope's round field, over a picture of that size.
 void draw_eyepiece(int width, int height);
+
+/// What of the picture is assumed, at its upper edge. @param width of the picture.
+void draw_note(const std::string& note, const Gui& gui, int width);
 
 /// Offset and direction of the cut, for the panel.
 void draw_cut_sliders(const Gui& gui, WindowState& state, const WindowView& view);

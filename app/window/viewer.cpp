@@ -61,6 +61,7 @@ class Viewer::Sink final : public PictureSink {
       viewer_->bone_changed_ = true;
       viewer_->tool_look_ = tool;
       viewer_->slices_stale_ = true;
+      viewer_->note_ = volume.note;
       return own().start(volume, tool);
     });
   }
@@ -289,6 +290,7 @@ void Viewer::draw_frame() {
                                              ImVec2(0.0f, 0.0f), ImVec2(static_cast<float>(width - side), static_cast<float>(height)));
   if (view.mode == CameraMode::microscope) draw_eyepiece(width - side, height);
   if (slices_) show_slices(*slices_, view, *gui_, height);
+  if (!note_.empty()) draw_note(note_, *gui_, width - side);
   panel_->draw(view, figures_, width, height);
   gui_->end();
   state_->take_mouse(gui_->wants_mouse());
@@ -332,7 +334,10 @@ Viewer::Change Viewer::find_change(const WindowView& view, int width, int height
   const auto differ = [](const Pose& a, const Pose& b) { return a.translation != b.translation || a.rotation != b.rotation; };
   const std::optional<Pose>& tool = out.frame.world_from_tool;
   out.turned = !last_camera_ || !(*last_camera_ == view.camera);
-  out.camera = out.turned || !(last_cut_ == view.cut);
+  const auto plane = [](const std::optional<FrameView::Cut>& cut) {
+    return cut ? std::optional(std::pair(cut->normal, cut->offset)) : std::nullopt;
+  };
+  out.camera = out.turned || plane(out.frame.cut) != plane(last_plane_);
   out.tool = tool.has_value() != last_tool_.has_value() || (tool && differ(*tool, *last_tool_));
   out.bone = bone_changed_;
   out.size = width != picture_width_ || height != picture_height_;
@@ -406,8 +411,8 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   const double share = pace_.resolution();
   const bool same = !change.camera && !change.tool && !change.bone && !change.size && !other_quality;
   if (drawn_ && same && whole_ && !(figures_.coarse && (refined_ || view.live.hand.spin > 0.0))) return;
-  // Steps show the last picture below; after one of the run that is another.
-  auto drawn = draw_eyes(change.frame, width, height, change.turned || !drawn_);
+  // Steps show the last picture in the rest: it must be one of this view.
+  auto drawn = draw_eyes(change.frame, width, height, change.camera || !drawn_);
   if (!drawn) return state_->say("The picture cannot be drawn: " + drawn.error().text(), true);
   texture_->set(drawn->image);
   whole_ = drawn->whole;
@@ -416,13 +421,11 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
     sent_at_ = Steady::now();
     bone_time_ = took;
   }
-  totals_.picture.add(took);
-  figures_.picture_ms = took * 1e3;
   figures_.coarse = change.turned && share < 1.0;
   figures_.quality = quality_;
   measure(change, other_quality, took, *drawn);
   last_camera_ = change.frame.camera;
-  last_cut_ = view.cut;
+  last_plane_ = change.frame.cut;
   last_tool_ = change.frame.world_from_tool;
   picture_width_ = width;
   picture_height_ = height;
@@ -432,16 +435,16 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
 
 void Viewer::measure(const Change& change, bool other_quality, double took, const PictureStep& drawn) {
   const bool other_view = change.camera || change.bone || change.size;
-  if (other_view || other_quality) {
-    figures_.moving_psnr.reset();
-    steps_took_ = 0.0;
-  }
+  if (other_view || other_quality) figures_.moving_psnr.reset();
   all_stale_ = other_quality || change.size || (all_stale_ && !change.camera && !change.bone);
   steps_took_ += took;
   if (other_view || change.tool) rough_.reset();
   if (!drawn.whole) return;
+  const double all = std::exchange(steps_took_, 0.0);
+  totals_.picture.add(all);
+  figures_.picture_ms = all * 1e3;
   if (refined_ && std::exchange(all_stale_, false)) {
-    figures_.full_ms = steps_took_ * 1e3;
+    figures_.full_ms = all * 1e3;
     if (rough_) figures_.moving_psnr = psnr_of(*rough_, drawn.image);
   }
   if (!refined_) rough_ = drawn.image;

@@ -123,15 +123,16 @@ class Viewer {
   bool slices_stale_ = true;
   Time sliced_{};
   std::optional<FrameView> base_;
+  std::string note_;  // of the volume: what of the picture is assumed
   bool tool_turns_ = true, bone_changed_ = false, drawn_ = false, refined_ = true, grown_ = false;
   bool whole_ = true;                     // false: the picture is drawn in steps, and pixels are missing
   DrawingQuality quality_, run_quality_;  // of the last picture; of the pictures of the run
   DynamicResolution pace_;
-  double steps_took_ = 0.0;  // [s] of the picture that is drawn, since all of its pixels were stale
+  double steps_took_ = 0.0;  // [s] of the picture that is drawn in steps
   bool all_stale_ = false;   // they were, and nothing else has changed since
   Pose world_from_approach_;
   std::optional<CameraView> last_camera_;
-  ViewCut last_cut_;
+  std::optional<FrameView::Cut> last_plane_;
   std::optional<Pose> last_tool_;
   std::optional<Pose> still_tool_;  // where the tool has rested since the last change
   std::vector<TexelBox> texels_;    // of changed bone, not sent to the renderer yet

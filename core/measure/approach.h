@@ -18,6 +18,7 @@ struct ApproachScene {
   Vec3 axis{0.0, 0.0, -1.0};     ///< [-] unit vector into bone
   std::string place;             ///< location of the table in the file, for errors found later
   std::optional<Vec3> target{};  ///< [m] end of a planned line, on the axis; no run reads it
+  std::string markups{};         ///< path of the planned line's file; empty: there is none
 };
 
 struct Approach {

@@ -53,7 +53,7 @@ void DrillMonitor::follow(const Tip& tip, double voxel_edge, const Solid& solid)
 
 void DrillMonitor::start(std::span<const std::uint8_t> bone) noexcept {
   for (std::size_t n = 0; n < start_.size() && n < bone.size(); ++n) {
-    start_[n] = bone[n] != 0 ? 1 : 0;
+    start_[n] = first_[n] = bone[n] != 0 ? 1 : 0;
     cut_[n] = bone[n] != 0 ? 0 : 1;
   }
   progress_.open_axis = std::ranges::find(start_, std::uint8_t{1}) == start_.end();
@@ -64,8 +64,9 @@ void DrillMonitor::bone_grew(std::span<const std::uint8_t> bone) noexcept {
   for (std::size_t n = 0; n < cut_.size() && n < bone.size(); ++n) {
     grew = grew || (cut_[n] != 0 && bone[n] != 0);
     cut_[n] = bone[n] != 0 ? 0 : 1;
-    if (bone[n] != 0) start_[n] = 1;  // a reset may bring back more than the run removed
+    start_[n] = first_[n] != 0 || bone[n] != 0 ? 1 : 0;  // a reset may bring back more than the run removed, and an undo take it away
   }
+  progress_.open_axis = std::ranges::find(start_, std::uint8_t{1}) == start_.end();
   if (!grew) return;
   const auto first = static_cast<std::size_t>(std::ranges::find(cut_, std::uint8_t{0}) - cut_.begin());
   DrillProgress now;

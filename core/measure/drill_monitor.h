@@ -36,7 +36,7 @@ inline constexpr double kAsideForce = 1.0;
 class DrillMonitor {
  public:
   explicit DrillMonitor(const Approach& approach)
-      : approach_(&approach), cut_(approach.axis_index.size(), 0), start_(approach.axis_index.size(), 1) {}
+      : approach_(&approach), cut_(approach.axis_index.size(), 0), start_(approach.axis_index.size(), 1), first_(start_) {}
   /// Bone on the axis was drilled before the run: what is gone is not of this run. Call it before the first tick.
   /// @param bone as bone_on_axis().
   void start(std::span<const std::uint8_t> bone) noexcept;
@@ -65,7 +65,8 @@ class DrillMonitor {
   const Approach* approach_;
   double last_time_ = 0.0;           // [s]
   std::vector<std::uint8_t> cut_;    // 1: the axis sample is without bone; outside the window the last known state holds
-  std::vector<std::uint8_t> start_;  // 1: the axis sample was bone at the start of the run
+  std::vector<std::uint8_t> start_;  // 1: the axis sample was bone before what the run removed
+  std::vector<std::uint8_t> first_;  // the same at the start of the run
   DrillProgress progress_;
 };
 

@@ -26,7 +26,7 @@ Voxmap::Voxmap(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config
   window_.gradient_dead_zone = config.gradient_dead_zone;
   if (bone_->drilled() == nullptr) return;
   bone_->drilled()->for_each_block([this](const Vec3i& block, const BlockValues& values) { blocks_.put(block, values); });
-  start_ = std::shared_ptr<const BlockStore>(bone_, bone_->drilled());
+  start_ = first_ = std::shared_ptr<const BlockStore>(bone_, bone_->drilled());
 }
 
 Result<Voxmap> Voxmap::create(std::shared_ptr<const BoneModel> bone, const VoxmapConfig& config) {
@@ -151,9 +151,24 @@ void Voxmap::put_blocks(std::span<const BlockChange> changes) {
     }
     for (VoxelBoxes& listener : listeners_) listener.add(box.grown(1));
   }
+  raise_start(changes);
   ++growth_epoch_;
   cut_.clear();
   ++window_epoch_;
+}
+
+void Voxmap::raise_start(std::span<const BlockChange> changes) {
+  if (first_ == nullptr) return;
+  const auto raised = std::make_shared<BlockStore>();
+  start_->for_each_block([&](const Vec3i& block, const BlockValues& values) { raised->put(block, values); });
+  for (const BlockChange& change : changes) {
+    const BlockValues* const before = first_->find(change.block);
+    if (before == nullptr) continue;
+    BlockValues values = *before;
+    for (std::size_t n = 0; n < kBlockVoxels; ++n) values[n] = std::max(values[n], change.values != nullptr ? (*change.values)[n] : 1.0f);
+    raised->put(change.block, values);
+  }
+  start_ = raised;
 }
 
 void Voxmap::read_remaining(const VoxelBox& box, std::span<float> out) const {
@@ -239,7 +254,7 @@ Status Voxmap::restore(const std::string& path) {
   });
   read->for_each_block([&](const Vec3i& block, const BlockValues& values) { changes.push_back({block, &values}); });
   put_blocks(changes);
-  start_ = read->size() > 0 ? read : nullptr;
+  start_ = first_ = read->size() > 0 ? read : nullptr;
   return {};
 }
 

@@ -128,8 +128,8 @@ class Voxmap {
   /// not match the bone.
   [[nodiscard]] Status restore(const std::string& path);
   /// @returns whether the bone was drilled before the run: by the file of the bone model, or by restore().
-  [[nodiscard]] bool starts_drilled() const noexcept { return start_ != nullptr; }
-  /// Density before the run: dense copy of a box, i fastest. The box may extend outside the grid.
+  [[nodiscard]] bool starts_drilled() const noexcept { return first_ != nullptr; }
+  /// Density before what the run removed: at the start of the run, and where a reset brought back more, that. Dense copy of a box, i fastest. The box may extend outside the grid.
   void read_start(const VoxelBox& box, std::span<float> out) const;
 
   /// @returns the hash over all voxels that differ from the bone as loaded, sorted by k, j, i; independent of window and storage.
@@ -143,13 +143,16 @@ class Voxmap {
   void load_window(const VoxelBox& box);
   void slide_window(const VoxelBox& box);
   void load_part(const VoxelBox& part);
+  /// After bone was brought back, or an undo has taken it away again.
+  void raise_start(std::span<const BlockChange> changes);
   /// @returns whether the block's values changed.
   bool put_block(const Vec3i& block, const BlockValues& values);
 
   std::shared_ptr<const BoneModel> bone_;
   VoxmapConfig config_;
   BlockStore blocks_;                        // of remaining
-  std::shared_ptr<const BlockStore> start_;  // the same before the run; null: all voxels are 1
+  std::shared_ptr<const BlockStore> first_;  // the same at the start of the run; null: all voxels are 1
+  std::shared_ptr<const BlockStore> start_;  // the same before what the run removed: a reset may bring back more
   CutSurface cut_;
   MasterWindow window_;
   BlockMarks unsaved_;  // blocks of the window that were committed since write_back()

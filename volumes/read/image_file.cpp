@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <new>
 #include <span>
@@ -145,21 +146,30 @@ Status fill(const ImageFile& file, std::vector<float>& values, const ReadOptions
   return {};
 }
 
+/// Other programs keep the mark of an exported file when they replace its values.
+void settle_density(std::span<const float> values, ImageFile& file) {
+  if (std::ranges::all_of(values, [](float v) { return v >= 0.0f && v <= 1.0f; })) {
+    file.quantity = Quantity::occupancy;
+    file.head.assumed.emplace_back("the values are density that burrhole has exported: they are taken for occupancy");
+  } else {
+    file.head.assumed.emplace_back(
+        "the header says density that burrhole has exported, and the values are none: they are taken for those of a scan");
+  }
+}
+
 }  // namespace
 
 Result<ReadScan> read_image(ImageFile file, const ReadOptions& options) {
   const Vec3i dims = file.head.dims;
-  if (file.head.own_density) {
-    file.quantity = Quantity::occupancy;
-    file.head.assumed.emplace_back("the values are density that burrhole has exported: they are taken for occupancy");
-  }
   if (const auto error = dims_error(dims.x, dims.y, dims.z)) return bad_input(*error, file.place);
   if (const auto error = affine_error(file.head.bone_from_index)) return bad_input(*error, file.place);
   if (file.parts.empty() || static_cast<std::size_t>(dims.z) % file.parts.size() != 0)
     return bad_input(fmt::format("{} data files do not share {} slices evenly", file.parts.size(), dims.z), file.place);
   if (options.accept)
-    if (Status accepted =
-            options.accept({.dims = dims, .bone_from_index = file.head.bone_from_index, .quantity = file.quantity, .values = {}});
+    if (Status accepted = options.accept({.dims = dims,
+                                          .bone_from_index = file.head.bone_from_index,
+                                          .quantity = file.head.own_density ? Quantity::occupancy : file.quantity,
+                                          .values = {}});
         !accepted)
       return accepted.error();
   const std::size_t voxels = VoxelBox{Vec3i(0), dims}.count();
@@ -176,6 +186,7 @@ Result<ReadScan> read_image(ImageFile file, const ReadOptions& options) {
     return Error{ErrorCode::unavailable, fmt::format("{} voxels do not fit into memory", voxels), file.place};
   }
   if (const Status status = fill(file, out.scan.values, options); !status) return status.error();
+  if (file.head.own_density) settle_density(out.scan.values, file);
   out.scan.dims = dims;
   out.scan.bone_from_index = file.head.bone_from_index;
   out.scan.quantity = file.quantity;

@@ -173,7 +173,10 @@ Result<Affine> affine_of(const Fields& fields, std::vector<std::string>& assumed
   if (!spacing) return spacing.error();
   const auto origin = numbers_under(fields, {"Offset", "Position", "Origin"}, 3);
   if (!origin) return origin.error();
-  if (!matrix.value()) assumed.emplace_back("no orientation in the file: i towards left, j towards posterior, k towards superior");
+  if (!matrix.value()) assumed.emplace_back("no orientation in the file: i towards left, j towards posterior, k towards superior (LPS)");
+  const auto anatomical = fields.find("AnatomicalOrientation");
+  if (anatomical != fields.end() && anatomical->second.find('?') != std::string::npos)
+    assumed.emplace_back("the file does not know its anatomical orientation: assumed to be LPS");
   if (!spacing.value()) assumed.emplace_back("no spacing in the file: 1 mm along each axis");
   if (!origin.value()) assumed.emplace_back("no origin in the file: first voxel at 0");
   Affine out;

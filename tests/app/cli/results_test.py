@@ -62,6 +62,25 @@ class Drilled(WithFolder):
                 self.assertIn("no bone is on the axis at the start", report)
                 self.assertTrue(summary["provenance"]["drilled_before"])
 
+    def test_bone_that_a_reset_brought_back_counts_as_there_before(self):
+        inputs = self.folder / "inputs.toml"
+        inputs.write_text('[[input]]\nat_s = 0.01\nkind = "reset"\n')
+        summary, _, _ = self.again("--restore", self.first / "bone.vdb", "--inputs", inputs)
+        drilling, fresh = summary["drilling"], self.summary["drilling"]
+        self.assertEqual(summary["hash"]["voxels"], self.summary["hash"]["voxels"])
+        self.assertEqual(summary["result"], "drilled-through")
+        self.assertFalse(drilling["axis_open_at_start"])
+        for key in ("removed_mass_mm3", "hole_diameter_mm", "inner_diameter_mm"):
+            self.assertAlmostEqual(drilling[key], fresh[key], places=9, msg=key)
+
+    def test_a_reset_that_is_undone_leaves_the_open_axis(self):
+        inputs = self.folder / "inputs.toml"
+        inputs.write_text('[[input]]\nat_s = 0.01\nkind = "reset"\n[[input]]\nat_s = 0.02\nkind = "undo"\n')
+        summary, _, _ = self.again("--restore", self.first / "bone.vdb", "--inputs", inputs)
+        self.assertTrue(summary["drilling"]["axis_open_at_start"])
+        self.assertIsNone(summary["drilling"]["breakthrough_s"])
+        self.assertLess(summary["drilling"]["removed_mass_mm3"], 0.02 * self.summary["drilling"]["removed_mass_mm3"])
+
     def test_a_part_of_a_hole_counts_only_what_the_run_removes(self):
         half = self.folder / "half"
         before = json.loads(run("drill", QUICK, "--no-pictures", "--out", half, "--json", "--quiet", "--set", "duration_s=0.6").stdout)["drilling"]

@@ -86,7 +86,7 @@ TEST_CASE("cut mesh: surfaces that overlap are filled once, and a tube keeps its
   CHECK(measure(cut_mesh(tube, Vec3(0, -1, 0), 0.0), Vec3(0, -1, 0), 0.0).section == doctest::Approx(12.0));
 }
 
-TEST_CASE("cut mesh: the shipped perforator in section is closed, and no wider than its solid") {
+TEST_CASE("cut mesh: the shipped perforator in section is closed, and half of it") {
   Issues issues;
   const auto tool = load_tool(test::in_source("app/tools/perforator_14_11.toml"), {.erosion_pitch = 0.5e-3}, issues);
   REQUIRE(tool.has_value());
@@ -94,6 +94,6 @@ TEST_CASE("cut mesh: the shipped perforator in section is closed, and no wider t
   const Measure whole = measure(look, Vec3(0, 0, 1), 1.0);
   const TriangleMesh cut = cut_mesh(look, Vec3(0, -1, 0), 0.0);
   const Measure half = measure(cut, Vec3(0, -1, 0), 0.0);
-  CHECK(half.volume == doctest::Approx(0.5 * whole.volume).epsilon(0.02));
+  CHECK(std::abs(half.volume / whole.volume - 0.5) < 0.01);
   CHECK(glm::length(half.area) < 1e-3 * half.section);
 }
