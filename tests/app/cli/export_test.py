@@ -82,8 +82,16 @@ class Drilled(WithFolder):
         return done.stderr
 
     def exported(self, name, *options, source=None):
-        self.export(source or self.bone, "-o", self.folder / name, *options)
+        self.export(source or self.bone, "-o", self.folder / name, "--force", *options)
         return self.folder / name
+
+    def test_a_file_is_replaced_by_force_alone(self):
+        there = self.folder / "there.nrrd"
+        there.write_bytes(b"a CT")
+        self.assertIn("--force", self.refused(self.bone, "-o", there))
+        self.assertEqual(there.read_bytes(), b"a CT")
+        self.export(self.bone, "-o", there, "--force")
+        self.assertTrue(there.read_bytes().startswith(b"NRRD"))
 
     def hashed(self, bone, *options):
         """The hash of the voxels of a run of no length that starts from a checkpoint."""

@@ -64,7 +64,7 @@ class Drilled(WithFolder):
 
     def test_bone_that_a_reset_brought_back_counts_as_there_before(self):
         inputs = self.folder / "inputs.toml"
-        inputs.write_text('[[input]]\nat_s = 0.01\nkind = "reset"\n')
+        inputs.write_text('[[input]]\ntime_s = 0.01\nkind = "reset"\n')
         summary, _, _ = self.again("--restore", self.first / "bone.vdb", "--inputs", inputs)
         drilling, fresh = summary["drilling"], self.summary["drilling"]
         self.assertEqual(summary["hash"]["voxels"], self.summary["hash"]["voxels"])
@@ -75,7 +75,7 @@ class Drilled(WithFolder):
 
     def test_a_reset_that_is_undone_leaves_the_open_axis(self):
         inputs = self.folder / "inputs.toml"
-        inputs.write_text('[[input]]\nat_s = 0.01\nkind = "reset"\n[[input]]\nat_s = 0.02\nkind = "undo"\n')
+        inputs.write_text('[[input]]\ntime_s = 0.01\nkind = "reset"\n[[input]]\ntime_s = 0.02\nkind = "undo"\n')
         summary, _, _ = self.again("--restore", self.first / "bone.vdb", "--inputs", inputs)
         self.assertTrue(summary["drilling"]["axis_open_at_start"])
         self.assertIsNone(summary["drilling"]["breakthrough_s"])
