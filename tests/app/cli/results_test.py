@@ -117,11 +117,11 @@ class Drilled(WithFolder):
 
     def test_import_reports_the_hole_and_keeps_it(self):
         copy = self.folder / "copy.vdb"
-        told = json.loads(run("import", self.first / "bone.vdb", "--volume", copy, "--json").stdout)
-        removed = self.summary["volume"]["bone_voxels"] - told["bone"]["voxels"]
+        report = json.loads(run("import", self.first / "bone.vdb", "--volume", copy, "--json").stdout)
+        removed = self.summary["volume"]["bone_voxels"] - report["bone"]["voxels"]
         self.assertGreater(removed, 0)
-        self.assertIn(f"the bone was drilled before it was saved: {removed} of its bone voxels are removed", told["assumed"])
-        self.assertEqual(json.loads(run("import", copy, "--json").stdout)["bone"]["voxels"], told["bone"]["voxels"])
+        self.assertIn(f"the bone was drilled before it was saved: {removed} of its bone voxels are removed", report["assumed"])
+        self.assertEqual(json.loads(run("import", copy, "--json").stdout)["bone"]["voxels"], report["bone"]["voxels"])
 
     def test_changes_alone_are_no_source_and_the_message_says_what_to_do(self):
         changes = self.folder / "changes"
@@ -207,8 +207,8 @@ class Compare(WithFolder):
 
     def test_a_run_equals_itself(self):
         result = run("compare", self.runs[0], self.runs[0] / "summary.json", "--json")
-        told = json.loads(result.stdout)["runs"]
-        self.assertEqual((told[0]["facts"], told[0]["figures"]), (told[1]["facts"], told[1]["figures"]))
+        runs = json.loads(result.stdout)["runs"]
+        self.assertEqual((runs[0]["facts"], runs[0]["figures"]), (runs[1]["facts"], runs[1]["figures"]))
         out = self.folder / "same"
         run("compare", self.runs[0], self.runs[0], "--out", out)
         self.assertIn("no difference", (out / "compare.html").read_text())

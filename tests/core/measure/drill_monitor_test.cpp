@@ -67,7 +67,7 @@ TEST_CASE("monitor: an axis without bone at the start has no breakthrough, and n
   CHECK_FALSE(monitor.progress().passed_time.has_value());
   CHECK(monitor.progress().deepest == doctest::Approx(5e-3).epsilon(1e-9));
   CHECK(monitor.progress().largest_ahead < 0.0);
-  DrillMonitor unaware(plate.approach);  // the twin that is not told
+  DrillMonitor unaware(plate.approach);  // the twin that does not know the bone at the start
   look(unaware, plate, 5e-3, 0.0, 1.0);
   CHECK(unaware.progress().breakthrough_time.has_value());
 }
