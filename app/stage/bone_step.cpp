@@ -70,7 +70,7 @@ Status BoneStep::place_window(const Tool& tool, const Pose& world_from_tool) {
   const Vec3 stretch = world_from_tool.rotate(Vec3(0.0, 0.0, -stretch_));
   const VoxelBox pressed = box.unite(tool_box(tool, shifted(at, index_from_world_.linear * stretch), margins_.placed));
   for (const VoxelBox& one : {box, pressed})
-    if (const Vec3i size = one.size(); std::max({size.x, size.y, size.z}) <= kMaxWindowEdge) most_ = std::max(most_, one.count());
+    if (fits_window(one.size())) most_ = std::max(most_, one.count());
   voxmap_->reserve(grown_window_voxels(most_), 0);
   if (Status placed = voxmap_->place_window(box); !placed) {
     if (placed.error().code != ErrorCode::out_of_range) return placed;
@@ -140,10 +140,7 @@ Status BoneStep::keep_window(const ErosionPath& path) {
   const auto box = [&](const Affine& to, int margin) { return tool_box(*tool_, path.from, margin).unite(tool_box(*tool_, to, margin)); };
   // A window that reaches far ahead is shortened to what the reserved memory holds.
   const std::size_t most = most_window_voxels(tool_box(*tool_, path.from, margins_.placed).count());
-  const auto fits = [&](const VoxelBox& b) {
-    const Vec3i size = b.size();
-    return b.count() <= most && std::max({size.x, size.y, size.z}) <= kMaxWindowEdge;
-  };
+  const auto fits = [&](const VoxelBox& b) { return b.count() <= most && fits_window(b.size()); };
   double share = 1.0;
   while (share > 0.1 && !fits(box(path.at(share), margins_.placed))) share *= 0.8;
   const Affine to = path.at(share);

@@ -111,7 +111,10 @@ class ChooserWindow {
               units_.press(key), [this] { read_with_unit(units_.at()); }, [this] { screen_ = Screen::files; });
         return;
       case Screen::reading:
-        return;  // it cannot be stopped half way
+        if (!pressed || key != Key::escape) return;
+        reading_.reset();
+        screen_ = Screen::files;
+        return;
       case Screen::skull:
         if (pressed && key == Key::escape)
           screen_ = Screen::files;
@@ -274,7 +277,7 @@ class ChooserWindow {
   void draw_reading() {
     text("Reading " + source_.path);
     ImGui::ProgressBar(static_cast<float>(reading_ ? reading_->share() : 1.0), ImVec2(-1.0f, 0.0f));
-    caption(*gui_, "Then the bone is shown from outside, and you point to the place of the hole.");
+    caption(*gui_, "Then the bone is shown from outside, and you point to the place of the hole. Esc stops the reading.");
   }
 
   GlfwWindow* window_;

@@ -31,13 +31,17 @@ ImportRequest overview_request(const SkullSource& source, bool is_grids) {
 ScanReading::ScanReading(SkullSource source, bool is_grids) : source_(std::move(source)), is_grids_(is_grids) {
   thread_ = std::thread([this] {
     ImportRequest request = overview_request(source_, is_grids_);
+    request.read.stop = stop_.get_token();
     request.read.progress = [this](double share) { share_.store(share, std::memory_order_relaxed); };
     bone_.emplace(read_safely(request));
     done_.store(true, std::memory_order_release);
   });
 }
 
-ScanReading::~ScanReading() { thread_.join(); }
+ScanReading::~ScanReading() {
+  stop_.request_stop();
+  thread_.join();
+}
 
 std::optional<Result<ImportedBone>> ScanReading::take() {
   if (!done_.load(std::memory_order_acquire)) return std::nullopt;

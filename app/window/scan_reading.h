@@ -1,9 +1,10 @@
 /// app/window/scan_reading.h: reads a scan on a thread of its own, for a window that shows how far it is.
-///   Errors  those of import_bone(), one line.   Thread  create, poll and destroy on one; the destructor waits for the end of the reading.
+///   Errors  those of import_bone(), one line.   Thread  create, poll and destroy on one; the destructor stops the reading.
 #pragma once
 
 #include <atomic>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -34,6 +35,7 @@ class ScanReading {
   std::atomic<double> share_{0.0};
   std::atomic<bool> done_{false};
   std::optional<Result<ImportedBone>> bone_;
+  std::stop_source stop_;
   std::thread thread_;
 };
 

@@ -4,11 +4,13 @@
 
 #include "core/base/assert.h"
 #include "core/voxel/box_parts.h"
+#include "core/voxel/window_size.h"
 
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kLongestInBlocks = 33;  // of a window of 256 voxels that begins within a block
+// Blocks of the largest window, which may begin and end within blocks: 65 x 65 x 10 or fewer.
+constexpr std::size_t kMostBlocks = kMaxWindowVoxels / kBlockVoxels * 2;
 
 template <class Entries>
 auto place_of(Entries& entries, std::uint64_t key) noexcept {
@@ -106,7 +108,7 @@ VoxelBox BlockStore::changed_bounds() const noexcept {
 }
 
 void BlockMarks::reset(const VoxelBox& window) {
-  bits_.reserve((kLongestInBlocks * kLongestInBlocks * kLongestInBlocks + 63) / 64);
+  bits_.reserve((kMostBlocks + 63) / 64);
   blocks_ = blocks_of(window);
   bits_.assign((blocks_.count() + 63) / 64, 0);
   count_ = 0;

@@ -42,12 +42,12 @@ void derive_gradient(const MasterWindow& window, const VoxelBox& part, std::span
 
 Status Voxmap::place_window(const VoxelBox& box) {
   const Vec3i size = box.size();
-  for (const int edge : {size.x, size.y, size.z})
-    if (edge < 5 || edge > kMaxWindowEdge)
-      return Error{ErrorCode::out_of_range,
-                   "the window would be " + std::to_string(size.x) + " x " + std::to_string(size.y) + " x " + std::to_string(size.z) +
-                       " voxels; each edge must be in [5, " + std::to_string(kMaxWindowEdge) + "]",
-                   {}};
+  if (!fits_window(size))
+    return Error{ErrorCode::out_of_range,
+                 "the window would be " + std::to_string(size.x) + " x " + std::to_string(size.y) + " x " + std::to_string(size.z) +
+                     " voxels; each edge must be in [" + std::to_string(kLeastWindowEdge) + ", " + std::to_string(kMaxWindowEdge) +
+                     "], and all voxels at most " + std::to_string(kMaxWindowVoxels),
+                 {}};
   write_back();
   if (kept_by_slide(window_.box, box, 1).empty())
     load_window(box);

@@ -18,6 +18,7 @@
 #include "core/voxel/bone_model.h"
 #include "core/voxel/bone_prefetch.h"
 #include "core/voxel/cut_surface.h"
+#include "core/voxel/window_size.h"
 
 namespace burrhole {
 
@@ -41,9 +42,6 @@ struct MasterWindow {
 /// Computes float gradients [1/voxel] of `part` from the window's density, into an array over window.box; zero in the outermost layer,
 /// where they are undefined.
 void derive_gradient(const MasterWindow& window, const VoxelBox& part, std::span<Vec3f> gradient) noexcept;
-
-/// Longest edge of a window [voxels].
-inline constexpr int kMaxWindowEdge = 256;
 
 /// Receives each block of the store before it changes. Undo stores these blocks.
 class BlockKeeper {
@@ -70,8 +68,8 @@ class Voxmap {
   [[nodiscard]] const VoxmapConfig& config() const noexcept { return config_; }
   [[nodiscard]] const MasterWindow& window() const noexcept { return window_; }
 
-  /// Moves the window: writes the old window back, keeps the values of the intersection and loads the others. out_of_range: an edge is
-  /// below 5 or above kMaxWindowEdge. unavailable: a read of a paged bone has failed, now or before.
+  /// Moves the window: writes the old window back, keeps the values of the intersection and loads the others. out_of_range:
+  /// !fits_window(). unavailable: a read of a paged bone has failed, now or before.
   [[nodiscard]] Status place_window(const VoxelBox& box);
 
   /// Slides read blocks from `prefetch` if it holds them, otherwise from OpenVDB. Null: always from OpenVDB. The values are the same.

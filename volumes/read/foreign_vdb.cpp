@@ -41,7 +41,7 @@ struct Conversion {
 };
 
 /// Slab by slab, each with one layer of neighbours.
-Conversion convert(const ForeignGrid& foreign, const VoxelBox& box, const std::function<void(double)>& progress) {
+Result<Conversion> convert(const ForeignGrid& foreign, const VoxelBox& box, const ReadOptions& options) {
   Conversion out;
   out.values.reserve(box.count());
   std::vector<float> slab;
@@ -58,7 +58,7 @@ Conversion convert(const ForeignGrid& foreign, const VoxelBox& box, const std::f
       if (!foreign.level_set) out.clamped += value < 0.0f || value > 1.0f ? 1 : 0;
       out.values.push_back(foreign.level_set ? ramp(slab, at, row, slice) : std::clamp(value, 0.0f, 1.0f));
     });
-    if (progress) progress(static_cast<double>(part.hi.z - box.lo.z) / box.size().z);
+    if (const Status on = advance(options, static_cast<double>(part.hi.z - box.lo.z) / box.size().z); !on) return on.error();
   }
   return out;
 }
@@ -117,10 +117,11 @@ Result<ReadScan> read_checked(const std::string& path, const ReadOptions& option
   if (const auto error = affine_error(out.scan.bone_from_index)) return bad_input(grid + "with this unit: " + *error);
   if (options.accept)
     if (Status accepted = options.accept(out.scan); !accepted) return accepted.error();
-  Conversion converted = convert(*foreign, box, options.progress);
-  if (converted.not_finite > 0) return bad_input(grid + fmt::format("holds {} values that are not finite", converted.not_finite));
-  fill_report(*foreign, converted, *options.unit, out.report);
-  out.scan.values = std::move(converted.values);
+  auto converted = convert(*foreign, box, options);
+  if (!converted) return converted.error();
+  if (converted->not_finite > 0) return bad_input(grid + fmt::format("holds {} values that are not finite", converted->not_finite));
+  fill_report(*foreign, *converted, *options.unit, out.report);
+  out.scan.values = std::move(converted->values);
   return out;
 }
 

@@ -65,7 +65,7 @@ Result<bool> check_part(VoxelPart& part, const Share& share, Packing packing) {
 }
 
 /// Reads and converts, piece by piece. `done` counts the voxels of all parts, for progress.
-Status fill_binary(const VoxelPart& part, const ImageFile& file, std::span<float> out, const std::function<void(std::size_t)>& done) {
+Status fill_binary(const VoxelPart& part, const ImageFile& file, std::span<float> out, const std::function<Status(std::size_t)>& done) {
   Result<ByteStream> stream = ByteStream::open(part.path, part.offset, file.packing == Packing::packed);
   if (!stream) return stream.error();
   if (const Result<std::uint64_t> before = stream->skip(part.inner_offset); !before) return before.error();
@@ -78,12 +78,12 @@ Status fill_binary(const VoxelPart& part, const ImageFile& file, std::span<float
     if (!got) return got.error();
     if (got.value() < raw.size()) return bad_input("changed while it was read", part.path);
     to_float(raw, file.head.form, to);
-    done(to.size());
+    if (Status on = done(to.size()); !on) return on;
   }
   return {};
 }
 
-Status fill_text(const VoxelPart& part, const ImageFile& file, std::span<float> out, const std::function<void(std::size_t)>& done) {
+Status fill_text(const VoxelPart& part, const ImageFile& file, std::span<float> out, const std::function<Status(std::size_t)>& done) {
   Result<ByteStream> stream = ByteStream::open(part.path, part.offset, false);
   if (!stream) return stream.error();
   std::vector<std::byte> piece(kPiece);
@@ -112,8 +112,7 @@ Status fill_text(const VoxelPart& part, const ImageFile& file, std::span<float> 
   }
   if (Status status = take(); !status) return status;
   if (at < out.size()) return bad_input(fmt::format("data ends after {} of {} numbers", at, out.size()), part.path);
-  done(out.size());
-  return {};
+  return done(out.size());
 }
 
 /// @returns whether a part has data after the voxels.
@@ -136,7 +135,7 @@ Status fill(const ImageFile& file, std::vector<float>& values, const ReadOptions
   std::size_t finished = 0;
   const auto done = [&](std::size_t voxels) {
     finished += voxels;
-    if (options.progress) options.progress(static_cast<double>(finished) / static_cast<double>(values.size()));
+    return advance(options, static_cast<double>(finished) / static_cast<double>(values.size()));
   };
   for (std::size_t n = 0; n < file.parts.size(); ++n) {
     const std::span<float> out = std::span(values).subspan(n * share, share);

@@ -75,7 +75,7 @@ Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& opti
   const MeshSize size = size_of(*mesh);
   const double pitch = options.pitch.value_or(size.longest / kDefaultVoxels);
   if (const Status fits = check_grid(size, pitch, options.memory, path); !fits) return fits.error();
-  Result<Scan> scan = mesh_to_occupancy(*mesh, pitch, options.progress);
+  Result<Scan> scan = mesh_to_occupancy(*mesh, pitch, [&](double share) { return advance(options, share); });
   if (!scan) return Error{scan.error().code, scan.error().message, path};
   if (options.accept)
     if (Status accepted = options.accept(*scan); !accepted) return accepted.error();

@@ -57,7 +57,7 @@ class RampSweep {
     nearest_.resize(area_);
   }
 
-  void run(const std::function<void(double)>& progress) {
+  Status run(const std::function<Status(double)>& advance) {
     const std::size_t triangles = mesh_.indices.size() / 3;
     std::vector<std::uint32_t> waiting(triangles), active;
     std::iota(waiting.begin(), waiting.end(), 0u);
@@ -69,8 +69,10 @@ class RampSweep {
       if (!mark_band(k)) continue;
       for (const std::uint32_t t : active) visit(t, k);
       write(k);
-      if (progress) progress(static_cast<double>(k) / dims_.z);
+      if (!advance) continue;
+      if (Status on = advance(static_cast<double>(k) / dims_.z); !on) return on;
     }
+    return {};
   }
 
  private:
@@ -158,7 +160,7 @@ class RampSweep {
 
 Vec3 mesh_grid_dims(const Vec3& size, double pitch) noexcept { return glm::ceil(size / pitch) + (1.0 + 2.0 * kMeshMargin); }
 
-Result<Scan> mesh_to_occupancy(const SurfaceMesh& mesh, double pitch, const std::function<void(double)>& progress) {
+Result<Scan> mesh_to_occupancy(const SurfaceMesh& mesh, double pitch, const std::function<Status(double)>& advance) {
   const Bounds box = bounds_of_points(mesh.positions);
   Scan scan;
   scan.dims = Vec3i(mesh_grid_dims(box.hi - box.lo, pitch));
@@ -174,13 +176,14 @@ Result<Scan> mesh_to_occupancy(const SurfaceMesh& mesh, double pitch, const std:
       std::copy(inside.begin(), inside.end(), scan.values.begin() + static_cast<std::ptrdiff_t>(inside.size()) * k);
       return true;
     });
-    RampSweep(in_voxels, scan.dims, scan.values).run(progress);
+    if (const Status done = RampSweep(in_voxels, scan.dims, scan.values).run(advance); !done) return done.error();
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::unavailable,
                  fmt::format("no memory for {} x {} x {} voxels: take a coarser pitch", scan.dims.x, scan.dims.y, scan.dims.z),
                  {}};
   }
-  if (progress) progress(1.0);
+  if (advance)
+    if (const Status done = advance(1.0); !done) return done.error();
   return scan;
 }
 

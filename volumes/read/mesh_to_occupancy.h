@@ -25,9 +25,9 @@ inline constexpr double kMaxMeshVoxels = 1e9;
 /// @returns the voxels along each axis for a box of `size` [m], as doubles, so that an extreme pitch cannot overflow.
 [[nodiscard]] Vec3 mesh_grid_dims(const Vec3& size, double pitch) noexcept;
 
-/// @param pitch [m] > 0. @param progress receives the share done, may be empty. @pre mesh_error(mesh) finds none; the grid has at most
-/// kMaxMeshVoxels.
+/// @param pitch [m] > 0. @param advance receives the share done, and its error ends the work; may be empty.
+/// @pre mesh_error(mesh) finds none; the grid has at most kMaxMeshVoxels.
 /// @returns Quantity::occupancy; ErrorCode::unavailable if the memory cannot be allocated. 4 bytes per voxel, plus some slices.
-[[nodiscard]] Result<Scan> mesh_to_occupancy(const SurfaceMesh& mesh, double pitch, const std::function<void(double)>& progress);
+[[nodiscard]] Result<Scan> mesh_to_occupancy(const SurfaceMesh& mesh, double pitch, const std::function<Status(double)>& advance);
 
 }  // namespace burrhole

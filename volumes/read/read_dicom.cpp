@@ -94,7 +94,7 @@ Status read_pixels(const DicomFolder& folder, const DicomSeries& series, const R
     }
     const std::span<float> out = std::span(scan.values).subspan(k * each, each);
     if (Status status = reader->read(source.frame, scan.quantity == Quantity::hounsfield, out, counts); !status) return status;
-    if (options.progress) options.progress(static_cast<double>(k + 1) / static_cast<double>(series.slices.size()));
+    if (Status on = advance(options, static_cast<double>(k + 1) / static_cast<double>(series.slices.size())); !on) return on;
   }
   return {};
 }

@@ -80,6 +80,12 @@ Status check(const Scan& scan, const std::string& path) {
 
 }  // namespace
 
+Status advance(const ReadOptions& options, double share) {
+  if (options.stop.stop_requested()) return Error{ErrorCode::unavailable, "the reading was stopped", {}};
+  if (options.progress) options.progress(share);
+  return {};
+}
+
 Result<ReadScan> read_scan(const std::string& path, const ReadOptions& options) {
   const auto found = readable_path(path);
   if (!found) return found.error();

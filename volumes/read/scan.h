@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -67,7 +68,11 @@ struct ReadOptions {
   /// Called with dims, affine and quantity after the headers and before the values are read; its error ends the reading. May be empty.
   std::function<Status(const Scan&)> accept;
   std::function<void(double)> progress;  ///< called from time to time with the share done, 0..1; may be empty
+  std::stop_token stop;                  ///< a request ends the reading, between slices and pieces, with an error `unavailable`
 };
+
+/// Reports the share that is done. @returns an error if the reading shall stop.
+[[nodiscard]] Status advance(const ReadOptions& options, double share);
 
 struct ReadScan {
   Scan scan;

@@ -236,8 +236,8 @@ class BadInput(WithFolder):
     def test_a_tool_larger_than_the_window_is_refused_with_the_numbers(self):
         scene = self.quick()
         tool = self.folder / "pin_2mm.toml"
-        tool.write_text(tool.read_text().replace("height_mm = 2", "height_mm = 60"))
-        found = self.refused(scene, 2, "too large for this bone's voxels", "each edge must be in [5, 256]")
+        tool.write_text(tool.read_text().replace("height_mm = 2", "height_mm = 200"))
+        found = self.refused(scene, 2, "too large for this bone's voxels", "each edge must be in [5, 512]")
         self.assertRegex(found[0], PLACE)
 
     def test_a_device_is_not_there_and_that_is_exit_code_4(self):

@@ -121,23 +121,24 @@ TEST_CASE("Voxmap: write_back, reads and the hash itself change neither hash, wi
   CHECK(voxmap.growth_epoch() == growth_epoch);
 }
 
-TEST_CASE("Voxmap: place_window raises the window epoch and refuses edges outside 5..256 with the numbers, keeping the old window") {
+TEST_CASE("Voxmap: place_window raises the window epoch and refuses sizes outside its limits with the numbers, keeping the old window") {
   Voxmap voxmap = make_voxmap(load_bone(plain_bone({12, 12, 12})));
   REQUIRE(voxmap.place_window({Vec3i(0), Vec3i(10)}).ok());
   const std::uint64_t epoch = voxmap.window_epoch();
-  for (const Vec3i& size :
-       {Vec3i(4, 10, 10), Vec3i(10, 4, 10), Vec3i(10, 10, 4), Vec3i(257, 10, 10), Vec3i(10, 10, 300), Vec3i(0), Vec3i(-7)}) {
+  for (const Vec3i& size : {Vec3i(4, 10, 10), Vec3i(10, 4, 10), Vec3i(10, 10, 4), Vec3i(513, 10, 10), Vec3i(10, 10, 600),
+                            Vec3i(257, 256, 256), Vec3i(0), Vec3i(-7)}) {
     CAPTURE(size.x);
     const Status status = voxmap.place_window({Vec3i(1), Vec3i(1) + size});
     REQUIRE_FALSE(status.ok());
     CHECK(status.error().code == ErrorCode::out_of_range);
-    for (const int edge : {size.x, size.y, size.z, 5, 256}) CHECK(status.error().message.find(std::to_string(edge)) != std::string::npos);
+    for (const int edge : {size.x, size.y, size.z, 5, 512, 16777216})
+      CHECK(status.error().message.find(std::to_string(edge)) != std::string::npos);
   }
   CHECK(voxmap.window().box == VoxelBox{Vec3i(0), Vec3i(10)});
   CHECK(voxmap.window_epoch() == epoch);
   REQUIRE(voxmap.place_window({Vec3i(-3), Vec3i(2, 2, 2)}).ok());
   CHECK(voxmap.window_epoch() > epoch);
-  CHECK(voxmap.place_window({Vec3i(0), Vec3i(256, 5, 5)}).ok());
+  CHECK(voxmap.place_window({Vec3i(0), Vec3i(512, 5, 5)}).ok());
 }
 
 TEST_CASE("Voxmap: create refuses a dead zone below 0, at 0.5 or above") {

@@ -386,4 +386,12 @@ TEST_CASE("readers: progress rises to 1") {
   };
   CHECK(read_nifti(folder.file("p.nii"), options).ok());
   CHECK(last == 1.0);
+
+  std::stop_source source;
+  source.request_stop();
+  options.stop = source.get_token();
+  options.progress = [](double) { FAIL("a reading that shall stop goes on"); };
+  const auto stopped = read_nifti(folder.file("p.nii"), options);
+  REQUIRE_FALSE(stopped.ok());
+  CHECK(stopped.error().code == ErrorCode::unavailable);
 }
