@@ -275,7 +275,7 @@ class BadInput(WithFolder):
         self.assertEqual(run("replay", self.folder / "none.sqlite").returncode, 2)
 
     def test_an_axis_that_misses_bone(self):
-        self.refused(self.quick([("entry_mm = [0, 0, 0]", "entry_mm = [40, 0, 0]")]), 2, "meets no bone within 20 mm of entry_mm; bone begins at entry_mm = [")
+        self.refused(self.quick([("entry_mm = [0, 0, 0]", "entry_mm = [40, 0, 0]")]), 2, "mm right; bone begins at entry_mm = [")
 
     def check_refuses(self, scene, *needles, sets=()):
         result = run("check", scene, *[a for s in sets for a in ("--set", s)])
