@@ -240,6 +240,12 @@ class BadInput(WithFolder):
         found = self.refused(scene, 2, "too large for this bone's voxels", "each edge must be in [5, 512]")
         self.assertRegex(found[0], PLACE)
 
+    def test_a_long_bit_fits_fine_voxels(self):
+        text = (SOURCE / "app" / "scenes" / "parietal.toml").read_text()
+        scene = self.scene(text + "\n")
+        done = run("check", scene, "--set", "volume.spacing_mm=0.1")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
     def test_a_device_is_not_there_and_that_is_exit_code_4(self):
         found = self.refused(self.quick([("push_N = 20", "kind = \"device\"")]), 4, "needs a force device")
         self.assertEqual(len(found), 1)
