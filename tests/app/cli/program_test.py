@@ -19,7 +19,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import session_blocks  # noqa: E402
-from program_support import lines, main, PLACE, PROGRAM, QUICK, run, WithFolder
+from program_support import lines, main, PLACE, PROGRAM, QUICK, run, SOURCE, WithFolder
 
 
 class Drill(WithFolder):
