@@ -131,7 +131,8 @@ std::vector<SlicePlane> planes_of(const DicomFolder& folder, DicomSeries& series
 void stack_series(const DicomFolder& folder, DicomSeries& series) {
   const DicomHeader& first = folder.headers[series.files.front()];
   series.line.modality = first.modality;
-  const std::size_t slices = std::max(series.slices.size(), series.files.size());  // an invalid file may have no frames
+  // An invalid file may have no frames.
+  const std::size_t slices = series.is_half ? series.slices.size() : std::max(series.slices.size(), series.files.size());
   series.line.dims = Vec3i(first.columns, first.rows, static_cast<int>(slices));
   if (!first.frames.empty() && first.frames.front().plane) {
     const SlicePlane& plane = *first.frames.front().plane;
@@ -324,7 +325,8 @@ Result<std::size_t> choose_series(const std::vector<DicomSeries>& series, const 
                                  series.size(), chosen->line.name, fmt::join(names, ", ")),
                      place);
   if (chosen->line.error.empty()) return static_cast<std::size_t>(chosen - series.begin());
-  const std::string which = series.size() > 1 ? fmt::format("series {}: ", chosen->line.name) : "";
+  const bool alone = std::ranges::count(series, false, &DicomSeries::is_half) == 1;
+  const std::string which = alone ? "" : fmt::format("series {}: ", chosen->line.name);
   return bad_input(which + chosen->line.error, chosen->error_place.empty() ? place : chosen->error_place);
 }
 
