@@ -32,6 +32,6 @@ def cases(folder):
         Case("import", lambda out: ["import", scan, "--volume", out / "bone.vdb"], seconds=0.4),
         Case("export", lambda out: ["export", scan, "-o", out / "bone.stl", "--force"], seconds=0.4),
         Case("render", lambda out: ["render", SCENE, "--image", out / "picture.png"], seconds=0.6),
-        Case("tools", lambda out: ["tools", "round_burr_3mm", "--image", out / "bit.png"], seconds=0.4),
+        Case("tools", lambda out: ["tools", "round_burr_3mm", "--image", out / "bit.png"], seconds=0.4, other_program=True),
     ]
     return out
