@@ -122,6 +122,23 @@ DicomData ct_slice(const CtSlice& s) {
   return out.pixels("OW", 2, words16(stored));
 }
 
+DicomData ct_frames(const CtSlice& slice, const std::vector<double>& heights) {
+  std::vector<DicomData> frames;
+  for (std::size_t n = 0; n < heights.size(); ++n) {
+    DicomData position, values, frame;
+    position.text(0x00200032, "DS", decimals({-10, -20, heights[n]}));
+    values.text(0x00281052, "DS", decimals({static_cast<double>(n)})).text(0x00281053, "DS", "1").text(0x00281054, "LO", "HU");
+    frames.push_back(frame.items(0x00209113, {position}).items(0x00289145, {values}));
+  }
+  DicomData orientation, measures, shared;
+  orientation.text(0x00200037, "DS", "1\\0\\0\\0\\1\\0");
+  measures.text(0x00280030, "DS", "0.75\\0.5").text(0x00180050, "DS", "2");
+  shared.items(0x00209116, {orientation}).items(0x00289110, {measures});
+  DicomData data = ct_slice(slice);
+  for (const std::uint32_t tag : {0x00200032u, 0x00200037u, 0x00280030u, 0x00281052u, 0x00281053u}) data.erase(tag);
+  return data.text(0x00280008, "IS", std::to_string(heights.size())).items(0x52009229, {shared}).items(0x52009230, frames);
+}
+
 void write_bytes(const std::string& path, const std::string& bytes) {
   std::ofstream file(path, std::ios::binary);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

@@ -70,6 +70,8 @@ struct CtSlice {
 [[nodiscard]] std::string decimals(const std::vector<double>& values);
 [[nodiscard]] std::string words16(const std::vector<int>& values);
 [[nodiscard]] DicomData ct_slice(const CtSlice& slice);
+/// A multi-frame CT without pixels: frames at the given heights [mm], frame n with a rescale intercept of n.
+[[nodiscard]] DicomData ct_frames(const CtSlice& slice, const std::vector<double>& heights);
 void write_bytes(const std::string& path, const std::string& bytes);
 [[nodiscard]] std::string read_bytes(const std::string& path);
 

@@ -96,8 +96,9 @@ Result<Meaning> find_meaning(const Scan& scan, const ValueFacts& facts, const Bo
   } else {
     return bad_input(
         fmt::format("values from {:g} to {:g} are not Hounsfield units ({}); if there is bone in them, name its band in the "
-                    "file's own values (--bone-hu LO,HI; bone_hu in a scene), or --hu-offset",
-                    facts.min, facts.max, scan.quantity == Quantity::other ? "the file says so" : "no air near -1000, nor HU + 1024"));
+                    "file's own values (--bone-hu LO,HI; bone_hu in a scene); if they are HU all the same, --hu-offset 0",
+                    facts.min, facts.max,
+                    scan.quantity == Quantity::other ? "by modality or RescaleType of the file" : "no air near -1000, nor HU + 1024"));
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "volumes/read/gdcm_codecs.h"
+#include "volumes/read/stream_shape.h"
 
 namespace burrhole {
 namespace {
@@ -129,7 +130,18 @@ std::string FrameReader::list_fragments() {
   return share_out(fragments, first_item, table);
 }
 
-/// Assigns fragments to frames: a single frame has all; otherwise one each; otherwise by the offset table. PS3.5 A.4.
+/// Numbers of the fragments with which the frames begin, by the marker that begins a stream.
+std::vector<std::size_t> FrameReader::find_starts(const std::vector<Fragment>& fragments) {
+  std::vector<std::size_t> out;
+  std::array<std::byte, 4> first{};
+  for (std::size_t n = 0; n < fragments.size(); ++n)
+    if (fragments[n].length >= first.size() && bytes_.read(fragments[n].offset, first) && starts_stream(header_->codec, first))
+      out.push_back(n);
+  return out;
+}
+
+/// Assigns fragments to frames: a single frame has all; otherwise one each; otherwise by the offset table, or where it is empty by the starts
+/// of the streams. PS3.5 A.4.
 std::string FrameReader::share_out(const std::vector<Fragment>& fragments, std::uint64_t first_item,
                                    const std::vector<std::uint32_t>& table) {
   const std::size_t frames = header_->frames.size();
@@ -143,8 +155,20 @@ std::string FrameReader::share_out(const std::vector<Fragment>& fragments, std::
     for (std::size_t n = 0; n < frames; ++n) frames_[n] = {fragments[n]};
     return {};
   }
+  if (table.empty()) {
+    std::vector<std::size_t> starts = find_starts(fragments);
+    if (starts.size() != frames || starts.front() != 0)
+      return fmt::format("{} compressed fragments for {} frames: there is no offset table, and {} of the fragments begin an image",
+                         fragments.size(), frames, starts.size());
+    starts.push_back(fragments.size());
+    for (std::size_t n = 0; n < frames; ++n)
+      frames_[n].assign(fragments.begin() + static_cast<std::ptrdiff_t>(starts[n]),
+                        fragments.begin() + static_cast<std::ptrdiff_t>(starts[n + 1]));
+    return {};
+  }
   if (table.size() != frames || !std::is_sorted(table.begin(), table.end()))
-    return fmt::format("{} compressed fragments for {} frames, and no offset table assigns them", fragments.size(), frames);
+    return fmt::format("{} compressed fragments for {} frames, and the offset table with {} entries does not assign them", fragments.size(),
+                       frames, table.size());
   for (const Fragment& f : fragments) {
     const std::uint64_t from_first = f.offset - 8 - first_item;
     const auto after = std::upper_bound(table.begin(), table.end(), from_first);
@@ -177,15 +201,16 @@ std::string FrameReader::read_stored(std::size_t frame, StoredForm& form) {
 
 std::string FrameReader::decode(StoredForm& form) {
   const DicomCodec codec = header_->codec;
-  if (!stream_is_whole(codec, coded_)) return fmt::format("pixels cut short: the compressed image of {} bytes does not end", coded_.size());
-  const auto shape = stream_shape(codec, coded_);
+  const std::span<const std::byte> stream = without_padding(coded_);
+  if (!stream_is_whole(codec, stream)) return fmt::format("pixels cut short: the compressed image of {} bytes does not end", coded_.size());
+  const auto shape = stream_shape(codec, stream);
   if (!shape) return fmt::format("the compressed image of {} bytes has no usable header", coded_.size());
   if (shape->columns != header_->columns || shape->rows != header_->rows || shape->components != 1)
     return fmt::format("the compressed image has {} x {} pixels of {} colours, the file states {} x {} of 1", shape->columns, shape->rows,
                        shape->components, header_->columns, header_->rows);
   if (shape->bits < 2 || shape->bits > form.bits_allocated || (form.is_signed && shape->bits < form.bits_stored))
     return fmt::format("the compressed image has {} bits, the file states {}", shape->bits, form.bits_stored);
-  if (!decode_stream(codec, coded_, *shape, raw_))
+  if (!decode_stream(codec, stream, *shape, raw_))
     return fmt::format("pixels cut short or damaged: {} compressed bytes do not give {} x {} pixels", coded_.size(), shape->columns,
                        shape->rows);
   const int words = static_cast<int>(8 * shape->bytes());

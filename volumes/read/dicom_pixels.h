@@ -41,6 +41,7 @@ class FrameReader {
   };
   FrameReader(const DicomHeader& header, DicomBytes bytes) : header_(&header), bytes_(std::move(bytes)) {}
   [[nodiscard]] std::string list_fragments();
+  [[nodiscard]] std::vector<std::size_t> find_starts(const std::vector<Fragment>& fragments);
   [[nodiscard]] std::string share_out(const std::vector<Fragment>& fragments, std::uint64_t first_item,
                                       const std::vector<std::uint32_t>& table);
   [[nodiscard]] std::string read_stored(std::size_t frame, StoredForm& form);

@@ -32,7 +32,7 @@ Quantity quantity_of(const DicomFolder& folder, const DicomSeries& series) {
   if (series.line.modality != "CT") return Quantity::other;
   const bool hounsfield =
       std::all_of(series.files.begin(), series.files.end(), [&](std::size_t n) { return folder.headers[n].hounsfield; });
-  return hounsfield ? Quantity::hounsfield : Quantity::unknown;
+  return hounsfield ? Quantity::hounsfield : Quantity::other;
 }
 
 /// Larger series that were not selected because of errors or direction.
@@ -59,7 +59,7 @@ void report_assumptions(const DicomFolder& folder, const DicomSeries& series, Qu
     assumed.push_back(fmt::format("one slice: thickness {:.4g} mm from SliceThickness", series.line.spacing.z / kMillimetre));
   if (tilt > kReportedTilt)
     assumed.push_back(fmt::format("slices are tilted by {:.2f} degrees (gantry tilt), kept as shear", tilt / kDegree));
-  if (quantity == Quantity::unknown) assumed.push_back("RescaleType is not HU: the unit is determined from the values");
+  if (quantity == Quantity::other && series.line.modality == "CT") assumed.push_back("RescaleType is not HU");
   if (const std::size_t n = count_files(folder, series, &DicomHeader::has_rescale, false); n > 0 && quantity == Quantity::hounsfield)
     assumed.push_back(fmt::format("{} of {} files lack rescale slope or intercept: 1 and 0 are taken", n, series.files.size()));
   // MONOCHROME1 inverts the display, not the values: HU follow from slope and intercept. PS3.3 C.7.6.3.1.2, C.11.1.

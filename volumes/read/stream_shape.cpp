@@ -11,12 +11,6 @@ constexpr std::size_t kLongestBox = 512;  // [bytes] JP2 boxes that some writers
 unsigned byte_at(std::span<const std::byte> s, std::size_t at) { return std::to_integer<unsigned>(s[at]); }
 unsigned word_at(std::span<const std::byte> s, std::size_t at) { return dicom_u16(s.data() + at, true); }
 
-/// Bytes without the padding after the end: DICOM requires an even length, some writers pad more.
-std::span<const std::byte> without_padding(std::span<const std::byte> s) {
-  while (!s.empty() && s.back() == std::byte{0}) s = s.first(s.size() - 1);
-  return s;
-}
-
 /// T.81 B.2.2, T.87 C.2.2: the frame header SOFn, reached over the segments before it.
 std::optional<StreamShape> jpeg_shape(DicomCodec codec, std::span<const std::byte> s) {
   if (s.size() < 4 || word_at(s, 0) != 0xffd8) return std::nullopt;
@@ -104,6 +98,18 @@ bool tile_parts_whole(std::span<const std::byte> s) {
 }
 
 }  // namespace
+
+std::span<const std::byte> without_padding(std::span<const std::byte> s) noexcept {
+  while (!s.empty() && (s.back() == std::byte{0} || s.back() == std::byte{0xff})) s = s.first(s.size() - 1);
+  return s;
+}
+
+bool starts_stream(DicomCodec codec, std::span<const std::byte> first) noexcept {
+  if (first.size() < 4 || codec == DicomCodec::rle) return false;
+  if (codec != DicomCodec::jpeg_2000) return word_at(first, 0) == 0xffd8;
+  constexpr std::uint32_t kJp2Box = 12;  // length of the signature box, which is first
+  return word_at(first, 0) == 0xff4f || dicom_u32(first.data(), true) == kJp2Box;
+}
 
 std::vector<std::byte> plain_jpeg(std::span<const std::byte> s) {
   s = without_padding(s);

@@ -19,6 +19,13 @@ struct StreamShape {
   [[nodiscard]] std::size_t bytes() const noexcept { return bits <= 8 ? 1 : bits <= 16 ? 2 : 4; }  ///< of one decoded sample
 };
 
+/// @returns the stream without the bytes after its end: DICOM requires an even length, and writers pad with 00 or with the fill byte FF.
+[[nodiscard]] std::span<const std::byte> without_padding(std::span<const std::byte> stream) noexcept;
+
+/// @param first the first bytes of a fragment. @returns whether a compressed image begins there. Of RLE, whose frames have one fragment each,
+/// always false.
+[[nodiscard]] bool starts_stream(DicomCodec codec, std::span<const std::byte> first) noexcept;
+
 /// @returns the sizes in the stream's header, or nothing if there is no such header.
 [[nodiscard]] std::optional<StreamShape> stream_shape(DicomCodec codec, std::span<const std::byte> stream);
 
