@@ -34,6 +34,8 @@ struct OuterView {
 };
 /// @param shown points that the picture holds. @param aspect width / height of the picture.
 [[nodiscard]] FrameView make_outer_frame(const Bounds& box, std::span<const Vec3> shown, const OuterView& view, double aspect);
+/// Moves a camera, without a turn, so that the points fill nine tenths of the picture. @param aspect width / height. @pre there are points.
+void fit_camera(CameraView& camera, std::span<const Vec3> shown, double aspect);
 /// @returns points of boxes that hold all of the bone.
 [[nodiscard]] std::vector<Vec3> outline_points(const BoneModel& bone);
 
