@@ -135,7 +135,7 @@ Result<std::optional<Words>> words_of_file(const Chosen& chosen) {
   std::ofstream file(scene);
   file << site_scene(*chosen.site, chosen.source);
   file.close();
-  if (!file) return bad_input("the scene cannot be written", scene.string());
+  if (!file) return bad_input("the scene cannot be written: begin in a folder that can be written to", scene.string());
   fmt::print(stderr, "scene: {}\n", scene.string());
   return std::optional(drill_words(scene.string(), folder.string()));
 }

@@ -116,7 +116,10 @@ FrameView make_outer_frame(const Bounds& box, std::span<const Vec3> shown, const
   out.camera.vertical_fov = kField;
   out.light = light_for(out.camera);
   if (view.cut) {
-    const Vec3 normal(back.x < 0.0 ? -1.0 : 1.0, 0.0, 0.0);
+    const Vec3 across(std::abs(back.x), std::abs(back.y), std::abs(back.z));
+    const std::size_t axis = across.x >= across.y && across.x >= across.z ? 0 : across.y >= across.z ? 1 : 2;
+    Vec3 normal(0.0);
+    normal[axis] = back[axis] < 0.0 ? -1.0 : 1.0;
     out.cut = FrameView::Cut{normal, glm::dot(normal, middle)};
   }
   return out;

@@ -21,6 +21,7 @@ struct ImageOut {
   /// Reads a box, i fastest.
   std::function<void(const VoxelBox& box, std::span<float> out)> read;
   std::function<void(double)> progress = {};  ///< receives the share done, 0..1; may be empty
+  const std::atomic<bool>* stop = nullptr;    ///< see OutputFile::create()
 };
 
 /// @returns the map of a box of the grid, whose first voxel has index 0.

@@ -20,6 +20,7 @@ constexpr std::size_t kMost = 1 << 30;  ///< [bytes] given to zlib at a time, wh
 
 struct OutputFile::State {
   std::string path, temporary;
+  const std::atomic<bool>* stop = nullptr;
   std::FILE* file = nullptr;
   bool packed = false;
   z_stream zlib{};
@@ -34,6 +35,11 @@ struct OutputFile::State {
   }
   [[nodiscard]] Status fail(int code) {
     if (status) status = bad_input(std::string("cannot be written: ") + std::strerror(code), path);
+    return status;
+  }
+  [[nodiscard]] Status check_stop() {
+    if (status && stop != nullptr && stop->load(std::memory_order_relaxed))
+      status = Error{ErrorCode::unavailable, "the writing was stopped: the file is as it was before", path};
     return status;
   }
   [[nodiscard]] Status put(const void* from, std::size_t count) {
@@ -58,9 +64,10 @@ OutputFile::OutputFile(std::unique_ptr<State> state) : state_(std::move(state)) 
 OutputFile::OutputFile(OutputFile&&) noexcept = default;
 OutputFile::~OutputFile() = default;
 
-Result<OutputFile> OutputFile::create(const std::string& path) {
+Result<OutputFile> OutputFile::create(const std::string& path, const std::atomic<bool>* stop) {
   auto state = std::make_unique<State>();
   state->path = path;
+  state->stop = stop;
   state->temporary = path + "." + std::to_string(::getpid()) + ".tmp";
   state->file = std::fopen(state->temporary.c_str(), "wb");
   if (state->file == nullptr) return state->fail(errno).error();
@@ -73,7 +80,7 @@ void OutputFile::pack() {
 }
 
 Status OutputFile::write(std::span<const std::byte> bytes) {
-  if (!state_->status) return state_->status;
+  if (!state_->check_stop()) return state_->status;
   if (!state_->packed) return state_->put(bytes.data(), bytes.size());
   while (!bytes.empty() && state_->status) {
     const auto part = bytes.first(std::min(bytes.size(), kMost));
@@ -89,7 +96,7 @@ Status OutputFile::write(std::span<const std::byte> bytes) {
 
 Result<std::uint64_t> OutputFile::finish() {
   State& s = *state_;
-  if (s.status && s.packed) {
+  if (s.check_stop() && s.packed) {
     s.zlib.avail_in = 0;
     (void)s.deflate_all(Z_FINISH);
   }

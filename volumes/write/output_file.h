@@ -1,8 +1,9 @@
 /// volumes/write/output_file.h: a file that is written piece by piece, packed if asked for, and appears under its name only when it is whole.
-///   Units  bytes.   Errors  bad_input with the path and the reason of the operating system.   Memory  bounded: the state of zlib.
+///   Units  bytes.   Errors  bad_input with the path and the reason of the operating system; unavailable: stopped.   Memory  bounded: the state of zlib.
 ///   Thread  one owner.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -16,8 +17,9 @@ namespace burrhole {
 
 class OutputFile {
  public:
-  /// Opens a temporary file beside `path`.
-  [[nodiscard]] static Result<OutputFile> create(const std::string& path);
+  /// Opens a temporary file beside `path`. @param stop once true, write() and finish() fail with `unavailable`; a signal handler may set it.
+  /// Null: never.
+  [[nodiscard]] static Result<OutputFile> create(const std::string& path, const std::atomic<bool>* stop = nullptr);
   OutputFile(OutputFile&&) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
   /// Removes the temporary file unless finish() has renamed it.
