@@ -17,6 +17,7 @@ namespace {
 
 constexpr Rgba8 kNear{250, 250, 250, 255}, kFar{150, 160, 172, 255}, kBox{255, 214, 120, 255};
 constexpr double kShortest = 0.30;  // [-] of a half axis that has a letter
+constexpr double kLetterRoom = 1.5;  // [letters] between the middles of two
 constexpr std::array kSides{"R-L", "A-P", "I-S"};
 
 double letter_height(const Image& image) { return std::clamp(image.height / 50.0, 7.0, 40.0); }
@@ -72,9 +73,9 @@ void draw_orientation(Image& image, const CameraView& camera, const Pose& world_
     const PixelPoint outward = letter * PixelPoint(one.end.x, -one.end.y) / length;
     PixelPoint beyond = end + 0.95 * outward;
     const auto is_free = [&](const PixelPoint& at) {
-      return std::ranges::none_of(letters, [&](const PixelPoint& other) { return glm::length(other - at) < 1.15 * letter; });
+      return std::ranges::none_of(letters, [&](const PixelPoint& other) { return glm::length(other - at) < kLetterRoom * letter; });
     };
-    for (int n = 0; n < 3 && !is_free(beyond); ++n) beyond += 0.6 * outward;
+    for (int n = 0; n < 5 && !is_free(beyond); ++n) beyond += 0.5 * outward;
     letters.push_back(beyond);
     const std::string name(1, one.letter);
     draw_rimmed(image, write_text(name, beyond + PixelPoint(-0.5 * text_width(name, letter), 0.5 * letter), letter), width, color);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/contact/contact_view.h"
+#include "core/measure/largest_part.h"
 
 namespace burrhole {
 namespace {
@@ -114,6 +115,17 @@ bool is_hollow(const BoneModel& bone, const Approach& approach) {
   return outer < -kHollow && inner < -kHollow;
 }
 
+/// @returns whether the largest part of the bone lies on the line behind the entry: a headrest is no skull.
+bool skull_behind(const BoneModel& bone, const Line& line) {
+  const LargestPart skull(bone);
+  const Affine index_from_bone = bone.bone_from_index().inverse();
+  for (double at = -kBehind; at > -kReach; at -= kGap) {
+    const auto found = line.find(at, at - kGap, true);
+    if (found && skull.is_near(index_from_bone * line.place(*found))) return true;
+  }
+  return false;
+}
+
 /// @returns v, rounded to multiples of 1 / per; never -0.
 Vec3 rounded(const Vec3& v, double per) { return glm::round(v * per) / per + Vec3(0.0); }
 
@@ -151,12 +163,12 @@ std::vector<ApproachStart> possible_starts(const BoneModel& bone, const Approach
 std::optional<std::string> leaves_skull(const BoneModel& bone, const Approach& approach) {
   const Vec3 entry = approach.bone_from_approach.translation, axis = approach.bone_from_approach.rotate(Vec3(0.0, 0.0, -1.0));
   const Line line(bone, entry, axis);
-  const bool bone_behind = line.find(-kBehind, -kReach, true).has_value();
   const bool bone_ahead = line.find(approach.thickness + kBehind, kReach, true).has_value();
-  const char* why = approach.from_inside         ? "it meets dura or brain before the entry"
-                    : bone_behind && !bone_ahead ? "the other side of the skull is behind the entry"
-                    : is_hollow(bone, approach)  ? "the bone is hollow there, as the skull is from inside"
-                                                 : nullptr;
+  const bool bone_behind = !bone_ahead && line.find(-kBehind, -kReach, true) && skull_behind(bone, line);
+  const char* why = approach.from_inside        ? "it meets dura or brain before the entry"
+                    : bone_behind               ? "the other side of the skull is behind the entry"
+                    : is_hollow(bone, approach) ? "the bone is hollow there, as the skull is from inside"
+                                                : nullptr;
   if (why == nullptr) return std::nullopt;
   return fmt::format("the approach starts inside the skull and leaves it: {}; start at {}", why,
                      start_text({entry + axis * approach.thickness, -axis}));

@@ -12,6 +12,7 @@
 #include "core/base/units.h"
 #include "core/measure/approach.h"
 #include "core/measure/approach_check.h"
+#include "core/measure/largest_part.h"
 
 namespace burrhole {
 namespace {
@@ -23,7 +24,9 @@ constexpr double kAbove = 12.0e-3;      // [m] start of the rays of disc_normal(
 constexpr double kBraincase = 75.0e-3;  // [m] of the middle of the braincase below the highest bone
 constexpr double kHeadWidth = 0.11;     // [m] a bone that is wider and longer is a head
 constexpr double kNear = 30.0e-3;       // [m] largest distance of a proposed entry from the point that was given
-constexpr double kOutside = 40.0e-3;    // [m] start of a ray to the surface above a place in bone
+constexpr double kOutside = 40.0e-3;    // [m] start of a ray to the surface above the point that was given
+constexpr double kOutwards = 0.26;      // [-] cosine of 75 degrees: an axis leads at least so much towards the middle of the braincase
+constexpr double kThickest = 20.0e-3;   // [m] more bone than a vault has: the axis follows the bone, or meets the base
 
 /// @returns the part [enter, leave] of a ray in a box; enter > leave if there is none.
 std::pair<double, double> clip(const Vec3& from, const Vec3& direction, const Vec3& lo, const Vec3& hi) {
@@ -83,6 +86,28 @@ std::optional<glm::dvec2> slopes_of(const std::vector<Height>& points) {
   return glm::dvec2(fit.y, fit.z);
 }
 
+/// Directions at most 75 degrees from one, that first, even on the sphere.
+std::vector<Vec3> directions_round(const Vec3& outward) {
+  constexpr int kCount = 200;  // on the whole sphere: 11 degrees apart
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  std::vector<Vec3> out{outward};
+  for (int n = 0; n < kCount; ++n) {
+    const double z = 1.0 - (2.0 * n + 1.0) / kCount, r = std::sqrt(1.0 - z * z);
+    const Vec3 one(r * std::cos(golden * n), r * std::sin(golden * n), z);
+    if (glm::dot(one, outward) > kOutwards) out.push_back(one);
+  }
+  return out;
+}
+
+/// The middle of the braincase of a skull in a box of voxels.
+Vec3 middle_of(const BoneModel& bone, const VoxelBox& box) {
+  const Bounds around = bounds_under(bone.bone_from_index(), Bounds{Vec3(box.lo), Vec3(box.hi - 1)});
+  Vec3 middle = 0.5 * (around.lo + around.hi);
+  const Vec3 size = around.hi - around.lo;
+  if (std::min(size.x, size.y) > kHeadWidth) middle.z = around.hi.z - kBraincase;  // also where the scan ends above it
+  return middle;
+}
+
 Error no_site(const BoneModel& bone, const Vec3& near, const std::string& why) {
   const VoxelBox& box = bone.bone_box();
   const Bounds around = bounds_under(bone.bone_from_index(), Bounds{Vec3(box.lo), Vec3(box.hi - 1)});
@@ -138,36 +163,35 @@ Result<DrillSite> make_site(const BoneModel& bone, const Vec3& at, const Vec3& o
   return DrillSite{approach->bone_from_approach.translation, -normal, approach->thickness};
 }
 
-Vec3 braincase_middle(const BoneModel& bone) {
-  const VoxelBox& box = bone.bone_box();
-  const Bounds around = bounds_under(bone.bone_from_index(), Bounds{Vec3(box.lo), Vec3(box.hi - 1)});
-  Vec3 middle = 0.5 * (around.lo + around.hi);
-  const Vec3 size = around.hi - around.lo;
-  if (std::min(size.x, size.y) > kHeadWidth) middle.z = around.hi.z - kBraincase;  // also where the scan ends above it
-  return middle;
-}
+Vec3 braincase_middle(const BoneModel& bone) { return middle_of(bone, LargestPart(bone).box()); }
 
 Result<DrillSite> suggest_site(const BoneModel& bone, const Vec3& near) {
   if (bone.bone_voxels() == 0) return bad_input("the volume has no bone");
-  const Vec3 way = near - braincase_middle(bone);
+  const LargestPart skull(bone);
+  const Affine index_from_bone = bone.bone_from_index().inverse();
+  const Vec3 way = near - middle_of(bone, skull.box());
   const Vec3 outward = glm::length(way) > 0.0 ? glm::normalize(way) : Vec3(0.0, 0.0, 1.0);
   std::optional<DrillSite> best;
-  std::string why = "there is no bone near it";
-  for (const ApproachStart& start : possible_starts(bone, {.entry = near, .axis = -outward, .place = {}}))
-    for (const Vec3& axis : {start.axis, -outward}) {
-      const auto surface = find_bone(bone, start.entry - kOutside * axis, axis);
-      if (!surface) continue;
-      const auto site = make_site(bone, *surface, -axis);
-      if (!site) {
-        why = site.error().message;
-      } else if (!best || glm::length(site->entry - near) < glm::length(best->entry - near)) {
-        best = *site;
-      }
+  double nearest = std::numeric_limits<double>::infinity();  // [m] of a surface that no hole can be planned on
+  std::string why;
+  const auto look_from = [&](const Vec3& from) {
+    const auto surface = find_bone(bone, near + kOutside * from, -from);
+    if (!surface || !skull.is_near(index_from_bone * *surface)) return;
+    const double away = glm::length(*surface - near);
+    if (away > kNear || (best && away >= glm::length(best->entry - near))) return;
+    const auto site = make_site(bone, *surface, from);
+    if (site && glm::dot(-site->axis, outward) > kOutwards && site->thickness <= kThickest) {
+      best = *site;
+    } else if (away < nearest) {
+      nearest = away;
+      why = !site ? site.error().message : fmt::format("square to the surface there are {:.1f} mm of bone", site->thickness / kMillimetre);
     }
-  if (!best) return no_site(bone, near, why);
-  if (const double away = glm::length(best->entry - near); away > kNear)
-    return no_site(bone, near, fmt::format("the nearest surface is {:.0f} mm away", away / kMillimetre));
-  return *best;
+  };
+  for (const Vec3& from : directions_round(outward)) look_from(from);
+  constexpr int kRounds = 3;  // the nearest place of a surface lies along its normal there
+  for (int n = 0; n < kRounds && best; ++n) look_from(-best->axis);
+  if (best) return *best;
+  return no_site(bone, near, why.empty() ? way_to_bone(bone, near) : why);
 }
 
 std::string approach_text(const DrillSite& site) {

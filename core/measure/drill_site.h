@@ -29,11 +29,12 @@ struct DrillSite {
 /// @returns the site; bad_input if the bone does not end along the axis, as under the base of a skull.
 [[nodiscard]] Result<DrillSite> make_site(const BoneModel& bone, const Vec3& at, const Vec3& outward);
 
-/// @returns the middle of the braincase: 75 mm below the highest bone, or the middle of a bone that is smaller than a head.
+/// @returns the middle of the braincase: 75 mm below the highest bone of the largest part, or the middle of a bone that is smaller than a head.
 [[nodiscard]] Vec3 braincase_middle(const BoneModel& bone);
 
-/// Proposes a site near a point that a person gives, in bone or beside it. Of the starts of possible_starts() that make_site() accepts it is
-/// the one whose entry is nearest. @param near [m]. @returns bad_input with the box of the bone if there is none within 30 mm.
+/// Proposes a site near a point that a person gives, in bone or beside it: the place nearest to it on the outer surface of the largest part of
+/// the bone, seen from outside, whose axis leads into the skull, through 20 mm of bone at most. @param near [m]. @returns bad_input with the
+/// box of the bone if there is none within 30 mm.
 [[nodiscard]] Result<DrillSite> suggest_site(const BoneModel& bone, const Vec3& near);
 /// @returns the table [approach] of a scene with this site.
 [[nodiscard]] std::string approach_text(const DrillSite& site);

@@ -11,6 +11,7 @@
 #include "app/window/view_cut.h"
 #include "core/base/units.h"
 #include "core/config/toml.h"
+#include "core/measure/approach_check.h"
 
 using namespace burrhole;
 
@@ -133,6 +134,37 @@ TEST_CASE("site: a proposal is the place of the surface nearest to a point, squa
   REQUIRE_FALSE(far.ok());
   CHECK(far.error().message.find("160 mm away") != std::string::npos);
   CHECK(far.error().message.find("the bone spans x -27.5 to 51.5") != std::string::npos);
+}
+
+// A scan of the upper half of a head on a headrest: behind the entry lies the headrest, and beyond the inner surface the scan ends.
+TEST_CASE("site: a headrest beside a cap of skull is not taken for skull, neither as the place nor as what lies behind it") {
+  constexpr double kCap = 30e-3, kRest = 40e-3;  // [m] radius; distance of the middle of the headrest, a plate of 3 mm
+  const auto cap = [](const Vec3& p) {
+    const double r = glm::length(p);
+    return std::max({r - kCap, kCap - kThickness - r, -5e-3 - p.z});
+  };
+  const auto rest = [](const Vec3& p) { return std::abs(p.y - kRest) - 1.5e-3; };
+  const auto bone = make_bone([&](const Vec3& p) { return std::min(cap(p), rest(p)); },
+                              [&](const Vec3& p) { return rest(p) < cap(p) ? Vec3(0.0, 1.0, 0.0) : radial(p); });
+  for (const Vec3& way : {Vec3(0.0, 1.0, 0.3), Vec3(0.3, 0.9, 0.5), Vec3(0.6, 0.3, 0.74), Vec3(-1.0, 0.0, 0.4), Vec3(0.0, 0.0, 1.0)})
+    for (const double height : {1e-3, -2e-3}) {
+      const Vec3 up = glm::normalize(way);
+      CAPTURE(way.y);
+      CAPTURE(height);
+      const auto site = suggest_site(*bone, kCentre + (kCap + height) * up);
+      REQUIRE_MESSAGE(site.ok(), site.error().message);
+      CHECK(glm::length(site->entry - (kCentre + kCap * up)) < kPitch);
+      CHECK(glm::dot(-site->axis, up) > std::cos(3.0 * kDegree));  // the plane through 6 mm of a surface of voxels
+      CHECK(std::abs(site->thickness - kThickness) < 0.1e-3);
+      const auto approach = make_approach(*bone, {.entry = site->entry, .axis = site->axis, .place = {}});
+      REQUIRE(approach.ok());
+      CHECK_FALSE(leaves_skull(*bone, *approach).has_value());
+    }
+  // A point on the headrest is answered with the skull, 8.5 mm away, or with its distance.
+  const auto on_rest = suggest_site(*bone, kCentre + Vec3(0.0, kRest, 5e-3));
+  REQUIRE(on_rest.ok());
+  CHECK(std::abs(glm::length(on_rest->entry - kCentre) - kCap) < kPitch);
+  CHECK_FALSE(suggest_site(*bone, kCentre + Vec3(40e-3, kRest, -40e-3)).ok());
 }
 
 TEST_CASE("site: a scene file holds the site and the source, whatever the path") {
