@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "core/base/hash.h"
+#include "core/base/input_file.h"
 #include "core/base/physics_version.h"
 
 namespace burrhole {
@@ -78,8 +79,9 @@ DrillingResult result_of(const FigureList& f, std::uint64_t bytes) {
 }  // namespace
 
 PartialDrillings::PartialDrillings(std::string path) : path_(std::move(path)) {
+  if (path_.empty() || !check_regular_file(path_)) return;
   std::ifstream file(path_);
-  for (std::string line; !path_.empty() && std::getline(file, line) && !file.eof();) {  // a line without an end was cut off
+  for (std::string line; std::getline(file, line) && !file.eof();) {  // a line without an end was cut off
     std::istringstream words(line);
     std::string key, word;
     std::uint64_t bytes = 0;
