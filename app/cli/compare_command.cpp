@@ -55,12 +55,12 @@ int run_compare(const Options& option) {
     auto run = read_run(path);
     if (run)
       runs.push_back(std::move(*run));
-    else
+    else if (std::ranges::find(issues, run.error().text(), &Error::text) == issues.end())  // the same run given twice
       issues.push_back(run.error());
   }
   if (!issues.empty()) return report(issues);
   for (const RunResults& run : runs)
-    if (!run.no_curves.empty()) fmt::print(stderr, "{}: no curves: {}\n", run.name, run.no_curves);
+    if (!run.no_curves.empty()) print_line(run.name + ": no curves: " + run.no_curves);
   if (!option.folder.empty()) {
     std::error_code error;
     fs::create_directories(option.folder, error);
