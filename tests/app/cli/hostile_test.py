@@ -138,6 +138,19 @@ class Files(Hostile):
         os.mkfifo(self.folder / "run" / "summary.json")
         self.refused("compare", "run", "run", needles=["is a pipe"])
 
+    def test_pipes_and_devices_in_a_folder_of_a_scan_are_passed_over(self):
+        folder = self.folder / "scan"
+        folder.mkdir()
+        os.mkfifo(folder / "a.dcm")
+        os.mkfifo(folder / "b.nii")
+        os.mkfifo(folder / "c.toml")
+        (folder / "d.dcm").symlink_to("/dev/zero")
+        for words in (("import", "scan"), ("render", "scan", "--image", "x.png"), ("check", "quick.toml", "--unset", "volume", "--set", "volume.source=scan")):
+            with self.subTest(words[0]):
+                self.refused(*words, needles=["scan"])
+        self.write("pointer.toml", 'dims = [2, 2, 2]\nspacing_mm = [1, 1, 1]\ntype = "uint8"\ndata = "scan/a.dcm"\n')
+        self.refused("import", "pointer.toml", needles=["a.dcm"])
+
     def test_a_byte_zero_is_refused_with_its_place(self):
         text = (self.folder / "quick.toml").read_bytes()
         self.write("zero.toml", text.replace(b'"Quick', b'"\0uick'))
