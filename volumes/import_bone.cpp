@@ -167,7 +167,7 @@ Result<ImportedBone> import_bone(const ImportRequest& given, const std::function
     const auto accepted = request.accept(*grid, sizeof(float) * VoxelBox{Vec3i(0), scan.dims}.count() + slab_bytes(scan, *grid));
     return accepted ? Status() : Status(accepted.error());
   };
-  if (is_vdb(request.path) && std::filesystem::exists(request.path)) {
+  if (std::error_code ignored; is_vdb(request.path) && std::filesystem::exists(request.path, ignored)) {
     auto own = load_own(request);
     if (!own) return own.error();
     if (*own) return place_own(request, std::move(**own));

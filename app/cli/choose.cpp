@@ -8,7 +8,6 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "app/cli/commands.h"
 #include "app/cli/drilling.h"
@@ -16,6 +15,7 @@
 #include "app/window/chooser.h"
 #include "app/window/panel_text.h"
 #include "app/window/window_run.h"
+#include "core/base/input_file.h"
 #include "core/tool/make_tool.h"
 
 namespace burrhole::cli {
@@ -35,10 +35,8 @@ struct Item {
 };
 
 std::string text_of(const fs::path& path) {
-  std::ifstream file(path);
-  std::ostringstream out;
-  out << file.rdbuf();
-  return out.str();
+  const auto text = read_input(path.string(), kTomlInput);
+  return text ? *text : std::string();
 }
 
 /// @returns why a scene's data are not there; empty: they are, or it needs none.

@@ -1,5 +1,10 @@
 #include "app/cli/command_text.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <memory>
 
 namespace burrhole::cli {
@@ -15,7 +20,48 @@ class FirstLines : public CLI::Formatter {
   }
 };
 
+constexpr std::size_t kLongestPath = 4095;    // [bytes] of Linux
+constexpr std::size_t kLongestValue = 65536;  // [bytes] of any option
+
+/// @returns whether the values of an option are paths or names of files.
+bool names_files(const CLI::Option& option) {
+  constexpr std::array kPaths{std::string_view(kSceneValue), std::string_view(kToolValue),   std::string_view(kShippedValue),
+                              std::string_view(kFileValue),  std::string_view(kFolderValue), std::string_view("PATH"),
+                              std::string_view("OUT.vdb")};
+  return option.get_positional() || std::ranges::find(kPaths, option.get_type_name()) != kPaths.end();
+}
+
+std::string path_error(const std::string& value) {
+  if (value.empty()) return "must name a file or a folder: the text is empty";
+  if (value.size() > kLongestPath) return fmt::format("has {} bytes: a path has at most {}", value.size(), kLongestPath);
+  return {};
+}
+
+std::string length_error(const std::string& value) {
+  return value.size() > kLongestValue ? fmt::format("has {} bytes, at most {} are read", value.size(), kLongestValue) : std::string();
+}
+
 }  // namespace
+
+CLI::Validator number_in(double low, double high) {
+  const auto check = [low, high](std::string& text) {
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data() + (text.starts_with('+') ? 1 : 0), end, value);
+    if (error == std::errc() && rest == end && value >= low && value <= high) return std::string();
+    return fmt::format("{} is not a number in [{:g}, {:g}]", text, low, high);
+  };
+  return CLI::Validator(check, fmt::format("FLOAT in [{:g} - {:g}]", low, high));
+}
+
+void check_given_values(CLI::App& program) {
+  for (CLI::Option* option : program.get_options()) {
+    if (option->get_items_expected_max() == 0) continue;  // a flag
+    option->check(
+        CLI::Validator([paths = names_files(*option)](std::string& text) { return paths ? path_error(text) : length_error(text); }, ""));
+  }
+  for (CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; })) check_given_values(*command);
+}
 
 CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& group, const CommandText& text) {
   CLI::App* command = parent.add_subcommand(name, text.summary + "\n\n" + wrapped(text.about) + "\n");

@@ -31,6 +31,13 @@ struct CommandText {
 /// Registers a sub-command. Its description is the summary and, after an empty line, `about`; its footer has the examples and exit codes.
 CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& group, const CommandText& text);
 
+/// @returns a check of a number in [low, high]. CLI::Range accepts nan.
+[[nodiscard]] CLI::Validator number_in(double low, double high);
+
+/// Adds to each option of all commands that takes a path a check that its value is neither empty nor longer than a path may be, and to every
+/// option one of its length. Call it once all commands are added.
+void check_given_values(CLI::App& program);
+
 /// @returns a formatter whose lists of commands show only the first line of each description. Set it on the root before commands are added.
 [[nodiscard]] std::shared_ptr<CLI::Formatter> make_formatter();
 

@@ -11,10 +11,14 @@
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
 #include "core/base/simd.h"
+#include "core/config/toml_messages.h"
 
 namespace burrhole::cli {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestMessage = 2000;  // [bytes] of a line on stderr
+constexpr std::size_t kMostIssues = 50;        // that are printed of one file
 
 int exit_code_of(const Error& error) {
   switch (error.code) {
@@ -32,17 +36,19 @@ int exit_code_of(const Error& error) {
 }
 
 int report(const Error& error) {
-  std::fprintf(stderr, "%s\n", error.text().c_str());
+  std::fprintf(stderr, "%s\n", one_line(error.text(), kLongestMessage).c_str());
   return exit_code_of(error);
 }
 
 int report(const Issues& issues) {
   int code = kDone;
+  std::size_t printed = 0;
   for (const Error& issue : issues) {
-    const int own = report(issue);
+    const int own = printed++ < kMostIssues ? report(issue) : exit_code_of(issue);
     // An input error has precedence over `unavailable`, because the user can fix it.
     if (code == kDone || code == kUnavailable) code = own;
   }
+  if (issues.size() > kMostIssues) std::fprintf(stderr, "and %zu more errors\n", issues.size() - kMostIssues);
   return code;
 }
 
@@ -100,7 +106,7 @@ void add_stereo_options(CLI::App& command, SceneOption& scene) {
           "--workbench", [&scene](double height) { scene.sets.push_back(fmt::format("display.workbench_mm={}", height)); },
           "bone at its true size on a screen of that height (keys workbench_mm, head_mm, mirrored)")
       ->type_name("MM")
-      ->check(CLI::Range(1.0, 5000.0));
+      ->check(number_in(1.0, 5000.0));
 }
 
 void add_simd_option(CLI::App& command) {
@@ -179,12 +185,7 @@ std::string from_current_folder(const std::string& assignment) {
   std::error_code ignored;
   const bool by_name = key == "tool.name" && !value.ends_with(".toml") && value.find('/') == std::string::npos;
   if (value.empty() || by_name || value.front() == '/' || value.front() == '$' || !fs::exists(value, ignored)) return assignment;
-  std::string quoted;
-  for (const char c : fs::absolute(value).lexically_normal().string()) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return key + "=\"" + quoted + "\"";
+  return key + "=" + toml_string(fs::absolute(value, ignored).lexically_normal().string());
 }
 
 }  // namespace
@@ -207,12 +208,14 @@ Result<TomlDocument> SceneOption::document() const {
   return document;
 }
 
+void print_line(const std::string& text) { fmt::print(stderr, "{}\n", one_line(text, kLongestMessage)); }
+
 void print_warning(const std::string& file, const std::string& warning) {
   const std::size_t end = warning.starts_with(file + ":") ? warning.find(": ", file.size()) : std::string::npos;
   if (end == std::string::npos)
-    fmt::print(stderr, "{}: warning: {}\n", file, warning);
+    print_line(fmt::format("{}: warning: {}", file, warning));
   else
-    fmt::print(stderr, "{}: warning: {}\n", warning.substr(0, end), warning.substr(end + 2));
+    print_line(fmt::format("{}: warning: {}", warning.substr(0, end), warning.substr(end + 2)));
 }
 
 std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet, bool live, const std::string& inputs) {
@@ -258,7 +261,8 @@ std::optional<std::vector<double>> split_numbers(const std::string& text, char s
 }
 
 void print(const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  const std::string safe = printable_text(text);
+  std::fwrite(safe.data(), 1, safe.size(), stdout);
   std::fflush(stdout);
 }
 

@@ -65,13 +65,16 @@ void add_shader_option(CLI::App& command, std::string& folder);
 [[nodiscard]] std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet = false, bool live = false,
                                                         const std::string& inputs = {});
 
+/// Prints one line to stderr: control characters are escaped, and a very long line is cut.
+void print_line(const std::string& text);
+
 /// Prints "FILE: warning: TEXT" to stderr; a warning that begins with a place of the file keeps it in front.
 void print_warning(const std::string& file, const std::string& warning);
 
 /// @returns the numbers of "AxB" or "A,B,C"; nothing if the text is not exactly `count` finite numbers.
 [[nodiscard]] std::optional<std::vector<double>> split_numbers(const std::string& text, char separator, std::size_t count);
 
-/// Prints to stdout and flushes it.
+/// Prints to stdout and flushes it. Control characters but the ends of lines and tabulators are escaped: texts of files may hold some.
 void print(const std::string& text);
 
 // Each registers one command, whose callback sets the exit code.

@@ -60,7 +60,7 @@ int run_compare(const Options& option) {
     auto run = read_run(path);
     if (run)
       runs.push_back(std::move(*run));
-    else
+    else if (std::ranges::find(issues, run.error().text(), &Error::text) == issues.end())  // the same run given twice
       issues.push_back(run.error());
   }
   if (!issues.empty()) return report(issues);
@@ -68,7 +68,7 @@ int run_compare(const Options& option) {
     if (run.damaged)
       issues.push_back(bad_input(run.no_curves + "; its figures are those of summary.json, without curves", run.name));
     else if (!run.no_curves.empty())
-      fmt::print(stderr, "{}: no curves: {}\n", run.name, run.no_curves);
+      print_line(run.name + ": no curves: " + run.no_curves);
   }
   if (!option.folder.empty()) {
     std::error_code error;

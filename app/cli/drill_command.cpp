@@ -92,7 +92,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   job.require_realtime = mode.require_realtime;
   job.stop = &stop_flag;
   job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
-  if (!quiet) job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  if (!quiet) job.say = print_line;
   job.progress = [&](double share, const std::string& text) { progress.show(share, text); };
   // A run without outputs is one whose steps are timed: its sound is made for nobody.
   if (files.folder.empty()) job.make_speaker = [](int) { return std::make_unique<NoSpeaker>(); };
@@ -199,7 +199,7 @@ void run_drill(DrillOptions& option, int& exit_code) {
   }
   if (!option.quiet) print_figures(*summary);
   const std::vector<std::string> missed = missed_terms(*expected, *summary);
-  for (const std::string& line : missed) fmt::print(stderr, "{}: {}\n", loaded->scene.file, line);
+  for (const std::string& line : missed) print_line(loaded->scene.file + ": " + line);
   if (!option.quiet) fmt::print(stderr, "{}\n", result_line(*summary));
   if (option.json) print(summary_json(*summary));
   exit_code = missed.empty() ? kDone : kCheckFailed;

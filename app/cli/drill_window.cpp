@@ -70,7 +70,7 @@ ViewerConfig viewer_config(const WindowOptions& options, const std::string& fold
 void add_view_options(CLI::App& command, WindowOptions& options) {
   command.add_flag("--light", options.light, "a window with dark letters on a light ground");
   command.add_option("--text-scale", options.text_scale, "size of the window's letters")
-      ->check(CLI::Range(kSmallestText, kLargestText))
+      ->check(number_in(kSmallestText, kLargestText))
       ->capture_default_str();
 }
 
@@ -114,7 +114,7 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
   run.job.shipped_scenes = shipped_folder("scenes");
   run.job.stop = &stop_requested();
   run.job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
-  if (!quiet) run.job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  if (!quiet) run.job.say = print_line;
   if (loaded.scene.find<SoundConfig>() != nullptr) Speaker::silence_libraries();
   run.job.make_speaker = [&](int sample_rate) -> std::unique_ptr<SoundSink> {
     auto speaker = Speaker::open(sample_rate, [quiet](std::uint64_t underruns, std::uint64_t dropped) {
@@ -166,11 +166,11 @@ Result<bool> view_session_in_window(const std::string& path, const WindowOptions
   view.make_sink = sink_maker({});
   view.viewer = viewer_config(options, fs::absolute(path).parent_path().string());
   view.stop = &stop_requested();
-  if (!quiet) view.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  if (!quiet) view.say = print_line;
   const auto viewed = view_session(*session, *loaded, view);
   if (!viewed) return viewed.error();
   if (viewed->same) return true;
-  fmt::print(stderr, "{}: bone or forces differ from those of the run\n", path);
+  print_line(path + ": bone or forces differ from those of the run");
   if (const std::string why = why_different(session->meta()); !why.empty()) fmt::print(stderr, "{}\n", why);
   return false;
 }

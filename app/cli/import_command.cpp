@@ -112,7 +112,7 @@ void print_results(const Options& option, const ImportReport& report, const std:
   if (option.json) {
     auto json = nlohmann::ordered_json::parse(import_json(report));
     if (site) json["suggested"] = site_json(*site);
-    return print(json.dump(2) + "\n");
+    return print(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
   if (!site) return print(import_text(report));
   if (!option.quiet) fmt::print(stderr, "{}", import_text(report));

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 
 #include "app/cli/choose.h"
 #include "app/cli/commands.h"
 #include "app/cli/drilling.h"
+#include "core/base/caught_error.h"
 
 namespace burrhole::cli {
 namespace {
@@ -65,8 +65,8 @@ bool refuse_unknown_command(const CLI::App& program, int argc, char** argv) {
     if (next == nullptr) {
       const auto near = nearest_name(argv[n], names);
       const std::string drilled = app == &program && is_scene(argv[n]) ? std::string("drill ") + argv[n] : near.value_or("");
-      std::fprintf(stderr, "burrhole: unknown command \"%s\"%s (--help lists them)\n", argv[n],
-                   drilled.empty() ? "" : ("; did you mean \"" + drilled + "\"?").c_str());
+      print_line(std::string("burrhole: unknown command \"") + argv[n] + "\"" +
+                 (drilled.empty() ? "" : "; did you mean \"" + drilled + "\"?") + " (--help lists them)");
       return true;
     }
     app = next;
@@ -128,12 +128,7 @@ void run_command(CLI::App& app, int argc, char** argv, int& exit_code) {
   app.parse(words);
 }
 
-}  // namespace
-}  // namespace burrhole::cli
-
-// NOLINTNEXTLINE(bugprone-exception-escape): outside of the try block only exhausted memory throws.
-int main(int argc, char** argv) {
-  using namespace burrhole::cli;
+int run_program(int argc, char** argv) {
   CLI::App app{kAbout, "burrhole"};
   app.formatter(make_formatter());
   app.get_formatter()->column_width(30);
@@ -142,6 +137,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = kDone;
   add_commands(app, exit_code);
+  check_given_values(app);
   app.footer(kFooter);
   if (refuse_unknown_command(app, argc, argv)) return kBadInput;
   try {
@@ -149,10 +145,25 @@ int main(int argc, char** argv) {
     return exit_code;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    std::fprintf(stderr, "burrhole: %s\n", usage_text(app, error).c_str());
+    print_line("burrhole: " + usage_text(app, error));
     return kBadInput;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "burrhole: internal error: %s\n", error.what());
-    return kInternalError;
+  }
+}
+
+}  // namespace
+}  // namespace burrhole::cli
+
+int main(int argc, char** argv) {
+  using namespace burrhole;
+  try {
+    return cli::run_program(argc, argv);
+  } catch (...) {
+    try {
+      const Error error = caught_error();
+      return cli::report(Error{error.code, "burrhole: " + error.text(), {}});
+    } catch (...) {  // even the message found no memory
+      std::fputs("burrhole: there is not enough memory\n", stderr);
+      return cli::kUnavailable;
+    }
   }
 }

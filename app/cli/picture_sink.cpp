@@ -13,8 +13,10 @@
 #include "app/render/png.h"
 #include "app/render/renderer.h"
 #include "app/render/tip_slices_picture.h"
+#include "app/view/picture_memory.h"
 #include "app/view/quality.h"
 #include "app/view/stereo.h"
+#include "volumes/read/memory_check.h"
 
 namespace burrhole::cli {
 namespace {
@@ -171,7 +173,18 @@ Status write_tip_slices(const std::string& file, int width, int height, const st
   return write_png(file, draw_tip_slices(make(layout.size), layout, legend));
 }
 
+Status check_picture_memory(const DisplayConfig& display) {
+  const auto error = memory_error(static_cast<double>(picture_bytes(display)));
+  if (!error) return {};
+  return Error{
+      ErrorCode::unavailable,
+      fmt::format("a picture of {} x {} pixels {}: give a smaller --size or display.size, or fewer rays a pixel (display.supersample)",
+                  display.width, display.height, *error),
+      {}};
+}
+
 Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options) {
+  if (Status fits = check_picture_memory(display); !fits) return fits.error();
   auto renderer = Renderer::create(options_of(display, options));
   if (!renderer) return renderer.error();
   return std::unique_ptr<PictureSink>(std::make_unique<OffscreenSink>(std::move(renderer).value(), display, options));

@@ -37,6 +37,9 @@ struct DrawingSink {
 /// invalid shader.
 [[nodiscard]] Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options);
 
+/// @returns unavailable if the pixels of a picture are predicted to need more memory than there is; it is checked before anything is drawn.
+[[nodiscard]] Status check_picture_memory(const DisplayConfig& display);
+
 /// Writes slices with labels, the tool's outline and a scale bar into a PNG file; needs no OpenGL. @param make makes the slices of a size
 /// [pixels]. bad_input: the file cannot be written.
 [[nodiscard]] Status write_tip_slices(const std::string& file, int width, int height, const std::function<TipSlices(int size)>& make,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/cli/commands.h"
+
 namespace burrhole::cli {
 
 Progress::Progress(bool quiet, std::chrono::milliseconds delay, bool estimates)
@@ -43,7 +45,7 @@ void Progress::say(const std::string& line) {
   if (quiet_) return;
   if (drawn_) std::fputc('\n', stderr);
   drawn_ = false;
-  std::fprintf(stderr, "%s\n", line.c_str());
+  print_line(line);
 }
 
 }  // namespace burrhole::cli

@@ -10,6 +10,7 @@
 #include "app/cli/commands.h"
 #include "app/report/file.h"
 #include "core/base/physics_version.h"
+#include "core/config/toml_messages.h"
 
 namespace burrhole::cli {
 
@@ -20,7 +21,7 @@ Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t tick
   RecordedFile plan;
   if (Status written = plan.write(session, "markups"); !written) return written.error();
   if (!plan.path().empty())
-    if (Status set = document->set("approach.markups=\"" + plan.path() + "\""); !set) return set.error();
+    if (Status set = document->set("approach.markups=" + toml_string(plan.path())); !set) return set.error();
   Issues issues;
   auto loaded = load_scene(*document, scene_context(), issues, {.tool_text = session.meta().tool, .progress = {}, .say = {}});
   if (!loaded) return issues.front();

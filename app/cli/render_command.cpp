@@ -7,9 +7,11 @@
 #include "app/cli/volume_picture.h"
 #include "app/cli/volume_source.h"
 #include "app/run/simulation.h"
+#include "app/scene/memory_plan.h"
 #include "app/scene/volume_scene.h"
 #include "app/view/display_config.h"
 #include "app/view/driver_text.h"
+#include "app/view/picture_memory.h"
 #include "core/base/units.h"
 
 namespace burrhole::cli {
@@ -82,10 +84,23 @@ Status draw_slices(const Options& option, LoadedScene& loaded, const fs::path& i
       {"cross: the tip of the bit", "orange: the bit as it erodes", "grey: occupancy x hardness,", "of what bone remains"});
 }
 
+/// The options of this command may ask for more pixels than the scene did when its bone was placed.
+Status check_memory_limit(const LoadedScene& loaded) {
+  const Scene& scene = loaded.scene;
+  if (!scene.memory_limit) return {};
+  const MemoryPlan plan = plan_memory(scene, loaded.tool, shape_of(*loaded.bone, scene.approach), 0, {});
+  if (plan.peak <= *scene.memory_limit) return {};
+  return bad_input("limits.memory_mb is exceeded: the picture may need " + plan.text() + " (a smaller --size needs less)",
+                   scene.memory_place);
+}
+
 Status draw_scene(const Options& option, LoadedScene& loaded) {
   if (!loaded.scene.effects.has("display")) add_effect(loaded.scene, "display");
   DisplayConfig& display = *loaded.scene.find<DisplayConfig>();
+  const std::uint64_t planned = picture_bytes(display);
   if (Status applied = apply_view(option, display); !applied) return applied;
+  if (picture_bytes(display) > planned)
+    if (Status fits = check_memory_limit(loaded); !fits) return fits;
   const fs::path image(option.image);
   if (image.extension() != ".png") return bad_input("--image " + option.image + " must end in .png");
   if (option.slices_through_tip) return draw_slices(option, loaded, image);
@@ -192,7 +207,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_flag("--no-tool", option->no_tool, "without the bit");
   command->add_option("--depth-mm", option->depth_mm, "depth of the bit's tip below the entry; default: the start pose of the scene")
       ->type_name("MM")
-      ->check(CLI::Range(-100.0, 100.0));
+      ->check(number_in(-100.0, 100.0));
   command->add_flag("--slices-through-tip", option->slices_through_tip,
                     "three slices of 40 mm through the tip, grey by density, instead of a perspective view");
   command->callback([option, command, &exit_code] {

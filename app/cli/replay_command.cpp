@@ -125,18 +125,19 @@ void add_replay(CLI::App& app, int& exit_code) {
   struct Options {
     std::string session;
     std::string gl = "auto", wav;
-    bool quiet = false, stills = false, view = false;
+    bool quiet = false, stills = false, view = false, allow_partial = false;
     WindowOptions window;
   };
-  CLI::App* command =
-      add_command(app, "replay", kDrillGroup,
-                  {.summary = "Runs a recorded session again and compares the results bit for bit",
-                   .about = "Runs the same steps with the recorded hand motion and compares voxels, contact forces and forces "
-                            "sent to the hand with those of the recorded run. The session contains scene, tool and "
-                            "checkpoint; only the scan of an imported bone is read from its file. With --view it is shown in a window "
-                            "with a time line: run, pause, step, speed, jump.",
-                   .examples = {"burrhole replay out/session.sqlite", "burrhole replay out/session.sqlite --view"},
-                   .exits = "Exit 3 if voxels or forces differ, 4 if --view finds no display, 130 after Ctrl-C."});
+  CLI::App* command = add_command(
+      app, "replay", kDrillGroup,
+      {.summary = "Runs a recorded session again and compares the results bit for bit",
+       .about = "Runs the same steps with the recorded hand motion and compares voxels, contact forces and forces "
+                "sent to the hand with those of the recorded run. The session contains scene, tool and "
+                "checkpoint; only the scan of an imported bone is read from its file. With --view it is shown in a window "
+                "with a time line: run, pause, step, speed, jump.",
+       .examples = {"burrhole replay out/session.sqlite", "burrhole replay out/session.sqlite --view"},
+       .exits = "Exit 3 if voxels or forces differ, or if nothing could be compared because the recorded run was cut short (not "
+                "with --allow-partial), 4 if --view finds no display, 130 after Ctrl-C."});
   auto option = std::make_shared<Options>();
   command->add_option("session", option->session, "session file of an earlier drill")->type_name(kFileValue)->required();
   add_simd_option(*command);
@@ -146,6 +147,7 @@ void add_replay(CLI::App& app, int& exit_code) {
       command->add_option("--wav", option->wav, "write the sound of a session with [sound] into this file")->type_name(kFileValue);
   command->add_flag("--view", option->view, "show the session in a window")->excludes("--stills")->excludes(wav);
   add_view_options(*command, option->window);
+  command->add_flag("--allow-partial", option->allow_partial, "exit 0 also if the recorded run was cut short and has nothing to compare");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
     catch_signals();
@@ -164,8 +166,10 @@ void add_replay(CLI::App& app, int& exit_code) {
       return;
     }
     exit_code = kDone;
+    bool compared = false;
     for (const Comparison& row : replayed->rows) {
       const bool known = !row.recorded.empty();
+      compared = compared || known;
       print(fmt::format("{:<7} recorded {}  replayed {}  {}\n", row.name, known ? row.recorded : "(none: the run was cut short)",
                         row.replayed,
                         !known       ? "not comparable"
@@ -173,7 +177,12 @@ void add_replay(CLI::App& app, int& exit_code) {
                                      : "DIFFERENT"));
       if (known && !row.same()) exit_code = kCheckFailed;
     }
-    if (const std::string why = why_different(*replayed); exit_code == kCheckFailed && !why.empty()) print(why + "\n");
+    if (!compared) {
+      print_line(option->session + ": nothing was compared: the recorded run was cut short, so the session has no results" +
+                 (option->allow_partial ? "" : " (--allow-partial accepts that)"));
+      if (!option->allow_partial) exit_code = kCheckFailed;
+    }
+    if (const std::string why = why_different(*replayed); compared && exit_code == kCheckFailed && !why.empty()) print(why + "\n");
   });
 }
 

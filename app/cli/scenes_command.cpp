@@ -79,7 +79,7 @@ int list_scenes(bool json) {
     else
       print(fmt::format("{:<14} {} ({}; {})\n", name, scene->title, scene->tool, bone_text(*scene)));
   }
-  if (json) print(rows.dump(2) + "\n");
+  if (json) print(rows.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   return kDone;
 }
 

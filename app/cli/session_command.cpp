@@ -7,6 +7,7 @@
 #include "app/cli/commands.h"
 #include "app/report/csv.h"
 #include "app/session/session.h"
+#include "core/config/toml_messages.h"
 
 namespace burrhole::cli {
 namespace {
@@ -69,19 +70,21 @@ std::string inputs_csv(const SessionReader& session) {
 
 std::string overview(const SessionReader& session) {
   const SessionMeta& meta = session.meta();
-  std::string out = fmt::format("program    burrhole {}\ncreated    {}\nscene      {}\nmachine    {}\nschema     {}\n", meta.program,
-                                meta.created, fs::path(meta.scene_path).filename().string(), meta.cpu, session.schema());
+  const auto word = [](const std::string& text) { return one_line(text, 500); };  // of the file: a line feed would make a line of its own
+  std::string out = fmt::format("program    burrhole {}\ncreated    {}\nscene      {}\nmachine    {}\nschema     {}\n", word(meta.program),
+                                word(meta.created), word(fs::path(meta.scene_path).filename().string()), word(meta.cpu), session.schema());
   for (const SessionStream& stream : session.streams()) {
-    out += fmt::format("stream     {:<8} {} rows of", stream.name, session.row_count(stream.name));
-    for (const SessionColumn& column : stream.columns) out += " " + header_of(column);
+    out += fmt::format("stream     {:<8} {} rows of", word(stream.name), session.row_count(stream.name));
+    for (const SessionColumn& column : stream.columns) out += " " + word(header_of(column));
     out += "\n";
   }
   for (const SessionInput& input : session.inputs())
-    out += fmt::format("input      tick {:<7} {} {}{}{}\n", input.tick, input.kind, input.value, input.text.empty() ? "" : " ", input.text);
+    out += fmt::format("input      tick {:<7} {} {}{}{}\n", input.tick, word(input.kind), input.value, input.text.empty() ? "" : " ",
+                       word(input.text));
   for (const SessionEvent& event : session.events())
-    out += fmt::format("event      {:8.3f} s  {}{}{}\n", event.time_s, event.kind, event.text.empty() ? "" : ": ",
-                       event.kind == "restore" || event.kind == "markups" ? fs::path(event.text).filename().string() : event.text);
-  for (const SessionHash& hash : session.hashes()) out += fmt::format("hash       {:<8} {}\n", hash.kind, hash.value);
+    out += fmt::format("event      {:8.3f} s  {}{}{}\n", event.time_s, word(event.kind), event.text.empty() ? "" : ": ",
+                       word(event.kind == "restore" || event.kind == "markups" ? fs::path(event.text).filename().string() : event.text));
+  for (const SessionHash& hash : session.hashes()) out += fmt::format("hash       {:<8} {}\n", word(hash.kind), word(hash.value));
   return out;
 }
 

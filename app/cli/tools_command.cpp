@@ -32,9 +32,10 @@ std::vector<std::string> shipped_tools() {
 }
 
 std::string find_tool_file(const std::string& name) {
-  if (fs::is_regular_file(name)) return name;
+  std::error_code ignored;  // a name that is too long: not there
+  if (fs::exists(name, ignored) && !fs::is_directory(name, ignored)) return name;
   const fs::path shipped = fs::path(share_folder()) / "tools" / (name + ".toml");
-  return fs::is_regular_file(shipped) ? shipped.string() : std::string();
+  return fs::is_regular_file(shipped, ignored) ? shipped.string() : std::string();
 }
 
 double volume_mm3(const Tool& tool) {
@@ -251,7 +252,8 @@ int show_tool(const Options& options) {
   const std::vector<NamedFeed> feeds = feeds_of(*fine);
   if (!options.image.empty())
     if (Status drawn = draw_sheet(*document, *tool, feeds, options.image); !drawn) return report(drawn.error());
-  print(options.json ? details_json(*tool, *parts, feeds, file).dump(2) + "\n" : details_text(*tool, parts->text, feeds));
+  print(options.json ? details_json(*tool, *parts, feeds, file).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"
+                     : details_text(*tool, parts->text, feeds));
   return kDone;
 }
 
@@ -267,7 +269,7 @@ int list_tools(bool json) {
       print(
           fmt::format("{:<24} {:>5} shell {:>6} erosion points  {}\n", tool->name, tool->shell.size(), tool->erosion.size(), tool->title));
   }
-  if (json) print(rows.dump(2) + "\n");
+  if (json) print(rows.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   return kDone;
 }
 

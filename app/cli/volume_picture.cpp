@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/picture_sink.h"
 #include "app/render/marks.h"
 #include "app/render/overlay.h"
 #include "app/render/png.h"
@@ -28,6 +29,9 @@ RenderOptions options_of(const VolumePicture& picture) {
 }
 
 Result<Drawn> draw_outside(const BoneModel& bone, const VolumePicture& picture, std::span<const Vec3> shown, int width, int height) {
+  DisplayConfig shape = picture.display;
+  shape.width = width, shape.height = height;
+  if (Status fits = check_picture_memory(shape); !fits) return fits.error();
   const RenderOptions options = options_of(picture);
   auto renderer = Renderer::create(options);
   if (!renderer) return renderer.error();

@@ -10,6 +10,7 @@
 #include "app/cli/progress.h"
 #include "app/scene/volume_scene.h"
 #include "core/config/toml.h"
+#include "core/config/toml_messages.h"
 
 namespace burrhole::cli {
 namespace {
@@ -20,18 +21,11 @@ constexpr std::uintmax_t kLargestScene = 1 << 20;  // [bytes]
 constexpr double kMostVoxels = 30e6;               // of a picture; a little below DisplayConfig::whole_voxels
 constexpr double kUneven = 1.05;                   // [-] longest over shortest edge of a voxel that is drawn as scanned
 
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + '"';
-}
-
 /// @returns the request of a [volume] table with this source and the assignments.
 Result<ImportRequest> make_request(const std::string& path, const std::vector<std::string>& sets) {
-  auto document = TomlDocument::parse("[volume]\nsource = " + quoted(fs::absolute(path).lexically_normal().string()) + "\n", path);
+  std::error_code failed;
+  auto document =
+      TomlDocument::parse("[volume]\nsource = " + toml_string(fs::absolute(path, failed).lexically_normal().string()) + "\n", path);
   if (!document) return document.error();
   for (const std::string& assignment : sets) {
     if (!assignment.starts_with("volume."))

@@ -8,6 +8,7 @@
 #include "app/stage/stage.h"
 #include "app/view/detail.h"
 #include "app/view/display_config.h"
+#include "app/view/picture_memory.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
 #include "volumes/phantom/head_bone.h"
@@ -436,10 +437,8 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
   DisplayPlan(TableReader& table, const StageConfig& scene) { config_ = read_display(table, scene); }
 
   PlanRow row(const PlanContext& context) const override {
-    // A texel, and the same with the distances that rays skip, twice. A sample of a picture: colour, depth, stencil and hit of the bone,
-    // colour and depth with the tool, and the picture that is read back; measured 31 bytes.
+    // A texel, and the same with the distances that rays skip, twice. The pixels: picture_bytes().
     const std::uint64_t a_texel = kTexelBytes + sizeof(Rgba8) + (config_.appearance.tissue ? sizeof(TissueTexel) : 0);
-    constexpr std::uint64_t kSampleBytes = 31;
     // A voxel of the window, of which the largest part may change at once: texels and the densities that they are made from.
     constexpr std::uint64_t kChangeBytes = 9;
     const std::optional<HeadGrid> head = head_of(context.config);
@@ -447,8 +446,6 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
     const std::uint64_t coarse = head ? 0 : coarse_bytes(context.bone, levels.factor);  // that of a head belongs to the volume
     // At the start the texels are in memory and in the textures.
     const std::uint64_t drawn = levels.voxels * (a_texel + 2) + coarse + kDriverBytes + (config_.skin ? kSkinBytes : 0);
-    const auto rays = static_cast<std::uint64_t>(config_.quality.supersample);
-    const std::uint64_t samples = rays * rays * static_cast<std::uint64_t>(config_.width) * static_cast<std::uint64_t>(config_.height);
     const std::string budget = config_.budget ? fmt::format(", quality for {:g} ms a picture", *config_.budget * 1e3) : std::string();
     return {.table = "display",
             .clock = Clock::frame,
@@ -457,7 +454,7 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
             .gives = "pictures",
             .detail = fmt::format("{}{}{}, {} x {} pixels{}, at events", method_text(config_), levels_text(config_, context.bone, head),
                                   picture_text(config_), config_.width, config_.height, budget),
-            .bytes = drawn + samples * kSampleBytes + context.window_voxels * kChangeBytes,
+            .bytes = drawn + picture_bytes(config_) + context.window_voxels * kChangeBytes,
             .start_bytes = drawn + levels.voxels * a_texel};
   }
 

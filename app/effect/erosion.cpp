@@ -159,7 +159,7 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
     c.minimum_density = static_cast<float>(
         table.number("minimum_density", {.fallback = decimal_of(c.minimum_density), .min = 0.0, .max = 0.5, .max_open = true},
                      "density below which a voxel becomes empty; not used with subvoxel = true"));
-    c.longest_substep = table.number("substep_voxels", {.fallback = c.longest_substep, .min = 0.0, .max = 1.0, .min_open = true},
+    c.longest_substep = table.number("substep_voxels", {.fallback = c.longest_substep, .min = 0.01, .max = 1.0},
                                      "longest path of the tool's points between two applications of the law");
     rate_hz_ = read_rate(table, stage, rate_hz_, 1, "rate of erosion steps; divides servo_hz");
     pitch_voxels_ = table.number("point_pitch_voxels", within(pitch_voxels_, 0.1, 1.0), "distance between the tool's erosion points");

@@ -23,10 +23,38 @@ using Json = nlohmann::ordered_json;
 constexpr int kCompareSchema = 1;
 constexpr const char* kSession = "session.sqlite";
 
+constexpr FileLimit kSummaryInput{"a summary.json", 4u << 20, false};
+constexpr std::size_t kMostNested = 16;
+constexpr std::size_t kMostMembers = 1000;  // of one object; each is searched among those of the other runs
+
+/// @returns whether lists and objects are nested deeper than kMostNested: they are printed by recursion.
+bool is_too_deep(std::string_view text) {
+  std::size_t depth = 0;
+  bool quoted = false;
+  for (std::size_t n = 0; n < text.size(); ++n) {
+    const char c = text[n];
+    if (quoted && c == '\\')
+      ++n;
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && (c == '[' || c == '{') && ++depth > kMostNested)
+      return true;
+    else if (!quoted && (c == ']' || c == '}') && depth > 0)
+      --depth;
+  }
+  return false;
+}
+
+/// @returns the object of that name; an empty one if there is none.
+Json object_of(const Json& json, const char* name) {
+  const auto found = json.find(name);
+  return found != json.end() && found->is_object() ? *found : Json::object();
+}
+
 std::string text_of(const Json& value) {
   if (value.is_null()) return {};
   if (value.is_string()) return value.get<std::string>();
-  if (!value.is_array()) return value.dump();
+  if (!value.is_array()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string out;
   for (const Json& one : value) out += (out.empty() ? "" : ", ") + text_of(one);
   return out.empty() ? "none" : out;
@@ -38,13 +66,13 @@ void add_facts(const Json& json, RunResults& out) {
   const Json made = json.value("provenance", Json());
   if (!made.is_object()) return;
   for (const char* key : {"program", "date", "machine", "overrides", "tool_overrides", "drilled_before"}) add(key, made.value(key, Json()));
-  const Json factors = made.value("erosion_factors_per_rev", Json::object()), hashes = made.value("hash", Json::object());
+  const Json factors = object_of(made, "erosion_factors_per_rev"), hashes = object_of(made, "hash");
   for (const auto& [region, factor] : factors.items()) add(("erosion factor of the " + region).c_str(), factor);
   for (const auto& [of, hash] : hashes.items()) add(("hash of the " + of).c_str(), hash);
 }
 
 void add_figures(const Json& json, RunResults& out) {
-  const Json drilling = json.value("drilling", Json::object());
+  const Json drilling = object_of(json, "drilling");
   for (const auto& [key, value] : drilling.items())
     if (value.is_number())
       out.figures.emplace_back(key, value.get<double>());
@@ -54,7 +82,7 @@ void add_figures(const Json& json, RunResults& out) {
       out.facts.emplace_back(key, text_of(value));
   for (const char* key : {"duration_s", "wall_s"})
     if (const Json value = json.value(key, Json()); value.is_number()) out.figures.emplace_back(key, value.get<double>());
-  const Json hashes = json.value("hash", Json::object());
+  const Json hashes = object_of(json, "hash");
   for (const auto& [of, hash] : hashes.items()) out.facts.emplace_back("hash of the " + of + " of the run", text_of(hash));
 }
 
@@ -90,7 +118,7 @@ Result<std::string> add_curves(const Json& json, RunResults& out) {
     if (!read) return read.error();
     columns[name] = std::move(read).value();
   }
-  const Json approach = json.value("approach", Json::object());
+  const Json approach = object_of(json, "approach");
   const auto entry = vector_of(approach.value("entry_mm", Json())), axis = vector_of(approach.value("axis", Json()));
   for (std::size_t n = 0; n < columns["hand_tick"].size(); ++n) {
     const auto at = [&](const char* x, const char* y, const char* z) { return Vec3(columns[x][n], columns[y][n], columns[z][n]); };
@@ -161,10 +189,13 @@ Result<RunResults> read_run(const std::string& path) {
   const std::string file = fs::is_directory(path, ignored) ? (fs::path(path) / "summary.json").string() : path;
   if (!fs::exists(file, ignored))
     return bad_input("holds no results: a RUN is a folder that burrhole drill wrote, with summary.json", path);
-  const auto text = read_file(file);
+  const auto text = read_file(file, kSummaryInput);
   if (!text) return text.error();
-  const Json json = Json::parse(*text, nullptr, false);
-  if (!json.is_object() || !json.contains("schema") || !json.contains("drilling"))
+  const Json json = is_too_deep(*text) ? Json() : Json::parse(*text, nullptr, false);
+  const auto few = [](const Json& object) { return object.size() <= kMostMembers; };
+  if (!json.is_object() || !json.contains("schema") || !json.contains("drilling") || !few(json) || !few(object_of(json, "drilling")) ||
+      !few(object_of(json, "hash")) || !few(object_of(json, "provenance")) ||
+      !few(object_of(object_of(json, "provenance"), "erosion_factors_per_rev")) || !few(object_of(object_of(json, "provenance"), "hash")))
     return bad_input("is not a summary.json of burrhole drill", file);
   add_facts(json, out);
   add_figures(json, out);

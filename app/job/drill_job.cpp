@@ -167,12 +167,12 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   auto session = SessionWriter::create(path, meta, session_layout(stage));
   if (!session) return session.error();
   if (!job.restore_path.empty()) {
-    auto checkpoint = read_file(job.restore_path);
+    auto checkpoint = read_file(job.restore_path, kCheckpointInput);
     if (!checkpoint) return checkpoint.error();
     if (Status noted = session->event({0.0, 0, "restore", job.restore_path, std::move(checkpoint).value()}); !noted) return noted.error();
   }
   if (const std::string& plan = loaded.scene.approach.markups; !plan.empty()) {
-    auto text = read_file(plan);
+    auto text = read_file(plan, kMarkupsInput);
     if (!text) return text.error();
     if (Status noted = session->event({0.0, 0, "markups", plan, std::move(text).value()}); !noted) return noted.error();
   }

@@ -304,7 +304,7 @@ std::string summary_json(const RunSummary& s) {
                       {"erosion_points_outside", s.points_outside},
                       {"contact_flags", s.contact_flags}};
   json["hash"] = {{"voxels", s.voxel_hash}, {"forces", s.force_hash}, {"image", text_or_null(s.image_hash)}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string plan_json(const LoadedScene& loaded, const Plan& plan, const RunSummary* measured) {
@@ -327,7 +327,7 @@ std::string plan_json(const LoadedScene& loaded, const Plan& plan, const RunSumm
   json["not_built"] = plan.not_built;
   json["memory"] = {{"predicted_bytes", plan.memory.peak}};
   json["warnings"] = plan.warnings;
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace burrhole

@@ -11,7 +11,8 @@ namespace burrhole {
 namespace {
 
 constexpr int kMaxIncludeDepth = 8;
-constexpr std::size_t kLinesPerFile = 10000;  // the line number also encodes the file: Mesa loses the source number of an expression
+constexpr std::uintmax_t kMostBytes = 4u << 20;  // of a shader
+constexpr std::size_t kLinesPerFile = 10000;     // the line number also encodes the file: Mesa loses the source number of an expression
 
 /// Replaces includes and evaluates branches; #line keeps the compiler's line numbers equal to those of the file on disk and encodes the
 /// file.
@@ -292,6 +293,10 @@ Result<ShaderFiles> read_shader_folder(const std::filesystem::path& folder) {
   for (const auto& entry : entries) {
     const std::string extension = entry.path().extension().string();
     if (extension != ".glsl" && extension != ".vert" && extension != ".frag") continue;
+    // Without core's reader of files: the program that embeds the shaders at build time is made of this file alone.
+    if (!entry.is_regular_file(failed) || failed) return bad_input("is not a regular file", entry.path().string());
+    if (entry.file_size(failed) > kMostBytes || failed)
+      return bad_input("is larger than " + std::to_string(kMostBytes) + " bytes, the most that a shader may have", entry.path().string());
     std::ifstream in(entry.path(), std::ios::binary);
     std::ostringstream text;
     text << in.rdbuf();

@@ -46,14 +46,6 @@ Status write_file(const std::string& path, std::string_view bytes) {
   return file_error("write", path, code);
 }
 
-Result<std::string> read_file(const std::string& path) {
-  File file(std::fopen(path.c_str(), "rb"));
-  if (!file) return file_error("read", path, errno);
-  std::string bytes;
-  char block[65536];
-  for (std::size_t count = 0; (count = std::fread(block, 1, sizeof block, file.get())) > 0;) bytes.append(block, count);
-  if (std::ferror(file.get()) != 0) return file_error("read", path, errno);
-  return bytes;
-}
+Result<std::string> read_file(const std::string& path, const FileLimit& kind) { return read_input(path, kind); }
 
 }  // namespace burrhole

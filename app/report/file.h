@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/input_file.h"
 #include "core/base/result.h"
 
 namespace burrhole {
@@ -13,7 +14,7 @@ namespace burrhole {
 /// Creates missing folders. On an error the old file is unchanged.
 [[nodiscard]] Status write_file(const std::string& path, std::string_view bytes);
 
-/// @returns the bytes of a file.
-[[nodiscard]] Result<std::string> read_file(const std::string& path);
+/// @returns the bytes of a regular file, at most as many as its kind may have.
+[[nodiscard]] Result<std::string> read_file(const std::string& path, const FileLimit& kind = kResultsInput);
 
 }  // namespace burrhole

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "app/run/live_rows.h"
+#include "core/base/caught_error.h"
 #include "core/base/hash.h"
 #include "core/base/spsc_queue.h"
 #include "haptics/servo/realtime.h"
@@ -99,8 +100,8 @@ class Loops {
   std::atomic<int> waiting_{2};                // real-time threads that have not requested their priority yet
   std::atomic<int> refused_{0};                // errno of a refused priority
   std::atomic<std::uint64_t> unrecorded_{0};
-  std::atomic<bool> broken_{false};  // the simulation thread met an exception; its text is in why_
-  std::string why_;
+  std::atomic<bool> broken_{false};  // the simulation thread met an exception; why_ says which
+  Error why_;
   SpscQueue<ServoRow, 1 << 14> servo_rows_;
   SpscQueue<ContactRow, 1 << 14> contact_rows_;
   SpscQueue<BoneRow, 1 << 12> bone_rows_;
@@ -182,11 +183,8 @@ void Loops::bone_loop() noexcept {
   } const closes{hand_off_};
   try {
     run_bone_steps();
-  } catch (const std::exception& error) {
-    why_ = error.what();
-    broken_.store(true, std::memory_order_release);
   } catch (...) {
-    why_ = "of unknown type";
+    why_ = caught_error();
     broken_.store(true, std::memory_order_release);
   }
 }
@@ -416,8 +414,7 @@ Status Loops::run() {
   report_->stopped = !report_->done && is_set(options_.stop);
   if (Status drained = drain(); !drained) return drained;
   if (Status sounded = run_audio(); !sounded) return sounded;
-  if (broken_.load(std::memory_order_acquire))
-    return Error{ErrorCode::internal, "the simulation thread ended with an exception: " + why_, {}};
+  if (broken_.load(std::memory_order_acquire)) return Error{why_.code, "the simulation thread ended: " + why_.text(), {}};
   if (report_->unrecorded > 0 && options_.warn)
     options_.warn(std::to_string(report_->unrecorded) + " rows were not recorded, as the log was full: this session cannot be replayed");
   return {};

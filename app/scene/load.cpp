@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "app/scene/memory_plan.h"
 #include "app/scene/volume_scene.h"
 #include "app/view/display_config.h"
+#include "core/base/input_file.h"
+#include "core/config/toml_messages.h"
 #include "core/tool/cutting_field.h"
 #include "core/tool/make_tool.h"
 #include "core/tool/mesh_spec.h"
@@ -122,13 +122,10 @@ std::string text_for_session(const std::string& text, const TomlDocument& tool) 
   Issues ignored;
   const auto spec = has_tool_mesh(tool) ? read_mesh_tool_spec(tool, ignored) : std::nullopt;
   if (!spec) return text;
-  std::string quoted;
-  for (const char c : std::filesystem::absolute(spec->path).lexically_normal().string()) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
+  std::error_code failed;
+  const std::string path = std::filesystem::absolute(spec->path, failed).lexically_normal().string();
   auto copy = TomlDocument::parse(text, tool.file_name());  // a second document: set() would change the places of `tool`
-  return copy && copy->set("mesh.file=\"" + quoted + "\"") ? copy->to_text() : text;
+  return copy && copy->set("mesh.file=" + toml_string(path)) ? copy->to_text() : text;
 }
 
 /// Scales the erosion factors of the points and of the cutting field, which sub-voxel removal reads.
@@ -197,13 +194,6 @@ std::string changed_tool(const std::string& text, const std::string& path, const
   return document->to_text();
 }
 
-Result<std::string> text_of_file(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) return bad_input("the file cannot be read", path);
-  return text.str();
-}
-
 }  // namespace
 
 std::optional<Tool> load_tool(const std::string& text, const std::string& name, const StageConfig& config, const Needs& needs,
@@ -233,7 +223,7 @@ std::vector<Tool> load_tools(const std::vector<ToolText>& texts, const Scene& sc
 Result<std::string> read_tool_text(const std::string& name, const std::string& scene_file, const SceneContext& context) {
   const auto path = find_tool(name, scene_file, context);
   if (!path) return bad_input("tool \"" + name + "\" " + tool_not_found(name, scene_file, context));
-  const auto text = text_of_file(*path);
+  const auto text = read_input(*path, kTomlInput);
   if (!text) return text.error();
   const auto document = TomlDocument::parse(*text, *path);
   if (!document) return document.error();
@@ -259,7 +249,7 @@ std::optional<LoadedScene> load_scene(const TomlDocument& document, const SceneC
   if (tool_text) {
     out.tool_text = *tool_text;
   } else {
-    auto text = text_of_file(out.scene.tool.path);
+    auto text = read_input(out.scene.tool.path, kTomlInput);
     if (!text) {
       issues.push_back(text.error());
       return std::nullopt;

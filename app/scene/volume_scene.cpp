@@ -118,7 +118,9 @@ VolumeScene read_volume(TableReader table, const std::string& scene_file) {
   out.world_from_bone = {rotation, table.vector("position_mm", Vec3(0.0), length, "position of the bone frame's origin in the world")};
   out.gradient_dead_zone = table.number("gradient_dead_zone", {.fallback = 0.08, .min = 0.0, .max = 0.49},
                                         "density gradients shorter than this [1/voxel] count as zero");
-  table.finish();
+  if (source.empty() && table.has("source"))
+    table.fault("source", "names no volume: phantom:NAME, a folder or a file (burrhole docs scene)");
+  if (!source.empty()) table.finish();  // which keys there are depends on the source
   return out;
 }
 

@@ -25,6 +25,25 @@ struct BlockPlace {
 /// @returns the suffix of the table names of a schema-1 stream.
 std::string ending_of(const std::string& stream) { return stream == kServoStream ? "" : "_" + stream; }
 
+/// @returns the tables of a session and the statements that made them, as SQLite keeps them.
+std::map<std::string, std::string> session_tables() {
+  constexpr std::string_view kCreate = "CREATE TABLE ";
+  std::map<std::string, std::string> out;
+  for (std::string_view rest = kSchemaSql; !rest.empty();) {
+    const std::size_t end = std::min(rest.find(';'), rest.size());
+    const std::string_view statement = rest.substr(0, end);
+    const std::string_view name = statement.substr(kCreate.size(), statement.find('(') - kCreate.size());
+    out.emplace(name, statement);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return out;
+}
+
+bool is_table_of_schema_1(const std::string& name) {
+  return name == "meta" || name == "events" || name == "hashes" || name == "ticks" || name == "columns" || name.starts_with("ticks_") ||
+         name.starts_with("columns_");
+}
+
 template <class Integer>
 bool parse(const std::string& text, Integer& out) {
   return std::from_chars(text.data(), text.data() + text.size(), out).ec == std::errc();
@@ -46,7 +65,10 @@ struct SessionReader::State {
 
   /// @param what may contain text from the file.
   Error damaged(const std::string& what) const { return bad_input("is damaged: " + one_line(what, 200), path); }
-  Error damaged() const { return damaged(sqlite3_errmsg(database.get())); }
+  Error damaged() const {
+    if (sqlite3_errcode(database.get()) == SQLITE_INTERRUPT) return damaged("SQLite takes more steps to read it than any session does");
+    return damaged(sqlite3_errmsg(database.get()));
+  }
   /// Calls `take` on each row of `select` until it fails.
   template <class Take>
   Status each(Statement& select, const Take& take) const {
@@ -62,6 +84,8 @@ struct SessionReader::State {
   std::optional<std::size_t> find(const std::string& name) const;
 
   Status check_identity();
+  Status check_tables();
+  Status check_pages();
   Status read_meta();
   Status read_streams();
   Status read_streams_of_schema_1();
@@ -77,7 +101,7 @@ struct SessionReader::State {
   Status each_block(std::size_t stream, std::int64_t begin, std::int64_t end, const Take& take) const;
 };
 
-/// Checks that the file is an SQLite file of this program with a known schema, and complete.
+/// Checks that the file is an SQLite file of this program with a known schema.
 Status SessionReader::State::check_identity() {
   sqlite3* raw = database.get();
   const std::optional<std::int64_t> id = pragma(raw, "PRAGMA application_id");
@@ -92,6 +116,27 @@ Status SessionReader::State::check_identity() {
         "is a session of schema " + std::to_string(version) + "; this program reads up to schema " + std::to_string(kSessionSchema), path);
   if (version < 1) return damaged("it names no schema");
   schema = static_cast<int>(version);
+  return {};
+}
+
+/// Only the tables that this program makes and their own indexes may be there: a view or a trigger is a program of who made the file.
+Status SessionReader::State::check_tables() {
+  const std::map<std::string, std::string> ours = session_tables();
+  Statement select(database.get(), "SELECT type, name, sql, rootpage FROM sqlite_master");
+  return each(select, [&]() -> Status {
+    const std::string type = select.bytes(0), name = select.bytes(1), sql = select.bytes(2);
+    if (type == "index" && sql.empty() && name.starts_with("sqlite_autoindex_")) return {};
+    const auto table = ours.find(name);
+    const bool known = schema == 1 ? is_table_of_schema_1(name) : table != ours.end() && table->second == sql;
+    if (type == "table" && known && select.integer(3) > 0) return {};
+    return bad_input("is not a session of burrhole: it has the " + one_line(type, 20) + " \"" + one_line(name, 60) +
+                         "\" that no session has; it was made or changed by another program",
+                     path);
+  });
+}
+
+Status SessionReader::State::check_pages() {
+  sqlite3* raw = database.get();
   // SQLite reads the missing bytes of a last page as zeros, without an error.
   std::error_code error;
   const std::int64_t page = pragma(raw, "PRAGMA page_size").value_or(0);
@@ -277,8 +322,8 @@ Result<SessionReader> SessionReader::open(const std::string& path) {
   state->path = path;
   state->database = open_existing(path);
   if (!state->database) return bad_input("cannot be opened: no memory", path);
-  for (const auto step : {&State::check_identity, &State::read_meta, &State::read_streams, &State::read_blocks, &State::read_inputs,
-                          &State::read_results, &State::check_ends})
+  for (const auto step : {&State::check_identity, &State::check_tables, &State::check_pages, &State::read_meta, &State::read_streams,
+                          &State::read_blocks, &State::read_inputs, &State::read_results, &State::check_ends})
     if (const Status done = (state.get()->*step)(); !done) return done.error();
   return SessionReader(std::move(state));
 }

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <string_view>
+#include <system_error>
+#include <utility>
 
 namespace burrhole::sqlite_wrapper {
 
@@ -42,24 +44,60 @@ std::optional<std::int64_t> pragma(sqlite3* database, const char* sql) {
   return statement.integer(0);
 }
 
-Database open_existing(const std::string& path) {
-  sqlite3* raw = nullptr;
-  sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READWRITE, nullptr);
-  Database database(raw);
-  if (!database || pragma(raw, "PRAGMA schema_version")) return database;
-  if (sqlite3_errcode(raw) != SQLITE_CANTOPEN && sqlite3_errcode(raw) != SQLITE_READONLY) return database;
-  std::error_code ignored;
-  if (std::filesystem::file_size(path + "-wal", ignored) > 0 && !ignored) return database;
-  std::string uri = "file:";
+namespace {
+
+constexpr int kStepsAtOnce = 100'000;             // of SQLite's virtual machine, between two calls of on_steps()
+constexpr std::int64_t kMostSteps = 300'000'000;  // some seconds; a session of an hour takes less than a hundredth of them
+
+/// @returns the path as a URI of SQLite.
+std::string uri_of(const std::string& path) {
+  std::string uri = path.starts_with('/') ? "file://" : "file:";  // "file:" and "//folder" would name a machine
   for (const char c : path) {
     constexpr std::string_view kReserved = "%?#";
     constexpr const char* kEscapes[] = {"%25", "%3f", "%23"};
     const std::size_t at = kReserved.find(c);
     uri += at == std::string_view::npos ? std::string(1, c) : kEscapes[at];
   }
-  raw = nullptr;
-  sqlite3_open_v2((uri + "?immutable=1").c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
-  return Database(raw);
+  return uri;
+}
+
+/// @returns not 0 to end the statement.
+int on_steps(void* left) {
+  auto& calls = *static_cast<std::int64_t*>(left);
+  return --calls < 0 ? 1 : 0;
+}
+
+/// SQLite's advice for files from elsewhere (sqlite.org/security.html): no writing of the schema, no functions, views or triggers by the
+/// schema, small limits.
+void distrust(sqlite3* database) {
+  for (const auto& [option, value] : {std::pair{SQLITE_DBCONFIG_DEFENSIVE, 1}, std::pair{SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
+                                      std::pair{SQLITE_DBCONFIG_ENABLE_VIEW, 0}, std::pair{SQLITE_DBCONFIG_ENABLE_TRIGGER, 0}})
+    sqlite3_db_config(database, option, value, nullptr);
+  for (const auto& [limit, value] :
+       {std::pair{SQLITE_LIMIT_SQL_LENGTH, 10'000}, std::pair{SQLITE_LIMIT_COLUMN, 50}, std::pair{SQLITE_LIMIT_EXPR_DEPTH, 10},
+        std::pair{SQLITE_LIMIT_COMPOUND_SELECT, 3}, std::pair{SQLITE_LIMIT_VDBE_OP, 25'000}, std::pair{SQLITE_LIMIT_FUNCTION_ARG, 8},
+        std::pair{SQLITE_LIMIT_ATTACHED, 0}, std::pair{SQLITE_LIMIT_LIKE_PATTERN_LENGTH, 50}, std::pair{SQLITE_LIMIT_VARIABLE_NUMBER, 10},
+        std::pair{SQLITE_LIMIT_TRIGGER_DEPTH, 1}, std::pair{SQLITE_LIMIT_WORKER_THREADS, 0}})
+    sqlite3_limit(database, limit, value);
+}
+
+}  // namespace
+
+Database open_existing(const std::string& path) {
+  std::error_code ignored;
+  const auto size_of = [&](const std::string& file) {
+    const std::uintmax_t bytes = std::filesystem::file_size(file, ignored);
+    return ignored ? 0 : bytes;
+  };
+  const std::string uri = uri_of(path) + (size_of(path + "-wal") > 0 ? "" : "?immutable=1");
+  sqlite3* raw = nullptr;
+  sqlite3_open_v2(uri.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+  if (raw == nullptr) return {};
+  auto left = std::make_unique<std::int64_t>((kMostSteps + static_cast<std::int64_t>(size_of(path))) / kStepsAtOnce);
+  Database database(raw, CloseDatabase{std::move(left)});
+  distrust(raw);
+  sqlite3_progress_handler(raw, kStepsAtOnce, on_steps, database.get_deleter().steps_left.get());
+  return database;
 }
 
 }  // namespace burrhole::sqlite_wrapper

@@ -11,6 +11,7 @@
 namespace burrhole::sqlite_wrapper {
 
 struct CloseDatabase {
+  std::unique_ptr<std::int64_t> steps_left = nullptr;  ///< counted by a file that is opened for reading
   void operator()(sqlite3* database) const noexcept { sqlite3_close(database); }
 };
 struct EndStatement {
@@ -45,8 +46,9 @@ class Statement {
 /// @returns the integer that a pragma answers, or nothing if it fails.
 [[nodiscard]] std::optional<std::int64_t> pragma(sqlite3* database, const char* sql);
 
-/// Opens without creating. A read-only file in a read-only folder is opened as immutable, because SQLite would otherwise create its
-/// shared-memory file beside it; not where a WAL remains, which would hide committed rows.
+/// Opens a file that may come from anywhere, for reading alone: SQLite's settings for files that are not trusted, and a bound of the steps of
+/// all statements together, after which each fails with SQLITE_INTERRUPT. Where no WAL remains it is opened as immutable, so that SQLite
+/// makes no files beside it and plays no journal back; a WAL has committed rows and is read, and stays.
 /// @returns null without memory; otherwise a connection whose first statement reports what is wrong with the file.
 [[nodiscard]] Database open_existing(const std::string& path);
 

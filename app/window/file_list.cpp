@@ -9,6 +9,7 @@
 #include <fstream>
 #include <optional>
 
+#include "core/base/input_file.h"
 #include "core/config/toml.h"
 
 namespace burrhole {
@@ -27,6 +28,7 @@ std::string lower(std::string text) {
 /// @returns whether a file begins as DICOM part 10 says: "DICM" after 128 bytes.
 bool is_dicom(const fs::path& path) {
   constexpr std::streamoff kPreamble = 128;
+  if (!check_regular_file(path.string())) return false;
   std::ifstream file(path, std::ios::binary);
   std::array<char, 4> magic{};
   return file.seekg(kPreamble) && file.read(magic.data(), magic.size()) && magic == std::array{'D', 'I', 'C', 'M'};

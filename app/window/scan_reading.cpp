@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "app/scene/volume_scene.h"
+#include "core/base/caught_error.h"
 
 namespace burrhole {
 namespace {
@@ -13,8 +14,8 @@ constexpr double kOverviewVoxel = 1.0e-3;  // [m] enough for a picture of a head
 Result<ImportedBone> read_safely(const ImportRequest& request) {
   try {
     return import_bone(request, {});
-  } catch (const std::exception& error) {
-    return Error{ErrorCode::internal, std::string("the reading ended with an exception: ") + error.what(), request.path};
+  } catch (...) {
+    return caught_error();
   }
 }
 

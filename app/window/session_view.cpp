@@ -7,6 +7,7 @@
 
 #include "app/job/provenance.h"
 #include "app/session/recorded_hand.h"
+#include "core/base/caught_error.h"
 #include "core/base/hash.h"
 
 namespace burrhole {
@@ -170,8 +171,8 @@ Result<SessionViewed> view_session(const SessionReader& session, const LoadedSce
     Replayer replayer(session, loaded, view, state, viewer, switches);
     try {
       ran = replayer.run();
-    } catch (const std::exception& error) {
-      ran = Error{ErrorCode::internal, std::string("the replay ended with an exception: ") + error.what(), {}};
+    } catch (...) {
+      ran = caught_error();
     }
     viewed = replayer.viewed();
     state.close();

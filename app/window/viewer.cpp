@@ -14,6 +14,7 @@
 #include "app/view/stereo.h"
 #include "app/window/over_bone.h"
 #include "app/window/transport_bar.h"
+#include "core/base/caught_error.h"
 
 namespace burrhole {
 namespace {
@@ -230,8 +231,8 @@ Status Viewer::open() {
 void Viewer::loop() {
   try {
     draw_until_closed();
-  } catch (const std::exception& error) {
-    state_->fail({ErrorCode::internal, std::string("the drawing thread ended with an exception: ") + error.what(), {}});
+  } catch (...) {
+    state_->fail(caught_error());
   }
   {
     const std::scoped_lock lock(mutex_);

@@ -6,6 +6,7 @@
 
 #include "app/job/provenance.h"
 #include "app/window/window_loop.h"
+#include "core/base/caught_error.h"
 
 namespace burrhole {
 namespace {
@@ -19,8 +20,8 @@ bool is_set(const char* name) {
 Result<RunSummary> drill_safely(const LoadedScene& loaded, const DrillJob& job) {
   try {
     return drill(loaded, job);
-  } catch (const std::exception& error) {
-    return Error{ErrorCode::internal, std::string("the run ended with an exception: ") + error.what(), {}};
+  } catch (...) {
+    return caught_error();
   }
 }
 

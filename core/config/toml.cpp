@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/input_file.h"
 #include "core/config/key_log.h"
 #include "core/config/toml_messages.h"
 #include "core/config/toml_parsed.h"
@@ -19,6 +20,8 @@ namespace burrhole {
 using namespace toml_wrapper;
 
 namespace {
+
+constexpr std::size_t kLongestText = 4096;  // [bytes] of a value: as long as a path of Linux may be
 
 /// A value as messages print it.
 std::string value_text(const toml::node& node) {
@@ -47,10 +50,11 @@ struct TableReader::State {
   std::string path;  ///< dotted, array elements as name[0]
   std::string place;
   Issues* issues = nullptr;
-  KeyLog* log = nullptr;                     ///< usually none
-  RenamedKeys renamed;                       ///< for the messages about unknown keys
-  std::vector<std::string> asked;            ///< names in the order of the requests: the known keys
-  std::set<std::string, std::less<>> named;  ///< keys that already have an issue about their name
+  KeyLog* log = nullptr;                       ///< usually none
+  RenamedKeys renamed;                         ///< for the messages about unknown keys
+  std::vector<std::string> asked;              ///< names in the order of the requests: the known keys
+  std::set<std::string, std::less<>> named;    ///< keys that already have an issue about their name
+  std::set<std::string, std::less<>> refused;  ///< keys whose text was no text, or none that is read: what follows from that is no issue
   std::map<std::string, std::shared_ptr<State>, std::less<>> children;
 
   const toml::node* ask(std::string_view key) {
@@ -212,8 +216,16 @@ bool TableReader::boolean(std::string_view key, bool fallback, std::string_view 
 std::string TableReader::text(std::string_view key, std::optional<std::string> fallback, std::string_view about) {
   const toml::node* node = state_->read(key, [&] { return text_key(fallback, about); });
   if (node != nullptr) {
-    if (const auto* text = node->as_string()) return text->get();
-    state_->refuse(key, *node, "must be text in quotes");
+    const auto* text = node->as_string();
+    if (text != nullptr && text->get().size() <= kLongestText && text->get().find('\0') == std::string::npos) return text->get();
+    state_->refused.emplace(key);
+    if (text == nullptr) {
+      state_->refuse(key, *node, "must be text in quotes");
+    } else if (text->get().size() > kLongestText) {
+      state_->refuse(key, *node, fmt::format("has {} bytes, at most {} are read", text->get().size(), kLongestText));
+    } else {
+      state_->refuse(key, *node, "contains a byte 0, where programs end a text");
+    }
   } else if (!fallback) {
     state_->missing(key, about);
   }
@@ -338,6 +350,7 @@ std::vector<std::string> TableReader::keys() const {
 }
 
 void TableReader::fault(std::string_view key, const std::string& message) {
+  if (state_->refused.contains(key)) return;
   const toml::node* node = state_->ask(key);
   const bool quote = node != nullptr && !node->is_table() && !node->is_array();
   const std::string value = quote ? " = " + value_text(*node) : std::string();
@@ -361,7 +374,7 @@ struct TomlDocument::State {
 TomlDocument::TomlDocument(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
 Result<TomlDocument> TomlDocument::load(const std::string& path) {
-  const Result<std::string> text = read_text(path);
+  const Result<std::string> text = read_input(path, kTomlInput);
   if (!text) return text.error();
   return parse(text.value(), path);
 }

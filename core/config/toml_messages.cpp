@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace burrhole {
 namespace {
@@ -45,14 +47,41 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return above[b.size()];
 }
 
-/// Bytes of the UTF-8 character at text[i], or 0 if it is invalid.
-std::size_t utf8_length(std::string_view text, std::size_t i) noexcept {
+struct Character {
+  std::uint32_t code = 0;
+  std::size_t bytes = 0;  ///< 0: not UTF-8
+};
+
+/// The UTF-8 character at text[i], in its shortest form and no surrogate (RFC 3629).
+Character character_at(std::string_view text, std::size_t i) noexcept {
   const auto byte = static_cast<unsigned char>(text[i]);
-  const std::size_t length = byte < 0x80 ? 1 : (byte >> 5) == 0x6 ? 2 : (byte >> 4) == 0xe ? 3 : (byte >> 3) == 0x1e ? 4 : 0;
-  if (length == 0 || i + length > text.size()) return 0;
-  for (std::size_t k = 1; k < length; ++k)
-    if ((static_cast<unsigned char>(text[i + k]) >> 6) != 0x2) return 0;
-  return length;
+  if (byte < 0x80) return {byte, 1};
+  const std::size_t bytes = (byte >> 5) == 0x6 ? 2 : (byte >> 4) == 0xe ? 3 : (byte >> 3) == 0x1e ? 4 : 0;
+  if (bytes == 0 || i + bytes > text.size()) return {};
+  std::uint32_t code = byte & (0x7fu >> bytes);
+  for (std::size_t k = 1; k < bytes; ++k) {
+    const auto next = static_cast<unsigned char>(text[i + k]);
+    if ((next >> 6) != 0x2) return {};
+    code = code << 6 | (next & 0x3fu);
+  }
+  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (code < kLeast[bytes] || code > 0x10ffff || (code >= 0xd800 && code <= 0xdfff)) return {};
+  return {code, bytes};
+}
+
+/// Whether a terminal or a reader of lines acts on the character: controls (C0, DEL, C1), separators of lines, and those that change the
+/// direction of writing, by which a message may show another order than it has.
+bool acts(std::uint32_t code) noexcept {
+  if (code < 0x20 || (code >= 0x7f && code < 0xa0)) return true;
+  return code == 0x61c || code == 0x200e || code == 0x200f || (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069) ||
+         code == 0xfeff;
+}
+
+std::string escaped(std::uint32_t code) {
+  if (code == '\n') return "\\n";
+  if (code == '\r') return "\\r";
+  if (code == '\t') return "\\t";
+  return code < 0x7f ? fmt::format("\\x{:02x}", code) : fmt::format("\\u{:04x}", code);
 }
 
 }  // namespace
@@ -61,15 +90,42 @@ std::string one_line(std::string_view text, std::size_t max_bytes) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
     if (out.size() >= max_bytes) return out + "...";
-    const std::size_t length = utf8_length(text, i);
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (length == 0 || byte < 0x20 || byte == 0x7f)
-      out += '?';
+    const Character character = character_at(text, i);
+    if (character.bytes == 0)
+      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[i]));
+    else if (acts(character.code))
+      out += escaped(character.code);
     else
-      out += text.substr(i, length);
-    i += std::max<std::size_t>(length, 1);
+      out += text.substr(i, character.bytes);
+    i += std::max<std::size_t>(character.bytes, 1);
   }
   return out;
+}
+
+std::string printable_text(std::string_view text) {
+  constexpr std::string_view kKept = "\n\t";
+  const auto plain = [](char c) { return (c >= 0x20 && c < 0x7f) || c == '\n' || c == '\t'; };
+  if (std::ranges::all_of(text, plain)) return std::string(text);  // rows of numbers may have many megabytes
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of(kKept), text.size());
+    out += one_line(text.substr(0, end), std::numeric_limits<std::size_t>::max());
+    if (end < text.size()) out += text[end];
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return out;
+}
+
+std::string toml_string(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f)
+      out += fmt::format("\\u{:04x}", byte);
+    else
+      out += c == '"' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
+  }
+  return out + '"';
 }
 
 std::string number_text(double value) { return fmt::format("{}", value); }
@@ -119,6 +175,8 @@ std::optional<std::string_view> without_unit(std::string_view key) {
 }
 
 std::optional<std::string> nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
+  constexpr std::size_t kLongestName = 200;  // [bytes] the distance takes time by the product of both lengths
+  if (word.size() > kLongestName) return std::nullopt;
   // A typing error changes at most a third of the letters, and three at most.
   const std::size_t limit = std::min<std::size_t>(3, (word.size() + 1) / 3);
   std::size_t best = limit + 1;

@@ -10,8 +10,15 @@
 
 namespace burrhole {
 
-/// @returns text that is safe to print on one line: control bytes and bytes that are not UTF-8 become '?', long text is cut with "...".
+/// @returns text that is safe to print on one line: control characters (also C1, line separators and those of the direction of writing) and
+/// bytes that are not UTF-8 are escaped as "\\n", "\\x1b" or "\\u009b"; long text is cut between two characters, with "...".
 [[nodiscard]] std::string one_line(std::string_view text, std::size_t max_bytes = 80);
+
+/// @returns a text of many lines that is safe to print: as one_line(), but line feeds and tabulators stay and nothing is cut.
+[[nodiscard]] std::string printable_text(std::string_view text);
+
+/// @returns the text in quotes as TOML reads it back, control characters escaped.
+[[nodiscard]] std::string toml_string(std::string_view text);
 
 /// @returns the shortest text that reads back as the same number: -5, 0.25, nan.
 [[nodiscard]] std::string number_text(double value);

@@ -3,16 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <optional>
 
 #include "core/config/toml.h"
 #include "core/config/toml_messages.h"
+#include "core/config/toml_shape.h"
 
 namespace burrhole::toml_wrapper {
 namespace {
+
+constexpr std::size_t kMostAssignments = 1000;  // each is applied again for every later one
 
 /// Whether `path` equals `top` or lies under it.
 bool lies_under(const std::string& path, const std::string& top) {
@@ -154,21 +155,8 @@ std::string place_at(const ParsedFile& parsed, const std::string& path, const to
   return parsed.file;
 }
 
-Result<std::string> read_text(const std::string& path) {
-  const auto failed = [&] { return bad_input(std::string("cannot be read: ") + std::strerror(errno), path); };
-  std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (file == nullptr) return failed();
-  std::string text;
-  char block[16384];
-  for (std::size_t n = 0; (n = std::fread(block, 1, sizeof block, file)) > 0;) text.append(block, n);
-  const bool bad = std::ferror(file) != 0;
-  const Error error = bad ? failed() : Error{};
-  std::fclose(file);
-  if (bad) return error;
-  return text;
-}
-
 Result<toml::table> parse_table(std::string_view text, const std::string& file) {
+  if (Status shape = check_toml_shape(text, file); !shape) return shape.error();
   try {
     return toml::parse(text, std::string_view(file));
   } catch (const toml::parse_error& error) {
@@ -184,7 +172,12 @@ Status assign(ParsedFile& parsed, const Assignment& assignment) {
   const std::string place = assignment.option + " " + one_line(text, 120);
   const std::size_t equals = assignment.removes ? text.size() : text.find('=');
   if (equals == std::string_view::npos) return bad_input("must read table.key=value", place);
+  if (parsed.assignments.size() >= kMostAssignments)
+    return bad_input(fmt::format("is one of more than {} changes of one file", kMostAssignments), place);
   auto steps = parse_path(trimmed(text.substr(0, equals)));
+  if (steps && steps->size() > kMostKeyParts) return bad_input(fmt::format("names a key of more than {} parts", kMostKeyParts), place);
+  if (steps && std::ranges::any_of(*steps, [](const Step& step) { return step.key.size() > kLongestKey; }))
+    return bad_input(fmt::format("names a key of more than {} bytes", kLongestKey), place);
   if (!steps || steps->back().index)
     return bad_input(assignment.removes ? "must read table or table.key" : "the part before '=' must read table.key", place);
   const auto value = assignment.removes ? std::optional(toml::table()) : parse_value(trimmed(text.substr(equals + 1)));

@@ -37,9 +37,6 @@ struct ParsedFile {
 /// @returns "file:line:column", or "OPTION path" for a value that an assignment changed or created.
 [[nodiscard]] std::string place_at(const ParsedFile& parsed, const std::string& path, const toml::source_region& where);
 
-/// @returns the whole file as bytes. The error contains the reason of the operating system.
-[[nodiscard]] Result<std::string> read_text(const std::string& path);
-
 /// Parses text; toml++ exceptions are converted to errors. `file` is the name in places.
 [[nodiscard]] Result<toml::table> parse_table(std::string_view text, const std::string& file);
 

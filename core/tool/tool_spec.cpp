@@ -1,5 +1,7 @@
 #include "core/tool/tool_spec.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,9 +17,11 @@ namespace {
 
 constexpr double kMaxDiameter_mm = 100.0;
 constexpr double kMaxHeight_mm = 200.0;
+constexpr double kMinLength_mm = 0.01;     // as of pitch_mm: a shell cannot resolve less
+constexpr std::size_t kMostRegions = 128;  // the outline takes time by the cube of their number: 0.3 s for 128 that overlap
 
 NumberRule length_mm(double max, std::optional<double> fallback = std::nullopt) {
-  return {.fallback = fallback, .min = 0.0, .max = max, .min_open = true, .to_si = kMillimetre};
+  return {.fallback = fallback, .min = kMinLength_mm, .max = max, .to_si = kMillimetre};
 }
 
 NumberRule length_or_zero_mm(double max, std::optional<double> fallback = std::nullopt) {
@@ -39,7 +43,10 @@ std::pair<double, double> read_end_radii(TableReader& region, const std::string&
 Solid read_frustum(TableReader& region, double z) {
   const auto [low, high] = read_end_radii(region, "", "the region");
   const double height = region.number("height_mm", length_mm(kMaxHeight_mm), "height of the region from its lower to its upper end");
-  if (low <= 0.0 && high <= 0.0) region.fault("top_diameter_mm", "must be > 0 when bottom_diameter_mm is 0");
+  if (low <= 0.0 && high <= 0.0)
+    region.fault("top_diameter_mm", "must be > 0 when bottom_diameter_mm is 0");
+  else if (2.0 * std::max(low, high) < kMinLength_mm * kMillimetre)
+    region.fault("top_diameter_mm", fmt::format("must be at least {:g} where bottom_diameter_mm is less", kMinLength_mm));
   return make_frustum({.z_low = z, .height = height, .low_radius = low, .high_radius = high});
 }
 
@@ -233,6 +240,10 @@ std::optional<ToolSpec> read_tool_spec(const TomlDocument& document, Issues& iss
   const double default_pitch = read_default_pitch(root);
   std::vector<TableReader> readers =
       root.tables("region", "primitives that the tool consists of; where several overlap, the first in the file sets the erosion factor");
+  if (readers.size() > kMostRegions) {
+    root.fault("region", fmt::format("has {} elements, at most {} are read", readers.size(), kMostRegions));
+    return std::nullopt;
+  }
   for (TableReader& reader : readers) {
     RegionSpec region;
     region.name =

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "core/base/assert.h"
+#include "core/base/input_file.h"
 
 namespace burrhole {
 namespace {
@@ -225,8 +226,8 @@ namespace {
 
 /// Checks the header before OpenVDB reads it: OpenVDB prints a message about an unknown version to the standard error.
 std::optional<std::string> start_fault(const std::string& path) {
+  if (Status regular = check_regular_file(path); !regular) return regular.error().message;
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) return "cannot be read: no such file, or permission denied";
   std::int64_t magic = 0;
   std::uint32_t version = 0;
   stream.read(reinterpret_cast<char*>(&magic), sizeof magic);

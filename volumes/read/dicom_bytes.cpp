@@ -7,6 +7,8 @@
 #include <cstring>
 #include <utility>
 
+#include "core/base/input_file.h"
+
 namespace burrhole {
 namespace {
 
@@ -16,6 +18,7 @@ constexpr std::size_t kMostInflated = std::size_t{1} << 28;  // [bytes]
 }  // namespace
 
 Result<DicomBytes> DicomBytes::open(const std::string& path) {
+  if (Status regular = check_regular_file(path); !regular) return regular.error();
   DicomBytes out;
   out.file_.rdbuf()->pubsetbuf(nullptr, 0);  // window_ is the buffer
   out.file_.open(path, std::ios::binary | std::ios::ate);

@@ -8,15 +8,14 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/input_file.h"
 #include "core/base/units.h"
-#include "volumes/read/byte_stream.h"
 #include "volumes/read/located_json.h"
 #include "volumes/read/number_text.h"
 
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kMostBytes = 16'000'000;
 constexpr double kFarthest = 1e5 * kMillimetre;  ///< [m] of a coordinate, as of entry_mm
 constexpr double kShortest = 0.1 * kMillimetre;  ///< [m] of a line: its direction is needed
 constexpr double kMicrometre = 1e-3 * kMillimetre;
@@ -248,13 +247,9 @@ Result<PlannedLine> read_planned_line(const std::string& path) {
   const std::string ending = lower(path);
   const bool json = ending.ends_with(".json");
   if (!json && !ending.ends_with(".fcsv")) return bad_input("must end in .mrk.json or .fcsv", path);
-  const auto size = size_of_file(path);
-  if (!size) return size.error();
-  if (*size > kMostBytes) return bad_input("is larger than 16 MB: no markups file", path);
-  const auto bytes = read_head(path, false, kMostBytes);
-  if (!bytes) return bytes.error();
-  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  return json ? parse_markups_json(text, path) : parse_markups_fcsv(text, path);
+  const auto text = read_input(path, kMarkupsInput);
+  if (!text) return text.error();
+  return json ? parse_markups_json(*text, path) : parse_markups_fcsv(*text, path);
 }
 
 }  // namespace burrhole

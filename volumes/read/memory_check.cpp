@@ -1,7 +1,10 @@
 #include "volumes/read/memory_check.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <iterator>
@@ -21,10 +24,24 @@ std::optional<double> available_memory(std::string_view meminfo) {
   return static_cast<double>(kibibytes) * 1024.0;
 }
 
+namespace {
+
+/// @returns what this process may still add to its address space; nothing without a limit.
+std::optional<double> left_of_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  double pages = 0.0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return std::max(0.0, static_cast<double>(limit.rlim_cur) - pages * static_cast<double>(::sysconf(_SC_PAGESIZE)));
+}
+
+}  // namespace
+
 std::optional<double> available_memory() {
   std::ifstream file("/proc/meminfo");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  return available_memory(text);
+  const std::optional<double> machine = available_memory(text), process = left_of_limit();
+  return machine && process ? std::min(*machine, *process) : process ? process : machine;
 }
 
 std::optional<std::string> memory_error(double bytes, std::optional<double> limit) {

@@ -13,7 +13,8 @@ namespace burrhole {
 /// @param meminfo the text of /proc/meminfo. @returns the usable memory [bytes], or nothing if the text does not contain it.
 [[nodiscard]] std::optional<double> available_memory(std::string_view meminfo);
 
-/// @returns the usable memory [bytes] of this machine at the time of the call, from /proc/meminfo; nothing if there is none.
+/// @returns the usable memory [bytes] at the time of the call: of this machine, from /proc/meminfo, and at most what the limit of the address
+/// space (ulimit -v) leaves this process; nothing if neither is known.
 [[nodiscard]] std::optional<double> available_memory();
 
 /// @param limit [bytes] default: available_memory(), or no limit if that is unknown.

@@ -1,13 +1,12 @@
 #include "volumes/read/mesh_file.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
 #include <new>
 
+#include "core/base/input_file.h"
 #include "volumes/read/mesh_formats.h"
 
 namespace burrhole {
@@ -15,11 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A mesh takes about three times the size of its file; no scanner writes more than 1e9 bytes.
-constexpr std::uintmax_t kMaxFileBytes = 1u << 30;
-
 /// First bytes of a text STL and of any PLY; a binary STL has no fixed first bytes.
 std::string format_by_content(const std::string& path) {
+  if (!check_regular_file(path)) return "";
   std::array<char, 6> first{};
   std::ifstream file(path, std::ios::binary);
   file.read(first.data(), first.size());
@@ -29,14 +26,9 @@ std::string format_by_content(const std::string& path) {
 }
 
 Result<std::string> read_bytes(const std::string& path) {
-  std::error_code failed;
-  const std::uintmax_t size = fs::file_size(path, failed);
-  if (failed) return bad_input("cannot be read: " + failed.message());
-  if (size == 0) return bad_input("is empty");
-  if (size > kMaxFileBytes) return bad_input(fmt::format("has {} MiB, at most {} are read", size >> 20, kMaxFileBytes >> 20));
-  std::string bytes(size, '\0');
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return bad_input("cannot be read to its end");
+  auto bytes = read_input(path, kMeshInput);
+  if (!bytes) return Error{bytes.error().code, bytes.error().message, {}};  // the caller adds the path
+  if (bytes->empty()) return bad_input("is empty");
   return bytes;
 }
 

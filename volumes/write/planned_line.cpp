@@ -38,7 +38,7 @@ std::string markups_json(const PlannedLine& line, MarkupsFrame frame) {
   const Json markup{{"type", "Line"},         {"coordinateSystem", name_of(frame)}, {"coordinateUnits", "mm"},
                     {"locked", false},        {"fixedNumberOfControlPoints", true}, {"labelFormat", "%N-%d"},
                     {"controlPoints", points}};
-  return Json{{"@schema", kSchema}, {"markups", Json::array({markup})}}.dump(2) + "\n";
+  return Json{{"@schema", kSchema}, {"markups", Json::array({markup})}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string markups_fcsv(const PlannedLine& line, MarkupsFrame frame) {

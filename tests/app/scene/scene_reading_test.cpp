@@ -327,7 +327,8 @@ TEST_CASE(
   };
   fails(fmt::format("markups = \"{}\"", folder.file("bad.mrk.json")),
         "cannot be read: " + folder.file("bad.mrk.json") + ":2:3: is a markup of another type");
-  fails("markups = \"none.mrk.json\"", "approach.markups = \"none.mrk.json\" cannot be read: none.mrk.json: there is no such file");
+  fails("markups = \"none.mrk.json\"",
+        "approach.markups = \"none.mrk.json\" cannot be read: none.mrk.json: cannot be read: No such file or directory");
   const std::string good = fmt::format("markups = \"{}\"\n", folder.file("lps.fcsv"));
   fails(good + "entry_mm = [0, 0, 0]", "approach.entry_mm is given by markups: remove one of the two");
   fails(good + "site = \"kocher_left\"", "approach.site = \"kocher_left\" is given by markups: remove one of the two");

@@ -220,6 +220,39 @@ TEST_CASE("session: rows that do not add up are refused, at the latest when they
   }
 }
 
+TEST_CASE("session: what is no table of ours is refused by its name, and its queries are not run") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("run.session");
+  const std::string without_end =
+      " AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT i AS first_row, 1 AS rows FROM n";
+  for (const auto& [sql, what] :
+       {std::pair{"DROP TABLE blocks; CREATE VIEW blocks" + without_end, "the view \"blocks\""},
+        {"CREATE VIEW ticks" + without_end, "the view \"ticks\""},
+        {"CREATE VIEW ticks" + without_end + "; PRAGMA user_version = 1", ""},
+        {"CREATE TRIGGER t AFTER INSERT ON meta BEGIN DELETE FROM events; END", "the trigger \"t\""},
+        {"CREATE TABLE more(x)", "the table \"more\""},
+        {"CREATE INDEX slow ON blocks(rows)", "the index \"slow\""},
+        {"DROP TABLE hashes; CREATE TABLE hashes(kind TEXT PRIMARY KEY, value TEXT AS (hex(zeroblob(9))))", "the table \"hashes\""},
+        {"CREATE TABLE \"a\nb\"(x)", "the table \"a\\nb\""}}) {
+    { SessionWriter writer = make_writer(path); }
+    run_sql(path, sql.c_str());
+    CHECK_MESSAGE(refusal(path).find(std::string("is not a session of burrhole: it has ") + what) != std::string::npos, sql);
+  }
+}
+
+TEST_CASE("session: a reader writes nothing, into the file or beside it") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("run.session");
+  { SessionWriter writer = make_writer(path); }
+  const auto time = std::filesystem::last_write_time(path);
+  std::ofstream(path + "-journal") << "a journal that another program would play back";
+  (void)open_reader(path).rows("servo");
+  CHECK(std::filesystem::last_write_time(path) == time);
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) ++files;
+  CHECK(files == 2);
+}
+
 TEST_CASE("session: a file with any bytes changed is refused or read, and every refusal names it in one line") {
   const TemporaryFolder folder;
   const std::string path = folder.file("run.session"), changed = folder.file("changed.session");

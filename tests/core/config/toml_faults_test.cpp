@@ -84,7 +84,7 @@ TEST_CASE("errors: each kind is one line with its place") {
       {"[contcat]\nx = 1", kVolume, {"skull.toml:1:2: unknown table [contcat]; did you mean [contact]?"}},
       {"[volume.sub]\nx = 1", kVolume, {"skull.toml:1:9: unknown table [volume.sub]"}},
       {"[[regoin]]\nx = 1", kVolume, {"skull.toml:1:3: unknown table [regoin]; did you mean [region]?"}},
-      {"[volume]\n\"a\\nb\" = 5", kVolume, {"skull.toml:2:1: unknown key \"a?b\" in [volume]"}},
+      {"[volume]\n\"a\\nb\" = 5", kVolume, {"skull.toml:2:1: unknown key \"a\\nb\" in [volume]"}},
       {"a = 1\n[volume]\nsorce = 5\nspace_mm = 2\n",
        kVolume,
        {"skull.toml:3:1: unknown key \"sorce\" in [volume]; did you mean \"source\"?",

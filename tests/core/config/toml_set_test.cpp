@@ -123,7 +123,7 @@ TEST_CASE("set: bad assignments are refused and leave the document as it was") {
       {"a.b=5mm", "--set a.b=5mm: the part after '=' is not a TOML value; put text in quotes"},
       {"a.b=[1,", "--set a.b=[1,: the part after '=' is not a TOML value; put text in quotes"},
       {"a.b=one, two", "--set a.b=one, two: the part after '=' is not a TOML value; put text in quotes"},
-      {"a.b=1\nc=2", "--set a.b=1?c=2: the part after '=' is not a TOML value; put text in quotes"},
+      {"a.b=1\nc=2", "--set a.b=1\\nc=2: the part after '=' is not a TOML value; put text in quotes"},
   };
   for (const auto& [assignment, line] : table) {
     const Status status = document.set(assignment);

@@ -118,6 +118,6 @@ TEST_CASE("document: load reads a file and a missing one says why") {
   CHECK(missing.error().text() == (folder / "b.toml").string() + ": cannot be read: No such file or directory");
   const auto directory = TomlDocument::load(folder.string());
   REQUIRE_FALSE(directory.ok());
-  CHECK(directory.error().text() == folder.string() + ": cannot be read: Is a directory");
+  CHECK(directory.error().text() == folder.string() + ": is a folder: give a file");
   std::filesystem::remove_all(folder);
 }

@@ -64,7 +64,7 @@ TEST_CASE("tool file: a good one fills every field") {
 
 TEST_CASE("tool file: errors are reported with their line and column") {
   const std::pair<std::string, Lines> table[] = {
-      {with_line(8, "diameter_mm = -5"), {"bit.toml:8:1: region[0].diameter_mm = -5 must be in (0, 100]"}},
+      {with_line(8, "diameter_mm = -5"), {"bit.toml:8:1: region[0].diameter_mm = -5 must be in [0.01, 100]"}},
       {with_line(8, "diameter_mm = nan"), {"bit.toml:8:1: region[0].diameter_mm = nan must be a finite number"}},
       {with_line(8, "diameter = 11"), {"bit.toml:8:1: region[0].diameter lacks its unit: write \"diameter_mm\""}},
       {with_line(8, ""), {"bit.toml:4:1: region[0].diameter_mm is missing (largest diameter)"}},
@@ -96,6 +96,12 @@ TEST_CASE("tool file: errors are reported with their line and column") {
     CAPTURE(text);
     CHECK(faults(text) == lines);
   }
+}
+
+TEST_CASE("tool file: more regions than the limit are refused before they are read") {
+  std::string text = "title = \"t\"\n[shell]\npitch_mm = 1\n";
+  for (int n = 0; n < 129; ++n) text += "[[region]]\nx = 1\n";
+  CHECK(faults(text) == Lines{"bit.toml:4:3: region has 129 elements, at most 128 are read"});
 }
 
 TEST_CASE("tool file: a frustum needs one end wider than nothing") {
@@ -170,7 +176,7 @@ TEST_CASE("tool file: a box by width, depth and height, sampled by pitch") {
   const std::string box = "shape = \"box\"\nwidth_mm = 12\ndepth_mm = 0.6\n";
   CHECK(region_faults(box + "x_mm = -1\nside_factor = 0\nplus_x_factor = 1\n").empty());
   CHECK(region_faults("shape = \"box\"\nwidth_mm = 0\ndepth_mm = 0.6\n") ==
-        Lines{"bit.toml:9:1: region[0].width_mm = 0 must be in (0, 100]"});
+        Lines{"bit.toml:9:1: region[0].width_mm = 0 must be in [0.01, 100]"});
   CHECK(region_faults(box + "diameter_mm = 3\n") == Lines{"bit.toml:11:1: unknown key \"diameter_mm\" in [region[0]]"});
   CHECK(faults("title = \"Bit\"\n[[region]]\nz_mm = 0\nheight_mm = 3\nerosion_factor = 0.1\n" + box + "stacks = 4\nslices = 8\n") ==
         Lines{"bit.toml:9:1: region[0].stacks = 4 is for what is round: give a box pitch_mm"});

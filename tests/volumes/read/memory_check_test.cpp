@@ -1,6 +1,10 @@
 #include "volumes/read/memory_check.h"
 
 #include <doctest/doctest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <fstream>
 
 using namespace burrhole;
 
@@ -21,4 +25,25 @@ TEST_CASE("memory_error: more than there is is refused with both numbers") {
   CHECK_FALSE(memory_error(0.0));
   // No machine has an exabyte.
   if (available_memory()) CHECK(memory_error(1e18));
+}
+
+TEST_CASE("available_memory: a limit of the address space bounds it") {
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_AS, &before) == 0);
+  const auto machine = available_memory();
+  REQUIRE(machine.has_value());
+  double pages = 0.0;
+  std::ifstream("/proc/self/statm") >> pages;
+  constexpr double kLeft = 5e7;  // [bytes]
+  rlimit tight = before;
+  tight.rlim_cur = static_cast<rlim_t>(pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) + kLeft);
+  REQUIRE(::setrlimit(RLIMIT_AS, &tight) == 0);
+  const auto limited = available_memory();
+  const auto refused = memory_error(1e8), fits = memory_error(1e6);
+  REQUIRE(::setrlimit(RLIMIT_AS, &before) == 0);
+  REQUIRE(limited.has_value());
+  CHECK(*limited <= kLeft);
+  CHECK(*limited > 0.5 * kLeft);  // the reading of /proc itself takes some
+  CHECK(refused.has_value());
+  CHECK_FALSE(fits.has_value());
 }

@@ -135,7 +135,7 @@ TEST_CASE("read_mesh: what is no mesh is refused in one line") {
   CHECK(fault_of("/nowhere/a.stl") == "cannot be read: No such file or directory");
   CHECK(fault_of(folder.path().string() + "/x.step") == "is not a supported mesh: .stl, .obj or .ply");
   std::filesystem::create_directory(folder.path() / "folder.stl");
-  CHECK(fault_of(folder.file("folder.stl")) == "cannot be read: Is a directory");
+  CHECK(fault_of(folder.file("folder.stl")) == "is a folder: give a file");
   const std::string ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string facet = "solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
   const struct {

@@ -219,6 +219,7 @@ TEST_CASE("markups: a file is written whole and read by its ending") {
     CHECK(same(line_of(read_planned_line(folder.file(name))), line.entry / kMillimetre, line.target / kMillimetre));
   }
   CHECK_FALSE(is_markups_path("a.json"));
-  CHECK(read_planned_line(folder.file("none.fcsv")).error().text() == folder.file("none.fcsv") + ": there is no such file");
+  CHECK(read_planned_line(folder.file("none.fcsv")).error().text() ==
+        folder.file("none.fcsv") + ": cannot be read: No such file or directory");
   CHECK(read_planned_line("plan.txt").error().text() == "plan.txt: must end in .mrk.json or .fcsv");
 }
