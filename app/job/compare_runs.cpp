@@ -165,7 +165,7 @@ Result<RunResults> read_run(const std::string& path) {
   if (!text) return text.error();
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || !json.contains("schema") || !json.contains("drilling"))
-    return bad_input("is not a summary.json of burrhole drill", file);
+    return bad_input("is not a summary.json of burrhole drill: give the folder of a run", file);
   add_facts(json, out);
   add_figures(json, out);
   const auto curves = add_curves(json, out);
