@@ -212,10 +212,12 @@ Status make_folder(const DrillJob& job) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder))
-    return bad_input("the output folder cannot be created: " + (error ? error.message() : "not a folder"), folder);
+    return bad_input("the output folder cannot be created: " + (error ? error.message() : "not a folder") + "; give another by --out",
+                     folder);
   // Writes a file as the check: permissions do not show a read-only medium or a full disk, and do not apply to root.
   const std::string probe = (fs::path(folder) / ".burrhole-probe.tmp").string();
-  if (Status written = write_file(probe, ""); !written) return bad_input("the output folder cannot be written to", folder);
+  if (Status written = write_file(probe, ""); !written)
+    return bad_input("the output folder cannot be written to: give another by --out", folder);
   fs::remove(probe, error);
   return {};
 }

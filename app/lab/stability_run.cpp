@@ -1,5 +1,7 @@
 #include "app/lab/stability_run.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -8,6 +10,7 @@
 #include "app/lab/stability_rig.h"
 #include "app/report/decimate.h"
 #include "core/base/units.h"
+#include "core/config/toml.h"
 
 namespace burrhole {
 namespace {
@@ -64,11 +67,21 @@ struct Job {
   const StabilityModel* model;
 };
 
+Error unknown(const std::string& kind, const std::string& name, const std::vector<std::string>& known) {
+  const auto near = nearest_name(name, known);
+  return bad_input(fmt::format("there is no {} \"{}\"{}; there are {}", kind, name, near ? "; did you mean \"" + *near + "\"?" : "",
+                               fmt::join(known, ", ")));
+}
+
 Result<std::vector<Job>> jobs_of(const std::vector<StabilityCase>& cases, const StabilityOptions& options) {
   std::vector<Job> out;
-  bool known_model = options.only_model.empty();
-  for (const StabilityModel& model : stability_models()) known_model |= model.name == options.only_model;
-  if (!known_model) return bad_input("there is no model \"" + options.only_model + "\" among those that hard cases are run for");
+  std::vector<std::string> models, names;
+  for (const StabilityModel& model : stability_models()) models.push_back(model.name);
+  for (const StabilityCase& subject : cases) names.push_back(subject.name);
+  if (!options.only_model.empty() && std::ranges::find(models, options.only_model) == models.end())
+    return unknown("model", options.only_model, models);
+  if (!options.only_case.empty() && std::ranges::find(names, options.only_case) == names.end())
+    return unknown("hard case", options.only_case, names);
   for (const StabilityCase& subject : cases) {
     if (!options.only_case.empty() && subject.name != options.only_case) continue;
     for (const StabilityModel& model : stability_models()) {
@@ -77,9 +90,8 @@ Result<std::vector<Job>> jobs_of(const std::vector<StabilityCase>& cases, const 
       out.push_back({&subject, &model});
     }
   }
-  if (out.empty() && std::any_of(cases.begin(), cases.end(), [&](const StabilityCase& one) { return one.name == options.only_case; }))
-    return bad_input("the hard case \"" + options.only_case + "\" has no way to be broken on purpose for this model");
-  if (out.empty()) return bad_input("there is no hard case \"" + options.only_case + "\"");
+  if (out.empty())
+    return bad_input("the hard case \"" + options.only_case + "\" has no sabotage for this model: leave --sabotage out, or run another");
   return out;
 }
 

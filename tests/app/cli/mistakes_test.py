@@ -35,6 +35,8 @@ MISTAKES = [
     (["export", "missing.nii", "-o", "x.nrrd"], 2, ["missing.nii", "no such file", "burrhole scenes"]),
     (["import", "missing.nii"], 2, ["missing.nii", "there is no such file"]),
     (["import", "empty"], 2, ["empty", "no file"]),
+    (["stability", "--case", "rst"], 2, ['no hard case "rst"', 'did you mean "rest"?']),
+    (["stability", "--case", "rest", "--model", "surfce"], 2, ['no model "surfce"', 'did you mean "surface"?', "there are"]),
     (["replay", "missing.sqlite"], 2, ["missing.sqlite"]),
     (["replay", "notes.txt"], 2, ["notes.txt", "not a session"]),
     (["session", "empty"], 2, ["empty", "[record]"]),

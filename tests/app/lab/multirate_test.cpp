@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/lab/multirate.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
 
@@ -43,6 +44,29 @@ TEST_CASE("multirate cost: a force is off by what the hand does in the time that
   CHECK(figure(rows, "linear", 100.0, "force_rms_off") > held);
   CHECK(figure(rows, "planes", 100.0, "force_rms_off") < figure(rows, "linear", 100.0, "force_rms_off"));
   CHECK(figure(rows, "hold", 100.0, "force_worst_off") > held);
+}
+
+TEST_CASE("multirate: with a store the errors are those without, and again from the store with its times") {
+  const TemporaryFolder folder;
+  MultirateOptions options;
+  options.contact_ticks = {1, 10};
+  options.limits = false;
+  std::vector<std::vector<CostRow>> rows;
+  for (int n = 0; n < 3; ++n) {
+    Study study({.partial = folder.file("partial.txt")}, count_of_trials(options));
+    options.study = n > 0 ? &study : nullptr;
+    const auto measured = measure_multirate(options);
+    REQUIRE(measured.ok());
+    if (n > 0) CHECK(study.done() == count_of_trials(options));
+    rows.push_back(*measured);
+  }
+  for (const std::size_t n : {std::size_t{1}, std::size_t{2}}) {
+    REQUIRE(rows[n].size() == rows[0].size());
+    for (std::size_t row = 0; row < rows[n].size(); ++row) {
+      CHECK(rows[n][row].error == rows[0][row].error);
+      if (n == 2) CHECK(rows[2][row].median_us == rows[1][row].median_us);
+    }
+  }
 }
 
 TEST_CASE("multirate cost: a list of rates that does not begin with the servo's own is refused") {

@@ -2,10 +2,14 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include "app/lab/contact_accuracy.h"
+#include "app/lab/sliding.h"
 #include "app/lab/surface_accuracy.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
@@ -122,6 +126,49 @@ TEST_CASE("study: a real one that is run again from its results has the same row
     CHECK(rows[0][n].error == rows[1][n].error);
     CHECK(rows[0][n].median_us == rows[1][n].median_us);  // a measurement would differ
     CHECK(rows[0][n].p99_us == rows[1][n].p99_us);
+  }
+}
+
+// A store would return the result of another trial with the same key.
+TEST_CASE("study: contact and sliding have the errors of a study without a store, and again from the store with its times") {
+  const TemporaryFolder folder;
+  ContactAccuracyOptions contact;
+  contact.tool_folder = test::in_source("app/tools");
+  contact.tools = {"acosta_liu_round", "round_burr_4mm"};
+  contact.pitch = 0.5e-3;
+  contact.depths_voxel = {0.5, 2.0};
+  contact.placements = 2;
+  contact.repeats = 1;
+  SlidingOptions sliding;
+  sliding.tool_folder = contact.tool_folder;
+  sliding.tilts_deg = {0.0, 20.0};
+  sliding.length = 1e-3;
+  sliding.step = 50e-6;
+  sliding.lanes = 1;
+  const auto subjects = sliding_subjects(sliding);
+  REQUIRE(subjects.ok());
+  std::vector<std::vector<CostRow>> rows;
+  for (int n = 0; n < 3; ++n) {
+    const std::size_t trials = count_of_trials(contact) + count_of_trials(sliding, *subjects);
+    Study study({.partial = folder.file("partial.txt")}, trials);
+    contact.study = sliding.study = n > 0 ? &study : nullptr;
+    const auto pressing = measure_contact_accuracy(contact);
+    REQUIRE(pressing.ok());
+    const auto slides = measure_sliding(sliding, *subjects);
+    REQUIRE(slides.ok());
+    if (n > 0) CHECK(study.done() == trials);
+    rows.push_back(pressing->rows);
+    const std::vector<CostRow> more = sliding_cost_rows(*slides, sliding.tool);
+    rows.back().insert(rows.back().end(), more.begin(), more.end());
+  }
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  for (const std::size_t n : {std::size_t{1}, std::size_t{2}}) {
+    REQUIRE(rows[n].size() == rows[0].size());
+    for (std::size_t row = 0; row < rows[n].size(); ++row) {
+      CAPTURE(rows[n][row].subject);
+      CHECK(same(rows[n][row].error, rows[0][row].error));
+      if (n == 2) CHECK(same(rows[2][row].median_us, rows[1][row].median_us));
+    }
   }
 }
 
