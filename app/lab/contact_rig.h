@@ -12,7 +12,7 @@ namespace burrhole {
 
 class ContactRig {
  public:
-  /// The window contains the whole phantom and a margin of ten voxels; at most kMaxWindowEdge - 20 voxels per side. @returns errors of the
+  /// The window contains the whole phantom and a margin of ten voxels; fits_window() holds. @returns errors of the
   /// spec.
   [[nodiscard]] static Result<ContactRig> create(const PhantomSpec& spec);
 

@@ -1,9 +1,12 @@
 #include "app/stage/bone_step.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/bounds.h"
+#include "core/base/units.h"
 
 namespace burrhole {
 namespace {
@@ -74,7 +77,15 @@ Status BoneStep::place_window(const Tool& tool, const Pose& world_from_tool) {
   voxmap_->reserve(grown_window_voxels(most_), 0);
   if (Status placed = voxmap_->place_window(box); !placed) {
     if (placed.error().code != ErrorCode::out_of_range) return placed;
-    return Error{placed.error().code, "tool \"" + tool.name + "\" is too large for this bone's voxels: " + placed.error().message, {}};
+    const Vec3 size(box.size());
+    const double larger = std::max({size.x / kMaxWindowEdge, size.y / kMaxWindowEdge, size.z / kMaxWindowEdge,
+                                    std::cbrt(size.x * size.y * size.z / static_cast<double>(kMaxWindowVoxels))});
+    const double fits = std::ceil(larger * voxmap_->bone().bone_from_index().mean_edge() / kMillimetre * 100.0) / 100.0;
+    return Error{
+        placed.error().code,
+        fmt::format("tool \"{}\" is too large for this bone's voxels: {}; in this direction it fits voxels of {:g} mm (spacing_mm)",
+                    tool.name, placed.error().message, fits),
+        {}};
   }
   return {};
 }

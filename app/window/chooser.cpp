@@ -112,7 +112,8 @@ class ChooserWindow {
         return;
       case Screen::reading:
         if (!pressed || key != Key::escape) return;
-        reading_.reset();
+        reading_->stop();
+        stopped_.push_back(std::move(reading_));
         screen_ = Screen::files;
         return;
       case Screen::skull:
@@ -293,6 +294,7 @@ class ChooserWindow {
   Selection first_, units_;
   std::unique_ptr<FileBrowser> files_;
   std::unique_ptr<ScanReading> reading_;
+  std::vector<std::unique_ptr<ScanReading>> stopped_;  // their threads end at the next slice
   SkullSource source_;
   bool is_grids_ = false, moved_ = false, done_ = false;
   std::optional<Chosen> chosen_;

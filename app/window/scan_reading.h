@@ -23,6 +23,8 @@ class ScanReading {
   ScanReading& operator=(const ScanReading&) = delete;
   ~ScanReading();
 
+  /// Asks the reading to end; does not wait.
+  void stop() noexcept { stop_.request_stop(); }
   [[nodiscard]] const SkullSource& source() const noexcept { return source_; }
   [[nodiscard]] bool is_grids() const noexcept { return is_grids_; }
   [[nodiscard]] double share() const noexcept { return share_.load(std::memory_order_relaxed); }  ///< [-] done, 0..1

@@ -112,7 +112,7 @@ class BlockStore {
 /// The set of blocks of a window that were written, one bit per block.
 class BlockMarks {
  public:
-  /// Clears all marks and sets the window's box. Allocates nothing for edges of up to 264 voxels.
+  /// Clears all marks and sets the window's box. Allocates nothing for windows that fits_window().
   void reset(const VoxelBox& window);
   void mark(const VoxelBox& box) noexcept;
   [[nodiscard]] bool empty() const noexcept { return count_ == 0; }

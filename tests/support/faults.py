@@ -4,6 +4,7 @@ A case is a command with the folder that it writes into. Before each trial the f
 each of them must be the old one, a whole new one, or gone where the run clears results before it starts; nothing else may be there.
 """
 import collections
+import contextlib
 import json
 import os
 import pathlib
@@ -35,10 +36,10 @@ CALL = re.compile(r"^(\d+) +(\w+)\((.*)$")
 
 class Case:
     """@param command of a folder: the arguments of the program. @param cleared: a run removes the files of an earlier one before it starts.
-    @param seconds: kills and second processes come within this time. @param other_program: gnuplot draws, which gives up at an interrupted call."""
+    @param other_program: gnuplot draws, which gives up at an interrupted call."""
 
-    def __init__(self, name, command, cleared=False, seconds=1.0, other_program=False):
-        self.name, self.command, self.cleared, self.seconds, self.other_program = name, command, cleared, seconds, other_program
+    def __init__(self, name, command, cleared=False, other_program=False):
+        self.name, self.command, self.cleared, self.other_program = name, command, cleared, other_program
 
 
 def is_whole(path):
@@ -51,12 +52,25 @@ def is_whole(path):
         except ValueError:
             return False
     if kind == ".sqlite":
-        with sqlite3.connect(f"file:{path}?mode=ro", uri=True) as session:
-            return session.execute("PRAGMA integrity_check").fetchone()[0] == "ok"
+        try:
+            with contextlib.closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as session:
+                return session.execute("PRAGMA integrity_check").fetchone()[0] == "ok"
+        except sqlite3.DatabaseError:
+            return False
     if kind == ".wav":
         return len(data) >= 44 and int.from_bytes(data[4:8], "little") + 8 == len(data)
+    if kind == ".stl":
+        return len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little")
+    if kind == ".vdb":
+        return is_whole_vdb(path)
     ends = {".png": b"IEND\xaeB`\x82", ".html": b"</html>\n", ".svg": b"</svg>\n"}
-    return data.endswith(ends[kind]) if kind in ends else True
+    return data.endswith(ends[kind])
+
+
+def is_whole_vdb(path):
+    """Whether OpenVDB reads all grids of a file; in a process of its own, which may be Debian's interpreter."""
+    script = "import sys, pyopenvdb as vdb\ngrids, _ = vdb.readAll(sys.argv[1])\nassert len(grids) > 0 and all(g.activeVoxelCount() >= 0 for g in grids)"
+    return subprocess.run(["/usr/bin/python3", "-c", script, str(path)], capture_output=True).returncode == 0
 
 
 class Bench:
@@ -74,14 +88,20 @@ class Bench:
         shutil.rmtree(self.out, ignore_errors=True)
         shutil.rmtree(self.old, ignore_errors=True)
         self.out.mkdir()
+        began = time.monotonic()
         done = self._run(case)
         if done.returncode != 0:
             raise RuntimeError(f"{case.name}: exit {done.returncode}: {done.stderr}")
+        self.seconds = time.monotonic() - began
         shutil.copytree(self.out, self.old)
+        for path in self.old.iterdir():
+            if not is_whole(path):
+                raise RuntimeError(f"{case.name}: {path.name} is not whole")
 
     def reset(self):
         shutil.rmtree(self.out, ignore_errors=True)
         shutil.copytree(self.old, self.out)
+        self.files = {p.name: p.stat().st_ino for p in self.out.iterdir()}
 
     def _run(self, case, around=()):
         command = [*around, self.program, *map(str, case.command(self.out))]
@@ -123,9 +143,8 @@ class Bench:
         ended = done.returncode < 0 or done.returncode > 128
         if ended and not (kind == "clone3" and done.returncode in (-signal.SIGABRT, 128 + signal.SIGABRT)):
             problem = problem or f"ends by signal: exit {done.returncode}"
-        elif error != "EINTR" and done.returncode == 0 and not self._all_there():
-            missing = {p.name for p in self.old.iterdir()} - {p.name for p in self.out.iterdir()}
-            problem = problem or f"exit 0 without {', '.join(sorted(missing))}: {done.stderr.strip()[-300:]}"
+        elif done.returncode == 0 and (missing := self._not_written()):
+            problem = problem or f"exit 0 without {', '.join(missing)}: {done.stderr.strip()[-300:]}"
         elif error == "EINTR" and done.returncode != 0 and not case.other_program:
             problem = problem or f"an interrupted call ends the run: exit {done.returncode}: {done.stderr.strip()[-300:]}"
         elif "internal error" in done.stderr:
@@ -134,9 +153,10 @@ class Bench:
             problem = problem or f"exit {done.returncode} without a word"
         return self._note(label, problem)
 
-    def _all_there(self):
-        """After exit 0 every file of the earlier run must be there, and whole; _left() has compared them."""
-        return {p.name for p in self.out.iterdir()} >= {p.name for p in self.old.iterdir()}
+    def _not_written(self):
+        """After exit 0 every file must be a new one: written beside the old one, which had another number (inode)."""
+        now = {p.name: p.stat().st_ino for p in self.out.iterdir()}
+        return sorted(name for name, number in self.files.items() if now.get(name, number) == number)
 
     # ---- kills ----
 
@@ -149,8 +169,12 @@ class Bench:
         time.sleep(after)
         process.send_signal(signal.SIGKILL)
         process.wait()
+        problem = self._left(case, killed=True)
         # A killed process cannot remove its temporary files; the next run does.
-        return self._note(label, self._left(case, killed=True))
+        if problem is None:
+            again = self._run(case)
+            problem = self._left(case) if again.returncode == 0 else f"the next run ends with exit {again.returncode}: {again.stderr.strip()[-300:]}"
+        return self._note(label, problem)
 
     # ---- two processes ----
 

@@ -16,7 +16,8 @@ namespace {
 
 // Tags by their keywords in PS3.6.
 constexpr DicomTag kImageType = 0x00080008, kSopClassUid = 0x00080016, kSopInstanceUid = 0x00080018, kModality = 0x00080060;
-constexpr DicomTag kSliceThickness = 0x00180050, kSeriesInstanceUid = 0x0020000e, kSeriesNumber = 0x00200011;
+constexpr DicomTag kSliceThickness = 0x00180050, kSeriesInstanceUid = 0x0020000e, kSeriesNumber = 0x00200011,
+                   kAcquisitionNumber = 0x00200012, kInstanceNumber = 0x00200013;
 constexpr DicomTag kImagePosition = 0x00200032, kImageOrientation = 0x00200037;
 constexpr DicomTag kSamplesPerPixel = 0x00280002, kPhotometric = 0x00280004, kNumberOfFrames = 0x00280008, kRows = 0x00280010,
                    kColumns = 0x00280011, kPixelSpacing = 0x00280030, kBitsAllocated = 0x00280100, kBitsStored = 0x00280101,
@@ -279,31 +280,15 @@ std::string read_image(const DicomElements& file, DicomHeader& out) {
 
 WantedTags wanted_tags(const std::vector<DicomKeepTag>& keep) {
   WantedTags wanted;
-  wanted.values = {kImageType,
-                   kSopClassUid,
-                   kSopInstanceUid,
-                   kModality,
-                   kSliceThickness,
-                   kSeriesInstanceUid,
-                   kSeriesNumber,
-                   kImagePosition,
-                   kImageOrientation,
-                   kSamplesPerPixel,
-                   kPhotometric,
-                   kNumberOfFrames,
-                   kRows,
-                   kColumns,
-                   kPixelSpacing,
-                   kBitsAllocated,
-                   kBitsStored,
-                   kHighBit,
-                   kPixelRepresentation,
-                   kPixelPadding,
-                   kPixelPaddingLimit,
-                   kIntercept,
-                   kSlope,
-                   kRescaleType,
-                   kLossy};
+  wanted.values = {kImageType,     kSopClassUid,       kSopInstanceUid,
+                   kModality,      kSliceThickness,    kSeriesInstanceUid,
+                   kSeriesNumber,  kAcquisitionNumber, kInstanceNumber,
+                   kImagePosition, kImageOrientation,  kSamplesPerPixel,
+                   kPhotometric,   kNumberOfFrames,    kRows,
+                   kColumns,       kPixelSpacing,      kBitsAllocated,
+                   kBitsStored,    kHighBit,           kPixelRepresentation,
+                   kPixelPadding,  kPixelPaddingLimit, kIntercept,
+                   kSlope,         kRescaleType,       kLossy};
   wanted.sequences = {kPlanePosition, kPlaneOrientation, kPixelMeasures, kPixelValues, kSharedGroups, kPerFrameGroups};
   for (const DicomKeepTag& k : keep) wanted.values.insert(k.tag);
   return wanted;
@@ -333,6 +318,12 @@ Result<DicomHeader> read_dicom_header(const std::string& path, const std::vector
   out.series_uid = text(file->top, kSeriesInstanceUid);
   out.instance_uid = text(file->top, kSopInstanceUid);
   out.series_number = code_or_dash(text(file->top, kSeriesNumber), true);
+  const auto count = [&](DicomTag tag) {
+    const auto value = numbers(file->top, tag, 1);
+    return value ? std::optional(value->front()) : std::nullopt;
+  };
+  out.acquisition_number = count(kAcquisitionNumber);
+  out.instance_number = count(kInstanceNumber);
   out.modality = code_or_dash(text(file->top, kModality), false);
   out.skip = skip_reason(*file);
   if (!out.skip.empty()) return out;

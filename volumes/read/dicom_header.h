@@ -49,8 +49,9 @@ struct DicomHeader {
   std::string skip;   ///< why the file is not a slice of a scan, empty if it may be one
   std::string error;  ///< why the slice cannot be read, empty if it can
   std::string series_uid, instance_uid;
-  std::string series_number;  ///< digits, or "-"
-  std::string modality;       ///< capital letters, or "-"
+  std::string series_number;                                  ///< digits, or "-"
+  std::optional<double> acquisition_number, instance_number;  ///< [-] as written; they separate two slices at one place
+  std::string modality;                                       ///< capital letters, or "-"
   int columns = 0, rows = 0;
   DicomCodec codec = DicomCodec::none;
   StoredForm stored;

@@ -133,7 +133,7 @@ std::string FrameReader::list_fragments() {
 /// Numbers of the fragments with which the frames begin, by the marker that begins a stream.
 std::vector<std::size_t> FrameReader::find_starts(const std::vector<Fragment>& fragments) {
   std::vector<std::size_t> out;
-  std::array<std::byte, 4> first{};
+  std::array<std::byte, 8> first{};
   for (std::size_t n = 0; n < fragments.size(); ++n)
     if (fragments[n].length >= first.size() && bytes_.read(fragments[n].offset, first) && starts_stream(header_->codec, first))
       out.push_back(n);
@@ -223,6 +223,9 @@ std::string FrameReader::decode(StoredForm& form) {
 }
 
 Status FrameReader::read(std::size_t frame, bool hounsfield, std::span<float> out, PixelCounts& counts) {
+  if (out.size() != static_cast<std::size_t>(header_->columns) * static_cast<std::size_t>(header_->rows))
+    return bad_input(fmt::format("the image has {} x {} pixels, the series {}", header_->columns, header_->rows, out.size()),
+                     header_->path);
   StoredForm form;
   if (const std::string error = read_stored(frame, form); !error.empty()) return bad_input(error, header_->path);
   const DicomFrame& f = header_->frames[frame];

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -163,38 +164,47 @@ void stack_series(const DicomFolder& folder, DicomSeries& series) {
 /// Slices of a series in two halves.
 using Halves = std::array<std::vector<SliceSource>, 2>;
 
-/// Two slices at each place: the first and the second of each pair, in the order of the files.
-std::optional<Halves> alternate(const std::vector<SliceSource>& slices, const std::vector<SlicePlane>& planes,
+/// Two slices at each place, which one number of their headers separates: all of one half are below all of the other.
+std::optional<Halves> alternate(const DicomFolder& folder, const std::vector<SliceSource>& slices, const std::vector<SlicePlane>& planes,
                                 const std::vector<std::size_t>& order) {
   constexpr double kSamePlace = 1e-3;  // [mm] as in stack_slices()
   if (order.size() % 2 != 0) return std::nullopt;
-  Halves out;
-  for (std::size_t n = 0; n < order.size(); n += 2) {
+  for (std::size_t n = 0; n < order.size(); n += 2)
     if (glm::length(planes[order[n]].position - planes[order[n + 1]].position) > kSamePlace) return std::nullopt;
-    const auto [first, second] = std::minmax(order[n], order[n + 1]);
-    out[0].push_back(slices[first]);
-    out[1].push_back(slices[second]);
+  for (const auto number : {&DicomHeader::acquisition_number, &DicomHeader::instance_number}) {
+    Halves out;
+    double highest = -std::numeric_limits<double>::infinity(), lowest = -highest;  // of the first half, of the second
+    for (std::size_t n = 0; n < order.size(); n += 2) {
+      const SliceSource &a = slices[order[n]], &b = slices[order[n + 1]];
+      constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+      const double of_a = (folder.headers[a.file].*number).value_or(kNone), of_b = (folder.headers[b.file].*number).value_or(kNone);
+      out[0].push_back(of_a < of_b ? a : b);
+      out[1].push_back(of_a < of_b ? b : a);
+      highest = of_a == of_a && of_b == of_b ? std::max(highest, std::min(of_a, of_b)) : std::numeric_limits<double>::infinity();
+      lowest = std::min(lowest, std::max(of_a, of_b));
+    }
+    if (highest < lowest) return out;
   }
-  return out;
+  return std::nullopt;
 }
 
 /// Two distances between slices: the longest even stack from one end, and the rest, to which the last slice of the first may belong. Two stacks
 /// of one distance are a stack with a gap.
 std::optional<Halves> divide(const std::vector<SliceSource>& slices, const std::vector<SlicePlane>& planes,
                              const std::vector<std::size_t>& order) {
-  constexpr std::size_t kLeast = 3;  // slices of a half: two show no distance that repeats
+  constexpr std::size_t kLeast = 3;    // slices of a half: two show no distance that repeats
+  constexpr double kOtherStep = 0.02;  // [-]
+  const auto step = [&](std::size_t n) { return glm::length(planes[order[n + 1]].position - planes[order[n]].position); };
   const auto is_even = [&](std::size_t from, std::size_t to) {
     std::vector<SlicePlane> part;
     for (std::size_t n = from; n < to; ++n) part.push_back(planes[order[n]]);
     return part.size() >= kLeast && stack_slices(part, 0.0).ok();
   };
-  std::size_t end = order.size() - 1;
-  while (end >= kLeast && !is_even(0, end)) --end;
-  if (end < kLeast) return std::nullopt;
-  constexpr double kOtherStep = 0.02;  // [-]
-  const auto step = [&](std::size_t n) { return glm::length(planes[order[n + 1]].position - planes[order[n]].position); };
+  std::size_t end = 1;  // of the first half
+  while (end < order.size() && std::abs(step(end - 1) - step(0)) <= kOtherStep * step(0)) ++end;
+  if (end == order.size() || !is_even(0, end)) return std::nullopt;
   for (const std::size_t begin : {end - 1, end}) {
-    if (!is_even(begin, order.size()) || std::abs(step(begin) - step(0)) < kOtherStep * step(0)) continue;
+    if (begin + 1 >= order.size() || std::abs(step(begin) - step(0)) <= kOtherStep * step(0) || !is_even(begin, order.size())) continue;
     Halves out;
     for (std::size_t n = 0; n < end; ++n) out[0].push_back(slices[order[n]]);
     for (std::size_t n = begin; n < order.size(); ++n) out[1].push_back(slices[order[n]]);
@@ -216,7 +226,7 @@ std::vector<DicomSeries> halves_of(const DicomFolder& folder, DicomSeries& serie
   std::vector<std::size_t> order(planes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t n) { return glm::dot(planes[n].position, normal); });
-  auto halves = alternate(series.slices, planes, order);
+  auto halves = alternate(folder, series.slices, planes, order);
   if (!halves) halves = divide(series.slices, planes, order);
   if (!halves) return {};
   std::vector<DicomSeries> out;
@@ -224,8 +234,10 @@ std::vector<DicomSeries> halves_of(const DicomFolder& folder, DicomSeries& serie
     DicomSeries half;
     half.is_half = true;
     half.line.name = fmt::format("{}:{}", series.line.name, n + 1);
-    half.files = series.files;
     half.slices = (*halves)[n];
+    for (const SliceSource& s : half.slices) half.files.push_back(s.file);
+    std::ranges::sort(half.files);
+    half.files.erase(std::ranges::unique(half.files).begin(), half.files.end());
     stack_series(folder, half);
     if (!half.line.error.empty()) return {};
     out.push_back(std::move(half));

@@ -105,10 +105,11 @@ std::span<const std::byte> without_padding(std::span<const std::byte> s) noexcep
 }
 
 bool starts_stream(DicomCodec codec, std::span<const std::byte> first) noexcept {
-  if (first.size() < 4 || codec == DicomCodec::rle) return false;
-  if (codec != DicomCodec::jpeg_2000) return word_at(first, 0) == 0xffd8;
-  constexpr std::uint32_t kJp2Box = 12;  // length of the signature box, which is first
-  return word_at(first, 0) == 0xff4f || dicom_u32(first.data(), true) == kJp2Box;
+  if (first.size() < 8 || codec == DicomCodec::rle) return false;
+  const std::uint32_t begin = dicom_u32(first.data(), true);
+  if (codec != DicomCodec::jpeg_2000) return begin >> 8 == 0xffd8ff;
+  // SOC and SIZ of a codestream, or the signature box of a file. Both may be met in compressed data, once in 2^32.
+  return begin == 0xff4fff51 || (begin == 12 && dicom_u32(first.data() + 4, true) == 0x6a502020);
 }
 
 std::vector<std::byte> plain_jpeg(std::span<const std::byte> s) {

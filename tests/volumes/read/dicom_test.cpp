@@ -239,13 +239,40 @@ TEST_CASE("read_dicom: a series of two even stacks is refused with the names of 
 
 TEST_CASE("read_dicom: a series with two slices at each place has the first of each pair in one half, the second in the other") {
   const TemporaryFolder folder;
-  for (int n = 0; n < 8; ++n)
-    ct_slice({.position = {0, 0, 1.0 * (n % 4)}, .instance = fmt::format("1.{}", n), .stored = [n](int, int) { return n < 4 ? 10 : 20; }})
-        .write(folder.file(fmt::format("s{}", n)));
-  CHECK(refusal(folder).find("two slices at one place: 4 of 8 slices lie where another does") == 0);
-  CHECK(refusal(folder).find("1:1 of 4 slices 1 mm apart, 1:2 of 4 slices 1 mm apart") != std::string::npos);
-  CHECK(read(folder, of_series("1:1")).scan.values == std::vector<float>(120, -1014.0f));
-  CHECK(read(folder, of_series("1:2")).scan.values == std::vector<float>(120, -1004.0f));
+  // Names in the order of a folder's text, 1, 10, 11, ... 2, in which the halves are mixed.
+  const auto write = [&](int n, const std::string& number) {
+    ct_slice({.position = {0, 0, 1.0 * (n % 6)}, .instance = fmt::format("1.{}", n), .stored = [n](int, int) { return n < 6 ? 10 : 20; }})
+        .text(0x00200013, "IS", number)
+        .write(folder.file(fmt::format("IM{}", n + 1)));
+  };
+  for (int n = 0; n < 12; ++n) write(n, fmt::format("{}", n + 1));
+  CHECK(refusal(folder).find("two slices at one place: 6 of 12 slices lie where another does") == 0);
+  CHECK(refusal(folder).find("1:1 of 6 slices 1 mm apart, 1:2 of 6 slices 1 mm apart") != std::string::npos);
+  CHECK(read(folder, of_series("1:1")).scan.values == std::vector<float>(180, -1014.0f));
+  CHECK(read(folder, of_series("1:2")).scan.values == std::vector<float>(180, -1004.0f));
+  // Numbers that do not separate them: no halves are offered.
+  write(3, "11");
+  CHECK(refusal(folder).find("1:1") == std::string::npos);
+}
+
+TEST_CASE("read_dicom: halves of a series have the size and the unit of their own slices") {
+  for (const bool large_first : {true, false}) {
+    const TemporaryFolder folder;
+    for (int k = 0; k < 8; ++k) {
+      const bool first = k < 4;
+      const int edge = first == large_first ? 64 : 8;
+      ct_slice({.columns = edge, .rows = edge, .position = {0, 0, first ? 1.0 * k : 2.0 * k - 3.0}, .instance = fmt::format("1.{}", k)})
+          .text(0x00281054, "LO", first ? "HU" : "US")
+          .write(folder.file(fmt::format("s{}", k)));
+    }
+    CAPTURE(large_first);
+    const ReadScan low = read(folder, of_series("1:1")), high = read(folder, of_series("1:2"));
+    CHECK(low.scan.dims == Vec3i(large_first ? 64 : 8, large_first ? 64 : 8, 4));
+    CHECK(high.scan.dims == Vec3i(large_first ? 8 : 64, large_first ? 8 : 64, 4));
+    CHECK(low.scan.values == std::vector<float>(low.scan.values.size(), 0.0f));
+    CHECK(low.scan.quantity == Quantity::hounsfield);
+    CHECK(high.scan.quantity == Quantity::other);
+  }
 }
 
 TEST_CASE("read_dicom: one slice that is the best of several series is a question, and can be named") {
