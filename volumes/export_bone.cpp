@@ -42,7 +42,8 @@ Result<ExportReport> export_image(const Voxmap& bone, const ExportRequest& reque
                        .labels = field == ExportField::labels,
                        .content = export_field_names()[static_cast<std::size_t>(field)],
                        .read = [&](const VoxelBox& box, std::span<float> out) { read_field(bone, field, request.undrilled, box, out); },
-                       .progress = request.progress};
+                       .progress = request.progress,
+                       .check = [&] { return model.read_status(); }};
   if (image.box.empty()) return bad_input("there is no bone to crop to", request.path);
   const auto bytes =
       format == "NRRD" ? write_nrrd(request.path, image) : write_nifti(request.path, image, lower(request.path).ends_with(".gz"));
@@ -57,6 +58,7 @@ Result<ExportReport> export_mesh(const Voxmap& bone, const ExportRequest& reques
       .read = [&](const VoxelBox& box, std::span<float> out) { read_field(bone, ExportField::density, request.undrilled, box, out); }};
   const auto mesh = make_bone_surface(density);
   if (!mesh) return Error{mesh.error().code, mesh.error().message, request.path};
+  if (const Status read = bone.bone().read_status(); !read) return read.error();
   const auto bytes = write_mesh(request.path, format, *mesh);
   if (!bytes) return bytes.error();
   return ExportReport{.format = format, .triangles = mesh->indices.size() / 3, .bytes = *bytes};
@@ -142,16 +144,9 @@ void read_field(const Voxmap& bone, ExportField field, bool undrilled, const Vox
 Result<ExportReport> export_bone(const Voxmap& bone, const ExportRequest& request) {
   if (const Status valid = check_request(request); !valid) return valid.error();
   const std::string format = export_format(request.path).value();
-  auto out = is_volume(format)     ? export_image(bone, request, format)
-             : format == "OpenVDB" ? export_vdb(bone, request)
-                                   : export_mesh(bone, request, format);
-  // A read that failed was taken for 0: the file is wrong.
-  if (const Status read = bone.bone().read_status(); out && !read) {
-    std::error_code ignored;
-    std::filesystem::remove(request.path, ignored);
-    return read.error();
-  }
-  return out;
+  // Each checks before it renames its file that all of the bone was read: a read that failed is taken for 0.
+  if (is_volume(format)) return export_image(bone, request, format);
+  return format == "OpenVDB" ? export_vdb(bone, request) : export_mesh(bone, request, format);
 }
 
 }  // namespace burrhole

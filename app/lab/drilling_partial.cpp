@@ -1,12 +1,14 @@
 #include "app/lab/drilling_partial.h"
 
+#include <fmt/format.h>
+
 #include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 
 #include "core/base/hash.h"
+#include "core/base/output_file.h"
 #include "core/base/physics_version.h"
 
 namespace burrhole {
@@ -98,12 +100,9 @@ std::optional<DrillingResult> PartialDrillings::find(const DrillingTrial& trial)
 
 Status PartialDrillings::add(const DrillingTrial& trial, const DrillingResult& result) {
   if (path_.empty()) return {};
-  std::FILE* const file = std::fopen(path_.c_str(), "ab");
-  if (file == nullptr) return bad_input("the partial results cannot be written", path_);
-  std::fprintf(file, "%s %llu", key_of(trial).c_str(), static_cast<unsigned long long>(result.summary.predicted_bytes));
-  for (const double figure : figures_of(result)) std::fprintf(file, " %a", figure);
-  std::fputc('\n', file);
-  return std::fclose(file) == 0 ? Status() : Status(bad_input("the partial results cannot be written", path_));
+  std::string line = fmt::format("{} {}", key_of(trial), result.summary.predicted_bytes);
+  for (const double figure : figures_of(result)) line += fmt::format(" {:a}", figure);
+  return append_to_file(path_, line + "\n");
 }
 
 }  // namespace burrhole

@@ -17,7 +17,7 @@ class PartialDrillings {
   explicit PartialDrillings(std::string path);
   /// @returns the result of an equal trial by the same physics version. Of its summary only the figures of the studies are there.
   [[nodiscard]] std::optional<DrillingResult> find(const DrillingTrial& trial) const;
-  /// Appends a line and flushes it.
+  /// Appends a line; after an error the file holds the lines of before.
   [[nodiscard]] Status add(const DrillingTrial& trial, const DrillingResult& result);
 
  private:

@@ -9,7 +9,6 @@
 
 #include "core/base/geometry.h"
 #include "core/base/result.h"
-#include "volumes/write/output_file.h"
 
 namespace burrhole {
 
@@ -21,6 +20,7 @@ struct ImageOut {
   /// Reads a box, i fastest.
   std::function<void(const VoxelBox& box, std::span<float> out)> read;
   std::function<void(double)> progress = {};  ///< receives the share done, 0..1; may be empty
+  std::function<Status()> check = {};         ///< after the last read: an error leaves no file; may be empty
 };
 
 /// @returns the map of a box of the grid, whose first voxel has index 0.
