@@ -197,9 +197,9 @@ Result<TomlDocument> SceneOption::document() const {
 void print_warning(const std::string& file, const std::string& warning) {
   const std::size_t end = warning.starts_with(file + ":") ? warning.find(": ", file.size()) : std::string::npos;
   if (end == std::string::npos)
-    fmt::print(stderr, "{}: warning: {}\n", file, warning);
+    note(fmt::format("{}: warning: {}\n", file, warning));
   else
-    fmt::print(stderr, "{}: warning: {}\n", warning.substr(0, end), warning.substr(end + 2));
+    note(fmt::format("{}: warning: {}\n", warning.substr(0, end), warning.substr(end + 2)));
 }
 
 std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet, bool live, const std::string& inputs) {
@@ -241,11 +241,6 @@ std::optional<std::vector<double>> split_numbers(const std::string& text, char s
     start = end + 1;
   }
   return out.size() == count ? std::optional(out) : std::nullopt;
-}
-
-void print(const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  std::fflush(stdout);
 }
 
 }  // namespace burrhole::cli

@@ -34,7 +34,7 @@ Result<std::vector<ComparedPicture>> compare_pictures(const std::vector<RunResul
       const auto difference = write_picture_difference(first, other, file);
       if (!difference) return difference.error();
       if (difference->empty()) {
-        fmt::print(stderr, "{}: the pictures differ in size: not compared\n", name);
+        note(fmt::format("{}: the pictures differ in size: not compared\n", name));
         continue;
       }
       out.push_back({first, fmt::format("{}: {}", name, runs.front().name)});
@@ -60,7 +60,7 @@ int run_compare(const Options& option) {
   }
   if (!issues.empty()) return report(issues);
   for (const RunResults& run : runs)
-    if (!run.no_curves.empty()) fmt::print(stderr, "{}: no curves: {}\n", run.name, run.no_curves);
+    if (!run.no_curves.empty()) note(fmt::format("{}: no curves: {}\n", run.name, run.no_curves));
   if (!option.folder.empty()) {
     std::error_code error;
     fs::create_directories(option.folder, error);
@@ -68,7 +68,7 @@ int run_compare(const Options& option) {
     const auto pictures = compare_pictures(runs, option.folder);
     if (!pictures) return report(pictures.error());
     if (Status written = write_comparison(runs, *pictures, option.folder); !written) return report(written.error());
-    fmt::print(stderr, "page: {}\n", (fs::path(option.folder) / "compare.html").string());
+    note(fmt::format("page: {}\n", (fs::path(option.folder) / "compare.html").string()));
   }
   print(option.json ? comparison_json(runs) : comparison_text(runs));
   return kDone;

@@ -31,7 +31,7 @@ Status begin_partial(const DrillingCostArguments& arguments) {
   const std::string file = partial_file(arguments);
   if (arguments.fresh) std::filesystem::remove(file, error);
   if (std::filesystem::exists(file, error))
-    fmt::print(stderr, "goes on from {}: holes that are done are not drilled again (--fresh drills them)\n", file);
+    note(fmt::format("goes on from {}: holes that are done are not drilled again (--fresh drills them)\n", file));
   return {};
 }
 

@@ -23,12 +23,11 @@ extern "C" void on_signal(int) { stop_flag.store(true, std::memory_order_relaxed
 
 void print_figures(const RunSummary& s) {
   const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f} mm", *value) : std::string("-"); };
-  fmt::print(
-      stderr,
+  note(fmt::format(
       "thickness {:.2f} mm, breakthrough at a depth of {}, plunge {}, hole {} outside, {} inside, peak force {:.1f} N, {:.1f} s simulated "
       "in {:.1f} s\n{}\n",
       s.thickness_mm, mm(s.depth_mm), mm(s.plunge_mm), mm(s.hole_diameter_mm), mm(s.inner_diameter_mm), s.peak_force_N, s.duration_s,
-      s.wall_s, outcome_text(s));
+      s.wall_s, outcome_text(s)));
 }
 
 Result<std::unique_ptr<FilmWriter>> make_film(const Scene& scene, const DrillingFiles& files) {
@@ -78,6 +77,11 @@ void catch_signals() {
   action.sa_flags = SA_RESTART | SA_RESETHAND;  // a second Ctrl-C ends the program
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // A terminal that is closed may send more than one; nohup has the signal ignored.
+  struct sigaction hang_up {};
+  sigaction(SIGHUP, nullptr, &hang_up);
+  action.sa_flags = SA_RESTART;
+  if (hang_up.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
 
 Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet, const LiveMode& mode) {
@@ -89,7 +93,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   job.require_realtime = mode.require_realtime;
   job.stop = &stop_flag;
   job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
-  if (!quiet) job.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  if (!quiet) job.say = [](const std::string& text) { note(text + "\n"); };
   job.progress = [&](double share, const std::string& text) { progress.show(share, text); };
   // A run without outputs is one whose steps are timed: its sound is made for nobody.
   if (files.folder.empty()) job.make_speaker = [](int) { return std::make_unique<NoSpeaker>(); };
@@ -106,7 +110,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
                                        .shader_folder = files.shader_folder,
                                        .film = film.get(),
                                        .report = [quiet](const std::string& line) {
-                                         if (!quiet) fmt::print(stderr, "quality: {}\n", line);
+                                         if (!quiet) note(fmt::format("quality: {}\n", line));
                                        }});
   };
   if (!files.inputs.empty()) {
@@ -121,7 +125,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   if (film->frames() == 0)
     print_warning(loaded.scene.file, "the run ended before the first frame of its film: none was written");
   else if (!quiet)
-    fmt::print(stderr, "film: {} frames, {} a second, in {}\n", film->frames(), files.video_fps, files.video);
+    note(fmt::format("film: {} frames, {} a second, in {}\n", film->frames(), files.video_fps, files.video));
   return summary;
 }
 
@@ -190,8 +194,8 @@ void run_drill(DrillOptions& option, int& exit_code) {
   }
   if (!option.quiet) print_figures(*summary);
   const std::vector<std::string> missed = missed_terms(*expected, *summary);
-  for (const std::string& line : missed) fmt::print(stderr, "{}: {}\n", loaded->scene.file, line);
-  if (!option.quiet) fmt::print(stderr, "{}\n", result_line(*summary));
+  for (const std::string& line : missed) note(fmt::format("{}: {}\n", loaded->scene.file, line));
+  if (!option.quiet) note(fmt::format("{}\n", result_line(*summary)));
   if (option.json) print(summary_json(*summary));
   exit_code = missed.empty() ? kDone : kCheckFailed;
   if (summary->end == "stopped" && stop_requested()) exit_code = kInterrupted;  // a person may end a demonstration

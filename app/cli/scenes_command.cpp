@@ -113,8 +113,8 @@ int copy_scene(const Options& option) {
     print(copy.string() + "\n");
   }
   if (!scene->data_found)
-    fmt::print(stderr, "the scan is no part of the program: set BURRHOLE_DATA to the folder that holds {}, or set volume.source\n",
-               scene->data);
+    note(fmt::format("the scan is no part of the program: set BURRHOLE_DATA to the folder that holds {}, or set volume.source\n",
+                     scene->data));
   return kDone;
 }
 
