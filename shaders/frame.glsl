@@ -41,6 +41,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 skin;                   // rgb; w: opacity square on
   vec4 fog;                    // FOG: rgb
   vec4 focus;                  // FOG: x: view depth of the plane without fog [m], y: 1 / depth of the fog [1/m]
+  mat4 light_from_world;       // TOOL_SHADOW: world to -1..1 across the light and away from it, around the tool
 };
 
 // Factor of the hit depths of a detail, which distinguishes them from those of the whole volume. A power of two changes no bit of a float.

@@ -9,6 +9,9 @@
 #ifdef SHADOW
 #include "shadow.glsl"
 #endif
+#ifdef TOOL_SHADOW
+#include "tool_shadow.glsl"
+#endif
 #ifdef TISSUE
 #include "tissue.glsl"
 #endif
@@ -33,6 +36,9 @@ vec3 shade(vec3 p, vec3 world, vec3 normal, vec3 to_eye, bool is_face) {
   float reaching = 1.0;
 #ifdef SHADOW
   reaching = light_reaching(p, world, normal);
+#endif
+#ifdef TOOL_SHADOW
+  reaching *= light_past_tool(world);
 #endif
   // [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); the headlight fill is our own, 0 disables it.
   float direct = light_terms.y * max(dot(normal, light.xyz), 0.0) * mix(0.45, 1.0, sky) * reaching;

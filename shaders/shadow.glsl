@@ -1,4 +1,4 @@
-// Share of the light that reaches a surface point through the drawn volume; the tool casts no shadow. p: index, n: world unit normal.
+// Share of the light that reaches a surface point through the drawn volume. p: index, n: world unit normal.
 // The spacing of samples is below a voxel near the point and increases; the last is 16 mm away for voxels of 0.25 mm.
 float light_reaching(vec3 p, vec3 world, vec3 n) {
   float voxel = edges.w * grain_at(p);

@@ -43,7 +43,8 @@ Result<ExportReport> export_image(const Voxmap& bone, const ExportRequest& reque
                        .content = export_field_names()[static_cast<std::size_t>(field)],
                        .read = [&](const VoxelBox& box, std::span<float> out) { read_field(bone, field, request.undrilled, box, out); },
                        .progress = request.progress,
-                       .check = [&] { return model.read_status(); }};
+                       .check = [&] { return model.read_status(); },
+                       .stop = request.stop};
   if (image.box.empty()) return bad_input("there is no bone to crop to", request.path);
   const auto bytes =
       format == "NRRD" ? write_nrrd(request.path, image) : write_nifti(request.path, image, lower(request.path).ends_with(".gz"));
@@ -59,9 +60,15 @@ Result<ExportReport> export_mesh(const Voxmap& bone, const ExportRequest& reques
   const auto mesh = make_bone_surface(density);
   if (!mesh) return Error{mesh.error().code, mesh.error().message, request.path};
   if (const Status read = bone.bone().read_status(); !read) return read.error();
-  const auto bytes = write_mesh(request.path, format, *mesh);
+  const auto bytes = write_mesh(request.path, format, *mesh, request.stop);
   if (!bytes) return bytes.error();
   return ExportReport{.format = format, .triangles = mesh->indices.size() / 3, .bytes = *bytes};
+}
+
+bool is_stopped(const ExportRequest& request) { return request.stop != nullptr && request.stop->load(std::memory_order_relaxed); }
+
+Error stopped(const ExportRequest& request) {
+  return {ErrorCode::unavailable, "the writing was stopped: the file is as it was before", request.path};
 }
 
 /// A bone model of this program, with one grid more for others.
@@ -83,7 +90,7 @@ Result<ExportReport> export_vdb(const Voxmap& bone, const ExportRequest& request
         [&](const Vec3i& block, const BlockValues& block_values) { remaining.write_box(box_of_block(block), block_values); });
     grids.push_back(&remaining);
   }
-  const Status written = write_vdb(request.path, model.dims(), model.bone_from_index(), grids, model.notes());
+  const Status written = write_vdb(request.path, model.dims(), model.bone_from_index(), grids, model.notes(), request.stop);
   if (!written) return written.error();
   std::error_code ignored;
   return ExportReport{.format = "OpenVDB", .dims = model.dims(), .bytes = std::filesystem::file_size(request.path, ignored)};
@@ -143,6 +150,7 @@ void read_field(const Voxmap& bone, ExportField field, bool undrilled, const Vox
 
 Result<ExportReport> export_bone(const Voxmap& bone, const ExportRequest& request) {
   if (const Status valid = check_request(request); !valid) return valid.error();
+  if (is_stopped(request)) return stopped(request);
   const std::string format = export_format(request.path).value();
   // Each checks before it renames its file that all of the bone was read: a read that failed is taken for 0.
   if (is_volume(format)) return export_image(bone, request, format);

@@ -5,6 +5,7 @@
 ///   Memory  a slab of 8 slices for NRRD and NIfTI, the sparse grid of the density for .vdb and meshes, and the mesh.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -27,6 +28,8 @@ struct ExportRequest {
   bool undrilled = false;                     ///< bone as loaded, without what tools have removed
   bool crop = false;                          ///< only the box round the bone, with a margin; not for .vdb and meshes
   std::function<void(double)> progress = {};  ///< receives the share done, 0..1; may be empty
+  /// Once true, the export ends with `unavailable`, and what was under the name stays; a signal handler may set it.
+  const std::atomic<bool>* stop = nullptr;
 };
 
 struct ExportReport {

@@ -173,6 +173,7 @@ Result<ImportedBone> import_bone(const ImportRequest& given, const std::function
     if (*own) return place_own(request, std::move(**own));
   }
   ReadOptions read_options = request.read;
+  read_options.by_values = request.bone.band.has_value();
   if (request.accept) read_options.accept = accept;
   auto read = read_scan(request.path, read_options);
   if (!read) return at(read.error(), request.path);

@@ -90,6 +90,7 @@ void add_check(CLI::App& app, int& exit_code) {
   auto option = std::make_shared<SceneOption>();
   option->add_to(*command);
   command->callback([option, &exit_code] {
+    warn_of_namesake(option->scene);
     const auto document = option->document();
     if (!document) {
       exit_code = report(document.error());

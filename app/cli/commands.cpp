@@ -53,13 +53,26 @@ std::string share_folder() {
   return fs::is_directory(installed / "tools", ignored) ? installed.string() : std::string(BH_SHARE_FALLBACK);
 }
 
-SceneContext scene_context() { return {{(fs::path(share_folder()) / "tools").string()}}; }
+std::string shipped_folder(const char* name) { return (fs::path(share_folder()) / name).string(); }
+
+SceneContext scene_context() { return {{shipped_folder("tools")}}; }
 
 std::string find_scene(const std::string& scene) {
-  if (fs::exists(scene) || scene.find('/') != std::string::npos) return scene;
-  const std::string file = scene.ends_with(".toml") ? scene : scene + ".toml";
-  const fs::path shipped = fs::path(share_folder()) / "scenes" / file;
-  return fs::exists(shipped) ? shipped.string() : scene;
+  if (scene.find('/') != std::string::npos) return scene;
+  const bool by_file = scene.ends_with(".toml");
+  std::error_code ignored;
+  if (by_file && fs::exists(scene, ignored)) return scene;
+  const fs::path shipped = fs::path(shipped_folder("scenes")) / (by_file ? scene : scene + ".toml");
+  return fs::exists(shipped, ignored) ? shipped.string() : scene;
+}
+
+void warn_of_namesake(const std::string& scene) {
+  if (find_scene(scene) == scene) return;
+  std::error_code ignored;
+  for (const std::string& name : {scene, scene + ".toml"})
+    if (fs::exists(name, ignored))
+      print_warning(scene, fmt::format("the shipped scene of that name is taken; for the {} in the current folder write ./{}",
+                                       fs::is_directory(name, ignored) ? "folder" : "file", name));
 }
 
 void SceneOption::add_to(CLI::App& command) {
@@ -203,6 +216,7 @@ void print_warning(const std::string& file, const std::string& warning) {
 }
 
 std::optional<LoadedScene> load_or_report(const SceneOption& option, int& exit_code, bool quiet, bool live, const std::string& inputs) {
+  warn_of_namesake(option.scene);
   const auto document = option.document();
   if (!document) {
     exit_code = report(document.error());

@@ -27,8 +27,13 @@ int report(const Error& error);
 [[nodiscard]] std::string share_folder();
 /// @returns a context that finds the shipped tools.
 [[nodiscard]] SceneContext scene_context();
-/// @returns the path as given, or the path of the shipped scene of that name.
+/// @returns the folder "scenes" or "tools" of share_folder().
+[[nodiscard]] std::string shipped_folder(const char* name);
+/// @returns the path of the shipped scene of that name; otherwise the path as given. A name of a shipped scene is never a file or folder of
+/// the current folder: warn_of_namesake() says so.
 [[nodiscard]] std::string find_scene(const std::string& scene);
+/// Prints a warning if the current folder has a file or folder that a person may mean by the name of a shipped scene.
+void warn_of_namesake(const std::string& scene);
 
 /// @returns the names of the shipped scenes, or tools, in alphabetical order. @param folder "scenes" or "tools" of share_folder().
 [[nodiscard]] std::vector<std::string> shipped_names(const char* folder);

@@ -20,8 +20,9 @@ struct Options {
   bool json = false;
 };
 
-/// Draws the differences of each run's pictures from those of the first. @returns them with the pictures themselves.
-Result<std::vector<ComparedPicture>> compare_pictures(const std::vector<RunResults>& runs, const std::string& folder) {
+/// Draws the differences of each run's pictures from those of the first. @returns them with the pictures themselves. @param issues receives
+/// the errors of pictures that cannot be read, which are left out.
+std::vector<ComparedPicture> compare_pictures(const std::vector<RunResults>& runs, const std::string& folder, Issues& issues) {
   std::vector<ComparedPicture> out;
 #ifdef BH_WITH_RENDER
   for (const std::string& name : runs.front().pictures)
@@ -32,7 +33,10 @@ Result<std::vector<ComparedPicture>> compare_pictures(const std::vector<RunResul
       const std::string file =
           (fs::path(folder) / (runs.size() == 2 ? name + "_difference.png" : fmt::format("{}_difference_{}.png", name, n))).string();
       const auto difference = write_picture_difference(first, other, file);
-      if (!difference) return difference.error();
+      if (!difference) {
+        issues.push_back(difference.error());
+        continue;
+      }
       if (difference->empty()) {
         note(fmt::format("{}: the pictures differ in size: not compared\n", name));
         continue;
@@ -44,6 +48,7 @@ Result<std::vector<ComparedPicture>> compare_pictures(const std::vector<RunResul
 #else
   static_cast<void>(runs);
   static_cast<void>(folder);
+  static_cast<void>(issues);
 #endif
   return out;
 }
@@ -59,19 +64,23 @@ int run_compare(const Options& option) {
       issues.push_back(run.error());
   }
   if (!issues.empty()) return report(issues);
-  for (const RunResults& run : runs)
-    if (!run.no_curves.empty()) note(fmt::format("{}: no curves: {}\n", run.name, run.no_curves));
+  for (const RunResults& run : runs) {
+    if (run.damaged)
+      issues.push_back(bad_input(run.no_curves + "; its figures are those of summary.json, without curves", run.name));
+    else if (!run.no_curves.empty())
+      note(fmt::format("{}: no curves: {}\n", run.name, run.no_curves));
+  }
   if (!option.folder.empty()) {
     std::error_code error;
     fs::create_directories(option.folder, error);
-    if (error || !fs::is_directory(option.folder)) return report(bad_input("the output folder cannot be created", option.folder));
-    const auto pictures = compare_pictures(runs, option.folder);
-    if (!pictures) return report(pictures.error());
-    if (Status written = write_comparison(runs, *pictures, option.folder); !written) return report(written.error());
+    if (error || !fs::is_directory(option.folder))
+      return report(bad_input("the output folder cannot be created: give another by --out", option.folder));
+    const auto pictures = compare_pictures(runs, option.folder, issues);
+    if (Status written = write_comparison(runs, pictures, option.folder); !written) return report(written.error());
     note(fmt::format("page: {}\n", (fs::path(option.folder) / "compare.html").string()));
   }
   print(option.json ? comparison_json(runs) : comparison_text(runs));
-  return kDone;
+  return report(issues);  // of damaged files, which the rest does without
 }
 
 }  // namespace
@@ -84,7 +93,7 @@ void add_compare(CLI::App& app, int& exit_code) {
            "A RUN is a folder that drill wrote. Prints a table of what made the results and of their figures; a star marks the rows "
            "that differ, and of two runs the last column is the second minus the first. With --out it also writes compare.html with "
            "force and depth of all runs over each other (compare.svg), and for each picture that the first run shares with another the "
-           "place of their differences.",
+           "place of their differences. A session or picture that is damaged is left out: the exit code is then 2.",
        .examples = {"burrhole compare out/soft out/hard", "burrhole compare out/soft out/hard --out out/compared",
                     "burrhole compare out/* --json | jq '.runs[].figures.plunge_mm'"},
        .exits = {}});

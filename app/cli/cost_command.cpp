@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <functional>
 
 #include "app/cli/commands.h"
 #include "app/cli/cost_drilling.h"
-#include "app/cli/progress.h"
+#include "app/cli/cost_study.h"
 #include "app/lab/contact_accuracy.h"
 #include "app/lab/multirate.h"
 #ifdef BH_WITH_RENDER
@@ -16,64 +17,122 @@
 namespace burrhole::cli {
 namespace {
 
+constexpr const char* kResumes = "An interrupted call is resumed.";
+
 /// Measures all rows of `cost contact` and writes them with three plots.
-Status measure_contact(const std::string& folder, std::size_t& row_count) {
+Status measure_contact(const StudyFolder& folder, std::size_t& row_count) {
   ContactAccuracyOptions options;
   options.tool_folder = (std::filesystem::path(share_folder()) / "tools").string();
-  auto rows = measure_contact_accuracy(options);
-  if (!rows) return rows.error();
-  const auto curves = measure_force_curves(options);
-  if (!curves) return curves.error();
   SlidingOptions slides;
   slides.tool_folder = options.tool_folder;
   const auto subjects = sliding_subjects(slides);
   if (!subjects) return subjects.error();
+  Progress progress(false, {}, true);
+  Study study(study_runs(folder, progress), count_of_trials(options) + count_of_trials(slides, *subjects));
+  options.study = slides.study = &study;
+  auto pressing = measure_contact_accuracy(options);
+  if (!pressing) return pressing.error();
   const auto sliding = measure_sliding(slides, *subjects);
   if (!sliding) return sliding.error();
+  std::vector<CostRow>& rows = pressing->rows;
   const std::vector<CostRow> more = sliding_cost_rows(*sliding, slides.tool);
-  rows->insert(rows->end(), more.begin(), more.end());
-  row_count = rows->size();
-  if (Status written = write_contact_accuracy(*rows, *curves, folder); !written) return written;
-  return write_sliding(*sliding, folder);
+  rows.insert(rows.end(), more.begin(), more.end());
+  row_count = rows.size();
+  if (Status written = write_contact_accuracy(rows, pressing->curves, folder.folder); !written) return written;
+  return write_sliding(*sliding, folder.folder);
 }
 
-Status measure_multirate_cost(const std::string& folder, std::size_t& row_count) {
+Status measure_surface(const StudyFolder& folder, std::size_t& row_count) {
+  Progress progress(false, {}, true);
+  SurfaceAccuracyOptions options;
+  Study study(study_runs(folder, progress), count_of_trials(options));
+  options.study = &study;
+  const auto rows = measure_surface_accuracy(options);
+  if (!rows) return rows.error();
+  row_count = rows->size();
+  return write_surface_accuracy(*rows, folder.folder);
+}
+
+Status measure_multirate_cost(const StudyFolder& folder, std::size_t& row_count) {
   Progress progress(false, {}, true);
   MultirateOptions options;
-  options.progress = [&](double share) { progress.show(share, "multi-rate schemes"); };
+  Study study(study_runs(folder, progress), count_of_trials(options));
+  options.study = &study;
   const auto rows = measure_multirate(options);
   if (!rows) return rows.error();
   row_count = rows->size();
-  return write_multirate(*rows, folder);
+  return write_multirate(*rows, folder.folder);
+}
+
+/// Runs a study and prints where its rows are. @param measure writes them and counts them. @param beside files beside cost.csv.
+int run_study(const StudyFolder& folder, const std::function<Status(const StudyFolder&, std::size_t&)>& measure,
+              const std::string& beside) {
+  if (const Status begun = begin_study(folder); !begun) return report(begun.error());
+  std::size_t rows = 0;
+  if (const Status measured = measure(folder, rows); !measured) return report(measured.error());
+  end_study(folder);
+  print(fmt::format("{} rows in {}/cost.csv, {} beside it\n", rows, folder.folder, beside));
+  return kDone;
+}
+
+void add_contact(CLI::App& cost, int& exit_code) {
+  CLI::App* command = add_command(
+      cost, "contact", "Subjects",
+      {.summary = "Error of the contact force on plate, sphere and wedge",
+       .about = std::string("Presses bits into generated bone, without and with noise, and compares the force with its closed form. Then "
+                            "slides a round burr over tilted plates, where the exact force is constant, and tables the variation of the "
+                            "force. ") +
+                kResumes,
+       .examples = {"burrhole cost contact --out out/cost"},
+       .exits = {}});
+  auto folder = std::make_shared<StudyFolder>(StudyFolder{.folder = "out/cost", .partial = "partial_contact.txt"});
+  add_study_options(*command, *folder, "cost.csv and the plots");
+  add_simd_option(*command);
+  command->callback([folder, &exit_code] {
+    exit_code = run_study(*folder, measure_contact, "plots contact_error.svg, contact_force.svg and sliding.svg");
+  });
+}
+
+void add_surface(CLI::App& cost, int& exit_code) {
+  CLI::App* command = add_command(
+      cost, "surface", "Subjects",
+      {.summary = "Error of the surface records by their bits and voxel size",
+       .about = std::string("Compares distance and normal of surface records with the closed form of generated bone, for records of 8 and "
+                            "16 bits and voxels from 0.18 to 0.5 mm, and times the look-up. ") +
+                kResumes,
+       .examples = {"burrhole cost surface --out out/cost_surface"},
+       .exits = {}});
+  auto folder = std::make_shared<StudyFolder>(StudyFolder{.folder = "out/cost_surface", .partial = "partial_surface.txt"});
+  add_study_options(*command, *folder, "cost.csv and the plot");
+  add_simd_option(*command);
+  command->callback([folder, &exit_code] { exit_code = run_study(*folder, measure_surface, "plot surface_error.svg"); });
 }
 
 void add_multirate(CLI::App& cost, int& exit_code) {
-  CLI::App* command = add_command(cost, "multirate", "Subjects",
-                                  {.summary = "Accuracy of the multi-rate schemes by the rate of contact",
-                                   .about = "Slides and drills with contact at 1 kHz down to 20 Hz. For each scheme: the error of the "
-                                            "force against servo and contact at 4 kHz, the "
-                                            "share of the maximum stable stiffness that remains, and the time of a servo step.",
-                                   .examples = {"burrhole cost multirate --out out/cost_multirate"},
-                                   .exits = {}});
-  auto folder = std::make_shared<std::string>("out/cost_multirate");
-  command->add_option("--out", *folder, "folder for cost.csv, the plot and the page")->type_name(kFolderValue)->capture_default_str();
+  CLI::App* command =
+      add_command(cost, "multirate", "Subjects",
+                  {.summary = "Accuracy of the multi-rate schemes by the rate of contact",
+                   .about = std::string("Slides and drills with contact at 1 kHz down to 20 Hz. For each scheme: the error of the "
+                                        "force against servo and contact at 4 kHz, the "
+                                        "share of the maximum stable stiffness that remains, and the time of a servo step. ") +
+                            kResumes,
+                   .examples = {"burrhole cost multirate --out out/cost_multirate"},
+                   .exits = {}});
+  auto folder = std::make_shared<StudyFolder>(StudyFolder{.folder = "out/cost_multirate", .partial = "partial_multirate.txt"});
+  add_study_options(*command, *folder, "cost.csv, the plot and the page");
   add_simd_option(*command);
-  command->callback([folder, &exit_code] {
-    std::size_t rows = 0;
-    const Status written = measure_multirate_cost(*folder, rows);
-    exit_code = written ? kDone : report(written.error());
-    if (written) print(fmt::format("{} rows in {}/cost.csv, multirate.svg and multirate.html beside it\n", rows, *folder));
-  });
+  command->callback([folder, &exit_code] { exit_code = run_study(*folder, measure_multirate_cost, "multirate.svg and multirate.html"); });
 }
 
 #ifdef BH_WITH_RENDER
 struct RenderCostArguments {
-  std::string folder = "out/cost_render", size = "400x300", gl = "auto";
+  StudyFolder folder{.folder = "out/cost_render", .partial = "partial_render.txt"};
+  std::string size = "400x300", gl = "auto";
   int frames = 9;
   bool knobs_only = false;
 };
 
-Status measure_render(const RenderCostArguments& arguments, std::size_t& row_count) {
+Result<RenderCostOptions> options_of(const RenderCostArguments& arguments) {
   RenderCostOptions options{.share_folder = share_folder(), .frames = arguments.frames, .pareto = !arguments.knobs_only};
   const auto size = split_numbers(arguments.size, 'x', 2);
   if (!size || !((*size)[0] >= 16 && (*size)[0] <= 4096 && (*size)[1] >= 16 && (*size)[1] <= 4096))
@@ -82,12 +141,17 @@ Status measure_render(const RenderCostArguments& arguments, std::size_t& row_cou
   options.height = static_cast<int>((*size)[1]);
   for (const GlBackend backend : gl_backends())
     if (arguments.gl == gl_backend_name(backend)) options.gl = backend;
+  return options;
+}
+
+Status measure_render(RenderCostOptions options, const StudyFolder& folder, std::size_t& row_count) {
   Progress progress(false, {}, true);
-  options.progress = [&](double share, const std::string& what) { progress.show(share, what); };
+  Study study(study_runs(folder, progress), count_of_trials(options));
+  options.study = &study;
   const auto cost = measure_render_cost(options);
   if (!cost) return cost.error();
   row_count = cost->rows.size();
-  return write_render_cost(*cost, arguments.folder);
+  return write_render_cost(*cost, folder.folder);
 }
 
 void add_render_cost(CLI::App& cost, int& exit_code) {
@@ -98,13 +162,11 @@ void add_render_cost(CLI::App& cost, int& exit_code) {
            "Draws the shipped skull patch, as loaded and drilled through, by ray casting, by slices and as translucent bone. Varies step "
            "length, bisections, finish, rays per pixel, resolution and texel precision. Tables PSNR, SSIM and FLIP against a reference "
            "picture of the highest quality, and the CPU time. Writes the Pareto front as quality_front.inc, from which [display] quality = "
-           "\"auto\" chooses.",
+           "\"auto\" chooses. An interrupted call is resumed.",
        .examples = {"burrhole cost render --out out/cost_render", "burrhole cost render --knobs-only --frames 3 --size 200x150"},
        .exits = "Exit 4 if there is no OpenGL."});
   auto arguments = std::make_shared<RenderCostArguments>();
-  command->add_option("--out", arguments->folder, "folder for cost.csv, the plot, the page and the pictures")
-      ->type_name(kFolderValue)
-      ->capture_default_str();
+  add_study_options(*command, arguments->folder, "cost.csv, the plot, the page and the pictures");
   command->add_option("--size", arguments->size, "size of the pictures in pixels")->type_name("WIDTHxHEIGHT")->capture_default_str();
   command->add_option("--frames", arguments->frames, "timed pictures per setting")
       ->check(CLI::Range(1, 1000))
@@ -114,10 +176,13 @@ void add_render_cost(CLI::App& cost, int& exit_code) {
   add_gl_option(*command, arguments->gl);
   add_simd_option(*command);
   command->callback([arguments, &exit_code] {
-    std::size_t rows = 0;
-    const Status written = measure_render(*arguments, rows);
-    exit_code = written ? kDone : report(written.error());
-    if (written) print(fmt::format("{} rows in {}/cost.csv, render.html and pictures beside it\n", rows, arguments->folder));
+    const auto options = options_of(*arguments);
+    if (!options) {
+      exit_code = report(options.error());
+      return;
+    }
+    const auto measure = [&](const StudyFolder& folder, std::size_t& rows) { return measure_render(*options, folder, rows); };
+    exit_code = run_study(arguments->folder, measure, "render.html and pictures");
   });
 }
 #endif
@@ -133,43 +198,8 @@ void add_cost(CLI::App& app, int& exit_code) {
        .examples = {"burrhole cost contact --out out/cost"},
        .exits = {}});
   command->require_subcommand(1);
-  CLI::App* contact = add_command(
-      *command, "contact", "Subjects",
-      {.summary = "Error of the contact force on plate, sphere and wedge",
-       .about = "Presses bits into generated bone, without and with noise, and compares the force with its closed form. Then slides "
-                "a round burr over tilted plates, where the exact force is constant, and tables the variation of the force.",
-       .examples = {"burrhole cost contact --out out/cost"},
-       .exits = {}});
-  auto folder = std::make_shared<std::string>("out/cost");
-  contact->add_option("--out", *folder, "folder for cost.csv and the plots")->type_name(kFolderValue)->capture_default_str();
-  add_simd_option(*contact);
-  contact->callback([folder, &exit_code] {
-    std::size_t rows = 0;
-    const Status written = measure_contact(*folder, rows);
-    exit_code = written ? kDone : report(written.error());
-    if (written)
-      print(fmt::format("{} rows in {}/cost.csv, plots contact_error.svg, contact_force.svg and sliding.svg beside it\n", rows, *folder));
-  });
-  CLI::App* surface = add_command(
-      *command, "surface", "Subjects",
-      {.summary = "Error of the surface records by their bits and voxel size",
-       .about = "Compares distance and normal of surface records with the closed form of generated bone, for records of 8 and 16 bits and "
-                "voxels from 0.18 to 0.5 mm, and times the look-up.",
-       .examples = {"burrhole cost surface --out out/cost_surface"},
-       .exits = {}});
-  auto surface_folder = std::make_shared<std::string>("out/cost_surface");
-  surface->add_option("--out", *surface_folder, "folder for cost.csv and the plot")->type_name(kFolderValue)->capture_default_str();
-  add_simd_option(*surface);
-  surface->callback([surface_folder, &exit_code] {
-    const auto rows = measure_surface_accuracy({});
-    if (!rows) {
-      exit_code = report(rows.error());
-      return;
-    }
-    const Status written = write_surface_accuracy(*rows, *surface_folder);
-    exit_code = written ? kDone : report(written.error());
-    if (written) print(fmt::format("{} rows in {}/cost.csv, plot surface_error.svg beside it\n", rows->size(), *surface_folder));
-  });
+  add_contact(*command, exit_code);
+  add_surface(*command, exit_code);
   add_drilling_cost(*command, exit_code);
   add_multirate(*command, exit_code);
 #ifdef BH_WITH_RENDER

@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "app/cli/commands.h"
-#include "app/cli/progress.h"
+#include "app/cli/cost_study.h"
 #include "app/lab/drilling_convergence.h"
 #include "app/lab/drilling_cost.h"
 
@@ -13,70 +14,51 @@ namespace burrhole::cli {
 namespace {
 
 struct DrillingCostArguments {
-  std::string folder = "out/cost_drilling";
+  StudyFolder folder{.folder = "out/cost_drilling"};
   DrillingCostOptions options;
-  bool convergence = false, fresh = false;
+  bool convergence = false;
 };
-
-/// The file of the holes that are done, which a later call goes on from.
-std::string partial_file(const DrillingCostArguments& arguments) {
-  return (std::filesystem::path(arguments.folder) / (arguments.convergence ? "partial_convergence.txt" : "partial_cost.txt")).string();
-}
-
-/// Makes the folder, and says where an earlier call is taken up.
-Status begin_partial(const DrillingCostArguments& arguments) {
-  std::error_code error;
-  std::filesystem::create_directories(arguments.folder, error);
-  if (error) return bad_input("the output folder cannot be created: " + error.message(), arguments.folder);
-  const std::string file = partial_file(arguments);
-  if (arguments.fresh) std::filesystem::remove(file, error);
-  if (std::filesystem::exists(file, error))
-    note(fmt::format("goes on from {}: holes that are done are not drilled again (--fresh drills them)\n", file));
-  return {};
-}
-
-void end_partial(const DrillingCostArguments& arguments) {
-  std::error_code ignored;
-  std::filesystem::remove(partial_file(arguments), ignored);
-}
 
 DrillingRuns runs_of(const DrillingCostArguments& arguments, Progress& progress) {
   DrillingRuns runs = arguments.options.runs;
   runs.tool_folder = (std::filesystem::path(share_folder()) / "tools").string();
-  runs.partial = partial_file(arguments);
-  runs.progress = [&](double share, const std::string& trial) { progress.show(share, trial); };
+  StudyRuns study = study_runs(arguments.folder, progress);
+  runs.partial = study.partial;
+  runs.progress = std::move(study.progress);
+  runs.say = std::move(study.say);
   return runs;
 }
 
 int run_cost(const DrillingCostArguments& arguments) {
-  if (const Status begun = begin_partial(arguments); !begun) return report(begun.error());
+  if (const Status begun = begin_study(arguments.folder); !begun) return report(begun.error());
   Progress progress(false, {}, true);
   DrillingCostOptions options = arguments.options;
   options.runs = runs_of(arguments, progress);
   const auto points = measure_drilling_cost(options);
   if (!points) return report(points.error());
-  if (const Status written = write_drilling_cost(*points, options.bit, arguments.folder); !written) return report(written.error());
-  end_partial(arguments);
+  if (const Status written = write_drilling_cost(*points, options.bit, arguments.folder.folder); !written) return report(written.error());
+  end_study(arguments.folder);
   for (const std::string& sentence : drilling_sentences(*points)) print(sentence + "\n");
-  print(fmt::format("{} points in {}/cost.csv, drilling.md, drilling.svg and drilling.html beside it\n", points->size(), arguments.folder));
+  print(fmt::format("{} points in {}/cost.csv, drilling.md, drilling.svg and drilling.html beside it\n", points->size(),
+                    arguments.folder.folder));
   return kDone;
 }
 
 int run_convergence(const DrillingCostArguments& arguments) {
-  if (const Status begun = begin_partial(arguments); !begun) return report(begun.error());
+  if (const Status begun = begin_study(arguments.folder); !begun) return report(begun.error());
   Progress progress(false, {}, true);
   ConvergenceOptions options;
   options.runs = runs_of(arguments, progress);
   options.quick = arguments.options.quick;
   const auto rows = measure_convergence(options);
   if (!rows) return report(rows.error());
-  if (const Status written = write_convergence(*rows, arguments.folder); !written) return report(written.error());
-  end_partial(arguments);
+  if (const Status written = write_convergence(*rows, arguments.folder.folder); !written) return report(written.error());
+  end_study(arguments.folder);
   for (const StabilityRow& row : *rows)
     if (!row.pass) print(fmt::format("{}: {} is {:.4g}, bound {:.4g}\n", row.subject, row.measure, row.value, row.bound));
   const bool failed = convergence_failed(*rows);
-  print(fmt::format("{} figures in {}/convergence.csv, convergence.md and convergence.html beside it; {}\n", rows->size(), arguments.folder,
-                    failed ? "bounds failed" : "all within their bounds"));
+  print(fmt::format("{} figures in {}/convergence.csv, convergence.md and convergence.html beside it; {}\n", rows->size(),
+                    arguments.folder.folder, failed ? "bounds failed" : "all within their bounds"));
   return failed ? kCheckFailed : kDone;
 }
 
@@ -98,21 +80,21 @@ void add_drilling_cost(CLI::App& cost, int& exit_code) {
                     "burrhole cost drilling --convergence"},
        .exits = "Exit 3 if a bound of --convergence fails."});
   auto arguments = std::make_shared<DrillingCostArguments>();
-  command->add_option("--out", arguments->folder, "folder for the tables, the plot and the page")
-      ->type_name(kFolderValue)
-      ->capture_default_str();
+  add_study_options(*command, arguments->folder, "the tables, the plot and the page");
   CLI::Option* convergence = command->add_flag("--convergence", arguments->convergence, "check the bounds of holes by voxel edge and rate");
   command->add_option("--bit", arguments->options.bit, "bit that drills the hole")
       ->type_name(kToolValue)
       ->capture_default_str()
       ->excludes(convergence);
   command->add_option("--knob", arguments->options.only_knob, "vary only this setting")->type_name("KEY")->excludes(convergence);
-  command->add_flag("--fresh", arguments->fresh, "drill again what an interrupted call has done already");
   command->add_flag("--quick", arguments->options.quick, "a subset that takes minutes");
   command->add_option("--threads", arguments->options.runs.threads, "number of holes that are drilled in parallel; 0: one per core")
       ->capture_default_str();
   add_simd_option(*command);
-  command->callback([arguments, &exit_code] { exit_code = arguments->convergence ? run_convergence(*arguments) : run_cost(*arguments); });
+  command->callback([arguments, &exit_code] {
+    arguments->folder.partial = arguments->convergence ? "partial_convergence.txt" : "partial_cost.txt";
+    exit_code = arguments->convergence ? run_convergence(*arguments) : run_cost(*arguments);
+  });
 }
 
 }  // namespace burrhole::cli

@@ -31,9 +31,11 @@ void print_figures(const RunSummary& s) {
 }
 
 Result<std::unique_ptr<FilmWriter>> make_film(const Scene& scene, const DrillingFiles& files) {
-  if (scene.find<DisplayConfig>() == nullptr) return bad_input("--video needs the table [display]", scene.file);
+  if (scene.find<DisplayConfig>() == nullptr) return bad_input("--video needs the table [display]: add it to the scene", scene.file);
   if (scene.servo_hz % files.video_fps != 0)
-    return bad_input(fmt::format("--video-fps {} does not divide the servo rate, {} Hz", files.video_fps, scene.servo_hz), scene.file);
+    return bad_input(
+        fmt::format("--video-fps {} does not divide the servo rate, {} Hz: give a divisor of it", files.video_fps, scene.servo_hz),
+        scene.file);
   return FilmWriter::create(files.video, files.video_fps);
 }
 
@@ -45,11 +47,11 @@ class NoSpeaker final : public SoundSink {
 
 /// @returns the error of options that exclude each other, or of a folder that is none.
 Status check_options(const LiveMode& mode, const DrillingFiles& files) {
-  if (mode.require_realtime && !mode.live) return bad_input("--require-realtime is valid only with --live");
+  if (mode.require_realtime && !mode.live) return bad_input("--require-realtime is valid only with --live: add it");
   if (mode.live && !files.video.empty()) return bad_input("--video is not valid with --live: a film is drawn in lockstep");
   std::error_code ignored;
   if (std::filesystem::exists(files.folder, ignored) && !std::filesystem::is_directory(files.folder, ignored))
-    return bad_input("the output folder is a file", files.folder);
+    return bad_input("the output folder is a file: give another by --out", files.folder);
   return {};
 }
 
@@ -89,6 +91,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   DrillJob job;
   job.folder = files.folder;
   job.restore_path = files.restore_path;
+  job.shipped_scenes = shipped_folder("scenes");
   job.live = mode.live;
   job.require_realtime = mode.require_realtime;
   job.stop = &stop_flag;
@@ -123,7 +126,9 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   if (!summary || !film) return summary;
   if (Status finished = film->finish(); !finished) return finished.error();
   if (film->frames() == 0)
-    print_warning(loaded.scene.file, "the run ended before the first frame of its film: none was written");
+    print_warning(
+        loaded.scene.file,
+        "the run ended before the first frame of its film: none was written; a longer duration_s or a higher --video-fps gives one");
   else if (!quiet)
     note(fmt::format("film: {} frames, {} a second, in {}\n", film->frames(), files.video_fps, files.video));
   return summary;
@@ -140,20 +145,24 @@ struct DrillOptions {
   bool json = false, quiet = false, offscreen = false, force = false;
 };
 
-/// Results of another scene are not overwritten: they are likely wanted still. @returns bad_input if the folder holds some.
+/// Results of another scene are not overwritten: they are likely wanted still. A scene that was edited is the same scene: its file is at the
+/// same place. @returns bad_input if the folder holds results of another scene, or a summary.json of another program.
 Status check_old_results(const std::string& folder, const std::string& scene_file) {
+  constexpr const char* kNext = "give another folder by --out, or --force to replace them";
   const std::string path = (std::filesystem::path(folder) / "summary.json").string();
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return {};
+  if (!std::filesystem::exists(path, ignored)) return {};
   const auto text = read_file(path);
-  if (!text) return {};
-  const nlohmann::json old = nlohmann::json::parse(*text, nullptr, false);
-  if (!old.is_object() || !old.contains("scene") || !old["scene"].is_string()) return {};
+  const nlohmann::json old = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  if (!old.is_object() || !old.contains("scene") || !old["scene"].is_string())
+    return bad_input(fmt::format("holds a summary.json that is none of burrhole drill: {}", kNext), folder);
   const std::string before = std::filesystem::path(old["scene"].get<std::string>()).filename().string();
   const std::string now = std::filesystem::path(scene_file).filename().string();
-  if (before == now) return {};
-  return bad_input(fmt::format("holds results of another scene, {}: give another folder by --out, or --force to replace them", before),
-                   folder);
+  if (before != now) return bad_input(fmt::format("holds results of another scene, {}: {}", before, kNext), folder);
+  const auto place = nlohmann::json::json_pointer("/provenance/scene_place");
+  if (!old.contains(place) || !old[place].is_string()) return {};  // of an earlier version
+  if (old[place] == place_of_scene(scene_file, folder, shipped_folder("scenes"))) return {};
+  return bad_input(fmt::format("holds results of another scene, of a {} in another folder: {}", before, kNext), folder);
 }
 
 /// Runs the command once its arguments are parsed.

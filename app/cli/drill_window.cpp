@@ -83,7 +83,9 @@ void add_window_options(CLI::App& command, WindowOptions& options) {
 Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool quiet) {
   if (!has_display()) {
     if (options.asked)
-      return Error{ErrorCode::unavailable, "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set", {}};
+      return Error{ErrorCode::unavailable,
+                   "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set; --offscreen drills without one",
+                   {}};
     return false;
   }
   const auto document = scene.document();
@@ -97,7 +99,8 @@ Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool qui
     return std::ranges::any_of(scene.sets, [&](const std::string& set) { return set.starts_with(key); });
   };
   if (options.demonstration && options.reference_push == 0.0)
-    return bad_input("--demo needs a script: hand.kind is \"mouse\"", document->file_name());
+    return bad_input("--demo needs a script, and hand.kind is \"mouse\": leave --demo out, or --set hand.kind=script",
+                     document->file_name());
   if (options.reference_push > 0.0 && !options.demonstration)
     scene.sets.insert(scene.sets.begin(), kUsersHand);  // else the scene has a person's hand already
   if (!is_set("duration_s")) scene.sets.emplace_back(kUsersTime);
@@ -108,6 +111,7 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
   WindowRun run;
   run.job.folder = files.folder;
   run.job.restore_path = files.restore_path;
+  run.job.shipped_scenes = shipped_folder("scenes");
   run.job.stop = &stop_requested();
   run.job.warn = [&](const std::string& text) { print_warning(loaded.scene.file, text); };
   if (!quiet) run.job.say = [](const std::string& text) { note(text + "\n"); };
@@ -140,17 +144,20 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
 
 Result<bool> view_session_in_window(const std::string& path, const WindowOptions& options, bool quiet) {
   if (!has_display())
-    return Error{ErrorCode::unavailable, "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set", {}};
+    return Error{ErrorCode::unavailable,
+                 "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set; leave --view out to replay without one",
+                 {}};
   auto session = SessionReader::open(path);
   if (!session) return session.error();
-  if (!has_order(*session)) return bad_input("a session of schema 1 cannot be shown: it has no order of steps", path);
+  if (!has_order(*session))
+    return bad_input("a session of schema 1 cannot be shown: it has no order of steps; leave --view out to replay it", path);
   auto hand = RecordedHand::create(*session);
   if (!hand) return Error{hand.error().code, hand.error().message, path};
-  if (hand->ticks() == 0) return bad_input("the session has no motion to show", path);
+  if (hand->ticks() == 0) return bad_input("the session has no motion to show: record a longer run", path);
   auto loaded = load_recorded(*session, hand->ticks(), true);
   if (!loaded) return loaded.error();
   if (loaded->scene.find<DisplayConfig>() == nullptr)
-    return bad_input("the session's scene has no [display], so there is nothing to show", path);
+    return bad_input("the session's scene has no [display], so there is nothing to show: leave --view out to replay it", path);
   RecordedFile checkpoint;
   if (Status written = checkpoint.write(*session, "restore"); !written) return written.error();
   SessionView view;

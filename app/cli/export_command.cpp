@@ -4,6 +4,7 @@
 
 #include "app/cli/command_text.h"
 #include "app/cli/commands.h"
+#include "app/cli/drilling.h"
 #include "app/cli/progress.h"
 #include "app/scene/volume_scene.h"
 #include "core/base/units.h"
@@ -54,7 +55,7 @@ Status check_paths(const Options& option) {
   const fs::path output(option.output);
   std::error_code ignored;
   if (output.has_parent_path() && !fs::is_directory(output.parent_path(), ignored))
-    return bad_input("there is no folder " + output.parent_path().string(), option.output);
+    return bad_input("there is no folder " + output.parent_path().string() + "; make it, or give another by --out", option.output);
   for (const std::string& read : {option.input.scene, option.restore})
     if (!read.empty() && fs::equivalent(read, output, ignored))
       return bad_input("is the file that is read: choose another name", option.output);
@@ -93,7 +94,20 @@ Result<Source> load_volume(const Options& option, Progress& progress) {
   return Source{std::move(imported->bone), std::nullopt};
 }
 
+/// @returns the error of an input that is not there, with the nearest shipped scene.
+Error input_not_found(const std::string& input) {
+  const auto near = nearest_name(fs::path(input).stem().string(), shipped_names("scenes"));
+  return bad_input("there is no such file, and no shipped scene of that name" +
+                       (near ? "; did you mean \"" + *near + "\"?" : std::string(" (burrhole scenes lists them)")),
+                   input);
+}
+
 std::optional<Source> load_source(const Options& option, Progress& progress, int& exit_code) {
+  std::error_code ignored;
+  if (!fs::exists(find_scene(option.input.scene), ignored)) {
+    exit_code = report(input_not_found(option.input.scene));
+    return std::nullopt;
+  }
   if (is_scene(option.input.scene)) {
     if (!option.unit.empty() || !option.series.empty()) {
       exit_code = report(bad_input("--unit and --series are for volumes: a scene has keys for them", option.input.scene));
@@ -142,6 +156,8 @@ Status export_volume(const Options& option, const Source& source, Progress& prog
     if (Status restored = voxmap->restore(option.restore); !restored) return restored;
   ExportRequest request = request_of(option);
   request.progress = [&](double share) { progress.show(share, "writing"); };
+  request.stop = &stop_requested();
+  catch_signals();  // from here on there is a temporary file to remove
   const auto done = export_bone(*voxmap, request);
   if (!done) return done.error();
   print(report_text(option, *done, voxmap->blocks().size() > 0 && !option.undrilled));
@@ -160,7 +176,9 @@ int export_input(const Options& option) {
   const auto source = load_source(option, progress, exit_code);
   if (!source) return exit_code;
   const Status done = plan ? export_plan(option, *source) : export_volume(option, *source, progress);
-  return done ? kDone : report(done.error());
+  if (done) return kDone;
+  const int failed = report(done.error());
+  return stop_requested() ? kInterrupted : failed;
 }
 
 }  // namespace
@@ -177,7 +195,7 @@ void add_export(CLI::App& app, int& exit_code) {
        .examples = {"burrhole export out/bone.vdb -o drilled.nii.gz", "burrhole export out/bone.vdb -o before.nrrd --undrilled",
                     "burrhole export out/bone.vdb -o labels.nii.gz --field labels --crop", "burrhole export out/bone.vdb -o skull.stl",
                     "burrhole export my_scene.toml --restore out/bone.vdb -o drilled.nrrd", "burrhole export parietal -o plan.mrk.json"},
-       .exits = ""});
+       .exits = "Exit 130 after Ctrl-C: a file that was there is kept, and no part of a new one is left."});
   auto option = std::make_shared<Options>();
   command->add_option("input", option->input.scene, "bone.vdb of a run, volume that import reads, scene file, or name of a shipped scene")
       ->type_name(kFileValue)

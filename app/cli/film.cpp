@@ -57,7 +57,8 @@ Status remove_frames(const std::string& folder) {
     if (is_frame(entry->path().filename().string())) found.push_back(entry->path());
   for (const fs::path& file : found)
     if (!error) fs::remove(file, error);
-  if (error) return bad_input("cannot remove the frames of an earlier film: " + error.message(), folder);
+  if (error)
+    return bad_input("cannot remove the frames of an earlier film: " + error.message() + "; give another folder by --video", folder);
   return {};
 }
 
@@ -88,7 +89,7 @@ class FolderFilm final : public FilmWriter {
   Status begin() const {
     std::error_code error;
     fs::create_directories(folder_, error);
-    if (error) return bad_input("cannot make the folder of the film: " + error.message(), folder_);
+    if (error) return bad_input("cannot make the folder of the film: " + error.message() + "; give another by --video", folder_);
     return remove_frames(folder_);
   }
 
@@ -145,7 +146,9 @@ class VideoFilm final : public FilmWriter {
   }
 
  private:
-  Error failed(const std::string& why) const { return {ErrorCode::unavailable, "ffmpeg failed (" + why + ") and wrote no video", file_}; }
+  Error failed(const std::string& why) const {
+    return {ErrorCode::unavailable, "ffmpeg failed (" + why + ") and wrote no video; give a folder to get its frames", file_};
+  }
 
   Status start(int width, int height) {
     width_ = width;
@@ -218,15 +221,16 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, 
   std::error_code ignored;
   const bool is_folder = fs::is_directory(given, ignored);
   const char* format = format_of(ending);
-  if (format != nullptr && is_folder) return bad_input("a video has this name, but it is a folder", path);
+  if (format != nullptr && is_folder) return bad_input("a video has this name, but it is a folder: choose another name", path);
   if (format == nullptr && !is_folder && !ending.empty()) return bad_input("a film is a folder, or a file .mp4, .mkv or .webm", path);
   if (format == nullptr) return std::unique_ptr<FilmWriter>(std::make_unique<FolderFilm>(path));
   const std::string program = find_program("ffmpeg");
   if (program.empty())
     return Error{ErrorCode::unavailable, "a video needs the program ffmpeg, which is not installed; give a folder to get its frames", path};
   const std::string folder = given.parent_path().empty() ? "." : given.parent_path().string();
-  if (!fs::is_directory(folder, ignored)) return bad_input("there is no such folder for the video", folder);
-  if (access(folder.c_str(), W_OK) != 0) return bad_input("cannot write into the folder of the video", folder);
+  if (!fs::is_directory(folder, ignored))
+    return bad_input("there is no such folder for the video: make it, or give another by --video", folder);
+  if (access(folder.c_str(), W_OK) != 0) return bad_input("cannot write into the folder of the video: give another by --video", folder);
   return std::unique_ptr<FilmWriter>(std::make_unique<VideoFilm>(program, path, format, rate));
 }
 

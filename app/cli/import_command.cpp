@@ -5,6 +5,7 @@
 
 #include "app/cli/command_text.h"
 #include "app/cli/commands.h"
+#include "app/cli/drilling.h"
 #include "app/cli/progress.h"
 #include "app/cli/volume_picture.h"
 #include "app/scene/volume_scene.h"
@@ -73,7 +74,7 @@ Status check_output(const std::string& volume, bool given) {
   const fs::path folder = fs::path(volume).parent_path();
   std::error_code ignored;
   if (!folder.empty() && !fs::is_directory(folder, ignored))
-    return bad_input("--volume " + volume + ": there is no folder " + folder.string());
+    return bad_input("--volume " + volume + ": there is no folder " + folder.string() + "; make it, or give another");
   return {};
 }
 
@@ -88,7 +89,7 @@ Result<std::string> overview_file(const std::string& path) {
 
 /// Draws slices and a view of the bone, with the box around it.
 Status draw_overview(const Options& option, const BoneModel& bone, const ImportReport& report) {
-  if (bone.bone_voxels() == 0) return bad_input("has no bone to draw", option.input);
+  if (bone.bone_voxels() == 0) return bad_input("has no bone to draw: give the band of its bone by --bone-hu LO,HI", option.input);
   const auto file = overview_file(option.overview);
   if (!file) return file.error();
   VolumePicture picture;
@@ -125,6 +126,11 @@ Status save_bone(const std::shared_ptr<const BoneModel>& bone, const std::string
   return voxmap ? voxmap->save(path) : Status(voxmap.error());
 }
 
+int report_stopped(const std::string& volume) {
+  note(fmt::format("{}: stopped after it was written: the rest was not done\n", volume));
+  return kInterrupted;
+}
+
 int import_input(const Options& option) {
   ImportRequest request{option.input, {}, {}};
   request.read.series = option.series;
@@ -144,8 +150,11 @@ int import_input(const Options& option) {
   request.read.progress = [&](double share) { progress.show(share, "reading"); };
   auto imported = import_bone(request, [&](const std::string& line) { progress.say(line); });
   if (!imported) return report(imported.error());
-  if (!option.volume.empty())
+  if (!option.volume.empty()) {
+    catch_signals();  // while there is a temporary file
     if (const Status written = save_bone(imported->bone, option.volume); !written) return report(written.error());
+    if (stop_requested()) return report_stopped(option.volume);
+  }
   const BoneModel& bone = *imported->bone;
   if (!option.overview.empty())
     if (const Status drawn = draw_overview(option, bone, imported->report); !drawn) return report(drawn.error());

@@ -23,6 +23,7 @@ struct Options {
   SceneOption scene;
   std::string image = "burrhole.png", size, camera, method, restore, unit, gl = "auto", shader_folder;
   bool cut = false, no_tool = false, overview = false, slices_through_tip = false;
+  bool stereo = false, workbench = false;  ///< the options were given
   std::optional<double> depth_mm;
 };
 
@@ -110,27 +111,34 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
 
 /// Options that name a part of a scene. @returns bad_input if one was given for a volume.
 Status check_volume_options(const Options& option) {
-  const std::pair<bool, const char*> scene_only[] = {{!option.restore.empty(), "--restore"},
+  const std::pair<bool, const char*> scene_only[] = {{option.stereo, "--stereo"},
+                                                     {option.workbench, "--workbench"},
+                                                     {!option.scene.unsets.empty(), "--unset"},
+                                                     {!option.scene.tool_sets.empty(), "--set-tool"},
+                                                     {option.overview, "--overview"},
+                                                     {!option.restore.empty(), "--restore"},
                                                      {option.no_tool, "--no-tool"},
                                                      {option.depth_mm.has_value(), "--depth-mm"},
                                                      {option.slices_through_tip, "--slices-through-tip"}};
   for (const auto& [given, name] : scene_only)
     if (given)
-      return bad_input(fmt::format("{} needs a scene: {} is a volume, which has no bit and no approach", name, option.scene.scene));
+      return bad_input(fmt::format("{} needs a scene: {} is a volume, which has no tables, no bit and no approach; leave {} out", name,
+                                   option.scene.scene, name));
   return {};
 }
 
-/// Draws a volume in place of a scene: all of its bone, from anterior left above, or cut open with --cut.
+/// Draws a volume in place of a scene: all of its bone, from anterior left above, or with --cut a section seen along its normal.
 Status draw_volume(const Options& option) {
   if (Status valid = check_volume_options(option); !valid) return valid;
   VolumePicture picture;
   picture.gl = option.gl;
   picture.shader_folder = option.shader_folder;
   picture.view.cut = option.cut;
-  if (option.cut) picture.view.azimuth = 70.0 * kDegree;
-  Options view = option;
-  view.overview = false;  // it always shows all of the bone
-  if (Status applied = apply_view(view, picture.display); !applied) return applied;
+  if (option.cut) {  // a sagittal section, from the patient's left
+    picture.view.azimuth = 90.0 * kDegree;
+    picture.view.elevation = 0.0;
+  }
+  if (Status applied = apply_view(option, picture.display); !applied) return applied;
   if (!option.camera.empty()) {
     picture.view.azimuth = picture.display.azimuth;
     picture.view.elevation = picture.display.elevation;
@@ -158,8 +166,8 @@ void add_render(CLI::App& app, int& exit_code) {
        .about =
            "Draws the scene offscreen into one PNG file: the bone as loaded, or with --restore the drilled bone of an earlier run, from "
            "the scene's camera or from --camera. In place of a scene it takes what burrhole import reads, a file or a folder, and draws "
-           "all "
-           "of its bone from anterior left, or cut open with --cut.",
+           "all of its bone from anterior left, or with --cut a sagittal section from the left; with --camera the section that faces the "
+           "camera most.",
        .examples = {"burrhole render parietal --image before.png", "burrhole render head.nrrd --image head.png",
                     "burrhole render parietal --restore out/bone.vdb --cut --camera 35,20,60 --image hole.png",
                     "burrhole render parietal --restore out/bone.vdb --slices-through-tip --depth-mm 4 --image slices.png"},
@@ -187,8 +195,10 @@ void add_render(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(-100.0, 100.0));
   command->add_flag("--slices-through-tip", option->slices_through_tip,
                     "three slices of 40 mm through the tip, grey by density, instead of a perspective view");
-  command->callback([option, &exit_code] {
-    if (is_volume(option->scene.scene)) {
+  command->callback([option, command, &exit_code] {
+    option->stereo = command->count("--stereo") > 0;
+    option->workbench = command->count("--workbench") > 0;
+    if (is_volume(find_scene(option->scene.scene))) {
       const Status drawn = draw_volume(*option);
       exit_code = drawn ? kDone : report(drawn.error());
       return;

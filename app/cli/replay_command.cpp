@@ -88,7 +88,7 @@ Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const 
     if (Status opened = sound.open(wav, sounds->sample_rate); !opened) return opened.error();
     options.sound = &sound;
   } else if (!wav.empty()) {
-    return bad_input("--wav: the session has no sound", path);
+    return bad_input("--wav: the session has no sound: leave --wav out, or record a run whose scene has the table [sound]", path);
   }
   std::unique_ptr<PictureSink> sink;
   if (const auto* display = loaded->scene.find<DisplayConfig>(); display != nullptr) {

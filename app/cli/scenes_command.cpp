@@ -61,7 +61,7 @@ Result<ShippedScene> read_shipped(const std::string& name) {
 
 std::string bone_text(const ShippedScene& scene) {
   if (scene.data.empty()) return "generated bone";
-  return scene.data_found ? "a scan" : "a scan that is missing: $BURRHOLE_DATA/" + scene.data;
+  return scene.data_found ? "a scan" : "a scan that is missing: $BURRHOLE_DATA/" + scene.data + "; scripts/fetch-data gets it";
 }
 
 int list_scenes(bool json) {
@@ -113,8 +113,10 @@ int copy_scene(const Options& option) {
     print(copy.string() + "\n");
   }
   if (!scene->data_found)
-    note(fmt::format("the scan is no part of the program: set BURRHOLE_DATA to the folder that holds {}, or set volume.source\n",
-                     scene->data));
+    note(fmt::format(
+        "the scan is not part of the program: scripts/fetch-data gets it; then set BURRHOLE_DATA to the folder that holds {}, or set "
+        "volume.source\n",
+        scene->data));
   return kDone;
 }
 

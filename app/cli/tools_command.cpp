@@ -272,7 +272,8 @@ int list_tools(bool json) {
 }
 
 int run_tools(const Options& options) {
-  if (!options.image.empty() && options.name.empty()) return report(bad_input("--image draws one bit and needs its name"));
+  if (!options.image.empty() && options.name.empty())
+    return report(bad_input("--image draws one bit and needs its name: burrhole tools NAME --image FILE"));
   if (!options.image.empty() && fs::path(options.image).extension() != ".png")
     return report(bad_input("--image writes PNG: the file name must end in .png", options.image));
   return options.name.empty() ? list_tools(options.json) : show_tool(options);

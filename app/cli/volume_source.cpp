@@ -35,7 +35,7 @@ Result<ImportRequest> make_request(const std::string& path, const std::vector<st
   if (!document) return document.error();
   for (const std::string& assignment : sets) {
     if (!assignment.starts_with("volume."))
-      return bad_input("--set " + assignment + ": a volume has no scene, so only keys of [volume] can be set");
+      return bad_input("--set " + assignment + ": a volume has no scene, so only keys of [volume] can be set; leave it out");
     if (Status set = document->set(assignment); !set) return set.error();
   }
   Issues issues;
@@ -43,7 +43,7 @@ Result<ImportRequest> make_request(const std::string& path, const std::vector<st
   auto table = root.table("volume", "");
   const VolumeScene volume = read_volume(std::move(*table), path);
   if (!issues.empty()) return issues.front();
-  if (!volume.scan) return bad_input("is not a volume of a file or folder", path);
+  if (!volume.scan) return bad_input("is not a volume of a file or folder: burrhole import --help lists what is read", path);
   return volume.scan->request;
 }
 
@@ -84,13 +84,14 @@ Result<ImportedBone> read_volume_for_picture(const std::string& path, const std:
       return bad_input("the shape is known");
     };
     const auto stopped = import_bone(probe, {});
-    if (!seen) return stopped ? bad_input("is not a volume", path) : stopped.error();
+    if (!seen) return stopped ? bad_input("is not a volume: burrhole import --help lists what is read", path) : stopped.error();
     request->bone.spacing = picture_spacing(*seen);
   }
   request->read.progress = [&](double share) { progress.show(share, "reading"); };
   auto bone = import_bone(*request, {});
   if (!bone) return bone.error();
-  if (bone->bone->bone_voxels() == 0) return bad_input("has no bone to draw", path);
+  if (bone->bone->bone_voxels() == 0)
+    return bad_input("has no bone to draw: give the band of its bone by --set 'volume.bone_hu=[LO, HI]'", path);
   return bone;
 }
 

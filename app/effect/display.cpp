@@ -83,7 +83,7 @@ Appearance read_appearance(TableReader& table, bool surface, bool translucent) {
                    "procedural: details of original surface, cut bone, pores of diploe and vessels on dura; plain: colours only") ==
       "procedural";
   out.occlusion = table.boolean("ambient_occlusion", true, "ambient occlusion");
-  out.shadow = table.boolean("shadow", false, "shadows of bone on bone");
+  out.shadow = table.boolean("shadow", false, "shadows of bone and tool on bone");
   out.specular = table.boolean("specular", false, "specular highlights of a wet surface");
   return out;
 }

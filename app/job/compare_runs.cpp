@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "app/report/file.h"
 #include "app/report/html.h"
@@ -36,7 +37,7 @@ void add_facts(const Json& json, RunResults& out) {
   for (const char* key : {"title", "scene", "result", "reason", "flags"}) add(key, json.value(key, Json()));
   const Json made = json.value("provenance", Json());
   if (!made.is_object()) return;
-  for (const char* key : {"program", "date", "machine", "overrides", "tool_overrides"}) add(key, made.value(key, Json()));
+  for (const char* key : {"program", "date", "machine", "overrides", "tool_overrides", "drilled_before"}) add(key, made.value(key, Json()));
   const Json factors = made.value("erosion_factors_per_rev", Json::object()), hashes = made.value("hash", Json::object());
   for (const auto& [region, factor] : factors.items()) add(("erosion factor of the " + region).c_str(), factor);
   for (const auto& [of, hash] : hashes.items()) add(("hash of the " + of).c_str(), hash);
@@ -49,6 +50,8 @@ void add_figures(const Json& json, RunResults& out) {
       out.figures.emplace_back(key, value.get<double>());
     else if (value.is_null())
       out.figures.emplace_back(key, std::nullopt);
+    else if (value.is_boolean())
+      out.facts.emplace_back(key, text_of(value));
   for (const char* key : {"duration_s", "wall_s"})
     if (const Json value = json.value(key, Json()); value.is_number()) out.figures.emplace_back(key, value.get<double>());
   const Json hashes = json.value("hash", Json::object());
@@ -165,9 +168,9 @@ Result<RunResults> read_run(const std::string& path) {
     return bad_input("is not a summary.json of burrhole drill", file);
   add_facts(json, out);
   add_figures(json, out);
-  auto curves = add_curves(json, out);
-  if (!curves) return curves.error();
-  out.no_curves = *curves;
+  const auto curves = add_curves(json, out);
+  out.no_curves = curves ? *curves : "the session cannot be read: " + curves.error().message;
+  out.damaged = !curves;
   for (fs::directory_iterator at(out.folder.empty() ? "." : out.folder, ignored); at != fs::directory_iterator(); at.increment(ignored))
     if (at->path().extension() == ".png") out.pictures.push_back(at->path().stem().string());
   std::ranges::sort(out.pictures);
@@ -198,25 +201,42 @@ std::vector<ComparedRow> compared_rows(std::span<const RunResults> runs) {
   return out;
 }
 
+namespace {
+
+/// @returns the number of characters of a UTF-8 text: of its bytes that do not continue one.
+std::size_t length_of(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
+}
+
+/// @returns the text, or if it is longer its first characters and three dots.
+std::string cut(const std::string& text, std::size_t widest) {
+  if (length_of(text) <= widest) return text;
+  std::size_t characters = 0, end = 0;
+  for (; end < text.size(); ++end)
+    if ((static_cast<unsigned char>(text[end]) & 0xc0u) != 0x80u && characters++ == widest - 3) break;
+  return text.substr(0, end) + "...";
+}
+
+}  // namespace
+
 std::string comparison_text(std::span<const RunResults> runs) {
-  constexpr std::size_t kWidest = 44;  // of a cell; longer ones are cut
-  const auto cut = [](const std::string& text) { return text.size() <= kWidest ? text : text.substr(0, kWidest - 3) + "..."; };
+  constexpr std::size_t kWidest = 44;  // [characters] of a cell; longer ones are cut
   std::vector<std::vector<std::string>> lines{{"", ""}};
-  for (const RunResults& run : runs) lines.front().push_back(cut(run.name));
+  for (const RunResults& run : runs) lines.front().push_back(cut(run.name, kWidest));
   if (runs.size() == 2) lines.front().emplace_back("difference");
   for (const ComparedRow& row : compared_rows(runs)) {
     std::vector<std::string> line{row.differs ? "*" : " ", row.name};
-    for (const std::string& cell : row.cells) line.push_back(cut(cell));
+    for (const std::string& cell : row.cells) line.push_back(cut(cell, kWidest));
     if (runs.size() == 2) line.push_back(row.difference);
     lines.push_back(std::move(line));
   }
   std::vector<std::size_t> widths(lines.front().size(), 0);
   for (const auto& line : lines)
-    for (std::size_t n = 0; n < line.size(); ++n) widths[n] = std::max(widths[n], line[n].size());
+    for (std::size_t n = 0; n < line.size(); ++n) widths[n] = std::max(widths[n], length_of(line[n]));
   std::string out;
   for (const auto& line : lines) {
     std::string text;
-    for (std::size_t n = 0; n < line.size(); ++n) text += fmt::format("{:<{}}{}", line[n], widths[n], n == 0 ? " " : "  ");
+    for (std::size_t n = 0; n < line.size(); ++n) text += line[n] + std::string(widths[n] - length_of(line[n]) + (n == 0 ? 1 : 2), ' ');
     out += text.substr(0, text.find_last_not_of(' ') + 1) + "\n";
   }
   return out;

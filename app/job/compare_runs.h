@@ -1,6 +1,6 @@
 /// app/job/compare_runs.h: results of several runs side by side: a table, and curves over each other.
 ///   Frame  none: depth is along the axis of drilling, from the entry.   Units  in the names.
-///   Errors  bad_input with the path: no results there, or damaged ones.   Thread  any.
+///   Errors  bad_input with the path: no results there, or a damaged summary.json.   Thread  any.
 #pragma once
 
 #include <map>
@@ -22,10 +22,11 @@ struct RunResults {
   std::vector<std::pair<std::string, std::optional<double>>> figures;  ///< names with units; nothing: null in summary.json
   std::vector<double> time_s, force_N, depth_mm;                       ///< of the session; depth empty without an approach
   std::string no_curves;                                               ///< why there are none; empty: there are
+  bool damaged = false;                                                ///< its session is, which is why there are no curves
   std::vector<std::string> pictures;                                   ///< names without ending, in alphabetical order
 };
 
-/// @param path a folder with summary.json, or that file. A run without a session has no curves.
+/// @param path a folder with summary.json, or that file. A run without a session, or with a damaged one, has no curves.
 [[nodiscard]] Result<RunResults> read_run(const std::string& path);
 
 /// A row of the comparison; empty cells do not apply.

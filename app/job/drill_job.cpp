@@ -190,6 +190,12 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   return std::optional<SessionWriter>(std::move(session).value());
 }
 
+RunProvenance provenance_of(const LoadedScene& loaded, const DrillJob& job, bool drilled_before) {
+  RunProvenance out = burrhole::provenance_of(loaded, date_of(job), drilled_before);
+  if (!job.folder.empty()) out.scene_place = place_of_scene(loaded.scene.file, job.folder, job.shipped_scenes);
+  return out;
+}
+
 /// @returns a line on a breakthrough that an undo, a reset or a restore took back: it happened, and the figures of the hole do not show it.
 std::optional<std::string> undone_warning(const Simulation& simulation, const RunSummary& summary) {
   if (summary.breakthrough_s) return std::nullopt;
@@ -239,7 +245,7 @@ Result<Outputs> open_outputs(const LoadedScene& loaded, const DrillJob& job, con
   if (Status opened = sound.open(); !opened) return opened.error();
   auto session = open_session(loaded, job, stage, sink, *files);
   if (!session) return session.error();
-  earlier->drop();
+  if (Status dropped = earlier->drop(); !dropped) return dropped.error();
   return Outputs{std::move(lock).value(), std::move(earlier).value(), std::move(session).value()};
 }
 
@@ -344,7 +350,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (!outputs) return outputs.error();
   if (outputs->session) simulation->set_session(&*outputs->session);
   if (job.begin) job.begin(*simulation);
-  RunProvenance made = provenance_of(loaded, date_of(job), simulation->voxmap().starts_drilled());
+  RunProvenance made = provenance_of(loaded, job, simulation->voxmap().starts_drilled());
   const auto start = std::chrono::steady_clock::now();
   if (Status ran = simulation->run(); !ran) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

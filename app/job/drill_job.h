@@ -18,6 +18,7 @@ namespace burrhole {
 struct DrillJob {
   std::string folder;                       ///< of the outputs; empty: nothing is written
   std::string restore_path;                 ///< checkpoint to start from; empty: bone as loaded
+  std::string shipped_scenes;               ///< folder of the shipped scenes, for place_of_scene(); may be empty
   bool live = false;                        ///< true: on threads in real time; false: in lockstep
   bool require_realtime = false;            ///< live: a refused priority is an error
   MakePictureSink make_sink;                ///< for scenes with [display]; empty: no picture is drawn

@@ -102,6 +102,19 @@ std::optional<std::uint64_t> volume_hash(const BoneModel& bone) {
   return hash.value();
 }
 
+std::string place_of_scene(const std::string& scene_file, const std::string& results, const std::string& shipped) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const auto clean = [&](const std::string& path) {
+    const fs::path absolute = fs::absolute(path, ignored);
+    const fs::path known = fs::weakly_canonical(absolute, ignored);
+    return (known.empty() ? absolute : known).lexically_normal();
+  };
+  const fs::path scene = clean(scene_file);
+  if (!shipped.empty() && scene.parent_path() == clean(shipped)) return hash_of("shipped " + scene.filename().string());
+  return hash_of(scene.lexically_relative(clean(results)).string());
+}
+
 std::string run_title(const LoadedScene& loaded) {
   const std::string& title = loaded.scene.title;
   const std::string& tool = loaded.tool.title.empty() ? loaded.tool.name : loaded.tool.title;

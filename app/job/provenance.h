@@ -19,12 +19,17 @@ struct RunProvenance {
   std::vector<std::string> overrides, tool_overrides;           ///< changes of the scene's and of the tool's file for this run
   std::vector<std::pair<std::string, double>> erosion_factors;  ///< [1/rev] of each cutting region, times tool.erosion_scale
   std::string scene_hash, tool_hash;                            ///< of the texts with the changes, without folders
+  std::string scene_place;                                      ///< place_of_scene(); filled by drill()
   std::optional<std::string> volume_hash;                       ///< of occupancy, hardness and remaining; nothing for a bone in a file
   bool drilled_before = false;                                  ///< the bone had holes at the start
 };
 
 /// @param date ISO 8601. @param drilled_before Voxmap::starts_drilled().
 [[nodiscard]] RunProvenance provenance_of(const LoadedScene& loaded, const std::string& date, bool drilled_before);
+
+/// @returns a hash by which results know their scene's file: of its path relative to the folder of the results, so that both may move
+/// together; of a scene in the folder `shipped`, of its name.
+[[nodiscard]] std::string place_of_scene(const std::string& scene_file, const std::string& results, const std::string& shipped);
 
 /// @returns the title of a run: that of its scene, and the bit in use.
 [[nodiscard]] std::string run_title(const LoadedScene& loaded);

@@ -55,17 +55,21 @@ bool EarlierResults::is_input(const fs::path& file) const {
   });
 }
 
-std::vector<std::string> EarlierResults::found() const {
+Result<std::vector<std::string>> EarlierResults::found() const {
   const fs::path folder(config_.folder);
-  std::error_code ignored;
+  std::error_code error, ignored;
   std::vector<std::string> out;
-  for (fs::directory_iterator at(folder, ignored), end; !ignored && at != end; at.increment(ignored)) {
+  fs::directory_iterator at;
+  do at = fs::directory_iterator(folder, error);
+  while (error == std::errc::interrupted);
+  for (const fs::directory_iterator end; !error && at != end; at.increment(error)) {
     const std::string name = at->path().filename().string();
     const fs::file_status status = at->symlink_status(ignored);
     // An input that this run does not write itself stays where the scene or a replay reads it.
     const bool stays = name == kBoneFile && !config_.writes_bone && is_input(at->path());
     if (is_result(name) && !stays && (fs::is_regular_file(status) || fs::is_symlink(status))) out.push_back(name);
   }
+  if (error) return bad_input("the output folder cannot be read: " + error.message(), config_.folder);
   std::vector<std::string> sessions;
   if (config_.session) sessions.push_back(*config_.session);
   // A run without a session would leave that of the earlier results beside its own.
@@ -80,7 +84,9 @@ std::vector<std::string> EarlierResults::found() const {
 Result<EarlierResults> EarlierResults::set_aside(EarlierResultsConfig config) {
   EarlierResults out(std::move(config));
   if (out.config_.folder.empty()) return out;
-  for (const std::string& name : out.found()) {
+  const auto names = out.found();
+  if (!names) return names.error();
+  for (const std::string& name : *names) {
     const fs::path from = fs::path(out.config_.folder) / name, to = out.aside() / name;
     std::error_code error;
     fs::create_directories(to.parent_path(), error);
@@ -107,12 +113,15 @@ EarlierResults::~EarlierResults() {
   if (all) fs::remove_all(aside(), error);
 }
 
-void EarlierResults::drop() {
-  if (config_.folder.empty()) return;
-  std::error_code ignored;
-  fs::rename(aside() / kBoneFile, fs::path(config_.folder) / kEarlierBoneFile, ignored);
-  fs::remove_all(aside(), ignored);
+Status EarlierResults::drop() {
+  if (config_.folder.empty()) return {};
+  std::error_code error;
+  const fs::path bone = aside() / kBoneFile;
+  if (fs::exists(bone, error)) fs::rename(bone, fs::path(config_.folder) / kEarlierBoneFile, error);
+  if (error) return bad_input("the bone of an earlier run cannot be set aside: " + error.message(), bone.string());
+  fs::remove_all(aside(), error);
   moved_.clear();
+  return {};
 }
 
 void EarlierResults::replaced() const {

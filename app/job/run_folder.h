@@ -37,14 +37,15 @@ class EarlierResults {
   EarlierResults& operator=(EarlierResults&&) = delete;
   /// Puts them back unless drop() was called.
   ~EarlierResults();
-  /// This run starts: the bone gets the name bone.earlier.vdb, the others are deleted.
-  void drop();
+  /// This run starts: the bone gets the name bone.earlier.vdb, the others are deleted. bad_input: the bone cannot be renamed; nothing is
+  /// deleted then.
+  [[nodiscard]] Status drop();
   /// This run has written all of its results, its bone among them if it writes one: the earlier bone is deleted then.
   void replaced() const;
 
  private:
   explicit EarlierResults(EarlierResultsConfig config) : config_(std::move(config)) {}
-  [[nodiscard]] std::vector<std::string> found() const;
+  [[nodiscard]] Result<std::vector<std::string>> found() const;
   [[nodiscard]] bool is_input(const std::filesystem::path& file) const;
   [[nodiscard]] std::filesystem::path aside() const;
 

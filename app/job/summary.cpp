@@ -53,6 +53,7 @@ Json provenance_json(const std::optional<RunProvenance>& made) {
           {"tool_overrides", made->tool_overrides},
           {"erosion_factors_per_rev", factors},
           {"drilled_before", made->drilled_before},
+          {"scene_place", text_or_null(made->scene_place)},
           {"hash",
            {{"scene", made->scene_hash}, {"tool", made->tool_hash}, {"volume", made->volume_hash ? Json(*made->volume_hash) : Json()}}}};
 }

@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "app/lab/contact_rig.h"
 #include "app/lab/oracle/contact_reference.h"
+#include "app/report/file.h"
 #include "core/base/portable_math.h"
 #include "core/base/random.h"
 #include "core/base/units.h"
@@ -20,6 +23,7 @@ namespace {
 
 struct LabTool {
   std::string name;
+  std::string text;  // of its file
   PointShell shell;
   std::unique_ptr<PenaltyModel> model;
 };
@@ -28,12 +32,15 @@ Result<std::vector<LabTool>> load_tools(const ContactAccuracyOptions& options) {
   std::vector<LabTool> tools;
   for (const std::string& name : options.tools) {
     Issues issues;
+    const std::string file = options.tool_folder + "/" + name + ".toml";
     // Erosion points are not used here: coarse ones are made quickly.
-    auto tool = load_tool(options.tool_folder + "/" + name + ".toml", {.erosion_pitch = 1e-3}, issues);
+    auto tool = load_tool(file, {.erosion_pitch = 1e-3}, issues);
     if (!tool) return issues.front();
+    auto text = read_file(file);
+    if (!text) return text.error();
     auto model = GradientPlane::create(options.model, tool->shell);
     if (!model) return model.error();
-    tools.push_back({name, std::move(tool->shell), std::move(model).value()});
+    tools.push_back({name, std::move(text).value(), std::move(tool->shell), std::move(model).value()});
   }
   return tools;
 }
@@ -121,48 +128,113 @@ constexpr const char* kShippedForm = "gradient-plane, words";
 constexpr const char* kLawReference = "average over colliding points of closed-form depths";
 constexpr const char* kWayReference = "k x closed-form translation distance along the push";
 
-void add_rows(std::vector<CostRow>& rows, CostRow row, const Samples& samples) {
-  if (samples.own_law.empty()) return;
-  row.median_us = at_share(samples.time_us, 0.5);
-  row.p99_us = at_share(samples.time_us, 0.99);
-  const auto add = [&](const char* name, const std::vector<double>& errors, double share, const char* unit, const char* reference) {
-    row.error_name = std::string(name);
-    row.error = at_share(errors, share);
-    row.unit = std::string(unit);
-    row.reference = std::string(reference);
-    rows.push_back(row);
-  };
-  add("own_law_median", samples.own_law, 0.5, "%", kLawReference);
-  add("own_law_worst", samples.own_law, 1.0, "%", kLawReference);
-  add("own_law_worst_length", samples.own_law_voxel, 1.0, "voxel", kLawReference);
-  add("translation_median", samples.translation, 0.5, "%", kWayReference);
-  add("translation_worst", samples.translation, 1.0, "%", kWayReference);
+struct ContactError {
+  const char *name, *unit, *reference;
+};
+constexpr std::array kErrors{ContactError{"own_law_median", "%", kLawReference}, ContactError{"own_law_worst", "%", kLawReference},
+                             ContactError{"own_law_worst_length", "voxel", kLawReference},
+                             ContactError{"translation_median", "%", kWayReference}, ContactError{"translation_worst", "%", kWayReference}};
+constexpr std::size_t kFigures = kErrors.size() + 2;  // and the median and the 99th percentile of the times [us]
+
+/// @returns the errors in the order of kErrors, then the times; NaN if the tool met no bone.
+Study::Figures figures_of(const Samples& samples) {
+  if (samples.own_law.empty()) return Study::Figures(kFigures, std::numeric_limits<double>::quiet_NaN());
+  return {at_share(samples.own_law, 0.5),     at_share(samples.own_law, 1.0),     at_share(samples.own_law_voxel, 1.0),
+          at_share(samples.translation, 0.5), at_share(samples.translation, 1.0), at_share(samples.time_us, 0.5),
+          at_share(samples.time_us, 0.99)};
 }
 
-Status measure_bone(const LabBone& bone, const std::vector<LabTool>& tools, const ContactAccuracyOptions& options,
+void add_rows(std::vector<CostRow>& rows, CostRow row, const Study::Figures& figures) {
+  if (std::isnan(figures.front())) return;
+  row.median_us = figures[kErrors.size()];
+  row.p99_us = figures[kErrors.size() + 1];
+  for (std::size_t n = 0; n < kErrors.size(); ++n) {
+    row.error_name = std::string(kErrors[n].name);
+    row.error = figures[n];
+    row.unit = std::string(kErrors[n].unit);
+    row.reference = std::string(kErrors[n].reference);
+    rows.push_back(row);
+  }
+}
+
+StudyTrial trial_of(const std::string& name, const LabTool& tool, const ContactAccuracyOptions& options, std::size_t figures) {
+  StudyTrial out{.key = {}, .name = name, .figures = figures};
+  const GradientPlaneConfig& model = options.model;
+  out.key.add("contact").add(name).add(tool.text).add(options.pitch).add(options.noise).add(static_cast<double>(options.seed));
+  out.key.add(model.stiffness).add(model.paper_mode ? 1.0 : 0.0).add(model.max_march).add(model.max_ascent);
+  return out;
+}
+
+struct BoneForm {
+  const char* model;
+  ContactView view;
+  double bytes;
+};
+
+Status measure_bone(const LabBone& bone, const std::vector<LabTool>& tools, const ContactAccuracyOptions& options, Study& study,
                     std::vector<CostRow>& rows) {
   auto rig = ContactRig::create(bone.spec);
   if (!rig) return rig.error();
-  struct Form {
-    const char* model;
-    ContactView view;
-    double bytes;
-  };
-  const Form forms[] = {{kShippedForm, rig->word_view(), rig->word_bytes()},
-                        {"gradient-plane, floats", rig->float_view(), rig->float_bytes()},
-                        {"gradient-plane, vdb", rig->vdb_view(), std::numeric_limits<double>::quiet_NaN()}};
+  const BoneForm forms[] = {{kShippedForm, rig->word_view(), rig->word_bytes()},
+                            {"gradient-plane, floats", rig->float_view(), rig->float_bytes()},
+                            {"gradient-plane, vdb", rig->vdb_view(), std::numeric_limits<double>::quiet_NaN()}};
   for (const LabTool& tool : tools)
     for (const double depth : options.depths_voxel)
-      for (const Form& form : forms) {
+      for (const BoneForm& form : forms) {
         CostRow common;
         common.subject = tool.name + " on " + bone.name;
         common.model = form.model;
         common.knob = "depth_voxel";
         common.setting = depth;
         common.bytes = form.bytes;
-        add_rows(rows, common, sample(bone, *rig, form.view, tool, depth * options.pitch, options));
+        StudyTrial trial = trial_of(fmt::format("{}, {:g} voxels deep, {}", common.subject, depth, form.model), tool, options, kFigures);
+        trial.key.add(depth).add(options.placements).add(options.repeats);
+        const auto figures = study.run(trial, [&]() -> Result<Study::Figures> {
+          return figures_of(sample(bone, *rig, form.view, tool, depth * options.pitch, options));
+        });
+        if (!figures) return figures.error();
+        add_rows(rows, common, *figures);
       }
   return {};
+}
+
+constexpr int kCurveSteps = 380;      // to 1.9 mm, almost the middle of the plate
+constexpr double kCurveStep = 0.005;  // [mm]
+constexpr std::size_t kForces = 3;    // of a step: of the model, of its own law, of the translation distance
+
+Study::Figures forces_of(const LabBone& level, const ContactRig& rig, const LabTool& tool, const ContactAccuracyOptions& options) {
+  Study::Figures out;
+  ContactResult result;
+  for (int step = 1; step <= kCurveSteps; ++step) {
+    const Pose pose = placed(level, options, step * kCurveStep * kMillimetre, 0);
+    tool.model->evaluate(rig.word_view(), pose, result);
+    const double k = options.model.stiffness;
+    out.push_back(glm::dot(result.wrench.force, level.out));
+    out.push_back(glm::dot(exact_average_force(rig.truth(), tool.shell, pose, k), level.out));
+    out.push_back(k * exact_translation_distance(rig.truth(), tool.shell, pose, level.out));
+  }
+  return out;
+}
+
+Result<std::vector<ForceCurve>> measure_curves(const std::vector<LabTool>& tools, const ContactAccuracyOptions& options, Study& study) {
+  const LabBone level = bones_of(options).front();
+  auto rig = ContactRig::create(level.spec);
+  if (!rig) return rig.error();
+  std::vector<ForceCurve> curves;
+  for (const LabTool& tool : tools) {
+    const auto figures = study.run(trial_of(tool.name + " pressed into " + level.name, tool, options, kForces * kCurveSteps),
+                                   [&]() -> Result<Study::Figures> { return forces_of(level, *rig, tool, options); });
+    if (!figures) return figures.error();
+    ForceCurve curve{tool.name, {}, {}, {}, {}};
+    for (std::size_t n = 0; n < figures->size(); n += kForces) {
+      curve.depth_mm.push_back(static_cast<double>(n / kForces + 1) * kCurveStep);
+      curve.model_N.push_back((*figures)[n]);
+      curve.law_N.push_back((*figures)[n + 1]);
+      curve.translation_N.push_back((*figures)[n + 2]);
+    }
+    curves.push_back(std::move(curve));
+  }
+  return curves;
 }
 
 Status check(const ContactAccuracyOptions& options) {
@@ -186,41 +258,31 @@ double largest_loss_percent(const std::vector<double>& force) noexcept {
   return loss;
 }
 
+std::size_t count_of_trials(const ContactAccuracyOptions& options) {
+  constexpr std::size_t kForms = 3;
+  return options.tools.size() * (bones_of(options).size() * options.depths_voxel.size() * kForms + 1);
+}
+
 Result<std::vector<ForceCurve>> measure_force_curves(const ContactAccuracyOptions& options) {
   auto tools = load_tools(options);
   if (!tools) return tools.error();
-  const LabBone level = bones_of(options).front();
-  auto rig = ContactRig::create(level.spec);
-  if (!rig) return rig.error();
-  std::vector<ForceCurve> curves;
-  for (const LabTool& tool : *tools) {
-    ForceCurve curve{tool.name, {}, {}, {}, {}};
-    ContactResult result;
-    for (int step = 1; step <= 380; ++step) {  // to 1.9 mm, almost the middle of the plate
-      const double depth = step * 0.005 * kMillimetre;
-      const Pose pose = placed(level, options, depth, 0);
-      tool.model->evaluate(rig->word_view(), pose, result);
-      const double k = options.model.stiffness;
-      curve.depth_mm.push_back(depth / kMillimetre);
-      curve.model_N.push_back(glm::dot(result.wrench.force, level.out));
-      curve.law_N.push_back(glm::dot(exact_average_force(rig->truth(), tool.shell, pose, k), level.out));
-      curve.translation_N.push_back(k * exact_translation_distance(rig->truth(), tool.shell, pose, level.out));
-    }
-    curves.push_back(std::move(curve));
-  }
-  return curves;
+  Study study({}, tools->size());
+  return measure_curves(*tools, options, study);
 }
 
-Result<std::vector<CostRow>> measure_contact_accuracy(const ContactAccuracyOptions& options) {
+Result<ContactAccuracy> measure_contact_accuracy(const ContactAccuracyOptions& options) {
   if (const Status ok = check(options); !ok) return ok.error();
   auto tools = load_tools(options);
   if (!tools) return tools.error();
-  std::vector<CostRow> rows;
+  Study own({}, count_of_trials(options));
+  Study& study = options.study != nullptr ? *options.study : own;
+  ContactAccuracy out;
   for (const LabBone& bone : bones_of(options))
-    if (const Status measured = measure_bone(bone, *tools, options, rows); !measured) return measured.error();
-  auto curves = measure_force_curves(options);
+    if (const Status measured = measure_bone(bone, *tools, options, study, out.rows); !measured) return measured.error();
+  auto curves = measure_curves(*tools, options, study);
   if (!curves) return curves.error();
-  for (const ForceCurve& curve : *curves)
+  out.curves = std::move(curves).value();
+  for (const ForceCurve& curve : out.curves)
     for (const auto& [model, force] : {std::pair{kShippedForm, &curve.model_N}, {"exact average", &curve.law_N}}) {
       CostRow row;
       row.subject = curve.tool + " pressed into plate, level";
@@ -231,9 +293,9 @@ Result<std::vector<CostRow>> measure_contact_accuracy(const ContactAccuracyOptio
       row.error = largest_loss_percent(*force);
       row.unit = std::string("%");
       row.reference = "largest force at a lesser depth";
-      rows.push_back(row);
+      out.rows.push_back(row);
     }
-  return rows;
+  return out;
 }
 
 }  // namespace burrhole

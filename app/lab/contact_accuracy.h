@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/lab/cost_row.h"
+#include "app/lab/study.h"
 #include "core/contact/gradient_plane.h"
 
 namespace burrhole {
@@ -23,20 +24,10 @@ struct ContactAccuracyOptions {
   int repeats = 4;            ///< timed evaluations per placement
   std::int64_t seed = 1;      ///< of noise and placements
   GradientPlaneConfig model;  ///< the shipped default; its stiffness is k below
+  Study* study = nullptr;     ///< runs the trials: one per tool, bone, depth and form, then one curve per tool; null: nothing is kept
 };
-
-/// Let f be the force of the model. The two reference forces are
-///   own law      k x the average of depth x outward normal over the colliding points, from the closed form of the bone;
-///   translation  k x the translation distance: the distance along the outward normal after which no shell point is in bone.
-/// For each tool, bone (clean and noisy), depth, and form of the bone (packed words as published by a run, floats, OpenVDB grids) there is
-/// one row per error, with the median or the largest value over the placements:
-///   own_law_median, own_law_worst          [%] |f - own law| over |own law|
-///   own_law_worst_length                   [voxel] |f - own law| over k, in voxel edges: error of the surface position in the model
-///   translation_median, translation_worst  [%] |f - translation| over |translation|
-/// and for each tool one row for the model and one for its own law, force_lost [%]: largest decrease of the force while the depth in a
-/// level plate increases. @returns errors of tools and phantoms; out_of_range if there is no tool, depth, placement or repetition, or a
-/// depth is not between 0 and 2 mm, the middle of the plate.
-[[nodiscard]] Result<std::vector<CostRow>> measure_contact_accuracy(const ContactAccuracyOptions& options);
+/// @returns the trials of rows and curves.
+[[nodiscard]] std::size_t count_of_trials(const ContactAccuracyOptions& options);
 
 /// Force along the outward normal while a tool is pressed into a level plate; all vectors have the same size.
 struct ForceCurve {
@@ -48,6 +39,23 @@ struct ForceCurve {
 };
 /// @returns one curve per tool, to a depth of 1.9 mm in steps of 5 um; errors of tools and phantoms.
 [[nodiscard]] Result<std::vector<ForceCurve>> measure_force_curves(const ContactAccuracyOptions& options);
+
+struct ContactAccuracy {
+  std::vector<CostRow> rows;
+  std::vector<ForceCurve> curves;
+};
+/// Let f be the force of the model. The two reference forces are
+///   own law      k x the average of depth x outward normal over the colliding points, from the closed form of the bone;
+///   translation  k x the translation distance: the distance along the outward normal after which no shell point is in bone.
+/// For each tool, bone (clean and noisy), depth, and form of the bone (packed words as published by a run, floats, OpenVDB grids) there is
+/// one row per error, with the median or the largest value over the placements:
+///   own_law_median, own_law_worst          [%] |f - own law| over |own law|
+///   own_law_worst_length                   [voxel] |f - own law| over k, in voxel edges: error of the surface position in the model
+///   translation_median, translation_worst  [%] |f - translation| over |translation|
+/// and for each tool one row for the model and one for its own law, force_lost [%]: largest decrease of the force while the depth in a
+/// level plate increases. @returns errors of tools and phantoms; out_of_range if there is no tool, depth, placement or repetition, or a
+/// depth is not between 0 and 2 mm, the middle of the plate.
+[[nodiscard]] Result<ContactAccuracy> measure_contact_accuracy(const ContactAccuracyOptions& options);
 
 /// @returns the largest decrease below an earlier value, in percent of that value.
 [[nodiscard]] double largest_loss_percent(const std::vector<double>& force) noexcept;

@@ -3,35 +3,14 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
 
-#include "core/base/hash.h"
-#include "core/base/output_file.h"
-#include "core/base/physics_version.h"
+#include "app/lab/drilling_bits.h"
 
 namespace burrhole {
 namespace {
 
-constexpr std::size_t kFigures = 16;
+constexpr std::size_t kFigures = 17;
 using FigureList = std::array<double, kFigures>;
-
-std::string key_of(const DrillingTrial& trial) {
-  Hash64 hash;
-  const auto add = [&](const std::string& text) {
-    for (const char c : text) hash.add(static_cast<std::uint64_t>(static_cast<unsigned char>(c)));
-    hash.add(std::uint64_t{256});  // ends a text
-  };
-  add(drilling_scene(trial));
-  add(trial.bit);
-  for (const auto* list : {&trial.sets, &trial.tool_sets}) {
-    for (const std::string& one : *list) add(one);
-    add("");
-  }
-  hash.add(static_cast<std::uint64_t>(kPhysicsVersion));
-  return hash.hex();
-}
 
 FigureList figures_of(const DrillingResult& r) {
   const auto value = [](const std::optional<double>& v) { return v.value_or(DrillingResult::kNone); };
@@ -51,10 +30,11 @@ FigureList figures_of(const DrillingResult& r) {
           s.spacing_mm,
           value(s.depth_mm),
           value(s.hole_diameter_mm),
-          value(s.inner_diameter_mm)};
+          value(s.inner_diameter_mm),
+          static_cast<double>(s.predicted_bytes)};
 }
 
-DrillingResult result_of(const FigureList& f, std::uint64_t bytes) {
+DrillingResult result_of(const std::vector<double>& f) {
   const auto known = [](double v) { return v == v ? std::optional(v) : std::nullopt; };
   DrillingResult r;
   r.volume_mm3 = f[0];
@@ -73,36 +53,35 @@ DrillingResult result_of(const FigureList& f, std::uint64_t bytes) {
   r.summary.depth_mm = known(f[13]);
   r.summary.hole_diameter_mm = known(f[14]);
   r.summary.inner_diameter_mm = known(f[15]);
-  r.summary.predicted_bytes = bytes;
+  r.summary.predicted_bytes = static_cast<std::uint64_t>(f[16]);
   return r;
 }
 
 }  // namespace
 
-PartialDrillings::PartialDrillings(std::string path) : path_(std::move(path)) {
-  std::ifstream file(path_);
-  for (std::string line; !path_.empty() && std::getline(file, line) && !file.eof();) {  // a line without an end was cut off
-    std::istringstream words(line);
-    std::string key, word;
-    std::uint64_t bytes = 0;
-    FigureList figures{};
-    std::size_t count = 0;
-    words >> key >> bytes;
-    while (count < kFigures && words >> word) figures[count++] = std::strtod(word.c_str(), nullptr);
-    if (count == kFigures) results_[key] = result_of(figures, bytes);
+Result<std::string> key_of(const DrillingTrial& trial, const std::string& tool_folder) {
+  const DrillingBit* bit = find_drilling_bit(trial.bit);
+  if (bit == nullptr) return bad_input("the drilling study has no bit \"" + trial.bit + "\"");
+  const auto tool = drilling_bit_text(*bit, tool_folder);
+  if (!tool) return tool.error();
+  TrialKey key;
+  key.add(drilling_scene(trial)).add(*tool);
+  for (const auto* list : {&trial.sets, &trial.tool_sets}) {
+    for (const std::string& one : *list) key.add(one);
+    key.add("");
   }
+  return key.text();
 }
 
 std::optional<DrillingResult> PartialDrillings::find(const DrillingTrial& trial) const {
-  const auto found = path_.empty() ? results_.end() : results_.find(key_of(trial));
-  return found != results_.end() ? std::optional(found->second) : std::nullopt;
+  const auto key = key_of(trial, tool_folder_);
+  const auto figures = key ? results_.find(*key, kFigures) : std::nullopt;
+  return figures ? std::optional(result_of(*figures)) : std::nullopt;
 }
 
 Status PartialDrillings::add(const DrillingTrial& trial, const DrillingResult& result) {
-  if (path_.empty()) return {};
-  std::string line = fmt::format("{} {}", key_of(trial), result.summary.predicted_bytes);
-  for (const double figure : figures_of(result)) line += fmt::format(" {:a}", figure);
-  return append_to_file(path_, line + "\n");
+  const auto key = key_of(trial, tool_folder_);
+  return key ? results_.add(*key, figures_of(result)) : Status(key.error());
 }
 
 }  // namespace burrhole

@@ -215,21 +215,33 @@ Result<std::vector<DrillingResult>> run_drillings(const std::vector<DrillingTria
     place.push_back(static_cast<std::size_t>(same - unique.begin()));
     if (same == unique.end()) unique.push_back(n);
   }
+  PartialDrillings partial(runs.partial, runs.tool_folder);
   std::vector<std::optional<Result<DrillingResult>>> results(unique.size());
+  std::size_t left = 0;
+  for (std::size_t n = 0; n < unique.size(); ++n) {
+    if (auto earlier = partial.find(trials[unique[n]]))
+      results[n] = std::move(*earlier);
+    else
+      ++left;
+  }
+  if (runs.say && left < unique.size())
+    runs.say(
+        fmt::format("{} of {} holes were drilled by an earlier call that was interrupted and are not drilled again (--fresh drills all)",
+                    unique.size() - left, unique.size()));
   std::atomic<std::size_t> next{0}, done{0};
   std::atomic<bool> failed{false};
   std::mutex reporting;
-  PartialDrillings partial(runs.partial);
   Status kept;
   const auto work = [&] {
     for (std::size_t n = next++; n < unique.size() && !failed; n = next++) {
+      if (results[n]) continue;  // of an earlier call
       const DrillingTrial& trial = trials[unique[n]];
-      const std::optional<DrillingResult> earlier = partial.find(trial);
-      results[n] = earlier ? Result<DrillingResult>(*earlier) : run_drilling(trial, runs.tool_folder);
-      if (!*results[n]) failed = true;
+      Result<DrillingResult> result = run_drilling(trial, runs.tool_folder);
+      if (!result) failed = true;
       const std::scoped_lock lock(reporting);
-      if (!earlier && *results[n] && kept) kept = partial.add(trial, **results[n]);
-      if (runs.progress) runs.progress(static_cast<double>(++done) / static_cast<double>(unique.size()), text_of(trial));
+      if (result && kept) kept = partial.add(trial, *result);
+      results[n] = std::move(result);
+      if (runs.progress) runs.progress(static_cast<double>(++done) / static_cast<double>(left), text_of(trial));
     }
   };
   const std::size_t asked = runs.threads > 0 ? runs.threads : std::max(1u, std::thread::hardware_concurrency());

@@ -62,6 +62,7 @@ struct DrillingRuns {
   unsigned threads = 0;     ///< trials that run in parallel; 0: one per core
   std::string partial{};    ///< file of results that are kept while trials run, and used by the next call; empty: none
   std::function<void(double, const std::string&)> progress{};  ///< share done 0..1 and the last trial; one call at a time; may be empty
+  std::function<void(const std::string&)> say{};               ///< receives one line on results of an earlier call; may be empty
 };
 /// Runs each trial once, equal ones together. @returns the results in the order of the trials, the same for any number of threads except for
 /// times; the first error otherwise.

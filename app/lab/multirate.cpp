@@ -1,8 +1,11 @@
 #include "app/lab/multirate.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "app/lab/frontier_search.h"
 #include "core/base/portable_math.h"
@@ -108,22 +111,20 @@ std::pair<double, double> off(const std::vector<Vec3>& force, const std::vector<
 
 class Measurement {
  public:
-  explicit Measurement(const MultirateOptions& options) : options_(options) {}
+  explicit Measurement(const MultirateOptions& options)
+      : options_(options), own_({}, count_of_trials(options)), study_(options.study != nullptr ? *options.study : own_) {}
 
   Result<std::vector<CostRow>> operator()() {
     for (const bool drilling : {false, true}) {
-      const auto reference = finer_trace(drilling, options_.stiffness);
-      if (!reference) return reference.error();
+      reference_.reset();
       for (const MultiRateScheme scheme : kSchemes) {
         double at_full_rate = 0.0;
         for (const int ticks : options_.contact_ticks) {
           const FrontierLoopConfig config = config_of(scheme, ticks, drilling);
-          if (const Status added = add_force(config, *reference); !added) return added.error();
-          if (options_.limits)
-            if (const Status added = add_limit(config, at_full_rate); !added) return added.error();
-          ++done_;
-          if (options_.progress)
-            options_.progress(static_cast<double>(done_) / (2.0 * kSchemes.size() * static_cast<double>(options_.contact_ticks.size())));
+          const auto figures = study_.run(trial_of(config), [&] { return measure(config); });
+          if (!figures) return figures.error();
+          add_force(config, *figures);
+          if (options_.limits) add_limit(config, (*figures)[kForceFigures], at_full_rate);
         }
       }
     }
@@ -131,6 +132,36 @@ class Measurement {
   }
 
  private:
+  static constexpr std::size_t kForceFigures = 4;
+
+  [[nodiscard]] StudyTrial trial_of(const FrontierLoopConfig& config) const {
+    StudyTrial out{.key = {},
+                   .name = fmt::format("{}, {}, contact at {:g} Hz", config.drilling ? "drilling" : "sliding", name_of(config.scheme),
+                                       static_cast<double>(config.servo_hz) / config.contact_ticks),
+                   .figures = kForceFigures + (options_.limits ? 1 : 0)};
+    out.key.add("multirate").add(out.name).add(options_.stiffness);
+    return out;
+  }
+  /// @returns root mean square and largest error of the force [%], median and 99th percentile of a servo step [us]; with limits, the stable
+  /// stiffness [N/m].
+  Result<Study::Figures> measure(const FrontierLoopConfig& config) {
+    if (!reference_) {
+      auto finer = finer_trace(config.drilling, options_.stiffness);
+      if (!finer) return finer.error();
+      reference_ = std::move(finer).value();
+    }
+    const auto trace = trace_of(config, options_.stiffness);
+    if (!trace) return trace.error();
+    const auto [rms, worst] = off(trace->force, reference_->force);
+    Study::Figures out{rms, worst, trace->servo.p50_us, trace->servo.p99_us};
+    if (!options_.limits) return out;
+    const auto loop = FrontierLoop::create(config);
+    if (!loop) return loop.error();
+    const auto limit = release_limit(*loop, {.pressed = true}, 50.0);
+    if (!limit) return limit.error();
+    out.push_back(*limit);
+    return out;
+  }
   static CostRow row_of(const FrontierLoopConfig& config) {
     CostRow row;
     row.subject = config.drilling ? "drilling into a sphere" : "sliding over a sphere";
@@ -139,50 +170,45 @@ class Measurement {
     row.setting = static_cast<double>(config.servo_hz) / config.contact_ticks;
     return row;
   }
-  Status add_force(const FrontierLoopConfig& config, const Trace& reference) {
-    const auto trace = trace_of(config, options_.stiffness);
-    if (!trace) return trace.error();
-    const auto [rms, worst] = off(trace->force, reference.force);
+  void add_force(const FrontierLoopConfig& config, const Study::Figures& figures) {
     CostRow row = row_of(config);
     row.unit = "% of mean force";
     row.reference = "servo and contact at 4 kHz, nothing late";
-    row.median_us = trace->servo.p50_us;
-    row.p99_us = trace->servo.p99_us;
+    row.median_us = figures[2];
+    row.p99_us = figures[3];
     row.error_name = "force_rms_off";
-    row.error = rms;
+    row.error = figures[0];
     rows_.push_back(row);
     row.error_name = "force_worst_off";
-    row.error = worst;
+    row.error = figures[1];
     rows_.push_back(row);
-    return {};
   }
-  Status add_limit(const FrontierLoopConfig& config, double& at_full_rate) {
-    const auto loop = FrontierLoop::create(config);
-    if (!loop) return loop.error();
-    const auto limit = release_limit(*loop, {.pressed = true}, 50.0);
-    if (!limit) return limit.error();
-    if (config.contact_ticks == 1) at_full_rate = *limit;
+  void add_limit(const FrontierLoopConfig& config, double limit, double& at_full_rate) {
+    if (config.contact_ticks == 1) at_full_rate = limit;
     CostRow row = row_of(config);
     row.subject = config.drilling ? "drilling into a sphere" : "pressed onto a sphere";
     row.error_name = "stiffness_kept";
-    row.error = *limit / at_full_rate;
+    row.error = limit / at_full_rate;
     row.unit = "-";
     row.reference = "the same scheme, contact at 1 kHz";
     rows_.push_back(row);
     row.error_name = "stiffness_limit";
-    row.error = *limit;
+    row.error = limit;
     row.unit = "N/m";
     row.reference = "largest that comes to rest";
     rows_.push_back(row);
-    return {};
   }
 
   const MultirateOptions& options_;
-  std::size_t done_ = 0;
+  Study own_;
+  Study& study_;
+  std::optional<Trace> reference_;  // of `drilling`; made for the first trial that is measured
   std::vector<CostRow> rows_;
 };
 
 }  // namespace
+
+std::size_t count_of_trials(const MultirateOptions& options) { return 2 * kSchemes.size() * options.contact_ticks.size(); }
 
 Result<std::vector<CostRow>> measure_multirate(const MultirateOptions& options) {
   if (options.contact_ticks.empty() || options.contact_ticks.front() != 1)

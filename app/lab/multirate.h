@@ -7,11 +7,11 @@
 ///   Stiffness  as frontier_search.h: the generic device in the nominal hand, released half pressed onto that sphere, at rest and drilling.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "app/lab/cost_row.h"
+#include "app/lab/study.h"
 #include "haptics/servo/multi_rate.h"
 
 namespace burrhole {
@@ -20,8 +20,9 @@ struct MultirateOptions {
   std::vector<int> contact_ticks{1, 2, 5, 10, 20, 50};  ///< [ticks] of a 1 kHz servo; the first must be 1
   double stiffness = 5000.0;                            ///< [N/m] of the coupling in the force comparison: the default of a scene
   bool limits = true;                                   ///< also measures the stable stiffness, which takes most of the time
-  std::function<void(double)> progress;                 ///< share done 0..1; may be empty
+  Study* study = nullptr;                               ///< runs the trials; null: nothing is kept
 };
+[[nodiscard]] std::size_t count_of_trials(const MultirateOptions& options);
 
 /// Rows of cost.csv against the contact rate [Hz]: force_rms_off and force_worst_off [% of the reference's mean force], with the times of
 /// the servo step; stiffness_kept [-] relative to the same scheme at 1 kHz.

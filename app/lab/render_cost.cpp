@@ -1,7 +1,5 @@
 #include "app/lab/render_cost.h"
 
-#include <time.h>
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +9,7 @@
 #include <tuple>
 
 #include "app/lab/image_metrics.h"
-#include "app/lab/pareto.h"
+#include "app/lab/render_stand.h"
 #include "app/run/simulation.h"
 #include "app/scene/load.h"
 #include "app/view/display_config.h"
@@ -21,21 +19,15 @@
 namespace burrhole {
 namespace {
 
-const DrawingQuality kShipped{.supersample = 2};  // the default of scenes
-const DrawingQuality kPlain{.finish = false};     // one ray per pixel
-constexpr double kFine = 0.125;                   // [voxel]
-constexpr int kFineBisections = 12;               // 1/32768 of a voxel
+const DrawingQuality kPlain{.finish = false};  // one ray per pixel
+constexpr double kFine = 0.125;                // [voxel]
+constexpr int kFineBisections = 12;            // 1/32768 of a voxel
+constexpr double kNone = Drawn::kNone;
 
 DrawingQuality fine(DrawingQuality quality) {
   quality.step_voxels = kFine;
   quality.bisections = kFineBisections;
   return quality;
-}
-
-double cpu_us() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
 // ---- subjects ----
@@ -57,6 +49,7 @@ struct Subject {
   PreciseTexels precise;  // the same in floats
   FrameView view;
   TransferFunction transfer;
+  std::string text;  // of scene and tool
 
   [[nodiscard]] VolumeView in_floats(const TexelBits& bits) const {
     VolumeView out = volume;
@@ -70,7 +63,7 @@ struct Subject {
 
 Subject make_subject(const std::string& name, const LoadedScene& loaded, Voxmap& voxmap, const Approach& approach) {
   const Pose& world_from_bone = loaded.scene.volume.world_from_bone;
-  Subject out{name, make_volume_view(voxmap, true), make_precise_texels(voxmap), {}, {}};
+  Subject out{name, make_volume_view(voxmap, true), make_precise_texels(voxmap), {}, {}, loaded.scene.text + loaded.tool_text};
   out.view = make_frame_view(*loaded.scene.find<DisplayConfig>(), world_from_bone, world_from_bone * approach.bone_from_approach,
                              approach.thickness, false);
   // As a scene with shading = "translucent" and the default transfer function.
@@ -105,67 +98,6 @@ Result<Subject> load_subject(const RenderCostOptions& options, bool drilled) {
   return make_subject("drilled hole", *loaded, simulation->voxmap(), simulation->approach());
 }
 
-// ---- renderers ----
-
-/// A renderer with a volume; an error is kept until it is read.
-class Stand {
- public:
-  static Result<Stand> create(const RenderCostOptions& options, RenderOptions how, const VolumeView& volume, const FrameView& view) {
-    how.gl = options.gl;
-    how.keep_picture = false;  // each picture is timed completely
-    how.appearance.tissue = how.appearance.occlusion = !how.slices && !how.translucent;
-    auto renderer = Renderer::create(how);
-    if (!renderer) return renderer.error();
-    if (Status set = renderer->set_volume(volume); !set) return set.error();
-    return Stand(std::move(renderer).value(), view, options.width, options.height);
-  }
-  Result<Image> draw(const DrawingQuality& quality) {
-    if (Status set = renderer_.set_quality(quality); !set) return set.error();
-    return renderer_.draw(view_, width_, height_);
-  }
-  [[nodiscard]] double bytes() const {
-    return static_cast<double>(renderer_.counters().volume_bytes + renderer_.counters().skip_map_bytes);
-  }
-  [[nodiscard]] std::string driver() const { return renderer_.driver(); }
-
- private:
-  Stand(Renderer renderer, const FrameView& view, int width, int height)
-      : renderer_(std::move(renderer)), view_(view), width_(width), height_(height) {}
-  Renderer renderer_;
-  FrameView view_;
-  int width_, height_;
-};
-
-struct Drawn {
-  Image image;
-  double median_us = 0.0, p99_us = 0.0, over_shipped = 0.0;
-};
-
-/// Draws one picture untimed, then times pictures interleaved with the shipped options, of which a third suffices.
-Result<Drawn> draw_timed(Stand& stand, const DrawingQuality& quality, Stand& shipped, int frames) {
-  const auto timed = [](Stand& which, const DrawingQuality& how, std::vector<double>& times) -> Result<Image> {
-    const double start = cpu_us();
-    auto image = which.draw(how);
-    times.push_back(cpu_us() - start);
-    return image;
-  };
-  Drawn out;
-  std::vector<double> times, baseline;
-  for (const auto& [which, how] : {std::pair{&stand, &quality}, std::pair{&shipped, &kShipped}})
-    if (const auto image = which->draw(*how); !image) return image.error();
-  for (int n = 0; n < frames; ++n) {
-    if (n % 3 == 0)
-      if (const auto image = timed(shipped, kShipped, baseline); !image) return image.error();
-    auto image = timed(stand, quality, times);
-    if (!image) return image.error();
-    out.image = std::move(image).value();
-  }
-  out.median_us = at_share(times, 0.5);
-  out.p99_us = at_share(times, 0.99);
-  out.over_shipped = out.median_us / at_share(baseline, 0.5);
-  return out;
-}
-
 // ---- rows ----
 
 /// The option that a row is about.
@@ -174,13 +106,39 @@ struct Knob {
   double setting = 0.0;
 };
 
+using References = std::vector<std::pair<std::string, const Image*>>;
+
+/// PSNR [dB], SSIM and FLIP against one reference.
+struct Metrics {
+  double psnr = kNone, ssim = kNone, flip = kNone;
+};
+
+/// The result of a setting: what is kept of a picture.
+struct Scored {
+  double median_us = kNone, p99_us = kNone, over_shipped = kNone;  // NaN if it was not timed
+  std::vector<Metrics> against;                                    // in the order of the references
+};
+constexpr std::size_t kTimes = 3, kMetrics = 3;
+
+Study::Figures figures_of(const Drawn& drawn, const References& references) {
+  Study::Figures out{drawn.median_us, drawn.p99_us, drawn.over_shipped};
+  for (const auto& [name, image] : references)
+    out.insert(out.end(), {psnr(drawn.image, *image), ssim(drawn.image, *image), flip(drawn.image, *image)});
+  return out;
+}
+
+Scored scored_of(const Study::Figures& f) {
+  Scored out{f[0], f[1], f[2], {}};
+  for (std::size_t n = kTimes; n < f.size(); n += kMetrics) out.against.push_back({f[n], f[n + 1], f[n + 2]});
+  return out;
+}
+
 class Table {
  public:
   explicit Table(std::string subject) : subject_(std::move(subject)) {}
 
   /// Three metrics against each reference, and the time relative to the shipped options.
-  void add(const Knob& knob, const Drawn& drawn, double bytes, const std::vector<std::pair<std::string, const Image*>>& references,
-           bool timed = true) {
+  void add(const Knob& knob, const Scored& scored, double bytes, const References& references) {
     CostRow row{.subject = subject_,
                 .model = knob.model,
                 .knob = knob.name,
@@ -188,9 +146,10 @@ class Table {
                 .error_name = {},
                 .unit = {},
                 .reference = {}};
+    const bool timed = !std::isnan(scored.median_us);
     if (timed) {
-      row.median_us = drawn.median_us;
-      row.p99_us = drawn.p99_us;
+      row.median_us = scored.median_us;
+      row.p99_us = scored.p99_us;
       row.bytes = bytes;
     }
     const auto put = [&](const char* name, double error, const char* unit, const std::string& reference) {
@@ -200,12 +159,12 @@ class Table {
       row.reference = reference;
       rows_.push_back(row);
     };
-    for (const auto& [name, image] : references) {
-      put("psnr", psnr(drawn.image, *image), "dB", name);
-      put("ssim", ssim(drawn.image, *image), "-", name);
-      put("flip", flip(drawn.image, *image), "-", name);
+    for (std::size_t n = 0; n < references.size(); ++n) {
+      put("psnr", scored.against[n].psnr, "dB", references[n].first);
+      put("ssim", scored.against[n].ssim, "-", references[n].first);
+      put("flip", scored.against[n].flip, "-", references[n].first);
     }
-    if (timed) put("time_over_shipped", drawn.over_shipped, "-", "shipped knobs, same run");
+    if (timed) put("time_over_shipped", scored.over_shipped, "-", "shipped knobs, same run");
   }
   [[nodiscard]] const std::vector<CostRow>& rows() const { return rows_; }
 
@@ -220,8 +179,8 @@ const std::string kBest = "4 x 4 rays, finish, 1/8 voxel, float texels";
 /// Everything that is measured on one subject.
 class SubjectRun {
  public:
-  SubjectRun(const RenderCostOptions& options, Subject subject, std::function<void(const std::string&)> step, RenderCost& out)
-      : options_(options), subject_(std::move(subject)), step_(std::move(step)), table_(subject_.name), out_(out) {}
+  SubjectRun(const RenderCostOptions& options, Subject subject, Study& study, RenderCost& out)
+      : options_(options), subject_(std::move(subject)), study_(study), table_(subject_.name), out_(out) {}
 
   Status run() {
     for (const auto part :
@@ -235,7 +194,7 @@ class SubjectRun {
 
  private:
   [[nodiscard]] Result<Stand> stand(RenderOptions how, const VolumeView& volume) const {
-    return Stand::create(options_, std::move(how), volume, subject_.view);
+    return Stand::create(options_.gl, std::move(how), volume, {subject_.view, options_.width, options_.height});
   }
   void keep_picture(const std::string& name, const std::string& caption, const Image& image) {
     const std::string prefix = subject_.name == "skull patch" ? "patch_" : "hole_";
@@ -243,7 +202,6 @@ class SubjectRun {
   }
 
   Status references() {
-    step_("references");
     auto shipped = stand({}, subject_.volume);
     if (!shipped) return shipped.error();
     shipped_ = std::make_unique<Stand>(std::move(shipped).value());
@@ -256,24 +214,41 @@ class SubjectRun {
     plain_ = std::move(plain).value();
     best_ = std::move(best).value();
     keep_picture("best", "the reference \"best\"", best_);
-    const auto drawn = shipped_->draw(kShipped);
+    const auto drawn = shipped_->draw(kShippedQuality);
     if (!drawn) return drawn.error();
     keep_picture("shipped", "as shipped", *drawn);
     return {};
   }
 
+  /// Draws a setting with `with`, unless an earlier call did. @param times of a setting are measured if `frames` > 0.
+  Result<Scored> score(const Knob& knob, Stand& with, const DrawingQuality& quality, int frames, const References& references) {
+    StudyTrial trial{.key = {},
+                     .name = fmt::format("{}, {}, {} {:g}", subject_.name, knob.model, knob.name, knob.setting),
+                     .figures = kTimes + kMetrics * references.size()};
+    trial.key.add("render").add(trial.name).add(subject_.text).add(out_.driver).add(options_.width).add(options_.height).add(frames);
+    trial.key.add(quality.step_voxels).add(quality.bisections).add(quality.finish ? 1.0 : 0.0).add(quality.supersample);
+    trial.key.add(quality.resolution);
+    const auto figures = study_.run(trial, [&]() -> Result<Study::Figures> {
+      const auto drawn = frames > 0 ? draw_timed(with, quality, *shipped_, frames) : draw_once(with, quality);
+      if (!drawn) return drawn.error();
+      return figures_of(*drawn, references);
+    });
+    if (!figures) return figures.error();
+    return scored_of(*figures);
+  }
+
   Status add_rays(const std::string& knob, double setting, const DrawingQuality& quality, const std::string& model) {
-    const auto drawn = draw_timed(*shipped_, quality, *shipped_, options_.frames);
-    if (!drawn) return drawn.error();
-    std::vector<std::pair<std::string, const Image*>> references{{kBest, &best_}};
+    References references{{kBest, &best_}};
     if (fine(quality) == fine(kPlain)) references.insert(references.begin(), {kSameRays, &plain_});
-    table_.add({model, knob, setting}, *drawn, shipped_->bytes(), references);
+    const Knob about{model, knob, setting};
+    const auto scored = score(about, *shipped_, quality, options_.frames, references);
+    if (!scored) return scored.error();
+    table_.add(about, *scored, shipped_->bytes(), references);
     return {};
   }
 
   /// Step, bisections, finish, rays per pixel and resolution, each alone.
   Status sampling() {
-    step_("step and bisections");
     for (const double step : {1.0, 0.5, 0.25, 0.125}) {
       DrawingQuality quality = kPlain;
       quality.step_voxels = step;
@@ -286,7 +261,6 @@ class SubjectRun {
       quality.bisections = bisections;
       if (Status done = add_rays("bisections", bisections, quality, "rays, step 1 voxel, no finish"); !done) return done;
     }
-    step_("finish, rays a pixel, resolution");
     for (const int side : {1, 2, 3, 4})
       for (const bool finish : {false, true})
         if (Status done = add_rays("rays along a pixel's side", side, {.finish = finish, .supersample = side},
@@ -300,11 +274,11 @@ class SubjectRun {
 
   /// Bits of a texture, emulated in floats (without times), and sources of normals.
   Status texels() {
-    step_("texels and normals");
     const auto against_plain = [&](Stand& with, const Knob& knob, const DrawingQuality& quality, bool timed) -> Status {
-      const auto drawn = timed ? draw_timed(with, quality, *shipped_, options_.frames) : draw_once(with, quality);
-      if (!drawn) return drawn.error();
-      table_.add(knob, *drawn, with.bytes(), {{kSameRays, &plain_}}, timed);
+      const References references{{kSameRays, &plain_}};
+      const auto scored = score(knob, with, quality, timed ? options_.frames : 0, references);
+      if (!scored) return scored.error();
+      table_.add(knob, *scored, with.bytes(), references);
       return {};
     };
     for (const auto& [bits, model] :
@@ -325,33 +299,42 @@ class SubjectRun {
     return against_plain(*differences, {"rays, no finish, normals by differences", "step [voxel]", kPlain.step_voxels}, kPlain, true);
   }
 
-  Result<Drawn> draw_once(Stand& with, const DrawingQuality& quality) {
+  static Result<Drawn> draw_once(Stand& with, const DrawingQuality& quality) {
     auto image = with.draw(quality);
     if (!image) return image.error();
     return Drawn{std::move(image).value()};
   }
 
-  void add_point(const std::string& method, const DrawingQuality& quality, double per_voxel, const Drawn& drawn, const Image& best) {
-    out_.points.push_back({subject_.name, method, quality, per_voxel, drawn.median_us, drawn.over_shipped, psnr(drawn.image, best),
-                           ssim(drawn.image, best), flip(drawn.image, best)});
+  /// @param best metrics against the picture of the highest quality.
+  void add_point(const std::string& method, const DrawingQuality& quality, double per_voxel, const Scored& scored, const Metrics& best) {
+    out_.points.push_back(
+        {subject_.name, method, quality, per_voxel, scored.median_us, scored.over_shipped, best.psnr, best.ssim, best.flip});
+  }
+
+  Status keep_drawn(const std::string& name, const std::string& caption, Stand& with, const DrawingQuality& quality) {
+    const auto image = with.draw(quality);
+    if (!image) return image.error();
+    keep_picture(name, caption, *image);
+    return {};
   }
 
   Status slices() {
-    step_("slices");
     for (const double per_voxel : {0.5, 1.0, 2.0}) {
       auto with = stand({.slices = SliceOptions{.per_voxel = per_voxel}}, subject_.volume);
       if (!with) return with.error();
-      const auto drawn = draw_timed(*with, kPlain, *shipped_, std::max(1, options_.frames / 3));
-      if (!drawn) return drawn.error();
-      table_.add({"slices", "slices a voxel", per_voxel}, *drawn, with->bytes(), {{kSameRays, &plain_}, {kBest, &best_}});
-      add_point("slices", kPlain, per_voxel, *drawn, best_);
-      if (per_voxel == 1.0) keep_picture("slices", "the paper's way, one slice a voxel", drawn->image);
+      const Knob knob{"slices", "slices a voxel", per_voxel};
+      const References references{{kSameRays, &plain_}, {kBest, &best_}};
+      const auto scored = score(knob, *with, kPlain, std::max(1, options_.frames / 3), references);
+      if (!scored) return scored.error();
+      table_.add(knob, *scored, with->bytes(), references);
+      add_point("slices", kPlain, per_voxel, *scored, scored->against.back());
+      if (per_voxel != 1.0) continue;
+      if (Status kept = keep_drawn("slices", "the paper's way, one slice a voxel", *with, kPlain); !kept) return kept;
     }
     return {};
   }
 
   Status translucent() {
-    step_("translucent bone");
     auto floats = stand({.finish = false, .translucent = subject_.transfer}, subject_.in_floats({}));
     if (!floats) return floats.error();
     const auto plain = floats->draw(fine(kPlain));
@@ -361,13 +344,15 @@ class SubjectRun {
     for (const double step : {1.0, 0.5, 0.25}) {
       DrawingQuality quality = kPlain;
       quality.step_voxels = step;
-      const auto drawn = draw_timed(*with, quality, *shipped_, options_.frames);
-      if (!drawn) return drawn.error();
-      table_.add({"translucent", "step [voxel]", step}, *drawn, with->bytes(), {{kSameRays, &*plain}});
-      if (step == 0.5) keep_picture("translucent", "translucent, half a voxel a step", drawn->image);
+      const Knob knob{"translucent", "step [voxel]", step};
+      const References references{{kSameRays, &*plain}};
+      const auto scored = score(knob, *with, quality, options_.frames, references);
+      if (!scored) return scored.error();
+      table_.add(knob, *scored, with->bytes(), references);
+      if (step != 0.5) continue;
+      if (Status kept = keep_drawn("translucent", "translucent, half a voxel a step", *with, quality); !kept) return kept;
     }
     if (!options_.pareto) return {};
-    step_("combinations, translucent");
     const auto best = floats->draw(fine({.finish = false, .supersample = 4}));
     if (!best) return best.error();
     for (const DrawingQuality& size : sizes())
@@ -375,11 +360,15 @@ class SubjectRun {
         DrawingQuality quality = size;
         quality.finish = false;
         quality.step_voxels = step;
-        const auto drawn = draw_timed(*with, quality, *shipped_, options_.frames);
-        if (!drawn) return drawn.error();
-        add_point("translucent", quality, 0.0, *drawn, *best);
+        const auto scored = score(combination("translucent", quality), *with, quality, options_.frames, {{kBest, &*best}});
+        if (!scored) return scored.error();
+        add_point("translucent", quality, 0.0, *scored, scored->against.front());
       }
     return {};
+  }
+
+  static Knob combination(const std::string& method, const DrawingQuality& quality) {
+    return {"combinations, " + method, "rays a pixel", quality.supersample * quality.resolution};
   }
 
   /// Rays per pixel and resolution, fewest rays first.
@@ -393,13 +382,12 @@ class SubjectRun {
 
   Status combinations() {
     for (const DrawingQuality& size : sizes()) {
-      step_(fmt::format("combinations, {0} x {0} rays a pixel, resolution {1:g}", size.supersample, size.resolution));
       for (const bool finish : {false, true})
         for (const auto& [step, bisections] : {std::pair{1.0, 0}, std::pair{1.0, 4}, std::pair{0.5, 5}, std::pair{0.25, 8}}) {
           const DrawingQuality quality{step, bisections, finish, size.supersample, size.resolution};
-          const auto drawn = draw_timed(*shipped_, quality, *shipped_, options_.frames);
-          if (!drawn) return drawn.error();
-          add_point("rays", quality, 0.0, *drawn, best_);
+          const auto scored = score(combination("rays", quality), *shipped_, quality, options_.frames, {{kBest, &best_}});
+          if (!scored) return scored.error();
+          add_point("rays", quality, 0.0, *scored, scored->against.front());
         }
     }
     return {};
@@ -407,7 +395,7 @@ class SubjectRun {
 
   const RenderCostOptions& options_;
   Subject subject_;
-  std::function<void(const std::string&)> step_;
+  Study& study_;
   Table table_;
   RenderCost& out_;
   std::unique_ptr<Stand> shipped_;
@@ -439,49 +427,26 @@ void add_point_rows(RenderCost& out) {
 
 }  // namespace
 
+std::size_t count_of_trials(const RenderCostOptions& options) noexcept {
+  constexpr std::size_t kAlone = 21 + 7 + 3 + 3;        // of a subject: sampling, texels, slices, translucent
+  constexpr std::size_t kCombined = 7 * 2 * 4 + 7 * 3;  // rays, translucent
+  return (options.drilled ? 2 : 1) * (kAlone + (options.pareto ? kCombined : 0));
+}
+
 Result<RenderCost> measure_render_cost(const RenderCostOptions& options) {
+  Study own({}, count_of_trials(options));
+  Study& study = options.study != nullptr ? *options.study : own;
   RenderCost out;
   std::vector<bool> kinds{false};
   if (options.drilled) kinds.push_back(true);
-  const double steps = static_cast<double>(kinds.size()) * (options.pareto ? 15.0 : 7.0);
-  double done = 0.0;
-  const auto step = [&](const std::string& what) {
-    if (options.progress) options.progress(std::min(1.0, done++ / steps), what);
-  };
   for (const bool drilled : kinds) {
-    step(drilled ? "drilling" : "loading");
     auto subject = load_subject(options, drilled);
     if (!subject) return subject.error();
-    if (Status ran = SubjectRun(options, std::move(subject).value(), step, out).run(); !ran) return ran.error();
+    if (Status ran = SubjectRun(options, std::move(subject).value(), study, out).run(); !ran) return ran.error();
   }
+  BH_ASSERT(study.done() == count_of_trials(options));
   add_point_rows(out);
   return out;
-}
-
-std::vector<ParetoRow> pareto_rows(const std::vector<DrawnPoint>& points, const std::string& method) {
-  struct Sum {
-    ParetoRow row;
-    int count = 0;
-  };
-  std::vector<Sum> sums;
-  for (const DrawnPoint& point : points) {
-    if (point.method != method) continue;
-    auto sum = std::ranges::find_if(sums, [&](const Sum& one) { return one.row.quality == point.quality; });
-    if (sum == sums.end()) sum = sums.insert(sum, Sum{{point.quality, 0.0, point.psnr}, 0});
-    sum->row.cost += point.over_shipped;
-    sum->row.psnr = std::min(sum->row.psnr, point.psnr);
-    ++sum->count;
-  }
-  std::vector<PricedPoint> priced;
-  for (Sum& sum : sums) {
-    sum.row.cost /= sum.count;
-    priced.push_back({sum.row.cost, sum.row.psnr});
-  }
-  std::vector<ParetoRow> front;
-  for (const std::size_t n : pareto_front(priced)) front.push_back(sums[n].row);
-  const double first = front.empty() ? 1.0 : front.front().cost;
-  for (ParetoRow& row : front) row.cost /= first;
-  return front;
 }
 
 }  // namespace burrhole

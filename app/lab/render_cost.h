@@ -11,11 +11,11 @@
 ///   Errors  unavailable (no OpenGL, no gnuplot); those of the scene.   Thread  one.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "app/lab/cost_row.h"
+#include "app/lab/study.h"
 #include "app/render/renderer.h"
 
 namespace burrhole {
@@ -27,8 +27,9 @@ struct RenderCostOptions {
   bool pareto = true;             ///< true: in addition, combinations of options, for the Pareto fronts; false: one option varied at a time
   bool drilled = true;            ///< true: also after drilling
   GlBackend gl = GlBackend::automatic;
-  std::function<void(double, const std::string&)> progress{};  ///< share done 0..1; may be empty
+  Study* study = nullptr;  ///< runs the trials, one per setting and subject; null: nothing is kept. References are drawn in any case
 };
+[[nodiscard]] std::size_t count_of_trials(const RenderCostOptions& options) noexcept;
 
 /// Cost and error of one setting on one subject: slices, and the combinations of options.
 struct DrawnPoint {

@@ -154,6 +154,32 @@ void add_knobs(HtmlPage& html, const RenderCost& cost) {
 
 }  // namespace
 
+std::vector<ParetoRow> pareto_rows(const std::vector<DrawnPoint>& points, const std::string& method) {
+  struct Sum {
+    ParetoRow row;
+    int count = 0;
+  };
+  std::vector<Sum> sums;
+  for (const DrawnPoint& point : points) {
+    if (point.method != method) continue;
+    auto sum = std::ranges::find_if(sums, [&](const Sum& one) { return one.row.quality == point.quality; });
+    if (sum == sums.end()) sum = sums.insert(sum, Sum{{point.quality, 0.0, point.psnr}, 0});
+    sum->row.cost += point.over_shipped;
+    sum->row.psnr = std::min(sum->row.psnr, point.psnr);
+    ++sum->count;
+  }
+  std::vector<PricedPoint> priced;
+  for (Sum& sum : sums) {
+    sum.row.cost /= sum.count;
+    priced.push_back({sum.row.cost, sum.row.psnr});
+  }
+  std::vector<ParetoRow> front;
+  for (const std::size_t n : pareto_front(priced)) front.push_back(sums[n].row);
+  const double first = front.empty() ? 1.0 : front.front().cost;
+  for (ParetoRow& row : front) row.cost /= first;
+  return front;
+}
+
 Status write_render_cost(const RenderCost& cost, const std::string& folder) {
   if (Status written = write_cost_csv(cost.rows, folder + "/cost.csv"); !written) return written;
   HtmlPage html("What drawing costs", "Accuracy of a picture against the CPU time of all threads that drew it; " + cost.driver);

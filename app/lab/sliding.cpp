@@ -1,5 +1,7 @@
 #include "app/lab/sliding.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -7,6 +9,7 @@
 #include <numbers>
 
 #include "app/lab/contact_rig.h"
+#include "app/report/file.h"
 #include "core/base/portable_math.h"
 #include "core/base/random.h"
 #include "core/base/units.h"
@@ -38,6 +41,8 @@ Status check(const SlidingOptions& options) {
   return {};
 }
 
+std::string tool_file(const SlidingOptions& options) { return options.tool_folder + "/" + options.tool + ".toml"; }
+
 /// A plate whose level form has its surface on voxel faces, with a margin for the slide and the bit.
 PhantomSpec plate_of(const SlidingOptions& options, const Vec3& normal) {
   PhantomSpec spec;
@@ -66,10 +71,10 @@ Pose start_of(const SlidingOptions& options, const Slope& slope, double depth, i
           slope.down * along + Vec3(0.0, 0.5 * options.pitch * uniform11(seed, at + 2), 0.0) - slope.normal * depth};
 }
 
-SlidingRow slide(const SlidingSubject& subject, const SlidingBone& bone, const Slope& slope, double depth, const SlidingOptions& options) {
-  SlidingRow row;
-  row.model = subject.model;
-  row.true_N = kSlidingStiffness * depth;
+/// @param depth [m] @returns mean, largest step, root mean square of the steps [N], ripple [-], median and 99th percentile of the times [us].
+Study::Figures slide(const SlidingSubject& subject, const SlidingBone& bone, const Slope& slope, double depth,
+                     const SlidingOptions& options) {
+  double mean = 0.0, largest_step = 0.0, ripple = 0.0;
   std::vector<double> time_us;
   double squares = 0.0;
   const int steps = static_cast<int>(options.length / options.step + 0.5);
@@ -84,15 +89,21 @@ SlidingRow slide(const SlidingSubject& subject, const SlidingBone& bone, const S
       time_us.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - before).count());
     }
     const SlideFigures figures = slide_figures(forces, slope.normal);
-    row.largest_step_N = std::max(row.largest_step_N, figures.largest_step);
-    row.mean_N += figures.mean / options.lanes;
+    largest_step = std::max(largest_step, figures.largest_step);
+    mean += figures.mean / options.lanes;
     squares += figures.rms_step * figures.rms_step;
-    row.ripple = std::isnan(figures.ripple) ? figures.ripple : std::max(row.ripple, figures.ripple);
+    ripple = std::isnan(figures.ripple) ? figures.ripple : std::max(ripple, figures.ripple);
   }
-  row.rms_step_N = std::sqrt(squares / options.lanes);
-  row.median_us = at_share(time_us, 0.5);
-  row.p99_us = at_share(time_us, 0.99);
-  return row;
+  return {mean, largest_step, std::sqrt(squares / options.lanes), ripple, at_share(time_us, 0.5), at_share(time_us, 0.99)};
+}
+constexpr std::size_t kFigures = 6;
+
+/// @returns the trial of a subject. @param tool text of the tool's file. @param depth [voxels]
+StudyTrial trial_of(const SlidingSubject& subject, double tilt_deg, double depth, const std::string& tool, const SlidingOptions& options) {
+  StudyTrial out{.key = {}, .name = fmt::format("sliding, {:g} deg, {}", tilt_deg, subject.model), .figures = kFigures};
+  out.key.add("sliding").add(subject.model).add(tool).add(tilt_deg).add(depth).add(options.pitch).add(options.step).add(options.length);
+  out.key.add(options.lanes).add(static_cast<double>(options.seed));
+  return out;
 }
 
 }  // namespace
@@ -118,9 +129,17 @@ SlideFigures slide_figures(std::span<const Vec3> forces, const Vec3& normal) noe
   return out;
 }
 
+std::size_t count_of_trials(const SlidingOptions& options, std::span<const SlidingSubject> subjects) noexcept {
+  return options.tilts_deg.size() * options.depths_voxel.size() * subjects.size();
+}
+
 Result<std::vector<SlidingRow>> measure_sliding(const SlidingOptions& options, std::span<const SlidingSubject> subjects) {
   if (const Status ok = check(options); !ok) return ok.error();
   if (subjects.empty()) return Error{ErrorCode::out_of_range, "sliding needs a model", {}};
+  Study own({}, count_of_trials(options, subjects));
+  Study& study = options.study != nullptr ? *options.study : own;
+  const auto file = read_file(tool_file(options));
+  const std::string tool = file ? *file : std::string();
   std::vector<SlidingRow> rows;
   for (const double tilt : options.tilts_deg) {
     const Slope slope(tilt);
@@ -129,9 +148,12 @@ Result<std::vector<SlidingRow>> measure_sliding(const SlidingOptions& options, s
     const SlidingBone bone{rig->word_view(), rig->surface_view()};
     for (const double depth : options.depths_voxel)
       for (const SlidingSubject& subject : subjects) {
-        rows.push_back(slide(subject, bone, slope, depth * options.pitch, options));
-        rows.back().tilt_deg = tilt;
-        rows.back().depth_voxel = depth;
+        const auto figures = study.run(trial_of(subject, tilt, depth, tool, options), [&]() -> Result<Study::Figures> {
+          return slide(subject, bone, slope, depth * options.pitch, options);
+        });
+        if (!figures) return figures.error();
+        const Study::Figures& f = *figures;
+        rows.push_back({tilt, depth, subject.model, kSlidingStiffness * depth * options.pitch, f[0], f[1], f[2], f[3], f[4], f[5]});
       }
   }
   return rows;
@@ -179,7 +201,7 @@ Result<SlidingSubject> surface_subject(const PointShell& shell, double pitch) {
 
 Result<std::vector<SlidingSubject>> sliding_subjects(const SlidingOptions& options) {
   Issues issues;
-  auto tool = load_tool(options.tool_folder + "/" + options.tool + ".toml", {.erosion_pitch = 1e-3}, issues);
+  auto tool = load_tool(tool_file(options), {.erosion_pitch = 1e-3}, issues);
   if (!tool) return issues.front();
   std::vector<SlidingSubject> subjects;
   const auto add = [&](const char* name, Result<std::unique_ptr<PenaltyModel>> made) -> Status {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/lab/cost_row.h"
+#include "app/lab/study.h"
 #include "core/contact/constrained_tool.h"
 #include "core/contact/contact_view.h"
 
@@ -45,7 +46,9 @@ struct SlidingOptions {
   double length = 6e-3;    ///< [m] in (0, 8 mm], down the slope of the plate, through the origin
   int lanes = 4;           ///< random rotations about the axis and offsets up to half a voxel
   std::int64_t seed = 1;   ///< of the lanes
+  Study* study = nullptr;  ///< runs the trials, one per tilt, depth and subject; null: nothing is kept
 };
+[[nodiscard]] std::size_t count_of_trials(const SlidingOptions& options, std::span<const SlidingSubject> subjects) noexcept;
 
 /// Results over all lanes of one setting.
 struct SlidingRow {

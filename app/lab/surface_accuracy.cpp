@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -120,44 +121,71 @@ std::vector<double> times_of(const std::vector<Vec3>& places, const RecordView& 
   return out;
 }
 
+struct SurfaceFigure {
+  const char *name, *unit;
+};
+constexpr std::array kErrors{SurfaceFigure{"distance_median", "voxel"}, SurfaceFigure{"distance_worst", "voxel"},
+                             SurfaceFigure{"normal_median", "deg"}, SurfaceFigure{"normal_worst", "deg"}};
+constexpr std::size_t kFigures = kErrors.size() + 2;  // and the median and the 99th percentile of the times [us]
+constexpr std::array kPrecisions{RecordPrecision::bits8, RecordPrecision::bits16};
+
+/// @returns the errors in the order of kErrors, then the times.
+Result<Study::Figures> measure_shape(const Shape& shape, RecordPrecision precision, double pitch, const SurfaceAccuracyOptions& options) {
+  const auto phantom = make_phantom(shape.spec);
+  if (!phantom) return phantom.error();
+  const auto records = publish(phantom->bone, precision);
+  if (!records) return records.error();
+  const RecordView view = records->view();
+  const std::vector<Vec3> places = places_near(phantom->truth, view.valid, view.bone_from_index, pitch, options);
+  const Errors errors = errors_at(places, view, phantom->truth);
+  if (errors.distance.empty()) return Error{ErrorCode::internal, "no place near the surface of the " + shape.name, {}};
+  const std::vector<double> times = times_of(places, view, options.repeats);
+  return Study::Figures{at_share(errors.distance, 0.5), at_share(errors.distance, 1.0), at_share(errors.normal, 0.5),
+                        at_share(errors.normal, 1.0),   at_share(times, 0.5),           at_share(times, 0.99)};
+}
+
+StudyTrial trial_of(const Shape& shape, RecordPrecision precision, double pitch, const SurfaceAccuracyOptions& options) {
+  StudyTrial out{.key = {}, .name = fmt::format("{}, voxels of {:g} mm", shape.name, pitch * 1e3), .figures = kFigures};
+  out.key.add("surface").add(shape.name).add(precision == RecordPrecision::bits8 ? 8.0 : 16.0).add(pitch);
+  out.key.add(static_cast<double>(options.points)).add(options.repeats).add(static_cast<double>(options.seed));
+  return out;
+}
+
 }  // namespace
 
+std::size_t count_of_trials(const SurfaceAccuracyOptions& options) {
+  std::size_t count = 0;
+  for (const double pitch : options.pitches) count += shapes_at(pitch).size() * kPrecisions.size();
+  return count;
+}
+
 Result<std::vector<CostRow>> measure_surface_accuracy(const SurfaceAccuracyOptions& options) {
+  Study own({}, count_of_trials(options));
+  Study& study = options.study != nullptr ? *options.study : own;
   std::vector<CostRow> rows;
   for (const double pitch : options.pitches)
-    for (const Shape& shape : shapes_at(pitch)) {
-      const auto phantom = make_phantom(shape.spec);
-      if (!phantom) return phantom.error();
-      for (const RecordPrecision precision : {RecordPrecision::bits8, RecordPrecision::bits16}) {
-        const auto records = publish(phantom->bone, precision);
-        if (!records) return records.error();
-        const RecordView view = records->view();
-        const std::vector<Vec3> places = places_near(phantom->truth, view.valid, view.bone_from_index, pitch, options);
-        const Errors errors = errors_at(places, view, phantom->truth);
-        if (errors.distance.empty()) return Error{ErrorCode::internal, "no place near the surface of the " + shape.name, {}};
-        const std::vector<double> times = times_of(places, view, options.repeats);
-        CostRow common{.subject = "surface of a " + shape.name,
-                       .model = precision == RecordPrecision::bits8 ? "records of 8 bits" : "records of 16 bits",
-                       .knob = "spacing_mm",
-                       .setting = pitch * 1e3,
-                       .error_name = {},
-                       .unit = "voxel",
-                       .reference = "closed form"};
-        common.median_us = at_share(times, 0.5);
-        common.p99_us = at_share(times, 0.99);
-        common.bytes = precision == RecordPrecision::bits8 ? sizeof(Record8) : sizeof(Record16);
-        const auto add = [&](const char* name, double error, const char* unit) {
-          common.error_name = name;
-          common.error = error;
-          common.unit = unit;
-          rows.push_back(common);
-        };
-        add("distance_median", at_share(errors.distance, 0.5), "voxel");
-        add("distance_worst", at_share(errors.distance, 1.0), "voxel");
-        add("normal_median", at_share(errors.normal, 0.5), "deg");
-        add("normal_worst", at_share(errors.normal, 1.0), "deg");
+    for (const Shape& shape : shapes_at(pitch))
+      for (const RecordPrecision precision : kPrecisions) {
+        const auto figures =
+            study.run(trial_of(shape, precision, pitch, options), [&] { return measure_shape(shape, precision, pitch, options); });
+        if (!figures) return figures.error();
+        CostRow row{.subject = "surface of a " + shape.name,
+                    .model = precision == RecordPrecision::bits8 ? "records of 8 bits" : "records of 16 bits",
+                    .knob = "spacing_mm",
+                    .setting = pitch * 1e3,
+                    .error_name = {},
+                    .unit = {},
+                    .reference = "closed form"};
+        row.median_us = (*figures)[kErrors.size()];
+        row.p99_us = (*figures)[kErrors.size() + 1];
+        row.bytes = precision == RecordPrecision::bits8 ? sizeof(Record8) : sizeof(Record16);
+        for (std::size_t n = 0; n < kErrors.size(); ++n) {
+          row.error_name = kErrors[n].name;
+          row.error = (*figures)[n];
+          row.unit = kErrors[n].unit;
+          rows.push_back(row);
+        }
       }
-    }
   return rows;
 }
 

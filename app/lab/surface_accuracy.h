@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/lab/cost_row.h"
+#include "app/lab/study.h"
 #include "core/base/result.h"
 
 namespace burrhole {
@@ -18,7 +19,9 @@ struct SurfaceAccuracyOptions {
   std::size_t points = 5800;                                       ///< queried together, as by a tool's shell
   int repeats = 401;                                               ///< timed queries of all points: four are above the p99
   std::uint64_t seed = 1;                                          ///< of the positions
+  Study* study = nullptr;                                          ///< runs the trials; null: nothing is kept
 };
+[[nodiscard]] std::size_t count_of_trials(const SurfaceAccuracyOptions& options);
 
 /// For each shape (tilted plate, ball of 4 mm, skull patch), bits and pitch, over positions within a voxel of the surface:
 ///   distance_median, distance_worst [voxel], normal_median, normal_worst [deg]; bytes: of a voxel's record; times: of a call that queries

@@ -99,4 +99,26 @@ PixelRect find_footprint(const CameraRays& rays, std::span<const Vec3> points, c
   return {Vec2i(first), Vec2i(last)};
 }
 
+PixelRect find_shadow_footprint(const CameraRays& rays, const ShadowScene& scene, const Vec2i& picture) {
+  const auto heights = [&](std::span<const Vec3> points) {
+    Vec2 out(std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());
+    for (const Vec3& p : points) {
+      const double height = glm::dot(scene.to_light, p);
+      out = {std::min(out.x, height), std::max(out.y, height)};
+    }
+    return out;
+  };
+  // The shadow of p is on p - s to_light, s >= 0. It is on the receiver only at heights of the receiver along the light. Between corners the
+  // largest s of the hull below is at least that of a point of the caster, as it is a convex function of p; the least is linear or 0.
+  const Vec2 caster = heights(scene.caster), receiver = heights(scene.receiver);
+  const bool above = caster.x > receiver.y;
+  std::vector<Vec3> swept;
+  for (const Vec3& p : scene.caster) {
+    const double height = glm::dot(scene.to_light, p);
+    swept.push_back(p - (above ? height - receiver.y : 0.0) * scene.to_light);
+    swept.push_back(p - std::max(0.0, height - receiver.x) * scene.to_light);
+  }
+  return find_footprint(rays, swept, picture).intersect(find_footprint(rays, scene.receiver, picture));
+}
+
 }  // namespace burrhole

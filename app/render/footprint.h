@@ -77,4 +77,12 @@ struct Reach {
 /// is not in front of the eye.
 [[nodiscard]] PixelRect find_footprint(const CameraRays& rays, std::span<const Vec3> points, const Vec2i& picture);
 
+/// What casts a shadow and what shows it, in the world.
+struct ShadowScene {
+  std::span<const Vec3> caster, receiver;  ///< [m] points whose convex hulls contain them
+  Vec3 to_light;                           ///< [-] length 1
+};
+/// @returns a rectangle with all pixels where the receiver may show the caster's shadow.
+[[nodiscard]] PixelRect find_shadow_footprint(const CameraRays& rays, const ShadowScene& scene, const Vec2i& picture);
+
 }  // namespace burrhole

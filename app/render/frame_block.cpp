@@ -106,6 +106,29 @@ void fill_skin(FrameBlock& block, const SkinView& skin, const Pose& world_from_b
   block.skin = vec4(skin.color, skin.opacity);
 }
 
+void fill_tool_shadow(FrameBlock& block, std::span<const Vec3> corners, const Vec3& axis) {
+  const Vec3 light(block.light);
+  const Vec3 beside = std::abs(light.x) < 0.8 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+  const Vec3 across_axis = glm::cross(light, axis);
+  // Rows of the projection: across the light, the first along the tool; then away from the light.
+  const Vec3 y = glm::normalize(glm::length(across_axis) > 1e-3 ? across_axis : glm::cross(light, beside));
+  const Vec3 rows[3] = {glm::cross(y, light), y, -light};
+  glm::dmat4 matrix(1.0);
+  for (glm::length_t row = 0; row < 3; ++row) {
+    double least = INFINITY, most = -INFINITY;
+    for (const Vec3& corner : corners) {
+      least = std::min(least, glm::dot(rows[row], corner));
+      most = std::max(most, glm::dot(rows[row], corner));
+    }
+    // Two texels at each edge, and a share of the depths at each end, stay empty.
+    const double kept = row < 2 ? 1.0 - 4.0 / kToolDepthTexels[row] : 0.99;
+    const double scale = 2.0 * kept / std::max(most - least, 1e-9);
+    for (glm::length_t column = 0; column < 3; ++column) matrix[column][row] = scale * rows[row][column];
+    matrix[3][row] = -0.5 * scale * (least + most);
+  }
+  block.light_from_world = glm::fmat4(matrix);
+}
+
 void fill_fog(FrameBlock& block, const CameraView& camera, const CameraRays& rays) {
   if (!camera.fog) return;
   block.fog = vec4(camera.fog->color);

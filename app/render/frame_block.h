@@ -2,6 +2,7 @@
 ///   Frame  as the names say: index, world, bone, tool, clip.   Units  SI and voxels, as documented in frame.glsl.   Errors  none.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "app/view/camera.h"
@@ -10,6 +11,9 @@
 namespace burrhole {
 
 using Vec4f = glm::fvec4;
+
+/// [texels] of the depths of the tool seen from the light: along the tool and across it.
+inline constexpr Vec3i kToolDepthTexels{2048, 512, 1};
 
 /// The block Frame of shaders/frame.glsl, which documents each field. Only vec4 and mat4 are used, so no padding rule applies.
 struct FrameBlock {
@@ -26,8 +30,9 @@ struct FrameBlock {
   Vec4f changed_lo{0}, changed_hi{0};                                                         ///< [voxels]
   glm::fmat4 clip_from_bone{1}, world_from_bone_at{1};                                        ///< [unit of frame.glsl]
   Vec4f skin{0}, fog{0}, focus{0};                                                            ///< [unit of frame.glsl]
+  glm::fmat4 light_from_world{1};                                                             ///< [unit of frame.glsl]
 };
-static_assert(sizeof(FrameBlock) == 62 * 16);
+static_assert(sizeof(FrameBlock) == 66 * 16);
 
 void fill_camera(FrameBlock& block, const CameraRays& rays);
 /// @param dims [voxels] > 0.
@@ -45,6 +50,9 @@ void fill_slices(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, c
 void append_corners(const Vec3i& dims, const Affine& world_from_index, std::vector<Vec3>& points);
 /// Fills the skin's colour, opacity and place. @param clip_from_world of the same picture.
 void fill_skin(FrameBlock& block, const SkinView& skin, const Pose& world_from_bone, const glm::dmat4& clip_from_world);
+/// Fills the projection along the light in which the tool's shadow is found. @param corners of the tool's box, and @param axis of the tool,
+/// world. @pre the light is filled.
+void fill_tool_shadow(FrameBlock& block, std::span<const Vec3> corners, const Vec3& axis);
 /// @param rays of the same camera.
 void fill_fog(FrameBlock& block, const CameraView& camera, const CameraRays& rays);
 /// Fills light, background and cut. @pre the view was checked.

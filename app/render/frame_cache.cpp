@@ -47,7 +47,7 @@ void paste(const Image& part, const PixelRect& place, Image& picture) {
 
 FrameKey make_frame_key(std::string variant, const FrameBlock& block) {
   FrameKey key{std::move(variant), block};
-  key.block.clip_from_tool = key.block.world_from_tool = glm::fmat4(0.0f);
+  key.block.clip_from_tool = key.block.world_from_tool = key.block.light_from_world = glm::fmat4(0.0f);
   // The depth range depends on the tool. Colours do not depend on the depth range, because it contains the whole volume, unless the near
   // plane is at its minimum and cuts the volume.
   if (block.lens.x <= static_cast<float>(kNearestPlane)) return key;
@@ -89,7 +89,8 @@ StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, cons
   PixelRegion moved;
   if (!same(tool_, tool))
     for (const std::optional<DrawnTool>& one : {tool_, tool})
-      if (one) (layers ? moved : region).add(in_blocks(one->footprint, supersample_));
+      for (const PixelRect& place : one ? std::vector{one->footprint, one->shadow} : std::vector<PixelRect>{})
+        (layers ? moved : region).add(in_blocks(place, supersample_));
   out.drawn.assign(region.rects().begin(), region.rects().end());
   for (const PixelRect& part : outside(missing_, region.rects())) out.drawn.push_back(part);
   if (!layers) return out;

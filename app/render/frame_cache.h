@@ -26,13 +26,14 @@ struct FrameKey {
 struct DrawnTool {
   Pose world_from_tool;
   PixelRect footprint;
+  PixelRect shadow{};  ///< with layers, where its shadow on bone may be; empty without shadows
 };
 
 /// What a picture must draw.
 struct StalePixels {
   std::vector<PixelRect> drawn;  ///< disjoint: rays and light; without layers also the tool
   std::vector<PixelRect> relit;  ///< beside `drawn`, disjoint: the light of those hits whose ambient occlusion may read a changed texel
-  std::vector<PixelRect> tool;   ///< with layers, beside both, disjoint: where the tool is, or was in the last picture
+  std::vector<PixelRect> tool;   ///< with layers, beside both, disjoint: where the tool or its shadow is, or was in the last picture
   VoxelBox changed;              ///< round all texels that changed since the last picture
 
   /// @returns all rectangles.

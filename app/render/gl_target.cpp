@@ -30,8 +30,8 @@ Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height
   target.width_ = width;
   target.height_ = height;
   target.kind_ = kind;
-  const bool with_probe = kind == TargetKind::probed, with_hits = kind != TargetKind::floats && kind != TargetKind::shown,
-             marked = kind == TargetKind::marked;
+  const bool with_probe = kind == TargetKind::probed, marked = kind == TargetKind::marked || kind == TargetKind::shaded,
+             with_hits = kind != TargetKind::floats && kind != TargetKind::shown && kind != TargetKind::shaded;
   const GLenum depth_place = marked ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT;
   target.framebuffer_ = make_framebuffer(gl);
   target.color_ = make_renderbuffer(gl, kind == TargetKind::floats ? GL_RGBA32F : GL_RGBA8, width, height);

@@ -11,9 +11,9 @@
 
 namespace burrhole {
 
-/// Format of a pixel: `bytes` RGBA8; `marked` RGBA8 and a stencil; `shown` RGBA8 without hits; `floats` RGBA32F, for hundreds of blend
+/// Format of a pixel: `bytes` RGBA8; `marked` RGBA8 and a stencil; `shown` RGBA8 without hits; `shaded` the same with a stencil; `floats` RGBA32F, for hundreds of blend
 /// operations, without hits; `probed` RGBA8 and four floats.
-enum class TargetKind { bytes, marked, shown, floats, probed };
+enum class TargetKind { bytes, marked, shown, shaded, floats, probed };
 
 /// Colour, 32-bit float depth and, for most kinds, the hit depth of rays in a texture of one float.
 class GlTarget {

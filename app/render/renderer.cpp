@@ -76,7 +76,7 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   block.background_bottom.w = rays_a_side % 2 == 0 ? 2.0f : 1.0f;
   const bool with_tool = tool && view.world_from_tool;
   if (with_tool)
-    for (const Vec3& corner : tool->corners()) points.push_back(*view.world_from_tool * corner);
+    for (const Vec3& corner : tool->corners_at(*view.world_from_tool)) points.push_back(corner);
   if (skin)
     for (const Vec3& corner : skin->corners()) points.push_back(view.world_from_bone * corner);
   range = fit_depth_range(rays.value(), points);
@@ -95,6 +95,7 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
     world_from_tool[3] = glm::dvec4(view.world_from_tool->translation, 1.0);
     block.world_from_tool = glm::fmat4(world_from_tool);
     block.clip_from_tool = glm::fmat4(clip_from_world(rays.value(), range) * world_from_tool);
+    if (has_tool_shadow()) fill_tool_shadow(block, tool->corners_at(*view.world_from_tool), Vec3(world_from_tool[2]));
   }
   return block;
 }
@@ -122,7 +123,8 @@ Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int h
   if (Status made = prepare(target, &spare_target, drawn.x, drawn.y, bone_kind()); !made) return made.error();
   const bool layers = has_layers(), over_copy = layers && (tool || skin);
   if (over_copy)
-    if (Status made = prepare(shown, &spare_shown, drawn.x, drawn.y, TargetKind::shown); !made) return made.error();
+    if (Status made = prepare(shown, &spare_shown, drawn.x, drawn.y, has_tool_shadow() ? TargetKind::shaded : TargetKind::shown); !made)
+      return made.error();
   const bool cut = view.cut.has_value();
   note_view(view);
   std::string shaders;

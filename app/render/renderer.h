@@ -64,7 +64,7 @@ struct RenderCounters {
   std::uint64_t frames = 0;          ///< pictures drawn, those of probe() included
   /// By draw() and draw_at_pace(), at the drawn resolution, without pixels that were kept; pixels that were only lit again count.
   std::uint64_t drawn_pixels = 0;
-  std::uint64_t tool_pixels = 0;    ///< beside them, those where only the tool was drawn, over a copy of the bone
+  std::uint64_t tool_pixels = 0;    ///< beside them, those where only the tool and its shadow were drawn, over a copy of the bone
   std::uint64_t probe_samples = 0;  ///< sum of FrameProbe::samples of the last probe()
 };
 
@@ -128,7 +128,7 @@ class Renderer {
   /// As draw(), in steps: ends when `seconds` [s] have passed and at least one band of rows has been drawn, those round the tool first. Call
   /// it again until the picture is whole; then it is that of draw(). View, tool and bone may change between the steps.
   [[nodiscard]] Result<PictureStep> draw_step(const FrameView& view, int width, int height, double seconds);
-  /// Draws a picture without skin, with hit positions and sample counts, by one ray per pixel at full resolution: `supersample` and `resolution` are
+  /// Draws a picture without skin and without the shadow of the tool, with hit positions and sample counts, by one ray per pixel at full resolution: `supersample` and `resolution` are
   /// ignored. All pixels are drawn, and the values per pixel are read back, so it is slower than draw(). @returns ErrorCode::bad_input
   /// without a volume or with slices; the errors of draw().
   [[nodiscard]] Result<FrameProbe> probe(const FrameView& view, int width, int height);

@@ -13,6 +13,7 @@
 #include "app/render/renderer.h"
 #include "app/render/shader_program.h"
 #include "app/render/skin_mesh.h"
+#include "app/render/tool_depth.h"
 #include "app/render/tool_mesh.h"
 #include "app/render/transfer_texture.h"
 #include "app/render/volume_texture.h"
@@ -42,7 +43,8 @@ struct Renderer::Impl {
   DetailGrid grid;                      ///< of the detail
   std::optional<UploadRing> ring;
   std::optional<ToolMesh> tool;
-  std::optional<SkinMesh> skin;  ///< drawn where has_layers()
+  std::optional<ToolDepth> tool_depth;  ///< made when the tool's shadow is first drawn
+  std::optional<SkinMesh> skin;         ///< drawn where has_layers()
   FrameCache cache;
   bool may_grow = false;                  ///< forget() came since the last picture
   std::optional<CameraView> last_camera;  ///< of draw_at_pace
@@ -77,6 +79,8 @@ struct Renderer::Impl {
     GLuint detail = 0, detail_light = 0;                     ///< those of the detail, if there is one
     GLuint stale_occlusion = 0, detail_stale_occlusion = 0;  ///< mark the hits to be relit, if any
     GLuint skin = 0, rim = 0;                                ///< of the skin, if there is one
+    GLuint tool_depth = 0, tool_shadow = 0;                  ///< of the tool's shadow, if it is drawn: seen from the light, and marks
+    GLuint shaded = 0, detail_shaded = 0;                    ///< light on the hits in the tool's shadow
     PixelRect detail_rect{};                                 ///< pixels whose rays may meet the detail
   };
   bool has_table = false;  ///< the view that is drawn has a table that is seen
@@ -92,13 +96,15 @@ struct Renderer::Impl {
   /// @returns whether the bone is drawn into a picture of its own, so that a moving tool costs no rays. Slices and translucent bone are
   /// blended with the tool.
   [[nodiscard]] bool has_layers() const noexcept { return volume && has_surface(); }
-  [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft, VolumeLevel level) const;
+  [[nodiscard]] bool has_tool_shadow() const noexcept { return has_layers() && tool && options.appearance.shadow; }
+  [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft, VolumeLevel level, bool tool_shadow = false) const;
   [[nodiscard]] ShaderVariant stale_variant(bool cut, VolumeLevel level) const;
   [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
   void scissor(const PixelRect& part) const;
   void draw_screen(GLuint program) const;
   void draw_tool(GLuint program) const;
   void draw_skin(const Programs& used) const;
+  void draw_tool_shadow(const PixelRect& part, const Programs& used) const;
   void draw_slices(GLuint program, int count) const;
   void draw_translucent(GLuint program, const PixelRect& part) const;
   void draw_light(GLuint program) const;
@@ -112,6 +118,8 @@ struct Renderer::Impl {
   Result<FrameBlock> make_block(const FrameView& view, int width, int height, int rays_a_side);
   void note_view(const FrameView& view) noexcept;
   Status find_skin_programs(bool cut, Programs& out);
+  Status find_shadow_programs(bool cut, Programs& out);
+  Status make_tool_depth();
   [[nodiscard]] FrameBlock make_detail_block(const FrameBlock& whole, const FrameView& view) const;
   Result<Programs> find_programs(bool cut, ToolPass pass, bool with_stale);
   [[nodiscard]] TargetKind bone_kind() const noexcept;
@@ -119,7 +127,8 @@ struct Renderer::Impl {
   Status prepare(GlTarget& into, GlTarget* spare, int width, int height, TargetKind kind);
   [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
   void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;
-  void draw_layer(const PixelRect& part, const Programs& used, bool with_tool) const;
+  /// @param drawn_tool where it meets the part; absent: not at all.
+  void draw_layer(const PixelRect& part, const Programs& used, const std::optional<DrawnTool>& drawn_tool) const;
   /// @returns the number of drawn pixels that were only lit again.
   Result<std::uint64_t> render(const StalePixels& stale, const FrameView& view, const FrameBlock& block,
                                const std::optional<DrawnTool>& drawn_tool, ToolPass pass);

@@ -1,4 +1,6 @@
 // The draw calls of one picture: programs, passes and their OpenGL state.
+#include <algorithm>
+
 #include "app/render/renderer_impl.h"
 
 namespace burrhole {
@@ -147,9 +149,14 @@ ShaderVariant Renderer::Impl::stale_variant(bool cut, VolumeLevel level) const {
   return stale_occlusion_variant({.cut = cut, .finish = options.finish, .appearance = options.appearance, .level = level});
 }
 
-ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft, VolumeLevel level) const {
-  SurfaceChoice choice{
-      .cut = cut, .soft = false, .finish = options.finish, .fog = has_fog, .appearance = options.appearance, .level = level};
+ShaderVariant Renderer::Impl::light_variant(bool cut, bool tissue, bool soft, VolumeLevel level, bool tool_shadow) const {
+  SurfaceChoice choice{.cut = cut,
+                       .soft = false,
+                       .finish = options.finish,
+                       .fog = has_fog,
+                       .tool_shadow = tool_shadow,
+                       .appearance = options.appearance,
+                       .level = level};
   choice.appearance.tissue = choice.appearance.tissue && tissue;
   choice.soft = choice.appearance.tissue && soft;
   return surface_variant(choice);
@@ -179,7 +186,9 @@ Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
     asked.push_back(volume_variant(cut, false, true, VolumeLevel::only));
     if (has_surface()) asked.push_back(light_variant(cut, true, true, VolumeLevel::only));
     if (relights()) asked.push_back(stale_variant(cut, VolumeLevel::only));
+    if (has_surface() && options.appearance.shadow) asked.push_back(light_variant(cut, true, true, VolumeLevel::only, true));
   }
+  if (has_surface() && options.appearance.shadow) asked.insert(asked.end(), {tool_depth_variant(), tool_shadow_variant()});
   for (const ShaderVariant& variant : asked) {
     const auto linked = programs.find_or_link(variant);
     if (linked) continue;
@@ -225,6 +234,8 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPas
   }
   if (skin)
     if (Status found = find_skin_programs(cut, out); !found) return found.error();
+  if (pass == ToolPass::layer && has_tool_shadow())
+    if (Status found = find_shadow_programs(cut, out); !found) return found.error();
   if (!detail) return out;
   const auto part = programs.find_or_link(volume_variant(cut, probe, has_soft(), VolumeLevel::detail));
   if (!part) return part.error();
@@ -249,11 +260,37 @@ Status Renderer::Impl::find_skin_programs(bool cut, Programs& out) {
   return {};
 }
 
+Status Renderer::Impl::find_shadow_programs(bool cut, Programs& out) {
+  const auto find = [this](const ShaderVariant& variant, GLuint& program) -> Status {
+    const auto found = programs.find_or_link(variant);
+    if (!found) return found.error();
+    program = found.value();
+    return {};
+  };
+  if (Status found = find(tool_depth_variant(), out.tool_depth); !found) return found;
+  if (Status found = find(tool_shadow_variant(), out.tool_shadow); !found) return found;
+  if (Status found = find(light_variant(cut, has_tissue(), has_soft(), outer_level(), true), out.shaded); !found) return found;
+  if (!detail) return {};
+  return find(light_variant(cut, has_tissue(), has_soft(), VolumeLevel::detail, true), out.detail_shaded);
+}
+
+Status Renderer::Impl::make_tool_depth() {
+  if (tool_depth) return {};
+  auto made = ToolDepth::create(gl);
+  if (!made) return made.error();
+  tool_depth = std::move(made).value();
+  return {};
+}
+
 std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const {
   if (!tool || !view.world_from_tool) return std::nullopt;
-  std::vector<Vec3> corners;
-  for (const Vec3& corner : tool->corners()) corners.push_back(*view.world_from_tool * corner);
-  return DrawnTool{*view.world_from_tool, find_footprint(rays_of(block), corners, drawn)};
+  const auto corners = tool->corners_at(*view.world_from_tool);
+  DrawnTool out{*view.world_from_tool, find_footprint(rays_of(block), corners, drawn)};
+  if (!has_tool_shadow()) return out;
+  std::vector<Vec3> bone;
+  append_corners(volume->dims(), Affine::from_pose(view.world_from_bone) * volume->bone_from_index(), bone);
+  out.shadow = find_shadow_footprint(rays_of(block), {corners, bone, Vec3(block.light)}, drawn);
+  return out;
 }
 
 /// The same fragments as in a whole picture: OpenGL does not let the scissor's place change what is drawn inside (4.5 core, appendix A.3).
@@ -270,11 +307,37 @@ void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, c
   if (!opaque && options.translucent) draw_translucent(used.volume, part);
 }
 
-/// The picture: the bone, and over it tool and skin where no bone is nearer.
-void Renderer::Impl::draw_layer(const PixelRect& part, const Programs& used, bool with_tool) const {
+/// Light again on the hits in the tool's shadow, over the copy of the bone. A first pass marks them, so that other pixels cost a look-up.
+void Renderer::Impl::draw_tool_shadow(const PixelRect& part, const Programs& used) const {
+  scissor(part);
+  gl.Clear(GL_STENCIL_BUFFER_BIT);
+  gl.BindTextureUnit(4, target.hits());
+  gl.BindTextureUnit(8, tool_depth->depths());
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Enable(GL_STENCIL_TEST);
+  gl.StencilFunc(GL_ALWAYS, 1, 0xff);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  draw_screen(used.tool_shadow);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.StencilFunc(GL_EQUAL, 1, 0xff);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+  volume->bind();
+  draw_screen(used.shaded);
+  with_detail(part, used, [&] { draw_screen(used.detail_shaded); });
+  gl.Disable(GL_STENCIL_TEST);
+  gl.Enable(GL_DEPTH_TEST);
+}
+
+/// The picture: the bone with the tool's shadow, and over it tool and skin where no bone is nearer.
+void Renderer::Impl::draw_layer(const PixelRect& part, const Programs& used, const std::optional<DrawnTool>& drawn_tool) const {
   scissor(part);
   target.copy_picture(shown, part);
+  const PixelRect shade = drawn_tool ? drawn_tool->shadow.intersect(part) : PixelRect{};
+  if (!shade.empty()) draw_tool_shadow(shade, used);
+  const bool with_tool = drawn_tool && !drawn_tool->footprint.intersect(part).empty();
   if (!with_tool && !skin) return;
+  scissor(part);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   gl.BindTextureUnit(4, target.hits());
   if (with_tool) draw_tool(used.tool);
@@ -304,8 +367,14 @@ Result<std::uint64_t> Renderer::Impl::render(const StalePixels& stale, const Fra
   for (const PixelRect& part : stale.drawn) draw_part(part, block, used.value(), !layers && has_tool(part));
   const std::uint64_t relit = stale.relit.empty() ? 0 : relight(stale.relit, *used);
   if (layers) {
+    const std::vector<PixelRect> parts = stale.all();
+    const auto shaded = [&](const PixelRect& part) { return !drawn_tool->shadow.intersect(part).empty(); };
+    if (drawn_tool && std::ranges::any_of(parts, shaded)) {
+      if (Status made = make_tool_depth(); !made) return made.error();
+      tool_depth->draw(*tool, used->tool_depth);
+    }
     shown.bind();
-    for (const PixelRect& part : stale.all()) draw_layer(part, *used, has_tool(part));
+    for (const PixelRect& part : parts) draw_layer(part, *used, drawn_tool);
   }
   if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
   return relit;

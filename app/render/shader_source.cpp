@@ -111,6 +111,7 @@ ShaderVariant surface_variant(const SurfaceChoice& choice) {
   add_define(variant, appearance.normals == NormalSource::recomputed, "RECOMPUTED", "_recomputed");
   add_define(variant, appearance.drape, "DRAPE", "_drape");
   add_define(variant, choice.fog, "FOG", "_fog");
+  add_define(variant, choice.tool_shadow, "TOOL_SHADOW", "_tool_shadow");
   return variant;
 }
 
@@ -154,6 +155,10 @@ ShaderVariant tool_variant(ToolPass pass, bool fog) {
   return variant;
 }
 
+ShaderVariant tool_depth_variant() { return {"tool_depth", "tool_depth.vert", "tool_depth.frag", {}}; }
+
+ShaderVariant tool_shadow_variant() { return {"tool_shadow", "screen.vert", "tool_shadow.frag", {}}; }
+
 ShaderVariant background_variant(bool table, bool fog) {
   ShaderVariant variant{"background", "screen.vert", "background.frag", {}};
   add_define(variant, table, "TABLE", "_table");
@@ -171,6 +176,14 @@ ShaderVariant skin_variant(const SkinChoice& choice) {
 
 namespace {
 
+/// A surface; if it has shadows, also that in the shadow of the tool.
+void add_surface(SurfaceChoice choice, std::vector<ShaderVariant>& variants) {
+  variants.push_back(surface_variant(choice));
+  if (!choice.appearance.shadow) return;
+  choice.tool_shadow = true;
+  variants.push_back(surface_variant(choice));
+}
+
 /// Fog with each drawing method, with the options of a default scene and with all of them.
 void add_fog_variants(const Appearance& usual, const Appearance& all, std::vector<ShaderVariant>& variants) {
   variants.push_back(background_variant(false, true));
@@ -178,10 +191,10 @@ void add_fog_variants(const Appearance& usual, const Appearance& all, std::vecto
   for (const VolumeLevel level : {VolumeLevel::only, VolumeLevel::whole, VolumeLevel::detail})
     for (const bool cut : {false, true}) {
       variants.push_back(raycast_variant({.cut = cut, .skip = true, .fog = true, .level = level}));
-      variants.push_back(surface_variant({.cut = cut, .soft = true, .finish = true, .fog = true, .appearance = usual, .level = level}));
+      add_surface({.cut = cut, .soft = true, .finish = true, .fog = true, .appearance = usual, .level = level}, variants);
     }
   variants.push_back(raycast_variant({.cut = true, .skip = true, .probe = true, .fog = true}));
-  variants.push_back(surface_variant({.cut = true, .soft = true, .finish = true, .fog = true, .appearance = all}));
+  add_surface({.cut = true, .soft = true, .finish = true, .fog = true, .appearance = all}, variants);
   for (const bool on : {false, true}) {
     variants.push_back(translucent_variant({.cut = on, .soft = on, .skip = true, .probe = on, .labels = true, .tint = on, .fog = true}));
     variants.push_back(slices_variant({.cut = on, .correct = true, .labels = true, .fog = true}));
@@ -191,8 +204,9 @@ void add_fog_variants(const Appearance& usual, const Appearance& all, std::vecto
 }  // namespace
 
 std::vector<ShaderVariant> all_shader_variants() {
-  std::vector<ShaderVariant> variants{background_variant(), background_variant(true), tool_variant(ToolPass::picture),
-                                      tool_variant(ToolPass::probe), tool_variant(ToolPass::layer)};
+  std::vector<ShaderVariant> variants{background_variant(),          background_variant(true),      tool_variant(ToolPass::picture),
+                                      tool_variant(ToolPass::probe), tool_variant(ToolPass::layer), tool_depth_variant(),
+                                      tool_shadow_variant()};
   const auto bit = [](unsigned bits, unsigned n) { return (bits >> n & 1u) != 0; };
   const auto options = [bit](unsigned bits) {
     return Appearance{.tissue = bit(bits, 0),
@@ -215,8 +229,8 @@ std::vector<ShaderVariant> all_shader_variants() {
     }
   constexpr unsigned kDrawn = 8, kOptions = 7, kAllOptions = (1u << kOptions) - 1u;
   const auto add = [&](unsigned bits, unsigned chosen, VolumeLevel level) {
-    variants.push_back(surface_variant(
-        {.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .appearance = options(chosen), .level = level}));
+    add_surface({.cut = bit(bits, 0), .soft = bit(bits, 1), .finish = bit(bits, 2), .appearance = options(chosen), .level = level},
+                variants);
   };
   constexpr unsigned kDefault = 0b010011u;  // tissue, occlusion, labels
   for (unsigned bits = 0; bits < kDrawn; ++bits)

@@ -43,6 +43,7 @@ struct SurfaceChoice {
   bool soft = false;    ///< the volume contains dura or brain
   bool finish = false;  ///< smoothed normals and soft highlights
   bool fog = false;
+  bool tool_shadow = false;  ///< the hits lie in the shadow of the tool
   Appearance appearance{.labels = false};
   VolumeLevel level = VolumeLevel::only;
 };
@@ -83,11 +84,15 @@ struct SkinChoice {
 /// The tool: into the picture of the bone, with a probe or not; or over a copy of it.
 enum class ToolPass { picture, probe, layer };
 [[nodiscard]] ShaderVariant tool_variant(ToolPass pass, bool fog = false);
+/// Depths of the tool seen from the light.
+[[nodiscard]] ShaderVariant tool_depth_variant();
+/// Marks the hits in the shadow of the tool.
+[[nodiscard]] ShaderVariant tool_shadow_variant();
 [[nodiscard]] ShaderVariant background_variant(bool table = false, bool fog = false);
 [[nodiscard]] ShaderVariant skin_variant(const SkinChoice& choice);
 /// The build validates and a test links each of these: all options of the drawing method, without appearance options, with those of a
 /// default scene and with all, and each appearance option alone and left out; fog with each method, with the default scene's options and with
-/// all.
+/// all; the shadow of the tool with each surface that has shadows.
 [[nodiscard]] std::vector<ShaderVariant> all_shader_variants();
 
 /// @returns the text for the driver: #version 450, one #define per name, then `file` with each `#include "name"` line replaced by that file

@@ -18,6 +18,12 @@ class ToolMesh {
   void draw() const;
   /// Corners of its bounding box [m], tool frame.
   [[nodiscard]] const std::array<Vec3, 8>& corners() const noexcept { return corners_; }
+  /// The same in the world.
+  [[nodiscard]] std::array<Vec3, 8> corners_at(const Pose& world_from_tool) const noexcept {
+    std::array<Vec3, 8> out = corners_;
+    for (Vec3& corner : out) corner = world_from_tool * corner;
+    return out;
+  }
 
  private:
   const GladGLContext* gl_ = nullptr;

@@ -36,7 +36,9 @@ Status write_file(const std::string& path, std::string_view bytes) {
 }
 
 Result<std::string> read_file(const std::string& path) {
-  File file(std::fopen(path.c_str(), "rb"));
+  File file;
+  do file.reset(std::fopen(path.c_str(), "rb"));
+  while (!file && errno == EINTR);
   if (!file) return read_error(path, errno);
   std::string bytes;
   char block[65536];

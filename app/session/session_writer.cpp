@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
@@ -5,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string_view>
 
 #include "app/session/row_codec.h"
@@ -87,12 +87,15 @@ bool is_session_file(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false;
   std::array<char, kIdAt + 4> header{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(header.data(), header.size());
-  if (file.gcount() == 0) return file.eof();
+  int file = -1;
+  do file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  while (file < 0 && errno == EINTR);
+  const ssize_t count = file < 0 ? -1 : ::pread(file, header.data(), header.size(), 0);
+  if (file >= 0) ::close(file);
+  if (count != static_cast<ssize_t>(header.size())) return count == 0;
   std::int64_t id = 0;
   for (std::size_t n = kIdAt; n < header.size(); ++n) id = id << 8 | static_cast<unsigned char>(header[n]);
-  return file && std::string_view(header.data(), kStart.size()) == kStart && id == kApplicationId;
+  return std::string_view(header.data(), kStart.size()) == kStart && id == kApplicationId;
 }
 
 struct SessionWriter::State {

@@ -24,6 +24,9 @@ constexpr double kGap = 2e-3;        // [m] as in make_approach()
 constexpr double kThickest = 20e-3;  // [m] of bone at the entry that may be a skull
 constexpr double kDura = 0.6e-3;     // [m]
 constexpr double kInBone = 0.75;     // [voxels] of their surface above the inner surface, so that no slit is drawn between them
+// [-] occupancy from which a voxel has the colour of dura, also one of bone: half a voxel above the surface of dura. Where bone is drilled away, the
+// colour of dura is sampled three quarters of a voxel below its surface (shade.glsl), between voxels that were bone and voxels that were not.
+constexpr double kColored = 0.25;
 constexpr int kBisections = 6;
 constexpr int kSmoothings = 12;
 
@@ -210,13 +213,13 @@ void AssumedBrain::add_to(VolumeView& volume) const {
       const Sample sample = at(volume.bone_from_index * Vec3(v), edge);
       if (sample.soft <= 0.0) return;
       const std::size_t n = all.offset_of(v);
-      const bool bone = volume.normal_opacity[n].a > 127;
+      const bool colored = sample.soft >= kColored;
       const std::uint8_t soft = to_byte(sample.soft);
-      if (!bone) volume.color[n] = sample.dura ? kDuraColor : kBrainColor;
+      if (colored || volume.normal_opacity[n].a <= 127) volume.color[n] = sample.dura ? kDuraColor : kBrainColor;
       volume.color[n].a = std::max(volume.color[n].a, soft);
       volume.field[n] = std::max(volume.field[n], static_cast<std::uint16_t>(std::lround(65535.0 * sample.soft)));
       if (sample.normal != Vec3(0.0)) volume.normal_opacity[n] = encode_normal(sample.normal, volume.normal_opacity[n].a);
-      if (!volume.tissue.empty() && volume.tissue[n].r <= 127) volume.tissue[n].g = sample.dura ? 255 : 0;
+      if (!volume.tissue.empty() && (colored || volume.tissue[n].r <= 127)) volume.tissue[n].g = sample.dura ? 255 : 0;
     });
   });
 }

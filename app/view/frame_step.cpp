@@ -10,6 +10,7 @@
 #include "app/view/cut_mesh.h"
 #include "app/view/drape.h"
 #include "app/view/skin.h"
+#include "app/view/whole_bone.h"
 #include "core/base/bounds.h"
 
 namespace burrhole {
@@ -110,6 +111,7 @@ Result<FrameStep> FrameStep::create(const DisplayConfig& display, const Pose& wo
   out.look_ = tool.look;
   auto volume = out.make_levels(approach.bone_from_approach);
   if (!volume) return volume.error();
+  out.find_outline();
   if (display.skin && display.skin->body)
     volume->skin = std::make_shared<const SkinView>(make_skin(*display.skin, approach.bone_from_approach));
   if (out.brain_) volume->note = "layers by density; dura and brain assumed";
@@ -285,18 +287,26 @@ FrameView FrameStep::view_of(const std::optional<Pose>& world_from_tool, bool cu
   if (world_from_tool) view.world_from_tool = turns_ ? turned_tool(*world_from_tool, turned_) : *world_from_tool;
   const Vec3 tip = world_from_tool ? world_from_tool->translation : tip_;
   if (!cut) view.cut = make_scene_cut(display_.cut, view.camera, world_from_bone_, tip);
-  if (!overview) view.inset = inset_of(view);
   return view;
+}
+
+/// What the inset shows: the bone; a cloth and skin reach further, to about the corners of its box.
+void FrameStep::find_outline() {
+  if (!display_.inset || !coarse_) return;
+  outline_ = outline_points(coarse_->loaded());
+  if (!display_.drape && !display_.skin) return;
+  const Pose bone_from_approach = world_from_bone_.inverse() * world_from_approach_;
+  for (const Vec3& corner : find_extent(voxmap_->bone(), world_from_bone_, world_from_approach_).corners())
+    outline_.push_back(bone_from_approach * corner);
 }
 
 /// @returns a camera in the direction of a view that sees all of a head; nothing if the bone is drawn as a whole in each picture.
 std::optional<CameraView> FrameStep::inset_of(const FrameView& view) const {
-  if (!display_.inset || !coarse_) return std::nullopt;
-  const Bounds extent = find_extent(voxmap_->bone(), world_from_bone_, world_from_approach_);
+  if (outline_.empty()) return std::nullopt;
+  std::vector<Vec3> shown;
+  for (const Vec3& p : outline_) shown.push_back(world_from_bone_ * p);
   CameraView out = view.camera;
-  const Vec3 direction = glm::normalize(out.eye - out.target);
-  out.target = middle_of(extent, world_from_approach_);
-  out.eye = out.target + 0.5 * glm::length(extent.hi - extent.lo) / std::sin(0.5 * out.vertical_fov) * direction;
+  fit_camera(out, shown, static_cast<double>(display_.width) / display_.height);
   return out;
 }
 
@@ -309,8 +319,7 @@ Status FrameStep::send_changes() {
 
 Status FrameStep::film(const Pose& world_from_tool) {
   if (Status sent = send_changes(); !sent) return sent;
-  FrameView view = view_of(world_from_tool, false);
-  view.inset.reset();
+  const FrameView view = view_of(world_from_tool, false);
   return timers_.frame([&] { return sink_->film(view, display_.width, display_.height); });
 }
 
@@ -336,7 +345,9 @@ Status FrameStep::draw_section(const std::string& name, FrameView view, Hash64& 
 
 Status FrameStep::draw(const std::string& name, const std::optional<Pose>& world_from_tool, bool cut) {
   if (Status sent = send_changes(); !sent) return sent;
-  const FrameView view = view_of(world_from_tool, cut, display_.overview && (display_.only_overviews || name == kOverview));
+  const bool overview = display_.overview && (display_.only_overviews || name == kOverview);
+  FrameView view = view_of(world_from_tool, cut, overview);
+  if (!overview) view.inset = inset_of(view);
   if (world_from_tool) tip_ = world_from_tool->translation;
   Hash64 picture;
   const bool section = cut && world_from_tool && view.cut;

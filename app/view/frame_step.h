@@ -93,6 +93,7 @@ class FrameStep {
   std::size_t listener_;
   [[nodiscard]] Result<VolumeView> make_levels(const Pose& bone_from_approach);
   [[nodiscard]] DetailView make_detail() const;
+  void find_outline();
   [[nodiscard]] std::optional<CameraView> inset_of(const FrameView& view) const;
   void read_change(const VoxelBox& box, Change& out) const;
   void make_change(const Change& change, std::vector<TexelBox>& out) const;
@@ -105,6 +106,7 @@ class FrameStep {
   [[nodiscard]] FrameView view_of(const std::optional<Pose>& world_from_tool, bool cut, bool overview = false) const;
   [[nodiscard]] std::size_t texels_in_batch() const noexcept;
   TexelQueue queue_;
+  std::vector<Vec3> outline_;          // [m] bone frame, of what the inset shows; empty without one
   std::optional<CoarseBone> coarse_;   // absent: the bone is drawn at its own voxels
   std::optional<DetailGrid> detail_;   // absent: no part is drawn at other voxels than the rest
   std::optional<DetailView> moved_;    // to be sent before the batch

@@ -133,7 +133,7 @@ enum class NormalSource { texture, recomputed };
 struct Appearance {
   bool tissue = false;     ///< procedural tissue: original surface, cut bone, pores, vessels; needs VolumeView::tissue
   bool occlusion = false;  ///< ambient occlusion
-  bool shadow = false;     ///< shadows of bone
+  bool shadow = false;     ///< shadows of bone and tool on bone
   bool specular = false;   ///< specular highlights of a wet surface
   bool drape = false;      ///< cloth has a pattern of its own
   bool labels = true;      ///< colours by tissue; off: one ivory colour

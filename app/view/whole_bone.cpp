@@ -39,6 +39,28 @@ MineralBox read_plane(const BoneModel& bone, const Vec3& middle, const Vec3& hal
   return out;
 }
 
+/// Directions of a camera, at right angles, length 1.
+struct Directions {
+  Vec3 right, up, back;
+};
+Directions directions_of(const Vec3& back, const Vec3& above) {
+  const Vec3 right = glm::normalize(glm::cross(above, back));
+  return {right, glm::cross(back, right), back};
+}
+
+/// @returns the least distance from `middle` at which a camera sees all points, with the margin.
+double distance_showing(std::span<const Vec3> shown, const Vec3& middle, const Directions& camera, double field, double aspect) {
+  // A point is inside the picture if its distance from the axis is at most its depth times the tangent of half the field.
+  const double half = std::tan(0.5 * field) * kMargin;
+  double distance = 1e-3;
+  for (const Vec3& point : shown) {
+    const Vec3 p = point - middle;
+    const double aside = std::max(std::abs(glm::dot(p, camera.right)) / (half * aspect), std::abs(glm::dot(p, camera.up)) / half);
+    distance = std::max(distance, glm::dot(p, camera.back) + aside);
+  }
+  return distance;
+}
+
 /// The box as four lines in the picture of a slice.
 std::vector<std::array<glm::dvec2, 2>> outline_of(const Bounds& box, const Vec3& middle, const TipSlices& slices, std::size_t plane) {
   const std::size_t u = plane == 2 ? 1 : 0, v = plane == 0 ? 1 : 2;  // axial: x, y; coronal: x, z; sagittal: y, z
@@ -86,15 +108,7 @@ FrameView make_outer_frame(const Bounds& box, std::span<const Vec3> shown, const
   const Vec3 middle = 0.5 * (box.lo + box.hi);
   const Vec3 back(std::sin(view.azimuth) * std::cos(view.elevation), -std::cos(view.azimuth) * std::cos(view.elevation),
                   std::sin(view.elevation));
-  const Vec3 right = glm::normalize(glm::cross(Vec3(0.0, 0.0, 1.0), back)), up = glm::cross(back, right);
-  // A point is inside the picture if its distance from the axis is at most its depth times the tangent of half the field.
-  const double half = std::tan(0.5 * kField) * kMargin;
-  double distance = 1e-3;
-  for (const Vec3& point : shown) {
-    const Vec3 p = point - middle;
-    const double aside = std::max(std::abs(glm::dot(p, right)) / (half * aspect), std::abs(glm::dot(p, up)) / half);
-    distance = std::max(distance, glm::dot(p, back) + aside);
-  }
+  const double distance = distance_showing(shown, middle, directions_of(back, Vec3(0.0, 0.0, 1.0)), kField, aspect);
   FrameView out;
   out.camera.target = middle;
   out.camera.eye = middle + view.distance.value_or(distance) * back;
@@ -102,10 +116,22 @@ FrameView make_outer_frame(const Bounds& box, std::span<const Vec3> shown, const
   out.camera.vertical_fov = kField;
   out.light = light_for(out.camera);
   if (view.cut) {
-    const Vec3 normal(back.x < 0.0 ? -1.0 : 1.0, 0.0, 0.0);
+    const Vec3 across(std::abs(back.x), std::abs(back.y), std::abs(back.z));
+    const std::size_t axis = across.x >= across.y && across.x >= across.z ? 0 : across.y >= across.z ? 1 : 2;
+    Vec3 normal(0.0);
+    normal[axis] = back[axis] < 0.0 ? -1.0 : 1.0;
     out.cut = FrameView::Cut{normal, glm::dot(normal, middle)};
   }
   return out;
+}
+
+void fit_camera(CameraView& camera, std::span<const Vec3> shown, double aspect) {
+  const Directions seen = directions_of(glm::normalize(camera.eye - camera.target), camera.up);
+  Bounds box = Bounds::none();
+  for (const Vec3& p : shown) box.include({glm::dot(p, seen.right), glm::dot(p, seen.up), glm::dot(p, seen.back)});
+  const Vec3 middle = 0.5 * (box.lo + box.hi);
+  camera.target = middle.x * seen.right + middle.y * seen.up + middle.z * seen.back;
+  camera.eye = camera.target + distance_showing(shown, camera.target, seen, camera.vertical_fov, aspect) * seen.back;
 }
 
 std::vector<BoxEdge> seen_edges(const Bounds& box, const Vec3& eye) {

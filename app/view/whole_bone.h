@@ -30,10 +30,12 @@ struct OuterView {
   double azimuth = 35.0 * kDegree;    ///< [rad] about +z, from -y towards +x: from anterior towards the left
   double elevation = 18.0 * kDegree;  ///< [rad] above the xy plane
   std::optional<double> distance{};   ///< [m] from the middle of the box; absent: the least that shows all of it
-  bool cut = false;                   ///< a section across x through the middle, without the side that faces the camera
+  bool cut = false;                   ///< a section through the middle, across the axis that faces the camera most, without the nearer side
 };
 /// @param shown points that the picture holds. @param aspect width / height of the picture.
 [[nodiscard]] FrameView make_outer_frame(const Bounds& box, std::span<const Vec3> shown, const OuterView& view, double aspect);
+/// Moves a camera, without a turn, so that the points fill nine tenths of the picture. @param aspect width / height. @pre there are points.
+void fit_camera(CameraView& camera, std::span<const Vec3> shown, double aspect);
 /// @returns points of boxes that hold all of the bone.
 [[nodiscard]] std::vector<Vec3> outline_points(const BoneModel& bone);
 

@@ -48,6 +48,14 @@ class Descriptor {
   int file_;
 };
 
+/// As open(2), again when a signal interrupts: on network file systems it may wait. @returns below 0: errno says why.
+int open_file(const char* path, int flags, mode_t mode = 0) noexcept {
+  int file = -1;
+  do file = ::open(path, flags | O_CLOEXEC | O_NOCTTY, mode);
+  while (file < 0 && errno == EINTR);
+  return file;
+}
+
 /// @returns 0, or errno of the first write that failed.
 int write_all(int file, std::span<const std::byte> bytes) noexcept {
   while (!bytes.empty()) {
@@ -77,7 +85,7 @@ std::pair<std::string, std::string> folder_and_name(const std::string& path) {
 /// Puts the new name on the disk. A folder that may not be opened is left to the system.
 int sync_folder_of(const std::string& path) noexcept {
   const std::string folder = folder_and_name(path).first;
-  const Descriptor file(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const Descriptor file(open_file(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY));
   return file.get() < 0 ? 0 : sync(file.get());
 }
 
@@ -122,7 +130,8 @@ const char* remedy_of(int code) noexcept {
 }  // namespace
 
 struct OutputFile::State {
-  std::string path;       // as given, for errors
+  std::string path;  // as given, for errors
+  const std::atomic<bool>* stop = nullptr;
   std::string target;     // behind links
   std::string temporary;  // empty: the target is written directly, or the temporary file has gone
   Descriptor file;
@@ -137,10 +146,15 @@ struct OutputFile::State {
     if (status) status = write_error(path, code);
     return status;
   }
+  [[nodiscard]] Status check_stop() {
+    if (status && stop != nullptr && stop->load(std::memory_order_relaxed))
+      status = Error{ErrorCode::unavailable, "the writing was stopped: the file is as it was before", path};
+    return status;
+  }
   [[nodiscard]] int open_temporary(mode_t mode) {
     for (int n = 0; n < kTries; ++n) {
       std::string name = temporary_name(target);
-      file = Descriptor(::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode));
+      file = Descriptor(open_file(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, mode));
       if (file.get() >= 0) temporary = std::move(name);
       if (file.get() >= 0 || errno != EEXIST) break;
     }
@@ -164,15 +178,16 @@ OutputFile::OutputFile(std::unique_ptr<State> state) : state_(std::move(state)) 
 OutputFile::OutputFile(OutputFile&&) noexcept = default;
 OutputFile::~OutputFile() = default;
 
-Result<OutputFile> OutputFile::create(const std::string& path) {
+Result<OutputFile> OutputFile::create(const std::string& path, const std::atomic<bool>* stop) {
   auto state = std::make_unique<State>();
   state->path = path;
+  state->stop = stop;
   struct stat old {};
   const bool is_there = ::stat(path.c_str(), &old) == 0;
   if (!is_there && errno != ENOENT) return write_error(path, errno);
   if (is_there && S_ISDIR(old.st_mode)) return write_error(path, EISDIR);
   if (is_there && !S_ISREG(old.st_mode)) {
-    state->file = Descriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
+    state->file = Descriptor(open_file(path.c_str(), O_WRONLY));
     if (state->file.get() < 0) return write_error(path, errno);
   } else {
     state->target = behind_link(path);
@@ -186,7 +201,7 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
 
 Status OutputFile::write(std::span<const std::byte> bytes) {
   State& s = *state_;
-  if (!s.status) return s.status;
+  if (Status goes_on = s.check_stop(); !goes_on) return goes_on;
   if (s.buffer.size() + bytes.size() > kBuffer)
     if (Status flushed = s.flush(); !flushed) return flushed;
   if (bytes.size() >= kBuffer) return s.put(bytes);
@@ -208,6 +223,7 @@ const std::string& OutputFile::temporary() const noexcept { return state_->tempo
 
 Result<std::uint64_t> OutputFile::commit() {
   State& s = *state_;
+  if (const Status goes_on = s.check_stop(); !goes_on) return goes_on.error();
   if (const Status flushed = s.flush(); !flushed) return flushed.error();
   if (const int code = sync(s.file.get()); code != 0) return s.fail(code).error();
   if (const int code = s.file.close(); code != 0) return s.fail(code).error();
@@ -219,7 +235,7 @@ Result<std::uint64_t> OutputFile::commit() {
 }
 
 Status append_to_file(const std::string& path, std::string_view text) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOCTTY, 0666));
+  Descriptor file(open_file(path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666));
   if (file.get() < 0) return write_error(path, errno);
   struct stat before {};
   if (::fstat(file.get(), &before) != 0) return write_error(path, errno);

@@ -1,9 +1,10 @@
 /// core/base/output_file.h: the one way to write a file: piece by piece into a temporary file beside it, which gets the name only when all
 ///   of it is on the disk. A reader sees the old or the new content, never a part, also after a crash or on a full disk.
-///   Units  bytes.   Errors  bad_input with the path, the reason of the operating system and what to do.   Memory  a buffer of 64 KiB.
+///   Units  bytes.   Errors  bad_input with the path, the reason of the operating system and what to do; unavailable: stopped.   Memory  a buffer of 64 KiB.
 ///   Thread  one owner.   Source  open(2), fsync(2), rename(2).
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -18,8 +19,9 @@ namespace burrhole {
 class OutputFile {
  public:
   /// Opens a new temporary file in the folder of `path`; no other process has its name. A symbolic link is followed. What is no regular
-  /// file (a pipe, a device) is written directly. bad_input also for a folder.
-  [[nodiscard]] static Result<OutputFile> create(const std::string& path);
+  /// file (a pipe, a device) is written directly. bad_input also for a folder. @param stop once true, write() and commit() fail with
+  /// `unavailable`; a signal handler may set it. Null: never.
+  [[nodiscard]] static Result<OutputFile> create(const std::string& path, const std::atomic<bool>* stop = nullptr);
   OutputFile(OutputFile&&) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
   /// Removes the temporary file unless commit() has renamed it.

@@ -47,8 +47,11 @@ void list_layers(const BoneModel& bone, Approach& out) {
   }
 }
 
-/// make_approach() without a place to start in its errors. @param misses set where the axis does not begin outside bone and meet it.
-Result<Approach> measure_approach(const BoneModel& bone, const ApproachScene& scene, bool& misses) {
+/// Why an axis does not begin outside bone and meet it.
+enum class Miss { none, begins_in_bone, no_bone };
+
+/// make_approach() without a place to start in its errors.
+Result<Approach> measure_approach(const BoneModel& bone, const ApproachScene& scene, Miss& miss) {
   const Affine index_from_bone = bone.bone_from_index().inverse();
   const double step = 0.25 * bone.bone_from_index().mean_edge();
   const auto inside = [&](const Vec3& origin, double depth) {
@@ -56,11 +59,11 @@ Result<Approach> measure_approach(const BoneModel& bone, const ApproachScene& sc
   };
 
   double start = -kSearch;
-  misses = inside(scene.entry, start);
-  if (misses) return bad_input("the approach starts inside bone: the point 20 mm above entry_mm is bone");
+  miss = inside(scene.entry, start) ? Miss::begins_in_bone : Miss::none;
+  if (miss != Miss::none) return bad_input("the approach starts inside bone: the point 20 mm above entry_mm is bone");
   while (start < kSearch && !inside(scene.entry, start + step)) start += step;
-  misses = start >= kSearch;
-  if (misses) return bad_input("the approach axis meets no bone within 20 mm of entry_mm");
+  miss = start >= kSearch ? Miss::no_bone : Miss::none;
+  if (miss != Miss::none) return bad_input("the approach axis meets no bone within 20 mm of entry_mm");
   start = refine(bone, index_from_bone, scene.entry, scene.axis, start, start + step, false);
 
   Approach out;
@@ -87,12 +90,12 @@ Result<Approach> measure_approach(const BoneModel& bone, const ApproachScene& sc
 
 /// @returns the valid approach that begins at `start`, or, if its axis leaves the skull, the opposite one; nothing if neither is valid.
 std::optional<ApproachStart> valid_start(const BoneModel& bone, const ApproachStart& start) {
-  bool misses = false;
-  auto found = measure_approach(bone, {start.entry, start.axis, {}}, misses);
+  Miss miss = Miss::none;
+  auto found = measure_approach(bone, {start.entry, start.axis, {}}, miss);
   Vec3 axis = start.axis;
   if (found && leaves_skull(bone, *found)) {
     axis = -axis;
-    found = measure_approach(bone, {found->bone_from_approach.translation - axis * found->thickness, axis, {}}, misses);
+    found = measure_approach(bone, {found->bone_from_approach.translation - axis * found->thickness, axis, {}}, miss);
   }
   if (!found || leaves_skull(bone, *found)) return std::nullopt;
   return ApproachStart{found->bone_from_approach.translation, axis};
@@ -108,12 +111,14 @@ double sample_occupancy(const BoneModel& bone, const Vec3& index) {
 }
 
 Result<Approach> make_approach(const BoneModel& bone, const ApproachScene& scene) {
-  bool misses = false;
-  auto out = measure_approach(bone, scene, misses);
-  if (out || !misses) return out;
+  Miss miss = Miss::none;
+  const auto out = measure_approach(bone, scene, miss);
+  if (out || miss == Miss::none) return out;
+  std::string message = out.error().message;
+  if (const std::string way = way_to_bone(bone, scene.entry); miss == Miss::no_bone && !way.empty()) message += ": " + way;
   for (const ApproachStart& possible : possible_starts(bone, scene))
-    if (const auto start = valid_start(bone, possible)) return bad_input(out.error().message + "; bone begins at " + start_text(*start));
-  return out;
+    if (const auto start = valid_start(bone, possible)) return bad_input(message + "; bone begins at " + start_text(*start));
+  return bad_input(message);
 }
 
 }  // namespace burrhole

@@ -1,8 +1,10 @@
 #include "core/measure/approach_check.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -120,6 +122,17 @@ Vec3 rounded(const Vec3& v, double per) { return glm::round(v * per) / per + Vec
 std::string start_text(const ApproachStart& start) {
   const Vec3 e = rounded(start.entry * 1e3, 10.0), a = rounded(start.axis, 1000.0);
   return fmt::format("entry_mm = [{:.1f}, {:.1f}, {:.1f}], axis = [{:.3f}, {:.3f}, {:.3f}]", e.x, e.y, e.z, a.x, a.y, a.z);
+}
+
+std::string way_to_bone(const BoneModel& bone, const Vec3& point) {
+  const auto near = nearest_bone(bone, point);
+  if (!near) return {};
+  constexpr std::array<std::array<const char*, 2>, 3> kWays{{{"right", "left"}, {"anterior", "posterior"}, {"inferior", "superior"}}};
+  const Vec3 way = (*near - point) * 1e3;
+  std::vector<std::string> parts;
+  for (std::size_t c = 0; c < 3; ++c)
+    if (std::abs(way[c]) >= 1.0) parts.push_back(fmt::format("{:.0f} mm {}", std::abs(way[c]), kWays[c][way[c] > 0.0 ? 1 : 0]));
+  return fmt::format("the nearest bone lies {:.0f} mm away{}{}", glm::length(way), parts.empty() ? "" : ": ", fmt::join(parts, ", "));
 }
 
 std::vector<ApproachStart> possible_starts(const BoneModel& bone, const ApproachScene& scene) {

@@ -19,6 +19,10 @@ struct ApproachStart {
 /// @returns the keys entry_mm and axis of [approach] with these values, as written in a scene.
 [[nodiscard]] std::string start_text(const ApproachStart& start);
 
+/// @returns where the bone nearest to a point is: its distance, and the way to it along the patient's axes, those of at least 1 mm. Empty if
+/// there is no bone.
+[[nodiscard]] std::string way_to_bone(const BoneModel& bone, const Vec3& point);
+
 /// For an approach that begins in bone or meets none: where bone is, best first. The surface above the entry, the first bone on the whole axis
 /// within 0.3 m, and the bone nearest to the entry, with the axis of the scene and with that from the entry to it. None is checked.
 [[nodiscard]] std::vector<ApproachStart> possible_starts(const BoneModel& bone, const ApproachScene& scene);

@@ -200,8 +200,8 @@ VoxelBox FloatVdb::active_bounds() const {
 }
 
 Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index, std::span<const FloatVdb* const> grids,
-                 const std::string& notes) {
-  auto file = OutputFile::create(path);
+                 const std::string& notes, const std::atomic<bool>* stop) {
+  auto file = OutputFile::create(path, stop);
   if (!file) return file.error();
   // The transform is for other programs. It takes edges for equal, and shear for none, below an absolute 5e-7, and edges below 1.4e-5 for
   // singular, so it is given in mm; the exact map is kept beside it.

@@ -1,5 +1,5 @@
 /// core/voxel/window_size.h: the sizes that a window of dense voxels may have.
-///   Units  voxels.   Errors  none.   Thread  any.
+///   Frame  index.   Units  voxels.   Errors  none.   Thread  any.
 #pragma once
 
 #include <cstddef>

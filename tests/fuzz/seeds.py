@@ -100,6 +100,18 @@ def scenes():
     return out
 
 
+def overrides():
+    """Assignments as --set takes them, removals as --unset does after a '-'."""
+    out = {"removed": "-display\n-erosion\n", "nested": "volume.hardness=[{value = 0, hardness = 0.5}]\n", "text": 'tool.name="ball"\n'}
+    for header, rows in reference("scene").items():
+        table = header.strip("[]")
+        for key, choices, default, _ in rows:
+            for n, value in enumerate(choices or [default]):
+                if value is not None:
+                    out[f"{table}_{key}_{n}"] = f"{table}.{key}={value}\n" if table else f"{key}={value}\n"
+    return out
+
+
 def tools():
     out = {shape: f'{TOOL}"{shape}"\n{size}\n' for shape, size in SHAPES.items()}
     out["mesh"] = 'title = "t"\n[mesh]\nfile = "FILE.stl"\nerosion_factor = 0.1\npitch_mm = 0.5\n'
@@ -143,9 +155,9 @@ def main():
     if len(sys.argv) != 2:
         sys.exit("usage: seeds.py FOLDER")
     folder = Path(sys.argv[1])
-    seeds = {"scene": scenes(), "tool": tools(), "raw_sidecar": raw_sidecars(), "dicom": seed_dicom.files(), "mesh": seed_meshes.files(),
+    seeds = {"scene": scenes(), "override": overrides(), "tool": tools(), "raw_sidecar": raw_sidecars(), "dicom": seed_dicom.files(), "mesh": seed_meshes.files(),
              "markups": seed_markups.files(), **seed_images.files()}
-    words = {"scene": words_of(reference("scene")), "tool": words_of(reference("tool")), "raw_sidecar": words_of(reference("raw")),
+    words = {"scene": words_of(reference("scene")), "override": words_of(reference("scene")), "tool": words_of(reference("tool")), "raw_sidecar": words_of(reference("raw")),
              "metaimage": literals("volumes/read/meta_header.cpp"), "nrrd": literals("volumes/read/nrrd_header.cpp"),
              "markups": literals("volumes/read/markups.cpp"),
              "mesh": literals("volumes/read/ply_format.cpp") | literals("volumes/read/stl_format.cpp")}

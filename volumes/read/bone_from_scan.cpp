@@ -117,6 +117,20 @@ void report_cut_region(const BoneOptions& options, const BoneGrid& grid, std::ve
   assumed.push_back(fmt::format("the scan ends within the region: {} mm of {} mm are there", mm_text(size), mm_text(options.region->size)));
 }
 
+/// Slices far apart miss the tables of a skull, which are 1 to 2 mm thick: what lies between them is a guess, however fine the grid.
+void report_thick_slices(const Scan& scan, const BoneGrid& grid, std::vector<std::string>& assumed) {
+  constexpr double kThick = 3e-3;  // [m]
+  if (!grid.resampled) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double apart = glm::length(scan.bone_from_index.linear[axis]), fine = grid.bone_from_index.mean_edge();
+    if (apart < kThick || apart < 2.0 * fine || scan.dims[axis] < 2) continue;
+    assumed.push_back(
+        fmt::format("slices are {:.1f} mm apart: voxels of {:.2g} mm show no more than they do, and a thin table between two "
+                    "slices is missing",
+                    apart / kMillimetre, fine / kMillimetre));
+  }
+}
+
 // ---- values on the grid, slab by slab ----
 
 /// Layers [k_lo - 1, k_hi + 1) of the grid, with a margin of one voxel; outside the scan its border is repeated.
@@ -353,6 +367,7 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
     if (const auto error = memory_error(static_cast<double>(builder->bytes()), memory)) return Error{ErrorCode::unavailable, *error, {}};
   }
   report_cut_region(options, *grid, assumed);
+  if (!given) report_thick_slices(scan, *grid, assumed);
   BoneFromScan out;
   out.has_values = !given;
   out.value_min = facts.min + meaning.offset;

@@ -201,13 +201,22 @@ void Walker::walk_top(std::uint64_t at, Form form, DicomElements& out) {
 
 bool has_magic(std::span<const std::byte> head) noexcept { return head.size() >= kHead && std::memcmp(head.data() + 128, "DICM", 4) == 0; }
 
-/// Files without a preamble begin with group 0002 or 0008; the first element of that group decides.
+/// VRs with a length of two bytes. PS3.5 table 7.1-2.
+bool has_short_length(std::array<char, 2> vr) noexcept {
+  constexpr std::array<std::string_view, 21> kShort = {"AE", "AS", "AT", "CS", "DA", "DS", "DT", "FD", "FL", "IS", "LO",
+                                                       "LT", "PN", "SH", "SL", "SS", "ST", "TM", "UI", "UL", "US"};
+  return std::ranges::find(kShort, std::string_view(vr.data(), 2)) != kShort.end();
+}
+
+/// Files without a preamble begin with group 0002 or 0008; the first element of that group decides. A value type is a strong sign; without
+/// one, only the elements that such files begin with are.
 bool begins_with_data(std::span<const std::byte> raw, Form& form) noexcept {
   if (raw.size() < 8) return false;
   const std::uint16_t group = dicom_u16(raw.data(), false), element = dicom_u16(raw.data() + 2, false);
+  const std::array<char, 2> vr{static_cast<char>(raw[4]), static_cast<char>(raw[5])};
+  form.explicit_vr = has_short_length(vr) || has_long_length(vr);
+  if (group == 0x0008 && form.explicit_vr) return true;
   if ((group != 0x0002 && group != 0x0008) || element > 0x0018) return false;
-  const auto letter = [&](int n) { return is_upper(static_cast<char>(raw[static_cast<std::size_t>(n)])); };
-  form.explicit_vr = letter(4) && letter(5);
   return form.explicit_vr || (group == 0x0008 && dicom_u32(raw.data() + 4, false) <= 64);
 }
 

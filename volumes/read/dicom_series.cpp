@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <map>
+#include <numeric>
 #include <set>
 #include <system_error>
 
+#include "core/base/units.h"
 #include "core/config/toml_messages.h"
 #include "volumes/read/scan_geometry.h"
 
@@ -124,12 +127,12 @@ std::vector<SlicePlane> planes_of(const DicomFolder& folder, DicomSeries& series
   return planes;
 }
 
+/// Lists the stack of slices of one series, and its error if they are none.
 void stack_series(const DicomFolder& folder, DicomSeries& series) {
-  for (const std::size_t n : series.files)
-    for (std::size_t f = 0; f < folder.headers[n].frames.size(); ++f) series.slices.push_back({n, f});
   const DicomHeader& first = folder.headers[series.files.front()];
   series.line.modality = first.modality;
-  const std::size_t slices = std::max(series.slices.size(), series.files.size());  // an invalid file may have no frames
+  // An invalid file may have no frames.
+  const std::size_t slices = series.is_half ? series.slices.size() : std::max(series.slices.size(), series.files.size());
   series.line.dims = Vec3i(first.columns, first.rows, static_cast<int>(slices));
   if (!first.frames.empty() && first.frames.front().plane) {
     const SlicePlane& plane = *first.frames.front().plane;
@@ -157,16 +160,94 @@ void stack_series(const DicomFolder& folder, DicomSeries& series) {
     series.line.error = fmt::format("{:.4g} voxels are more than the {:.4g} that are read", series.voxel_count(), kMaxScanVoxels);
 }
 
+/// Slices of a series in two halves.
+using Halves = std::array<std::vector<SliceSource>, 2>;
+
+/// Two slices at each place: the first and the second of each pair, in the order of the files.
+std::optional<Halves> alternate(const std::vector<SliceSource>& slices, const std::vector<SlicePlane>& planes,
+                                const std::vector<std::size_t>& order) {
+  constexpr double kSamePlace = 1e-3;  // [mm] as in stack_slices()
+  if (order.size() % 2 != 0) return std::nullopt;
+  Halves out;
+  for (std::size_t n = 0; n < order.size(); n += 2) {
+    if (glm::length(planes[order[n]].position - planes[order[n + 1]].position) > kSamePlace) return std::nullopt;
+    const auto [first, second] = std::minmax(order[n], order[n + 1]);
+    out[0].push_back(slices[first]);
+    out[1].push_back(slices[second]);
+  }
+  return out;
+}
+
+/// Two distances between slices: the longest even stack from one end, and the rest, to which the last slice of the first may belong. Two stacks
+/// of one distance are a stack with a gap.
+std::optional<Halves> divide(const std::vector<SliceSource>& slices, const std::vector<SlicePlane>& planes,
+                             const std::vector<std::size_t>& order) {
+  constexpr std::size_t kLeast = 3;  // slices of a half: two show no distance that repeats
+  const auto is_even = [&](std::size_t from, std::size_t to) {
+    std::vector<SlicePlane> part;
+    for (std::size_t n = from; n < to; ++n) part.push_back(planes[order[n]]);
+    return part.size() >= kLeast && stack_slices(part, 0.0).ok();
+  };
+  std::size_t end = order.size() - 1;
+  while (end >= kLeast && !is_even(0, end)) --end;
+  if (end < kLeast) return std::nullopt;
+  constexpr double kOtherStep = 0.02;  // [-]
+  const auto step = [&](std::size_t n) { return glm::length(planes[order[n + 1]].position - planes[order[n]].position); };
+  for (const std::size_t begin : {end - 1, end}) {
+    if (!is_even(begin, order.size()) || std::abs(step(begin) - step(0)) < kOtherStep * step(0)) continue;
+    Halves out;
+    for (std::size_t n = 0; n < end; ++n) out[0].push_back(slices[order[n]]);
+    for (std::size_t n = begin; n < order.size(); ++n) out[1].push_back(slices[order[n]]);
+    return out;
+  }
+  return std::nullopt;
+}
+
+/// Two even stacks in a series that is none, and in the error of the series that they are there; nothing if there are none.
+std::vector<DicomSeries> halves_of(const DicomFolder& folder, DicomSeries& series) {
+  std::vector<SlicePlane> planes;
+  for (const SliceSource& s : series.slices) {
+    const auto& plane = folder.headers[s.file].frames[s.frame].plane;
+    if (!plane) return {};
+    planes.push_back(*plane);
+  }
+  if (planes.size() < 2) return {};
+  const Vec3 normal = glm::cross(planes.front().row, planes.front().column);
+  std::vector<std::size_t> order(planes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t n) { return glm::dot(planes[n].position, normal); });
+  auto halves = alternate(series.slices, planes, order);
+  if (!halves) halves = divide(series.slices, planes, order);
+  if (!halves) return {};
+  std::vector<DicomSeries> out;
+  for (std::size_t n = 0; n < 2; ++n) {
+    DicomSeries half;
+    half.is_half = true;
+    half.line.name = fmt::format("{}:{}", series.line.name, n + 1);
+    half.files = series.files;
+    half.slices = (*halves)[n];
+    stack_series(folder, half);
+    if (!half.line.error.empty()) return {};
+    out.push_back(std::move(half));
+  }
+  const auto text = [](const DicomSeries& s) {
+    return fmt::format("{} of {} slices {:.4g} mm apart", s.line.name, s.line.dims.z, s.line.spacing.z / kMillimetre);
+  };
+  series.line.error = fmt::format("{}; it is two even stacks, name one of them (--series; series in a scene): {}, {}", series.line.error,
+                                  text(out[0]), text(out[1]));
+  return out;
+}
+
 /// "3", then "3b", "3c", ... for further series of that number.
 std::string series_name(const std::string& number, std::size_t nth) {
   if (nth == 0) return number;
   return nth < 26 ? number + static_cast<char>('a' + nth) : fmt::format("{}.{}", number, nth + 1);
 }
 
-/// Order: without errors first, then CT, then axial, then larger.
+/// Order: halves last; without errors first, then CT, then axial, then larger.
 bool better(const DicomSeries& a, const DicomSeries& b) {
   const auto rank = [](const DicomSeries& s) {
-    return std::make_tuple(s.line.error.empty(), s.line.modality == "CT", s.line.direction == "axial", s.voxel_count());
+    return std::make_tuple(!s.is_half, s.line.error.empty(), s.line.modality == "CT", s.line.direction == "axial", s.voxel_count());
   };
   return rank(a) > rank(b);
 }
@@ -217,8 +298,17 @@ std::vector<DicomSeries> group_series(const DicomFolder& folder) {
     if (fresh) series.emplace_back().line.name = series_name(h.series_number, of_number[h.series_number]++);
     series[at->second].files.push_back(n);
   }
-  for (DicomSeries& s : series) stack_series(folder, s);
-  return series;
+  std::vector<DicomSeries> out;
+  for (DicomSeries& s : series) {
+    for (const std::size_t n : s.files)
+      for (std::size_t f = 0; f < folder.headers[n].frames.size(); ++f) s.slices.push_back({n, f});
+    stack_series(folder, s);
+    std::vector<DicomSeries> halves;
+    if (!s.line.error.empty() && s.error_place.empty()) halves = halves_of(folder, s);
+    out.push_back(std::move(s));
+    std::ranges::move(halves, std::back_inserter(out));
+  }
+  return out;
 }
 
 Result<std::size_t> choose_series(const std::vector<DicomSeries>& series, const std::string& name, const std::string& place) {
@@ -230,8 +320,13 @@ Result<std::size_t> choose_series(const std::vector<DicomSeries>& series, const 
     if (chosen == series.end())
       return bad_input(fmt::format("no series '{}'; there are: {}", one_line(name), fmt::join(names, ", ")), place);
   }
+  if (name.empty() && series.size() > 1 && chosen->line.error.empty() && chosen->slices.size() == 1)
+    return bad_input(fmt::format("the best of {} series, {}, has one slice; name the series to read (--series; series in a scene): {}",
+                                 series.size(), chosen->line.name, fmt::join(names, ", ")),
+                     place);
   if (chosen->line.error.empty()) return static_cast<std::size_t>(chosen - series.begin());
-  const std::string which = series.size() > 1 ? fmt::format("series {}: ", chosen->line.name) : "";
+  const bool alone = std::ranges::count(series, false, &DicomSeries::is_half) == 1;
+  const std::string which = alone ? "" : fmt::format("series {}: ", chosen->line.name);
   return bad_input(which + chosen->line.error, chosen->error_place.empty() ? place : chosen->error_place);
 }
 

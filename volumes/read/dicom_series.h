@@ -29,6 +29,7 @@ struct DicomSeries {
   SliceStack stack;
   std::string error_place;         ///< path of the invalid file; empty if the error concerns the whole series
   bool thickness_assumed = false;  ///< one slice: the spacing along the stack is its SliceThickness
+  bool is_half = false;            ///< of a series of two even stacks, e.g. "3:1"; selected by its name alone
 
   [[nodiscard]] double voxel_count() const noexcept {
     return static_cast<double>(line.dims.x) * static_cast<double>(line.dims.y) * static_cast<double>(line.dims.z);
@@ -39,13 +40,14 @@ struct DicomSeries {
 /// read or is empty, if a single file is not a slice, or if a folder has no slice (the message gives the number of files per reason).
 [[nodiscard]] Result<DicomFolder> scan_dicom_folder(const std::string& folder_or_file, const std::vector<DicomKeepTag>& keep);
 
-/// Groups slices into series and stacks each. An invalid series is returned with its error in DicomSeries::line.
+/// Groups slices into series and stacks each. An invalid series is returned with its error in DicomSeries::line. Behind a series that is no
+/// even stack but can be divided into two, these are listed: slices twice at each place, or two distances between slices.
 [[nodiscard]] std::vector<DicomSeries> group_series(const DicomFolder& folder);
 
 /// Selects the named series. Without a name, among valid series: axial CT, then any CT, then any axial, then any series; the largest of the
 /// first group that is not empty. @param place of the name, for messages.
 /// @returns its index. Errors: bad_input if the name is unknown (the message lists the names); the error of the selected series; without a
-/// name, if all series have errors, that of the first in the same order.
+/// name, if all series have errors, that of the first in the same order, and a question if the best of several has one slice.
 [[nodiscard]] Result<std::size_t> choose_series(const std::vector<DicomSeries>& series, const std::string& name, const std::string& place);
 
 }  // namespace burrhole

@@ -160,6 +160,11 @@ void settle_density(std::span<const float> values, ImageFile& file) {
 
 Result<ReadScan> read_image(ImageFile file, const ReadOptions& options) {
   const Vec3i dims = file.head.dims;
+  if (file.head.own_density && options.by_values) {
+    file.head.own_density = false;
+    file.head.assumed.emplace_back(
+        "the header says density that burrhole has exported; with a band of bone, the values are taken for those of a scan");
+  }
   if (const auto error = dims_error(dims.x, dims.y, dims.z)) return bad_input(*error, file.place);
   if (const auto error = affine_error(file.head.bone_from_index)) return bad_input(*error, file.place);
   if (file.parts.empty() || static_cast<std::size_t>(dims.z) % file.parts.size() != 0)

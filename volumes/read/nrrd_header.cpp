@@ -263,6 +263,25 @@ Result<Vec3i> dims_of(const Fields& fields) {
   return Vec3i((*edges)[0], (*edges)[1], (*edges)[2]);
 }
 
+/// An axis of 3 or 4 numbers beside two long ones holds the colours of a picture as often as slices. Directions, or a kind, say which.
+Status check_colours(const Fields& fields, const Vec3i& dims) {
+  constexpr int kPicture = 32;  // pixels along a side
+  if (value_of(fields, "space directions")) return {};
+  const auto kinds = value_of(fields, "kinds");
+  const auto words = kinds ? words_of(*kinds) : std::vector<std::string_view>();
+  for (std::size_t n = 0; n < 3; ++n) {
+    if (dims[n] != 3 && dims[n] != 4) continue;
+    if (dims[(n + 1) % 3] < kPicture || dims[(n + 2) % 3] < kPicture) continue;
+    const std::string kind = words.empty() ? std::string() : lower(words[n]);
+    if (kind == "domain" || kind == "space") continue;
+    return bad_input(
+        fmt::format("axis {} has {} numbers, which may be colours: if they are slices of a volume, add \"kinds: domain domain "
+                    "domain\" to the header; colours are not read",
+                    n + 1, dims[n]));
+  }
+  return {};
+}
+
 Status set_form(const Fields& fields, NrrdHeader& out) {
   const auto type = value_of(fields, "type");
   const auto known = type ? pixel_type(*type) : std::nullopt;
@@ -339,6 +358,7 @@ Result<NrrdHeader> parse_nrrd(std::string_view text) {
   const Result<Vec3i> dims = dims_of(lines->fields);
   if (!dims) return dims.error();
   out.image.dims = dims.value();
+  if (const Status slices = check_colours(lines->fields, *dims); !slices) return slices.error();
   if (const Status status = set_form(lines->fields, out); !status) return status.error();
   const Result<Affine> affine = affine_of(lines->fields, out.image.assumed);
   if (!affine) return affine.error();

@@ -38,7 +38,7 @@ Quantity quantity_of(const DicomFolder& folder, const DicomSeries& series) {
 /// Larger series that were not selected because of errors or direction.
 void report_larger_series(const std::vector<DicomSeries>& series, std::size_t taken, std::vector<std::string>& assumed) {
   for (const DicomSeries& s : series) {
-    if (s.voxel_count() <= series[taken].voxel_count()) continue;
+    if (s.is_half || s.voxel_count() <= series[taken].voxel_count()) continue;
     const std::string times = fmt::format("series {} is {:.1f} times as large as series {}, which was taken,", s.line.name,
                                           s.voxel_count() / series[taken].voxel_count(), series[taken].line.name);
     if (!s.line.error.empty())

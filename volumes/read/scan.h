@@ -64,6 +64,7 @@ struct ReadOptions {
   std::optional<double> unit;     ///< [m] length of one unit of a mesh or a foreign .vdb, whose files have no unit
   std::optional<double> pitch;    ///< [m] voxel edge for a mesh; absent: longest side / 256, listed in `assumed`
   std::vector<std::string> keep;  ///< DICOM keywords (PatientID, ...) to copy into the report
+  bool by_values = false;         ///< the mark of an exported density is ignored: the values are those of a scan
   std::optional<double> memory;   ///< [bytes] limit for the voxels; absent: the available memory of the machine
   /// Called with dims, affine and quantity after the headers and before the values are read; its error ends the reading. May be empty.
   std::function<Status(const Scan&)> accept;

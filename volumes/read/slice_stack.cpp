@@ -33,6 +33,7 @@ struct Axis {
 struct Steps {
   std::vector<Vec3> between;  ///< [mm] from slice n to slice n + 1, sorted
   double rule = 0.0;          ///< [mm] median along the normal; unlike the mean it is robust against a few gaps
+  double slant = 1.0;         ///< [-] length of a step along the table over that along the normal: above 1 with a tilted gantry
 };
 
 bool directions_usable(const SlicePlane& s) {
@@ -113,6 +114,8 @@ Steps steps_of(const std::vector<Vec3>& sorted, const Vec3& normal) {
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
   std::nth_element(lengths.begin(), middle, lengths.end());
   steps.rule = *middle;
+  const Vec3 all = sorted.back() - sorted.front();
+  if (const double height = glm::dot(all, normal); height > 0.0) steps.slant = glm::length(all) / height;
   return steps;
 }
 
@@ -139,9 +142,9 @@ std::optional<std::string> error_of_gaps(const Steps& steps, const std::vector<V
     missing += static_cast<std::size_t>(std::max(times - 1.0, 0.0));
   }
   if (off == 0) return std::nullopt;
-  const std::string where =
-      fmt::format("step {:.2f} mm where {:.2f} mm is the rule, after {} = {:.1f} mm", glm::dot(steps.between[first], axis.normal),
-                  steps.rule, axis.letter, sorted[first][axis.component]);
+  const std::string where = fmt::format("step {:.2f} mm where {:.2f} mm is the rule, after {} = {:.1f} mm",
+                                        glm::dot(steps.between[first], axis.normal) * steps.slant, steps.rule * steps.slant, axis.letter,
+                                        sorted[first][axis.component]);
   if (!whole) return fmt::format("{} of {} slice steps are uneven; the first: {}", off, steps.between.size(), where);
   const std::size_t all = sorted.size() + missing, number = first + 2;
   if (missing == 1) return fmt::format("slice {} of {} is missing: {}", number, all, where);

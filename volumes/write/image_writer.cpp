@@ -135,7 +135,7 @@ Result<std::string> nifti_header_bytes(const ImageOut& image) {
 }
 
 Result<std::uint64_t> write_nrrd(const std::string& path, const ImageOut& image) {
-  auto file = PackedFile::create(path);
+  auto file = PackedFile::create(path, image.stop);
   if (!file) return file.error();
   if (const Status written = file->write(nrrd_header_text(image)); !written) return written.error();
   if (const Status packs = file->pack(); !packs) return packs.error();
@@ -146,7 +146,7 @@ Result<std::uint64_t> write_nrrd(const std::string& path, const ImageOut& image)
 Result<std::uint64_t> write_nifti(const std::string& path, const ImageOut& image, bool packed) {
   const auto header = nifti_header_bytes(image);
   if (!header) return bad_input(header.error().message, path);
-  auto file = PackedFile::create(path);
+  auto file = PackedFile::create(path, image.stop);
   if (!file) return file.error();
   if (packed)
     if (const Status packs = file->pack(); !packs) return packs.error();

@@ -3,6 +3,7 @@
 ///   Source  NRRD format definition, revision 5; nifti1.h of the NIfTI Data Format Working Group.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <span>
 #include <string>
@@ -21,6 +22,7 @@ struct ImageOut {
   std::function<void(const VoxelBox& box, std::span<float> out)> read;
   std::function<void(double)> progress = {};  ///< receives the share done, 0..1; may be empty
   std::function<Status()> check = {};         ///< after the last read: an error leaves no file; may be empty
+  const std::atomic<bool>* stop = nullptr;    ///< see OutputFile::create()
 };
 
 /// @returns the map of a box of the grid, whose first voxel has index 0.

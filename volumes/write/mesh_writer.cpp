@@ -89,9 +89,10 @@ void put_obj(Records& out, const SurfaceMesh& mesh) {
 
 }  // namespace
 
-Result<std::uint64_t> write_mesh(const std::string& path, const std::string& format, const SurfaceMesh& mesh) {
+Result<std::uint64_t> write_mesh(const std::string& path, const std::string& format, const SurfaceMesh& mesh,
+                                 const std::atomic<bool>* stop) {
   if (mesh.indices.size() / 3 > UINT32_MAX) return bad_input("more triangles than the format can count", path);
-  auto file = OutputFile::create(path);
+  auto file = OutputFile::create(path, stop);
   if (!file) return file.error();
   Records records(*file);
   (format == "STL" ? put_stl : format == "PLY" ? put_ply : put_obj)(records, mesh);

@@ -45,8 +45,8 @@ PackedFile::PackedFile(std::unique_ptr<State> state) : state_(std::move(state)) 
 PackedFile::PackedFile(PackedFile&&) noexcept = default;
 PackedFile::~PackedFile() = default;
 
-Result<PackedFile> PackedFile::create(const std::string& path) {
-  auto file = OutputFile::create(path);
+Result<PackedFile> PackedFile::create(const std::string& path, const std::atomic<bool>* stop) {
+  auto file = OutputFile::create(path, stop);
   if (!file) return file.error();
   return PackedFile(std::make_unique<State>(std::move(file).value(), path));
 }

@@ -10,7 +10,7 @@ namespace burrhole {
 
 class PackedFile {
  public:
-  [[nodiscard]] static Result<PackedFile> create(const std::string& path);
+  [[nodiscard]] static Result<PackedFile> create(const std::string& path, const std::atomic<bool>* stop = nullptr);
   PackedFile(PackedFile&&) noexcept;
   PackedFile& operator=(PackedFile&&) = delete;
   ~PackedFile();

@@ -2,16 +2,20 @@
 
 Run by ctest with the program's path in BURRHOLE_PROGRAM; exits 77 when it cannot draw here.
 """
+import csv
 import json
 import math
 import os
+import pathlib
 import shutil
+import signal
 import sqlite3
 import struct
-import pathlib
+import subprocess
 import sys
+import time
 
-from program_support import lines, LOOKS, main, QUICK, run, WithFolder
+from program_support import lines, LOOKS, main, PROGRAM, QUICK, run, WithFolder
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import session_blocks  # noqa: E402
 
@@ -270,6 +274,54 @@ class OtherCommands(WithFolder):
             result = run(command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Usage", result.stdout)
+
+
+class Studies(WithFolder):
+    def medians(self, partial):
+        """Median times of the whole lines of partial results, as measured."""
+        return [float.fromhex(line.split()[5]) for line in partial.read_text().splitlines(keepends=True) if line.endswith("\n")]
+
+    def test_a_study_that_was_interrupted_goes_on(self):
+        out = self.folder / "study"
+        partial = out / "partial_surface.txt"
+        process = subprocess.Popen([PROGRAM, "cost", "surface", "--out", str(out)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        while process.poll() is None and (not partial.exists() or len(self.medians(partial)) < 3):
+            time.sleep(0.01)
+        self.assertIsNone(process.poll(), "it was done before the interrupt")
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        kept = self.medians(partial)
+        self.assertFalse((out / "cost.csv").exists())
+        with partial.open("a") as file:
+            file.write("0123456789abcdef 0x1p+0 0x1")  # as if it had been cut off while writing
+        result = run("cost", "surface", "--out", out)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertFalse(partial.exists(), "the study is done")
+        rows = list(csv.DictReader((out / "cost.csv").read_text().splitlines()))
+        self.assertEqual(len(rows), 4 * 3 * 2 * 4)
+        for n, median in enumerate(kept):  # four rows a trial; a second measurement would differ
+            self.assertAlmostEqual(float(rows[4 * n]["median_us"]) / median, 1.0, places=5)
+
+    def test_fresh_measures_all_again(self):
+        out = self.folder / "study"
+        out.mkdir()
+        partial = out / "partial_surface.txt"
+        partial.write_text("an earlier call\n")
+
+        def kept():
+            try:
+                return "an earlier call" in partial.read_text()
+            except FileNotFoundError:
+                return False
+
+        process = subprocess.Popen([PROGRAM, "cost", "surface", "--fresh", "--out", str(out)], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(process.kill)
+        while process.poll() is None and kept():
+            time.sleep(0.01)
+        process.kill()
+        process.communicate(timeout=60)
+        self.assertFalse(kept())
 
 
 if __name__ == "__main__":

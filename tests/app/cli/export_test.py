@@ -6,17 +6,19 @@ import gzip
 import json
 import math
 import re
+import signal
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
 import nibabel
 import numpy
 
-from program_support import SOURCE, WithFolder, run
+from program_support import PROGRAM, SOURCE, WithFolder, run
 
 SPACING_MM = 0.2
 SCENE = '''title = "Oblique plate"
@@ -99,6 +101,51 @@ class Drilled(WithFolder):
                    "--set", "duration_s=0.01", "--set", "output.bone=false")
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout)["hash"]["voxels"]
+
+
+class Stopped(Drilled):
+    def test_an_interrupt_leaves_no_part_of_a_file_and_what_was_there(self):
+        # 15 million voxels: packing them takes seconds.
+        fine = ("--set", "volume.spacing_mm=0.02", "--force")
+        for name, before in (("new.nii.gz", None), ("there.nii.gz", b"a CT")):
+            with self.subTest(name):
+                out = self.folder / name
+                if before:
+                    out.write_bytes(before)
+                process = subprocess.Popen([PROGRAM, "export", str(self.scene_path), "-o", str(out), *fine], stdout=subprocess.PIPE,
+                                           stderr=subprocess.PIPE, text=True)
+                self.addCleanup(process.kill)
+                while process.poll() is None and not list(self.folder.glob("*.tmp")):
+                    time.sleep(0.01)
+                self.assertIsNone(process.poll(), "it was done before the interrupt")
+                process.send_signal(signal.SIGINT)
+                printed, errors = process.communicate(timeout=60)
+                self.assertEqual((process.returncode, printed), (130, ""), errors)
+                self.assertIn("was stopped", errors)
+                self.assertEqual([path.name for path in self.folder.iterdir()], [name] if before else [])
+                if before:
+                    self.assertEqual(out.read_bytes(), before)
+                    out.unlink()
+
+
+class Again(Drilled):
+    def test_a_band_of_bone_overrides_the_mark_of_exported_density(self):
+        for name in ("density.nrrd", "density.nii"):
+            with self.subTest(name):
+                density = self.exported(name)
+                mark = json.loads(run("import", density, "--json", "--quiet").stdout)
+                self.assertIsNone(mark["values"])
+                self.assertIn("taken for occupancy", " ".join(mark["assumed"]))
+                voxels = []
+                for band in ("0.4,0.6", "0.8,1.0"):
+                    result = run("import", density, "--json", "--quiet", "--bone-hu", band)
+                    self.assertEqual(result.returncode, 0, result.stderr)
+                    report = json.loads(result.stdout)
+                    self.assertIn("taken for those of a scan", " ".join(report["assumed"]))
+                    self.assertEqual((report["values"]["min"], report["values"]["max"]), (0, 1))
+                    voxels.append(report["bone"]["voxels"])
+                self.assertEqual(voxels[0], mark["bone"]["voxels"], "the same surface, at 0.5")
+                self.assertLess(voxels[1], voxels[0])
 
 
 class Volumes(Drilled):

@@ -7,7 +7,7 @@ import shutil
 import sys
 import unittest
 
-from program_support import lines, QUICK, run, WithFolder
+from program_support import lines, QUICK, run, SOURCE, WithFolder
 
 # (words, exit code, what one line of stderr must hold, in any order)
 MISTAKES = [
@@ -31,6 +31,8 @@ MISTAKES = [
     (["drill", "head.nii"], 2, ["head.nii", "not a scene", "--set volume.source="]),
     (["drill", "notes.txt"], 2, ["notes.txt:1:"]),
     (["scenes", "--copy", "parietl"], 2, ['did you mean "parietal"?']),
+    (["export", "parietl", "-o", "x.nrrd"], 2, ["parietl", "no such file", 'did you mean "parietal"?']),
+    (["export", "missing.nii", "-o", "x.nrrd"], 2, ["missing.nii", "no such file", "burrhole scenes"]),
     (["import", "missing.nii"], 2, ["missing.nii", "there is no such file"]),
     (["import", "empty"], 2, ["empty", "no file"]),
     (["replay", "missing.sqlite"], 2, ["missing.sqlite"]),
@@ -116,6 +118,10 @@ class Habits(WithFolder):
         self.assertEqual(scan.returncode, 0, scan.stderr)
         self.assertTrue((self.folder / "cadaver" / "volumes" / "cthead.toml").exists())
         self.assertIn("BURRHOLE_DATA", scan.stderr)
+        self.assertIn("scripts/fetch-data", scan.stderr)
+        self.assertTrue((SOURCE / "scripts" / "fetch-data").exists())
+        missing = run("scenes", env={"PATH": "/usr/bin:/bin"}).stdout
+        self.assertIn("scripts/fetch-data", next(line for line in lines(missing) if line.startswith("cadaver_head")))
 
     def test_paths_of_the_command_line_count_from_the_current_folder(self):
         here = self.folder / "here"
@@ -148,6 +154,63 @@ class Habits(WithFolder):
         self.assertEqual((out / "summary.json").read_bytes(), before)
         self.assertEqual(run("drill", first, *short).returncode, 0, "the same scene may replace its results")
         self.assertEqual(run("drill", other, *short, "--force").returncode, 0)
+
+    def test_results_of_a_scene_of_that_name_in_another_folder_stay_unless_forced(self):
+        out, short = self.folder / "out", ("--no-pictures", "--quiet", "--set", "duration_s=0.05")
+        scene, elsewhere = self.quick(), self.folder / "elsewhere"
+        elsewhere.mkdir()
+        other = elsewhere / scene.name
+        shutil.copy(scene, other)
+        shutil.copy(self.folder / "pin_2mm.toml", elsewhere)
+        self.assertEqual(run("drill", scene, *short, "--out", out).returncode, 0)
+        before = (out / "summary.json").read_bytes()
+        refused = run("drill", other, *short, "--out", out)
+        self.assertEqual((refused.returncode, len(lines(refused.stderr))), (2, 1), refused.stderr)
+        for needle in ("another scene", scene.name, "in another folder", "--out", "--force"):
+            self.assertIn(needle, refused.stderr)
+        self.assertEqual((out / "summary.json").read_bytes(), before)
+        self.assertNotIn(str(self.folder), before.decode())
+        # The same scene after an edit, by another way to write its path, and after both were moved together.
+        scene.write_text(scene.read_text() + "\n# edited\n")
+        self.assertEqual(run("drill", scene, *short, "--out", out).returncode, 0, "an edited scene is the same scene")
+        self.assertEqual(run("drill", scene.name, *short, "--out", "./elsewhere/../out", cwd=self.folder).returncode, 0)
+        moved = self.folder / "moved"
+        moved.mkdir()
+        for path in (scene, self.folder / "pin_2mm.toml", out):
+            shutil.move(path, moved)
+        self.assertEqual(run("drill", moved / scene.name, *short, "--out", moved / "out").returncode, 0)
+        self.assertEqual(run("drill", other, *short, "--out", moved / "out", "--force").returncode, 0)
+        self.assertEqual(run("drill", other, *short, "--out", moved / "out").returncode, 0, "now they are the results of that one")
+
+    def test_a_summary_of_another_program_stays_unless_forced(self):
+        out, short = self.folder / "out", ("--no-pictures", "--quiet", "--set", "duration_s=0.05")
+        out.mkdir()
+        for text in ('{"total": 7}', "no JSON", "[1]"):
+            (out / "summary.json").write_text(text)
+            refused = run("drill", self.quick(), *short, "--out", out)
+            self.assertEqual((refused.returncode, len(lines(refused.stderr))), (2, 1), refused.stderr)
+            self.assertIn("--force", refused.stderr)
+            self.assertEqual((out / "summary.json").read_text(), text)
+        self.assertEqual(run("drill", self.quick(), *short, "--out", out, "--force").returncode, 0)
+
+    def test_a_shipped_scene_is_not_hidden_by_what_has_its_name(self):
+        plain = run("check", "parietal", cwd=self.folder)
+        self.assertEqual((plain.returncode, plain.stderr), (0, ""))
+        (self.folder / "parietal").mkdir()
+        result = run("check", "parietal", cwd=self.folder)
+        self.assertEqual((result.returncode, result.stdout), (0, plain.stdout), result.stderr)
+        self.assertEqual(len(lines(result.stderr)), 1, result.stderr)
+        for needle in ("parietal: warning:", "shipped scene", "folder", "./parietal"):
+            self.assertIn(needle, result.stderr)
+        (self.folder / "parietal").rmdir()
+        shutil.copy(self.quick(), self.folder / "parietal.toml")
+        result = run("check", "parietal", cwd=self.folder)
+        self.assertEqual((result.returncode, result.stdout), (0, plain.stdout), result.stderr)
+        self.assertIn("./parietal.toml", result.stderr)
+        for name in ("parietal.toml", "./parietal.toml"):
+            mine = run("check", name, cwd=self.folder)
+            self.assertEqual((mine.returncode, mine.stderr), (0, ""))
+            self.assertNotEqual(mine.stdout.split(": ok")[1], plain.stdout.split(": ok")[1])
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import session_blocks  # noqa: E402
-from program_support import lines, main, PLACE, PROGRAM, QUICK, run, WithFolder
+from program_support import lines, main, PLACE, PROGRAM, QUICK, run, SOURCE, WithFolder
 
 
 class Drill(WithFolder):
@@ -240,6 +240,12 @@ class BadInput(WithFolder):
         found = self.refused(scene, 2, "too large for this bone's voxels", "each edge must be in [5, 512]")
         self.assertRegex(found[0], PLACE)
 
+    def test_a_long_bit_fits_fine_voxels(self):
+        text = (SOURCE / "app" / "scenes" / "parietal.toml").read_text()
+        scene = self.scene(text + "\n")
+        done = run("check", scene, "--set", "volume.spacing_mm=0.1")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
     def test_a_device_is_not_there_and_that_is_exit_code_4(self):
         found = self.refused(self.quick([("push_N = 20", "kind = \"device\"")]), 4, "needs a force device")
         self.assertEqual(len(found), 1)
@@ -275,7 +281,7 @@ class BadInput(WithFolder):
         self.assertEqual(run("replay", self.folder / "none.sqlite").returncode, 2)
 
     def test_an_axis_that_misses_bone(self):
-        self.refused(self.quick([("entry_mm = [0, 0, 0]", "entry_mm = [40, 0, 0]")]), 2, "meets no bone within 20 mm of entry_mm; bone begins at entry_mm = [")
+        self.refused(self.quick([("entry_mm = [0, 0, 0]", "entry_mm = [40, 0, 0]")]), 2, "mm right; bone begins at entry_mm = [")
 
     def check_refuses(self, scene, *needles, sets=()):
         result = run("check", scene, *[a for s in sets for a in ("--set", s)])

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import unittest
 
-from program_support import lines, main, QUICK, run, SOURCE, WithFolder
+from program_support import lines, main, PROGRAM, QUICK, run, SOURCE, WithFolder, without_display
 
 sys.path.insert(0, str(SOURCE / "tests" / "support"))
 import session_blocks  # noqa: E402
@@ -212,6 +212,58 @@ class Compare(WithFolder):
         out = self.folder / "same"
         run("compare", self.runs[0], self.runs[0], "--out", out)
         self.assertIn("no difference", (out / "compare.html").read_text())
+
+    def test_booleans_are_rows(self):
+        result = run("compare", *self.runs)
+        rows = {line[2:].split("  ")[0]: line for line in result.stdout.splitlines()[1:]}
+        for name in ("axis_open_at_start", "drilled_before"):
+            self.assertEqual(rows[name].split()[1:], ["false", "false"], name)
+        summary = json.loads((self.runs[1] / "summary.json").read_text())
+        summary["drilling"]["axis_open_at_start"] = True
+        (self.runs[1] / "summary.json").write_text(json.dumps(summary))
+        rows = {line[2:].split("  ")[0]: line for line in run("compare", *self.runs).stdout.splitlines()[1:]}
+        self.assertEqual(rows["axis_open_at_start"].split(), ["*", "axis_open_at_start", "false", "true"])
+
+    def test_long_cells_are_cut_between_characters(self):
+        path = self.runs[1] / "summary.json"
+        summary = json.loads(path.read_text())
+        for title in ("ä" * 60, "x" + "ä" * 60, "xy" + "骨" * 60, "骨" * 44, "😀" * 45):
+            path.write_text(json.dumps({**summary, "title": title}))
+            result = subprocess.run([PROGRAM, "compare", *self.runs], capture_output=True, timeout=60, env=without_display())
+            self.assertEqual(result.returncode, 0, result.stderr)
+            row = next(line for line in result.stdout.decode("utf-8").splitlines() if line.startswith("* title"))
+            self.assertEqual(row.split("  ")[-1].strip(), title if len(title) <= 44 else title[:41] + "...")
+            head = result.stdout.decode("utf-8").splitlines()[0]
+            self.assertEqual(row.index(title[:41]), head.index(str(self.runs[1])[:41]), "columns are aligned")
+
+    def test_a_damaged_session_is_named_and_the_rest_is_compared(self):
+        session = self.runs[1] / "session.sqlite"
+        whole = session.read_bytes()
+        table = run("compare", *self.runs).stdout
+        for name, data in (("cut", whole[: len(whole) // 2]), ("no session", b"these are notes")):
+            with self.subTest(name):
+                session.write_bytes(data)
+                out = self.folder / "compared"
+                result = run("compare", *self.runs, "--out", out)
+                self.assertEqual((result.returncode, result.stdout), (2, table), result.stderr)
+                told = [line for line in lines(result.stderr) if line.startswith(str(self.runs[1]))]
+                self.assertEqual(len(told), 1, result.stderr)
+                self.assertIn("session cannot be read", told[0])
+                self.assertIn("without curves", told[0])
+                self.assertIn("cannot be read", (out / "compare.html").read_text())
+                if shutil.which("gnuplot"):
+                    self.assertTrue("Depth (mm)" in (out / "compare.svg").read_text(), "the curves of the other run are there")
+                shutil.rmtree(out)
+
+    def test_a_damaged_picture_is_named_and_the_rest_is_compared(self):
+        pictures = sorted(self.runs[1].glob("*.png"))
+        pictures[0].write_bytes(pictures[0].read_bytes()[:100])
+        out = self.folder / "compared"
+        result = run("compare", *self.runs, "--out", out)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn(pictures[0].name, result.stderr)
+        self.assertIn("peak_force_N", result.stdout)
+        self.assertEqual((out / "compare.html").read_text().count("<img "), 3 * (len(pictures) - 1))
 
     def test_what_is_no_run_is_named(self):
         result = run("compare", self.runs[0], self.folder / "nowhere")

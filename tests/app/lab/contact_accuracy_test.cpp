@@ -36,7 +36,7 @@ const std::vector<CostRow>& quick_rows() {
   static const std::vector<CostRow> rows = [] {
     auto measured = measure_contact_accuracy(quick());
     if (!measured) FAIL(measured.error().text());
-    return std::move(measured).value();
+    return std::move(measured->rows);
   }();
   return rows;
 }

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "app/lab/drilling_cost.h"
+#include "app/report/file.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -67,6 +68,32 @@ TEST_CASE("drilling cost: records of 8 bits cost memory less and accuracy more, 
     for (const DrillingFigure& figure : drilling_figures()) {
       const double one = points[n].*figure.value, other = again[n].*figure.value;
       if (std::string(figure.reference != nullptr ? figure.reference : "") != "measured") CHECK((one == other || std::isnan(one)));
+    }
+}
+
+TEST_CASE("drilling cost: a study that was interrupted within a line gives the points of an uninterrupted one") {
+  const TemporaryFolder folder;
+  DrillingCostOptions options = options_for("contact.record_bits", 1);
+  options.runs.partial = folder.file("partial.txt");
+  const auto points = points_of(options);
+  const auto whole = read_file(options.runs.partial);
+  REQUIRE(whole.ok());
+  // Cut within the last line: its hole is drilled again, the others are not.
+  REQUIRE(write_file(options.runs.partial, whole->substr(0, whole->size() - 40)).ok());
+  std::size_t drilled = 0;
+  std::string said;
+  options.runs.progress = [&](double, const std::string&) { ++drilled; };
+  options.runs.say = [&](const std::string& line) { said = line; };
+  const auto again = points_of(options);
+  CHECK(drilled == 1);
+  CHECK(said.find("are not drilled again") != std::string::npos);
+  REQUIRE(again.size() == points.size());
+  for (std::size_t n = 0; n < points.size(); ++n)
+    for (const DrillingFigure& figure : drilling_figures()) {
+      CAPTURE(figure.name);
+      const double one = points[n].*figure.value, other = again[n].*figure.value;
+      if (std::string(figure.reference != nullptr ? figure.reference : "") != "measured")
+        CHECK((one == other || (std::isnan(one) && std::isnan(other))));
     }
 }
 

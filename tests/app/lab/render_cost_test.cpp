@@ -2,6 +2,7 @@
 #include "app/lab/render_cost.h"
 #include "tests/support/skip.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/temporary_folder.h"
 
 #include <doctest/doctest.h>
 
@@ -22,8 +23,7 @@ const RenderCost& measured() {
                                      .frames = 1,
                                      .pareto = false,
                                      .drilled = true,
-                                     .gl = GlBackend::osmesa,
-                                     .progress = {}});
+                                     .gl = GlBackend::osmesa});
     if (!made && made.error().code == ErrorCode::unavailable) test::skip(made.error().text());
     REQUIRE_MESSAGE(made.ok(), (made ? "" : made.error().text()));
     return std::move(made).value();
@@ -121,6 +121,33 @@ TEST_CASE("render cost: every row has its figures, and pictures are there") {
     CHECK((row.subject == kSubjects[0] || row.subject == kSubjects[1]));
   }
   CHECK(measured().pictures.size() == 2 * 4);
+}
+
+TEST_CASE("render cost: a study that goes on has the rows, points and pictures of the whole one, times included") {
+  const TemporaryFolder folder;
+  RenderCostOptions options{
+      .share_folder = test::in_source("app"), .width = 32, .height = 24, .frames = 1, .drilled = false, .gl = GlBackend::osmesa};
+  std::vector<RenderCost> runs;
+  for (int n = 0; n < 2; ++n) {
+    Study study({.partial = folder.file("partial.txt")}, count_of_trials(options));
+    options.study = &study;
+    auto made = measure_render_cost(options);
+    if (!made && made.error().code == ErrorCode::unavailable) test::skip(made.error().text());
+    REQUIRE_MESSAGE(made.ok(), (made ? "" : made.error().text()));
+    CHECK(study.done() == count_of_trials(options));
+    runs.push_back(std::move(made).value());
+  }
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  REQUIRE(runs[0].rows.size() == runs[1].rows.size());
+  for (std::size_t n = 0; n < runs[0].rows.size(); ++n) {
+    CHECK(same(runs[0].rows[n].error, runs[1].rows[n].error));
+    CHECK(same(runs[0].rows[n].median_us, runs[1].rows[n].median_us));
+  }
+  REQUIRE(runs[0].points.size() == runs[1].points.size());
+  for (std::size_t n = 0; n < runs[0].points.size(); ++n) CHECK(same(runs[0].points[n].median_us, runs[1].points[n].median_us));
+  REQUIRE(runs[0].pictures.size() == 4);
+  REQUIRE(runs[1].pictures.size() == 4);
+  for (std::size_t n = 0; n < 4; ++n) CHECK(runs[0].pictures[n].image.pixels == runs[1].pictures[n].image.pixels);
 }
 
 TEST_CASE("render cost: a Pareto front over two subjects takes the mean cost and the least accuracy") {

@@ -188,6 +188,23 @@ TEST_CASE("redraw: a tool that moves before and behind bone needs no ray, and no
   CHECK(pair.kept.counters().drawn_pixels == rays);
 }
 
+TEST_CASE("redraw: a tool that moves over bone moves its shadow without a ray, and no byte differs") {
+  for (const int rays : {1, 2}) {
+    Pair pair({.appearance = {.occlusion = true, .shadow = true}, .supersample = rays});
+    pair.view.world_from_tool = at(-8e-3, 14e-3);
+    pair.draw("shadow-first");
+    const std::uint64_t drawn = pair.kept.counters().drawn_pixels;
+    for (int n = 1; n < 12; ++n) {
+      pair.view.world_from_tool = at(-8e-3 + 1.3e-3 * n, 14e-3 - 1.5e-3 * n);  // down to the ball and into it
+      CHECK(pair.draw("shadow-moves") < kAll);
+    }
+    CHECK(pair.kept.counters().drawn_pixels == drawn);
+    pair.view.world_from_tool.reset();
+    CHECK(pair.draw("shadow-gone") < kAll);
+    CHECK(pair.kept.counters().drawn_pixels == drawn);
+  }
+}
+
 TEST_CASE("redraw: without a tool hits are lit again too, and a refused picture in between spoils nothing") {
   Pair pair({.appearance = {.occlusion = true}});
   pair.draw("bare-first");
@@ -335,9 +352,10 @@ TEST_CASE(
 
 TEST_CASE("steps: a picture drawn in bands is that of one draw, whatever changes between the bands, and shows the last one until then") {
   constexpr int kWide = 480, kHigh = 320;
-  for (const bool occlusion : {true, false}) {
+  for (const auto& [occlusion, shadow] : {std::pair(true, false), std::pair(false, false), std::pair(true, true)}) {
     RenderOptions options{.finish = true, .supersample = 2};
     options.appearance.occlusion = occlusion;
+    options.appearance.shadow = shadow;
     Renderer stepped = require_renderer(options), at_once = require_renderer(options);
     FrameView view = oblique_view();
     view.world_from_tool = at(0.0, 6e-3);
@@ -371,11 +389,11 @@ TEST_CASE("steps: a picture drawn in bands is that of one draw, whatever changes
       if (!whole) continue;
       const auto expected = at_once.draw(view, kWide, kHigh);
       REQUIRE(expected.ok());
-      CHECK(pictures_agree(occlusion ? "steps-occlusion" : "steps", step->image, *expected, {}));
+      CHECK(pictures_agree(shadow ? "steps-shadow" : (occlusion ? "steps-occlusion" : "steps"), step->image, *expected, {}));
     }
     CHECK(steps >= 5);  // bands of the whole picture
-    // What was drawn is drawn once, but for what changed.
-    CHECK(stepped.counters().drawn_pixels - drawn_before < 2u * kWide * kHigh);
+    // What was drawn is drawn once, but for what changed; a shadow of bone reaches across all of it.
+    if (!shadow) CHECK(stepped.counters().drawn_pixels - drawn_before < 2u * kWide * kHigh);
     const auto again = stepped.draw_step(view, kWide, kHigh, 0.0);
     REQUIRE(again.ok());
     CHECK(again->whole);

@@ -104,6 +104,11 @@ TEST_CASE("shader source: an appearance option that is off is not in the source,
     for (const LookWord& other : words)
       if (other.word != look.word) CHECK(surface_source(other.appearance).find(look.word) == std::string::npos);
   }
+  // The shadow of the tool is computed where it may fall, and not in the picture of the bone.
+  CHECK(surface_source({.shadow = true}).find("light_past_tool(") == std::string::npos);
+  const auto shaded = expand_shader(embedded_shaders(), "surface.frag", surface_variant({.tool_shadow = true}).defines);
+  REQUIRE(shaded.ok());
+  CHECK(shaded->find("light_past_tool(") != std::string::npos);
   // Cloth has a pattern where tissue has one; a table is in the background alone, and only if asked for.
   constexpr const char* kCloth = "if (color.g > color.r) return";
   CHECK(surface_source({.tissue = true}).find(kCloth) == std::string::npos);

@@ -167,6 +167,44 @@ TEST_CASE("two levels: shadow and cut pass through the seam") {
   CHECK(seam.off < 0.05 * seam.pixels);
 }
 
+TEST_CASE("two levels: the shadow of a tool crosses the seam as on one volume") {
+  const Subject subject(kPatch, 80e-3);
+  RenderOptions options = shipped();
+  options.appearance.shadow = true;
+  FrameView view = view_from(kEyes[0]);
+  const auto shaded = [&](const VolumeView& volume, FrameProbe* probe) {
+    Renderer renderer = require_renderer(options);
+    REQUIRE(renderer.set_volume(volume).ok());
+    REQUIRE(renderer.set_tool(square(4e-3, 0.0)).ok());
+    view.world_from_tool.reset();
+    const auto without = renderer.draw(view, kWidth, kHeight);
+    view.world_from_tool = Pose{Quat(1, 0, 0, 0), Vec3(10e-3, -6e-3, 7e-3)};
+    const auto with = renderer.draw(view, kWidth, kHeight);
+    auto hits = renderer.probe(view, kWidth, kHeight);
+    REQUIRE((without.ok() && with.ok() && hits.ok()));
+    std::vector<bool> out;
+    for (std::size_t n = 0; n < with->pixels.size(); ++n) out.push_back(hits->hit[n] == 1 && with->pixels[n].r + 20 < without->pixels[n].r);
+    if (probe != nullptr) *probe = std::move(*hits);
+    return out;
+  };
+  FrameProbe probe;
+  const std::vector<bool> one = shaded(subject.one(), &probe), two = shaded(subject.two(), nullptr);
+  int both = 0, differing = 0, inside = 0, outside = 0;
+  for (std::size_t n = 0; n < one.size(); ++n) {
+    both += one[n] && two[n] ? 1 : 0;
+    differing += one[n] != two[n] ? 1 : 0;
+    if (!two[n]) continue;
+    const Vec3 hit(probe.hit_index[n]);
+    const bool in_detail =
+        glm::all(glm::greaterThan(hit, Vec3(subject.grid.box.lo))) && glm::all(glm::lessThan(hit, Vec3(subject.grid.box.hi)));
+    ++(in_detail ? inside : outside);
+  }
+  MESSAGE(both, " pixels in both shadows, ", differing, " in one, ", inside, " on the detail, ", outside, " beside it");
+  CHECK(inside > 300);
+  CHECK(outside > 300);
+  CHECK(differing < both / 50);
+}
+
 TEST_CASE("two levels: a tool is hidden by the bone of both, and hides it") {
   const Subject subject(kPatch, 80e-3);
   Renderer renderer = require_renderer(shipped());

@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <cstdlib>
+#include <optional>
+#include <vector>
 
 #include "app/report/file.h"
 #include "tests/support/temporary_folder.h"
@@ -71,6 +73,71 @@ TEST_CASE("drill report: a run that did not break through says so") {
   DrillReport report = make_report();
   report.breakthrough_s.reset();
   CHECK(contains(*make_drill_report(report), "ended before the bone was drilled through"));
+}
+
+/// A run of 20 s with a large force in its first second only.
+DrillReport make_long_report() {
+  DrillReport report = make_report();
+  report.time_s.clear(), report.force_N.clear(), report.depth_mm.clear(), report.speed_mm_s.clear();
+  for (int i = 0; i <= 2000; ++i) {
+    report.time_s.push_back(0.01 * i);
+    report.force_N.push_back(i < 100 ? 70.0 : 2.0);
+  }
+  report.layers.clear();
+  report.events = {{0.1, "contact"}, {18.0, "breakthrough"}};
+  report.breakthrough_s = 18.0;
+  return report;
+}
+
+/// The plots of a page, in its order: of each the wide and the narrow form.
+std::vector<std::string> plots_of(const std::string& page) {
+  std::vector<std::string> out;
+  for (std::size_t at = page.find("<svg"); at != std::string::npos; at = page.find("<svg", at + 1))
+    out.push_back(page.substr(at, page.find("</svg>", at) - at));
+  return out;
+}
+
+TEST_CASE("drill report: the last seconds of a long run are drawn again, from half a second before the breakthrough, 3 to 8 s") {
+  DrillReport report = make_long_report();
+  if (contains(*make_drill_report(report), "No plot: ")) return;  // no gnuplot
+  struct Case {
+    std::optional<double> through;
+    const char* caption;
+  };
+  for (const Case& one : {Case{18.0, "The last 3.0 s."}, Case{14.0, "The last 6.5 s."}, Case{5.0, "The last 8.0 s."},
+                          Case{std::nullopt, "The last 3.0 s."}}) {
+    report.breakthrough_s = one.through;
+    const Result<std::string> page = make_drill_report(report);
+    CHECK_MESSAGE(contains(*page, one.caption), one.caption);
+    CHECK(plots_of(*page).size() == 4);
+  }
+}
+
+TEST_CASE("drill report: the plot of the last seconds has their samples and events, no others") {
+  const Result<std::string> page = make_drill_report(make_long_report());
+  if (contains(*page, "No plot: ")) return;  // no gnuplot
+  const std::vector<std::string> plots = plots_of(*page);
+  REQUIRE(plots.size() == 4);
+  for (const std::size_t whole : {0u, 1u}) {
+    CHECK(contains(plots[whole], "contact"));
+    CHECK(contains(plots[whole], "breakthrough"));
+    CHECK(contains(plots[whole], "> 60<"));
+    CHECK(contains(plots[whole], ">0<"));
+  }
+  for (const std::size_t last : {2u, 3u}) {
+    CHECK_FALSE(contains(plots[last], "contact"));
+    CHECK(contains(plots[last], "breakthrough"));
+    CHECK_FALSE(contains(plots[last], "> 60<"));
+    CHECK(contains(plots[last], ">18<"));
+    CHECK_FALSE(contains(plots[last], ">16<"));  // before the last 3 s
+  }
+}
+
+TEST_CASE("drill report: a run that is not more than twice as long as its last seconds is drawn once") {
+  const Result<std::string> page = make_drill_report(make_report());  // 4 s
+  if (contains(*page, "No plot: ")) return;                           // no gnuplot
+  CHECK_FALSE(contains(*page, "The last "));
+  CHECK(plots_of(*page).size() == 2);
 }
 
 TEST_CASE("drill report: without gnuplot there is a page that says why it has no plot") {

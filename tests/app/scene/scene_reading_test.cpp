@@ -66,8 +66,9 @@ const BadScene kBadScenes[] = {
     {"[erosion]", "[erosion]\nrate_hz = 333", {"bad.toml:29:1: erosion.rate_hz = 333 must divide servo_hz = 1000"}},
     {"[0.0, 0.0, 0.0]",
      "[40.0, 0.0, 0.0]",
-     {"bad.toml:17:1: the approach axis meets no bone within 20 mm of entry_mm; bone begins at entry_mm = [2.9, -0.1, 0.0], axis = [0.000, "
-      "0.000, -1.000]"}},
+     {"bad.toml:17:1: the approach axis meets no bone within 20 mm of entry_mm: the nearest bone lies 37 mm away: 37 mm right; bone begins "
+      "at "
+      "entry_mm = [2.9, -0.1, 0.0], axis = [0.000, 0.000, -1.000]"}},
     {"[0.0, 0.0, 0.0]", "[0.0, 0.0, 0.0]\naxis = [0, 0, 0]", {"bad.toml:18:1: approach.axis has length 0"}},
     {"[6.0, 6.0, 6.0]",
      "[300, 300, 300]",

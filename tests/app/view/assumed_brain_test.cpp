@@ -5,6 +5,9 @@
 
 #include <cmath>
 
+#include "core/base/bounds.h"
+#include "core/base/trilinear.h"
+
 using namespace burrhole;
 
 namespace {
@@ -30,6 +33,24 @@ std::shared_ptr<const BoneModel> cap(bool soft = false, VoxelLabel label = Voxel
   return *bone;
 }
 
+constexpr std::uint8_t kBoneGreen = 190, kDuraGreen = 158;
+
+/// Bone as it is drawn, of one colour.
+VolumeView drawn(const BoneModel& bone) {
+  VolumeView volume;
+  volume.dims = bone.dims();
+  volume.bone_from_index = bone.bone_from_index();
+  std::vector<float> occupancy(bone.bounds().count());
+  bone.read_occupancy(bone.bounds(), occupancy);
+  for (const float o : occupancy) {
+    volume.normal_opacity.push_back({128, 128, 128, static_cast<std::uint8_t>(255.0f * o)});
+    volume.color.push_back({200, kBoneGreen, 170, 0});
+    volume.field.push_back(static_cast<std::uint16_t>(65535.0f * o));
+    volume.tissue.push_back({static_cast<std::uint8_t>(255.0f * o), 7});
+  }
+  return volume;
+}
+
 }  // namespace
 
 TEST_CASE("assumed brain: its surface lies on the inner surface of a shell, and its normal is that of the shell") {
@@ -53,6 +74,49 @@ TEST_CASE("assumed brain: its surface lies on the inner surface of a shell, and 
     }
 }
 
+TEST_CASE("assumed brain: the colour under exposed dura is that of dura everywhere, without stripes of bone") {
+  const auto bone = cap();
+  const auto brain = AssumedBrain::create(*bone, Pose{}, kThickness, kEdge);
+  REQUIRE(brain.has_value());
+  VolumeView volume = drawn(*bone);
+  brain->add_to(volume);
+  const VoxelBox all{Vec3i(0), volume.dims};
+  const Affine index_from_bone = volume.bone_from_index.inverse();
+  const auto filtered = [&](const Vec3& p_bone, const auto& value) {
+    const Vec3 index = index_from_bone * p_bone;
+    const Vec3i low(glm::floor(index));
+    return trilinear(index - Vec3(low), [&](unsigned n) { return static_cast<double>(value(all.offset_of(low + cell_corner(n)))); });
+  };
+  std::vector<int> dura;
+  for_each_voxel(all, [&](const Vec3i& v) { dura.push_back(brain->at(volume.bone_from_index * Vec3(v), kEdge).dura ? 255 : 0); });
+  double most_bone = 0.0, most_spongy = 0.0;
+  int count = 0;
+  for (double x = -14e-3; x <= 14e-3; x += 0.13e-3)
+    for (double y = -14e-3; y <= 14e-3; y += 0.51e-3) {
+      // The surface of dura, by bisection along the column; from there the place that determines its colour in the shader.
+      const auto inner = brain->inner_depth(x, y);
+      REQUIRE(inner.has_value());
+      double free = *inner - 2e-3, inside = *inner + 0.5e-3;
+      for (int n = 0; n < 30; ++n) {
+        const double middle = 0.5 * (free + inside);
+        (brain->at(Vec3(x, y, -middle), kEdge).soft >= 0.5 ? inside : free) = middle;
+      }
+      const Vec3 surface(x, y, -inside);
+      const Vec3 normal = glm::normalize(surface + Vec3(0.0, 0.0, kRadius));
+      const Vec3 sampled = surface - 0.75 * kEdge * normal;
+      const double green = filtered(sampled, [&](std::size_t n) { return volume.color[n].g; });
+      most_bone = std::max(most_bone, (green - kDuraGreen) / (kBoneGreen - kDuraGreen));
+      // Dura, or brain where the filter reaches it; a sponginess of bone is neither.
+      const double kind = filtered(sampled, [&](std::size_t n) { return volume.tissue[n].g; });
+      const double expected = filtered(sampled, [&](std::size_t n) { return dura[n]; });
+      most_spongy = std::max(most_spongy, std::abs(kind - expected));
+      ++count;
+    }
+  CHECK(count > 10000);
+  CHECK(most_bone < 0.03);  // by corners of the filter more than half a voxel above dura
+  CHECK(most_spongy < 8.0);
+}
+
 TEST_CASE("assumed brain: none for bone that has soft tissue or layers, or is thicker than a skull") {
   CHECK_FALSE(AssumedBrain::create(*cap(true), Pose{}, kThickness, kEdge).has_value());
   CHECK_FALSE(AssumedBrain::create(*cap(false, VoxelLabel::diploe), Pose{}, kThickness, kEdge).has_value());
@@ -63,18 +127,8 @@ TEST_CASE("assumed brain: changed texels get the same field as the volume, and b
   const auto bone = cap();
   const auto brain = AssumedBrain::create(*bone, Pose{}, kThickness, kEdge);
   REQUIRE(brain.has_value());
-  VolumeView volume;
-  volume.dims = bone->dims();
-  volume.bone_from_index = bone->bone_from_index();
+  VolumeView volume = drawn(*bone);
   const VoxelBox all{Vec3i(0), volume.dims}, part{{30, 20, 25}, {60, 50, 50}};
-  std::vector<float> occupancy(all.count());
-  bone->read_occupancy(all, occupancy);
-  for (const float o : occupancy) {
-    volume.normal_opacity.push_back({128, 128, 128, static_cast<std::uint8_t>(255.0f * o)});
-    volume.color.push_back({200, 190, 170, 0});
-    volume.field.push_back(static_cast<std::uint16_t>(65535.0f * o));
-    volume.tissue.push_back({static_cast<std::uint8_t>(255.0f * o), 7});
-  }
   TexelBox texels{part, {}, {}};
   for_each_voxel(part, [&](const Vec3i& v) {
     texels.normal_opacity.push_back(volume.normal_opacity[all.offset_of(v)]);
@@ -89,7 +143,10 @@ TEST_CASE("assumed brain: changed texels get the same field as the volume, and b
     const std::size_t at = all.offset_of(v);
     equal = equal && texels.field[n] == volume.field[at] && texels.normal_opacity[n] == volume.normal_opacity[at];
     bone_kept = bone_kept && volume.field[at] >= before.field[at] && volume.normal_opacity[at].a == before.normal_opacity[at].a;
-    if (before.normal_opacity[at].a > 127) bone_kept = bone_kept && volume.tissue[at].g == 7;
+    // Half a voxel above dura and higher, bone has the colour and the sponginess of bone.
+    const double soft = brain->at(volume.bone_from_index * Vec3(v), kEdge).soft;
+    if (before.normal_opacity[at].a > 127 && soft < 0.25)
+      bone_kept = bone_kept && volume.tissue[at].g == 7 && volume.color[at].g == kBoneGreen;
     filled += volume.field[at] > before.field[at] ? 1 : 0;
     ++n;
   });

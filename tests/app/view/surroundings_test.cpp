@@ -1,8 +1,10 @@
 // A head phantom in pictures: the head around the bone, changes of the bone in it, a cloth over it, an overview and a table.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "app/view/camera.h"
 #include "app/view/drape.h"
 #include "app/view/frame_step.h"
 #include "app/view/tissue_texels.h"
@@ -24,7 +26,8 @@ const std::vector<std::string> kOnTop{"approach.entry_mm=[0, -9, 113.2]", "appro
 /// A display that applies what it is sent, and keeps what was drawn.
 class KeepingSink final : public FrameSink {
  public:
-  Status start(const VolumeView& given, const TriangleMesh&) override {
+  Status start(const VolumeView& given, const TriangleMesh& tool) override {
+    last_mesh = tool;
     first = volume = given;
     if (given.detail) detail = *given.detail;
     return {};
@@ -42,9 +45,15 @@ class KeepingSink final : public FrameSink {
     ++moves;
     return {};
   }
-  Status draw(const std::string& name, const FrameView& view, int, int, Hash64&) override {
+  Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64&) override {
+    aspect = static_cast<double>(width) / height;
     names.push_back(name);
     views.push_back(view);
+    meshes.push_back(last_mesh);
+    return {};
+  }
+  Status change_tool(const TriangleMesh& tool) override {
+    last_mesh = tool;
     return {};
   }
   VolumeView first, volume;
@@ -52,6 +61,9 @@ class KeepingSink final : public FrameSink {
   int moves = 0;
   std::vector<std::string> names;
   std::vector<FrameView> views;
+  std::vector<TriangleMesh> meshes;  // of the tool, in each picture
+  TriangleMesh last_mesh;
+  double aspect = 1.0;
 };
 
 struct DrilledHead {
@@ -216,6 +228,68 @@ TEST_CASE("overview: the first picture shows the middle of the head from its own
   const DrilledHead plain;
   CHECK(plain.sink.names[0] == "before");
   CHECK(!plain.sink.views[0].table);
+}
+
+TEST_CASE("inset: the bone of a head fills nine tenths of it, in the middle, from the direction of each picture") {
+  DrilledHead head;
+  const VolumeView& whole = head.sink.first;
+  const VoxelBox all{Vec3i(0), whole.dims};
+  int insets = 0;
+  for (const FrameView& view : head.sink.views) {
+    if (!view.inset) continue;
+    ++insets;
+    const CameraView& camera = *view.inset;
+    CHECK(glm::length(glm::normalize(camera.eye - camera.target) - glm::normalize(view.camera.eye - view.camera.target)) < 1e-9);
+    const auto rays = make_camera_rays(camera, head.sink.aspect);
+    REQUIRE(rays.ok());
+    const glm::dmat4 clip = clip_from_world(*rays, {0.01, 10.0});
+    glm::dvec2 lo(1e9), hi(-1e9);
+    for_each_voxel(all, [&](const Vec3i& v) {
+      if (whole.normal_opacity[all.offset_of(v)].a < 128) return;
+      const glm::dvec4 p = clip * glm::dvec4(view.world_from_bone * (whole.bone_from_index * Vec3(v)), 1.0);
+      lo = glm::min(lo, glm::dvec2(p) / p.w);
+      hi = glm::max(hi, glm::dvec2(p) / p.w);
+    });
+    CHECK(lo.x > -0.95);
+    CHECK(lo.y > -0.95);
+    CHECK(hi.x < 0.95);
+    CHECK(hi.y < 0.95);
+    // The outline is made of blocks of voxels, and near parts of a head look larger than far ones.
+    CHECK(std::max({-lo.x, -lo.y, hi.x, hi.y}) > 0.78);
+    CHECK(glm::length(lo + hi) < 0.3);
+  }
+  CHECK(insets >= 2);
+}
+
+TEST_CASE("section: the bit is cut by the plane of the bone, on the kept side, and whole again in the next picture") {
+  DrilledHead head;
+  const auto with_tool = std::ranges::find_if(head.sink.views, [](const FrameView& view) { return view.world_from_tool.has_value(); });
+  REQUIRE(with_tool != head.sink.views.end());
+  const Pose pose = *with_tool->world_from_tool;
+  FrameStep* const frames = head.run.simulation().frame_step();
+  REQUIRE(frames != nullptr);
+  REQUIRE(frames->draw("section", pose, true).ok());
+  const TriangleMesh half = head.sink.meshes.back();
+  const FrameView view = head.sink.views.back();
+  REQUIRE(frames->draw("whole", pose, false).ok());
+  const TriangleMesh& whole = head.run.loaded().tool.look;
+  REQUIRE_FALSE(half.indices.empty());
+  REQUIRE(view.cut);
+  CHECK(head.sink.meshes.back().positions.size() == whole.positions.size());
+  const auto height = [&](const Vec3f& p) { return glm::dot(view.cut->normal, *view.world_from_tool * Vec3(p)) - view.cut->offset; };
+  double most = -1.0, least = 1.0, area = 0.0;
+  for (const Vec3f& p : half.positions) {
+    most = std::max(most, height(p));
+    least = std::min(least, height(p));
+  }
+  for (std::size_t t = 0; t < half.indices.size(); t += 3) {
+    const Vec3f a = half.positions[half.indices[t]], b = half.positions[half.indices[t + 1]], c = half.positions[half.indices[t + 2]];
+    if (std::min({height(a), height(b), height(c)}) > 1e-5) area += 0.5 * glm::length(glm::cross(Vec3(b - a), Vec3(c - a)));
+  }
+  CHECK(most < 3e-5);  // 0.02 mm before the section of bone
+  CHECK(most > 1e-5);
+  CHECK(least < -0.5e-3);
+  CHECK(area > 1e-6);  // the section is closed
 }
 
 }  // namespace burrhole::test

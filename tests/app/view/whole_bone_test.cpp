@@ -65,6 +65,17 @@ TEST_CASE("whole bone: a section removes the side that faces the camera") {
   }
 }
 
+TEST_CASE("whole bone: a section is never seen edge-on: it is the one that faces the camera most") {
+  for (double azimuth = -3.1; azimuth < 3.1; azimuth += 0.31)
+    for (const double elevation : {-1.4, -0.5, 0.0, 0.3, 1.4}) {
+      const FrameView frame = make_outer_frame(kBox, kBox.corners(), {.azimuth = azimuth, .elevation = elevation, .cut = true}, 1.0);
+      REQUIRE(frame.cut.has_value());
+      const double facing = glm::dot(frame.cut->normal, glm::normalize(frame.camera.eye - frame.camera.target));
+      CHECK(facing >= 1.0 / std::sqrt(3.0) - 1e-12);  // the largest component of a unit vector
+      CHECK(glm::dot(frame.cut->normal, 0.5 * (kBox.lo + kBox.hi)) == doctest::Approx(frame.cut->offset));
+    }
+}
+
 TEST_CASE("whole bone: seen edges are those whose points nothing of the box hides") {
   for (const Vec3& eye : {Vec3(0.4, -0.3, 0.2), Vec3(-0.4, 0.5, -0.9), Vec3(0.05, 0.115, 0.5), Vec3(0.05, -0.4, 0.1)}) {
     const std::vector<BoxEdge> seen = seen_edges(kBox, eye);

@@ -88,7 +88,9 @@ void check_start(const BoneModel& bone, const Result<Approach>& refused, const s
   REQUIRE_FALSE(refused.ok());
   const std::string text = refused.error().text();
   CAPTURE(text);
-  const std::string form = why + "; bone begins at entry_mm = [%lf, %lf, %lf], axis = [%lf, %lf, %lf]";
+  CHECK(text.starts_with(why));
+  const std::string form =
+      text.substr(0, text.find("; bone begins at")) + "; bone begins at entry_mm = [%lf, %lf, %lf], axis = [%lf, %lf, %lf]";
   Vec3 entry, axis;
   REQUIRE(std::sscanf(text.c_str(), form.c_str(), &entry.x, &entry.y, &entry.z, &axis.x, &axis.y, &axis.z) == 6);
   const auto approach = make_approach(bone, {entry * 1e-3, glm::normalize(axis), {}});
@@ -104,7 +106,14 @@ TEST_CASE("approach: what cannot be planned is refused with its reason") {
   plate.extent = Vec3(6e-3);
   const Planned missed = plan(plate, Vec3(20e-3, 0, 0), Vec3(0, 0, -1));
   REQUIRE_FALSE(missed.approach.ok());
-  check_start(*missed.bone, missed.approach, "the approach axis meets no bone within 20 mm of entry_mm");
+  // The plate ends at x = 3 mm, its last voxel half of its edge before.
+  check_start(*missed.bone, missed.approach,
+              "the approach axis meets no bone within 20 mm of entry_mm: the nearest bone lies 17 mm away: 17 mm right;");
+  const Planned above = plan(plate, Vec3(-20e-3, 30e-3, 40e-3), Vec3(0, 0, -1));
+  check_start(
+      *above.bone, above.approach,
+      "the approach axis meets no bone within 20 mm of entry_mm: the nearest bone lies 51 mm away: 17 mm left, 27 mm anterior, 40 mm "
+      "inferior;");
 
   PhantomSpec thick = plate;
   thick.pitch = 1e-3;

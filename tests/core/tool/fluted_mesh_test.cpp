@@ -12,6 +12,7 @@
 
 #include "core/tool/tool_mesh.h"
 #include "tests/core/tool/tool_samples.h"
+#include "tests/support/shipped_spec.h"
 #include "tests/support/source_folder.h"
 
 using namespace burrhole;
@@ -43,6 +44,29 @@ std::size_t open_edges(const TriangleMesh& mesh) {
       --edges[{b, a}];
     }
   return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second != 0; }));
+}
+
+/// @returns the ranges of x [m] with material on the line through (y, z), by the sides from which its triangles are crossed.
+std::vector<std::pair<double, double>> material_along_x(const TriangleMesh& mesh, double y, double z) {
+  std::vector<std::pair<double, int>> crossings;
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+    const Vec3 a = corner(mesh, t), b = corner(mesh, t + 1), c = corner(mesh, t + 2);
+    const auto area = [](const Vec3& p, const Vec3& q, double v, double w) { return (q.y - p.y) * (w - p.z) - (q.z - p.z) * (v - p.y); };
+    const double whole = area(a, b, c.y, c.z);
+    const double u = area(b, c, y, z) / whole, v = area(c, a, y, z) / whole, w = 1.0 - u - v;
+    if (std::abs(whole) < 1e-16 || u < 0.0 || v < 0.0 || w < 0.0) continue;
+    crossings.emplace_back(u * a.x + v * b.x + w * c.x, whole < 0.0 ? 1 : -1);
+  }
+  std::ranges::sort(crossings);
+  std::vector<std::pair<double, double>> out;
+  int depth = 0;
+  double from = 0.0;
+  for (const auto& [x, way] : crossings) {
+    if (depth == 0) from = x;
+    depth += way;
+    if (depth == 0) out.emplace_back(from, x);
+  }
+  return out;
 }
 
 Meridian swept(const Vec3& p) { return {std::sqrt(p.x * p.x + p.y * p.y), p.z}; }
@@ -122,6 +146,32 @@ TEST_CASE("fluted mesh: what cuts has flutes, what does not is as smooth as it w
   const ToolSpec passive = tool_of({region(make_sphere(0.0, 3e-3), 0.0, 1e-3)});
   CHECK(find_cutting_edges(passive).count == 0);
   CHECK(volume(make_fluted_mesh(passive)) == volume(make_tool_mesh(passive)));
+}
+
+TEST_CASE("fluted mesh: the saw has ten pointed teeth at its edge, wider upwards, and none above their roots") {
+  const ToolSpec spec = shipped_spec("sagittal_saw_12mm");
+  const TriangleMesh mesh = make_fluted_mesh(spec);
+  // Material along x through the middle of the blade, in two ranges at the set of the teeth.
+  const auto at_tip = material_along_x(mesh, 0.11e-3, 0.02e-3);
+  CHECK(at_tip.size() == 10);
+  double last = 0.0;
+  for (const double z : {0.02e-3, 0.3e-3, 0.57e-3, 1.0e-3, 1.6e-3}) {
+    const auto teeth = material_along_x(mesh, 0.11e-3, z);
+    double width = 0.0;
+    for (const auto& [from, to] : teeth) width += to - from;
+    CHECK(teeth.size() == 10);
+    CHECK(width > last);
+    last = width;
+    // A tooth is a trapezoid: from 12 % of the pitch of 1.2 mm to all of it at four fifths of 2.08 mm.
+    const double share = 0.12 + 0.88 * z / 1.664e-3;
+    CHECK(std::abs(teeth[4].second - teeth[4].first - 1.2e-3 * share) < 1e-8);
+    CHECK(std::abs(0.5 * (teeth[4].second + teeth[4].first) + 0.6e-3) < 1e-8);
+  }
+  const auto above = material_along_x(mesh, 0.11e-3, 1.9e-3);
+  REQUIRE(above.size() == 1);
+  CHECK(std::abs(above[0].second - above[0].first - 11.6e-3) < 1e-8);
+  // Solids without teeth have one range there.
+  CHECK(material_along_x(make_tool_mesh(spec), 0.11e-3, 0.02e-3).size() == 1);
 }
 
 TEST_CASE("fluted mesh: a burr's volume is that of its profile") {

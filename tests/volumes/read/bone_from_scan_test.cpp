@@ -101,6 +101,21 @@ TEST_CASE("make_bone: the felt surface is the scan's own, to a fraction of a vox
   CHECK(of_fine < 0.118 * kMm + 0.1 * 0.25 * kMm);
 }
 
+TEST_CASE("make_bone: slices far apart are reported where finer voxels are asked for") {
+  const auto lines = [](double apart, bool fine) {
+    const Scan scan = make_scan(
+        {49, 49, 9}, {Mat3(Vec3(kMm, 0, 0), Vec3(0, kMm, 0), Vec3(0, 0, apart)), Vec3(-24 * kMm, -24 * kMm, -4 * apart)}, ball_hu);
+    BoneOptions options;
+    if (fine) options.spacing = 0.5 * kMm;
+    std::vector<std::string> assumed;
+    REQUIRE(make_bone(scan, options, assumed));
+    return std::ranges::count_if(assumed, [](const std::string& line) { return line.find("mm apart") != std::string::npos; });
+  };
+  CHECK(lines(7.4 * kMm, true) == 1);
+  CHECK(lines(7.4 * kMm, false) == 0);  // as scanned: no voxel is finer than the slices
+  CHECK(lines(1.9 * kMm, true) == 0);
+}
+
 TEST_CASE("make_bone: a ramp of the band alone is off by more, so the widened one is needed") {
   // Sabotage twin: the same scan, classified by the band only.
   const Scan scan = ball_scan();

@@ -133,6 +133,19 @@ TEST_CASE("read_dicom: files without the preamble are read, as old ones lack it"
   const TemporaryFolder folder;
   write_bytes(folder.file("a"), whole.substr(132));
   CHECK(read_dicom(folder.file("a"), {}).ok());
+  // Without group 0002 either: the first element is that of the data set, with its value type or without.
+  const auto data_set = [](const DicomData& data, const char* syntax) {
+    const std::string file = data.file(syntax);
+    return file.substr(file.find(std::string("\x08\0", 2), 132 + file.substr(132).find(syntax)));
+  };
+  DicomData late = ct_slice({});
+  for (const std::uint32_t tag : {0x00080008u, 0x00080016u, 0x00080018u}) late.erase(tag);
+  for (const DicomData& data : {ct_slice({}), late}) {
+    write_bytes(folder.file("a"), data_set(data, kExplicitLittle));
+    CHECK(read_scan(folder.path().string() + "/a", {}).ok());
+  }
+  write_bytes(folder.file("a"), data_set(ct_slice({}), kImplicitLittle));
+  CHECK(read_scan(folder.file("a"), {}).ok());
 }
 
 TEST_CASE("read_dicom: slope and intercept are each slice's own") {

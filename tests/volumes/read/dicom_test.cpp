@@ -214,6 +214,62 @@ TEST_CASE("read_dicom: a faulty larger series is not passed over in silence, and
   CHECK(refusal(folder, of_series("1")) == "series 1: " + gap);
 }
 
+TEST_CASE("read_dicom: a series of two even stacks is refused with the names of both, and each can be read") {
+  // Thin slices through the base of the skull, thick ones above; the slice between them belongs to both.
+  const TemporaryFolder folder;
+  for (int k = 0; k < 12; ++k) {
+    const double z = k < 7 ? 2.5 * k : 15.0 + 5.0 * (k - 6);
+    ct_slice({.position = {0, 0, z}, .number = 3, .instance = fmt::format("1.{}", k), .stored = [k](int, int) { return k; }})
+        .write(folder.file(fmt::format("s{:02}", 11 - k)));
+  }
+  const std::string both =
+      "it is two even stacks, name one of them (--series; series in a scene): 3:1 of 7 slices 2.5 mm apart, 3:2 of 6 "
+      "slices 5 mm apart";
+  CHECK(refusal(folder).find(both) != std::string::npos);
+  const ReadScan low = read(folder, of_series("3:1")), high = read(folder, of_series("3:2"));
+  REQUIRE(low.scan.dims.z == 7);
+  REQUIRE(high.scan.dims.z == 6);
+  for (std::size_t k = 0; k < 7; ++k) CHECK(low.scan.values[30 * k] == static_cast<float>(k) - 1024.0f);
+  for (std::size_t k = 0; k < 6; ++k) CHECK(high.scan.values[30 * k] == static_cast<float>(k + 6) - 1024.0f);
+  CHECK(high.scan.bone_from_index.offset.z == doctest::Approx(15e-3));
+  // A whole series beside it is taken, and the halves are not.
+  write_series(folder, {.slice = {.number = 8, .series = "8.8"}, .count = 4, .prefix = "t"});
+  CHECK(read(folder).scan.dims.z == 4);
+}
+
+TEST_CASE("read_dicom: a series with two slices at each place has the first of each pair in one half, the second in the other") {
+  const TemporaryFolder folder;
+  for (int n = 0; n < 8; ++n)
+    ct_slice({.position = {0, 0, 1.0 * (n % 4)}, .instance = fmt::format("1.{}", n), .stored = [n](int, int) { return n < 4 ? 10 : 20; }})
+        .write(folder.file(fmt::format("s{}", n)));
+  CHECK(refusal(folder).find("two slices at one place: 4 of 8 slices lie where another does") == 0);
+  CHECK(refusal(folder).find("1:1 of 4 slices 1 mm apart, 1:2 of 4 slices 1 mm apart") != std::string::npos);
+  CHECK(read(folder, of_series("1:1")).scan.values == std::vector<float>(120, -1014.0f));
+  CHECK(read(folder, of_series("1:2")).scan.values == std::vector<float>(120, -1004.0f));
+}
+
+TEST_CASE("read_dicom: one slice that is the best of several series is a question, and can be named") {
+  const TemporaryFolder folder;
+  ct_slice({.number = 1, .series = "1.1", .instance = "1.1.1"}).write(folder.file("one"));
+  for (int n = 0; n < 3; ++n)
+    ct_slice({.position = {0, 0, 1.0 * n}, .number = 2, .series = "1.2", .instance = fmt::format("1.2.{}", n)})
+        .erase(0x00280030)
+        .write(folder.file(fmt::format("m{}", n)));
+  CHECK(refusal(folder) == "the best of 2 series, 1, has one slice; name the series to read (--series; series in a scene): 2, 1");
+  CHECK(read(folder, of_series("1")).scan.dims.z == 1);
+}
+
+TEST_CASE("read_dicom: with a tilted gantry, distances of slices are those along the table") {
+  const TemporaryFolder folder;
+  // The table moves by 5 mm along z; slices lean by 20 degrees, so that they are 4.70 mm apart.
+  const double c = std::cos(20.0 * kDegree), s = std::sin(20.0 * kDegree);
+  for (int k = 0; k < 9; ++k)
+    if (k != 4)
+      ct_slice({.position = {0, 0, 5.0 * k}, .column = {0, c, s}, .instance = fmt::format("1.{}", k)})
+          .write(folder.file(fmt::format("s{}", k)));
+  CHECK(refusal(folder).find("step 10.00 mm where 5.00 mm is the rule, after z = 15.0 mm") != std::string::npos);
+}
+
 TEST_CASE("read_dicom: two different slices at one place are refused") {
   const TemporaryFolder folder;
   write_series(folder, {});

@@ -94,6 +94,16 @@ TEST_CASE("parse_nrrd: what the file does not say is reported") {
   CHECK(apart(spaced->image.bone_from_index, {Mat3(Vec3(5, 0, 0), Vec3(0, 5, 0), Vec3(0, 0, 2)), Vec3(0)}) < kRounding);
 }
 
+TEST_CASE("parse_nrrd: three or four numbers along an axis of a picture may be colours, unless the file says that they are slices") {
+  const std::string bare = "NRRD0004\ntype: uchar\ndimension: 3\nencoding: raw\n";
+  for (const char* sizes : {"3 64 48", "64 48 3", "4 64 48"})
+    CHECK(holds(fault_of(parse_nrrd(bare + "sizes: " + sizes + "\n")), "may be colours"));
+  CHECK(parse_nrrd(bare + "sizes: 64 48 5\n").ok());
+  CHECK(parse_nrrd(bare + "sizes: 64 48 3\nkinds: domain domain domain\n").ok());
+  CHECK(parse_nrrd(bare + "sizes: 64 48 3\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,5)\n").ok());
+  CHECK(parse_nrrd(bare + "sizes: 7 5 4\n").ok());  // no picture is so small
+}
+
 TEST_CASE("parse_nrrd: what is no volume of plain numbers, or packed another way, is refused by name") {
   CHECK(holds(fault_of(parse_nrrd(with(kNrrd, "encoding:", "encoding: bzip2"))), "gzip"));
   CHECK(holds(fault_of(parse_nrrd(with(kNrrd, "encoding:", "encoding: hex"))), "encoding"));

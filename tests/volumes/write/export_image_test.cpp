@@ -1,5 +1,9 @@
 #include <doctest/doctest.h>
 
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+
 #include "core/base/units.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/volumes/read/itk_twin.h"
@@ -240,4 +244,22 @@ TEST_CASE("export: density is recognised as occupancy when it is imported, and o
   const auto resampled = import_bone(finer, {});
   REQUIRE_MESSAGE(resampled.ok(), (resampled ? "" : resampled.error().text()));
   CHECK(resampled->bone->bone_from_index().mean_edge() == doctest::Approx(0.4e-3));
+}
+
+TEST_CASE("export: a stop between two slabs leaves no part of the file, and the file that was there") {
+  const Voxmap bone = ball_voxmap(sheared_map(), false);
+  for (const std::string name : {"a.nrrd", "a.nii", "a.nii.gz", "a.stl", "a.vdb"})
+    for (const bool there : {false, true}) {
+      CAPTURE(name);
+      const TemporaryFolder folder;
+      if (there) std::ofstream(folder.file(name)) << "a CT";
+      std::atomic<bool> stop{name == "a.stl" || name == "a.vdb"};  // these have no progress
+      std::size_t calls = 0;
+      const auto report = export_bone(bone, {.path = folder.file(name), .progress = [&](double) { stop = ++calls > 0; }, .stop = &stop});
+      REQUIRE(!report.ok());
+      CHECK(report.error().code == ErrorCode::unavailable);
+      CHECK(report.error().place == folder.file(name));
+      CHECK(files_in(folder) == (there ? std::vector<std::string>{name} : std::vector<std::string>{}));
+      if (there) CHECK(std::filesystem::file_size(folder.file(name)) == 4);
+    }
 }

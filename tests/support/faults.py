@@ -1,0 +1,238 @@
+"""Faults of the machine, one at a time, and what a program leaves after them: failed system calls by strace, kills, a second process.
+
+A case is a command with the folder that it writes into. Before each trial the folder holds the files of an earlier, whole run. After the trial
+each of them must be the old one, a whole new one, or gone where the run clears results before it starts; nothing else may be there.
+"""
+import collections
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import signal
+import sqlite3
+import subprocess
+import time
+
+PATIENCE = 120  # [s] longer than any command takes here, under strace: more is a hang
+ERRORS = {
+    "write": ["ENOSPC", "EIO", "EINTR"],
+    "pwrite64": ["ENOSPC", "EIO", "EINTR"],
+    "writev": ["ENOSPC", "EIO"],
+    "fsync": ["EIO", "ENOSPC"],
+    "fdatasync": ["EIO"],
+    "rename": ["EIO", "ENOSPC"],
+    "openat": ["EIO", "EMFILE", "ENOSPC", "EINTR"],
+    "ftruncate": ["EIO"],
+    "close": ["EIO"],
+}
+OUTSIDE = {"mmap": ["ENOMEM"], "clone3": ["EAGAIN"]}  # calls that concern no file of the folder
+# The number counts the calls of each thread, so the message about one that failed may fail too.
+MESSAGE = re.compile(r"write\(2, .*INJECTED")
+CALL = re.compile(r"^(\d+) +(\w+)\((.*)$")
+
+
+class Case:
+    """@param command of a folder: the arguments of the program. @param cleared: a run removes the files of an earlier one before it starts.
+    @param seconds: kills and second processes come within this time. @param other_program: gnuplot draws, which gives up at an interrupted call."""
+
+    def __init__(self, name, command, cleared=False, seconds=1.0, other_program=False):
+        self.name, self.command, self.cleared, self.seconds, self.other_program = name, command, cleared, seconds, other_program
+
+
+def is_whole(path):
+    """Whether a file is complete by its own format; of a picture, a sound or a page, by its end."""
+    data = path.read_bytes()
+    kind = path.suffix
+    if kind == ".json":
+        try:
+            return isinstance(json.loads(data), dict)
+        except ValueError:
+            return False
+    if kind == ".sqlite":
+        with sqlite3.connect(f"file:{path}?mode=ro", uri=True) as session:
+            return session.execute("PRAGMA integrity_check").fetchone()[0] == "ok"
+    if kind == ".wav":
+        return len(data) >= 44 and int.from_bytes(data[4:8], "little") + 8 == len(data)
+    ends = {".png": b"IEND\xaeB`\x82", ".html": b"</html>\n", ".svg": b"</svg>\n"}
+    return data.endswith(ends[kind]) if kind in ends else True
+
+
+class Bench:
+    """Trials of one program in a folder of their own."""
+
+    def __init__(self, program, folder, environment):
+        self.program, self.folder, self.environment = str(program), pathlib.Path(folder), environment
+        self.out = self.folder / "out"
+        self.old = self.folder / "old"
+        self.trials = 0
+        self.failures = []
+
+    def begin(self, case):
+        """Runs the case once: its files are those of an earlier run from now on."""
+        shutil.rmtree(self.out, ignore_errors=True)
+        shutil.rmtree(self.old, ignore_errors=True)
+        self.out.mkdir()
+        done = self._run(case)
+        if done.returncode != 0:
+            raise RuntimeError(f"{case.name}: exit {done.returncode}: {done.stderr}")
+        shutil.copytree(self.out, self.old)
+
+    def reset(self):
+        shutil.rmtree(self.out, ignore_errors=True)
+        shutil.copytree(self.old, self.out)
+
+    def _run(self, case, around=()):
+        command = [*around, self.program, *map(str, case.command(self.out))]
+        return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, env=self.environment)
+
+    # ---- failed system calls ----
+
+    def points(self, case):
+        """System calls that touch the folder, and those of OUTSIDE: (call, its number in its thread, errno)."""
+        self.reset()
+        log = self.folder / "calls.txt"
+        kinds = ",".join([*ERRORS, *OUTSIDE])
+        self._run(case, ["strace", "-f", "-y", "-s", "0", "--seccomp-bpf", "-e", f"trace={kinds}", "-o", str(log)])
+        seen = collections.Counter()
+        out = []
+        for line in log.read_text(errors="replace").splitlines():
+            call = CALL.match(line)
+            if not call:
+                continue
+            thread, kind, rest = call.groups()
+            seen[thread, kind] += 1
+            if kind in OUTSIDE or str(self.out) in rest:
+                for error in (ERRORS | OUTSIDE)[kind]:
+                    out.append((kind, seen[thread, kind], error))
+        return sorted(set(out))
+
+    def fail_call(self, case, point):
+        kind, number, error = point
+        self.reset()
+        label = f"{case.name}: {kind} number {number} fails with {error}"
+        log = self.folder / "injected.txt"
+        try:
+            done = self._run(case, ["strace", "-f", "-q", "-s", "0", "-o", str(log), "--seccomp-bpf", "-e", f"trace={kind}", "-e",
+                                    f"inject={kind}:error={error}:when={number}"])
+        except subprocess.TimeoutExpired:
+            return self._note(label, f"hangs for more than {PATIENCE} s")
+        problem = self._left(case)
+        # oneTBB and LLVM end the process where they get no thread of their own; no file is damaged by that.
+        ended = done.returncode < 0 or done.returncode > 128
+        if ended and not (kind == "clone3" and done.returncode in (-signal.SIGABRT, 128 + signal.SIGABRT)):
+            problem = problem or f"ends by signal: exit {done.returncode}"
+        elif error != "EINTR" and done.returncode == 0 and not self._all_there():
+            missing = {p.name for p in self.old.iterdir()} - {p.name for p in self.out.iterdir()}
+            problem = problem or f"exit 0 without {', '.join(sorted(missing))}: {done.stderr.strip()[-300:]}"
+        elif error == "EINTR" and done.returncode != 0 and not case.other_program:
+            problem = problem or f"an interrupted call ends the run: exit {done.returncode}: {done.stderr.strip()[-300:]}"
+        elif "internal error" in done.stderr:
+            problem = problem or f"calls itself broken: {done.stderr.strip()[-300:]}"
+        elif done.returncode != 0 and not done.stderr.strip() and not MESSAGE.search(log.read_text(errors="replace")):
+            problem = problem or f"exit {done.returncode} without a word"
+        return self._note(label, problem)
+
+    def _all_there(self):
+        """After exit 0 every file of the earlier run must be there, and whole; _left() has compared them."""
+        return {p.name for p in self.out.iterdir()} >= {p.name for p in self.old.iterdir()}
+
+    # ---- kills ----
+
+    def kill(self, case, after):
+        """SIGKILL after a time [s]."""
+        self.reset()
+        label = f"{case.name}: killed after {after * 1e3:.0f} ms"
+        process = subprocess.Popen([self.program, *map(str, case.command(self.out))], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                   env=self.environment)
+        time.sleep(after)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        # A killed process cannot remove its temporary files; the next run does.
+        return self._note(label, self._left(case, killed=True))
+
+    # ---- two processes ----
+
+    def race(self, case, offset):
+        """Two of the same command into one folder, the second `offset` [s] after the first. One at least succeeds."""
+        self.reset()
+        label = f"{case.name}: a second one after {offset * 1e3:.0f} ms"
+        command = [self.program, *map(str, case.command(self.out))]
+        first = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=self.environment)
+        time.sleep(offset)
+        second = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=self.environment)
+        errors = [p.communicate(timeout=PATIENCE)[1] for p in (first, second)]
+        codes = (first.returncode, second.returncode)
+        problem = self._left(case)
+        if 0 not in codes:
+            problem = problem or f"neither succeeds: exit {codes}: {errors}"
+        if any(code not in (0, 2) for code in codes):
+            problem = problem or f"exit {codes}: {errors}"
+        return self._note(label, problem)
+
+    # ---- what is left ----
+
+    def _left(self, case, killed=False):
+        """@returns what is wrong with the files of the folder, or nothing."""
+        known = {p.name for p in self.old.iterdir()}
+        for path in sorted(self.out.iterdir()):
+            if path.name not in known:
+                if killed or (case.cleared and self._is_earlier(path)):
+                    continue
+                return f"leaves {path.name}"
+            old = (self.old / path.name).read_bytes()
+            if path.read_bytes() != old and not is_whole(path):
+                return f"{path.name} is neither the old one nor whole"
+        missing = known - {p.name for p in self.out.iterdir()}
+        if missing and not case.cleared:
+            return f"lost {', '.join(sorted(missing))}"
+        if case.cleared:
+            return self._stale(case)
+        return None
+
+    def _is_earlier(self, path):
+        """Whether a file is one of the earlier run that was moved aside, whole."""
+        name = path.name.replace(".earlier.", ".")
+        return name != path.name and (self.old / name).exists() and path.read_bytes() == (self.old / name).read_bytes()
+
+    def _stale(self, case):
+        """A summary says which session it belongs to: results of an earlier run beside a newer session would pass for its own."""
+        summary, session = self.out / "summary.json", self.out / "session.sqlite"
+        if not summary.exists() or not session.exists():
+            return None
+        if summary.read_bytes() == (self.old / "summary.json").read_bytes() and session.read_bytes() != (self.old / "session.sqlite").read_bytes():
+            return "the summary of the earlier run lies beside another session"
+        return None
+
+    def _note(self, label, problem):
+        self.trials += 1
+        if problem:
+            self.failures.append(f"{label}: {problem}")
+        return problem is None
+
+
+def chosen(points, count, seed):
+    """At most `count` of the points, at least one of each call and error, by seed."""
+    points = list(points)
+    random.Random(seed).shuffle(points)
+    first = {}
+    for point in points:
+        first.setdefault((point[0], point[2]), point)
+    rest = [p for p in points if p not in set(first.values())]
+    return list(first.values()) + rest[: max(0, count - len(first))]
+
+
+def thinned(points, mappings, seed):
+    """All points but those of mmap, of which at most so many are drawn: nearly all of them are made by the loader of libraries."""
+    maps = [p for p in points if p[0] == "mmap"]
+    random.Random(seed).shuffle(maps)
+    return [p for p in points if p[0] != "mmap"] + sorted(maps[:mappings])
+
+
+def missing_tool():
+    """@returns why faults cannot be injected here, or nothing."""
+    if shutil.which("strace") is None:
+        return "strace is not installed"
+    probe = subprocess.run(["strace", "-f", "-q", "-o", "/dev/null", "--seccomp-bpf", "-e", "trace=write", "true"], capture_output=True, text=True)
+    return None if probe.returncode == 0 else "this machine allows no tracing"
