@@ -70,7 +70,7 @@ WRAPPED = [
     (r"CLI/", "CLI11", ["app/cli/", "app/bench/main.cpp", "app/render/embed_shaders_main.cpp"]),
     (r"itk[A-Z]", "ITK", ["tests/"]),
     (r"gdcm", "GDCM", ["volumes/read/gdcm_codecs.cpp"]),
-    (r"zlib\.h$", "zlib", ["app/session/row_codec.cpp", "volumes/read/", "volumes/write/output_file.cpp"]),
+    (r"zlib\.h$", "zlib", ["app/session/row_codec.cpp", "volumes/read/", "volumes/write/packed_file.cpp"]),
     # Reading: located_json.cpp, which knows where each value stands. Elsewhere JSON is written.
     (r"nlohmann/", "nlohmann JSON", ["app/", "volumes/import_bone.cpp", "volumes/read/located_json.cpp", "volumes/write/planned_line.cpp"]),
     (r"hwy/", "Highway", ["core/"]),

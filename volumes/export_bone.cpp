@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 
@@ -45,6 +43,7 @@ Result<ExportReport> export_image(const Voxmap& bone, const ExportRequest& reque
                        .content = export_field_names()[static_cast<std::size_t>(field)],
                        .read = [&](const VoxelBox& box, std::span<float> out) { read_field(bone, field, request.undrilled, box, out); },
                        .progress = request.progress,
+                       .check = [&] { return model.read_status(); },
                        .stop = request.stop};
   if (image.box.empty()) return bad_input("there is no bone to crop to", request.path);
   const auto bytes =
@@ -60,6 +59,7 @@ Result<ExportReport> export_mesh(const Voxmap& bone, const ExportRequest& reques
       .read = [&](const VoxelBox& box, std::span<float> out) { read_field(bone, ExportField::density, request.undrilled, box, out); }};
   const auto mesh = make_bone_surface(density);
   if (!mesh) return Error{mesh.error().code, mesh.error().message, request.path};
+  if (const Status read = bone.bone().read_status(); !read) return read.error();
   const auto bytes = write_mesh(request.path, format, *mesh, request.stop);
   if (!bytes) return bytes.error();
   return ExportReport{.format = format, .triangles = mesh->indices.size() / 3, .bytes = *bytes};
@@ -90,20 +90,9 @@ Result<ExportReport> export_vdb(const Voxmap& bone, const ExportRequest& request
         [&](const Vec3i& block, const BlockValues& block_values) { remaining.write_box(box_of_block(block), block_values); });
     grids.push_back(&remaining);
   }
+  const Status written = write_vdb(request.path, model.dims(), model.bone_from_index(), grids, model.notes(), request.stop);
+  if (!written) return written.error();
   std::error_code ignored;
-  const std::string whole = fmt::format("{}.{}.part", request.path, ::getpid());
-  const Status written = write_vdb(whole, model.dims(), model.bone_from_index(), grids, model.notes());
-  if (!written) return Error{written.error().code, written.error().message, request.path};
-  if (is_stopped(request)) {
-    std::filesystem::remove(whole, ignored);
-    return stopped(request);
-  }
-  std::error_code failed;
-  std::filesystem::rename(whole, request.path, failed);
-  if (failed) {
-    std::filesystem::remove(whole, ignored);
-    return bad_input("cannot be written: " + failed.message(), request.path);
-  }
   return ExportReport{.format = "OpenVDB", .dims = model.dims(), .bytes = std::filesystem::file_size(request.path, ignored)};
 }
 
@@ -163,16 +152,9 @@ Result<ExportReport> export_bone(const Voxmap& bone, const ExportRequest& reques
   if (const Status valid = check_request(request); !valid) return valid.error();
   if (is_stopped(request)) return stopped(request);
   const std::string format = export_format(request.path).value();
-  auto out = is_volume(format)     ? export_image(bone, request, format)
-             : format == "OpenVDB" ? export_vdb(bone, request)
-                                   : export_mesh(bone, request, format);
-  // A read that failed was taken for 0: the file is wrong.
-  if (const Status read = bone.bone().read_status(); out && !read) {
-    std::error_code ignored;
-    std::filesystem::remove(request.path, ignored);
-    return read.error();
-  }
-  return out;
+  // Each checks before it renames its file that all of the bone was read: a read that failed is taken for 0.
+  if (is_volume(format)) return export_image(bone, request, format);
+  return format == "OpenVDB" ? export_vdb(bone, request) : export_mesh(bone, request, format);
 }
 
 }  // namespace burrhole

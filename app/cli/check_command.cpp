@@ -107,7 +107,7 @@ void add_check(CLI::App& app, int& exit_code) {
     const Approach& approach = built->simulation->approach();
     const double thickness_mm = approach.thickness / kMillimetre, angle_deg = approach.angle / kDegree;
     if (angle_deg > kGrazing)
-      fmt::print(stderr, "{}: warning: the axis meets the bone {:.0f} degrees off its normal\n", loaded.scene.file, angle_deg);
+      note(fmt::format("{}: warning: the axis meets the bone {:.0f} degrees off its normal\n", loaded.scene.file, angle_deg));
     print(fmt::format("{}: ok; {:.2f} mm of bone along the axis, {:.1f} degrees off its normal\n", loaded.scene.file, thickness_mm,
                       angle_deg));
   });

@@ -11,6 +11,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/drilling.h"
+#include "app/report/file.h"
 #include "app/session/session.h"
 #include "app/window/chooser.h"
 #include "app/window/panel_text.h"
@@ -128,13 +129,8 @@ Result<std::optional<Words>> words_of_file(const Chosen& chosen) {
   const fs::path source(chosen.source.path);
   const fs::path folder = results_of((source.has_stem() ? source.stem() : source.parent_path().filename()).string());
   const fs::path scene = folder / "scene.toml";
-  std::error_code error;
-  fs::create_directories(folder, error);
-  std::ofstream file(scene);
-  file << site_scene(*chosen.site, chosen.source);
-  file.close();
-  if (!file) return bad_input("the scene cannot be written: begin in a folder that can be written to", scene.string());
-  fmt::print(stderr, "scene: {}\n", scene.string());
+  if (const Status written = write_file(scene.string(), site_scene(*chosen.site, chosen.source)); !written) return written.error();
+  note(fmt::format("scene: {}\n", scene.string()));
   return std::optional(drill_words(scene.string(), folder.string()));
 }
 

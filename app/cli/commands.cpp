@@ -208,7 +208,7 @@ Result<TomlDocument> SceneOption::document() const {
   return document;
 }
 
-void print_line(const std::string& text) { fmt::print(stderr, "{}\n", one_line(text, kLongestMessage)); }
+void print_line(const std::string& text) { note(one_line(text, kLongestMessage) + "\n"); }
 
 void print_warning(const std::string& file, const std::string& warning) {
   const std::size_t end = warning.starts_with(file + ":") ? warning.find(": ", file.size()) : std::string::npos;
@@ -258,12 +258,6 @@ std::optional<std::vector<double>> split_numbers(const std::string& text, char s
     start = end + 1;
   }
   return out.size() == count ? std::optional(out) : std::nullopt;
-}
-
-void print(const std::string& text) {
-  const std::string safe = printable_text(text);
-  std::fwrite(safe.data(), 1, safe.size(), stdout);
-  std::fflush(stdout);
 }
 
 }  // namespace burrhole::cli

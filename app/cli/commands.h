@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/cli/command_text.h"
+#include "app/cli/standard_streams.h"
 #include "app/scene/load.h"
 #include "core/config/toml.h"
 
@@ -73,9 +74,6 @@ void print_warning(const std::string& file, const std::string& warning);
 
 /// @returns the numbers of "AxB" or "A,B,C"; nothing if the text is not exactly `count` finite numbers.
 [[nodiscard]] std::optional<std::vector<double>> split_numbers(const std::string& text, char separator, std::size_t count);
-
-/// Prints to stdout and flushes it. Control characters but the ends of lines and tabulators are escaped: texts of files may hold some.
-void print(const std::string& text);
 
 // Each registers one command, whose callback sets the exit code.
 void add_drill(CLI::App& app, int& exit_code);

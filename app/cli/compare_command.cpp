@@ -38,7 +38,7 @@ std::vector<ComparedPicture> compare_pictures(const std::vector<RunResults>& run
         continue;
       }
       if (difference->empty()) {
-        fmt::print(stderr, "{}: the pictures differ in size: not compared\n", name);
+        note(fmt::format("{}: the pictures differ in size: not compared\n", name));
         continue;
       }
       out.push_back({first, fmt::format("{}: {}", name, runs.front().name)});
@@ -77,7 +77,7 @@ int run_compare(const Options& option) {
       return report(bad_input("the output folder cannot be created: give another by --out", option.folder));
     const auto pictures = compare_pictures(runs, option.folder, issues);
     if (Status written = write_comparison(runs, pictures, option.folder); !written) return report(written.error());
-    fmt::print(stderr, "page: {}\n", (fs::path(option.folder) / "compare.html").string());
+    note(fmt::format("page: {}\n", (fs::path(option.folder) / "compare.html").string()));
   }
   print(option.json ? comparison_json(runs) : comparison_text(runs));
   return report(issues);  // of damaged files, which the rest does without

@@ -23,12 +23,11 @@ extern "C" void on_signal(int) { stop_flag.store(true, std::memory_order_relaxed
 
 void print_figures(const RunSummary& s) {
   const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f} mm", *value) : std::string("-"); };
-  fmt::print(
-      stderr,
+  note(fmt::format(
       "thickness {:.2f} mm, breakthrough at a depth of {}, plunge {}, hole {} outside, {} inside, peak force {:.1f} N, {:.1f} s simulated "
       "in {:.1f} s\n{}\n",
       s.thickness_mm, mm(s.depth_mm), mm(s.plunge_mm), mm(s.hole_diameter_mm), mm(s.inner_diameter_mm), s.peak_force_N, s.duration_s,
-      s.wall_s, outcome_text(s));
+      s.wall_s, outcome_text(s)));
 }
 
 Result<std::unique_ptr<FilmWriter>> make_film(const Scene& scene, const DrillingFiles& files) {
@@ -80,6 +79,11 @@ void catch_signals() {
   action.sa_flags = SA_RESTART | SA_RESETHAND;  // a second Ctrl-C ends the program
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // A terminal that is closed may send more than one; nohup has the signal ignored.
+  struct sigaction hang_up {};
+  sigaction(SIGHUP, nullptr, &hang_up);
+  action.sa_flags = SA_RESTART;
+  if (hang_up.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
 
 Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet, const LiveMode& mode) {
@@ -109,7 +113,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
                                        .shader_folder = files.shader_folder,
                                        .film = film.get(),
                                        .report = [quiet](const std::string& line) {
-                                         if (!quiet) fmt::print(stderr, "quality: {}\n", line);
+                                         if (!quiet) note(fmt::format("quality: {}\n", line));
                                        }});
   };
   if (!files.inputs.empty()) {
@@ -126,7 +130,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
         loaded.scene.file,
         "the run ended before the first frame of its film: none was written; a longer duration_s or a higher --video-fps gives one");
   else if (!quiet)
-    fmt::print(stderr, "film: {} frames, {} a second, in {}\n", film->frames(), files.video_fps, files.video);
+    note(fmt::format("film: {} frames, {} a second, in {}\n", film->frames(), files.video_fps, files.video));
   return summary;
 }
 
@@ -200,7 +204,7 @@ void run_drill(DrillOptions& option, int& exit_code) {
   if (!option.quiet) print_figures(*summary);
   const std::vector<std::string> missed = missed_terms(*expected, *summary);
   for (const std::string& line : missed) print_line(loaded->scene.file + ": " + line);
-  if (!option.quiet) fmt::print(stderr, "{}\n", result_line(*summary));
+  if (!option.quiet) print_line(result_line(*summary));
   if (option.json) print(summary_json(*summary));
   exit_code = missed.empty() ? kDone : kCheckFailed;
   if (summary->end == "stopped" && stop_requested()) exit_code = kInterrupted;  // a person may end a demonstration

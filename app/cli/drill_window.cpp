@@ -92,7 +92,7 @@ Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool qui
   if (!document) return document.error();
   if (const std::string why = why_not(*document, options.reference_push); !why.empty()) {
     if (options.asked) return bad_input("no window: " + why, document->file_name());
-    if (!quiet) fmt::print(stderr, "no window: {}\n", why);
+    if (!quiet) note(fmt::format("no window: {}\n", why));
     return false;
   }
   const auto is_set = [&](const char* key) {
@@ -118,7 +118,7 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
   if (loaded.scene.find<SoundConfig>() != nullptr) Speaker::silence_libraries();
   run.job.make_speaker = [&](int sample_rate) -> std::unique_ptr<SoundSink> {
     auto speaker = Speaker::open(sample_rate, [quiet](std::uint64_t underruns, std::uint64_t dropped) {
-      if (!quiet) fmt::print(stderr, "sound: {} underruns, {} blocks dropped\n", underruns, dropped);
+      if (!quiet) note(fmt::format("sound: {} underruns, {} blocks dropped\n", underruns, dropped));
     });
     if (speaker) return std::move(speaker).value();
     print_warning(loaded.scene.file, "[sound] is not heard: " + speaker.error().message);
@@ -132,12 +132,11 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
   if (!quiet)
     run.figures = [](const WindowFigures& f) {
       constexpr double kMs = 1e3;
-      fmt::print(
-          stderr,
+      note(fmt::format(
           "window: {:.0f} pictures a second while the drill ran, {:.0f} while the view turned; a picture {:.0f} ms (p95 {:.0f}), from "
           "input to picture {:.0f} ms (p95 {:.0f}), refined {:.0f} ms (p95 {:.0f}) after the last change\n",
           f.drilling.per_second(), f.turning.per_second(), kMs * f.picture.at(0.5), kMs * f.picture.at(0.95), kMs * f.latency.at(0.5),
-          kMs * f.latency.at(0.95), kMs * f.refined.at(0.5), kMs * f.refined.at(0.95));
+          kMs * f.latency.at(0.95), kMs * f.refined.at(0.5), kMs * f.refined.at(0.95)));
     };
   run.viewer = viewer_config(options, files.folder);
   return drill_in_window(loaded, std::move(run));
@@ -171,7 +170,7 @@ Result<bool> view_session_in_window(const std::string& path, const WindowOptions
   if (!viewed) return viewed.error();
   if (viewed->same) return true;
   print_line(path + ": bone or forces differ from those of the run");
-  if (const std::string why = why_different(session->meta()); !why.empty()) fmt::print(stderr, "{}\n", why);
+  if (const std::string why = why_different(session->meta()); !why.empty()) print_line(why);
   return false;
 }
 

@@ -11,9 +11,10 @@
 
 namespace burrhole::cli {
 
-/// True after SIGINT or SIGTERM, if catch_signals() was called before: runs then end cleanly after the tick.
+/// True after SIGINT, SIGTERM or SIGHUP, if catch_signals() was called before: runs then end cleanly after the tick.
 [[nodiscard]] const std::atomic<bool>& stop_requested();
-/// Handles the first SIGINT and SIGTERM by setting stop_requested(); a second signal ends the program.
+/// Handles the first SIGINT and SIGTERM by setting stop_requested(); a second one ends the program. Handles each SIGHUP so, unless it is
+/// ignored.
 void catch_signals();
 
 struct DrillingFiles {

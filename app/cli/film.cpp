@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <sstream>
 #include <string_view>
 #include <system_error>
@@ -23,6 +24,7 @@
 
 #include "app/cli/png_writer.h"
 #include "core/base/assert.h"
+#include "core/base/output_file.h"
 
 namespace burrhole::cli {
 namespace {
@@ -99,14 +101,12 @@ class FolderFilm final : public FilmWriter {
 class VideoFilm final : public FilmWriter {
  public:
   VideoFilm(std::string program, std::string file, const char* format, int rate)
-      : program_(std::move(program)), file_(std::move(file)), part_(file_ + ".part"), format_(format), rate_(rate) {}
+      : program_(std::move(program)), file_(std::move(file)), format_(format), rate_(rate) {}
   ~VideoFilm() override {
     if (process_ <= 0) return;
     close(socket_);
     kill(process_, SIGKILL);
     waitpid(process_, nullptr, 0);
-    std::error_code ignored;
-    fs::remove(part_, ignored);
   }
 
   Status add(const Image& image) override {
@@ -127,9 +127,9 @@ class VideoFilm final : public FilmWriter {
   }
 
   Status finish() override {
-    std::error_code error;
     if (process_ == 0) {  // no frame: an earlier video is not this one
-      fs::remove(file_, error);
+      std::error_code ignored;
+      fs::remove(file_, ignored);
       return {};
     }
     close(socket_);
@@ -138,17 +138,11 @@ class VideoFilm final : public FilmWriter {
     do ended = waitpid(process_, &status, 0);
     while (ended < 0 && errno == EINTR);
     process_ = 0;
-    if (ended < 0) {
-      fs::remove(part_, error);
-      return failed(std::strerror(errno));
-    }
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-      fs::remove(part_, error);
+    if (ended < 0) return failed(std::strerror(errno));  // part_ removes what there is
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
       return failed(WIFEXITED(status) ? fmt::format("exit {}", WEXITSTATUS(status)) : std::string("it was ended"));
-    }
-    fs::rename(part_, file_, error);
-    if (error) return bad_input("cannot write the video: " + error.message() + "; give another file by --video", file_);
-    return {};
+    const auto done = part_->commit();
+    return done ? Status() : Status(done.error());
   }
 
  private:
@@ -159,20 +153,34 @@ class VideoFilm final : public FilmWriter {
   Status start(int width, int height) {
     width_ = width;
     height_ = height;
+    auto part = OutputFile::create(file_);
+    if (!part) return part.error();
+    part_.emplace(std::move(part).value());
+    if (part_->temporary().empty()) return bad_input("a video cannot be written into a pipe or a device: name a file", file_);
     std::array<int, 2> ends{};
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) return failed(std::strerror(errno));
     // Most players need 4:2:0, which has even sides.
-    std::vector<std::string> words{"ffmpeg",       "-loglevel",
-                                   "error",        "-y",
-                                   "-f",           "rawvideo",
-                                   "-pix_fmt",     "rgba",
-                                   "-s",           fmt::format("{}x{}", width, height),
-                                   "-r",           std::to_string(rate_),
-                                   "-i",           "pipe:0",
-                                   "-vf",          "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-                                   "-pix_fmt",     "yuv420p",
-                                   "-f",           format_,
-                                   "file:" + part_};
+    std::vector<std::string> words{"ffmpeg",
+                                   "-loglevel",
+                                   "error",
+                                   "-y",
+                                   "-f",
+                                   "rawvideo",
+                                   "-pix_fmt",
+                                   "rgba",
+                                   "-s",
+                                   fmt::format("{}x{}", width, height),
+                                   "-r",
+                                   std::to_string(rate_),
+                                   "-i",
+                                   "pipe:0",
+                                   "-vf",
+                                   "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                                   "-pix_fmt",
+                                   "yuv420p",
+                                   "-f",
+                                   format_,
+                                   "file:" + part_->temporary()};
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -195,7 +203,8 @@ class VideoFilm final : public FilmWriter {
     return failed(std::strerror(refused));
   }
 
-  std::string program_, file_, part_;
+  std::string program_, file_;
+  std::optional<OutputFile> part_;  // ffmpeg writes its temporary file
   const char* format_;
   int rate_;                    // [1/s]
   int width_ = 0, height_ = 0;  // [pixels] of a frame

@@ -98,7 +98,7 @@ Status draw_overview(const Options& option, const BoneModel& bone, const ImportR
   picture.display.height = picture.display.width;
   const auto driver = write_volume_sheet(*file, bone, picture);
   if (!driver) return driver.error();
-  if (!option.quiet) fmt::print(stderr, "{}\n{} written\n", driver_text(*driver), *file);
+  if (!option.quiet) note(fmt::format("{}\n{} written\n", driver_text(*driver), *file));
   return {};
 }
 
@@ -115,7 +115,7 @@ void print_results(const Options& option, const ImportReport& report, const std:
     return print(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
   if (!site) return print(import_text(report));
-  if (!option.quiet) fmt::print(stderr, "{}", import_text(report));
+  if (!option.quiet) note(import_text(report));
   print(fmt::format("# {:.2f} mm of bone along the axis\n{}", site->thickness / kMillimetre, approach_text(*site)));
 }
 
@@ -127,7 +127,7 @@ Status save_bone(const std::shared_ptr<const BoneModel>& bone, const std::string
 }
 
 int report_stopped(const std::string& volume) {
-  fmt::print(stderr, "{}: stopped after it was written: the rest was not done\n", volume);
+  note(fmt::format("{}: stopped after it was written: the rest was not done\n", volume));
   return kInterrupted;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <exception>
+#include <sstream>
 
 #include "app/cli/choose.h"
 #include "app/cli/commands.h"
@@ -23,8 +25,8 @@ rendering.
 
 constexpr const char* kFooter =
     R"(burrhole COMMAND --help describes a command; burrhole docs scene lists the keys of a scene.
-Exit: 0 done, 1 internal error, 2 input or usage error, 3 a check failed, 4 no usable device, display or
-OpenGL, 130 interrupted.)";
+Exit: 0 done, 1 internal error, 2 input or usage error, or an output that cannot be written, 3 a check
+failed, 4 no usable device, display or OpenGL, 130 interrupted.)";
 
 void add_commands(CLI::App& app, int& exit_code) {
   add_drill(app, exit_code);
@@ -128,6 +130,18 @@ void run_command(CLI::App& app, int argc, char** argv, int& exit_code) {
   app.parse(words);
 }
 
+/// Prints what --help or --version asked for. @returns the exit code.
+int print_asked(const CLI::App& app, const CLI::ParseError& asked) {
+  std::ostringstream text, none;
+  static_cast<void>(app.exit(asked, text, none));
+  try {
+    print(text.str());
+  } catch (const NoOutput& failure) {
+    return report(failure);
+  }
+  return kDone;
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app{kAbout, "burrhole"};
   app.formatter(make_formatter());
@@ -143,8 +157,10 @@ int run_program(int argc, char** argv) {
   try {
     run_command(app, argc, argv, exit_code);
     return exit_code;
+  } catch (const NoOutput& failure) {
+    return report(failure);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) return print_asked(app, error);
     print_line("burrhole: " + usage_text(app, error));
     return kBadInput;
   }
@@ -155,6 +171,7 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace burrhole;
+  cli::prepare_streams();
   try {
     return cli::run_program(argc, argv);
   } catch (...) {

@@ -81,6 +81,7 @@ Internal error of the program.
 .TP
 .B 2
 Error in the input or on the command line; one line per error on standard error, with file, line and column for files.
+Also an output that cannot be written: a file that was there before stays as it was.
 .TP
 .B 3
 A check or a bound failed: a replay that differs, a stability case beyond its bounds.

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 
@@ -17,7 +15,8 @@ namespace burrhole::cli {
 Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, bool display) {
   auto document = TomlDocument::parse(session.meta().scene, session.meta().scene_path);
   if (!document) return document.error();
-  (void)document->rename();  // keys of earlier versions
+  (void)document->rename();              // keys of earlier versions
+  (void)document->unset("record.path");  // of earlier versions it may lead out of the output folder; a replay records nothing
   RecordedFile plan;
   if (Status written = plan.write(session, "markups"); !written) return written.error();
   if (!plan.path().empty())
@@ -36,17 +35,14 @@ std::string why_different(const SessionMeta& meta) {
                      meta.physics_version, kPhysicsVersion);
 }
 
-RecordedFile::~RecordedFile() {
-  std::error_code ignored;
-  if (!path_.empty()) std::filesystem::remove(path_, ignored);
-}
-
 Status RecordedFile::write(const SessionReader& session, const std::string& kind) {
   for (const SessionEvent& event : session.events()) {
     if (event.kind != kind) continue;
     const std::string name = std::filesystem::path(event.text).filename().string();  // its ending names the format
     const std::string ending = name.substr(std::min(name.find('.'), name.size()));
-    path_ = (std::filesystem::temp_directory_path() / fmt::format("burrhole-{}-{}{}", kind, getpid(), ending)).string();
+    folder_ = std::make_unique<ScratchFolder>();
+    if (folder_->path().empty()) return bad_input("no temporary folder can be made: name one by TMPDIR");
+    path_ = (folder_->path() / (kind + ending)).string();
     if (Status written = write_file(path_, event.data); !written) return written;
   }
   return {};

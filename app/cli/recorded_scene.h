@@ -2,8 +2,10 @@
 ///   Thread  main.   Errors  those of load_scene(); bad_input for a file that cannot be written.
 #pragma once
 
+#include <memory>
 #include <string>
 
+#include "app/report/scratch_folder.h"
 #include "app/scene/load.h"
 #include "app/session/session.h"
 
@@ -15,18 +17,15 @@ namespace burrhole::cli {
 /// @returns why a replay's voxels and forces could not be expected to be equal; empty when they could.
 [[nodiscard]] std::string why_different(const SessionMeta& meta);
 
-/// A temporary file for a file that a session holds.
+/// A file that a session holds, in a temporary folder.
 class RecordedFile {
  public:
-  RecordedFile() = default;
-  RecordedFile(const RecordedFile&) = delete;
-  RecordedFile& operator=(const RecordedFile&) = delete;
-  ~RecordedFile();
   /// Writes that of the events of a kind, if there is one: "restore", the checkpoint from which the run started, or "markups", its plan.
   [[nodiscard]] Status write(const SessionReader& session, const std::string& kind);
   [[nodiscard]] const std::string& path() const { return path_; }  ///< empty: none
 
  private:
+  std::unique_ptr<ScratchFolder> folder_;
   std::string path_;
 };
 

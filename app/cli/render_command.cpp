@@ -107,7 +107,7 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   auto sink = make_picture_sink(display, {.folder = image.has_parent_path() ? image.parent_path().string() : ".",
                                           .gl = option.gl,
                                           .shader_folder = option.shader_folder,
-                                          .report = [](const std::string& line) { fmt::print(stderr, "quality: {}\n", line); }});
+                                          .report = [](const std::string& line) { note(fmt::format("quality: {}\n", line)); }});
   if (!sink) return sink.error();
   SimulationOptions options;
   options.sink = sink->get();
@@ -116,7 +116,7 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   Issues issues;
   auto simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();
-  fmt::print(stderr, "{}\n", driver_text((*sink)->driver()));
+  note(fmt::format("{}\n", driver_text((*sink)->driver())));
   const std::optional<Pose> tool = option.no_tool ? std::nullopt : std::optional(tool_pose(option, *simulation, loaded.scene));
   if (Status drawn = simulation->stage().draw(image.stem().string(), tool, option.cut); !drawn) return drawn;
   const auto files = (*sink)->files();
@@ -168,7 +168,7 @@ Status draw_volume(const Options& option) {
   picture.display.orientation = knows_directions(volume->report);
   const auto driver = write_volume_picture(image.string(), *volume->bone, picture);
   if (!driver) return driver.error();
-  fmt::print(stderr, "{}\n", driver_text(*driver));
+  note(fmt::format("{}\n", driver_text(*driver)));
   return {};
 }
 

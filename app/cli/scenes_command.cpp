@@ -113,11 +113,10 @@ int copy_scene(const Options& option) {
     print(copy.string() + "\n");
   }
   if (!scene->data_found)
-    fmt::print(
-        stderr,
+    note(fmt::format(
         "the scan is not part of the program: scripts/fetch-data gets it; then set BURRHOLE_DATA to the folder that holds {}, or set "
         "volume.source\n",
-        scene->data);
+        scene->data));
   return kDone;
 }
 

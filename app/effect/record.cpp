@@ -1,14 +1,28 @@
 // [record]: the session file, from which a run is replayed. The schedules write its rows between their steps; see app/run/run_log.h.
 
+#include <filesystem>
+
 #include "app/effect/registry.h"
+#include "app/stage/result_files.h"
 #include "app/stage/stage.h"
 
 namespace burrhole {
 namespace {
 
 struct RecordConfig {
-  std::string path = "session.sqlite";  ///< relative to the output folder
+  std::string path = kSessionFile;  ///< relative to the output folder
 };
+
+/// @returns why a path is no name for a session below the output folder; empty: it is one.
+std::string why_no_path(const std::string& path) {
+  const std::filesystem::path given(path), plain = given.lexically_normal();
+  bool leaves = given.is_absolute();
+  for (const auto& part : given) leaves = leaves || part == "..";
+  if (leaves) return "leaves the output folder: give a path below it, without a leading / and without ..";
+  if (!plain.has_filename() || plain == ".") return "names no file";
+  if (is_result_name(plain.begin()->string())) return "is the name of another result of a run: choose another";
+  return {};
+}
 
 class RecordEffect final : public Effect {
  public:
@@ -26,7 +40,8 @@ class RecordEffect final : public Effect {
 class RecordPlan final : public ConfigPlan<RecordPlan, RecordConfig> {
  public:
   RecordPlan(TableReader& table, const StageConfig&) {
-    config_.path = table.text("path", config_.path, "session file, relative to the output folder");
+    config_.path = table.text("path", config_.path, "session file below the output folder; no name of another result of a run");
+    if (const std::string why = why_no_path(config_.path); !why.empty()) table.fault("path", why);
   }
   PlanRow row(const PlanContext& context) const override {
     // A second of exact columns (hand: pose, velocity, thrust, spin; counters) before compression; coarse ones are a few percent of them.

@@ -7,10 +7,13 @@
 #include <ctime>
 #include <filesystem>
 #include <iterator>
+#include <tuple>
 
 #include "app/job/folder_lock.h"
+#include "app/job/run_folder.h"
 #include "app/report/drill_report.h"
 #include "app/report/file.h"
+#include "app/stage/result_files.h"
 #include "app/view/driver_text.h"
 #include "core/base/cpu_model.h"
 #include "core/base/hash.h"
@@ -45,8 +48,6 @@ constexpr Caption kCaptions[] = {{"overview", "Before: the whole body and the bi
                                  {"cutaway", "After: section through the axis"}};
 constexpr const char* kOpenAxis =
     "no bone is on the axis at the start: it was drilled through before; the figures are those of this run alone";
-constexpr const char* kSummaryFile = "summary.json";
-constexpr const char* kReportFile = "report.html";
 
 /// @param through the bone is drilled through. @param removed_mm3 of it.
 std::string caption_of(const std::string& file, bool through, double removed_mm3) {
@@ -149,9 +150,29 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
 
 std::string date_of(const DrillJob& job) { return job.created.empty() ? now_iso8601() : job.created; }
 
+/// A file that a session holds, as an event of its kind.
+struct SessionFile {
+  const char* kind;
+  std::string path, text;
+};
+
+/// Reads them before the first file of the run, which may move one of them aside.
+Result<std::vector<SessionFile>> read_session_files(const LoadedScene& loaded, const DrillJob& job, const Stage& stage) {
+  std::vector<SessionFile> out;
+  if (!stage.record_path()) return out;
+  for (const auto& [kind, path, limit] :
+       {std::tuple{"restore", job.restore_path, kCheckpointInput}, std::tuple{"markups", loaded.scene.approach.markups, kMarkupsInput}}) {
+    if (path.empty()) continue;
+    auto text = read_file(path, limit);
+    if (!text) return text.error();
+    out.push_back({kind, path, std::move(text).value()});
+  }
+  return out;
+}
+
 /// Creates the session of a run, before the first tick. @returns nothing if the scene has no [record] or there is no output folder.
 Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, const DrillJob& job, const Stage& stage,
-                                                  const PictureSink* sink) {
+                                                  const PictureSink* sink, const std::vector<SessionFile>& files) {
   if (!stage.record_path() || job.folder.empty()) return std::optional<SessionWriter>();
   SessionMeta meta;
   meta.program = BH_VERSION;
@@ -166,16 +187,8 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   const std::string path = (fs::path(job.folder) / *stage.record_path()).string();
   auto session = SessionWriter::create(path, meta, session_layout(stage));
   if (!session) return session.error();
-  if (!job.restore_path.empty()) {
-    auto checkpoint = read_file(job.restore_path, kCheckpointInput);
-    if (!checkpoint) return checkpoint.error();
-    if (Status noted = session->event({0.0, 0, "restore", job.restore_path, std::move(checkpoint).value()}); !noted) return noted.error();
-  }
-  if (const std::string& plan = loaded.scene.approach.markups; !plan.empty()) {
-    auto text = read_file(plan, kMarkupsInput);
-    if (!text) return text.error();
-    if (Status noted = session->event({0.0, 0, "markups", plan, std::move(text).value()}); !noted) return noted.error();
-  }
+  for (const SessionFile& file : files)
+    if (Status noted = session->event({0.0, 0, file.kind, file.path, file.text}); !noted) return noted.error();
   return std::optional<SessionWriter>(std::move(session).value());
 }
 
@@ -204,44 +217,38 @@ Status close_session(SessionWriter& session, const RunSummary& summary, const Si
   return session.close();
 }
 
-/// Makes the output folder of a run that has not been stopped yet.
-Status make_folder(const DrillJob& job) {
-  const std::string& folder = job.folder;
-  if (job.stop != nullptr && job.stop->load(std::memory_order_relaxed)) return Error{ErrorCode::unavailable, kNeverBegan, {}};
-  if (folder.empty()) return {};
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder))
-    return bad_input("the output folder cannot be created: " + (error ? error.message() : "not a folder") + "; give another by --out",
-                     folder);
-  // Writes a file as the check: permissions do not show a read-only medium or a full disk, and do not apply to root.
-  const std::string probe = (fs::path(folder) / ".burrhole-probe.tmp").string();
-  if (Status written = write_file(probe, ""); !written)
-    return bad_input("the output folder cannot be written to: give another by --out", folder);
-  fs::remove(probe, error);
-  return {};
+/// @returns how results of an earlier run are set aside.
+EarlierResultsConfig earlier_results_of(const LoadedScene& loaded, const DrillJob& job, const Stage& stage) {
+  EarlierResultsConfig out{.folder = job.folder, .session = stage.record_path(), .inputs = {}, .writes_bone = loaded.scene.output.bone};
+  if (!job.restore_path.empty()) out.inputs.push_back(job.restore_path);
+  if (const auto& scan = loaded.scene.volume.scan) out.inputs.push_back(scan->request.path);
+  return out;
 }
 
-/// Removes pictures and results of an earlier run: this run may end before it writes all of them. Its bone stays: it may be wanted as a
-/// checkpoint.
-void remove_old_results(const std::string& folder) {
-  if (folder.empty()) return;
-  std::error_code ignored;
-  const bool has_results = fs::is_regular_file(fs::path(folder) / kSummaryFile, ignored);
-  for (const Caption& picture : kCaptions) fs::remove(fs::path(folder) / (std::string(picture.name) + ".png"), ignored);
-  for (const char* name : {kSummaryFile, kReportFile, kSoundFile}) fs::remove(fs::path(folder) / name, ignored);
-  // A run without [record] would leave the session of those results beside its own.
-  if (!has_results) return;
-  for (const char* end : {"", "-wal", "-shm", "-journal"}) fs::remove(fs::path(folder) / (std::string("session.sqlite") + end), ignored);
-}
+/// The output folder while a run has it. The lock is given back last.
+struct Outputs {
+  FolderLock lock;
+  EarlierResults earlier;
+  std::optional<SessionWriter> session;
+};
 
-/// @returns bad_input if the run would replace the file that its bone was read from.
-Status check_source(const LoadedScene& loaded, const DrillJob& job) {
-  const auto& scan = loaded.scene.volume.scan;
-  std::error_code ignored;
-  if (job.folder.empty() || !scan || !loaded.scene.output.bone) return {};
-  if (!fs::equivalent(scan->request.path, fs::path(job.folder) / "bone.vdb", ignored)) return {};
-  return bad_input("is the bone that this run would replace: give another folder by --out, or copy the file", scan->request.path);
+/// Takes the folder and opens what is written while the run goes on. After an error the results of an earlier run are as they were.
+Result<Outputs> open_outputs(const LoadedScene& loaded, const DrillJob& job, const Stage& stage, const PictureSink* sink, SoundOut& sound) {
+  if (Status kept = check_source(loaded, job.folder); !kept) return kept.error();
+  if (is_set(job.stop)) return Error{ErrorCode::unavailable, kNeverBegan, {}};
+  if (!job.folder.empty())
+    if (Status made = make_output_folder(job.folder); !made) return made.error();
+  auto lock = FolderLock::take(job.folder);
+  if (!lock) return lock.error();
+  const auto files = read_session_files(loaded, job, stage);
+  if (!files) return files.error();
+  auto earlier = EarlierResults::set_aside(earlier_results_of(loaded, job, stage));
+  if (!earlier) return earlier.error();
+  if (Status opened = sound.open(); !opened) return opened.error();
+  auto session = open_session(loaded, job, stage, sink, *files);
+  if (!session) return session.error();
+  if (Status dropped = earlier->drop(); !dropped) return dropped.error();
+  return Outputs{std::move(lock).value(), std::move(earlier).value(), std::move(session).value()};
 }
 
 Status write_results(const LoadedScene& loaded, Simulation& simulation, const RunSummary& summary, const std::vector<std::string>& pictures,
@@ -251,7 +258,7 @@ Status write_results(const LoadedScene& loaded, Simulation& simulation, const Ru
   // Of a bone in a temporary file only the changes can be saved.
   const SavedBone saves = output.whole_bone && !loaded.bone->file_bytes() ? SavedBone::whole : SavedBone::changes;
   if (output.bone)
-    if (Status saved = simulation.voxmap().save(in_folder("bone.vdb"), saves); !saved) return saved;
+    if (Status saved = simulation.voxmap().save(in_folder(kBoneFile), saves); !saved) return saved;
   if (Status written = write_file(in_folder(kSummaryFile), summary_json(summary)); !written) return written;
   if (!output.report) return {};
   return write_drill_report(make_report(loaded, simulation, summary, pictures), in_folder(kReportFile));
@@ -341,15 +348,9 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (sink && job.say) job.say(driver_text(sink->driver()));
   if (simulation->progress().open_axis && job.warn) job.warn(kOpenAxis);
   if (const auto wrong = leaves_skull(*loaded.bone, simulation->approach()); wrong && job.warn) job.warn(*wrong);
-  if (Status kept = check_source(loaded, job); !kept) return kept.error();
-  if (Status made = make_folder(job); !made) return made.error();
-  const auto lock = FolderLock::take(job.folder);
-  if (!lock) return lock.error();
-  remove_old_results(job.folder);
-  if (Status opened = sound.open(); !opened) return opened.error();
-  auto session = open_session(loaded, job, simulation->stage(), sink.get());
-  if (!session) return session.error();
-  if (*session) simulation->set_session(&**session);
+  auto outputs = open_outputs(loaded, job, simulation->stage(), sink.get(), sound);
+  if (!outputs) return outputs.error();
+  if (outputs->session) simulation->set_session(&*outputs->session);
   if (job.begin) job.begin(*simulation);
   RunProvenance made = provenance_of(loaded, job, simulation->voxmap().starts_drilled());
   const auto start = std::chrono::steady_clock::now();
@@ -368,12 +369,13 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   std::ranges::move(outcome_warnings(summary), std::back_inserter(found));
   add_warnings(job, found, summary);
   if (sink) summary.display = sink->display();
-  if (*session)
-    if (Status closed = close_session(**session, summary, *simulation); !closed) return closed.error();
+  if (outputs->session)
+    if (Status closed = close_session(*outputs->session, summary, *simulation); !closed) return closed.error();
   if (job.folder.empty()) return summary;
   auto pictures = sink ? sink->files() : std::vector<std::string>();
   if (!pictures) return pictures.error();
   Status written = write_results(loaded, *simulation, summary, *pictures, job.folder);
+  if (written) outputs->earlier.replaced();
   if (!written || !sounded) return !written ? written.error() : sounded.error();
   return summary;
 }

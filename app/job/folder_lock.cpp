@@ -15,10 +15,10 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/stage/result_files.h"
+
 namespace burrhole {
 namespace {
-
-constexpr const char* kFile = ".burrhole-run";
 
 /// @returns what the file says of the run that has it.
 std::string owner_of(int file) {
@@ -35,9 +35,10 @@ Error failed(const std::string& path, const char* what) { return bad_input(std::
 
 Result<FolderLock> FolderLock::take(const std::string& folder) {
   if (folder.empty()) return FolderLock({}, -1);
-  const std::string path = (std::filesystem::path(folder) / kFile).string();
+  const std::string path = (std::filesystem::path(folder) / kLockFile).string();
   for (;;) {
     const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+    if (file < 0 && errno == EINTR) continue;
     if (file < 0) return failed(path, "the output folder cannot be locked by this file (if no run uses it, remove it)");
     FolderLock lock(path, file);
     if (flock(file, LOCK_EX | LOCK_NB) != 0) {
@@ -56,8 +57,12 @@ Result<FolderLock> FolderLock::take(const std::string& folder) {
       continue;
     }
     const std::string text = fmt::format("process {} since {:%Y-%m-%d %H:%M:%S} UTC\n", getpid(), fmt::gmtime(std::time(nullptr)));
-    if (ftruncate(file, 0) != 0 || pwrite(file, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()))
-      return failed(path, "the output folder cannot be locked");
+    ssize_t written = -1;
+    if (ftruncate(file, 0) == 0) {
+      do written = pwrite(file, text.data(), text.size(), 0);
+      while (written < 0 && errno == EINTR);
+    }
+    if (written != static_cast<ssize_t>(text.size())) return failed(path, "the output folder cannot be locked");
     return lock;
   }
 }

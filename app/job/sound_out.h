@@ -7,11 +7,10 @@
 #include <string>
 
 #include "app/job/wav_file.h"
+#include "app/stage/result_files.h"
 #include "core/sound/drill_sound.h"
 
 namespace burrhole {
-
-inline constexpr const char* kSoundFile = "sound.wav";
 
 /// Opens a sound device. @param sample_rate [Hz]. @returns null if there is none; the reason was reported then.
 using MakeSpeaker = std::function<std::unique_ptr<SoundSink>(int sample_rate)>;

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
-#include <system_error>
+#include <utility>
 
 #include "core/sound/sample16.h"
 
@@ -13,27 +12,18 @@ namespace {
 constexpr std::uint64_t kHeaderBytes = 44, kSampleBytes = 2;
 constexpr std::uint64_t kMostSamples = (0xffffffffull - kHeaderBytes) / kSampleBytes;
 
-std::string part_of(const std::string& path) { return path + ".part"; }
-
 }  // namespace
 
 Result<std::unique_ptr<WavFile>> WavFile::create(const std::string& path, int sample_rate) {
-  std::FILE* const file = std::fopen(part_of(path).c_str(), "wb");
-  if (file == nullptr) return bad_input("the sound file cannot be written", path);
-  std::unique_ptr<WavFile> out(new WavFile(path, file, sample_rate));
-  out->failed_ = !out->put_header();
+  auto file = OutputFile::create(path);
+  if (!file) return file.error();
+  std::unique_ptr<WavFile> out(new WavFile(path, std::move(file).value(), sample_rate));
+  if (Status begun = out->put_header(); !begun) return begun.error();
   return out;
 }
 
-WavFile::~WavFile() {
-  if (file_ == nullptr) return;
-  std::fclose(file_);
-  std::error_code ignored;
-  std::filesystem::remove(part_of(path_), ignored);
-}
-
 /// RIFF header of linear PCM; numbers are little-endian.
-bool WavFile::put_header() noexcept {
+Status WavFile::put_header() {
   std::array<unsigned char, kHeaderBytes> bytes{'R', 'I', 'F', 'F', 0, 0, 0, 0, 'W', 'A', 'V', 'E', 'f', 'm', 't', ' '};
   const auto put = [&](std::size_t at, std::size_t size, std::uint64_t value) {
     for (std::size_t n = 0; n < size; ++n) bytes[at + n] = static_cast<unsigned char>(value >> (8 * n) & 0xff);
@@ -50,12 +40,12 @@ bool WavFile::put_header() noexcept {
   put(34, 2, 8 * kSampleBytes);  // bits of a sample
   std::copy_n("data", 4, bytes.begin() + 36);
   put(40, 4, data);
-  return std::fwrite(bytes.data(), 1, bytes.size(), file_) == bytes.size();
+  return file_.write(std::as_bytes(std::span(bytes)));
 }
 
 void WavFile::write(std::span<const float> samples) noexcept {
   std::array<unsigned char, 1024> bytes{};
-  while (!samples.empty() && !failed_ && !too_long_) {
+  while (!samples.empty() && !too_long_) {
     const auto now = samples.first(std::min(samples.size(), bytes.size() / kSampleBytes));
     samples = samples.subspan(now.size());
     too_long_ = samples_ + now.size() > kMostSamples;
@@ -65,23 +55,16 @@ void WavFile::write(std::span<const float> samples) noexcept {
       bytes[2 * n] = static_cast<unsigned char>(value & 0xff);
       bytes[2 * n + 1] = static_cast<unsigned char>(value >> 8);
     }
-    failed_ = std::fwrite(bytes.data(), kSampleBytes, now.size(), file_) != now.size();
+    if (!file_.write(std::as_bytes(std::span(bytes)).first(kSampleBytes * now.size()))) return;
     samples_ += now.size();
   }
 }
 
 Status WavFile::finish() {
-  if (file_ == nullptr) return {};
-  if (!failed_) failed_ = std::fseek(file_, 0, SEEK_SET) != 0 || !put_header();
-  failed_ = std::fclose(file_) != 0 || failed_;
-  file_ = nullptr;
-  std::error_code error;
-  if (!failed_) std::filesystem::rename(part_of(path_), path_, error);
-  if (failed_ || error) {
-    std::error_code ignored;
-    std::filesystem::remove(part_of(path_), ignored);
-    return bad_input("the sound file cannot be written", path_);
-  }
+  if (std::exchange(finished_, true)) return {};
+  if (Status moved = file_.seek(0); !moved) return moved;
+  if (Status completed = put_header(); !completed) return completed;
+  if (const auto done = file_.commit(); !done) return done.error();
   if (too_long_) return bad_input("the sound file holds only the first 4 GB of the run", path_);
   return {};
 }

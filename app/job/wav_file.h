@@ -1,13 +1,13 @@
 /// app/job/wav_file.h: a WAV file of 16 bits, mono, written while a run goes on.
-///   Errors  bad_input with the path: it cannot be written, or it would exceed 4 GB.   Thread  one.
+///   Errors  those of OutputFile; bad_input for a run that would exceed 4 GB.   Thread  one.
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "core/base/output_file.h"
 #include "core/base/result.h"
 #include "core/sound/sound_sink.h"
 
@@ -15,12 +15,8 @@ namespace burrhole {
 
 class WavFile final : public SoundSink {
  public:
-  /// Writes to `path` + ".part" until finish(). @param sample_rate [Hz] > 0.
+  /// Without finish() no file is left. @param sample_rate [Hz] > 0.
   [[nodiscard]] static Result<std::unique_ptr<WavFile>> create(const std::string& path, int sample_rate);
-  WavFile(const WavFile&) = delete;
-  WavFile& operator=(const WavFile&) = delete;
-  /// Without finish() no file is left.
-  ~WavFile() override;
 
   /// Samples become sample16() (core/sound/sample16.h). An error is kept for finish().
   void write(std::span<const float> samples) noexcept override;
@@ -28,14 +24,14 @@ class WavFile final : public SoundSink {
   [[nodiscard]] Status finish();
 
  private:
-  WavFile(std::string path, std::FILE* file, int sample_rate) : path_(std::move(path)), file_(file), sample_rate_(sample_rate) {}
-  [[nodiscard]] bool put_header() noexcept;
+  WavFile(std::string path, OutputFile file, int sample_rate) : path_(std::move(path)), file_(std::move(file)), sample_rate_(sample_rate) {}
+  [[nodiscard]] Status put_header();
 
   std::string path_;
-  std::FILE* file_;
+  OutputFile file_;
   int sample_rate_;  // [Hz]
   std::uint64_t samples_ = 0;
-  bool failed_ = false, too_long_ = false;
+  bool too_long_ = false, finished_ = false;
 };
 
 }  // namespace burrhole

@@ -1,5 +1,7 @@
 #include "app/lab/drilling_partial.h"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "app/lab/drilling_bits.h"

@@ -4,11 +4,11 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "core/base/cpu_model.h"
+#include "core/base/input_file.h"
+#include "core/base/output_file.h"
 #include "core/base/physics_version.h"
 #include "core/base/simd.h"
 
@@ -74,8 +74,8 @@ TrialKey& TrialKey::add(double value) {
 
 PartialResults::PartialResults(std::string path) : path_(std::move(path)) {
   if (path_.empty()) return;
-  std::ifstream file(path_, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const auto read = read_input(path_, kResultsInput);
+  const std::string text = read ? *read : std::string();  // none, or none that can be read: all is measured
   in_line_ = !text.empty() && text.back() != '\n';
   for (std::size_t start = 0; start < text.size();) {
     const std::size_t end = std::min(text.find('\n', start), text.size());
@@ -98,11 +98,8 @@ Status PartialResults::add(const std::string& key, std::span<const double> figur
     line += word;
   }
   line = fmt::format("{}{} {}\n", in_line_ ? "\n" : "", line, hash_of(line));
-  std::FILE* const file = std::fopen(path_.c_str(), "ab");
-  const bool written = file != nullptr && std::fwrite(line.data(), 1, line.size(), file) == line.size();
-  in_line_ = !written;
-  if (file == nullptr || std::fclose(file) != 0 || !written)
-    return bad_input("the partial results cannot be written: free space there, or give another folder by --out", path_);
+  if (Status written = append_to_file(path_, line); !written) return written;  // the file is as it was before
+  in_line_ = false;
   results_.insert_or_assign(key, std::vector<double>(figures.begin(), figures.end()));
   return {};
 }

@@ -1,21 +1,13 @@
 #include "app/render/png.h"
 
 #include <png.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <memory>
-#include <system_error>
+#include <vector>
+
+#include "core/base/output_file.h"
 
 namespace burrhole {
 namespace {
-
-struct CloseFile {
-  void operator()(std::FILE* file) const noexcept { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
 
 png_image make_header(int width, int height) {
   png_image header;
@@ -33,32 +25,20 @@ bool holds_picture(const Image& image) {
          image.pixels.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
 }
 
-Status write_to(const std::filesystem::path& path, const Image& image) {
-  File file(std::fopen(path.c_str(), "wb"));
-  if (!file) return bad_input(std::string("cannot write the picture: ") + std::strerror(errno), path.string());
-  png_image header = make_header(image.width, image.height);
-  const bool encoded = png_image_write_to_stdio(&header, file.get(), 0, image.pixels.data(), 0, nullptr) != 0;
-  const bool flushed = std::fflush(file.get()) == 0 && fsync(fileno(file.get())) == 0;
-  if (encoded && flushed) return {};
-  return bad_input(std::string("cannot write the picture: ") + (encoded ? std::strerror(errno) : header.message), path.string());
-}
-
 }  // namespace
 
 Status write_png(const std::filesystem::path& path, const Image& image) {
   if (!holds_picture(image)) return bad_input("an empty picture is not written", path.string());
-  std::filesystem::path temporary = path;
-  temporary += ".part";
-  Status written = write_to(temporary, image);
-  std::error_code failed;
-  if (written) std::filesystem::rename(temporary, path, failed);
-  if (failed) written = bad_input("cannot write the picture: " + failed.message(), path.string());
-  if (!written) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    return bad_input(written.error().message, path.string());
-  }
-  return {};
+  auto file = OutputFile::create(path.string());
+  if (!file) return file.error();
+  png_image header = make_header(image.width, image.height);
+  std::vector<std::byte> bytes(PNG_IMAGE_PNG_SIZE_MAX(header));
+  png_alloc_size_t size = bytes.size();
+  if (png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) == 0)
+    return bad_input(std::string("the picture cannot be encoded: ") + header.message, path.string());
+  if (Status written = file->write(std::span(bytes).first(size)); !written) return written;
+  const auto done = file->commit();
+  return done ? Status() : Status(done.error());
 }
 
 Result<Image> read_png(const std::filesystem::path& path) {

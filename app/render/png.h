@@ -8,7 +8,7 @@
 
 namespace burrhole {
 
-/// Writes a temporary file beside `path` and renames it, so that a reader sees the old or the new picture, never a part.
+/// Writes the file as OutputFile does: a reader sees the old or the new picture, never a part.
 /// @returns ErrorCode::bad_input with the path and the reason if the picture is empty or the path cannot be written.
 [[nodiscard]] Status write_png(const std::filesystem::path& path, const Image& image);
 /// @returns ErrorCode::bad_input if the file is missing or not a PNG.

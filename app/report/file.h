@@ -10,8 +10,8 @@
 
 namespace burrhole {
 
-/// Writes a temporary file beside `path` and renames it, so that `path` always has either the old or the new content, also after a crash.
-/// Creates missing folders. On an error the old file is unchanged.
+/// Writes a file as OutputFile does (core/base/output_file.h): the old content or the new, also after a crash or on a full disk.
+/// Creates missing folders.
 [[nodiscard]] Status write_file(const std::string& path, std::string_view bytes);
 
 /// @returns the bytes of a regular file, at most as many as its kind may have.

@@ -52,7 +52,7 @@ std::string gnuplot_quoted(const std::string& text) {
   return out + '"';
 }
 
-Result<std::string> run_gnuplot(std::string_view script, const std::string& program) {
+Result<std::string> run_gnuplot(std::string_view script, const std::string& program, std::string_view last) {
   const ScratchFolder folder;
   if (folder.path().empty())
     return Error{ErrorCode::unavailable, "no temporary folder can be made for plots: " + std::string(std::strerror(errno)), {}};
@@ -64,7 +64,13 @@ Result<std::string> run_gnuplot(std::string_view script, const std::string& prog
     const Result<std::string> complaint = read_file(folder.file("complaint"));
     return Error{ErrorCode::internal, program + " refused a plot: " + first_line(complaint ? *complaint : ""), {}};
   }
-  return read_file(folder.file("out"));
+  Result<std::string> out = read_file(folder.file("out"));
+  if (out && !std::string_view(*out).substr(0, out->find_last_not_of('\n') + 1).ends_with(last))
+    return Error{
+        ErrorCode::unavailable,
+        program + " wrote a plot in part: free space in " + folder.path().parent_path().string() + ", or name another folder by TMPDIR",
+        {}};
+  return out;
 }
 
 }  // namespace burrhole

@@ -322,7 +322,7 @@ std::string point_style(const char* colour, int type, double size, double width)
 std::string plot_script(const Plot& plot) { return (plot.columns > 0 ? grid_script(plot) : stacked_script(plot)) + "unset multiplot\n"; }
 
 Result<std::string> draw_svg(const Plot& plot, const std::string& gnuplot) {
-  Result<std::string> svg = run_gnuplot(plot_script(plot), gnuplot);
+  Result<std::string> svg = run_gnuplot(plot_script(plot), gnuplot, "</svg>");
   // Browsers show a title as a tooltip over the whole plot, and this one names only the program.
   constexpr std::string_view kTooltip = "<title>Gnuplot</title>";
   if (const std::size_t at = svg ? svg->find(kTooltip) : std::string::npos; at != std::string::npos) svg->erase(at, kTooltip.size());

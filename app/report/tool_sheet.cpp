@@ -158,7 +158,8 @@ std::string tool_sheet_script(const ToolSheet& sheet) {
 }
 
 Status write_tool_sheet(const ToolSheet& sheet, const std::string& path, const std::string& gnuplot) {
-  const Result<std::string> png = run_gnuplot(tool_sheet_script(sheet), gnuplot);
+  constexpr std::string_view kLastOfPng = "IEND\xae\x42\x60\x82";
+  const Result<std::string> png = run_gnuplot(tool_sheet_script(sheet), gnuplot, kLastOfPng);
   if (!png) return png.error();
   return write_file(path, *png);
 }

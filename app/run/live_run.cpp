@@ -291,14 +291,13 @@ Status Loops::drain_contact() {
     progress_ = row.progress;
     state_.progress = row.progress;
     state_.world_from_tool = row.world_from_tool;
-    state_.force = row.on_hand.force;
+    state_.force = row.force;
     state_.contact_us = row.compute_us;
     if (log_->session() != nullptr) {
       put(row, *parts_, row_);
       if (Status written = log_->session()->append(kContactRows, row_); !written) return written;
     }
-    if (Status seen =
-            log_->record_contact({row.time, glm::length(row.on_hand.force), row.progress.depth}, row.progress, row.world_from_tool);
+    if (Status seen = log_->record_contact({row.time, glm::length(row.force), row.progress.depth}, row.progress, row.world_from_tool);
         !seen)
       return seen;
     if (options_.progress && row.time - progress_time_ >= kProgressEvery) {

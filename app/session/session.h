@@ -114,6 +114,9 @@ struct SessionHash {
   friend bool operator==(const SessionHash&, const SessionHash&) = default;
 };
 
+/// @returns whether a file is a session of this program, or empty.
+[[nodiscard]] bool is_session_file(const std::string& path);
+
 /// Writes one session. Valid at every commit; commits after each `rows_per_second` rows of the first stream, after its first row, and at
 /// close, so a process killed at any moment loses at most the last second of recorded time. (A power cut may lose what the system had not
 /// yet put on the disk.) Allocates and waits for files: never on the servo path. One owner. Errors are bad_input with the path.

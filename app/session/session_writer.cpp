@@ -1,9 +1,12 @@
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 
 #include "app/session/row_codec.h"
 #include "app/session/session.h"
@@ -26,12 +29,8 @@ Status clear_path(const std::string& path) {
   // SQLite reports only that it could not open the file; access() gives the system's reason.
   if (::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) != 0)
     return bad_input(std::string("cannot be written: ") + std::strerror(errno), path);
-  if (std::filesystem::exists(path, error)) {
-    const bool ours =
-        std::filesystem::is_regular_file(path, error) &&
-        (std::filesystem::file_size(path, error) == 0 || pragma(open_existing(path).get(), "PRAGMA application_id") == kApplicationId);
-    if (!ours) return bad_input("is there already and is no burrhole session; it is left as it was", path);
-  }
+  if (std::filesystem::exists(path, error) && !is_session_file(path))
+    return bad_input("is there already and is no burrhole session; it is left as it was", path);
   for (const char* suffix : {"", "-wal", "-shm"}) {
     std::filesystem::remove(path + suffix, error);
     if (error) return bad_input("cannot replace: " + error.message(), path + suffix);
@@ -81,6 +80,24 @@ struct Pending {
 
 }  // namespace
 
+/// Reads the header of the file itself: to open a database in WAL mode, SQLite would write beside it.
+bool is_session_file(const std::string& path) {
+  constexpr std::string_view kStart("SQLite format 3\0", 16);
+  constexpr std::size_t kIdAt = 68;  // big-endian, of the database header
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  std::array<char, kIdAt + 4> header{};
+  int file = -1;
+  do file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  while (file < 0 && errno == EINTR);
+  const ssize_t count = file < 0 ? -1 : ::pread(file, header.data(), header.size(), 0);
+  if (file >= 0) ::close(file);
+  if (count != static_cast<ssize_t>(header.size())) return count == 0;
+  std::int64_t id = 0;
+  for (std::size_t n = kIdAt; n < header.size(); ++n) id = id << 8 | static_cast<unsigned char>(header[n]);
+  return std::string_view(header.data(), kStart.size()) == kStart && id == kApplicationId;
+}
+
 struct SessionWriter::State {
   std::string path;
   Database database;
@@ -90,7 +107,10 @@ struct SessionWriter::State {
   std::int64_t parks = 0;  // of the inputs, those that parked the clocks
 
   Error failed_to(const char* doing) const {
-    return bad_input(std::string("cannot ") + doing + " the session: " + (database ? sqlite3_errmsg(database.get()) : "no memory"), path);
+    const int reason = database ? sqlite3_system_errno(database.get()) : 0;
+    return bad_input(std::string("cannot ") + doing + " the session: " + (database ? sqlite3_errmsg(database.get()) : "no memory") +
+                         (reason != 0 ? std::string(": ") + std::strerror(reason) : std::string()),
+                     path);
   }
   bool write_block(std::size_t stream);
   bool write_ends();
@@ -156,14 +176,21 @@ Result<SessionWriter> SessionWriter::create(const std::string& path, const Sessi
   sqlite3* raw = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
   state->database.reset(raw);
-  if (code != SQLITE_OK) return state->failed_to("create");
+  // What there is by then is no session.
+  const auto failed = [&] {
+    Error error = state->failed_to("create");
+    state->database.reset();
+    static_cast<void>(clear_path(path));
+    return error;
+  };
+  if (code != SQLITE_OK) return failed();
   // NORMAL: no wait for the disk at a commit, which a killed process does not need. The checkpoint puts the schema into the file itself.
   const std::string set_up = "PRAGMA application_id = " + std::to_string(kApplicationId) +
                              "; PRAGMA user_version = " + std::to_string(kSessionSchema) +
                              "; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; BEGIN;" + kSchemaSql;
   if (!execute(raw, set_up) || !write_meta(raw, meta) || !write_streams(raw, layout.streams) ||
       !execute(raw, "COMMIT; PRAGMA wal_checkpoint; BEGIN"))
-    return state->failed_to("create");
+    return failed();
   return SessionWriter(std::move(state));
 }
 
@@ -247,7 +274,9 @@ Status SessionWriter::hash(const SessionHash& hash) {
 Status SessionWriter::close() {
   if (!state_->database) return {};
   Status status = state_->commit();
-  if (status && !(state_->write_ends() && execute(state_->database.get(), "COMMIT"))) status = state_->failed_to("close");
+  // The checkpoint puts all rows into the file itself; when the database is closed, SQLite would do so without reporting an error.
+  if (status && !(state_->write_ends() && execute(state_->database.get(), "COMMIT; PRAGMA wal_checkpoint(TRUNCATE)")))
+    status = state_->failed_to("close");
   state_->database.reset();
   return status;
 }

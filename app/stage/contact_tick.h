@@ -62,6 +62,8 @@ class ContactTick {
 
   [[nodiscard]] const ContactState& state() const noexcept { return *state_; }
   [[nodiscard]] const DrillProgress& progress() const noexcept { return monitor_.progress(); }
+  /// [N] The latest force, world frame; zero if it does not reach the hand (kHandUnopposed), which then moves as if there were no bone.
+  [[nodiscard]] Vec3 felt_force() const noexcept { return opposed_ ? state_->on_hand.force : Vec3(0.0); }
   [[nodiscard]] std::uint64_t hand_tick() const noexcept { return hand_tick_; }  ///< tick of the latest hand motion read
   [[nodiscard]] double time() const noexcept { return time_; }                   ///< [s] time of the motion of the latest result
   [[nodiscard]] std::uint64_t window() const noexcept { return window_; }        ///< number of the latest copy of bone read
@@ -83,6 +85,7 @@ class ContactTick {
   std::uint64_t ticks_ = 0;
   std::uint32_t flags_seen_ = 0;
   float step_us_ = 0.0f;
+  bool opposed_ = true;
   std::atomic<bool> stalled_{false};
 };
 

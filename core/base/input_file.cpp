@@ -53,7 +53,10 @@ struct Opened {
 Result<Opened> open_regular(const std::string& path) {
   if (path.empty()) return bad_input("names no file: the path is empty");
   if (path.find('\0') != std::string::npos) return bad_input("a path must not contain a byte 0", path);
-  OpenFile file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
+  int number = -1;
+  do number = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
+  while (number < 0 && errno == EINTR);
+  OpenFile file(number);
   if (file.number() < 0) return cannot_read(path, errno);
   struct stat status {};
   if (::fstat(file.number(), &status) != 0) return cannot_read(path, errno);

@@ -1,17 +1,18 @@
 #include "core/voxel/vdb_grids.h"
 
-#include <openvdb/io/File.h>
+#include <openvdb/io/Archive.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <optional>
+#include <ostream>
 
 #include "core/base/assert.h"
 #include "core/base/input_file.h"
+#include "core/base/output_stream.h"
 
 namespace burrhole {
 namespace {
@@ -62,6 +63,12 @@ Affine affine_of(const openvdb::Mat4d& m) {
   for (int row = 0; row < 3; ++row) a.offset[static_cast<std::size_t>(row)] = m(3, row);
   return a;
 }
+
+/// Writes what io::File would, which opens a file of its own and does not check whether its writes succeed.
+class CheckedArchive final : public openvdb::io::Archive {
+ public:
+  void write_grids(std::ostream& out, const openvdb::GridCPtrVec& grids) const { Archive::write(out, grids, /*seekable=*/true); }
+};
 
 }  // namespace
 
@@ -194,8 +201,9 @@ VoxelBox FloatVdb::active_bounds() const {
 }
 
 Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index, std::span<const FloatVdb* const> grids,
-                 const std::string& notes) {
-  const std::string temporary = path + ".tmp";
+                 const std::string& notes, const std::atomic<bool>* stop) {
+  auto file = OutputFile::create(path, stop);
+  if (!file) return file.error();
   // The transform is for other programs. It takes edges for equal, and shear for none, below an absolute 5e-7, and edges below 1.4e-5 for
   // singular, so it is given in mm; the exact map is kept beside it.
   const Affine in_millimetres{bone_from_index.linear * 1e3, bone_from_index.offset * 1e3};
@@ -210,16 +218,16 @@ Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_
       copy->setSaveFloatAsHalf(false);
       out.push_back(copy);
     }
-    openvdb::io::File file(temporary);
-    file.write(out);
-    file.close();
-    std::filesystem::rename(temporary, path);
-    return {};
+    OutputStreambuf buffer(*file);
+    std::ostream stream(&buffer);
+    stream.exceptions(std::ios::failbit | std::ios::badbit);
+    CheckedArchive().write_grids(stream, out);
   } catch (const std::exception& e) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
+    if (Status written = file->write(""); !written) return written;
     return bad_input(std::string("cannot be written: ") + e.what(), path);
   }
+  const auto done = file->commit();
+  return done ? Status() : Status(done.error());
 }
 
 namespace {

@@ -3,6 +3,7 @@
 ///   Thread  one; no internal locks.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <span>
@@ -62,9 +63,10 @@ struct VdbFileContent {
 };
 
 /// Writes a temporary file and renames it. Metadata hold the exact affine map; the grid transform, for other programs, is the same in mm.
-/// bad_input: the path cannot be written.
+/// @param stop see OutputFile::create(). bad_input: the path cannot be written; unavailable: stopped.
 [[nodiscard]] Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_from_index,
-                               std::span<const FloatVdb* const> grids, const std::string& notes = {});
+                               std::span<const FloatVdb* const> grids, const std::string& notes = {},
+                               const std::atomic<bool>* stop = nullptr);
 /// Reads without delayed loading. bad_input: the file is missing, not written by this program, or damaged.
 [[nodiscard]] Result<VdbFileContent> read_vdb(const std::string& path);
 

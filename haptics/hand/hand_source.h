@@ -21,10 +21,11 @@ enum class HandPhase : std::uint32_t {
   done        ///< at its start again; the run ends
 };
 
-/// Errors of a reading. The servo outputs no force for a reading with a flag.
+/// What is to be known of a reading. The servo outputs no force for a reading with one of the first two.
 enum HandFlag : std::uint32_t {
   kHandLost = 1u << 0,       ///< set by the source: the device does not answer; the motion is the last one that it reported
   kHandNotFinite = 1u << 1,  ///< set by the servo: the motion read was not finite; the last finite motion replaces it
+  kHandUnopposed = 1u << 2,  ///< set by the servo: a stop or a latched fault takes its force off the hand, so contact's force is not felt
 };
 
 /// State of the hand at this tick. A TripleBuffer carries it to contact. Contact models read its HandMotion.

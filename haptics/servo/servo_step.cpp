@@ -106,6 +106,7 @@ void ServoStep::read_hand() noexcept {
   if (spin != spin_before_) hand_->drive_changed();
   output_.hand.spin = spin_before_ = spin;
   output_.hand.switches = read.switches | switches_.load(std::memory_order_relaxed);
+  if ((faults_ & (kServoLatched | kServoStopped)) != 0) output_.hand.flags |= kHandUnopposed;
   if ((read.flags & kHandLost) != 0 || (config_.max_hand_age > 0 && hand_age_ > config_.max_hand_age)) hand_faults_ |= kServoHandLost;
 }
 

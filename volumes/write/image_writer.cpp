@@ -9,6 +9,7 @@
 
 #include "core/base/units.h"
 #include "volumes/read/scan_geometry.h"
+#include "volumes/write/packed_file.h"
 
 namespace burrhole {
 namespace {
@@ -19,7 +20,7 @@ constexpr int kSlab = 8;                  ///< slices at a time: the edge of a b
 constexpr double kNoShear = 1e-5;         ///< [rad] below it a qform has the accuracy of its floats
 constexpr std::size_t kNiftiBytes = 348;  ///< of the header; four extension bytes follow
 
-Status write_values(OutputFile& file, const ImageOut& image) {
+Status write_values(PackedFile& file, const ImageOut& image) {
   std::vector<float> values;
   std::vector<std::uint8_t> labels;
   for (int k = image.box.lo.z; k < image.box.hi.z; k += kSlab) {
@@ -31,7 +32,7 @@ Status write_values(OutputFile& file, const ImageOut& image) {
     if (!written) return written;
     if (image.progress) image.progress(static_cast<double>(slab.hi.z - image.box.lo.z) / image.box.size().z);
   }
-  return {};
+  return image.check ? image.check() : Status();
 }
 
 std::string numbers(const Vec3& metres) {
@@ -134,23 +135,24 @@ Result<std::string> nifti_header_bytes(const ImageOut& image) {
 }
 
 Result<std::uint64_t> write_nrrd(const std::string& path, const ImageOut& image) {
-  auto file = OutputFile::create(path, image.stop);
+  auto file = PackedFile::create(path, image.stop);
   if (!file) return file.error();
   if (const Status written = file->write(nrrd_header_text(image)); !written) return written.error();
-  file->pack();
+  if (const Status packs = file->pack(); !packs) return packs.error();
   if (const Status written = write_values(*file, image); !written) return written.error();
-  return file->finish();
+  return file->commit();
 }
 
 Result<std::uint64_t> write_nifti(const std::string& path, const ImageOut& image, bool packed) {
   const auto header = nifti_header_bytes(image);
   if (!header) return bad_input(header.error().message, path);
-  auto file = OutputFile::create(path, image.stop);
+  auto file = PackedFile::create(path, image.stop);
   if (!file) return file.error();
-  if (packed) file->pack();
+  if (packed)
+    if (const Status packs = file->pack(); !packs) return packs.error();
   if (const Status written = file->write(*header); !written) return written.error();
   if (const Status written = write_values(*file, image); !written) return written.error();
-  return file->finish();
+  return file->commit();
 }
 
 }  // namespace burrhole

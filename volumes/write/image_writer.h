@@ -3,13 +3,13 @@
 ///   Source  NRRD format definition, revision 5; nifti1.h of the NIfTI Data Format Working Group.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <span>
 #include <string>
 
 #include "core/base/geometry.h"
 #include "core/base/result.h"
-#include "volumes/write/output_file.h"
 
 namespace burrhole {
 
@@ -21,6 +21,7 @@ struct ImageOut {
   /// Reads a box, i fastest.
   std::function<void(const VoxelBox& box, std::span<float> out)> read;
   std::function<void(double)> progress = {};  ///< receives the share done, 0..1; may be empty
+  std::function<Status()> check = {};         ///< after the last read: an error leaves no file; may be empty
   const std::atomic<bool>* stop = nullptr;    ///< see OutputFile::create()
 };
 

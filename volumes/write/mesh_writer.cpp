@@ -6,8 +6,8 @@
 #include <iterator>
 #include <vector>
 
+#include "core/base/output_file.h"
 #include "core/base/units.h"
-#include "volumes/write/output_file.h"
 
 namespace burrhole {
 namespace {
@@ -98,7 +98,7 @@ Result<std::uint64_t> write_mesh(const std::string& path, const std::string& for
   (format == "STL" ? put_stl : format == "PLY" ? put_ply : put_obj)(records, mesh);
   records.flush();
   if (!records.status()) return records.status().error();
-  return file->finish();
+  return file->commit();
 }
 
 }  // namespace burrhole

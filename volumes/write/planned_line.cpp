@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/output_file.h"
 #include "volumes/read/number_text.h"
 #include "volumes/write/image_writer.h"
-#include "volumes/write/output_file.h"
 
 namespace burrhole {
 namespace {
@@ -64,8 +64,8 @@ Status write_planned_line(const std::string& path, const PlannedLine& line) {
   if (!file) return file.error();
   Status written = file->write(lower(path).ends_with(".fcsv") ? markups_fcsv(line) : markups_json(line));
   if (!written) return written;
-  const auto finished = file->finish();
-  return finished ? Status() : Status(finished.error());
+  const auto done = file->commit();
+  return done ? Status() : Status(done.error());
 }
 
 }  // namespace burrhole

@@ -4,6 +4,7 @@ Run by ctest with the program's path in BURRHOLE_PROGRAM; exits 77 when it canno
 """
 import json
 import os
+import re
 import signal
 import struct
 import subprocess
@@ -99,14 +100,14 @@ class Film(WithFolder):
         self.assertEqual(result.returncode, 0, result.stderr)
         words = (self.folder / "arguments").read_text()
         self.assertIn(f"-s {SIZE[0]}x{SIZE[1]} -r 10 -i pipe:0", words)
-        self.assertIn(f"-f mp4 file:{video}.part", words)
+        self.assertRegex(words, rf"-f mp4 file:{re.escape(str(video))}\.\d+-[0-9a-f]{{16}}\.tmp")
         raw, count = video.read_bytes(), round(DURATION * 10)
         self.assertEqual(len(raw), count * SIZE[0] * SIZE[1] * 4)
         for n in (0, count - 1):
             rgba = raw[n * SIZE[0] * SIZE[1] * 4:(n + 1) * SIZE[0] * SIZE[1] * 4]
             rows = [[tuple(rgba[4 * (y * SIZE[0] + x):][:3]) for x in range(SIZE[0])] for y in range(SIZE[1])]
             self.assertEqual(rows, pixels_of(film / f"frame_{n:06}.png"))
-        self.assertFalse((self.folder / "film.mp4.part").exists())
+        self.assertEqual(list(self.folder.glob("film.mp4.*")), [])
 
     def test_an_ffmpeg_that_fails_is_reported_and_leaves_no_video(self):
         result = self.drill("--video", self.folder / "film.webm", env=self.with_stand_in("exit 3"))
@@ -124,7 +125,7 @@ class Film(WithFolder):
                                     "100", "--set", "display.size=[640, 480]"],
                                    env=self.with_stand_in(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                                    start_new_session=True)
-        while not (self.folder / "film.mp4.part").exists() or (self.folder / "film.mp4.part").stat().st_size < 3 * 640 * 480 * 4:
+        while sum(part.stat().st_size for part in self.folder.glob("film.mp4.*.tmp")) < 3 * 640 * 480 * 4:
             self.assertIsNone(process.poll())
             time.sleep(0.01)
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does: all of the group in the foreground

@@ -60,11 +60,12 @@ TEST_CASE("output: each key leaves out its file, and what only that file needs i
   CHECK(no_report.samples == 0);
 }
 
-TEST_CASE("output: a report of an earlier run does not stay beside the results of one that writes none; its bone does") {
+TEST_CASE("output: a report of an earlier run does not stay beside the results of one that writes none; its bone does, by another name") {
   const TemporaryFolder folder;
   CHECK(drill_into(folder, "").files.contains("report.html"));
   const Written again = drill_into(folder, "[output]\nreport = false\nbone = false\n");
-  CHECK(again.files == Names{"bone.vdb", "session.sqlite", "summary.json"});
+  CHECK(again.files == Names{"bone.earlier.vdb", "session.sqlite", "summary.json"});
+  CHECK(drill_into(folder, "[output]\nreport = false\n").files == Names{"bone.vdb", "session.sqlite", "summary.json"});
 }
 
 TEST_CASE("output: the keys can be set from the command line's overrides, and others are refused") {

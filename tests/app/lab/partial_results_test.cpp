@@ -9,6 +9,7 @@
 
 #include "app/lab/drilling_partial.h"
 #include "app/report/file.h"
+#include "tests/support/file_limit.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -141,6 +142,25 @@ TEST_CASE("partial results: what cannot be written is an error that names the fi
   const Status added = partial.add(TrialKey().text(), std::vector{1.0});
   REQUIRE(!added.ok());
   CHECK(added.error().place == folder.file("missing/partial.txt"));
+}
+
+TEST_CASE("partial results: a line that does not fit on the disk leaves those of before") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("partial.txt"), first = TrialKey().add("first").text(), second = TrialKey().add("second").text();
+  PartialResults partial(path);
+  REQUIRE(partial.add(first, std::vector{0.1}).ok());
+  const auto before = read_file(path);
+  {
+    const FileLimit full(std::filesystem::file_size(path) + 5);
+    const Status failed = partial.add(second, std::vector{0.2});
+    REQUIRE(!failed.ok());
+    CHECK(failed.error().place == path);
+  }
+  CHECK(*read_file(path) == *before);
+  CHECK(!partial.find(second, 1));
+  REQUIRE(partial.add(second, std::vector{0.2}).ok());
+  CHECK(PartialResults(path).find(first, 1) == std::vector{0.1});
+  CHECK(PartialResults(path).find(second, 1) == std::vector{0.2});
 }
 
 TEST_CASE("partial drillings: a result is that of its trial, of the text of its tool and of its assignments") {

@@ -2,11 +2,13 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 
 #include "core/voxel/bone_history.h"
 #include "core/voxel/vdb_grids.h"
 #include "tests/core/voxel/voxel_cases.h"
+#include "tests/support/file_limit.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
@@ -60,7 +62,7 @@ TEST_CASE("checkpoint: save and restore bring back every voxel, the hash and the
   Drilled drilled(1);
   const std::string path = folder.file("checkpoint.vdb");
   REQUIRE(drilled.voxmap.save(path).ok());
-  CHECK_FALSE(std::filesystem::exists(path + ".tmp"));
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 
   Voxmap restored = make_voxmap(drilled.bone);
   REQUIRE(restored.place_window({Vec3i(1), Vec3i(18, 17, 22)}).ok());
@@ -230,4 +232,32 @@ TEST_CASE("checkpoint: a place that cannot be written is refused and leaves no h
   Voxmap restored = make_voxmap(drilled.bone);
   REQUIRE(restored.restore(path).ok());
   CHECK(restored.hash() == drilled.voxmap.hash());
+}
+
+TEST_CASE("checkpoint: wherever a write fails, that is an error, and the good file stays as it was") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("checkpoint.vdb");
+  const auto bytes = [&] {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  Drilled drilled(6);
+  REQUIRE(drilled.voxmap.save(path).ok());
+  const std::string good = bytes();
+  Dice dice{7};
+  for (int n = 0; n < 40; ++n) {
+    // The first limits cut the header off, the last one the end of the file.
+    const auto limit = n == 39 ? good.size() - 1 : static_cast<std::size_t>(n < 4 ? n : dice.next_below(static_cast<int>(good.size())));
+    INFO("limit " << limit << " of " << good.size());
+    Status status;
+    {
+      const FileLimit full(limit);
+      status = drilled.voxmap.save(path);
+    }
+    REQUIRE_FALSE(status.ok());
+    CHECK(status.error().place == path);
+    CHECK(status.error().message.find("File too large") != std::string::npos);
+    CHECK(bytes() == good);
+    CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
+  }
 }

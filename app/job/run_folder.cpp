@@ -1,0 +1,134 @@
+#include "app/job/run_folder.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "app/session/session.h"
+#include "app/stage/result_files.h"
+#include "core/base/output_file.h"
+
+namespace burrhole {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSessionParts[] = {"", "-wal", "-shm", "-journal"};  // of SQLite
+
+/// @returns whether a name is that of a result, or of a temporary file of one, which a killed run left.
+bool is_result(const std::string& name) {
+  if (name == kLockFile || name == kSetAsideFolder || name == kEarlierBoneFile || name == kChosenSceneFile) return false;
+  if (is_result_name(name)) return true;
+  const auto is_part_of = [&](const std::string& file) { return is_temporary_of(name, file); };
+  return is_part_of(kSummaryFile) || is_part_of(kReportFile) || is_part_of(kBoneFile) || is_part_of(kSoundFile) ||
+         std::ranges::any_of(kPictureNames, [&](const char* picture) { return is_part_of(std::string(picture) + ".png"); });
+}
+
+}  // namespace
+
+Status make_output_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder))
+    return bad_input("the output folder cannot be created: " + (error ? error.message() : "not a folder") + "; give another by --out",
+                     folder);
+  // Writes as the check: permissions do not show a read-only medium or a full disk, and do not apply to root.
+  auto probe = OutputFile::create((fs::path(folder) / ".burrhole-probe").string());
+  Status written = probe ? probe->write("probe") : Status(probe.error());
+  if (written) written = probe->seek(0);  // writes what is buffered
+  if (!written) return bad_input("the output folder cannot be written to: " + written.error().message, folder);
+  return {};
+}
+
+Status check_source(const LoadedScene& loaded, const std::string& folder) {
+  const auto& scan = loaded.scene.volume.scan;
+  std::error_code ignored;
+  if (folder.empty() || !scan || !loaded.scene.output.bone) return {};
+  if (!fs::equivalent(scan->request.path, fs::path(folder) / kBoneFile, ignored)) return {};
+  return bad_input("is the bone that this run would replace: give another folder by --out, or copy the file", scan->request.path);
+}
+
+fs::path EarlierResults::aside() const { return fs::path(config_.folder) / kSetAsideFolder; }
+
+bool EarlierResults::is_input(const fs::path& file) const {
+  return std::ranges::any_of(config_.inputs, [&](const std::string& input) {
+    std::error_code ignored;
+    return fs::equivalent(input, file, ignored);
+  });
+}
+
+Result<std::vector<std::string>> EarlierResults::found() const {
+  const fs::path folder(config_.folder);
+  std::error_code error, ignored;
+  std::vector<std::string> out;
+  fs::directory_iterator at;
+  do at = fs::directory_iterator(folder, error);
+  while (error == std::errc::interrupted);
+  for (const fs::directory_iterator end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    const fs::file_status status = at->symlink_status(ignored);
+    // An input that this run does not write itself stays where the scene or a replay reads it.
+    const bool stays = name == kBoneFile && !config_.writes_bone && is_input(at->path());
+    if (is_result(name) && !stays && (fs::is_regular_file(status) || fs::is_symlink(status))) out.push_back(name);
+  }
+  if (error) return bad_input("the output folder cannot be read: " + error.message(), config_.folder);
+  std::vector<std::string> sessions;
+  if (config_.session) sessions.push_back(*config_.session);
+  // A run without a session would leave that of the earlier results beside its own.
+  if (std::ranges::find(out, kSummaryFile) != out.end() && config_.session != kSessionFile) sessions.emplace_back(kSessionFile);
+  for (const std::string& session : sessions)
+    if (is_session_file((folder / session).string()))
+      for (const char* part : kSessionParts)
+        if (fs::is_regular_file(folder / (session + part), ignored)) out.push_back(session + part);
+  return out;
+}
+
+Result<EarlierResults> EarlierResults::set_aside(EarlierResultsConfig config) {
+  EarlierResults out(std::move(config));
+  if (out.config_.folder.empty()) return out;
+  const auto names = out.found();
+  if (!names) return names.error();
+  for (const std::string& name : *names) {
+    const fs::path from = fs::path(out.config_.folder) / name, to = out.aside() / name;
+    std::error_code error;
+    fs::create_directories(to.parent_path(), error);
+    if (!error) fs::rename(from, to, error);
+    if (error) return bad_input("the results of an earlier run cannot be set aside: " + error.message(), from.string());
+    out.moved_.push_back(name);
+  }
+  return out;
+}
+
+EarlierResults::EarlierResults(EarlierResults&& other) noexcept
+    : config_(std::move(other.config_)), moved_(std::exchange(other.moved_, {})) {
+  other.config_.folder.clear();
+}
+
+EarlierResults::~EarlierResults() {
+  if (config_.folder.empty() || moved_.empty()) return;
+  bool all = true;
+  std::error_code error;
+  for (const std::string& name : moved_) {
+    fs::rename(aside() / name, fs::path(config_.folder) / name, error);
+    all = all && !error;
+  }
+  if (all) fs::remove_all(aside(), error);
+}
+
+Status EarlierResults::drop() {
+  if (config_.folder.empty()) return {};
+  std::error_code error;
+  const fs::path bone = aside() / kBoneFile;
+  if (fs::exists(bone, error)) fs::rename(bone, fs::path(config_.folder) / kEarlierBoneFile, error);
+  if (error) return bad_input("the bone of an earlier run cannot be set aside: " + error.message(), bone.string());
+  fs::remove_all(aside(), error);
+  moved_.clear();
+  return {};
+}
+
+void EarlierResults::replaced() const {
+  const fs::path file = fs::path(config_.folder) / kEarlierBoneFile;
+  std::error_code ignored;
+  if (!config_.folder.empty() && config_.writes_bone && !is_input(file)) fs::remove(file, ignored);
+}
+
+}  // namespace burrhole

@@ -1,0 +1,30 @@
+/// app/stage/result_files.h: names of the files that a run writes into its output folder, apart from the session, whose name a scene sets.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+namespace burrhole {
+
+inline constexpr const char* kSummaryFile = "summary.json";
+inline constexpr const char* kReportFile = "report.html";
+inline constexpr const char* kBoneFile = "bone.vdb";
+inline constexpr const char* kEarlierBoneFile = "bone.earlier.vdb";  ///< of an earlier run, until this run has written its own
+inline constexpr const char* kSoundFile = "sound.wav";
+inline constexpr const char* kSessionFile = "session.sqlite";  ///< unless the scene names another
+inline constexpr const char* kChosenSceneFile = "scene.toml";  ///< of a site on a scan that a person chose
+inline constexpr const char* kLockFile = ".burrhole-run";
+inline constexpr const char* kSetAsideFolder = ".burrhole-earlier";
+/// Pictures, without their ending .png.
+inline constexpr const char* kPictureNames[] = {"overview", "before", "during", "breakthrough", "after", "cutaway"};
+
+/// @returns whether a file or folder of that name in the output folder would be replaced by another result of the run.
+[[nodiscard]] inline bool is_result_name(std::string_view name) {
+  for (const char* const file :
+       {kSummaryFile, kReportFile, kBoneFile, kEarlierBoneFile, kSoundFile, kChosenSceneFile, kLockFile, kSetAsideFolder})
+    if (name == file) return true;
+  return std::ranges::any_of(kPictureNames, [&](const char* picture) { return name == std::string(picture) + ".png"; });
+}
+
+}  // namespace burrhole

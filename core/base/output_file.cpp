@@ -1,0 +1,262 @@
+#include "core/base/output_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+namespace burrhole {
+namespace {
+
+constexpr std::size_t kBuffer = 65536;        ///< [bytes]
+constexpr int kTries = 100;                   ///< names of temporary files, of which each is free almost surely
+constexpr std::size_t kRandomDigits = 16;     ///< hexadecimal, of such a name
+constexpr std::size_t kLongestName = 255;     ///< [bytes] NAME_MAX of Linux
+constexpr std::string_view kEnding = ".tmp";  // NAME.PROCESS-RANDOM.tmp
+
+/// A file descriptor that is closed with its owner.
+class Descriptor {
+ public:
+  explicit Descriptor(int file = -1) : file_(file) {}
+  Descriptor(Descriptor&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(file_, other.file_);
+    return *this;
+  }
+  ~Descriptor() {
+    if (file_ >= 0) ::close(file_);
+  }
+  [[nodiscard]] int get() const noexcept { return file_; }
+  /// @returns 0, or errno: some file systems report a failed write only here.
+  [[nodiscard]] int close() noexcept {
+    const int file = std::exchange(file_, -1);
+    // Linux closes the descriptor also if a signal interrupts.
+    return file < 0 || ::close(file) == 0 || errno == EINTR ? 0 : errno;
+  }
+
+ private:
+  int file_;
+};
+
+/// As open(2), again when a signal interrupts: on network file systems it may wait. @returns below 0: errno says why.
+int open_file(const char* path, int flags, mode_t mode = 0) noexcept {
+  int file = -1;
+  do file = ::open(path, flags | O_CLOEXEC | O_NOCTTY, mode);
+  while (file < 0 && errno == EINTR);
+  return file;
+}
+
+/// @returns 0, or errno of the first write that failed.
+int write_all(int file, std::span<const std::byte> bytes) noexcept {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return count < 0 ? errno : EIO;
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+  return 0;
+}
+
+/// @returns 0, or errno. What cannot be synchronised (a pipe, some network file systems) is no error.
+int sync(int file) noexcept {
+  while (::fsync(file) != 0) {
+    if (errno == EINTR) continue;
+    return errno == EINVAL || errno == ENOTSUP || errno == EROFS ? 0 : errno;
+  }
+  return 0;
+}
+
+std::pair<std::string, std::string> folder_and_name(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  if (slash == std::string::npos) return {{}, path};
+  return {path.substr(0, slash + 1), path.substr(slash + 1)};
+}
+
+/// Puts the new name on the disk. A folder that may not be opened is left to the system.
+int sync_folder_of(const std::string& path) noexcept {
+  const std::string folder = folder_and_name(path).first;
+  const Descriptor file(open_file(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY));
+  return file.get() < 0 ? 0 : sync(file.get());
+}
+
+/// @returns a name beside `path` that no other process or thread chooses.
+std::string temporary_name(const std::string& path) {
+  std::uint64_t random = 0;
+  if (::getrandom(&random, sizeof random, 0) != static_cast<ssize_t>(sizeof random))
+    random = static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(&random));  // O_EXCL and further tries do the rest
+  const std::string ending = fmt::format(".{}-{:016x}{}", ::getpid(), random, kEnding);
+  auto [folder, name] = folder_and_name(path);
+  name.resize(std::min(name.size(), kLongestName - ending.size()));
+  return folder + name + ending;
+}
+
+/// @returns what a symbolic link leads to; another path as it is.
+std::string behind_link(const std::string& path) {
+  struct stat link {};
+  if (::lstat(path.c_str(), &link) != 0 || !S_ISLNK(link.st_mode)) return path;
+  const std::unique_ptr<char, decltype(&std::free)> real(::realpath(path.c_str(), nullptr), &std::free);
+  return real != nullptr ? std::string(real.get()) : path;
+}
+
+/// What to do, for the reasons that a user can remove.
+const char* remedy_of(int code) noexcept {
+  switch (code) {
+    case ENOSPC:
+    case EDQUOT:
+      return ": free space there, or name another place";
+    case EFBIG:
+      return ": raise the limit of the size of files (ulimit -f), or name a place on another file system";
+    case EISDIR:
+      return ": name a file";
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return ": name a place that may be written";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+struct OutputFile::State {
+  std::string path;  // as given, for errors
+  const std::atomic<bool>* stop = nullptr;
+  std::string target;     // behind links
+  std::string temporary;  // empty: the target is written directly, or the temporary file has gone
+  Descriptor file;
+  std::vector<std::byte> buffer;
+  std::uint64_t flushed = 0, end = 0;  // [bytes] position of the descriptor; largest position written
+  Status status;
+
+  ~State() {
+    if (!temporary.empty()) ::unlink(temporary.c_str());
+  }
+  [[nodiscard]] Status fail(int code) {
+    if (status) status = write_error(path, code);
+    return status;
+  }
+  [[nodiscard]] Status check_stop() {
+    if (status && stop != nullptr && stop->load(std::memory_order_relaxed))
+      status = Error{ErrorCode::unavailable, "the writing was stopped: the file is as it was before", path};
+    return status;
+  }
+  [[nodiscard]] int open_temporary(mode_t mode) {
+    for (int n = 0; n < kTries; ++n) {
+      std::string name = temporary_name(target);
+      file = Descriptor(open_file(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, mode));
+      if (file.get() >= 0) temporary = std::move(name);
+      if (file.get() >= 0 || errno != EEXIST) break;
+    }
+    return file.get() >= 0 ? 0 : errno;
+  }
+  [[nodiscard]] Status put(std::span<const std::byte> bytes) {
+    if (const int code = write_all(file.get(), bytes); code != 0) return fail(code);
+    flushed += bytes.size();
+    end = std::max(end, flushed);
+    return status;
+  }
+  [[nodiscard]] Status flush() {
+    if (!status || buffer.empty()) return status;
+    Status written = put(buffer);
+    buffer.clear();
+    return written;
+  }
+};
+
+OutputFile::OutputFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
+OutputFile::OutputFile(OutputFile&&) noexcept = default;
+OutputFile::~OutputFile() = default;
+
+Result<OutputFile> OutputFile::create(const std::string& path, const std::atomic<bool>* stop) {
+  auto state = std::make_unique<State>();
+  state->path = path;
+  state->stop = stop;
+  struct stat old {};
+  const bool is_there = ::stat(path.c_str(), &old) == 0;
+  if (!is_there && errno != ENOENT) return write_error(path, errno);
+  if (is_there && S_ISDIR(old.st_mode)) return write_error(path, EISDIR);
+  if (is_there && !S_ISREG(old.st_mode)) {
+    state->file = Descriptor(open_file(path.c_str(), O_WRONLY));
+    if (state->file.get() < 0) return write_error(path, errno);
+  } else {
+    state->target = behind_link(path);
+    if (const int code = state->open_temporary(0666); code != 0) return write_error(path, code);
+    // Who may read the old file may read the new one, and nobody else. A file system without permissions refuses that.
+    if (is_there) static_cast<void>(::fchmod(state->file.get(), old.st_mode & 0777));
+  }
+  state->buffer.reserve(kBuffer);
+  return OutputFile(std::move(state));
+}
+
+Status OutputFile::write(std::span<const std::byte> bytes) {
+  State& s = *state_;
+  if (Status goes_on = s.check_stop(); !goes_on) return goes_on;
+  if (s.buffer.size() + bytes.size() > kBuffer)
+    if (Status flushed = s.flush(); !flushed) return flushed;
+  if (bytes.size() >= kBuffer) return s.put(bytes);
+  s.buffer.insert(s.buffer.end(), bytes.begin(), bytes.end());
+  return s.status;
+}
+
+Status OutputFile::seek(std::uint64_t position) {
+  State& s = *state_;
+  if (Status flushed = s.flush(); !flushed) return flushed;
+  if (::lseek(s.file.get(), static_cast<off_t>(position), SEEK_SET) < 0) return s.fail(errno);
+  s.flushed = position;
+  return s.status;
+}
+
+std::uint64_t OutputFile::position() const noexcept { return state_->flushed + state_->buffer.size(); }
+
+const std::string& OutputFile::temporary() const noexcept { return state_->temporary; }
+
+Result<std::uint64_t> OutputFile::commit() {
+  State& s = *state_;
+  if (const Status goes_on = s.check_stop(); !goes_on) return goes_on.error();
+  if (const Status flushed = s.flush(); !flushed) return flushed.error();
+  if (const int code = sync(s.file.get()); code != 0) return s.fail(code).error();
+  if (const int code = s.file.close(); code != 0) return s.fail(code).error();
+  if (s.temporary.empty()) return s.end;
+  if (std::rename(s.temporary.c_str(), s.target.c_str()) != 0) return s.fail(errno).error();
+  s.temporary.clear();
+  if (const int code = sync_folder_of(s.target); code != 0) return s.fail(code).error();
+  return s.end;
+}
+
+Status append_to_file(const std::string& path, std::string_view text) {
+  Descriptor file(open_file(path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666));
+  if (file.get() < 0) return write_error(path, errno);
+  struct stat before {};
+  if (::fstat(file.get(), &before) != 0) return write_error(path, errno);
+  int code = write_all(file.get(), std::as_bytes(std::span(text)));
+  if (code == 0) code = sync(file.get());
+  if (code != 0 && S_ISREG(before.st_mode)) static_cast<void>(::ftruncate(file.get(), before.st_size));
+  if (code == 0) code = file.close();
+  return code == 0 ? Status() : Status(write_error(path, code));
+}
+
+Error write_error(const std::string& path, int code) {
+  return bad_input(std::string("cannot be written: ") + std::strerror(code) + remedy_of(code), path);
+}
+
+bool is_temporary_of(std::string_view name, std::string_view of) noexcept {
+  if (!name.starts_with(of) || !name.ends_with(kEnding) || name.size() <= of.size() + kEnding.size()) return false;
+  const std::string_view middle = name.substr(of.size(), name.size() - of.size() - kEnding.size());
+  const std::size_t dash = middle.find('-');
+  if (middle[0] != '.' || dash == std::string_view::npos || dash < 2 || middle.size() != dash + 1 + kRandomDigits) return false;
+  return middle.substr(1, dash - 1).find_first_not_of("0123456789") == std::string_view::npos &&
+         middle.substr(dash + 1).find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+}  // namespace burrhole

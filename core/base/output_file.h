@@ -1,0 +1,57 @@
+/// core/base/output_file.h: the one way to write a file: piece by piece into a temporary file beside it, which gets the name only when all
+///   of it is on the disk. A reader sees the old or the new content, never a part, also after a crash or on a full disk.
+///   Units  bytes.   Errors  bad_input with the path, the reason of the operating system and what to do; unavailable: stopped.   Memory  a buffer of 64 KiB.
+///   Thread  one owner.   Source  open(2), fsync(2), rename(2).
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+
+namespace burrhole {
+
+class OutputFile {
+ public:
+  /// Opens a new temporary file in the folder of `path`; no other process has its name. A symbolic link is followed. What is no regular
+  /// file (a pipe, a device) is written directly. bad_input also for a folder. @param stop once true, write() and commit() fail with
+  /// `unavailable`; a signal handler may set it. Null: never.
+  [[nodiscard]] static Result<OutputFile> create(const std::string& path, const std::atomic<bool>* stop = nullptr);
+  OutputFile(OutputFile&&) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
+  /// Removes the temporary file unless commit() has renamed it.
+  ~OutputFile();
+
+  /// Writes at the position. Errors are kept: the first one is returned here and by all later calls.
+  [[nodiscard]] Status write(std::span<const std::byte> bytes);
+  [[nodiscard]] Status write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
+  /// Moves the position, for a header that is completed last.
+  [[nodiscard]] Status seek(std::uint64_t position);
+  [[nodiscard]] std::uint64_t position() const noexcept;
+  /// The file that another program writes in place of write(); it must not be replaced there.
+  [[nodiscard]] const std::string& temporary() const noexcept;
+  /// Writes what is buffered, waits for the disk and renames the file. @returns the size of what was written [bytes].
+  [[nodiscard]] Result<std::uint64_t> commit();
+
+ private:
+  struct State;
+  explicit OutputFile(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Adds a text to the end of a file, which is made if it is not there, and waits for the disk. After an error the file is as it was before.
+[[nodiscard]] Status append_to_file(const std::string& path, std::string_view text);
+
+/// @returns the error of a write that failed. @param code errno.
+[[nodiscard]] Error write_error(const std::string& path, int code);
+
+/// @returns whether `name` is that of a temporary file for the file `of`, both without folder: such a file stays only when its process was
+/// killed.
+[[nodiscard]] bool is_temporary_of(std::string_view name, std::string_view of) noexcept;
+
+}  // namespace burrhole

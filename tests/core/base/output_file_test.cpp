@@ -1,0 +1,244 @@
+#include "core/base/output_file.h"
+
+#include <doctest/doctest.h>
+
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <ostream>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "core/base/output_stream.h"
+#include "tests/support/file_limit.h"
+#include "tests/support/temporary_folder.h"
+
+namespace burrhole {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kBuffer = 65536;  // of OutputFile
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void put(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+
+std::set<std::string> names_in(const TemporaryFolder& folder) {
+  std::set<std::string> out;
+  for (const auto& entry : fs::directory_iterator(folder.path())) out.insert(entry.path().filename().string());
+  return out;
+}
+
+/// @returns `size` bytes that differ from place to place.
+std::string pattern(std::size_t size, unsigned seed) {
+  std::mt19937 random(seed);
+  std::string out(size, '\0');
+  for (char& byte : out) byte = static_cast<char>(random());
+  return out;
+}
+
+/// Writes a text in pieces of `piece` bytes.
+Status write_in_pieces(const std::string& path, std::string_view text, std::size_t piece) {
+  auto file = OutputFile::create(path);
+  if (!file) return file.error();
+  for (; !text.empty(); text.remove_prefix(std::min(piece, text.size())))
+    if (Status written = file->write(text.substr(0, piece)); !written) return written;
+  const auto done = file->commit();
+  return done ? Status() : Status(done.error());
+}
+
+TEST_CASE("output file: the name appears with the last byte, and the old content stays until then") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("out.bin"), text = pattern(3 * kBuffer + 5, 1);
+  put(path, "old");
+  {
+    auto file = OutputFile::create(path);
+    REQUIRE(file);
+    CHECK(is_temporary_of(fs::path(file->temporary()).filename().string(), "out.bin"));
+    REQUIRE(file->write(text));
+    CHECK(bytes_of(path) == "old");
+    const auto size = file->commit();
+    REQUIRE(size);
+    CHECK(*size == text.size());
+  }
+  CHECK(bytes_of(path) == text);
+  CHECK(names_in(folder) == std::set<std::string>{"out.bin"});
+  {
+    auto file = OutputFile::create(path);
+    REQUIRE(file);
+    REQUIRE(file->write("never committed"));
+  }
+  CHECK(bytes_of(path) == text);
+  CHECK(names_in(folder) == std::set<std::string>{"out.bin"});
+}
+
+TEST_CASE("output file: wherever a write fails, the error says so, the old file stays as it was and no temporary file is left") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("out.bin"), text = pattern(2 * kBuffer + 100, 2);
+  put(path, "old");
+  for (const std::size_t piece : {std::size_t{1}, std::size_t{1000}, kBuffer, text.size()})
+    for (const std::size_t limit : {std::size_t{0}, std::size_t{1}, kBuffer - 1, kBuffer, kBuffer + 1, 2 * kBuffer, text.size() - 1}) {
+      INFO(piece << " bytes at a time, a limit of " << limit);
+      Status written;
+      {
+        const FileLimit full(limit);
+        written = write_in_pieces(path, text, piece);
+      }
+      REQUIRE_FALSE(written);
+      CHECK(written.error().code == ErrorCode::bad_input);
+      CHECK(written.error().place == path);
+      CHECK(written.error().message.find("File too large: raise the limit") != std::string::npos);
+      CHECK(bytes_of(path) == "old");
+      CHECK(names_in(folder) == std::set<std::string>{"out.bin"});
+    }
+  const FileLimit enough(text.size());
+  CHECK(write_in_pieces(path, text, 1000));
+  CHECK(bytes_of(path) == text);
+}
+
+TEST_CASE("output file: of processes that write one file together, one has written all of it") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("out.bin");
+  constexpr unsigned kWriters = 4, kRounds = 25;
+  std::vector<std::string> texts;
+  for (unsigned n = 0; n < kWriters; ++n) texts.push_back(pattern(kBuffer * (n + 1) + n, 10 + n));
+  for (unsigned round = 0; round < kRounds; ++round) {
+    std::vector<pid_t> children;
+    for (unsigned n = 0; n < kWriters; ++n) {
+      const pid_t child = fork();
+      REQUIRE(child >= 0);
+      if (child == 0) {
+        std::mt19937 random(round * kWriters + n);  // the offset of its writes to those of the others
+        usleep(static_cast<useconds_t>(random() % 2000));
+        _exit(write_in_pieces(path, texts[n], 500 + random() % 5000) ? 0 : 1);
+      }
+      children.push_back(child);
+    }
+    for (const pid_t child : children) {
+      int status = 0;
+      REQUIRE(waitpid(child, &status, 0) == child);
+      CHECK(status == 0);
+    }
+    INFO("round " << round);
+    CHECK(std::ranges::find(texts, bytes_of(path)) != texts.end());
+    CHECK(names_in(folder) == std::set<std::string>{"out.bin"});
+  }
+}
+
+TEST_CASE("output file: a header is completed last") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("out.bin");
+  auto file = OutputFile::create(path);
+  REQUIRE(file);
+  REQUIRE(file->write("????"));
+  REQUIRE(file->write(pattern(kBuffer, 3)));
+  REQUIRE(file->seek(0));
+  REQUIRE(file->write("head"));
+  CHECK(file->position() == 4);
+  const auto size = file->commit();
+  REQUIRE(size);
+  CHECK(*size == kBuffer + 4);
+  CHECK(bytes_of(path) == "head" + pattern(kBuffer, 3));
+}
+
+TEST_CASE("output stream: writes and seeks go to the file, and a failed write makes the stream bad") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("out.bin");
+  {
+    auto file = OutputFile::create(path);
+    REQUIRE(file);
+    OutputStreambuf buffer(*file);
+    std::ostream out(&buffer);
+    out << "one " << 2 << ' ' << 'x';
+    CHECK(out.tellp() == std::streampos(7));
+    out.seekp(4).put('3');
+    out.seekp(7) << "!";
+    CHECK(out.good());
+    REQUIRE(file->commit());
+  }
+  CHECK(bytes_of(path) == "one 3 x!");
+  const FileLimit full(kBuffer);
+  auto file = OutputFile::create(path);
+  REQUIRE(file);
+  OutputStreambuf buffer(*file);
+  std::ostream out(&buffer);
+  const std::string text = pattern(kBuffer + 1, 4);
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  CHECK(out.bad());
+  CHECK_FALSE(file->commit());
+  CHECK(bytes_of(path) == "one 3 x!");
+}
+
+TEST_CASE("output file: links are followed, devices are written directly, and what cannot be written is named with its reason") {
+  const TemporaryFolder folder;
+  put(folder.file("real"), "old");
+  fs::create_symlink("real", folder.file("link"));
+  REQUIRE(write_in_pieces(folder.file("link"), "new", 1));
+  CHECK(fs::is_symlink(folder.file("link")));
+  CHECK(bytes_of(folder.file("real")) == "new");
+  fs::create_symlink("/dev/full", folder.file("full"));
+  const Status full = write_in_pieces(folder.file("full"), "text", 4);
+  REQUIRE_FALSE(full);
+  CHECK(full.error().text() ==
+        folder.file("full") + ": cannot be written: No space left on device: free space there, or name another place");
+  CHECK(fs::is_symlink(folder.file("full")));
+  fs::create_symlink("/dev/null", folder.file("null"));
+  CHECK(write_in_pieces(folder.file("null"), "text", 4));
+  CHECK(fs::is_character_file("/dev/null"));
+  fs::create_directory(folder.file("folder"));
+  const auto is_folder = OutputFile::create(folder.file("folder"));
+  REQUIRE_FALSE(is_folder);
+  CHECK(is_folder.error().message == "cannot be written: Is a directory: name a file");
+  const auto nowhere = OutputFile::create(folder.file("none/out"));
+  REQUIRE_FALSE(nowhere);
+  CHECK(nowhere.error().message == "cannot be written: No such file or directory");
+  CHECK(names_in(folder) == std::set<std::string>{"real", "link", "full", "null", "folder"});
+}
+
+TEST_CASE("output file: permissions of the old file stay, and a name may be as long as the system allows") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file(std::string(255, 'n'));
+  put(path, "old");
+  fs::permissions(path, fs::perms(0640));
+  REQUIRE(write_in_pieces(path, "new", 3));
+  CHECK(bytes_of(path) == "new");
+  CHECK(fs::status(path).permissions() == fs::perms(0640));
+  CHECK_FALSE(OutputFile::create(folder.file(std::string(256, 'n'))));
+}
+
+TEST_CASE("append: a line is added whole or not at all") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("lines");
+  REQUIRE(append_to_file(path, "one\n"));
+  {
+    const FileLimit full(6);
+    const Status second = append_to_file(path, "second\n");
+    REQUIRE_FALSE(second);
+    CHECK(second.error().place == path);
+  }
+  CHECK(bytes_of(path) == "one\n");
+  REQUIRE(append_to_file(path, "second\n"));
+  CHECK(bytes_of(path) == "one\nsecond\n");
+  CHECK_FALSE(append_to_file("/dev/full", "x"));
+}
+
+TEST_CASE("temporary names: those of a file, and no others") {
+  CHECK(is_temporary_of("sound.wav.12-0123456789abcdef.tmp", "sound.wav"));
+  for (const char* const other :
+       {"sound.wav", "sound.wav.tmp", "sound.wav.12.tmp", "sound.wav.12-0123456789abcdeg.tmp", "sound.wav.-0123456789abcdef.tmp",
+        "sound.wav.12-0123456789abcde.tmp", "sound.wavx12-0123456789abcdef.tmp", "other.wav.12-0123456789abcdef.tmp"})
+    CHECK_FALSE_MESSAGE(is_temporary_of(other, "sound.wav"), other);
+}
+
+}  // namespace
+}  // namespace burrhole
