@@ -30,6 +30,9 @@ constexpr int kNameFont = 10;         // of the names of points
 constexpr double kCharWidth = 6.3;    // mean advance of a 12 px sans serif letter; used to separate names
 constexpr double kLabelPitch = 13.0;  // smallest distance between the names of two bands
 
+constexpr const char* kAxesStyle =
+    "set border 3 linecolor rgb \"#666666\"\nset xtics nomirror out scale 0.6\nset ytics nomirror out scale 0.6\n"
+    "set grid linecolor rgb \"#dddddd\" linewidth 0.6 dashtype solid\n";
 constexpr const char* kLineColors[] = {kPlotBlue, kPlotOrange, kPlotGreen, kPlotViolet, kPlotGrey};
 constexpr const char* kBandColors[] = {"#f1e7d4", "#f9f4ea"};
 
@@ -339,13 +342,7 @@ std::string grid_panel(const Plot& plot, std::size_t index, const Place& place, 
   const bool above = plot.legend == "above";
   const std::optional<PlotBox> legend = index == 0 && !above ? std::optional(legend_box(panel, plot.legend, place)) : std::nullopt;
   out += name_commands(plot, panel, {x, y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, legend);
-  if (index > 0)
-    out += "unset key\n";
-  else if (above)
-    out += fmt::format("set key at screen 0.5, screen {:.5f} center center horizontal Left reverse samplen 3 maxrows 1 font \",11\"\n",
-                       1.0 - 0.5 * kLegendAbove / height_px);
-  else
-    out += "set key opaque " + plot.legend + " Left reverse samplen 2 maxrows 8 font \",10\"\n";
+  out += index > 0 || above ? "unset key\n" : "set key opaque " + plot.legend + " Left reverse samplen 2 maxrows 8 font \",10\"\n";
   return out + series_commands(panel, index);
 }
 
@@ -360,8 +357,7 @@ std::string opening(const Plot& plot, int height_px) {
     for (std::size_t f = 0; f < panel.fills.size(); ++f)
       out += fill_block(panel.fills[f], y_range(panel, plot.log_y), fmt::format("$f{}_{}", p, f));
   }
-  out += "set multiplot\nset border 3 linecolor rgb \"#666666\"\nset tics nomirror out scale 0.6\n";
-  out += "set grid linecolor rgb \"#dddddd\" linewidth 0.6 dashtype solid\n";
+  out += std::string("set multiplot\n") + kAxesStyle;
   if (plot.log_x) out += "set logscale x\n";
   if (plot.log_y) out += "set logscale y\nset format y \"%g\"\n";
   return out;
@@ -385,12 +381,32 @@ std::string stacked_script(const Plot& plot) {
   return out;
 }
 
+/// The legend of the first panel in one row over a grid: gnuplot breaks a row at the width of a panel, so it is a panel of its own without axes.
+std::string legend_above(const PlotPanel& panel, int height_px) {
+  std::string out =
+      "unset border\nunset xtics\nunset ytics\nunset grid\nset lmargin at screen 0.01\nset rmargin at screen 0.99\nset tmargin at screen "
+      "1\n";
+  out += fmt::format("set bmargin at screen {:.5f}\nset xrange [1:2]\nset yrange [1:2]\n", 1.0 - double(kLegendAbove) / height_px);
+  std::size_t longest = 0;
+  for (const PlotSeries& series : panel.series) longest = std::max(longest, series.name.size());
+  // gnuplot reserves a third more than a name is wide.
+  out += fmt::format("set key center center horizontal Left reverse samplen 3 maxrows 1 width -{} font \",11\"\nplot ", longest / 4);
+  for (std::size_t n = 0; n < panel.series.size(); ++n) {
+    const PlotSeries& series = panel.series[n];
+    if (series.name.empty()) continue;
+    const std::string style = series.style.empty() ? line_style(kLineColors[n % std::size(kLineColors)], "1", 1.6) : series.style;
+    out += fmt::format("{}NaN {} {}", out.ends_with("plot ") ? "" : ", ", style, titled(series.name));
+  }
+  return out + "\nset xtics\nset ytics\n" + kAxesStyle;
+}
+
 std::string grid_script(const Plot& plot) {
   const int count = static_cast<int>(plot.panels.size()), rows = (count + plot.columns - 1) / plot.columns;
   const int row_height = kTitle + plot.panel_height_px + kBottom, above = plot.legend == "above" ? kLegendAbove : 0;
   const int height = above + rows * row_height;
   const double width = double(plot.width_px) / plot.columns;
   std::string out = opening(plot, height);
+  if (above > 0) out += legend_above(plot.panels.front(), height);
   for (int p = 0; p < count; ++p) {
     const double left = width * (p % plot.columns), top = height - above - row_height * (p / plot.columns) - kTitle;
     out +=
@@ -411,7 +427,7 @@ std::string nested_style(const char* colour, std::size_t n, std::size_t count) {
   constexpr int kOpen[] = {4, 6, 8, 12};
   BH_ASSERT(n < count && count <= std::size(kOpen));
   const double above = static_cast<double>(count - 1 - n);
-  return fmt::format("with linespoints linewidth {} linecolor rgb \"{}\" pointtype {} pointsize {}", 1.0 + 0.9 * above, colour, kOpen[n],
+  return fmt::format("with linespoints linewidth {} linecolor rgb \"{}\" pointtype {} pointsize {}", 1.0 + 0.7 * above, colour, kOpen[n],
                      0.6 + 0.3 * above);
 }
 std::string point_style(const char* colour, int type, double size, double width) {

@@ -106,23 +106,30 @@ TEST_CASE("plot names: in an SVG all names are drawn and no two intersect; at a 
 }
 
 TEST_CASE("plot: of curves that coincide each is narrower than those under it, and a legend above a grid is over its panels") {
+  constexpr std::size_t kCurves = 4;
   Plot plot;
-  plot.columns = 1;
+  plot.columns = 5;
+  plot.width_px = 1600;
   plot.legend = "above";
-  PlotPanel panel{.y_label = "error", .series = {}, .bands = {}, .title = "same"};
-  for (std::size_t n = 0; n < 4; ++n)
-    panel.series.push_back({"curve " + std::to_string(n), {1.0, 2.0, 3.0}, {1.0, 3.0, 2.0}, nested_style(kPlotBlue, n, 4)});
-  plot.panels.push_back(panel);
+  for (int p = 0; p < 5; ++p) {
+    PlotPanel panel{.y_label = "error", .series = {}, .bands = {}, .title = "same"};
+    for (std::size_t n = 0; n < kCurves; ++n)
+      panel.series.push_back(
+          {"curve with quite a long name " + std::to_string(n), {1.0, 2.0, 3.0}, {1.0, 3.0, 2.0}, nested_style(kPlotBlue, n, kCurves)});
+    for (const char* name : {"curve of another kind 4", "curve of another kind 5"})
+      panel.series.push_back({name, {1.0, 3.0}, {1.0, 1.0}, line_style(kPlotGrey, "(8,4)", 2.0)});
+    plot.panels.push_back(panel);
+  }
   const auto svg = draw_svg(plot);
   if (!svg && svg.error().code == ErrorCode::unavailable) return;  // no gnuplot
   REQUIRE(svg.ok());
   std::vector<double> widths;
   static const std::regex kCurve(R"re(<g id="gnuplot_plot_[0-9a-z]+"[^>]*>[\s\S]*?stroke-width="([0-9.]+)")re");
   for (std::sregex_iterator at(svg->begin(), svg->end(), kCurve), end; at != end; ++at) widths.push_back(std::stod((*at)[1]));
-  REQUIRE(widths.size() == 4);
-  for (std::size_t n = 0; n + 1 < 4; ++n) CHECK(widths[n] > widths[n + 1] + 0.5);
+  REQUIRE(widths.size() == 6 * (kCurves + 2));  // the legend's samples, then five panels
+  for (std::size_t n = 0; n + 1 < kCurves; ++n) CHECK(widths[kCurves + 2 + n] > widths[kCurves + 3 + n] + 0.5);
   // The names of the legend have one baseline, above the title.
-  static const std::regex kName(R"re(translate\([0-9.]+,([0-9.]+)\)[^<]*<text>(curve [0-3]|same)</text>)re");
+  static const std::regex kName(R"re(translate\([0-9.]+,([0-9.]+)\)[^<]*<text>(curve [a-z ]+ [0-5]|same)</text>)re");
   std::vector<double> legend;
   double title = 0.0;
   for (std::sregex_iterator at(svg->begin(), svg->end(), kName), end; at != end; ++at) {
@@ -131,9 +138,25 @@ TEST_CASE("plot: of curves that coincide each is narrower than those under it, a
     else
       legend.push_back(std::stod((*at)[1]));
   }
-  REQUIRE(legend.size() == 4);
+  REQUIRE(legend.size() == 6);
   CHECK(*std::ranges::max_element(legend) - *std::ranges::min_element(legend) < 1.0);
   CHECK(*std::ranges::max_element(legend) < title - 8.0);
+  // The panels have the ticks that they have with a legend inside.
+  const auto ticks = [](const std::string& text) {
+    static const std::regex kTick(R"re([0-9.]+,[0-9.]+ L[0-9.]+,[0-9.]+)re");
+    std::ptrdiff_t count = 0;
+    static const std::regex kPath(R"re(<path stroke='rgb\(102, 102, 102\)'\s+d='([^']*)')re");
+    for (std::sregex_iterator at(text.begin(), text.end(), kPath), end; at != end; ++at) {
+      const std::string path = (*at)[1];
+      count += std::distance(std::sregex_iterator(path.begin(), path.end(), kTick), std::sregex_iterator());
+    }
+    return count;
+  };
+  plot.legend = "top left";
+  const auto inside = draw_svg(plot);
+  REQUIRE(inside.ok());
+  CHECK(ticks(*svg) == ticks(*inside));
+  CHECK(ticks(*svg) > 20);
 }
 
 }  // namespace
