@@ -59,26 +59,35 @@ std::string sentence_of(const KnobPoints& points) {
 struct Curve {
   const char* name;
   const char* colour;
-  int type;
   double DrillingPoint::*value;
 };
-constexpr Curve kErrors[] = {{"volume [%]", kPlotBlue, 7, &DrillingPoint::volume_percent},
-                             {"time to breakthrough [%]", kPlotOrange, 5, &DrillingPoint::time_percent},
-                             {"plunge [mm]", kPlotGreen, 9, &DrillingPoint::plunge_mm},
-                             {"ripple of the feed [%]", kPlotViolet, 4, &DrillingPoint::ripple_percent}};
-constexpr double kTop = 10e3;  // of the axis: errors and the legend above them
+constexpr Curve kErrors[] = {{"volume [%]", kPlotBlue, &DrillingPoint::volume_percent},
+                             {"time to breakthrough [%]", kPlotOrange, &DrillingPoint::time_percent},
+                             {"plunge [mm]", kPlotGreen, &DrillingPoint::plunge_mm},
+                             {"ripple of the feed [%]", kPlotViolet, &DrillingPoint::ripple_percent}};
+
+/// The power of ten above all that is drawn.
+double top_of(const std::vector<KnobPoints>& knobs) {
+  double most = 1.0;
+  for (const KnobPoints& points : knobs)
+    for (const DrillingPoint& point : points) {
+      for (const Curve& curve : kErrors) most = std::fmax(most, std::abs(point.*curve.value));
+      most = std::fmax(most, point.cpu_s / points[shipped_place(points)].cpu_s);
+    }
+  return std::pow(10.0, std::floor(std::log10(most)) + 1.0);
+}
 
 /// Errors of one knob, its CPU time over the default's, and a line at the default.
-PlotPanel panel_of(const KnobPoints& points) {
+PlotPanel panel_of(const KnobPoints& points, double top) {
   const DrillingPoint& shipped = points[shipped_place(points)];
   PlotPanel panel;
   panel.title = fmt::format("{} [{}]", shipped.knob, shipped.unit);
   panel.y_label = "error, in its unit; CPU ratio [-]";
-  panel.y_range = {0.8 * kFloor, kTop};
+  panel.y_range = {0.8 * kFloor, top};
   panel.x_range = {0.85 * points.front().setting, 1.18 * points.back().setting};
-  panel.series.push_back({"default", {shipped.setting, shipped.setting}, {0.8 * kFloor, kTop}, line_style("#000000", "(4,3)", 1.0)});
+  panel.series.push_back({"default", {shipped.setting, shipped.setting}, {0.8 * kFloor, top}, line_style("#000000", "(4,3)", 1.0)});
   for (const Curve& curve : kErrors) {
-    PlotSeries series{curve.name, {}, {}, linked_point_style(curve.colour, curve.type)};
+    PlotSeries series{curve.name, {}, {}, nested_style(curve.colour, static_cast<std::size_t>(&curve - kErrors), std::size(kErrors))};
     for (const DrillingPoint& point : points) {
       series.x.push_back(point.setting);
       const double error = std::abs(point.*curve.value);
@@ -102,7 +111,9 @@ Plot plot_of(const std::vector<KnobPoints>& knobs) {
   plot.panel_height_px = 240;
   plot.columns = 5;
   plot.log_x = plot.log_y = true;
-  for (const KnobPoints& points : knobs) plot.panels.push_back(panel_of(points));
+  plot.legend = "above";
+  const double top = top_of(knobs);
+  for (const KnobPoints& points : knobs) plot.panels.push_back(panel_of(points, top));
   return plot;
 }
 
@@ -165,10 +176,10 @@ Status write_drilling_cost(const std::vector<DrillingPoint>& points, const std::
   if (!svg) return svg.error();
   if (const Status written = write_file(folder + "/drilling.svg", *svg); !written) return written;
   HtmlPage html("What drilling costs", "One setting at a time round the defaults: a hole of the " + bit + " bit through a plate");
-  html.svg(
-      *svg,
-      "Absolute errors, those below 0.01 drawn at 0.01; rings mark the defaults. Volume against the closed form; time and plunge against "
-      "a finer run. CPU time and memory of the run with the default hand, over the default.");
+  html.svg(*svg,
+           "Absolute errors, those below 0.01 drawn at 0.01; dashed lines mark the defaults. Volume against the closed form; time and "
+           "plunge against "
+           "a finer run. CPU time and memory of the run with the default hand, over the default.");
   html.heading("Setting by setting");
   for (const std::string& sentence : drilling_sentences(points)) html.paragraph(sentence);
   std::vector<std::vector<std::string>> cells;

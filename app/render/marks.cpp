@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <sstream>
 
 #include "app/render/overlay.h"
 #include "app/render/tip_slices_picture.h"
@@ -16,11 +17,26 @@ namespace burrhole {
 namespace {
 
 constexpr Rgba8 kNear{250, 250, 250, 255}, kFar{150, 160, 172, 255}, kBox{255, 214, 120, 255};
+constexpr double kLeastNote = 7.0;  // [pixels] height of letters that can be read
 constexpr double kShortest = 0.30;  // [-] of a half axis that has a letter
 constexpr double kLetterRoom = 1.5;  // [letters] between the middles of two
 constexpr std::array kSides{"R-L", "A-P", "I-S"};
 
 double letter_height(const Image& image) { return std::clamp(image.height / 50.0, 7.0, 40.0); }
+
+/// Lines of whole words of at most that width [pixels]; a longer word has a line of its own.
+std::vector<std::string> wrapped(const std::string& text, double letter, double width) {
+  std::vector<std::string> out(1);
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::string longer = out.back().empty() ? word : out.back() + " " + word;
+    if (out.back().empty() || text_width(longer, letter) <= width)
+      out.back() = longer;
+    else
+      out.push_back(word);
+  }
+  return out;
+}
 
 /// Where a camera shows a point [pixels]; nothing behind it.
 class Projection {
@@ -83,11 +99,20 @@ void draw_orientation(Image& image, const CameraView& camera, const Pose& world_
 }
 
 void draw_note(Image& image, const std::string& text) {
-  const double letter = std::min(0.8 * letter_height(image), 0.8 * letter_height(image) * 0.42 * image.width /
-                                                                 std::max(1.0, text_width(text, 0.8 * letter_height(image))));
-  draw_rimmed(image,
-              write_text(text, {0.53 * image.width - 0.5 * text_width(text, letter), image.height - 1.6 * letter_height(image)}, letter),
-              std::max(1.0, letter / 8.0), kNear);
+  const double usual = std::max(kLeastNote, 0.8 * letter_height(image));
+  const double width = std::max(1.2, usual / 8.0);
+  // Between scale bar and directions if it fits there, a little smaller if needed.
+  const double fitting = usual * std::min(1.0, 0.42 * image.width / std::max(1.0, text_width(text, usual)));
+  if (fitting >= std::max(kLeastNote, 0.75 * usual)) {
+    const PixelPoint start(0.53 * image.width - 0.5 * text_width(text, fitting), image.height - 1.6 * letter_height(image));
+    return draw_rimmed(image, write_text(text, start, fitting), width, kNear);
+  }
+  // In lines in the upper left corner, beside the inset.
+  double line = 2.0 * usual;
+  for (const std::string& words : wrapped(text, usual, 0.7 * image.width - 2.0 * usual)) {
+    draw_rimmed(image, write_text(words, {usual, line}, usual), width, kNear);
+    line += 1.7 * usual;
+  }
 }
 
 void frame_into(Image& image, const Image& small) {

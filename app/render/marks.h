@@ -22,7 +22,7 @@ struct PatientDirection {
 /// Draws them into the lower right corner.
 void draw_orientation(Image& image, const CameraView& camera, const Pose& world_from_patient);
 
-/// Draws a line of text at the lower edge, between scale bar and directions.
+/// Draws text at the lower edge, between scale bar and directions; where it would be too small to read, in lines in the upper left corner.
 void draw_note(Image& image, const std::string& text);
 /// Copies a small picture into the upper right corner, with a light frame.
 void frame_into(Image& image, const Image& small);

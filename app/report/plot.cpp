@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "app/report/decimate.h"
 #include "app/report/file.h"
 #include "app/report/gnuplot.h"
+#include "app/report/plot_labels.h"
 #include "core/base/assert.h"
 
 namespace burrhole {
@@ -21,11 +23,16 @@ namespace {
 // Sizes [px]. The right margin contains the names of the bands, the top margin the rows of event names.
 constexpr int kLeft = 84, kRight = 118, kBottom = 58, kTop = 14, kGap = 16;
 constexpr int kTitle = 30, kGridRight = 14;  // in a grid: above each panel, and to its right
+constexpr int kLegendAbove = 26;             // height of a legend above a grid
 constexpr int kAxisName = 18;                // centre of the name of a y axis
 constexpr int kRowHeight = 16, kFontSize = 12;
+constexpr int kNameFont = 10;         // of the names of points
 constexpr double kCharWidth = 6.3;    // mean advance of a 12 px sans serif letter; used to separate names
 constexpr double kLabelPitch = 13.0;  // smallest distance between the names of two bands
 
+constexpr const char* kAxesStyle =
+    "set border 3 linecolor rgb \"#666666\"\nset xtics nomirror out scale 0.6\nset ytics nomirror out scale 0.6\n"
+    "set grid linecolor rgb \"#dddddd\" linewidth 0.6 dashtype solid\n";
 constexpr const char* kLineColors[] = {kPlotBlue, kPlotOrange, kPlotGreen, kPlotViolet, kPlotGrey};
 constexpr const char* kBandColors[] = {"#f1e7d4", "#f9f4ea"};
 
@@ -116,13 +123,12 @@ std::string data_block(const Plot& plot, const PlotSeries& series, const std::st
   std::string out = name + " << EOD\n";
   for (const std::size_t i : decimate(series.x, series.y, static_cast<std::size_t>(plot.width_px))) {
     if (can_be_drawn(series.x[i], plot.log_x) && can_be_drawn(series.y[i], plot.log_y))
-      out += shortest_number(series.x[i]) + ' ' + shortest_number(series.y[i]) +
-             (series.labels.empty() ? "" : ' ' + gnuplot_quoted(series.labels[i])) + '\n';
+      out += shortest_number(series.x[i]) + ' ' + shortest_number(series.y[i]) + '\n';
     else
       out += '\n';
   }
   // A block without a point is an error to gnuplot; one outside every range draws nothing.
-  return out + "\n1e300 1e300" + (series.labels.empty() ? "" : " \"\"") + "\nEOD\n";
+  return out + "\n1e300 1e300\nEOD\n";
 }
 
 std::string fill_block(const PlotFill& fill, const Range& y, const std::string& name) {
@@ -182,6 +188,85 @@ Range with_legend_room(const Range& y, const PlotPanel& panel, int panel_height_
   return panel.y_down ? Range{y.lo - room, y.hi} : Range{y.lo, y.hi + room};
 }
 
+/// Share of the length of an axis at a value.
+double share_of(const Range& axis, bool log, double value) {
+  return log ? std::log(value / axis.lo) / std::log(axis.hi / axis.lo) : (value - axis.lo) / (axis.hi - axis.lo);
+}
+
+/// Axes of a panel on the picture.
+struct Axes {
+  Range x, y;
+  bool log_x = false, log_y = false, y_down = false;
+  Place place;
+
+  /// @returns where a point is drawn [px]; nothing where it cannot be.
+  [[nodiscard]] std::optional<PlotPoint> at(double px, double py) const {
+    if (!can_be_drawn(px, log_x) || !can_be_drawn(py, log_y)) return std::nullopt;
+    const double right = share_of(x, log_x, px), up = share_of(y, log_y, py);
+    return PlotPoint{place.left + right * (place.right - place.left), place.bottom + (y_down ? 1.0 - up : up) * (place.top - place.bottom)};
+  }
+};
+
+/// Markers and curves of a panel.
+PanelContents contents_of(const PlotPanel& panel, const Axes& axes) {
+  PanelContents out{.frame = {{axes.place.left, axes.place.bottom}, {axes.place.right, axes.place.top}}};
+  for (const PlotSeries& series : panel.series) {
+    const bool marks = series.style.find("points") != std::string::npos;
+    const bool joined = series.style.empty() || series.style.find("lines") != std::string::npos;
+    std::optional<PlotPoint> last;
+    for (std::size_t n = 0; n < series.x.size(); ++n) {
+      const auto at = axes.at(series.x[n], series.y[n]);
+      if (at && marks) out.marks.push_back(*at);
+      if (at && last && joined) out.lines.push_back({*last, *at});
+      last = at;
+    }
+  }
+  return out;
+}
+
+/// Names beside their points, with lines to those that are further away. @param legend in the panel, where no name is placed.
+std::string name_commands(const Plot& plot, const PlotPanel& panel, const Axes& axes, int height_px, const std::optional<PlotBox>& legend) {
+  std::vector<PointName> names;
+  std::vector<std::string> texts;
+  for (const PlotSeries& series : panel.series)
+    for (std::size_t n = 0; n < series.labels.size(); ++n) {
+      const auto at = axes.at(series.x[n], series.y[n]);
+      if (!at) continue;
+      const double width = kCharWidth * kNameFont / kFontSize * static_cast<double>(series.labels[n].size());
+      names.push_back({*at, width + 4.0, kNameFont + 1.0});
+      texts.push_back(series.labels[n]);
+    }
+  if (names.empty()) return {};
+  PanelContents contents = contents_of(panel, axes);
+  if (legend) contents.covered.push_back(*legend);
+  const auto screen = [&](const PlotPoint& p) { return fmt::format("screen {:.5f}, screen {:.5f}", p.x / plot.width_px, p.y / height_px); };
+  const auto placed = place_names(names, contents);
+  std::string out;
+  for (std::size_t n = 0; n < placed.size(); ++n) {
+    if (!placed[n]) continue;
+    if (placed[n]->leader)
+      out += fmt::format("set arrow from {} to {} nohead linecolor rgb \"#8c8c8c\" linewidth 0.7\n", screen(placed[n]->leader->from),
+                         screen(placed[n]->leader->to));
+    out += fmt::format("set label {} at {} center textcolor rgb \"#333333\" font \",{}\"\n", gnuplot_quoted(texts[n]),
+                       screen(placed[n]->box.middle()), kNameFont);
+  }
+  return out;
+}
+
+/// The box of the legend in the frame of a grid's first panel, a little larger than gnuplot draws it.
+PlotBox legend_box(const PlotPanel& panel, const std::string& where, const Place& place) {
+  constexpr double kSample = 56.0, kRow = 16.0, kChar = 5.6, kEdge = 8.0;
+  std::size_t longest = 0, rows = 0;
+  for (const PlotSeries& series : panel.series) {
+    longest = std::max(longest, series.name.size());
+    rows += series.name.empty() ? 0 : 1;
+  }
+  const double width = kSample + kChar * static_cast<double>(longest), height = kEdge + kRow * static_cast<double>(rows);
+  const double left = where.find("right") != std::string::npos ? place.right - width : place.left;
+  const double bottom = where.find("bottom") != std::string::npos ? place.bottom : place.top - height;
+  return {{left, bottom}, {left + width, bottom + height}};
+}
+
 std::string titled(const std::string& name) { return name.empty() ? "notitle" : "title " + gnuplot_quoted(name); }
 
 std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
@@ -195,8 +280,6 @@ std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
     parts.push_back(fmt::format("{} using 1:2 {} {}", block,
                                 series.style.empty() ? line_style(kLineColors[i % std::size(kLineColors)], "1", 1.6) : series.style,
                                 titled(series.name)));
-    if (!series.labels.empty())
-      parts.push_back(block + " using 1:2:3 with labels offset -0.7,0.8 font \",9\" textcolor rgb \"#444444\" notitle");
   }
   std::string out = "plot ";
   for (const std::string& part : parts) out += (&part == parts.data() ? "" : ", \\\n     ") + part;
@@ -223,6 +306,7 @@ std::string stacked_panel(const Plot& plot, std::size_t index, const std::vector
                                          : "set format x \"\"\nunset xlabel\n";
   out += band_commands(panel, y, place, plot.width_px, height_px);
   out += event_commands(plot, flags, index == 0, place, height_px);
+  out += name_commands(plot, panel, {x_range(plot.panels, plot.log_x), y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, {});
   out += legend_rows(panel) > 0 ? "set key top left Left reverse vertical maxrows 3 samplen 2\n" : "unset key\n";
   return out + series_commands(panel, index);
 }
@@ -250,11 +334,15 @@ std::string log_tics(const Range& x) {
 std::string grid_panel(const Plot& plot, std::size_t index, const Place& place, int height_px) {
   const PlotPanel& panel = plot.panels[index];
   const Range x = x_range({&panel, 1}, plot.log_x);
-  std::string out = frame_commands(plot, panel, y_range(panel, plot.log_y), place, height_px);
+  const Range y = y_range(panel, plot.log_y);
+  std::string out = frame_commands(plot, panel, y, place, height_px);
   out += fmt::format("set title {} offset 0,-0.6\nset xlabel {} offset 0,0.5\nset xrange [{}:{}]\n", gnuplot_quoted(panel.title),
                      gnuplot_quoted(plot.x_label), shortest_number(x.lo), shortest_number(x.hi));
   if (plot.log_x) out += log_tics(x);
-  out += index == 0 ? "set key opaque " + plot.legend + " Left reverse samplen 2 maxrows 8 font \",10\"\n" : "unset key\n";
+  const bool above = plot.legend == "above";
+  const std::optional<PlotBox> legend = index == 0 && !above ? std::optional(legend_box(panel, plot.legend, place)) : std::nullopt;
+  out += name_commands(plot, panel, {x, y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, legend);
+  out += index > 0 || above ? "unset key\n" : "set key opaque " + plot.legend + " Left reverse samplen 2 maxrows 8 font \",10\"\n";
   return out + series_commands(panel, index);
 }
 
@@ -269,8 +357,7 @@ std::string opening(const Plot& plot, int height_px) {
     for (std::size_t f = 0; f < panel.fills.size(); ++f)
       out += fill_block(panel.fills[f], y_range(panel, plot.log_y), fmt::format("$f{}_{}", p, f));
   }
-  out += "set multiplot\nset border 3 linecolor rgb \"#666666\"\nset tics nomirror out scale 0.6\n";
-  out += "set grid linecolor rgb \"#dddddd\" linewidth 0.6 dashtype solid\n";
+  out += std::string("set multiplot\n") + kAxesStyle;
   if (plot.log_x) out += "set logscale x\n";
   if (plot.log_y) out += "set logscale y\nset format y \"%g\"\n";
   return out;
@@ -294,13 +381,34 @@ std::string stacked_script(const Plot& plot) {
   return out;
 }
 
+/// The legend of the first panel in one row over a grid: gnuplot breaks a row at the width of a panel, so it is a panel of its own without axes.
+std::string legend_above(const PlotPanel& panel, int height_px) {
+  std::string out =
+      "unset border\nunset xtics\nunset ytics\nunset grid\nset lmargin at screen 0.01\nset rmargin at screen 0.99\nset tmargin at screen "
+      "1\n";
+  out += fmt::format("set bmargin at screen {:.5f}\nset xrange [1:2]\nset yrange [1:2]\n", 1.0 - double(kLegendAbove) / height_px);
+  std::size_t longest = 0;
+  for (const PlotSeries& series : panel.series) longest = std::max(longest, series.name.size());
+  // gnuplot reserves a third more than a name is wide.
+  out += fmt::format("set key center center horizontal Left reverse samplen 3 maxrows 1 width -{} font \",11\"\nplot ", longest / 4);
+  for (std::size_t n = 0; n < panel.series.size(); ++n) {
+    const PlotSeries& series = panel.series[n];
+    if (series.name.empty()) continue;
+    const std::string style = series.style.empty() ? line_style(kLineColors[n % std::size(kLineColors)], "1", 1.6) : series.style;
+    out += fmt::format("{}NaN {} {}", out.ends_with("plot ") ? "" : ", ", style, titled(series.name));
+  }
+  return out + "\nset xtics\nset ytics\n" + kAxesStyle;
+}
+
 std::string grid_script(const Plot& plot) {
   const int count = static_cast<int>(plot.panels.size()), rows = (count + plot.columns - 1) / plot.columns;
-  const int row_height = kTitle + plot.panel_height_px + kBottom, height = rows * row_height;
+  const int row_height = kTitle + plot.panel_height_px + kBottom, above = plot.legend == "above" ? kLegendAbove : 0;
+  const int height = above + rows * row_height;
   const double width = double(plot.width_px) / plot.columns;
   std::string out = opening(plot, height);
+  if (above > 0) out += legend_above(plot.panels.front(), height);
   for (int p = 0; p < count; ++p) {
-    const double left = width * (p % plot.columns), top = height - row_height * (p / plot.columns) - kTitle;
+    const double left = width * (p % plot.columns), top = height - above - row_height * (p / plot.columns) - kTitle;
     out +=
         grid_panel(plot, static_cast<std::size_t>(p), {left + kLeft, left + width - kGridRight, top - plot.panel_height_px, top}, height);
   }
@@ -314,6 +422,13 @@ std::string line_style(const char* colour, const char* dash, double width) {
 }
 std::string linked_point_style(const char* colour, int type) {
   return fmt::format("with linespoints linewidth 1.2 linecolor rgb \"{}\" pointtype {} pointsize {}", colour, type, type < 7 ? 1.0 : 0.6);
+}
+std::string nested_style(const char* colour, std::size_t n, std::size_t count) {
+  constexpr int kOpen[] = {4, 6, 8, 12};
+  BH_ASSERT(n < count && count <= std::size(kOpen));
+  const double above = static_cast<double>(count - 1 - n);
+  return fmt::format("with linespoints linewidth {} linecolor rgb \"{}\" pointtype {} pointsize {}", 1.0 + 0.7 * above, colour, kOpen[n],
+                     0.6 + 0.3 * above);
 }
 std::string point_style(const char* colour, int type, double size, double width) {
   return fmt::format("with points pointtype {} pointsize {} linewidth {} linecolor rgb \"{}\"", type, size, width, colour);

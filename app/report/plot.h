@@ -23,13 +23,15 @@ struct PlotSeries {
   /// [units of the axes] equal sizes. A series with over five points per pixel is decimated; peaks are kept; its x must not decrease.
   std::vector<double> x, y;
   std::string style{};                ///< as line_style() or point_style() make it; empty: a line, colours in turn
-  std::vector<std::string> labels{};  ///< beside each point; empty: none
+  std::vector<std::string> labels{};  ///< near each point, none over another; empty: none
 };
 
 /// @param dash gnuplot's dash type: "1" or lengths such as "(6,3)"
 [[nodiscard]] std::string line_style(const char* colour, const char* dash, double width);
-/// @param type gnuplot's; those below 7 are open and drawn larger, so that a curve under another is seen
+/// @param type gnuplot's; those below 7 are drawn larger, so that a curve under another is seen
 [[nodiscard]] std::string linked_point_style(const char* colour, int type);
+/// Of the n-th curve from the bottom, n < count <= 4: curves that coincide become narrower upwards, with smaller open markers, so that each is seen.
+[[nodiscard]] std::string nested_style(const char* colour, std::size_t n, std::size_t count);
 [[nodiscard]] std::string point_style(const char* colour, int type, double size, double width = 1.0);
 
 /// An area between two curves, under the series; values are clamped to the panel's y_range, which is given.
@@ -69,7 +71,8 @@ struct Plot {
   int panel_height_px = 190;
   int columns = 0;  ///< of a grid, filled row by row, each panel with axes of its own; 0: stacked over one x axis
   bool log_x = false, log_y = false;
-  std::string legend = "top left";  ///< gnuplot's word for where the legend goes: in a grid the first panel has the only one
+  /// Place of the legend, in a grid that of the first panel alone: gnuplot's words, in the panel; or "above", over the whole grid.
+  std::string legend = "top left";
 };
 
 /// @returns the commands for gnuplot, including the data. Pure: the same plot gives the same text.

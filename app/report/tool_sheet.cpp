@@ -17,7 +17,8 @@ namespace {
 constexpr int kPanelWidth = 380, kPanelHeight = 520, kPanelPitch = 472, kLeft = 88, kBottom = 132;
 constexpr double kPanelAspect = static_cast<double>(kPanelWidth) / kPanelHeight;
 constexpr double kMm = 1e3;       // of a metre
-constexpr double kLongest = 5.0;  // length over width of a bit that is drawn completely
+constexpr double kLongest = 2.5;  // length over width of a bit that is drawn completely
+constexpr double kShown = 2.0;    // of a longer one
 
 std::string colour_text(const Rgb& c) { return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]); }
 
@@ -30,6 +31,19 @@ double working_height(const Tool& tool) {
   }
   if (tool.erosion.size() == 0) return tool.bound_hi.z;
   return std::min(tool.bound_hi.z, top + std::max(0.4 * top, 0.8 * wide));
+}
+
+/// A shaft much longer than wide would make the working end small: it is cut off.
+double drawn_height(const Tool& tool) {
+  double wide = 0.0;  // of the working end
+  const double working = working_height(tool);
+  for (const Vec3& p : tool.shell.positions)
+    if (p.z <= working) wide = std::max({wide, 2.0 * std::abs(p.x), 2.0 * std::abs(p.y)});
+  return tool.bound_hi.z <= kLongest * wide ? tool.bound_hi.z : std::max(working, kShown * wide);
+}
+
+bool cuts_all_over(const Tool& tool) {
+  return std::ranges::all_of(tool.shell.cutting, [](std::uint8_t cuts) { return cuts != 0; });
 }
 
 SheetFrame frame_of(const Tool& tool, const SheetView& view, double height) {
@@ -94,11 +108,11 @@ std::string shell_block(const std::string& name, const Tool& tool, const SheetVi
 }
 
 std::string picture_panel(const Tool& tool, const SheetView& view) {
-  // A shaft many times longer than wide would make the picture a thin line: it is cut off, and the title states it.
-  const double wide = 2.0 * std::max({tool.bound_hi.x, tool.bound_hi.y, -tool.bound_lo.x, -tool.bound_lo.y});
-  const bool whole = tool.bound_hi.z <= kLongest * wide;
-  const SheetFrame frame = frame_of(tool, view, whole ? tool.bound_hi.z : 0.8 * kLongest * wide);
-  const std::string title = whole ? "The bit" : fmt::format("The bit; its shaft ends at z = {:.0f} mm", tool.bound_hi.z * kMm);
+  const double height = drawn_height(tool);
+  const SheetFrame frame = frame_of(tool, view, height);
+  std::string title = "The bit";
+  if (height < tool.bound_hi.z) title += fmt::format("; its shaft ends at z = {:.0f} mm", tool.bound_hi.z * kMm);
+  if (cuts_all_over(tool)) title += ", which has no shaft";
   const Raster raster = shade_tool(tool, view, frame, {kPanelWidth, kPanelHeight}, false);
   return picture_block("picture", raster) + panel_commands(0, frame, title, "across the picture [mm]", "up the picture [mm]") + kLegend +
          "plot " + picture_element("picture", raster, frame) + ", " + square_entry(kCuts, "cuts") + ", " +

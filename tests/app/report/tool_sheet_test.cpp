@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <regex>
 #include <set>
 
 #include <string>
@@ -121,6 +122,31 @@ TEST_CASE("sheet: every shipped bit makes a script of one picture each panel, na
     ++sheets;
   }
   CHECK(sheets > 0);
+}
+
+TEST_CASE("sheet: the working end fills at least half of its picture across, or as much of it upwards as cuts; a missing shaft is named") {
+  int burrs = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(test::in_source("app/tools"))) {
+    const Tool tool = shipped(entry.path().stem().string());
+    CAPTURE(tool.name);
+    const std::string script = tool_sheet_script({&tool, "headline", "subtitle"});
+    // The first panel is that of the picture.
+    std::smatch x, y;
+    REQUIRE(std::regex_search(script, x, std::regex(R"(set xrange \[([-0-9.e]+):([-0-9.e]+)\])")));
+    REQUIRE(std::regex_search(script, y, std::regex(R"(set yrange \[([-0-9.e]+):([-0-9.e]+)\])")));
+    double wide = 0.0, high = 0.0;  // [m] of what cuts
+    for (const Vec3& p : tool.erosion.positions) {
+      wide = std::max(wide, 2.0 * std::abs(p.x));
+      high = std::max(high, p.z);
+    }
+    const double across = 1e3 * wide / (std::stod(x[2]) - std::stod(x[1])), upwards = 1e3 * high / (std::stod(y[2]) - std::stod(y[1]));
+    CHECK((across > 0.45 || upwards > 0.45));
+    const bool burr = tool.name.starts_with("round_burr") || tool.name.starts_with("twist");
+    if (burr) CHECK(across > 0.55);
+    burrs += burr ? 1 : 0;
+    CHECK((script.find("has no shaft") != std::string::npos) == tool.name.starts_with("acosta_liu"));
+  }
+  CHECK(burrs == 6);
 }
 
 TEST_CASE("sheet: a PNG of its size that is far from blank; no gnuplot and an invalid path are reported") {
