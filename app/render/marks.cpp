@@ -17,8 +17,8 @@ namespace burrhole {
 namespace {
 
 constexpr Rgba8 kNear{250, 250, 250, 255}, kFar{150, 160, 172, 255}, kBox{255, 214, 120, 255};
-constexpr double kLeastNote = 7.0;  // [pixels] height of letters that can be read
-constexpr double kShortest = 0.30;  // [-] of a half axis that has a letter
+constexpr double kLeastNote = 7.0;   // [pixels] height of letters that can be read
+constexpr double kShortest = 0.30;   // [-] of a half axis that has a letter
 constexpr double kLetterRoom = 1.5;  // [letters] between the middles of two
 constexpr std::array kSides{"R-L", "A-P", "I-S"};
 

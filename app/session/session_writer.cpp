@@ -184,6 +184,8 @@ Result<SessionWriter> SessionWriter::create(const std::string& path, const Sessi
     return error;
   };
   if (code != SQLITE_OK) return failed();
+  constexpr int kWait = 5000;  // [ms] for a reader that has opened the new file, such as a backup
+  sqlite3_busy_timeout(raw, kWait);
   // NORMAL: no wait for the disk at a commit, which a killed process does not need. The checkpoint puts the schema into the file itself.
   const std::string set_up = "PRAGMA application_id = " + std::to_string(kApplicationId) +
                              "; PRAGMA user_version = " + std::to_string(kSessionSchema) +

@@ -49,7 +49,8 @@ class WithRuns(WithFolder):
         self.addCleanup(process.kill)
         deadline = time.monotonic() + 60
         while (self.session_of(out) == before or self.rows(out) == 0) and time.monotonic() < deadline:
-            self.assertIsNone(process.poll())
+            if process.poll() is not None:
+                self.fail(f"ended with exit {process.returncode}: {process.stderr.read()}")
             time.sleep(0.02)
         return process
 

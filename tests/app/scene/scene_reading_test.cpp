@@ -337,7 +337,7 @@ TEST_CASE(
 TEST_CASE("scene: a tool too large for the window is refused with the numbers") {
   std::string text = replaced(scene_text({}), "\"ball\"", "\"perforator_14_11\"");
   Issues issues;
-  CHECK(faults(replaced(text, "spacing_mm = 0.25", "spacing_mm = 0.07"), issues) ==
+  CHECK(faults(replaced(text, "spacing_mm = 0.25", "spacing_mm = 0.09"), issues) ==
         std::vector<std::string>{
             "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 234 x 234 x 606 "
             "voxels; each edge must be in [5, 512], and all voxels at most 16777216"});

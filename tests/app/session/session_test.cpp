@@ -10,6 +10,7 @@
 #include <bit>
 #include <fstream>
 #include <limits>
+#include <thread>
 
 #include "tests/app/session/session_samples.h"
 #include "tests/support/temporary_folder.h"
@@ -132,6 +133,27 @@ TEST_CASE("session: the file is in WAL mode and a destroyed writer has closed it
   file.seekg(18);
   CHECK(file.get() == 2);
   CHECK(file.get() == 2);
+}
+
+TEST_CASE("session: a reader that opens the new file at once, as a backup does, does not end the run") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("run.session");
+  std::atomic<bool> done = false;
+  std::jthread reader([&] {
+    while (!done) {
+      sqlite3* database = nullptr;
+      if (sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READONLY, nullptr) == SQLITE_OK)
+        sqlite3_exec(database, "BEGIN; SELECT count(*) FROM sqlite_schema; COMMIT", nullptr, nullptr, nullptr);
+      sqlite3_close(database);
+    }
+  });
+  int refused = 0;
+  for (int n = 0; n < 60; ++n) {
+    auto writer = SessionWriter::create(path, kMeta, servo_only(10));
+    if (!writer) ++refused;
+  }
+  done = true;
+  CHECK(refused == 0);
 }
 
 TEST_CASE("session: a new run replaces an old session, and nothing else") {
