@@ -124,20 +124,25 @@ std::vector<Item> sessions() {
 }
 
 /// @returns the command for a scene file, or for a site on a scan, whose scene is written into the folder of the results.
-Result<std::optional<Words>> words_of_file(const Chosen& chosen) {
-  if (!chosen.site) return std::optional(drill_words(chosen.scene, results_of(fs::path(chosen.scene).stem().string())));
+Result<Words> words_of_file(const Chosen& chosen) {
+  if (!chosen.site) return drill_words(chosen.scene, results_of(fs::path(chosen.scene).stem().string()));
   const fs::path source(chosen.source.path);
   const fs::path folder = results_of((source.has_stem() ? source.stem() : source.parent_path().filename()).string());
   const fs::path scene = folder / "scene.toml";
   if (const Status written = write_file(scene.string(), site_scene(*chosen.site, chosen.source)); !written) return written.error();
   note(fmt::format("scene: {}\n", scene.string()));
-  return std::optional(drill_words(scene.string(), folder.string()));
+  return drill_words(scene.string(), folder.string());
 }
 
 }  // namespace
 
-Result<std::optional<Words>> choose_command() {
-  if (!has_display()) return std::optional<Words>();
+Result<Words> choose_command() {
+  if (!has_display())
+    return Error{
+        ErrorCode::unavailable,
+        "there is no display for the window in which to choose: neither DISPLAY nor WAYLAND_DISPLAY is set; burrhole drill parietal "
+        "drills offscreen, burrhole --help lists the commands",
+        {}};
   std::vector<Item> items = scenes();
   items.push_back(
       {{"YOUR OWN", "Open a CT or scene ...", "a folder of DICOM slices, NIfTI, NRRD, MetaImage, a mesh, or a scene file", "", true}, {}});
@@ -154,8 +159,8 @@ Result<std::optional<Words>> choose_command() {
   }
   const auto chosen = choose_in_window("burrhole", choices, config, &stop_requested());
   if (!chosen) return chosen.error();
-  if (!*chosen) return std::optional(Words());
-  if ((*chosen)->line) return std::optional(items[*(*chosen)->line].words);
+  if (!*chosen) return Words();
+  if ((*chosen)->line) return items[*(*chosen)->line].words;
   return words_of_file(**chosen);
 }
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <string_view>
+#include <utility>
 
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
@@ -166,6 +168,34 @@ Status is_a_scene(const std::string& path) {
   return bad_input("is a volume or a mesh, not a scene: give it to a scene by --set volume.source=FILE, or see burrhole import FILE", path);
 }
 
+/// @returns an error for the file of a tool in place of a scene.
+Status is_no_tool(const TomlDocument& document) {
+  Issues unread;
+  const TableReader root = document.root(unread);
+  const bool tool = (root.has("region") || root.has("mesh")) && !root.has("volume") && !root.has("approach") && !root.has("tool");
+  if (!tool) return {};
+  return bad_input(fmt::format("is a tool file, not a scene: burrhole tools {0} shows it, and --set tool.name={0} uses it in a scene",
+                               document.file_name()),
+                   document.file_name());
+}
+
+/// Tables that a person may set to the value of one of their keys.
+constexpr std::pair<std::string_view, const char*> kMainKeys[] = {
+    {"tool", "tool.name"}, {"volume", "volume.source"}, {"hand", "hand.kind"}, {"contact", "contact.model"}};
+
+/// @returns an error for the value of a key that is given to its table.
+Status is_no_value_of_a_table(const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos) return {};
+  const std::size_t value = assignment.find_first_not_of(" \t", equals + 1);
+  if (value == std::string::npos || assignment[value] == '{') return {};
+  const std::string name = assignment.substr(0, assignment.find_last_not_of(" \t", equals - 1) + 1);
+  for (const auto& [table, key] : kMainKeys)
+    if (name == table)
+      return bad_input(fmt::format("{} is a table: write --set {}={}", table, key, assignment.substr(value)), "--set " + assignment);
+  return {};
+}
+
 /// The keys whose values are paths of files that are read.
 constexpr const char* kPathKeys[] = {"volume.source", "approach.markups", "tool.name", "mesh.file"};
 
@@ -197,6 +227,9 @@ Result<TomlDocument> SceneOption::document() const {
   if (const Status valid = is_a_scene(path); !valid) return valid.error();
   auto document = TomlDocument::load(path);
   if (!document) return document.error();
+  if (const Status valid = is_no_tool(*document); !valid) return valid.error();
+  for (const std::string& assignment : sets)
+    if (const Status valid = is_no_value_of_a_table(assignment); !valid) return valid.error();
   // First what goes: --unset approach --set approach.markups=FILE gives another approach.
   for (const std::string& name : unsets)
     if (Status removed = document->unset(name); !removed) return removed.error();

@@ -20,31 +20,42 @@ struct Options {
   bool json = false;
 };
 
-/// Draws the differences of each run's pictures from those of the first. @returns them with the pictures themselves. @param issues receives
-/// the errors of pictures that cannot be read, which are left out.
-std::vector<ComparedPicture> compare_pictures(const std::vector<RunResults>& runs, const std::string& folder, Issues& issues) {
-  std::vector<ComparedPicture> out;
+#ifdef BH_WITH_RENDER
+/// Compares one view of each run with that of the first, and draws the differences. @param issues receives the errors of pictures that
+/// cannot be read, which are left out.
+ComparedView compare_view(const std::vector<RunResults>& runs, const std::string& name, const std::string& folder, Issues& issues) {
+  ComparedView out;
+  std::vector<std::string> same;
+  const std::string first = (fs::path(runs.front().folder) / (name + ".png")).string();
+  for (std::size_t n = 1; n < runs.size(); ++n) {
+    if (std::ranges::find(runs[n].pictures, name) == runs[n].pictures.end()) continue;
+    const std::string other = (fs::path(runs[n].folder) / (name + ".png")).string();
+    const std::string file =
+        (fs::path(folder) / (runs.size() == 2 ? name + "_difference.png" : fmt::format("{}_difference_{}.png", name, n))).string();
+    const auto difference = write_picture_difference(first, other, file);
+    if (!difference) {
+      issues.push_back(difference.error());
+    } else if (difference->empty()) {
+      note(fmt::format("{}: the pictures differ in size: not compared\n", name));
+    } else if (*difference == kNoDifference) {
+      same.push_back(runs[n].name);
+    } else {
+      out.pictures.push_back({other, fmt::format("{}: {}", name, runs[n].name)});
+      out.pictures.push_back({file, fmt::format("{}: {}", runs[n].name, *difference)});
+    }
+  }
+  if (out.pictures.empty() && same.empty()) return out;
+  out.pictures.insert(out.pictures.begin(), {first, fmt::format("{}: {}", name, runs.front().name)});
+  if (!same.empty()) out.same = fmt::format("{}: no difference between {} and {}.", name, runs.front().name, fmt::join(same, ", "));
+  return out;
+}
+#endif
+
+std::vector<ComparedView> compare_views(const std::vector<RunResults>& runs, const std::string& folder, Issues& issues) {
+  std::vector<ComparedView> out;
 #ifdef BH_WITH_RENDER
   for (const std::string& name : runs.front().pictures)
-    for (std::size_t n = 1; n < runs.size(); ++n) {
-      if (std::ranges::find(runs[n].pictures, name) == runs[n].pictures.end()) continue;
-      const std::string first = (fs::path(runs.front().folder) / (name + ".png")).string();
-      const std::string other = (fs::path(runs[n].folder) / (name + ".png")).string();
-      const std::string file =
-          (fs::path(folder) / (runs.size() == 2 ? name + "_difference.png" : fmt::format("{}_difference_{}.png", name, n))).string();
-      const auto difference = write_picture_difference(first, other, file);
-      if (!difference) {
-        issues.push_back(difference.error());
-        continue;
-      }
-      if (difference->empty()) {
-        note(fmt::format("{}: the pictures differ in size: not compared\n", name));
-        continue;
-      }
-      out.push_back({first, fmt::format("{}: {}", name, runs.front().name)});
-      out.push_back({other, fmt::format("{}: {}", name, runs[n].name)});
-      out.push_back({file, *difference});
-    }
+    if (ComparedView view = compare_view(runs, name, folder, issues); !view.pictures.empty()) out.push_back(std::move(view));
 #else
   static_cast<void>(runs);
   static_cast<void>(folder);
@@ -75,8 +86,8 @@ int run_compare(const Options& option) {
     fs::create_directories(option.folder, error);
     if (error || !fs::is_directory(option.folder))
       return report(bad_input("the output folder cannot be created: give another by --out", option.folder));
-    const auto pictures = compare_pictures(runs, option.folder, issues);
-    if (Status written = write_comparison(runs, pictures, option.folder); !written) return report(written.error());
+    const auto views = compare_views(runs, option.folder, issues);
+    if (Status written = write_comparison(runs, views, option.folder); !written) return report(written.error());
     note(fmt::format("page: {}\n", (fs::path(option.folder) / "compare.html").string()));
   }
   print(option.json ? comparison_json(runs) : comparison_text(runs));
@@ -90,10 +101,11 @@ void add_compare(CLI::App& app, int& exit_code) {
       app, "compare", kDrillGroup,
       {.summary = "Lays the results of runs side by side: a table, curves, pictures",
        .about =
-           "A RUN is a folder that drill wrote. Prints a table of what made the results and of their figures; a star marks the rows "
-           "that differ, and of two runs the last column is the second minus the first. With --out it also writes compare.html with "
-           "force and depth of all runs over each other (compare.svg), and for each picture that the first run shares with another the "
-           "place of their differences. A session or picture that is damaged is left out: the exit code is then 2.",
+           "A RUN is a folder that drill wrote. Prints a table of their settings that differ, results and figures; a star marks the rows "
+           "that differ, and of two runs the last column is the second minus the first. A setting that a run did not override is the "
+           "scene's. feed_mm_per_s is depth_mm over breakthrough_s, the approach included. With --out it also writes compare.html with "
+           "force and depth of all runs over each other (compare.svg), and for each picture of the first run those of the others that "
+           "differ, with the place of their differences. A session or picture that is damaged is left out: the exit code is then 2.",
        .examples = {"burrhole compare out/soft out/hard", "burrhole compare out/soft out/hard --out out/compared",
                     "burrhole compare out/* --json | jq '.runs[].figures.plunge_mm'"},
        .exits = {}});

@@ -56,11 +56,13 @@ Status check_options(const LiveMode& mode, const DrillingFiles& files) {
 }
 
 Result<bool> decide_window(WindowOptions& window, SceneOption& scene, bool by_script, bool quiet) {
-  if (!by_script) return prepare_window(window, scene, quiet);
-  if (window.asked || window.demonstration || window.light || window.text_scale != 1.0)
+  if (by_script && (window.asked || window.light || window.text_scale != 1.0))
     return bad_input(
-        "--window, --demo, --light and --text-scale are not valid with --offscreen, --no-pictures, --json, --live, --video or --inputs");
-  return false;
+        "--window, --light and --text-scale are not valid with --offscreen, --no-pictures, --json, --live, --video or --inputs");
+  const auto windowed = by_script ? Result<bool>(false) : prepare_window(window, scene, quiet);
+  if (windowed && !*windowed && window.demonstration && !quiet)
+    note("--demo: no window: the scene's own hand drills offscreen, for the time of the scene\n");
+  return windowed;
 }
 
 Result<std::vector<ExpectedTerm>> parse_if_given(const std::optional<std::string>& expect) {

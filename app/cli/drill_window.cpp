@@ -76,7 +76,7 @@ void add_view_options(CLI::App& command, WindowOptions& options) {
 
 void add_window_options(CLI::App& command, WindowOptions& options) {
   command.add_flag("--window", options.asked, "in a window, or not at all; by default a window opens where there is a display");
-  command.add_flag("--demo", options.demonstration, "in the window, the scene's own hand drills, for up to an hour, until you take over");
+  command.add_flag("--demo", options.demonstration, "the scene's own hand drills; in the window for up to an hour, until you take over");
   add_view_options(command, options);
 }
 

@@ -120,8 +120,7 @@ void run_command(CLI::App& app, int argc, char** argv, int& exit_code) {
     exit_code = report(chosen.error());
     return;
   }
-  if (!*chosen) return app.parse(argc, argv);  // no display: the error that a command is missing
-  std::vector<std::string> words = **chosen;
+  std::vector<std::string> words = *chosen;
   if (words.empty()) {  // closed
     if (stop_requested().load()) exit_code = kInterrupted;
     return;

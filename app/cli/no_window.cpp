@@ -24,6 +24,10 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene&, const WindowOptions
 
 Result<bool> view_session_in_window(const std::string&, const WindowOptions&, bool) { return no_window(); }
 
-Result<std::optional<std::vector<std::string>>> choose_command() { return std::optional<std::vector<std::string>>(); }
+Result<std::vector<std::string>> choose_command() {
+  return Error{ErrorCode::unavailable,
+               "this build has no window to choose in: burrhole drill parietal drills, burrhole --help lists the commands",
+               {}};
+}
 
 }  // namespace burrhole::cli

@@ -33,8 +33,8 @@ Result<std::string> write_picture_difference(const std::string& first, const std
     const auto mixed = [&](int channel) { return static_cast<std::uint8_t>(std::lround(grey + share * (kOrange[channel] - grey))); };
     out.pixels[n] = {mixed(0), mixed(1), mixed(2), 255};
   }
+  if (differing == 0) return std::string(kNoDifference);
   if (Status written = write_png(file, out); !written) return written.error();
-  if (differing == 0) return std::string("no difference");
   return fmt::format("difference, in {:.2g} % of the pixels",
                      100.0 * static_cast<double>(differing) / static_cast<double>(out.pixels.size()));
 }

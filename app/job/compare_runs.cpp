@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -80,10 +81,59 @@ void add_figures(const Json& json, RunResults& out) {
       out.figures.emplace_back(key, std::nullopt);
     else if (value.is_boolean())
       out.facts.emplace_back(key, text_of(value));
+  // The mean from the start of the run, its approach included: summary.json has no time of the contact.
+  if (const Json depth = drilling.value("depth_mm", Json()), time = drilling.value("breakthrough_s", Json());
+      depth.is_number() && time.is_number() && time.get<double>() > 0.0)
+    out.figures.emplace_back("feed_mm_per_s", depth.get<double>() / time.get<double>());
+  else
+    out.figures.emplace_back("feed_mm_per_s", std::nullopt);
   for (const char* key : {"duration_s", "wall_s"})
     if (const Json value = json.value(key, Json()); value.is_number()) out.figures.emplace_back(key, value.get<double>());
   const Json hashes = object_of(json, "hash");
   for (const auto& [of, hash] : hashes.items()) out.facts.emplace_back("hash of the " + of + " of the run", text_of(hash));
+}
+
+std::string number_of(const std::optional<double>& value) { return value ? fmt::format("{:.5g}", *value) : std::string("-"); }
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\"'"), last = text.find_last_not_of(" \t\"'");
+  return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
+}
+
+using Texts = std::vector<std::pair<std::string, std::string>>;
+constexpr std::string_view kToolKey = "tool file ";    // in front of the keys of the tool's file
+constexpr std::string_view kSceneKey = "scene file ";  // in front of keys without a table, as duration_s: figures have such names too
+
+/// Adds changes as summary.json lists them, "table.key=value" or "unset table"; a later value of a key replaces the one before.
+void add_overrides(const Json& changes, std::string_view prefix, Texts& out) {
+  constexpr std::string_view kUnset = "unset ";
+  if (!changes.is_array()) return;
+  for (const Json& change : changes) {
+    const std::string text = text_of(change);
+    const std::size_t equals = text.find('=');
+    const bool unset = equals == std::string::npos && text.starts_with(kUnset);
+    const std::string_view path = unset ? std::string_view(text).substr(kUnset.size()) : std::string_view(text).substr(0, equals);
+    const std::string name(trimmed(path));
+    const std::string key = std::string(prefix.empty() && name.find('.') == std::string::npos ? kSceneKey : prefix) + name;
+    const std::string value(unset ? "left out" : equals == std::string::npos ? "" : trimmed(std::string_view(text).substr(equals + 1)));
+    const auto known = std::ranges::find(out, key, &Texts::value_type::first);
+    if (known == out.end())
+      out.emplace_back(key, value);
+    else
+      known->second = value;
+  }
+}
+
+void add_settings(const Json& json, RunResults& out) {
+  const Json made = json.value("provenance", Json()), tool = json.value("tool", Json());
+  if (made.is_object()) {
+    add_overrides(made.value("overrides", Json()), {}, out.overrides);
+    add_overrides(made.value("tool_overrides", Json()), kToolKey, out.overrides);
+  }
+  if (!tool.is_object()) return;
+  for (const auto& [key, of] : {std::pair("tool.name", "name"), std::pair("tool.spin_rpm", "spin_rpm"), std::pair("hand.push_N", "push_N")})
+    if (const Json value = tool.value(of, Json()); !value.is_null())
+      out.used.emplace_back(key, value.is_number() ? number_of(value.get<double>()) : text_of(value));
 }
 
 std::optional<Vec3> vector_of(const Json& value) {
@@ -128,8 +178,6 @@ Result<std::string> add_curves(const Json& json, RunResults& out) {
   }
   return out.time_s.empty() ? std::string("the session has no row") : std::string();
 }
-
-std::string number_of(const std::optional<double>& value) { return value ? fmt::format("{:.5g}", *value) : std::string("-"); }
 
 /// @returns the names that any run has, in the order of the first run that has them.
 template <class Value>
@@ -198,6 +246,7 @@ Result<RunResults> read_run(const std::string& path) {
       !few(object_of(object_of(json, "provenance"), "erosion_factors_per_rev")) || !few(object_of(object_of(json, "provenance"), "hash")))
     return bad_input("is not a summary.json of burrhole drill: give the folder of a run", file);
   add_facts(json, out);
+  add_settings(json, out);
   add_figures(json, out);
   const auto curves = add_curves(json, out);
   out.no_curves = curves ? *curves : "the session cannot be read: " + curves.error().message;
@@ -208,27 +257,65 @@ Result<RunResults> read_run(const std::string& path) {
   return out;
 }
 
+namespace {
+
+ComparedRow row_of(std::string name, std::vector<std::string> cells) {
+  ComparedRow out;
+  out.name = std::move(name);
+  out.differs = std::ranges::any_of(cells, [&](const std::string& cell) { return cell != cells.front(); });
+  out.cells = std::move(cells);
+  return out;
+}
+
+/// @returns a row for each key whose value the runs do not share.
+std::vector<ComparedRow> setting_rows(std::span<const RunResults> runs) {
+  std::vector<std::string> names = names_of(runs, &RunResults::used);
+  const std::size_t of_every_run = names.size();
+  for (const std::string& name : names_of(runs, &RunResults::overrides))
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  std::vector<ComparedRow> out;
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    const bool known = n < of_every_run;
+    const char* const instead = known ? "-" : names[n].starts_with(kToolKey) ? "tool's" : "scene's";
+    std::vector<std::string> cells;
+    for (const RunResults& run : runs) {
+      const auto& list = known ? run.used : run.overrides;
+      const auto found = std::ranges::find(list, names[n], &Texts::value_type::first);
+      cells.push_back(found == list.end() ? instead : found->second);
+    }
+    ComparedRow row = row_of(names[n], std::move(cells));
+    row.is_setting = true;
+    if (row.differs) out.push_back(std::move(row));
+  }
+  return out;
+}
+
+/// @returns whether a row is one of those that say who made the results, when and how fast.
+bool is_of_the_making(const ComparedRow& row) {
+  constexpr std::string_view kNames[] = {"program", "machine", "date", "wall_s"};
+  return !row.is_setting && (row.name.starts_with("hash of ") || std::ranges::find(kNames, row.name) != std::end(kNames));
+}
+
+}  // namespace
+
 std::vector<ComparedRow> compared_rows(std::span<const RunResults> runs) {
   std::vector<ComparedRow> out;
-  const auto add = [&](ComparedRow row) {
-    row.differs = std::ranges::any_of(row.cells, [&](const std::string& cell) { return cell != row.cells.front(); });
-    out.push_back(std::move(row));
-  };
   for (const std::string& name : names_of(runs, &RunResults::facts)) {
-    ComparedRow row;
-    row.name = name;
-    for (const RunResults& run : runs) row.cells.push_back(value_of(run.facts, name));
-    add(std::move(row));
+    if (name == "overrides" || name == "tool_overrides") continue;  // a row each key: setting_rows()
+    std::vector<std::string> cells;
+    for (const RunResults& run : runs) cells.push_back(value_of(run.facts, name));
+    out.push_back(row_of(name, std::move(cells)));
+    if (name == "scene") std::ranges::move(setting_rows(runs), std::back_inserter(out));
   }
   for (const std::string& name : names_of(runs, &RunResults::figures)) {
-    ComparedRow row;
-    row.name = name;
-    for (const RunResults& run : runs) row.cells.push_back(number_of(value_of(run.figures, name)));
-    if (runs.size() == 2)
-      if (const auto a = value_of(runs[0].figures, name), b = value_of(runs[1].figures, name); a && b && *a != *b)
-        row.difference = fmt::format("{:+.4g}", *b - *a);
-    add(std::move(row));
+    std::vector<std::string> cells;
+    for (const RunResults& run : runs) cells.push_back(number_of(value_of(run.figures, name)));
+    out.push_back(row_of(name, std::move(cells)));
+    if (runs.size() != 2) continue;
+    if (const auto a = value_of(runs[0].figures, name), b = value_of(runs[1].figures, name); a && b && *a != *b)
+      out.back().difference = fmt::format("{:+.4g}", *b - *a);
   }
+  std::ranges::stable_partition(out, [](const ComparedRow& row) { return !is_of_the_making(row); });
   return out;
 }
 
@@ -251,13 +338,13 @@ std::string cut(const std::string& text, std::size_t widest) {
 }  // namespace
 
 std::string comparison_text(std::span<const RunResults> runs) {
-  constexpr std::size_t kWidest = 44;  // [characters] of a cell; longer ones are cut
+  constexpr std::size_t kWidest = 44;  // [characters] of a cell; longer ones are cut, but not settings
   std::vector<std::vector<std::string>> lines{{"", ""}};
   for (const RunResults& run : runs) lines.front().push_back(cut(run.name, kWidest));
   if (runs.size() == 2) lines.front().emplace_back("difference");
   for (const ComparedRow& row : compared_rows(runs)) {
     std::vector<std::string> line{row.differs ? "*" : " ", row.name};
-    for (const std::string& cell : row.cells) line.push_back(cut(cell, kWidest));
+    for (const std::string& cell : row.cells) line.push_back(row.is_setting ? cell : cut(cell, kWidest));
     if (runs.size() == 2) line.push_back(row.difference);
     lines.push_back(std::move(line));
   }
@@ -278,20 +365,22 @@ std::string comparison_json(std::span<const RunResults> runs) {
   json["schema"] = kCompareSchema;
   json["runs"] = Json::array();
   for (const RunResults& run : runs) {
-    Json facts = Json::object(), figures = Json::object();
+    Json facts = Json::object(), settings = Json::object(), figures = Json::object();
+    for (const auto* list : {&run.used, &run.overrides})
+      for (const auto& [name, value] : *list) settings.emplace(name, value);
     for (const auto& [name, value] : run.facts) facts[name] = value;
     for (const auto& [name, value] : run.figures) figures[name] = value ? Json(*value) : Json();
-    json["runs"].push_back({{"name", run.name}, {"facts", facts}, {"figures", figures}});
+    json["runs"].push_back({{"name", run.name}, {"facts", facts}, {"settings", settings}, {"figures", figures}});
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-Status write_comparison(std::span<const RunResults> runs, const std::vector<ComparedPicture>& pictures, const std::string& folder) {
-  std::vector<std::string> columns{""}, names;
-  for (const RunResults& run : runs) names.push_back(run.name);
+namespace {
+
+void add_table(std::span<const RunResults> runs, const std::vector<std::string>& names, HtmlPage& page) {
+  std::vector<std::string> columns{""};
   columns.insert(columns.end(), names.begin(), names.end());
   if (runs.size() == 2) columns.emplace_back("Difference");
-  HtmlPage page("Comparison of runs", fmt::format("{}", fmt::join(names, " · ")));
   std::vector<std::vector<std::string>> rows;
   for (const ComparedRow& row : compared_rows(runs)) {
     std::vector<std::string> line{row.differs ? row.name + " *" : row.name};
@@ -299,18 +388,36 @@ Status write_comparison(std::span<const RunResults> runs, const std::vector<Comp
     if (runs.size() == 2) line.push_back(row.difference);
     rows.push_back(std::move(line));
   }
-  if (Status drawn = add_plot(runs, folder, page); !drawn) return drawn;
-  if (!pictures.empty()) {
-    page.heading("Pictures");
-    page.paragraph("Left and middle: the same view of two runs. Right: where they differ, orange over the first in grey.");
-    page.begin_pictures();
-    for (const ComparedPicture& picture : pictures)
-      if (Status added = page.picture(picture.png_path, picture.caption); !added) return added;
-    page.end_pictures();
-  }
   page.heading("Figures");
   page.table(columns, rows);
   page.paragraph("* The values differ.");
+}
+
+Status add_views(const std::vector<ComparedView>& views, HtmlPage& page) {
+  if (views.empty()) return {};
+  page.heading("Pictures");
+  page.paragraph(
+      "The view of the first run, then that of each run that differs, followed by the place of the difference: orange over the first in "
+      "grey.");
+  for (const ComparedView& view : views) {
+    page.begin_pictures();
+    for (const ComparedPicture& picture : view.pictures)
+      if (Status added = page.picture(picture.png_path, picture.caption); !added) return added;
+    page.end_pictures();
+    if (!view.same.empty()) page.paragraph(view.same);
+  }
+  return {};
+}
+
+}  // namespace
+
+Status write_comparison(std::span<const RunResults> runs, const std::vector<ComparedView>& views, const std::string& folder) {
+  std::vector<std::string> names;
+  for (const RunResults& run : runs) names.push_back(run.name);
+  HtmlPage page("Comparison of runs", fmt::format("{}", fmt::join(names, " · ")));
+  add_table(runs, names, page);
+  if (Status drawn = add_plot(runs, folder, page); !drawn) return drawn;
+  if (Status added = add_views(views, page); !added) return added;
   return write_file((fs::path(folder) / "compare.html").string(), page.text());
 }
 

@@ -19,6 +19,8 @@ struct RunResults {
   std::string name;  ///< as given
   std::string folder;
   std::vector<std::pair<std::string, std::string>> facts;              ///< title, result, program, overrides, ...
+  std::vector<std::pair<std::string, std::string>> overrides;          ///< keys of scene and tool with their values; see compared_rows()
+  std::vector<std::pair<std::string, std::string>> used;               ///< bit, spin and push of the run, by their keys of the scene
   std::vector<std::pair<std::string, std::optional<double>>> figures;  ///< names with units; nothing: null in summary.json
   std::vector<double> time_s, force_N, depth_mm;                       ///< of the session; depth empty without an approach
   std::string no_curves;                                               ///< why there are none; empty: there are
@@ -35,20 +37,27 @@ struct ComparedRow {
   std::vector<std::string> cells;  ///< one a run
   std::string difference;          ///< second run minus first, of two runs
   bool differs = false;
+  bool is_setting = false;  ///< a key that was overridden: shown whole
 };
+/// @returns the rows in this order: title and scene; each key of scene, or of the tool's file, that was overridden and differs, with "scene's" or
+/// "tool's" where a run did not override it (bit, spin and push: the value of each run, if it differs for any reason); results; figures;
+/// and last program, machine, date, hashes and wall time.
 [[nodiscard]] std::vector<ComparedRow> compared_rows(std::span<const RunResults> runs);
 /// @returns the rows as text in columns; "*" marks a row whose values differ.
 [[nodiscard]] std::string comparison_text(std::span<const RunResults> runs);
-/// @returns {schema, runs[{name, facts{}, figures{}}]}.
+/// @returns {schema, runs[{name, facts{}, settings{}, figures{}}]}; settings are bit, spin, push and the keys that were overridden.
 [[nodiscard]] std::string comparison_json(std::span<const RunResults> runs);
 
-/// A picture of the page.
 struct ComparedPicture {
   std::string png_path, caption;
 };
-/// Writes compare.svg (force and depth of all runs over time) and compare.html into a folder. Without gnuplot or curves, a sentence
+/// One view that runs share.
+struct ComparedView {
+  std::vector<ComparedPicture> pictures;  ///< of the first run, then of each run that differs, with the difference
+  std::string same;                       ///< one sentence on the runs without a difference; empty: there is none
+};
+/// Writes compare.svg (force and depth of all runs over time) and compare.html into a folder: table, curves, pictures. Without gnuplot or curves, a sentence
 /// replaces the plot.
-[[nodiscard]] Status write_comparison(std::span<const RunResults> runs, const std::vector<ComparedPicture>& pictures,
-                                      const std::string& folder);
+[[nodiscard]] Status write_comparison(std::span<const RunResults> runs, const std::vector<ComparedView>& views, const std::string& folder);
 
 }  // namespace burrhole

@@ -43,18 +43,50 @@ Error wrong(std::string_view term, const std::string& why) {
   return bad_input(fmt::format("--expect: \"{}\" {}; allowed: {}", term, why, allowed()));
 }
 
+/// @returns the last part of the figure's key: its name in summary.json.
+std::string_view summary_name(const ExpectedFigure& figure) {
+  const std::string_view key = figure.about;
+  return key.substr(key.rfind('.') + 1);
+}
+
+/// @returns the figure of a name as --expect has it, with hyphens or underscores, or as summary.json has it, with or without its table.
+const ExpectedFigure* figure_named(std::string_view name) {
+  std::string plain(name);
+  std::ranges::replace(plain, '_', '-');
+  for (const ExpectedFigure& figure : expected_figures())
+    if (plain == figure.name || name == figure.about || name == summary_name(figure)) return &figure;
+  return nullptr;
+}
+
+/// @returns the error of a name that no figure has: with the nearest name, and the figures alone.
+Error no_figure(std::string_view term, std::string_view name) {
+  std::vector<std::string> names, all;
+  for (const ExpectedFigure& figure : expected_figures()) {
+    names.emplace_back(figure.name);
+    all.emplace_back(figure.name);
+    all.emplace_back(summary_name(figure));
+  }
+  const auto near = nearest_name(name, all);
+  return bad_input(fmt::format("--expect: \"{}\" names no figure: \"{}\"; {}figures: {} (burrhole docs outcome)", term, name,
+                               near ? "did you mean \"" + *near + "\"? " : "", fmt::join(names, ", ")));
+}
+
 Result<ExpectedTerm> parse_comparison(std::string_view term, std::size_t sign) {
   ExpectedTerm out;
   out.text = term;
   out.below = term[sign] == '<';
   const std::string_view name = trimmed(term.substr(0, sign)), right = trimmed(term.substr(sign + 1));
-  const auto& figures = expected_figures();
-  const auto found = std::ranges::find_if(figures, [&](const ExpectedFigure& figure) { return name == figure.name; });
-  if (found == figures.end()) return wrong(term, fmt::format("names no figure: \"{}\"", name));
-  out.figure = &*found;
+  const ExpectedFigure* const found = figure_named(name);
+  if (found == nullptr) return no_figure(term, name);
+  out.figure = found;
   const auto [end, error] = std::from_chars(right.data(), right.data() + right.size(), out.value);
   if (error != std::errc() || !std::isfinite(out.value)) return wrong(term, "has no number after " + std::string(1, term[sign]));
   const std::string_view unit = trimmed(right.substr(static_cast<std::size_t>(end - right.data())));
+  // A name of summary.json holds its unit; a share is in [0, 1] there.
+  if (unit.empty() && name.ends_with(summary_name(*found))) {
+    if (name.ends_with("_share")) out.value *= 100.0;
+    return out;
+  }
   if (unit != found->unit) return wrong(term, fmt::format("needs the unit {} after its number", found->unit));
   return out;
 }
@@ -98,12 +130,15 @@ const std::vector<ExpectedFigure>& expected_figures() {
   static const std::vector<ExpectedFigure> kFigures{
       {"plunge", "mm", "drilling.plunge_mm", [](Summary s) -> Value { return s.plunge_mm; }},
       {"depth", "mm", "drilling.reached_mm", [](Summary s) -> Value { return s.reached_mm; }},
+      {"breakthrough-depth", "mm", "drilling.depth_mm", [](Summary s) -> Value { return s.depth_mm; }},
       {"thickness", "mm", "drilling.thickness_mm", [](Summary s) -> Value { return s.thickness_mm; }},
       {"hole", "mm", "drilling.hole_diameter_mm", [](Summary s) -> Value { return s.hole_diameter_mm; }},
       {"inner-hole", "mm", "drilling.inner_diameter_mm", [](Summary s) -> Value { return s.inner_diameter_mm; }},
       {"aside", "mm", "drilling.aside_mm", [](Summary s) -> Value { return s.aside_mm; }},
       {"removed", "mm3", "drilling.removed_mm3", [](Summary s) -> Value { return s.removed_mm3; }},
+      {"removed-mass", "mm3", "drilling.removed_mass_mm3", [](Summary s) -> Value { return s.removed_mass_mm3; }},
       {"cleared", "%", "drilling.cleared_share", [](Summary s) -> Value { return percent(s.cleared_share); }},
+      {"uncut", "%", "drilling.uncut_share", [](Summary s) -> Value { return percent(s.uncut_share); }},
       {"peak-force", "N", "drilling.peak_force_N", [](Summary s) -> Value { return s.peak_force_N; }},
       {"angle", "deg", "drilling.angle_deg", [](Summary s) -> Value { return s.angle_deg; }},
       {"time", "s", "drilling.breakthrough_s", [](Summary s) -> Value { return s.breakthrough_s; }},

@@ -2,9 +2,10 @@
 ///   Terms are separated by commas; all must hold.
 ///     RESULT             a result of core/measure/outcome.h; "through" stands for drilled-through
 ///     no FLAG            the flag is not set
-///     FIGURE < VALUE UNIT, FIGURE > VALUE UNIT      a figure of summary.json, in the unit that expected_figures() lists
+///     FIGURE < VALUE UNIT, FIGURE > VALUE UNIT      a figure of expected_figures(), with its unit; its name may have "_" in place of "-"
+///     KEY < VALUE, KEY > VALUE      the same by its key in summary.json, "plunge_mm" or "drilling.plunge_mm"; the unit may be left out
 ///   A figure that the run does not have, as the plunge of a run that is not through, does not hold.
-///   Units  in the texts.   Frame  none.   Errors  bad_input: a term that is none of these, with what is allowed.   Thread  any.
+///   Units  in the texts.   Frame  none.   Errors  bad_input: a term that is none of these, with what is allowed; an unknown figure, with the nearest.   Thread  any.
 #pragma once
 
 #include <optional>

@@ -50,7 +50,8 @@ the run. Ctrl-C is exit code 130 whatever was expected. Terms are separated by c
 
 - a result, or `through` for `drilled-through`;
 - `no FLAG`: the flag is not set;
-- `FIGURE<VALUE UNIT` or `FIGURE>VALUE UNIT`, as in `plunge<0.5mm`. A figure that the run does not have does not hold.
+- `FIGURE<VALUE UNIT` or `FIGURE>VALUE UNIT`, as in `plunge<0.5mm`. A figure that the run does not have does not hold;
+- the same with the figure's key of summary.json, as in `plunge_mm<0.5` or `drilling.plunge_mm<0.5`. The unit is in such a name and may be left out.
 
 | figure | unit | key of summary.json |
 |---|---|---|

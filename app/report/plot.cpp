@@ -33,7 +33,13 @@ constexpr double kLabelPitch = 13.0;  // smallest distance between the names of 
 constexpr const char* kAxesStyle =
     "set border 3 linecolor rgb \"#666666\"\nset xtics nomirror out scale 0.6\nset ytics nomirror out scale 0.6\n"
     "set grid linecolor rgb \"#dddddd\" linewidth 0.6 dashtype solid\n";
+constexpr double kLegendRow = 19.0;    // height of a row of the legend
+constexpr double kKeySample = 46.0;    // the line sample of a legend, with the space before and after it
+constexpr std::size_t kUsualRows = 3;  // of a legend: the height of a panel holds these
+
 constexpr const char* kLineColors[] = {kPlotBlue, kPlotOrange, kPlotGreen, kPlotViolet, kPlotGrey};
+// One for each round of the colours: with these, 15 lines of a panel differ. Each pattern repeats in the sample of the legend.
+constexpr const char* kLineDashes[] = {"1", "(8,4)", "(2,3)"};
 constexpr const char* kBandColors[] = {"#f1e7d4", "#f9f4ea"};
 
 struct Range {
@@ -177,13 +183,27 @@ std::string event_commands(const Plot& plot, const std::vector<Flag>& flags, boo
   return out;
 }
 
-/// Rows of the legend of a panel: three columns.
-std::size_t legend_rows(const PlotPanel& panel) { return panel.series.size() > 1 ? std::min<std::size_t>(panel.series.size(), 3) : 0; }
+/// Rows of the legend of a panel: three, or as many as it takes for its columns to fit beside each other.
+std::size_t legend_rows(const Plot& plot, const PlotPanel& panel) {
+  const std::size_t count = panel.series.size();
+  if (count < 2) return 0;
+  std::size_t longest = 0;
+  for (const PlotSeries& series : panel.series) longest = std::max(longest, series.name.size());
+  const double room = plot.width_px - kLeft - kRight, column = kKeySample + kCharWidth * static_cast<double>(longest);
+  const std::size_t columns = std::max<std::size_t>(1, static_cast<std::size_t>(room / column));
+  return std::max(std::min(count, kUsualRows), (count + columns - 1) / columns);
+}
+
+/// The height of each stacked panel: a legend of more than the usual rows makes it higher.
+int stacked_height(const Plot& plot) {
+  std::size_t rows = kUsualRows;
+  for (const PlotPanel& panel : plot.panels) rows = std::max(rows, legend_rows(plot, panel));
+  return plot.panel_height_px + static_cast<int>(kLegendRow * static_cast<double>(rows - kUsualRows));
+}
 
 /// The legend has its own space above the data, so that it covers no line.
-Range with_legend_room(const Range& y, const PlotPanel& panel, int panel_height_px) {
-  constexpr double kLegendRow = 19.0;
-  const double taken = kLegendRow * static_cast<double>(legend_rows(panel));
+Range with_legend_room(const Range& y, const PlotPanel& panel, std::size_t rows, int panel_height_px) {
+  const double taken = kLegendRow * static_cast<double>(rows);
   const double room = (y.hi - y.lo) * taken / (panel_height_px - taken);
   return panel.y_down ? Range{y.lo - room, y.hi} : Range{y.lo, y.hi + room};
 }
@@ -269,6 +289,12 @@ PlotBox legend_box(const PlotPanel& panel, const std::string& where, const Place
 
 std::string titled(const std::string& name) { return name.empty() ? "notitle" : "title " + gnuplot_quoted(name); }
 
+/// The style of the series of that number: colours in turn, and after each round of them the next dash.
+std::string turn_style(std::size_t number) {
+  constexpr std::size_t kColors = std::size(kLineColors), kDashes = std::size(kLineDashes);
+  return line_style(kLineColors[number % kColors], kLineDashes[number / kColors % kDashes], 1.6);
+}
+
 std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < panel.fills.size(); ++i)
@@ -277,9 +303,7 @@ std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const PlotSeries& series = panel.series[i];
     const std::string block = fmt::format("$p{}_{}", panel_index, i);
-    parts.push_back(fmt::format("{} using 1:2 {} {}", block,
-                                series.style.empty() ? line_style(kLineColors[i % std::size(kLineColors)], "1", 1.6) : series.style,
-                                titled(series.name)));
+    parts.push_back(fmt::format("{} using 1:2 {} {}", block, series.style.empty() ? turn_style(i) : series.style, titled(series.name)));
   }
   std::string out = "plot ";
   for (const std::string& part : parts) out += (&part == parts.data() ? "" : ", \\\n     ") + part;
@@ -300,14 +324,16 @@ std::string frame_commands(const Plot& plot, const PlotPanel& panel, const Range
 
 std::string stacked_panel(const Plot& plot, std::size_t index, const std::vector<Flag>& flags, const Place& place, int height_px) {
   const PlotPanel& panel = plot.panels[index];
-  const Range y = with_legend_room(y_range(panel, plot.log_y), panel, plot.panel_height_px);
+  const std::size_t rows = legend_rows(plot, panel);
+  const Range y = with_legend_room(y_range(panel, plot.log_y), panel, rows, stacked_height(plot));
   std::string out = frame_commands(plot, panel, y, place, height_px);
   out += index + 1 == plot.panels.size() ? fmt::format("set format x \"%g\"\nset xlabel {} offset 0,0.3\n", gnuplot_quoted(plot.x_label))
                                          : "set format x \"\"\nunset xlabel\n";
   out += band_commands(panel, y, place, plot.width_px, height_px);
   out += event_commands(plot, flags, index == 0, place, height_px);
   out += name_commands(plot, panel, {x_range(plot.panels, plot.log_x), y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, {});
-  out += legend_rows(panel) > 0 ? "set key top left Left reverse vertical maxrows 3 samplen 2\n" : "unset key\n";
+  const char* const sample = panel.series.size() > std::size(kLineColors) ? "4" : "2";  // long enough for a dash
+  out += rows > 0 ? fmt::format("set key top left Left reverse vertical maxrows {} samplen {}\n", rows, sample) : "unset key\n";
   return out + series_commands(panel, index);
 }
 
@@ -370,12 +396,12 @@ std::string stacked_script(const Plot& plot) {
   for (const Flag& flag : flags) row_count = std::max(row_count, flag.row + 1);
   const int count = static_cast<int>(plot.panels.size());
   const int top = kTop + kRowHeight * static_cast<int>(row_count);
-  const int height = top + count * plot.panel_height_px + (count - 1) * kGap + kBottom;
+  const int panel_height = stacked_height(plot), height = top + count * panel_height + (count - 1) * kGap + kBottom;
   std::string out = opening(plot, height);
   out += fmt::format("set xrange [{}:{}]\n", shortest_number(x.lo), shortest_number(x.hi));
   for (std::size_t p = 0; p < plot.panels.size(); ++p) {
-    const double panel_top = height - top - static_cast<double>(p) * (plot.panel_height_px + kGap);
-    const Place place{kLeft, double(plot.width_px - kRight), panel_top - plot.panel_height_px, panel_top};
+    const double panel_top = height - top - static_cast<double>(p) * (panel_height + kGap);
+    const Place place{kLeft, double(plot.width_px - kRight), panel_top - panel_height, panel_top};
     out += stacked_panel(plot, p, flags, place, height);
   }
   return out;

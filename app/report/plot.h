@@ -22,7 +22,7 @@ struct PlotSeries {
   std::string name;  ///< in the legend, which is drawn when a panel has more than one; empty: not there
   /// [units of the axes] equal sizes. A series with over five points per pixel is decimated; peaks are kept; its x must not decrease.
   std::vector<double> x, y;
-  std::string style{};                ///< as line_style() or point_style() make it; empty: a line, colours in turn
+  std::string style{};  ///< as line_style() or point_style() make it; empty: a line, five colours in turn, then dashed, then dotted
   std::vector<std::string> labels{};  ///< near each point, none over another; empty: none
 };
 

@@ -113,7 +113,11 @@ std::optional<double> TableReader::State::checked(const toml::node& node, const 
     return std::nullopt;
   };
   const auto written = as_number(node);
-  if (!written) return refuse_with(ErrorCode::bad_input, "must be a number");
+  if (!written) {
+    const auto* text = node.as_string();
+    const auto instead = text != nullptr ? number_without_unit(name, text->get()) : std::nullopt;
+    return refuse_with(ErrorCode::bad_input, instead ? "must be a number: " + *instead : "must be a number");
+  }
   if (!std::isfinite(*written)) return refuse_with(ErrorCode::out_of_range, "must be a finite number");
   if (!within(*written, rule)) return refuse_with(ErrorCode::out_of_range, range_text(rule));
   return written;

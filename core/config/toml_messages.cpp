@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -167,6 +168,32 @@ std::string_view unit_suffix(std::string_view key) {
   for (std::size_t cut = key.find('_', 1); cut != std::string_view::npos; cut = key.find('_', cut + 1))
     if (is_unit(key.substr(cut))) return key.substr(cut);
   return {};
+}
+
+std::optional<std::string> number_without_unit(std::string_view key, std::string_view value) {
+  double number = 0.0;
+  const char* const end = value.data() + value.size();
+  const auto [rest, error] = std::from_chars(value.data(), end, number);
+  if (error != std::errc() || rest == end || !std::isfinite(number)) return std::nullopt;
+  const std::string written(value.data(), rest);
+  // As in the name of a key: "mm/s" is "_mm_per_s".
+  std::string unit = "_";
+  for (const char c : std::string_view(rest, end)) {
+    if (c == '/')
+      unit += "_per_";
+    else if (c != ' ' && c != '"')
+      unit += c;
+  }
+  const std::string_view last = key.substr(key.rfind('.') + 1), own = unit_suffix(last.substr(0, last.find('[')));
+  if (unit == "_%") {
+    if (own == "_percent") return fmt::format("write {}; the unit is in the key's name", written);
+    return fmt::format("write {:.6g}: a share is a number, and 1 is all", number / 100.0);
+  }
+  if (!is_unit(unit)) return std::nullopt;
+  const bool same = std::equal(own.begin(), own.end(), unit.begin(), unit.end(), [](char a, char b) { return lower(a) == lower(b); });
+  if (same) return fmt::format("write {}; the unit is in the key's name", written);
+  if (own.empty()) return fmt::format("the unit is in the key's name: write {}{}={}", key, unit, written);
+  return fmt::format("write a number alone: the unit is that of the key's name, {}", own.substr(1));
 }
 
 std::optional<std::string_view> without_unit(std::string_view key) {

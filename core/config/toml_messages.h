@@ -41,6 +41,10 @@ namespace burrhole {
 /// @returns the unit suffix of a key with its underscore ("radius_mm" -> "_mm"); empty if it has none.
 [[nodiscard]] std::string_view unit_suffix(std::string_view key);
 
+/// For a value that a person wrote with its unit, such as 30s, "5 mm/s" or 28%: @returns what to write; nothing for any other text.
+/// @param key dotted path of the key.
+[[nodiscard]] std::optional<std::string> number_without_unit(std::string_view key, std::string_view value);
+
 /// @returns `key` without its unit suffix ("radius_mm" -> "radius"), or nothing if it has none.
 [[nodiscard]] std::optional<std::string_view> without_unit(std::string_view key);
 

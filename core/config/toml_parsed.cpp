@@ -28,15 +28,27 @@ struct Step {
 
 bool is_bare(char c) noexcept { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; }
 
+/// Reads a bare or quoted key at path[i] and moves i behind it. @returns the key; empty: there is none.
+std::string_view take_key(std::string_view path, std::size_t& i) {
+  const std::size_t start = i;
+  if (i < path.size() && (path[i] == '"' || path[i] == '\'')) {
+    const std::size_t end = path.find(path[i], i + 1);
+    if (end == std::string_view::npos) return {};
+    i = end + 1;
+    return path.substr(start + 1, end - start - 1);
+  }
+  while (i < path.size() && is_bare(path[i])) ++i;
+  return path.substr(start, i - start);
+}
+
 /// Parses "a.b[2].c" into steps; nothing if the text is not such a path.
 std::optional<std::vector<Step>> parse_path(std::string_view path) {
   std::vector<Step> steps;
   std::size_t i = 0;
   while (true) {
-    const std::size_t start = i;
-    while (i < path.size() && is_bare(path[i])) ++i;
-    if (i == start) return std::nullopt;
-    steps.push_back({std::string(path.substr(start, i - start)), std::nullopt});
+    const std::string_view key = take_key(path, i);
+    if (key.empty()) return std::nullopt;
+    steps.push_back({std::string(key), std::nullopt});
     if (i < path.size() && path[i] == '[') {
       std::size_t index = 0;
       const std::size_t first = ++i;
@@ -81,19 +93,23 @@ std::vector<std::string> element_names(const toml::array& array) {
   return out;
 }
 
-/// Makes a step by a name into one by its index. @returns an error if there is no element of that name.
+/// @returns a name with blanks for what stands for them.
+std::string with_blanks(std::string name) {
+  std::ranges::replace_if(
+      name, [](char c) { return c == '_' || c == '-'; }, ' ');
+  return name;
+}
+
+/// Makes a step by a name into one by its index. @returns an error if there is no element of that name; it lists the names as one writes
+/// them.
 Status resolve(const toml::array& array, const std::string& stopped_at, Step& step) {
-  const auto plain = [](std::string name) {
-    std::ranges::replace_if(
-        name, [](char c) { return c == '_' || c == '-'; }, ' ');
-    return name;
-  };
-  const std::vector<std::string> names = element_names(array);
+  std::vector<std::string> names = element_names(array);
   for (std::size_t n = 0; n < names.size(); ++n)
-    if (!names[n].empty() && plain(names[n]) == plain(step.key)) {
+    if (!names[n].empty() && with_blanks(names[n]) == with_blanks(step.key)) {
       step = {{}, n};
       return {};
     }
+  for (std::string& name : names) std::ranges::replace(name, ' ', '_');
   return bad_input(fmt::format("{} has no \"{}\"; it has \"{}\"", stopped_at, step.key, fmt::join(names, "\", \"")));
 }
 
@@ -141,6 +157,26 @@ Error absent(const toml::table& table, const std::string& path, const std::strin
 
 }  // namespace
 
+namespace {
+
+/// @returns the error of a path that cannot be parsed: with the path to write, if its blanks are those of a name.
+std::string wrong_path(toml::table& root, std::string_view path) {
+  std::string written(path);
+  std::ranges::replace(written, ' ', '_');
+  auto steps = parse_path(written);
+  const bool by_name = steps && steps->size() > 1 && root.get_as<toml::array>(steps->front().key) != nullptr;
+  if (written == path || !by_name) return "the part before '=' must read table.key";
+  const auto table = descend(root, *steps, false);
+  return table ? fmt::format("a blank in a name is written as _: write {}", one_line(written, 200)) : table.error().message;
+}
+
+/// @returns the error of a value that cannot be parsed.
+std::string wrong_value(std::string_view key, std::string_view value) {
+  return number_without_unit(key, value).value_or("the part after '=' is not a TOML value; put text in quotes");
+}
+
+}  // namespace
+
 std::string join(const std::string& path, std::string_view key) {
   const std::string name = one_line(key, 200);
   return path.empty() ? name : path + "." + name;
@@ -174,14 +210,16 @@ Status assign(ParsedFile& parsed, const Assignment& assignment) {
   if (equals == std::string_view::npos) return bad_input("must read table.key=value", place);
   if (parsed.assignments.size() >= kMostAssignments)
     return bad_input(fmt::format("is one of more than {} changes of one file", kMostAssignments), place);
-  auto steps = parse_path(trimmed(text.substr(0, equals)));
+  const std::string_view path = trimmed(text.substr(0, equals));
+  auto steps = parse_path(path);
   if (steps && steps->size() > kMostKeyParts) return bad_input(fmt::format("names a key of more than {} parts", kMostKeyParts), place);
   if (steps && std::ranges::any_of(*steps, [](const Step& step) { return step.key.size() > kLongestKey; }))
     return bad_input(fmt::format("names a key of more than {} bytes", kLongestKey), place);
   if (!steps || steps->back().index)
-    return bad_input(assignment.removes ? "must read table or table.key" : "the part before '=' must read table.key", place);
-  const auto value = assignment.removes ? std::optional(toml::table()) : parse_value(trimmed(text.substr(equals + 1)));
-  if (!value) return bad_input("the part after '=' is not a TOML value; put text in quotes", place);
+    return bad_input(assignment.removes ? "must read table or table.key" : wrong_path(parsed.root, path), place);
+  const std::string_view written = assignment.removes ? std::string_view() : trimmed(text.substr(equals + 1));
+  const auto value = assignment.removes ? std::optional(toml::table()) : parse_value(written);
+  if (!value) return bad_input(wrong_value(path, written), place);
   const auto table = descend(parsed.root, *steps, !assignment.removes);
   if (!table) return bad_input(table.error().message, place);
   if (steps->back().index) return bad_input("must read table.key", place);

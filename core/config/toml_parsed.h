@@ -41,8 +41,8 @@ struct ParsedFile {
 [[nodiscard]] Result<toml::table> parse_table(std::string_view text, const std::string& file);
 
 /// Applies "table.key[2].key=value" to parsed.root and creates missing tables. After an error `parsed` may contain empty new tables and
-/// must be discarded. "region.NAME.key" is the element of an array of tables whose key `name` has that value; a blank in it may be written as
-/// "_" or "-". A removal of what is not there is an error.
+/// must be discarded. "region.NAME.key" is the element of an array of tables whose key `name` has that value; a blank in it is written as "_" or
+/// "-", or the name in quotes. A removal of what is not there is an error.
 [[nodiscard]] Status assign(ParsedFile& parsed, const Assignment& assignment);
 
 /// Brings the keys of a table to those of `table`. @returns what was renamed.

@@ -2,6 +2,7 @@
 
 Run by ctest with the program's path in BURRHOLE_PROGRAM. Nothing here draws.
 """
+import json
 import pathlib
 import shutil
 import sys
@@ -12,6 +13,7 @@ from program_support import lines, QUICK, run, SOURCE, WithFolder
 # (words, exit code, what one line of stderr must hold, in any order)
 MISTAKES = [
     # commands and options
+    ([], 4, ["no display", "burrhole drill parietal", "burrhole --help"]),
     (["drll", "parietal"], 2, ['unknown command "drll"', 'did you mean "drill"?']),
     (["parietal"], 2, ['unknown command "parietal"', 'did you mean "drill parietal"?']),
     (["scene.toml"], 2, ['did you mean "drill scene.toml"?']),
@@ -51,6 +53,9 @@ MISTAKES = [
     (["check", "quick.toml", "--set", "tool.spin_rpm"], 2, ["--set tool.spin_rpm", "must read table.key=value"]),
     (["check", "quick.toml", "--set", "tool.spin_rpm=fast"], 2, ["tool.spin_rpm", "must be a number"]),
     (["check", "quick.toml", "--set", "tool.spin_rpm=-5"], 2, ["tool.spin_rpm = -5", "must be in [0, 200000]"]),
+    (["check", "quick.toml", "--set", "duration_s=30s"], 2, ["--set duration_s=30s", "write 30; the unit is in the key's name"]),
+    (["check", "quick.toml", "--set", "tool.spin_rpm=1000rpm"], 2, ["write 1000; the unit is in the key's name"]),
+    (["check", "quick.toml", "--set", "tool.erosion_scale=28%"], 2, ["write 0.28"]),
     (["check", "quick.toml", "--set", "approach.entry_mm=[0, 0]"], 2, ["approach.entry_mm", "3 numbers"]),
     (["check", "quick.toml", "--set", "approach.axis=[0, 0, 0]"], 2, ["approach.axis", "has length 0"]),
     (["check", "quick.toml", "--set", "approach.entry_mm=[90, 0, 0]"], 2, ["meets no bone within 20 mm of entry_mm"]),
@@ -67,11 +72,19 @@ MISTAKES = [
     (["check", "quick.toml", "--set-tool", "region.pen.erosion_factor=0.05"], 2, ["--set-tool", 'region has no "pen"', '"pin"']),
     (["check", "quick.toml", "--set-tool", "region.pin.erosion=0.05"], 2, ["--set-tool region[0].erosion", "erosion_factor"]),
     (["check", "quick.toml", "--set-tool", "region.pin.diameter_mm=-2"], 2, ["--set-tool region[0].diameter_mm", "must be"]),
+    (["check", "parietal", "--set-tool", "region.inner drill.erosion_factor=0.5"], 2, ["--set-tool", "write region.inner_drill.erosion_factor"]),
+    (["check", "parietal", "--set-tool", "region.inner.erosion_factor=0.5"], 2, ['region has no "inner"', '"inner_drill"']),
+    (["check", "my_pin.toml"], 2, ["my_pin.toml", "is a tool file", "burrhole tools my_pin.toml", "--set tool.name=my_pin.toml"]),
+    (["drill", "my_mesh.toml"], 2, ["my_mesh.toml", "is a tool file"]),
+    (["check", "quick.toml", "--set", "tool=my_pin.toml"], 2, ["--set tool=my_pin.toml", "write --set tool.name=my_pin.toml"]),
+    (["check", "quick.toml", "--set", "volume = head.nii"], 2, ["write --set volume.source=head.nii"]),
     # pictures and expectations
     (["render", "quick.toml", "--size", "400"], 2, ["--size 400", "WIDTHxHEIGHT"]),
     (["render", "quick.toml", "--image", "hole.jpg"], 2, ["hole.jpg", "must end in .png"]),
     (["drill", "quick.toml", "--expect", "thruogh"], 2, ["thruogh", 'did you mean "through"?']),
     (["drill", "quick.toml", "--expect", "plunge<0.5cm"], 2, ["plunge<0.5cm", "mm"]),
+    (["drill", "quick.toml", "--expect", "forces<3N"], 2, ['no figure: "forces"', "peak-force", "burrhole docs outcome"]),
+    (["drill", "quick.toml", "--expect", "peak_forc_N<3N"], 2, ['did you mean "peak_force_N"?']),
     (["cost", "drilling", "--knob", "erosion.rate"], 2, ["erosion.rate", "erosion.rate_hz"]),
 ]
 
@@ -85,6 +98,8 @@ class Mistakes(WithFolder):
         (self.folder / "taken" / "summary.json").write_text('{"schema": 1, "scene": "head.toml"}')
         (self.folder / "notes.txt").write_text("these are notes, no scene\n")
         (self.folder / "head.nii").write_bytes(b"\x5c\x01\0\0" + b"\xff" * 400)
+        shutil.copy(self.folder / "pin_2mm.toml", self.folder / "my_pin.toml")
+        (self.folder / "my_mesh.toml").write_text('[mesh]\nfile = "bit.stl"\n')
         (self.folder / "bit.stl").write_text("solid\n")
 
     def test_each_message_names_the_mistake_and_the_next_step(self):
@@ -97,6 +112,13 @@ class Mistakes(WithFolder):
                 self.assertLessEqual(len(lines(result.stderr)), 5, "a mistake is not a page of text")
         after = {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()}
         self.assertEqual(before, after, "a mistake writes nothing")
+
+    def test_a_file_of_the_wrong_kind_or_a_value_without_its_key_is_one_line(self):
+        for words in (("check", "my_pin.toml"), ("check", "my_mesh.toml"), ("check", "quick.toml", "--set", "tool=my_pin.toml")):
+            result = run(*words, cwd=self.folder)
+            self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1), result.stderr)
+        whole = run("check", "quick.toml", "--set", 'tool={name="my_pin.toml", spin_rpm=900}', cwd=self.folder)
+        self.assertEqual(whole.returncode, 0, whole.stderr)
 
     def test_there_are_thirty_of_them(self):
         self.assertGreaterEqual(len(MISTAKES), 30)
@@ -143,6 +165,16 @@ class Habits(WithFolder):
         result = run("drill", self.quick(), "--no-pictures", "--unset", "record", "--out", out, "--quiet", "--set", "duration_s=0.05")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(sorted(path.name for path in out.iterdir()), ["bone.vdb", "report.html", "summary.json"])
+
+    def test_a_demonstration_without_a_window_is_the_scene_s_own_hand_and_says_so(self):
+        hashes = []
+        for words in ((), ("--offscreen",), ("--demo",), ("--demo", "--offscreen"), ("--demo", "--no-pictures")):
+            result = run("drill", self.quick(), *words, "--unset", "display", "--out", self.folder / "out", "--set", "duration_s=0.4")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            said = [line for line in lines(result.stderr) if line.startswith("--demo: no window")]
+            self.assertEqual(len(said), 1 if "--demo" in words else 0, result.stderr)
+            hashes.append(json.loads((self.folder / "out" / "summary.json").read_text())["hash"]["voxels"])
+        self.assertEqual(len(set(hashes)), 1)
 
     def test_results_of_another_scene_stay_unless_forced(self):
         out = self.folder / "out"

@@ -203,15 +203,84 @@ class Compare(WithFolder):
         for folder in self.runs:
             self.assertIn(folder.name, page)
         self.assertTrue((out / "after_difference.png").exists())
-        self.assertEqual(page.count("<img "), 3 * len(list(self.runs[0].glob("*.png"))))
+        # The first run's picture once, and of a run that differs its picture and the difference; else a sentence.
+        images, same = 0, []
+        for picture in self.runs[0].glob("*.png"):
+            if picture.read_bytes() == (self.runs[1] / picture.name).read_bytes():
+                same.append(picture.stem)
+                images += 1
+            else:
+                images += 3
+            self.assertEqual((out / f"{picture.stem}_difference.png").exists(), picture.stem not in same, picture.stem)
+        self.assertEqual(page.count("<img "), images)
+        self.assertEqual(re.findall(r"<p>(\w+): no difference between ", page), sorted(same))
+        self.assertLess(page.index("<h2>Figures</h2>"), page.index("<h2>Curves</h2>"))
+        self.assertLess(page.index("<h2>Curves</h2>"), page.index("<h2>Pictures</h2>"))
+
+    def test_each_override_that_differs_is_a_row_and_none_is_cut(self):
+        long = "[" + ", ".join(["0.123456789"] * 3 + ["0.5"] * 20) + "]"
+        overrides = [["hand.push_N=15", "duration_s=6", "contact.rate_hz = 500"],
+                     ["hand.push_N=25", "duration_s=6", "contact.rate_hz=500", "unset display", "erosion.seed=1", "erosion.seed=2", f"tool.axis={long}"]]
+        for folder, changes, factor in zip(self.runs, overrides, (0.02, 0.03)):
+            path = folder / "summary.json"
+            summary = json.loads(path.read_text())
+            summary["provenance"]["overrides"] = changes
+            summary["provenance"]["tool_overrides"] = [f"region.pin.erosion_factor={factor}"] + (["region.pin.rake=1"] if factor > 0.02 else [])
+            path.write_text(json.dumps(summary))
+        # A third run without any: bit, spin and push are those that it had.
+        third = self.folder / "third"
+        shutil.copytree(self.runs[0], third)
+        summary = json.loads((third / "summary.json").read_text())
+        summary["provenance"]["overrides"] = summary["provenance"]["tool_overrides"] = []
+        summary["tool"].update(name="other_bit", push_N=18.0)
+        (third / "summary.json").write_text(json.dumps(summary))
+        result = run("compare", *self.runs, third)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        table = [re.split(r"  +", line.strip()) for line in result.stdout.splitlines()]
+        rows = {row[0].removeprefix("* "): row[1:] for row in table}
+        self.assertEqual(rows["hand.push_N"], ["15", "25", "18"])
+        self.assertEqual(rows["tool.name"], ["pin_2mm", "pin_2mm", "other_bit"])
+        self.assertEqual(rows["scene file duration_s"], ["6", "6", "scene's"])
+        self.assertEqual(rows["contact.rate_hz"], ["500", "500", "scene's"])
+        self.assertEqual(rows["scene file display"], ["scene's", "left out", "scene's"])
+        self.assertEqual(rows["erosion.seed"], ["scene's", "2", "scene's"])
+        self.assertEqual(rows["tool.axis"], ["scene's", long, "scene's"])
+        self.assertEqual(rows["tool file region.pin.erosion_factor"], ["0.02", "0.03", "tool's"])
+        self.assertEqual(rows["tool file region.pin.rake"], ["tool's", "1", "tool's"])
+        self.assertNotIn("overrides", rows)
+        self.assertNotIn("tool.spin_rpm", rows, "no run differs in it")
+        # Two runs that share an override: no row.
+        pair = run("compare", *self.runs).stdout
+        self.assertNotIn("contact.rate_hz", pair)
+        self.assertNotIn("tool.name", pair)
+        settings = [one["settings"] for one in json.loads(run("compare", *self.runs, "--json").stdout)["runs"]]
+        self.assertEqual([one["hand.push_N"] for one in settings], ["15", "25"])
+
+    def test_what_says_who_when_and_how_fast_comes_last_and_the_feed_is_there(self):
+        result = run("compare", *self.runs)
+        names = [line[2:].split("  ")[0] for line in result.stdout.splitlines()[1:]]
+        last = [n for n, name in enumerate(names) if name in ("program", "machine", "date", "wall_s") or name.startswith("hash of ")]
+        self.assertGreater(len(last), 6)
+        self.assertEqual(last, list(range(len(names) - len(last), len(names))), names)
+        row = next(line for line in result.stdout.splitlines() if "feed_mm_per_s" in line).split()
+        drilling = [json.loads((folder / "summary.json").read_text())["drilling"] for folder in self.runs]
+        self.assertEqual(row[2:4], [f"{one['depth_mm'] / one['breakthrough_s']:.5g}" for one in drilling])
+        path = self.runs[0] / "summary.json"
+        summary = json.loads(path.read_text())
+        summary["drilling"]["breakthrough_s"] = None
+        path.write_text(json.dumps(summary))
+        row = next(line for line in run("compare", *self.runs).stdout.splitlines() if "feed_mm_per_s" in line).split()
+        self.assertEqual(row[2], "-")
 
     def test_a_run_equals_itself(self):
         result = run("compare", self.runs[0], self.runs[0] / "summary.json", "--json")
         runs = json.loads(result.stdout)["runs"]
         self.assertEqual((runs[0]["facts"], runs[0]["figures"]), (runs[1]["facts"], runs[1]["figures"]))
         out = self.folder / "same"
-        run("compare", self.runs[0], self.runs[0], "--out", out)
-        self.assertIn("no difference", (out / "compare.html").read_text())
+        run("compare", self.runs[0], self.runs[0], self.runs[0], "--out", out)
+        page = (out / "compare.html").read_text()
+        self.assertIn("no difference", page)
+        self.assertEqual(page.count("<img "), len(list(self.runs[0].glob("*.png"))), "each picture once")
 
     def test_booleans_are_rows(self):
         result = run("compare", *self.runs)
@@ -263,7 +332,10 @@ class Compare(WithFolder):
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertIn(pictures[0].name, result.stderr)
         self.assertIn("peak_force_N", result.stdout)
-        self.assertEqual((out / "compare.html").read_text().count("<img "), 3 * (len(pictures) - 1))
+        page = (out / "compare.html").read_text()
+        self.assertNotIn(f">{pictures[0].stem}: ", page)
+        for picture in pictures[1:]:
+            self.assertEqual(page.count(f"<figcaption>{picture.stem}: {self.runs[0]}<"), 1)
 
     def test_what_is_no_run_is_named(self):
         result = run("compare", self.runs[0], self.folder / "nowhere")

@@ -22,7 +22,7 @@ RunSummary through() {
   s.breakthrough_s = s.passed_s = 20.0;
   s.cleared_share = 0.95, s.uncut_share = 0.0;
   s.section_mm2 = 95.0, s.section_radius_mm = 5.5, s.removed_mass_mm3 = 900.0;
-  s.plunge_mm = 0.4, s.peak_force_N = 29.0, s.spacing_mm = 0.25;
+  s.plunge_mm = 0.4, s.depth_mm = 7.0, s.peak_force_N = 29.0, s.spacing_mm = 0.25;
   return s;
 }
 
@@ -65,8 +65,33 @@ TEST_CASE("expectation: a wrong term is one line with what is allowed") {
     const auto terms = parse_expectation(text);
     REQUIRE_FALSE(terms.ok());
     CHECK(terms.error().code == ErrorCode::bad_input);
-    CHECK(terms.error().message.find("; allowed: through, faulted") != std::string::npos);
+    const bool no_figure = terms.error().message.find("names no figure") != std::string::npos;
+    CHECK(no_figure == (std::string(text).starts_with("depht") || std::string(text).starts_with("through plunge")));
+    const char* const listed = no_figure ? "figures: plunge, depth, " : "; allowed: through, faulted";
+    CHECK(terms.error().message.find(listed) != std::string::npos);
     CHECK(terms.error().message.find('\n') == std::string::npos);
+  }
+}
+
+TEST_CASE("expectation: a figure has the names that summary.json gives it, and the unit of such a name may be left out") {
+  for (const char* text :
+       {"peak_force_N<30", "peak_force_N>28N", "reached_mm>7.39, reached_mm<7.41", "plunge_mm<0.5 mm", "peak_force>28N",
+        "drilling.plunge_mm<0.5", "depth_mm>6.9, depth_mm<7.1", "cleared_share>0.9", "cleared_share>90%", "duration_s<1"})
+    CHECK_MESSAGE(missed(text, through()).empty(), std::string(text));
+  for (const char* text : {"peak_force_N<28", "reached_mm<7", "depth_mm<6.9", "cleared_share>0.96", "uncut_share>0"})
+    CHECK_MESSAGE(missed(text, through()).size() == 1, std::string(text));
+  // Without a unit only where the name holds it.
+  for (const char* text : {"peak_force<30", "plunge<0.5", "cleared>0.9", "outer.plunge_mm<1", "_mm<1", "mm<1"})
+    CHECK_FALSE_MESSAGE(parse_expectation(text).ok(), std::string(text));
+}
+
+TEST_CASE("expectation: an unknown figure is named with the nearest and a short list") {
+  for (const auto& [text, near] : {std::pair("peakforce<3N", "peak-force"), std::pair("plunge_m<3mm", "plunge_mm"),
+                                   std::pair("reachd_mm<3", "reached_mm"), std::pair("thicknes<3mm", "thickness")}) {
+    const auto terms = parse_expectation(text);
+    REQUIRE_FALSE(terms.ok());
+    CHECK_MESSAGE(terms.error().message.find("did you mean \"" + std::string(near) + "\"?") != std::string::npos, terms.error().message);
+    CHECK(terms.error().message.size() < 300);  // one line that is read
   }
 }
 
@@ -80,6 +105,9 @@ TEST_CASE("expectation: names of figures are unique, and each has a value in a c
     int same = 0;
     for (const ExpectedFigure& other : expected_figures()) same += std::string(other.name) == figure.name ? 1 : 0;
     CHECK(same == 1);
+    const auto by_key = parse_expectation(std::string(figure.about) + ">1");
+    REQUIRE_MESSAGE(by_key.ok(), (by_key ? "" : by_key.error().text()));
+    CHECK(by_key->front().figure == &figure);
   }
 }
 

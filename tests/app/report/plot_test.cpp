@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <limits>
+#include <regex>
+#include <set>
 
 #include "app/report/file.h"
 #include "tests/support/temporary_folder.h"
@@ -63,6 +65,55 @@ TEST_CASE("plot: series without a point, or with none that is finite, still draw
   const Result<std::string> svg = draw_svg(plot);
   REQUIRE_MESSAGE(svg.ok(), (svg ? "" : svg.error().text()));
   CHECK(svg->find("Gaps") != std::string::npos);
+}
+
+/// Series with names of that length, over each other.
+Plot make_many(std::size_t count, std::size_t name_length) {
+  Plot plot;
+  plot.x_label = "Time (s)";
+  PlotPanel panel{.y_label = "Force (N)", .series = {}, .bands = {}, .from_zero = true};
+  for (std::size_t n = 0; n < count; ++n) {
+    std::string name = "run" + std::to_string(100 + n);
+    name.resize(name_length, '_');
+    panel.series.push_back({name, {0.0, 1.0}, {0.0, 1.0 + static_cast<double>(n)}});
+  }
+  plot.panels = {panel};
+  return plot;
+}
+
+TEST_CASE("plot: no two of fifteen curves have the same colour and dash") {
+  const std::string script = plot_script(make_many(15, 6));
+  const std::regex line("\\$p0_[0-9]+ using 1:2 with lines linewidth [0-9.]+ (linecolor rgb \"#[0-9a-f]{6}\" dashtype [^ ]+) title");
+  std::set<std::string> styles;
+  int curves = 0;
+  for (std::sregex_iterator at(script.begin(), script.end(), line); at != std::sregex_iterator(); ++at, ++curves) styles.insert((*at)[1]);
+  CHECK(curves == 15);
+  CHECK(styles.size() == 15);
+}
+
+TEST_CASE("plot: the legend shows the dash of each curve") {
+  const Result<std::string> svg = draw_svg(make_many(15, 6));
+  REQUIRE_MESSAGE(svg.ok(), (svg ? "" : svg.error().text()));
+  // Each curve is drawn as a line and as the sample of the legend.
+  const std::regex dashed("stroke-dasharray");
+  CHECK(std::distance(std::sregex_iterator(svg->begin(), svg->end(), dashed), std::sregex_iterator()) >= 20);
+}
+
+TEST_CASE("plot: a legend of many long names takes rows, and its panel grows by them") {
+  const auto rows_of = [](const std::string& script) {
+    std::smatch found;
+    REQUIRE(std::regex_search(script, found, std::regex("maxrows ([0-9]+)")));
+    return std::stoi(found[1]);
+  };
+  const auto height_of = [](const std::string& script) {
+    std::smatch found;
+    REQUIRE(std::regex_search(script, found, std::regex("set terminal svg size [0-9]+,([0-9]+)")));
+    return std::stoi(found[1]);
+  };
+  const std::string usual = plot_script(make_many(5, 6)), many = plot_script(make_many(15, 60));
+  CHECK(rows_of(usual) == 3);
+  CHECK(rows_of(many) == 15);                                  // one column of 60 letters
+  CHECK(height_of(many) - height_of(usual) == (15 - 3) * 19);  // [px] of a row
 }
 
 TEST_CASE("plot: without gnuplot the error says what lacks") {

@@ -65,7 +65,7 @@ TEST_CASE("set: an element of an array of tables by its name, a blank as _ or -"
   CHECK(document.changes() == std::vector<std::string>{"region.inner_drill.e=0.25", "region.inner-drill.f=-1", "region.shank.e=0.5"});
   const Status wrong = document.set("region.shaft.e=1", "--set-tool");
   REQUIRE_FALSE(wrong.ok());
-  CHECK(wrong.error().text() == "--set-tool region.shaft.e=1: region has no \"shaft\"; it has \"inner drill\", \"shank\"");
+  CHECK(wrong.error().text() == "--set-tool region.shaft.e=1: region has no \"shaft\"; it has \"inner_drill\", \"shank\"");
   Issues issues;
   TableReader root = document.root(issues);
   std::vector<TableReader> regions = root.tables("region", "r");
@@ -74,6 +74,48 @@ TEST_CASE("set: an element of an array of tables by its name, a blank as _ or -"
   regions.at(0).number("f", {.min = 0.0}, "f");
   REQUIRE(issues.size() == 1);
   CHECK(issues.front().text() == "--set-tool region[0].f: region[0].f = -1 must be at least 0");
+}
+
+TEST_CASE("set: a name with a blank is accepted in quotes, and without them the error says what to write") {
+  TomlDocument document = parsed("[[region]]\nname = \"inner drill\"\ne = 1\n[[region]]\nname = \"shank\"\ne = 2\n");
+  REQUIRE(document.set("region.\"inner drill\".e=0.25").ok());
+  REQUIRE(document.set("region.'shank'.e=0.5").ok());
+  CHECK(document.set("region.inner drill.e=1").error().message == "a blank in a name is written as _: write region.inner_drill.e");
+  CHECK(document.set("region.inner dril.e=1").error().message == "region has no \"inner_dril\"; it has \"inner_drill\", \"shank\"");
+  for (const char* assignment : {"region.\"inner drill.e=1", "region.\"\".e=1", "tool.spin rpm=1", "inner drill=1"})
+    CHECK(document.set(assignment).error().message == "the part before '=' must read table.key");
+  Issues issues;
+  std::vector<TableReader> regions = document.root(issues).tables("region", "r");
+  CHECK(regions.at(0).number("e", {}, "e") == 0.25);
+  CHECK(regions.at(1).number("e", {}, "e") == 0.5);
+}
+
+TEST_CASE("set: a number with its unit is refused with what to write") {
+  TomlDocument document = parsed("[tool]\n");
+  const std::pair<const char*, const char*> table[] = {
+      {"duration_s=30s", "write 30; the unit is in the key's name"},
+      {"tool.spin_rpm=1000 RPM", "write 1000; the unit is in the key's name"},
+      {"hand.feed_mm_per_s=0.5 mm/s", "write 0.5; the unit is in the key's name"},
+      {"tool.shade_percent=28%", "write 28; the unit is in the key's name"},
+      {"contact.share=28%", "write 0.28: a share is a number, and 1 is all"},
+      {"duration_s=5 min", "write a number alone: the unit is that of the key's name, s"},
+      {"tool.spin=1000rpm", "the unit is in the key's name: write tool.spin_rpm=1000"},
+      {"tool.title=3dprinted", "the part after '=' is not a TOML value; put text in quotes"},
+      {"tool.title=1 2", "the part after '=' is not a TOML value; put text in quotes"},
+  };
+  for (const auto& [assignment, message] : table) {
+    CAPTURE(assignment);
+    CHECK(document.set(assignment).error().message == message);
+  }
+  REQUIRE(document.set("tool.spin_rpm=\"800 rpm\"").ok());
+  REQUIRE(document.set("tool.size_mm=[1, \"2 mm\"]").ok());
+  Issues issues;
+  TableReader root = document.root(issues);
+  static_cast<void>(root.table("tool", "t")->number("spin_rpm", {.fallback = 1.0}, "s"));
+  static_cast<void>(root.table("tool", "t")->numbers("size_mm", std::nullopt, 2, {}, "s"));
+  REQUIRE(issues.size() == 2);
+  CHECK(issues.back().message == "tool.size_mm[1] = \"2 mm\" must be a number: write 2; the unit is in the key's name");
+  CHECK(issues.front().message == "tool.spin_rpm = \"800 rpm\" must be a number: write 800; the unit is in the key's name");
 }
 
 TEST_CASE("unset: tables and keys go, what is not there is an error with the nearest name") {
@@ -120,7 +162,7 @@ TEST_CASE("set: bad assignments are refused and leave the document as it was") {
       {"none[0].e=5", "--set none[0].e=5: \"none\" is not a table"},
       {"x.y=5", "--set x.y=5: \"x\" is not a table"},
       {"a.b=", "--set a.b=: the part after '=' is not a TOML value; put text in quotes"},
-      {"a.b=5mm", "--set a.b=5mm: the part after '=' is not a TOML value; put text in quotes"},
+      {"a.b=5mm", "--set a.b=5mm: the unit is in the key's name: write a.b_mm=5"},
       {"a.b=[1,", "--set a.b=[1,: the part after '=' is not a TOML value; put text in quotes"},
       {"a.b=one, two", "--set a.b=one, two: the part after '=' is not a TOML value; put text in quotes"},
       {"a.b=1\nc=2", "--set a.b=1\\nc=2: the part after '=' is not a TOML value; put text in quotes"},
