@@ -151,7 +151,7 @@ TEST_CASE("partial results: a line that does not fit on the disk leaves those of
   REQUIRE(partial.add(first, std::vector{0.1}).ok());
   const auto before = read_file(path);
   {
-    const FileLimit full(std::filesystem::file_size(path) + 5);
+    const DiskLimit full(std::filesystem::file_size(path) + 5);
     const Status failed = partial.add(second, std::vector{0.2});
     REQUIRE(!failed.ok());
     CHECK(failed.error().place == path);

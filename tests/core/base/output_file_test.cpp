@@ -91,7 +91,7 @@ TEST_CASE("output file: wherever a write fails, the error says so, the old file 
       INFO(piece << " bytes at a time, a limit of " << limit);
       Status written;
       {
-        const FileLimit full(limit);
+        const DiskLimit full(limit);
         written = write_in_pieces(path, text, piece);
       }
       REQUIRE_FALSE(written);
@@ -101,7 +101,7 @@ TEST_CASE("output file: wherever a write fails, the error says so, the old file 
       CHECK(bytes_of(path) == "old");
       CHECK(names_in(folder) == std::set<std::string>{"out.bin"});
     }
-  const FileLimit enough(text.size());
+  const DiskLimit enough(text.size());
   CHECK(write_in_pieces(path, text, 1000));
   CHECK(bytes_of(path) == text);
 }
@@ -167,7 +167,7 @@ TEST_CASE("output stream: writes and seeks go to the file, and a failed write ma
     REQUIRE(file->commit());
   }
   CHECK(bytes_of(path) == "one 3 x!");
-  const FileLimit full(kBuffer);
+  const DiskLimit full(kBuffer);
   auto file = OutputFile::create(path);
   REQUIRE(file);
   OutputStreambuf buffer(*file);
@@ -221,7 +221,7 @@ TEST_CASE("append: a line is added whole or not at all") {
   const std::string path = folder.file("lines");
   REQUIRE(append_to_file(path, "one\n"));
   {
-    const FileLimit full(6);
+    const DiskLimit full(6);
     const Status second = append_to_file(path, "second\n");
     REQUIRE_FALSE(second);
     CHECK(second.error().place == path);

@@ -251,7 +251,7 @@ TEST_CASE("checkpoint: wherever a write fails, that is an error, and the good fi
     INFO("limit " << limit << " of " << good.size());
     Status status;
     {
-      const FileLimit full(limit);
+      const DiskLimit full(limit);
       status = drilled.voxmap.save(path);
     }
     REQUIRE_FALSE(status.ok());
