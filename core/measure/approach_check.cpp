@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "core/contact/contact_view.h"
-#include "core/measure/largest_part.h"
 
 namespace burrhole {
 namespace {
@@ -96,34 +95,26 @@ std::optional<std::pair<double, double>> bone_on(const Line& line, double from, 
   return std::nullopt;
 }
 
-/// @returns whether both surfaces of the bone round the entry are hollow towards the start of the axis, as those of a skull are from inside:
-/// on a ring round the axis they lie nearer to the start than on the axis, by 0.4 mm on average. A sphere of radius R differs by r^2 / (2 R),
-/// 0.9 mm for a skull of R = 80 mm. Opposite points of the ring cancel a leaning axis. False where the ring leaves the bone as loaded.
-bool is_hollow(const BoneModel& bone, const Approach& approach) {
-  constexpr double kRing = 0.012, kHollow = 0.4e-3, kRange = 0.015;  // [m]
+/// How both surfaces of the bone round the entry are curved, on a ring round the axis: mean depth against that on the axis [m].
+struct Curving {
+  double outer = 0.0, inner = 0.0;
+};
+
+/// Opposite points of the ring cancel a leaning axis. @returns nothing where the ring leaves the bone as loaded.
+std::optional<Curving> curving_of(const BoneModel& bone, const Approach& approach) {
+  constexpr double kRing = 0.012, kRange = 0.015;  // [m]
   constexpr int kPoints = 16;
   const Vec3 axis = approach.bone_from_approach.rotate(Vec3(0.0, 0.0, -1.0));
-  double outer = 0.0, inner = 0.0;  // [m] mean depth on the ring against that on the axis
+  Curving out;
   for (int n = 0; n < kPoints; ++n) {
     const double angle = 2.0 * std::numbers::pi * n / kPoints;
     const Line line(bone, approach.bone_from_approach * (kRing * Vec3(std::cos(angle), std::sin(angle), 0.0)), axis);
     const auto found = bone_on(line, -kRange, approach.thickness + kRange);
-    if (!found) return false;
-    outer += found->first / kPoints;
-    inner += (found->second - approach.thickness) / kPoints;
+    if (!found) return std::nullopt;
+    out.outer += found->first / kPoints;
+    out.inner += (found->second - approach.thickness) / kPoints;
   }
-  return outer < -kHollow && inner < -kHollow;
-}
-
-/// @returns whether the largest part of the bone lies on the line behind the entry: a headrest is no skull.
-bool skull_behind(const BoneModel& bone, const Line& line) {
-  const LargestPart skull(bone);
-  const Affine index_from_bone = bone.bone_from_index().inverse();
-  for (double at = -kBehind; at > -kReach; at -= kGap) {
-    const auto found = line.find(at, at - kGap, true);
-    if (found && skull.is_near(index_from_bone * line.place(*found))) return true;
-  }
-  return false;
+  return out;
 }
 
 /// @returns v, rounded to multiples of 1 / per; never -0.
@@ -164,11 +155,17 @@ std::optional<std::string> leaves_skull(const BoneModel& bone, const Approach& a
   const Vec3 entry = approach.bone_from_approach.translation, axis = approach.bone_from_approach.rotate(Vec3(0.0, 0.0, -1.0));
   const Line line(bone, entry, axis);
   const bool bone_ahead = line.find(approach.thickness + kBehind, kReach, true).has_value();
-  const bool bone_behind = !bone_ahead && line.find(-kBehind, -kReach, true) && skull_behind(bone, line);
-  const char* why = approach.from_inside        ? "it meets dura or brain before the entry"
-                    : bone_behind               ? "the other side of the skull is behind the entry"
-                    : is_hollow(bone, approach) ? "the bone is hollow there, as the skull is from inside"
-                                                : nullptr;
+  const auto curving = curving_of(bone, approach);
+  // From outside both surfaces bulge towards the start, whatever is behind it: a headrest, for example. A sphere of radius R differs by
+  // r^2 / (2 R) on a ring of radius r, 0.9 mm for a skull of R = 80 mm.
+  constexpr double kCurved = 0.4e-3;  // [m]
+  const bool bulges = curving && curving->outer > kCurved && curving->inner > kCurved;
+  const bool is_hollow = curving && curving->outer < -kCurved && curving->inner < -kCurved;
+  const bool bone_behind = !bone_ahead && !bulges && line.find(-kBehind, -kReach, true).has_value();
+  const char* why = approach.from_inside ? "it meets dura or brain before the entry"
+                    : bone_behind        ? "the other side of the skull is behind the entry"
+                    : is_hollow          ? "the bone is hollow there, as the skull is from inside"
+                                         : nullptr;
   if (why == nullptr) return std::nullopt;
   return fmt::format("the approach starts inside the skull and leaves it: {}; start at {}", why,
                      start_text({entry + axis * approach.thickness, -axis}));

@@ -28,9 +28,9 @@ struct ApproachStart {
 [[nodiscard]] std::vector<ApproachStart> possible_starts(const BoneModel& bone, const ApproachScene& scene);
 
 /// @returns what is wrong with an approach whose axis leaves the skull, with the start of the opposite approach; nothing for a valid one. The
-/// axis leaves the skull if dura or brain lies above the entry, or if the skull, the largest part of the bone as loaded, lies on the axis more than 20 mm above the entry and no
-/// bone beyond its inner surface, or if both surfaces of the bone are hollow towards the start of the axis, measured 12 mm round it. The second rule
-/// needs a volume that holds both sides of the skull, and the third one decides for a cropped scan.
+/// axis leaves the skull if dura or brain lies above the entry; or if both surfaces of the bone are hollow towards the start of the axis,
+/// measured 12 mm round it; or if bone as loaded lies on the axis more than 20 mm above the entry and none beyond its inner surface, unless
+/// both surfaces bulge towards the start, as they do from outside. The last rule needs a volume that holds both sides of the skull.
 [[nodiscard]] std::optional<std::string> leaves_skull(const BoneModel& bone, const Approach& approach);
 
 }  // namespace burrhole

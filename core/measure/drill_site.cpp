@@ -20,7 +20,6 @@ namespace {
 constexpr double kStep = 0.5;           // [voxels] between two samples of a ray, at most
 constexpr int kBisections = 20;         // of the place between two samples
 constexpr double kFootprint = 6.0e-3;   // [m] radius in which the normal is found: that of a 14 mm perforator, without its edge
-constexpr double kAbove = 12.0e-3;      // [m] start of the rays of disc_normal() above the point
 constexpr double kBraincase = 75.0e-3;  // [m] of the middle of the braincase below the highest bone
 constexpr double kHeadWidth = 0.11;     // [m] a bone that is wider and longer is a head
 constexpr double kNear = 30.0e-3;       // [m] largest distance of a proposed entry from the point that was given
@@ -59,7 +58,7 @@ std::vector<Height> heights_around(const BoneModel& bone, const Vec3& at, const 
   const Vec3 &right = sides.first, &up = sides.second;
   std::vector<Height> out;
   const auto add = [&](double u, double v) {
-    if (const auto hit = find_bone(bone, at + u * right + v * up + kAbove * outward, -outward))
+    if (const auto hit = find_bone(bone, at + u * right + v * up + radius * outward, -outward))
       if (const double h = glm::dot(*hit - at, outward); std::abs(h) < radius) out.push_back({u, v, h});
   };
   add(0.0, 0.0);
@@ -176,8 +175,12 @@ Result<DrillSite> suggest_site(const BoneModel& bone, const Vec3& near) {
   std::string why;
   const auto look_from = [&](const Vec3& from) {
     const auto surface = find_bone(bone, near + kOutside * from, -from);
-    if (!surface || !skull.is_near(index_from_bone * *surface)) return;
+    if (!surface) return;
     const double away = glm::length(*surface - near);
+    if (!skull.is_near(index_from_bone * *surface)) {
+      if (away <= kNear && why.empty()) why = "what is there is no part of the skull, the largest piece of bone: a headrest, for example";
+      return;
+    }
     if (away > kNear || (best && away >= glm::length(best->entry - near))) return;
     const auto site = make_site(bone, *surface, from);
     if (site && glm::dot(-site->axis, outward) > kOutwards && site->thickness <= kThickest) {

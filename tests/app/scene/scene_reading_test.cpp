@@ -334,13 +334,15 @@ TEST_CASE(
   fails(good + "site = \"kocher_left\"", "approach.site = \"kocher_left\" is given by markups: remove one of the two");
 }
 
-TEST_CASE("scene: a tool too large for the window is refused with the numbers") {
+TEST_CASE("scene: a tool too large for the window is refused with the numbers, and with the voxels that fit") {
   std::string text = replaced(scene_text({}), "\"ball\"", "\"perforator_14_11\"");
   Issues issues;
-  CHECK(faults(replaced(text, "spacing_mm = 0.25", "spacing_mm = 0.09"), issues) ==
-        std::vector<std::string>{
-            "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 234 x 234 x 606 "
-            "voxels; each edge must be in [5, 512], and all voxels at most 16777216"});
+  const std::vector<std::string> found = faults(replaced(text, "spacing_mm = 0.25", "spacing_mm = 0.09"), issues);
+  REQUIRE(found.size() == 1);
+  CHECK(
+      found[0] ==
+      "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 190 x 190 x 479 voxels; each edge "
+      "must be in [5, 512], and all voxels at most 16777216; in this direction it fits voxels of 0.1 mm (spacing_mm)");
 }
 
 TEST_CASE("scene: an error of an override names the override") {
