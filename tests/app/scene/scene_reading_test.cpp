@@ -341,7 +341,7 @@ TEST_CASE("scene: a tool too large for the window is refused with the numbers, a
   REQUIRE(found.size() == 1);
   CHECK(
       found[0] ==
-      "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 190 x 190 x 479 voxels; each edge "
+      "bad.toml:13:1: tool \"perforator_14_11\" is too large for this bone's voxels: the window would be 189 x 189 x 478 voxels; each edge "
       "must be in [5, 512], and all voxels at most 16777216; in this direction it fits voxels of 0.1 mm (spacing_mm)");
 }
 
