@@ -14,6 +14,7 @@ import shutil
 import signal
 import sqlite3
 import subprocess
+import tempfile
 import time
 
 PATIENCE = 120  # [s] longer than any command takes here, under strace: more is a hang
@@ -52,11 +53,9 @@ def is_whole(path):
         except ValueError:
             return False
     if kind == ".sqlite":
-        try:
-            with contextlib.closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as session:
-                return session.execute("PRAGMA integrity_check").fetchone()[0] == "ok"
-        except sqlite3.DatabaseError:
-            return False
+        return is_whole_session(path)
+    if kind in (".sqlite-wal", ".sqlite-shm"):
+        return True  # parts of a session, which is checked with them
     if kind == ".wav":
         return len(data) >= 44 and int.from_bytes(data[4:8], "little") + 8 == len(data)
     if kind == ".stl":
@@ -65,6 +64,18 @@ def is_whole(path):
         return is_whole_vdb(path)
     ends = {".png": b"IEND\xaeB`\x82", ".html": b"</html>\n", ".svg": b"</svg>\n"}
     return data.endswith(ends[kind])
+
+
+def is_whole_session(path):
+    """Whether SQLite finds a session whole, with its log; in a copy, since SQLite makes files beside what it opens."""
+    with tempfile.TemporaryDirectory() as copy:
+        for part in path.parent.glob(path.name + "*"):
+            shutil.copy(part, copy)
+        try:
+            with contextlib.closing(sqlite3.connect(os.path.join(copy, path.name))) as session:
+                return session.execute("PRAGMA integrity_check").fetchone()[0] == "ok"
+        except sqlite3.DatabaseError:
+            return False
 
 
 def is_whole_vdb(path):

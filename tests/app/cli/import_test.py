@@ -225,5 +225,31 @@ cutting_N_per_m = 25e3
         self.assertNotIn("fetch-data", result.stderr)
 
 
+HEAD = pathlib.Path(os.environ.get("BURRHOLE_DATA", "/none")) / "head_ct_dicom_phantom_1mm"
+
+
+@unittest.skipUnless(HEAD.is_dir(), "$BURRHOLE_DATA holds no head")
+class RealHead(unittest.TestCase):
+    """The head lies on a headrest, which the scan holds too; it ends below and above the site of the shipped scene."""
+
+    def suggested(self, near):
+        result = run("import", HEAD, "--suggest", ",".join(map(str, near)), "--json", "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout)["suggested"]
+
+    def test_points_round_the_site_of_the_shipped_scene_give_it_from_outside(self):
+        entry, axis = (54.0, 100.0, 800.0), (-0.758, 0.242, -0.606)
+        for near in (entry, (53.9, 100, 800), (54, 104, 797), (55, 100, 801), (60, 100, 800)):
+            found = self.suggested(near)
+            self.assertLess(math.dist(found["entry_mm"], near), 7.0, near)
+            self.assertGreater(sum(a * b for a, b in zip(found["axis"], axis)), math.cos(math.radians(8)), near)
+            self.assertTrue(4.0 < found["thickness_mm"] < 6.5, near)  # 5.0 mm at the site
+
+    def test_the_headrest_is_no_place_for_a_hole(self):
+        result = run("import", HEAD, "--suggest", "100,125,790", "--quiet")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("no part of the skull", result.stderr)
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -10,7 +10,7 @@ from fault_cases import cases, SCENE  # noqa: E402
 from program_support import main, PROGRAM, run, WithFolder, without_display  # noqa: E402
 
 SEED = 20
-CALLS, KILLS, RACES = 12, 12, 4  # of each case
+CALLS, KILLS, RACES = 12, 6, 2  # of each case
 
 
 class Reliability(WithFolder):
