@@ -3,6 +3,7 @@
 Run by ctest with the program's path in BURRHOLE_PROGRAM. The DICOM files are written here, byte by byte, and share nothing with the reader.
 """
 import json
+import math
 import os
 import pathlib
 import shutil
