@@ -181,10 +181,10 @@ class Bench:
         process.send_signal(signal.SIGKILL)
         process.wait()
         problem = self._left(case, killed=True)
-        # A killed process cannot remove its temporary files; the next run does.
+        # A killed process cannot remove its temporary files. The next run into a folder of results does; elsewhere they may be anyone's.
         if problem is None:
             again = self._run(case)
-            problem = self._left(case) if again.returncode == 0 else f"the next run ends with exit {again.returncode}: {again.stderr.strip()[-300:]}"
+            problem = self._left(case, killed=not case.cleared) if again.returncode == 0 else f"the next run ends with exit {again.returncode}: {again.stderr.strip()[-300:]}"
         return self._note(label, problem)
 
     # ---- two processes ----
@@ -227,7 +227,9 @@ class Bench:
         return None
 
     def _is_earlier(self, path):
-        """Whether a file is one of the earlier run that was moved aside, whole."""
+        """Whether a file is one of the earlier run that was moved aside, whole; or the folder for them, which could not be removed."""
+        if path.name == ".burrhole-earlier":
+            return all(p.read_bytes() == (self.old / p.name).read_bytes() for p in path.iterdir())
         name = path.name.replace(".earlier.", ".")
         return name != path.name and (self.old / name).exists() and path.read_bytes() == (self.old / name).read_bytes()
 
