@@ -240,6 +240,7 @@ Result<std::vector<DrillingResult>> run_drillings(const std::vector<DrillingTria
       if (!result) failed = true;
       const std::scoped_lock lock(reporting);
       if (result && kept) kept = partial.add(trial, *result);
+      if (!kept) failed = true;  // the holes so far are in the file; the rest would be lost
       results[n] = std::move(result);
       if (runs.progress) runs.progress(static_cast<double>(++done) / static_cast<double>(left), text_of(trial));
     }

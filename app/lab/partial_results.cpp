@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <utility>
 
 #include "core/base/cpu_model.h"
@@ -20,6 +21,14 @@ constexpr std::size_t kDigits = 16;  // of a hash
 void add_text(Hash64& hash, std::string_view text) {
   for (const char c : text) hash.add(static_cast<std::uint64_t>(static_cast<unsigned char>(c)));
   hash.add(std::uint64_t{256});  // ends a text
+}
+
+/// Size and time of the program's file: another build may draw otherwise, or in another time.
+std::string build_text() {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
+  return fmt::format("{} {}", fs::file_size(program, ignored), fs::last_write_time(program, ignored).time_since_epoch().count());
 }
 
 std::string hash_of(std::string_view text) {
@@ -56,9 +65,9 @@ std::optional<std::pair<std::string, std::vector<double>>> read_line(std::string
 }  // namespace
 
 TrialKey::TrialKey() {
-  static const std::string machine = cpu_model();  // from a file
+  static const std::string machine = cpu_model(), build = build_text();  // from files
   hash_.add(static_cast<std::uint64_t>(kPhysicsVersion));
-  add(machine);
+  add(machine).add(build);
   add(simd_in_use());
 }
 

@@ -16,7 +16,7 @@
 
 namespace burrhole {
 
-/// The key of a trial: a hash of all that its result depends on. Physics version, processor and SIMD level are part of it: results have
+/// The key of a trial: a hash of all that its result depends on. The build of the program, processor and SIMD level are part of it: results have
 /// times.
 class TrialKey {
  public:

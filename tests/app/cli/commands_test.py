@@ -319,6 +319,7 @@ class Studies(WithFolder):
         self.addCleanup(process.kill)
         while process.poll() is None and kept():
             time.sleep(0.01)
+        self.assertIsNone(process.poll(), "the file is gone before the end of the study, which removes it too")
         process.kill()
         process.communicate(timeout=60)
         self.assertFalse(kept())
