@@ -366,7 +366,9 @@ class BadInput(WithFolder):
                     self.assertRegex(line, PLACE)
 
     def test_usage(self):
-        for arguments in ([], ["dril"], ["drill"], ["drill", QUICK, "--no-such-option"], ["render", QUICK, "--size", "big", "--image", self.folder / "x.png"]):
+        alone = run()  # a window in which to choose needs a display
+        self.assertEqual((alone.returncode, len(lines(alone.stderr))), (4, 1), alone.stderr)
+        for arguments in (["dril"], ["drill"], ["drill", QUICK, "--no-such-option"], ["render", QUICK, "--size", "big", "--image", self.folder / "x.png"]):
             result = run(*arguments)
             self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1), result.stderr)
         self.assertFalse((self.folder / "x.png").exists())

@@ -160,7 +160,7 @@ class Volume(WithFolder):
 
     def test_a_point_far_from_bone_is_refused_with_where_the_bone_is(self):
         error = self.refused("import", self.volume, "--suggest", "10,-20,500", "--quiet")
-        self.assertIn("170 mm away", error)
+        self.assertIn("171 mm away: 170 mm inferior", error)  # the middle of the nearest voxel
         self.assertRegex(error, r"bone spans x -19\.5 to 39\.5")
         self.assertIn("--suggest", self.refused("import", self.volume, "--suggest", "1,2"))
 
