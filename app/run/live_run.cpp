@@ -1,6 +1,7 @@
 #include "app/run/live_run.h"
 
 #include <chrono>
+#include <exception>
 #include <new>
 #include <thread>
 
@@ -70,6 +71,7 @@ class Loops {
   void halt() noexcept;
   void servo_loop() noexcept;
   void contact_loop() noexcept;
+  [[nodiscard]] Error error_of_simulation() const;
   void bone_loop() noexcept;
   void run_bone_steps();
   void prefetch_loop();
@@ -101,7 +103,7 @@ class Loops {
   std::atomic<int> refused_{0};                // errno of a refused priority
   std::atomic<std::uint64_t> unrecorded_{0};
   std::atomic<bool> broken_{false};  // the simulation thread met an exception; why_ says which
-  Error why_;
+  std::exception_ptr why_;           // no text: that may need the memory that was refused
   SpscQueue<ServoRow, 1 << 14> servo_rows_;
   SpscQueue<ContactRow, 1 << 14> contact_rows_;
   SpscQueue<BoneRow, 1 << 12> bone_rows_;
@@ -184,7 +186,7 @@ void Loops::bone_loop() noexcept {
   try {
     run_bone_steps();
   } catch (...) {
-    why_ = caught_error();
+    why_ = std::current_exception();
     broken_.store(true, std::memory_order_release);
   }
 }
@@ -387,6 +389,15 @@ Status Loops::run_audio() {
   return {};
 }
 
+Error Loops::error_of_simulation() const {
+  try {
+    std::rethrow_exception(why_);
+  } catch (...) {
+    const Error why = caught_error();
+    return {why.code, "the simulation thread ended: " + why.text(), {}};
+  }
+}
+
 Status Loops::run() {
   const LockedMemory locked;
   start();
@@ -413,7 +424,7 @@ Status Loops::run() {
   report_->stopped = !report_->done && is_set(options_.stop);
   if (Status drained = drain(); !drained) return drained;
   if (Status sounded = run_audio(); !sounded) return sounded;
-  if (broken_.load(std::memory_order_acquire)) return Error{why_.code, "the simulation thread ended: " + why_.text(), {}};
+  if (broken_.load(std::memory_order_acquire)) return error_of_simulation();
   if (report_->unrecorded > 0 && options_.warn)
     options_.warn(std::to_string(report_->unrecorded) + " rows were not recorded, as the log was full: this session cannot be replayed");
   return {};
