@@ -112,7 +112,7 @@ class Bench:
     def reset(self):
         shutil.rmtree(self.out, ignore_errors=True)
         shutil.copytree(self.old, self.out)
-        self.files = {p.name: p.stat().st_ino for p in self.out.iterdir()}
+        self.times = {p.name: p.stat().st_mtime_ns for p in self.out.iterdir()}  # those of the earlier run: copies keep them
 
     def _run(self, case, around=()):
         command = [*around, self.program, *map(str, case.command(self.out))]
@@ -165,9 +165,9 @@ class Bench:
         return self._note(label, problem)
 
     def _not_written(self):
-        """After exit 0 every file must be a new one: written beside the old one, which had another number (inode)."""
-        now = {p.name: p.stat().st_ino for p in self.out.iterdir()}
-        return sorted(name for name, number in self.files.items() if now.get(name, number) == number)
+        """After exit 0 every file must be a new one."""
+        now = {p.name: p.stat().st_mtime_ns for p in self.out.iterdir()}
+        return sorted(name for name, time_ns in self.times.items() if now.get(name, time_ns) == time_ns)
 
     # ---- kills ----
 
