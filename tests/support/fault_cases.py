@@ -27,11 +27,12 @@ def cases(folder):
     scan = small_scan(folder)
     drill = ["drill", SCENE, "--offscreen", "--force", "--quiet", "--set", "duration_s=0.6"]
     out = [
-        Case("drill", lambda out: [*drill, "--out", out], cleared=True),
-        Case("drill --live", lambda out: [*drill, "--live", "--out", out], cleared=True),
+        Case("drill", lambda out: [*drill, "--out", out], cleared=True, draws=True),
+        Case("drill --live", lambda out: [*drill, "--live", "--out", out], cleared=True, draws=True),
+        Case("drill without pictures", lambda out: [*drill, "--live", "--no-pictures", "--out", out], cleared=True),
         Case("import", lambda out: ["import", scan, "--volume", out / "bone.vdb"]),
         Case("export", lambda out: ["export", scan, "-o", out / "bone.stl", "--force"]),
-        Case("render", lambda out: ["render", SCENE, "--image", out / "picture.png"]),
-        Case("tools", lambda out: ["tools", "round_burr_3mm", "--image", out / "bit.png"], other_program=True),
+        Case("render", lambda out: ["render", SCENE, "--image", out / "picture.png"], draws=True),
+        Case("tools", lambda out: ["tools", "round_burr_3mm", "--image", out / "bit.png"], draws=True, other_program=True),
     ]
     return out
