@@ -315,10 +315,10 @@ class Compare(WithFolder):
                 out = self.folder / "compared"
                 result = run("compare", *self.runs, "--out", out)
                 self.assertEqual((result.returncode, result.stdout), (2, table), result.stderr)
-                told = [line for line in lines(result.stderr) if line.startswith(str(self.runs[1]))]
-                self.assertEqual(len(told), 1, result.stderr)
-                self.assertIn("session cannot be read", told[0])
-                self.assertIn("without curves", told[0])
+                reported = [line for line in lines(result.stderr) if line.startswith(str(self.runs[1]))]
+                self.assertEqual(len(reported), 1, result.stderr)
+                self.assertIn("session cannot be read", reported[0])
+                self.assertIn("without curves", reported[0])
                 self.assertIn("cannot be read", (out / "compare.html").read_text())
                 if shutil.which("gnuplot"):
                     self.assertTrue("Depth (mm)" in (out / "compare.svg").read_text(), "the curves of the other run are there")
