@@ -40,12 +40,13 @@ std::string now_iso8601() {
 struct Caption {
   const char *name, *text;
 };
-constexpr Caption kCaptions[] = {{"overview", "Before: the whole body and the bit"},
-                                 {"before", "Before: the bit above the entry point"},
-                                 {"during", "At half the thickness of the bone"},
-                                 {"breakthrough", "Breakthrough: bone and bit in section through the axis"},
-                                 {"after", "After: the hole from above"},
-                                 {"cutaway", "After: section through the axis"}};
+constexpr Caption kCaptions[] = {
+    {"overview", "Before: the whole body and the bit"},
+    {"before", "Before: the bit above the entry point"},
+    {"during", "At half the thickness of the bone"},
+    {"breakthrough", "Breakthrough: bone and bit in section through the axis; the part of the bit that cuts is orange, the rest grey"},
+    {"after", "After: the hole from above"},
+    {"cutaway", "After: section through the axis"}};
 constexpr const char* kOpenAxis =
     "no bone is on the axis at the start: it was drilled through before; the figures are those of this run alone";
 
@@ -121,6 +122,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.thickness_mm = summary.thickness_mm;
   r.depth_mm_at_breakthrough = summary.depth_mm;
   r.plunge_mm = summary.plunge_mm;
+  r.beyond_mm = summary.beyond_mm;
   r.peak_force_N = summary.peak_force_N;
   r.angle_deg = summary.angle_deg;
   r.removed_mm3 = summary.removed_mm3;
@@ -128,6 +130,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.hole_diameter_mm = summary.hole_diameter_mm;
   r.inner_diameter_mm = summary.inner_diameter_mm;
   r.breakthrough_s = summary.breakthrough_s;
+  r.support_lost_s = summary.support_lost_s;
   const RunOutcome outcome = outcome_of(summary);
   r.result = name_of(outcome.result);
   r.reason = outcome.reason;

@@ -98,9 +98,12 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   out.axis = world_from_approach.rotate(Vec3(0.0, 0.0, -1.0));
   out.depth_mm = in_mm(progress.breakthrough_depth);
   out.breakthrough_s = progress.breakthrough_time;
-  if (progress.breakthrough_depth) {
-    out.plunge_mm = (progress.deepest - *progress.breakthrough_depth) * kMm;
+  if (progress.loss) {
+    out.support_lost_s = progress.loss->time;
+    out.support_lost_mm = progress.loss->depth * kMm;
   }
+  if (progress.passed_time || progress.open_axis) out.beyond_mm = std::max(0.0, out.reached_mm - out.thickness_mm);
+  if (progress.passed_time) out.plunge_mm = progress.loss ? progress.loss->plunge * kMm : 0.0;
   out.passed_s = progress.passed_time;
   if (progress.passed_time) out.removed_at_passing = progress.removed_at_passing;
   if (progress.largest_ahead > -1.0) out.largest_ahead_mm = progress.largest_ahead * kMm;
@@ -146,7 +149,7 @@ void add_section(RunSummary& out, Simulation& simulation) {
   out.uncut_share = measured->uncut;
 }
 
-/// A bit that passed the bone without a breakthrough on the axis plunges from the inner surface on, unless it passed beside the bone.
+/// A bit that was pushed through uncut bone, or began above an open hole, plunges from the inner surface on; one that skated off does not plunge.
 void add_outcome(RunSummary& out, Simulation& simulation) {
   add_section(out, simulation);
   const auto count = [&](const char* name) { return static_cast<std::uint64_t>(simulation.stage().figure("contact", name).value_or(0.0)); };
@@ -157,9 +160,9 @@ void add_outcome(RunSummary& out, Simulation& simulation) {
   out.latched_faults = fault_warnings(simulation);
   out.brought_back =
       !out.breakthrough_s && std::ranges::find(simulation.events(), "breakthrough", &RunEvent::kind) != simulation.events().end();
-  if (out.open_axis) out.plunge_mm = std::max(0.0, out.reached_mm - out.thickness_mm);
-  if (!out.plunge_mm && out.passed_s && outcome_of(out).result != DrillResult::skated_off)
-    out.plunge_mm = std::max(0.0, out.reached_mm - out.thickness_mm);
+  const DrillResult result = outcome_of(out).result;
+  if (out.open_axis || result == DrillResult::passed_uncut) out.plunge_mm = out.beyond_mm;
+  if (!out.breakthrough_s && result == DrillResult::skated_off) out.plunge_mm.reset();
 }
 
 Json figures_json(const Figures& figures) {
@@ -274,6 +277,9 @@ std::string summary_json(const RunSummary& s) {
                       {"axis_open_at_start", s.open_axis},
                       {"breakthrough_s", optional_number(s.breakthrough_s)},
                       {"plunge_mm", optional_number(s.plunge_mm)},
+                      {"support_lost_s", optional_number(s.support_lost_s)},
+                      {"support_lost_mm", optional_number(s.support_lost_mm)},
+                      {"beyond_mm", optional_number(s.beyond_mm)},
                       {"plunge_limit_mm", s.limits.plunge_mm},
                       {"cleared_share", optional_number(s.cleared_share)},
                       {"uncut_share", optional_number(s.uncut_share)},

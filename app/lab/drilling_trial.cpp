@@ -109,8 +109,7 @@ void measure(const DrillingTrial& trial, const DrillingBit& bit, const LoadedSce
   const bool crown = bit.swept.bore > 0.0;
   if (const auto& passed = crown ? s.passed_s : s.breakthrough_s) {
     out.drilled_s = *passed - contact;
-    if (trial.hand == DrillingHand::script)
-      out.plunge_mm = crown ? s.reached_mm - s.thickness_mm : s.plunge_mm.value_or(DrillingResult::kNone);
+    if (trial.hand == DrillingHand::script) out.plunge_mm = s.plunge_mm.value_or(DrillingResult::kNone);
   }
   measure_feed(simulation.samples(), contact + loaded.scene.hand.ramp, kFeedFrom * thick, kFeedTo * thick, out);
   if (trial.hand != DrillingHand::bench) return;

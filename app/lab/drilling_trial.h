@@ -42,7 +42,7 @@ struct DrillingResult {
   RunSummary summary;
   double volume_mm3 = kNone;         ///< closed form of a hole that the bit has passed
   double drilled_s = kNone;          ///< from first contact to breakthrough; of a crown, which leaves its core, until its teeth have passed
-  double plunge_mm = kNone;          ///< furthest tip beyond that
+  double plunge_mm = kNone;          ///< SupportLoss::plunge
   double feed_mm_s = kNone;          ///< mean between 2/5 of the bone and its inner table or last tenth
   double ripple_percent = kNone;     ///< (p95 - p5) / mean of the feed there, over windows of 0.2 s
   double roughness_um = kNone;       ///< Rq of the wall (drilling_wall.h) of a hole that the bit has passed
