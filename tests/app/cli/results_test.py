@@ -131,7 +131,7 @@ class Drilled(WithFolder):
         self.assertIn("--restore", result.stderr)
 
 
-class Replaced(Drilled):
+class Replaced(WithFolder):
     def test_a_replay_whose_bone_was_replaced_says_so(self):
         bone, out = self.folder / "source.vdb", self.folder / "out"
         thick = self.folder / "thick"
@@ -152,7 +152,7 @@ class Replaced(Drilled):
         self.assertEqual(len(lines(other.stderr)), 1, other.stderr)
         self.assertIn(f"{bone}: is not the bone of the recorded run", other.stderr)
         # Of a generated bone nothing is read.
-        self.assertNotIn("volume ", run("replay", self.first / "session.sqlite", "--quiet").stdout)
+        self.assertNotIn("volume ", run("replay", half / "session.sqlite", "--quiet").stdout)
 
 
 class Provenance(WithFolder):
