@@ -19,6 +19,9 @@ Status begin_study(const StudyFolder& folder) {
   if (error || !fs::is_directory(folder.folder))
     return bad_input("the output folder cannot be created: give another by --out", folder.folder);
   if (folder.fresh) fs::remove(folder.file(), error);
+  if (error)
+    return bad_input("the results of an interrupted call cannot be removed: " + error.message() + "; give another folder by --out",
+                     folder.file());
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/job/provenance.h"
+#include "app/job/run_folder.h"
 #include "app/report/file.h"
 #include "app/stage/result_files.h"
 #include "core/base/hash.h"
@@ -77,7 +78,7 @@ std::string difference(const Json& old, const LoadedScene& loaded) {
 Status check_earlier_run(const LoadedScene& loaded, const std::string& folder, const std::string& shipped_scenes) {
   const std::string path = (fs::path(folder) / kSummaryFile).string();
   std::error_code ignored;
-  if (!fs::exists(path, ignored)) return {};
+  if (!fs::exists(path, ignored)) return check_is_ours(folder);
   const auto text = read_file(path);
   const Json old = text ? Json::parse(*text, nullptr, false) : Json();
   if (!old.is_object() || !old.contains("scene") || !old["scene"].is_string())
