@@ -48,6 +48,7 @@ Result<ExportReport> export_image(const Voxmap& bone, const ExportRequest& reque
                        .check = [&] { return model.read_status(); },
                        .stop = request.stop};
   if (image.box.empty()) return bad_input("there is no bone to crop to", request.path);
+  if (request.begin) request.begin();
   const auto bytes =
       format == "NRRD" ? write_nrrd(request.path, image) : write_nifti(request.path, image, lower(request.path).ends_with(".gz"));
   if (!bytes) return bytes.error();
@@ -62,6 +63,7 @@ Result<ExportReport> export_mesh(const Voxmap& bone, const ExportRequest& reques
   const auto mesh = make_bone_surface(density);
   if (!mesh) return Error{mesh.error().code, mesh.error().message, request.path};
   if (const Status read = bone.bone().read_status(); !read) return read.error();
+  if (request.begin) request.begin();
   const auto bytes = write_mesh(request.path, format, *mesh, request.stop);
   if (!bytes) return bytes.error();
   return ExportReport{.format = format, .triangles = mesh->indices.size() / 3, .bytes = *bytes};
@@ -86,6 +88,7 @@ Result<ExportReport> export_vdb(const Voxmap& bone, const ExportRequest& request
         [&](const Vec3i& block, const BlockValues& block_values) { remaining.write_box(box_of_block(block), block_values); });
     grids.push_back(&remaining);
   }
+  if (request.begin) request.begin();
   const Status written = write_vdb(request.path, model.dims(), model.bone_from_index(), grids, model.notes(), request.stop);
   if (!written) return written.error();
   std::error_code ignored;

@@ -166,6 +166,7 @@ Result<bool> view_session_in_window(const std::string& path, const WindowOptions
   view.viewer = viewer_config(options, fs::absolute(path).parent_path().string());
   view.stop = &stop_requested();
   if (!quiet) view.say = print_line;
+  if (const std::string changed = changed_bone(*session, *loaded); !changed.empty()) print_line(changed);
   const auto viewed = view_session(*session, *loaded, view);
   if (!viewed) return viewed.error();
   if (viewed->same) return true;

@@ -50,12 +50,18 @@ bool is_frame(std::string_view name) {
   return number.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// Removes the frames of an earlier film.
-Status remove_frames(const std::string& folder) {
-  std::error_code error;
+/// @returns the files in a folder that have names of frames.
+std::vector<fs::path> find_frames(const std::string& folder, std::error_code& error) {
   std::vector<fs::path> found;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
     if (is_frame(entry->path().filename().string())) found.push_back(entry->path());
+  return found;
+}
+
+/// Removes the frames of an earlier film.
+Status remove_frames(const std::string& folder) {
+  std::error_code error;
+  const std::vector<fs::path> found = find_frames(folder, error);
   for (const fs::path& file : found)
     if (!error) fs::remove(file, error);
   if (error)
@@ -80,11 +86,7 @@ class FolderFilm final : public FilmWriter {
       if (Status begun = begin(); !begun) return begun;
     return writer_.add((fs::path(folder_) / fmt::format("frame_{:06}.png", frames_++)).string(), image);
   }
-  Status finish() override {
-    if (frames_ > 0) return writer_.wait();
-    std::error_code ignored;
-    return fs::is_directory(folder_, ignored) ? remove_frames(folder_) : Status();
-  }
+  Status finish() override { return frames_ > 0 ? writer_.wait() : Status(); }
 
  private:
   Status begin() const {
@@ -128,11 +130,7 @@ class VideoFilm final : public FilmWriter {
   }
 
   Status finish() override {
-    if (process_ == 0) {  // no frame: an earlier video is not this one
-      std::error_code ignored;
-      fs::remove(file_, ignored);
-      return {};
-    }
+    if (process_ == 0) return {};  // no frame
     close(socket_);
     int status = 0;
     pid_t ended = 0;
@@ -212,7 +210,8 @@ class VideoFilm final : public FilmWriter {
 
 }  // namespace
 
-Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, int rate) {
+Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const FilmOptions& options) {
+  const std::string& path = options.path;
   const fs::path given(path);
   std::string ending = given.extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -221,6 +220,12 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, 
   const char* format = format_of(ending);
   if (format != nullptr && is_folder) return bad_input("a video has this name, but it is a folder: choose another name", path);
   if (format == nullptr && !is_folder && !ending.empty()) return bad_input("a film is a folder, or a file .mp4, .mkv or .webm", path);
+  if (format == nullptr && is_folder && !options.replace)
+    if (const auto frames = find_frames(path, ignored); !frames.empty())
+      return bad_input(
+          fmt::format("holds {} {}, {} for example: give another folder by --video, or --force to replace them", frames.size(),
+                      frames.size() == 1 ? "frame of a film" : "frames of a film", std::ranges::min(frames).filename().string()),
+          path);
   if (format == nullptr) return std::unique_ptr<FilmWriter>(std::make_unique<FolderFilm>(path));
   const std::string program = find_program("ffmpeg");
   if (program.empty())
@@ -229,7 +234,7 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, 
   if (!fs::is_directory(folder, ignored))
     return bad_input("there is no such folder for the video: make it, or give another by --video", folder);
   if (access(folder.c_str(), W_OK) != 0) return bad_input("cannot write into the folder of the video: give another by --video", folder);
-  return std::unique_ptr<FilmWriter>(std::make_unique<VideoFilm>(program, path, format, rate));
+  return std::unique_ptr<FilmWriter>(std::make_unique<VideoFilm>(program, path, format, options.fps));
 }
 
 }  // namespace burrhole::cli

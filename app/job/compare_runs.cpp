@@ -244,7 +244,7 @@ Result<RunResults> read_run(const std::string& path) {
   if (!json.is_object() || !json.contains("schema") || !json.contains("drilling") || !few(json) || !few(object_of(json, "drilling")) ||
       !few(object_of(json, "hash")) || !few(object_of(json, "provenance")) ||
       !few(object_of(object_of(json, "provenance"), "erosion_factors_per_rev")) || !few(object_of(object_of(json, "provenance"), "hash")))
-    return bad_input("is not a summary.json of burrhole drill: give the folder of a run", file);
+    return bad_input("is not a summary.json of burrhole drill, or a damaged one: the run is left out", file);
   add_facts(json, out);
   add_settings(json, out);
   add_figures(json, out);

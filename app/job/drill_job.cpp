@@ -212,10 +212,16 @@ std::optional<std::string> undone_warning(const Simulation& simulation, const Ru
                      first->time, std::max(0.0, summary.reached_mm - summary.thickness_mm));
 }
 
+/// @returns the hash of the bone as loaded, of one that is read from a file: a replay reads it again.
+std::string volume_of(const RunSummary& summary) {
+  const bool read = !summary.volume_format.starts_with("phantom:");
+  return read && summary.provenance ? summary.provenance->volume_hash.value_or("") : std::string();
+}
+
 Status close_session(SessionWriter& session, const RunSummary& summary, const Simulation& simulation) {
   for (const auto& [kind, value] : {std::pair{"voxels", summary.voxel_hash}, std::pair{"forces", summary.force_hash},
                                     std::pair{"sent", hash_text(simulation.sent_hash())}, std::pair{"image", summary.image_hash},
-                                    std::pair{"sound", simulation.sound_hash()}})
+                                    std::pair{"sound", simulation.sound_hash()}, std::pair{"volume", volume_of(summary)}})
     if (!value.empty())
       if (Status noted = session.hash({kind, value}); !noted) return noted;
   return session.close();

@@ -202,6 +202,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   if (loaded.import) {
     out.volume_format = loaded.import->scan.format;
     for (const std::string& line : loaded.import->scan.assumed) out.assumed.push_back(without_folders(line));
+    if (loaded.import->enclosure) out.enclosed_share = loaded.import->enclosure->share;
   } else {
     out.volume_format = "phantom:" + std::string(phantom_name(loaded.scene.volume.phantom->kind));
   }
@@ -258,9 +259,13 @@ std::string summary_json(const RunSummary& s) {
   json["warnings"] = s.warnings;
   json["duration_s"] = s.duration_s;
   json["wall_s"] = s.wall_s;
-  json["volume"] = {{"format", s.volume_format},  {"dims", {s.dims.x, s.dims.y, s.dims.z}},
-                    {"spacing_mm", s.spacing_mm}, {"bone_voxels", s.bone_voxels},
-                    {"bytes", s.volume_bytes},    {"assumed", s.assumed}};
+  json["volume"] = {{"format", s.volume_format},
+                    {"dims", {s.dims.x, s.dims.y, s.dims.z}},
+                    {"spacing_mm", s.spacing_mm},
+                    {"bone_voxels", s.bone_voxels},
+                    {"bytes", s.volume_bytes},
+                    {"assumed", s.assumed},
+                    {"enclosed_share", optional_number(s.enclosed_share)}};
   json["tool"] = {{"name", s.tool},
                   {"spin_rpm", s.spin_rpm},
                   {"push_N", s.push_N},

@@ -33,8 +33,9 @@ struct RunSummary {
   std::vector<std::string> warnings;  ///< of the plan; drill() appends those of the run
   Vec3i dims{0};
   double spacing_mm = 0.0;
-  std::string volume_format;         ///< "phantom:NAME", or the format of the scan
-  std::vector<std::string> assumed;  ///< of the volume, one line each
+  std::string volume_format;             ///< "phantom:NAME", or the format of the scan
+  std::vector<std::string> assumed;      ///< of the volume, one line each
+  std::optional<double> enclosed_share;  ///< [-] Enclosure::share of a scan
   std::uint64_t bone_voxels = 0, volume_bytes = 0, haptic_points = 0, erosion_points = 0;
   double duration_s = 0.0, wall_s = 0.0;
   double removed_mm3 = 0.0, removed_mass_mm3 = 0.0, thickness_mm = 0.0, angle_deg = 0.0, peak_force_N = 0.0;

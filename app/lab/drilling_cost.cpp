@@ -33,7 +33,7 @@ std::vector<DrillingTrial> trials_of(const DrillingCostOptions& options, const D
   std::vector<DrillingTrial> out;
   const int scripts = options.quick ? 1 : options.shifts;
   for (int n = -1; n < scripts; ++n) {
-    DrillingTrial trial{.bit = options.bit, .hand = n < 0 ? DrillingHand::bench : DrillingHand::script};
+    DrillingTrial trial{.bit = options.bit, .own = options.own, .hand = n < 0 ? DrillingHand::bench : DrillingHand::script};
     if (value != shipped) knob.set(value, shipped, trial);  // the default is what a scene gets that says nothing
     if (n > 0) trial.sets.push_back(fmt::format("approach.entry_mm=[{:g}, 0, 0]", kShift * n));
     out.push_back(std::move(trial));
@@ -90,9 +90,9 @@ void fill(std::span<const DrillingResult> runs, std::span<const DrillingResult> 
 std::span<const DrillingFigure> drilling_figures() noexcept { return kFigures; }
 
 Result<std::vector<DrillingPoint>> measure_drilling_cost(const DrillingCostOptions& options) {
-  const auto loaded = load_drilling({.bit = options.bit}, options.runs.tool_folder);
+  const auto loaded = load_drilling({.bit = options.bit, .own = options.own}, options.runs.tool_folder);
   if (!loaded) return loaded.error();
-  const DrillingBit& bit = *find_drilling_bit(options.bit);
+  const DrillingBit& bit = options.own ? *options.own : *find_drilling_bit(options.bit);
   std::vector<DrillingPoint> points;
   std::vector<DrillingTrial> trials;
   std::vector<std::size_t> reference_of;  // per point, its first of finest

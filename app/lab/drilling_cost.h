@@ -15,10 +15,11 @@ namespace burrhole {
 
 struct DrillingCostOptions {
   DrillingRuns runs;
-  std::string bit = "flat 4 mm";  ///< cheap, and cuts alike all over
-  std::string only_knob{};        ///< empty: all
-  bool quick = false;             ///< two values per setting, and no shifts
-  int shifts = 3;                 ///< positions of the entry, 1 nm apart, over which the plunge is compared
+  std::string bit = "flat 4 mm";             ///< cheap, and cuts alike all over
+  std::shared_ptr<const DrillingBit> own{};  ///< DrillingTrial::own
+  std::string only_knob{};                   ///< empty: all
+  bool quick = false;                        ///< two values per setting, and no shifts
+  int shifts = 3;                            ///< positions of the entry, 1 nm apart, over which the plunge is compared
 };
 
 /// One value of one setting. Errors are differences from the reference; NaN where one does not apply. An error against the finer run that is

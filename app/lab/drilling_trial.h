@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,7 +29,8 @@ enum class DrillingHand {
 };
 
 struct DrillingTrial {
-  std::string bit;  ///< name in drilling_bits()
+  std::string bit;                                   ///< name in drilling_bits(), or of `own`
+  std::shared_ptr<const DrillingBit> own = nullptr;  ///< a bit that is not in that list; null: one that is
   DrillingBone bone = DrillingBone::plate;
   DrillingHand hand = DrillingHand::script;
   std::vector<std::string> sets{};       ///< "table.key=value" of the scene, as --set takes them
@@ -51,7 +53,9 @@ struct DrillingResult {
   double p99_us = 0.0;               ///< the same
 };
 
-/// @returns the scene's text. @pre the bit is in the list.
+/// @returns the bit of a trial; null if there is none of that name.
+[[nodiscard]] const DrillingBit* bit_of(const DrillingTrial& trial);
+/// @returns the scene's text. @pre the trial has a bit.
 [[nodiscard]] std::string drilling_scene(const DrillingTrial& trial);
 /// Loads a trial without running it: the defaults that its scene takes. @param tool_folder of the shipped tools.
 [[nodiscard]] Result<LoadedScene> load_drilling(const DrillingTrial& trial, const std::string& tool_folder);

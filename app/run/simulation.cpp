@@ -87,7 +87,7 @@ Status Simulation::run_lockstep() {
   const ContactTick& contact = *parts_->contact;
   const auto last = static_cast<std::uint64_t>(config.duration * config.servo_hz + 0.5);
   const auto progress_every = static_cast<std::uint64_t>(kProgressEvery * config.servo_hz);
-  const auto film_every = options_.film_hz > 0.0 ? static_cast<std::uint64_t>(config.servo_hz / options_.film_hz + 0.5) : 0;
+  const std::uint64_t film_every = film_ticks();
   Lockstep steps(*parts_);
   end_ = RunEnd::duration;
   while (tick_ < last) {
@@ -115,6 +115,10 @@ Status Simulation::run_lockstep() {
   }
   servo_timer_ = steps.servo_timer();
   return {};
+}
+
+std::uint64_t Simulation::film_ticks() const noexcept {
+  return options_.film_hz > 0.0 ? static_cast<std::uint64_t>(parts_->config.servo_hz / options_.film_hz + 0.5) : 0;
 }
 
 Status Simulation::film() {
@@ -204,8 +208,13 @@ LiveInput Simulation::live_input(std::uint64_t tick, bool parked, Status& status
 Status Simulation::run_recorded(const SessionReader& session, RecordedHand& hand) {
   if (!options_.runs) return not_for_runs();
   const auto every = static_cast<std::uint64_t>(kProgressEvery / parts_->period + 0.5);
-  const auto tick = [&, next = std::uint64_t{0}](double time) mutable -> Status {
-    if (options_.progress && next++ % every == 0) options_.progress(time, progress());
+  const std::uint64_t film_every = film_ticks();
+  std::uint64_t next = 0;
+  const auto tick = [&](double time) -> Status {
+    const std::uint64_t ran = next++;
+    if (options_.progress && ran % every == 0) options_.progress(time, progress());
+    if (film_every > 0 && ran > 0 && ran % film_every == 0)
+      if (Status filmed = film(); !filmed) return filmed;
     return options_.watch ? options_.watch(time) : Status();
   };
   ReplayHooks hooks{options_.stop, tick, [this](const Input& input) { return apply(input); }, {}};
@@ -214,7 +223,7 @@ Status Simulation::run_recorded(const SessionReader& session, RecordedHand& hand
   if (!replayed) return replayed.error();
   tick_ = replayed->ticks;
   sent_ = replayed->sent;
-  return {};
+  return film_every > 0 && tick_ > 0 && tick_ % film_every == 0 ? film() : Status();
 }
 
 Status Simulation::run_on_threads() {

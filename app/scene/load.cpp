@@ -73,6 +73,17 @@ BoneNeed need_of_grid(const BoneGrid& grid, std::uint64_t scan_bytes) {
   return out;
 }
 
+/// @returns an error of an import at the key that caused it. If that is `source`, the scan's own place goes into the text.
+Error placed(Error error, const VolumeScene& volume) {
+  const BonePlaces& places = volume.scan->request.bone.places;
+  if (error.place == places.region) {
+    error.message += "; the region lies round entry_mm of [approach]: correct that, or give the scan that holds it as source";
+    return error;
+  }
+  if (error.place == places.band || error.place == places.spacing) return error;
+  return {error.code, error.text(), volume.place};
+}
+
 /// Generates or imports the bone. Errors are attributed to the key `source`, unless they name another place.
 Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene& out) {
   const VolumeScene& volume = out.scene.volume;
@@ -96,6 +107,7 @@ Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene
   }
   ImportRequest request = volume.scan->request;
   request.read.progress = options.progress;
+  request.site = BoneSite{out.scene.approach.entry, out.scene.approach.axis};
   if (volume.scan->region)
     request.bone.region = BoneRegion{out.scene.approach.entry + out.scene.approach.axis * kRegionDepth, *volume.scan->region};
   bool refused = false;
@@ -108,8 +120,7 @@ Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene
   };
   auto imported = import_bone(request, options.say);
   if (!imported && refused) return imported.error();
-  // The place of the error is the key `source`; the scan's own place goes into the text.
-  if (!imported) return Error{imported.error().code, imported.error().text(), volume.place};
+  if (!imported) return placed(imported.error(), volume);
   out.bone = std::move(imported->bone);
   out.import = std::move(imported->report);
   if (auto* display = out.scene.find<DisplayConfig>(); display != nullptr && !knows_directions(*out.import)) display->orientation = false;

@@ -165,7 +165,7 @@ cutting_N_per_m = 25e3
         self.assertEqual(run("import", self.scan, "--volume", self.folder / "bone.vdb", "--quiet").returncode, 0)
         hashes = []
         for source in (self.scan, self.folder / "bone.vdb"):
-            result = run("drill", self.scene(source), "--out", self.folder / "out", "--json", "--quiet")
+            result = run("drill", self.scene(source), "--out", self.folder / "out", "--json", "--quiet", "--force")
             self.assertEqual(result.returncode, 0, result.stderr)
             summary = json.loads(result.stdout)
             hashes.append((summary["hash"]["voxels"], summary["hash"]["forces"]))

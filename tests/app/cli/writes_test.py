@@ -14,7 +14,7 @@ import unittest
 
 from program_support import lines, main, PROGRAM, QUICK, run, SCENES, WithFolder, without_display
 
-SHORT = ("--set", "duration_s=0.1", "--quiet")
+SHORT = ("--set", "duration_s=0.1", "--quiet", "--force")
 STAND_IN = "#!/bin/sh\nfor last; do :; done\ncat > \"${last#file:}\"\n"  # in place of ffmpeg: what it is given, into its output
 
 

@@ -53,6 +53,43 @@ TEST_CASE("drilling cost: every setting has a default that is read from the scen
   }
 }
 
+TEST_CASE("drilling cost: a bit of one's own has the closed form that the study gives to its bits") {
+  for (const DrillingBit& bit : drilling_bits()) {
+    CAPTURE(bit.name);
+    const auto text = drilling_bit_text(bit, test::in_source("app/tools"));
+    REQUIRE(text.ok());
+    const auto own = own_drilling_bit("my bit", *text);
+    REQUIRE_MESSAGE(own.ok(), (own ? "" : own.error().text()));
+    CHECK(own->swept.radius == doctest::Approx(bit.swept.radius));
+    CHECK(own->swept.bore == doctest::Approx(bit.swept.bore));
+    CHECK(own->widest_at == doctest::Approx(bit.widest_at));
+    CHECK(own->finest_mm <= 0.125);
+    // It drills the bone of the study's bit.
+    const DrillingTrial trial{.bit = "my bit", .own = std::make_shared<DrillingBit>(*own)};
+    const auto loaded = load_drilling(trial, "nowhere"), known = load_drilling({.bit = bit.name}, test::in_source("app/tools"));
+    REQUIRE_MESSAGE(loaded.ok(), (loaded ? "" : loaded.error().text()));
+    REQUIRE(known.ok());
+    CHECK(loaded->bone->dims() == known->bone->dims());
+    CHECK(loaded->tool.erosion.factors == known->tool.erosion.factors);
+  }
+}
+
+TEST_CASE("drilling cost: a bit without a closed form is refused") {
+  const auto refused = [](const std::string& text) {
+    const auto own = own_drilling_bit("my bit", text);
+    REQUIRE(!own.ok());
+    return own.error().text();
+  };
+  const auto saw = read_file(test::in_source("app/tools/sagittal_saw_12mm.toml"));
+  REQUIRE(saw.ok());
+  CHECK(refused(*saw).find("does not revolve") != std::string::npos);
+  CHECK(refused("[mesh]\nfile = \"burr.stl\"\n").find("a mesh has not") != std::string::npos);
+  const std::string passive =
+      "[shell]\npitch_mm = 0.5\n[[region]]\nname = \"rod\"\nshape = \"cylinder\"\nz_mm = 0\nheight_mm = 9\ndiameter_mm = 2\nerosion_factor "
+      "= 0\n";
+  CHECK(refused(passive).find("does not cut") != std::string::npos);
+}
+
 TEST_CASE("drilling cost: records of 8 bits cost memory less and accuracy more, with any number of threads") {
   const auto points = points_of(options_for("contact.record_bits", 2)), again = points_of(options_for("contact.record_bits", 1));
   REQUIRE(points.size() == 2);
