@@ -30,7 +30,8 @@ DrillingRuns runs_of(const DrillingCostArguments& arguments, Progress& progress)
 }
 
 int run_cost(const DrillingCostArguments& arguments) {
-  if (const Status begun = begin_study(arguments.folder); !begun) return report(begun.error());
+  const auto lock = begin_study(arguments.folder);
+  if (!lock) return report(lock.error());
   Progress progress(false, {}, true);
   DrillingCostOptions options = arguments.options;
   options.runs = runs_of(arguments, progress);
@@ -45,7 +46,8 @@ int run_cost(const DrillingCostArguments& arguments) {
 }
 
 int run_convergence(const DrillingCostArguments& arguments) {
-  if (const Status begun = begin_study(arguments.folder); !begun) return report(begun.error());
+  const auto lock = begin_study(arguments.folder);
+  if (!lock) return report(lock.error());
   Progress progress(false, {}, true);
   ConvergenceOptions options;
   options.runs = runs_of(arguments, progress);

@@ -36,7 +36,7 @@ Result<std::unique_ptr<FilmWriter>> make_film(const Scene& scene, const Drilling
     return bad_input(
         fmt::format("--video-fps {} does not divide the servo rate, {} Hz: give a divisor of it", files.video_fps, scene.servo_hz),
         scene.file);
-  return FilmWriter::create(files.video, files.video_fps);
+  return FilmWriter::create(files.video, files.video_fps, files.folder);
 }
 
 /// Receives sound for a run that only measures it.

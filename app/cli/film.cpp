@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "app/cli/png_writer.h"
+#include "app/job/run_folder.h"
 #include "core/base/assert.h"
 #include "core/base/output_file.h"
 
@@ -73,7 +74,15 @@ std::string find_program(const std::string& name) {
 
 class FolderFilm final : public FilmWriter {
  public:
-  explicit FolderFilm(std::string folder) : folder_(std::move(folder)) {}
+  /// @param own whether no other part of this process takes the folder.
+  FolderFilm(std::string folder, bool own) : folder_(std::move(folder)), own_(own) {}
+  Status take() {
+    if (!own_ || lock_) return {};
+    auto lock = take_output_folder(folder_, "--video");
+    if (!lock) return lock.error();
+    lock_.emplace(std::move(lock).value());
+    return {};
+  }
   Status add(const Image& image) override {
     if (frames_ == 0)
       if (Status begun = begin(); !begun) return begun;
@@ -86,14 +95,14 @@ class FolderFilm final : public FilmWriter {
   }
 
  private:
-  Status begin() const {
-    std::error_code error;
-    fs::create_directories(folder_, error);
-    if (error) return bad_input("cannot make the folder of the film: " + error.message() + "; give another by --video", folder_);
+  Status begin() {
+    if (Status taken = take(); !taken) return taken;
     return remove_frames(folder_);
   }
 
   std::string folder_;
+  bool own_;
+  std::optional<FolderLock> lock_;
   PngWriter writer_;
 };
 
@@ -214,7 +223,7 @@ class VideoFilm final : public FilmWriter {
 
 }  // namespace
 
-Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, int rate) {
+Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, int rate, const std::string& run_folder) {
   const fs::path given(path);
   std::string ending = given.extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -223,7 +232,13 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, 
   const char* format = format_of(ending);
   if (format != nullptr && is_folder) return bad_input("a video has this name, but it is a folder: choose another name", path);
   if (format == nullptr && !is_folder && !ending.empty()) return bad_input("a film is a folder, or a file .mp4, .mkv or .webm", path);
-  if (format == nullptr) return std::unique_ptr<FilmWriter>(std::make_unique<FolderFilm>(path));
+  if (format == nullptr) {
+    const bool own = run_folder.empty() || fs::weakly_canonical(given, ignored) != fs::weakly_canonical(run_folder, ignored);
+    auto film = std::make_unique<FolderFilm>(path, own);
+    if (is_folder)  // another one is made and taken with the first frame
+      if (const Status taken = film->take(); !taken) return taken.error();
+    return std::unique_ptr<FilmWriter>(std::move(film));
+  }
   const std::string program = find_program("ffmpeg");
   if (program.empty())
     return Error{ErrorCode::unavailable, "a video needs the program ffmpeg, which is not installed; give a folder to get its frames", path};

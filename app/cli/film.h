@@ -15,8 +15,9 @@ class FilmWriter {
  public:
   /// @param path ends in .mp4, .mkv or .webm: a video; without an ending, or if it exists: a folder. The first frame makes the folder, and
   /// removes the frames of an earlier film from it.
-  /// @param rate [1/s] frames a second, > 0.
-  [[nodiscard]] static Result<std::unique_ptr<FilmWriter>> create(const std::string& path, int rate);
+  /// The folder belongs to this process while the writer lives. @param rate [1/s] frames a second, > 0. @param run_folder that of the run's
+  /// results, which the run itself takes; empty: none.
+  [[nodiscard]] static Result<std::unique_ptr<FilmWriter>> create(const std::string& path, int rate, const std::string& run_folder);
   virtual ~FilmWriter() = default;
   /// Adds a frame. All frames must have the size of the first.
   [[nodiscard]] virtual Status add(const Image& image) = 0;
