@@ -177,7 +177,7 @@ TEST_CASE("inputs: a tool that was changed for another takes no more memory") {
   options.history = true;
   options.progress = [&](double, const DrillProgress&) {
     const std::shared_ptr<const CuttingField> now = simulation->stage().tool->cutting;
-    REQUIRE(now != nullptr);
+    REQUIRE((now != nullptr));
     if (seen.empty() || seen.back().lock() != now) seen.emplace_back(now);
   };
   DrillRun run(SmallScene{.sets = {"duration_s=1.1"}}, options);

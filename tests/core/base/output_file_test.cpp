@@ -267,9 +267,9 @@ void kill_writer(pid_t process) {
 TEST_CASE("output file: the next write to a name removes what killed processes have left of it, and nothing else") {
   const TemporaryFolder folder;
   std::string dead, other, alive;
+  const pid_t writer = start_writing(folder, "out.bin", alive);
   kill_writer(start_writing(folder, "out.bin", dead));
   kill_writer(start_writing(folder, "out.bin.2", other));
-  const pid_t writer = start_writing(folder, "out.bin", alive);
   const std::string locked =
       "out.bin" + dead.substr(7, dead.rfind('-') - 7) + "-00000000000000aa.tmp";  // as of a process of another machine
   const std::string link = "out.bin" + dead.substr(7, dead.rfind('-') - 7) + "-00000000000000bb.tmp";
