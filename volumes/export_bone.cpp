@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/base/descriptor.h"
+#include "core/base/output_file.h"
 #include "core/voxel/vdb_grids.h"
 #include "volumes/read/number_text.h"
 #include "volumes/write/bone_surface.h"
@@ -63,12 +65,6 @@ Result<ExportReport> export_mesh(const Voxmap& bone, const ExportRequest& reques
   const auto bytes = write_mesh(request.path, format, *mesh, request.stop);
   if (!bytes) return bytes.error();
   return ExportReport{.format = format, .triangles = mesh->indices.size() / 3, .bytes = *bytes};
-}
-
-bool is_stopped(const ExportRequest& request) { return request.stop != nullptr && request.stop->load(std::memory_order_relaxed); }
-
-Error stopped(const ExportRequest& request) {
-  return {ErrorCode::unavailable, "the writing was stopped: the file is as it was before", request.path};
 }
 
 /// A bone model of this program, with one grid more for others.
@@ -150,9 +146,10 @@ void read_field(const Voxmap& bone, ExportField field, bool undrilled, const Vox
 
 Result<ExportReport> export_bone(const Voxmap& bone, const ExportRequest& request) {
   if (const Status valid = check_request(request); !valid) return valid.error();
-  if (is_stopped(request)) return stopped(request);
+  if (is_stopped(request.stop)) return stopped_error(request.path);
   const std::string format = export_format(request.path).value();
-  // Each checks before it renames its file that all of the bone was read: a read that failed is taken for 0.
+  // Images and meshes check before they rename their file that all of the bone was read: a read that failed is taken for 0. A .vdb is written
+  // only of a bone in memory, which no read can fail to get.
   if (is_volume(format)) return export_image(bone, request, format);
   return format == "OpenVDB" ? export_vdb(bone, request) : export_mesh(bone, request, format);
 }

@@ -68,6 +68,13 @@ bool is_vdb(const std::string& path) {
   return ending == ".vdb";
 }
 
+/// @returns the error of a reading that shall stop, without a report of its progress.
+Status goes_on(const ReadOptions& read) {
+  ReadOptions stop;
+  stop.stop = read.stop;
+  return advance(stop, 0.0);
+}
+
 bool shapes_bone(const BoneOptions& bone) { return bone.band || bone.hu_offset || bone.spacing || bone.region || !bone.hardness.empty(); }
 
 /// The bone model at the path, or nothing if the file is not a bone model of this program.
@@ -189,6 +196,7 @@ Result<ImportedBone> import_bone(const ImportRequest& given, const std::function
       say(fmt::format("{} voxels read, {:.1f} MB; bone of {} voxels takes about {:.1f} MB", size_text(scan.dims),
                       static_cast<double>(scan.values.size() * sizeof(float)) / kMegabyte, size_text(grid.dims),
                       likely_bytes(grid) / kMegabyte));
+    if (Status on = goes_on(request.read); !on) return storage = on.error();
     if (request.accept) storage = request.accept(grid, sizeof(float) * scan.values.size() + slab_bytes(scan, grid));
     return storage;
   };

@@ -13,6 +13,7 @@
 #include "app/cli/drilling.h"
 #include "app/report/file.h"
 #include "app/session/session.h"
+#include "app/stage/result_files.h"
 #include "app/window/chooser.h"
 #include "app/window/panel_text.h"
 #include "app/window/window_run.h"
@@ -100,7 +101,7 @@ std::vector<Item> sessions() {
   std::vector<std::pair<fs::file_time_type, fs::path>> found;
   std::error_code ignored;
   const auto look = [&](const fs::path& folder) {
-    const fs::path session = folder / "session.sqlite";
+    const fs::path session = folder / kSessionFile;
     if (fs::is_regular_file(session, ignored)) found.emplace_back(fs::last_write_time(session, ignored), session);
   };
   look(kResults);
@@ -128,7 +129,7 @@ Result<Words> words_of_file(const Chosen& chosen) {
   if (!chosen.site) return drill_words(chosen.scene, results_of(fs::path(chosen.scene).stem().string()));
   const fs::path source(chosen.source.path);
   const fs::path folder = results_of((source.has_stem() ? source.stem() : source.parent_path().filename()).string());
-  const fs::path scene = folder / "scene.toml";
+  const fs::path scene = folder / kChosenSceneFile;
   if (const Status written = write_file(scene.string(), site_scene(*chosen.site, chosen.source)); !written) return written.error();
   note(fmt::format("scene: {}\n", scene.string()));
   return drill_words(scene.string(), folder.string());

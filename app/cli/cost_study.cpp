@@ -17,8 +17,11 @@ void add_study_options(CLI::App& command, StudyFolder& folder, const std::string
 
 Result<FolderLock> begin_study(const StudyFolder& folder) {
   auto lock = take_output_folder(folder.folder);
-  std::error_code ignored;
-  if (lock && folder.fresh) fs::remove(folder.file(), ignored);
+  std::error_code error;
+  if (lock && folder.fresh) fs::remove(folder.file(), error);
+  if (error)
+    return bad_input("the results of an interrupted call cannot be removed: " + error.message() + "; give another folder by --out",
+                     folder.file());
   return lock;
 }
 

@@ -11,7 +11,9 @@
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
 #include "app/job/expectation.h"
+#include "app/job/run_folder.h"
 #include "app/report/file.h"
+#include "app/stage/result_files.h"
 
 namespace burrhole::cli {
 namespace {
@@ -151,9 +153,9 @@ struct DrillOptions {
 /// same place. @returns bad_input if the folder holds results of another scene, or a summary.json of another program.
 Status check_old_results(const std::string& folder, const std::string& scene_file) {
   constexpr const char* kNext = "give another folder by --out, or --force to replace them";
-  const std::string path = (std::filesystem::path(folder) / "summary.json").string();
+  const std::string path = (std::filesystem::path(folder) / kSummaryFile).string();
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return {};
+  if (!std::filesystem::exists(path, ignored)) return check_is_ours(folder);
   const auto text = read_file(path);
   const nlohmann::json old = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
   if (!old.is_object() || !old.contains("scene") || !old["scene"].is_string())

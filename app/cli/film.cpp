@@ -25,6 +25,7 @@
 #include "app/cli/png_writer.h"
 #include "app/job/run_folder.h"
 #include "core/base/assert.h"
+#include "core/base/child_attributes.h"
 #include "core/base/output_file.h"
 
 namespace burrhole::cli {
@@ -198,11 +199,8 @@ class VideoFilm final : public FilmWriter {
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     // In a process group of its own: Ctrl-C ends the run, which then completes the video.
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-    const int refused = posix_spawn(&process_, program_.c_str(), &actions, &attributes, arguments.data(), environ);
-    posix_spawnattr_destroy(&attributes);
+    const ChildAttributes attributes(true);
+    const int refused = posix_spawn(&process_, program_.c_str(), &actions, attributes.get(), arguments.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     socket_ = ends[0];

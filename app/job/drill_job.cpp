@@ -150,10 +150,10 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
 
 std::string date_of(const DrillJob& job) { return job.created.empty() ? now_iso8601() : job.created; }
 
-/// A file that a session holds, as an event of its kind.
+/// A file that a session holds, as an event of its kind. Its folder may name a patient, and a replay reads the session alone.
 struct SessionFile {
   const char* kind;
-  std::string path, text;
+  std::string name, text;
 };
 
 /// Reads them before the first file of the run, which may move one of them aside.
@@ -165,7 +165,7 @@ Result<std::vector<SessionFile>> read_session_files(const LoadedScene& loaded, c
     if (path.empty()) continue;
     auto text = read_file(path, limit);
     if (!text) return text.error();
-    out.push_back({kind, path, std::move(text).value()});
+    out.push_back({kind, fs::path(path).filename().string(), std::move(text).value()});
   }
   return out;
 }
@@ -176,7 +176,8 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   if (!stage.record_path() || job.folder.empty()) return std::optional<SessionWriter>();
   SessionMeta meta;
   meta.program = BH_VERSION;
-  meta.scene_path = loaded.scene.file;
+  // A replay needs the folder where a scan is named relative to it.
+  meta.scene_path = loaded.scene.volume.scan ? loaded.scene.file : fs::path(loaded.scene.file).filename().string();
   meta.scene = loaded.scene.text;
   meta.tool = loaded.tool_text;
   meta.seed = loaded.scene.hand.seed;
@@ -188,7 +189,7 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   auto session = SessionWriter::create(path, meta, session_layout(stage));
   if (!session) return session.error();
   for (const SessionFile& file : files)
-    if (Status noted = session->event({0.0, 0, file.kind, file.path, file.text}); !noted) return noted.error();
+    if (Status noted = session->event({0.0, 0, file.kind, file.name, file.text}); !noted) return noted.error();
   return std::optional<SessionWriter>(std::move(session).value());
 }
 
@@ -272,6 +273,11 @@ void add_warnings(const DrillJob& job, const std::vector<std::string>& found, Ru
   std::ranges::copy(summary.latched_faults, std::back_inserter(summary.warnings));
 }
 
+/// @returns the line on a run that an error ended.
+std::string early_end(const Simulation& simulation, const Error& error) {
+  return without_folders(fmt::format("an error ended the run at {:.3f} s: {}", simulation.time(), error.text()));
+}
+
 }  // namespace
 
 InputTools tools_of(const std::vector<Input>& inputs) {
@@ -352,7 +358,9 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (job.begin) job.begin(*simulation);
   RunProvenance made = provenance_of(loaded, job, simulation->voxmap().starts_drilled());
   const auto start = std::chrono::steady_clock::now();
-  if (Status ran = simulation->run(); !ran) return ran.error();
+  const Status ran = simulation->run();
+  // A run that an error ends has results too, unless bone could not be read: those of minutes are not lost for one picture.
+  if (!ran && (simulation->time() == 0.0 || !simulation->voxmap().bone().read_status())) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Status sounded = sound.finish();
   RunSummary summary = make_summary(loaded, *simulation, plan, wall);
@@ -366,15 +374,17 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (auto undone = undone_warning(*simulation, summary)) found.push_back(std::move(*undone));
   std::ranges::move(outcome_warnings(summary), std::back_inserter(found));
   add_warnings(job, found, summary);
+  if (!ran) summary.warnings.push_back(early_end(*simulation, ran.error()));  // the caller reports the error itself
   if (sink) summary.display = sink->display();
-  if (outputs->session)
-    if (Status closed = close_session(*outputs->session, summary, *simulation); !closed) return closed.error();
-  if (job.folder.empty()) return summary;
+  Status closed;
+  if (outputs->session) closed = ran ? close_session(*outputs->session, summary, *simulation) : outputs->session->close();
   auto pictures = sink ? sink->files() : std::vector<std::string>();
-  if (!pictures) return pictures.error();
-  Status written = write_results(loaded, *simulation, summary, *pictures, job.folder);
-  if (written) outputs->earlier.replaced();
-  if (!written || !sounded) return !written ? written.error() : sounded.error();
+  Status written;
+  if (!job.folder.empty())
+    written = write_results(loaded, *simulation, summary, pictures ? *pictures : std::vector<std::string>(), job.folder);
+  if (ran && written) outputs->earlier.replaced();
+  for (const Status& done : {ran, closed, pictures ? Status() : Status(pictures.error()), written, sounded})
+    if (!done) return done.error();
   return summary;
 }
 

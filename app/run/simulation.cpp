@@ -67,16 +67,19 @@ Status Simulation::run() {
   if (has_overview_)
     if (Status drawn = log_->draw(kOverview, parts_->contact->state().world_from_tool, false); !drawn) return drawn;
   if (Status drawn = log_->draw("before", parts_->contact->state().world_from_tool, false); !drawn) return drawn;
+  Status ran;
   {
     const FlushToZero guard;
-    if (Status ran = options_.live ? run_on_threads() : run_lockstep(); !ran) return ran;
+    ran = options_.live ? run_on_threads() : run_lockstep();
   }
+  if (!ran) end_ = RunEnd::stopped;
   if (Status read = parts_->voxmap->bone().read_status(); !read) return read;
   parts_->voxmap->write_back();
   parts_->gather(true);  // the last pictures show every change
-  if (Status drawn = log_->draw("after", {}, false); !drawn) return drawn;
-  if (Status drawn = log_->draw("cutaway", {}, true); !drawn) return drawn;
-  return parts_->voxmap->bone().read_status();
+  if (ran) ran = log_->draw("after", {}, false);
+  if (ran) ran = log_->draw("cutaway", {}, true);
+  const Status read = parts_->voxmap->bone().read_status();
+  return read ? ran : read;
 }
 
 Status Simulation::run_lockstep() {

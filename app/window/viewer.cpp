@@ -4,6 +4,7 @@
 #include <imgui/imgui.h>
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <utility>
 
@@ -14,7 +15,6 @@
 #include "app/view/stereo.h"
 #include "app/window/over_bone.h"
 #include "app/window/transport_bar.h"
-#include "core/base/caught_error.h"
 
 namespace burrhole {
 namespace {
@@ -232,7 +232,7 @@ void Viewer::loop() {
   try {
     draw_until_closed();
   } catch (...) {
-    state_->fail(caught_error());
+    state_->fail(std::current_exception());
   }
   {
     const std::scoped_lock lock(mutex_);

@@ -116,6 +116,7 @@ class Bench:
         self.out = self.folder / "out"
         self.old = self.folder / "old"
         self.trials = 0
+        self.not_reached = 0  # injected calls that the trial's run did not make: threads do not make the same calls in each run
         self.failures = []
         self.raced = None  # the case whose marks are known
 
@@ -177,6 +178,7 @@ class Bench:
         except subprocess.TimeoutExpired:
             return self._note(label, f"hangs for more than {PATIENCE} s")
         problem = self._left(case)
+        injected = log.read_text(errors="replace")
         # oneTBB and LLVM end the process where they get no thread of their own; no file is damaged by that.
         ended = done.returncode < 0 or done.returncode > 128
         if ended and not (kind == "clone3" and done.returncode in (-signal.SIGABRT, 128 + signal.SIGABRT)):
@@ -187,8 +189,11 @@ class Bench:
             problem = problem or f"an interrupted call ends the run: exit {done.returncode}: {done.stderr.strip()[-300:]}"
         elif "internal error" in done.stderr:
             problem = problem or f"calls itself broken: {done.stderr.strip()[-300:]}"
-        elif done.returncode != 0 and not done.stderr.strip() and not MESSAGE.search(log.read_text(errors="replace")):
+        elif done.returncode != 0 and not done.stderr.strip() and not MESSAGE.search(injected):
             problem = problem or f"exit {done.returncode} without a word"
+        if problem is None and "INJECTED" not in injected:
+            self.not_reached += 1
+            return True
         return self._note(label, problem)
 
     def _not_written(self):
@@ -280,7 +285,7 @@ class Bench:
 
     def _is_earlier(self, path):
         """Whether a file is one of the earlier run that was moved aside, whole; or the folder for them, which could not be removed."""
-        if path.name == ".burrhole-earlier":
+        if path.name in (".burrhole-earlier", ".burrhole-dropped"):
             return all(p.read_bytes() == (self.old / p.name).read_bytes() for p in path.iterdir())
         name = path.name.replace(".earlier.", ".")
         return name != path.name and (self.old / name).exists() and path.read_bytes() == (self.old / name).read_bytes()

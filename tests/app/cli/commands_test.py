@@ -305,6 +305,14 @@ class Studies(WithFolder):
         for n, median in enumerate(kept):  # four rows a trial; a second measurement would differ
             self.assertAlmostEqual(float(rows[4 * n]["median_us"]) / median, 1.0, places=5)
 
+    def test_results_that_fresh_cannot_remove_are_an_error(self):
+        partial = self.folder / "study" / "partial_surface.txt"
+        partial.mkdir(parents=True)
+        (partial / "file").write_text("")
+        result = run("cost", "surface", "--fresh", "--out", self.folder / "study")
+        self.assertEqual((result.returncode, lines(result.stderr)), (2, [f"{partial}: the results of an interrupted call cannot be removed: "
+                                                                          "Directory not empty; give another folder by --out"]))
+
     def test_fresh_measures_all_again(self):
         out = self.folder / "study"
         out.mkdir()

@@ -11,6 +11,7 @@ import math
 import os
 import pathlib
 import re
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -147,6 +148,34 @@ class OneRun(WithRuns):
         self.assertIn("records/mine.sqlite", contents(self.out))
         self.assertEqual(run("drill", QUICK, "--no-pictures", "--out", self.out, *SHORT, *named).returncode, 0)
         self.assertEqual(set(contents(self.out)), {"bone.vdb", "report.html", "records/mine.sqlite", "summary.json", "notes.txt"})
+
+
+    def test_files_that_burrhole_did_not_write_are_replaced_only_by_force(self):
+        drill = ("drill", QUICK, "--no-pictures", "--out", self.out, *SHORT)
+        for name in ("report.html", "bone.vdb", "before.png"):
+            with self.subTest(name):
+                self.out.mkdir()
+                (self.out / name).write_text("of a person")
+                result = run(*drill)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertEqual(lines(result.stderr), [f"{self.out / name}: is no result of burrhole drill: give another folder by --out, or "
+                                                        "--force to replace it"])
+                self.assertEqual(contents(self.out), {name: b"of a person"})
+                self.assertEqual(run(*drill, "--force").returncode, 0)
+                self.assertNotEqual(contents(self.out).get(name), b"of a person")
+                shutil.rmtree(self.out)
+
+    def test_an_input_is_not_replaced_by_the_bone_of_an_earlier_run(self):
+        old = self.earlier()
+        (self.out / "bone.vdb").rename(self.out / "bone.earlier.vdb")
+        restore = ("drill", QUICK, "--no-pictures", "--out", self.out, "--restore", self.out / "bone.earlier.vdb", *SHORT)
+        self.assertEqual(run(*restore).returncode, 0)
+        before = contents(self.out)
+        result = run(*restore)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn(f"{self.out / 'bone.earlier.vdb'}: is an input of this run", result.stderr)
+        self.assertEqual([name for name in before.keys() | contents(self.out).keys() if before.get(name) != contents(self.out).get(name)], [])
+        self.assertTrue(before["bone.earlier.vdb"] == old["bone.vdb"])
 
 
 class Names(WithRuns):

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import unittest
 
-from program_support import lines, main, PROGRAM, QUICK, run, SOURCE, WithFolder, without_display
+from program_support import lines, main, PROGRAM, QUICK, run, SCENES, SOURCE, WithFolder, without_display
 
 sys.path.insert(0, str(SOURCE / "tests" / "support"))
 import session_blocks  # noqa: E402
@@ -132,6 +132,24 @@ class Drilled(WithFolder):
 
 
 class Provenance(WithFolder):
+    def test_a_session_names_no_folder_that_its_replay_does_not_need(self):
+        out = self.folder / "run"
+        scene = self.folder / "scene.toml"
+        shutil.copy(SCENES / "pin_2mm.toml", self.folder)
+        shutil.copy(QUICK, scene)
+        drill = ("drill", scene, "--no-pictures", "--quiet", "--set", "duration_s=0.1", "--out")
+        self.assertEqual(run(*drill, self.folder / "before").returncode, 0)
+        plan = self.folder / "plan.mrk.json"
+        self.assertEqual(run("export", scene, "-o", plan, "--quiet").returncode, 0)
+        scene.write_text(re.sub(r"(?m)^(entry_mm|axis) = .*\n", "", scene.read_text()).replace("[approach]\n", '[approach]\nmarkups = "plan.mrk.json"\n'))
+        result = run(*drill, out, "--restore", self.folder / "before" / "bone.vdb")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        session = out / "session.sqlite"
+        self.assertNotIn(str(self.folder).encode(), session.read_bytes())
+        self.assertIn(b"plan.mrk.json", session.read_bytes())
+        again = run("replay", session, "--quiet")
+        self.assertEqual(again.returncode, 0, again.stderr)
+
     def test_results_name_what_made_them_and_no_folder(self):
         out = self.folder / "run"
         scene = self.quick()
