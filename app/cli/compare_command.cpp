@@ -5,6 +5,7 @@
 
 #include "app/cli/commands.h"
 #include "app/job/compare_runs.h"
+#include "app/job/run_folder.h"
 #ifdef BH_WITH_RENDER
 #include "app/cli/picture_difference.h"
 #endif
@@ -90,10 +91,8 @@ int run_compare(const Options& option) {
       print_line(run.name + ": no curves: " + run.no_curves);
   }
   if (!option.folder.empty()) {
-    std::error_code error;
-    fs::create_directories(option.folder, error);
-    if (error || !fs::is_directory(option.folder))
-      return report(bad_input("the output folder cannot be created: give another by --out", option.folder));
+    const auto lock = take_output_folder(option.folder);
+    if (!lock) return report(lock.error());
     const auto views = compare_views(runs, option.folder, issues);
     if (Status written = write_comparison(runs, views, option.folder); !written) return report(written.error());
     note(fmt::format("page: {}\n", (fs::path(option.folder) / "compare.html").string()));

@@ -50,7 +50,8 @@ Result<std::shared_ptr<const DrillingBit>> find_own_bit(const std::string& given
 int run_cost(const DrillingCostArguments& arguments) {
   const auto own = find_own_bit(arguments.options.bit);
   if (!own) return report(own.error());
-  if (const Status begun = begin_study(arguments.folder); !begun) return report(begun.error());
+  const auto lock = begin_study(arguments.folder);
+  if (!lock) return report(lock.error());
   Progress progress(false, {}, true);
   DrillingCostOptions options = arguments.options;
   options.runs = runs_of(arguments, progress);
@@ -66,7 +67,8 @@ int run_cost(const DrillingCostArguments& arguments) {
 }
 
 int run_convergence(const DrillingCostArguments& arguments) {
-  if (const Status begun = begin_study(arguments.folder); !begun) return report(begun.error());
+  const auto lock = begin_study(arguments.folder);
+  if (!lock) return report(lock.error());
   Progress progress(false, {}, true);
   ConvergenceOptions options;
   options.runs = runs_of(arguments, progress);

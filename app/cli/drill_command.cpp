@@ -183,6 +183,7 @@ void run_drill(DrillOptions& option, int& exit_code) {
   }
   option.mode.live = option.mode.live || *windowed;
   option.files.film.replace = option.force;
+  option.files.film.run_folder = option.files.folder;
   const auto loaded = load_or_report(option.scene, exit_code, option.quiet, option.mode.live, option.files.inputs);
   if (!loaded) return;
   if (!option.force)

@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "app/cli/png_writer.h"
+#include "app/job/run_folder.h"
 #include "core/base/assert.h"
 #include "core/base/child_attributes.h"
 #include "core/base/output_file.h"
@@ -80,7 +81,15 @@ std::string find_program(const std::string& name) {
 
 class FolderFilm final : public FilmWriter {
  public:
-  explicit FolderFilm(std::string folder) : folder_(std::move(folder)) {}
+  /// @param own whether no other part of this process takes the folder.
+  FolderFilm(std::string folder, bool own) : folder_(std::move(folder)), own_(own) {}
+  Status take() {
+    if (!own_ || lock_) return {};
+    auto lock = take_output_folder(folder_, "--video");
+    if (!lock) return lock.error();
+    lock_.emplace(std::move(lock).value());
+    return {};
+  }
   Status add(const Image& image) override {
     if (frames_ == 0)
       if (Status begun = begin(); !begun) return begun;
@@ -89,14 +98,14 @@ class FolderFilm final : public FilmWriter {
   Status finish() override { return frames_ > 0 ? writer_.wait() : Status(); }
 
  private:
-  Status begin() const {
-    std::error_code error;
-    fs::create_directories(folder_, error);
-    if (error) return bad_input("cannot make the folder of the film: " + error.message() + "; give another by --video", folder_);
+  Status begin() {
+    if (Status taken = take(); !taken) return taken;
     return remove_frames(folder_);
   }
 
   std::string folder_;
+  bool own_;
+  std::optional<FolderLock> lock_;
   PngWriter writer_;
 };
 
@@ -226,7 +235,13 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const FilmOptions& option
           fmt::format("holds {} {}, {} for example: give another folder by --video, or --force to replace them", frames.size(),
                       frames.size() == 1 ? "frame of a film" : "frames of a film", std::ranges::min(frames).filename().string()),
           path);
-  if (format == nullptr) return std::unique_ptr<FilmWriter>(std::make_unique<FolderFilm>(path));
+  if (format == nullptr) {
+    const bool own = options.run_folder.empty() || fs::weakly_canonical(given, ignored) != fs::weakly_canonical(options.run_folder, ignored);
+    auto film = std::make_unique<FolderFilm>(path, own);
+    if (is_folder)  // another one is made and taken with the first frame
+      if (const Status taken = film->take(); !taken) return taken.error();
+    return std::unique_ptr<FilmWriter>(std::move(film));
+  }
   const std::string program = find_program("ffmpeg");
   if (program.empty())
     return Error{ErrorCode::unavailable, "a video needs the program ffmpeg, which is not installed; give a folder to get its frames", path};

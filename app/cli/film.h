@@ -20,12 +20,14 @@ struct FilmOptions {
   std::string path;      ///< a folder or a video file; empty: no film
   int fps = 25;          ///< [1/s] frames, of simulated time
   bool replace = false;  ///< frames in the folder are replaced
+  std::string run_folder;  ///< that of the run's results, which the run itself takes; empty: none
 };
 
 class FilmWriter {
  public:
-  /// @param options path ends in .mp4, .mkv or .webm: a video; without an ending, or if it exists: a folder, which the first frame makes. A
-  /// folder that holds files with names of frames is refused unless `replace` is set: then the first frame removes them.
+  /// @param options path ends in .mp4, .mkv or .webm: a video; without an ending, or if it exists: a folder, which the first frame makes and
+  /// which belongs to this process while the writer lives. A folder that holds files with names of frames is refused unless `replace` is set:
+  /// then the first frame removes them.
   [[nodiscard]] static Result<std::unique_ptr<FilmWriter>> create(const FilmOptions& options);
   virtual ~FilmWriter() = default;
   /// Adds a frame. All frames must have the size of the first.

@@ -23,6 +23,13 @@ std::string recorded_hash(const SessionReader& session, const std::string& kind)
   return {};
 }
 
+/// Says that a session has no results. @returns the exit code.
+int nothing_compared(const std::string& session, bool allow_partial) {
+  print_line(session + ": nothing was compared: the recorded run was cut short, so the session has no results" +
+             (allow_partial ? "" : " (--allow-partial accepts that)"));
+  return allow_partial ? kDone : kCheckFailed;
+}
+
 struct Comparison {
   std::string name, recorded, replayed;
   [[nodiscard]] bool same() const { return recorded == replayed; }
@@ -189,8 +196,10 @@ void add_replay(CLI::App& app, int& exit_code) {
   command->callback([option, &exit_code] {
     catch_signals();
     if (option->view) {
-      const auto same = view_session_in_window(option->session, option->window, option->quiet);
-      exit_code = !same ? report(same.error()) : !*same ? kCheckFailed : stop_requested().load() ? kInterrupted : kDone;
+      const auto viewed = view_session_in_window(option->session, option->window, option->quiet);
+      exit_code = !viewed ? report(viewed.error()) : *viewed == ViewedSession::different ? kCheckFailed : kDone;
+      if (viewed && *viewed == ViewedSession::without_results) exit_code = nothing_compared(option->session, option->allow_partial);
+      if (exit_code == kDone && stop_requested().load()) exit_code = kInterrupted;
       return;
     }
     const auto replayed = replay(*option);
@@ -214,11 +223,7 @@ void add_replay(CLI::App& app, int& exit_code) {
                                      : "DIFFERENT"));
       if (known && !row.same()) exit_code = kCheckFailed;
     }
-    if (!compared) {
-      print_line(option->session + ": nothing was compared: the recorded run was cut short, so the session has no results" +
-                 (option->allow_partial ? "" : " (--allow-partial accepts that)"));
-      if (!option->allow_partial) exit_code = kCheckFailed;
-    }
+    if (!compared) exit_code = nothing_compared(option->session, option->allow_partial);
     if (!replayed->changed_bone.empty()) print_line(replayed->changed_bone);
     if (const std::string why = why_different(*replayed); compared && exit_code == kCheckFailed && !why.empty()) print(why + "\n");
   });

@@ -246,9 +246,7 @@ struct Outputs {
 Result<Outputs> open_outputs(const LoadedScene& loaded, const DrillJob& job, const Stage& stage, const PictureSink* sink, SoundOut& sound) {
   if (Status kept = check_source(loaded, job.folder); !kept) return kept.error();
   if (is_set(job.stop)) return Error{ErrorCode::unavailable, kNeverBegan, {}};
-  if (!job.folder.empty())
-    if (Status made = make_output_folder(job.folder); !made) return made.error();
-  auto lock = FolderLock::take(job.folder);
+  auto lock = take_output_folder(job.folder);
   if (!lock) return lock.error();
   const auto files = read_session_files(loaded, job, stage);
   if (!files) return files.error();

@@ -32,13 +32,11 @@ bool is_result(const std::string& name) {
          std::ranges::any_of(kPictureNames, [&](const char* picture) { return is_part_of(std::string(picture) + ".png"); });
 }
 
-}  // namespace
-
-Status make_output_folder(const std::string& folder) {
+Status make_output_folder(const std::string& folder, const std::string& option) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder))
-    return bad_input("the output folder cannot be created: " + (error ? error.message() : "not a folder") + "; give another by --out",
+    return bad_input("the output folder cannot be created: " + (error ? error.message() : "not a folder") + "; give another by " + option,
                      folder);
   // Writes as the check: permissions do not show a read-only medium or a full disk, and do not apply to root.
   auto probe = OutputFile::create((fs::path(folder) / kProbeFile).string());
@@ -46,6 +44,14 @@ Status make_output_folder(const std::string& folder) {
   if (written) written = probe->seek(0);  // writes what is buffered
   if (!written) return bad_input("the output folder cannot be written to: " + written.error().message, folder);
   return {};
+}
+
+}  // namespace
+
+Result<FolderLock> take_output_folder(const std::string& folder, const char* option) {
+  if (!folder.empty())
+    if (const Status made = make_output_folder(folder, option); !made) return made.error();
+  return FolderLock::take(folder, option);
 }
 
 Status check_is_ours(const std::string& folder) {

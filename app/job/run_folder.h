@@ -11,13 +11,15 @@
 #include <utility>
 #include <vector>
 
+#include "app/job/folder_lock.h"
 #include "app/scene/load.h"
 #include "core/base/result.h"
 
 namespace burrhole {
 
-/// Makes the folder, and checks that a file can be written there.
-[[nodiscard]] Status make_output_folder(const std::string& folder);
+/// Makes the folder, checks that a file can be written there, and takes it for this process while the lock lives. An empty name: nothing.
+/// @param option that names the folder, for errors.
+[[nodiscard]] Result<FolderLock> take_output_folder(const std::string& folder, const char* option = "--out");
 
 /// @returns bad_input if the folder has a file with the name of a result, and no sign of a run of this program: a summary, a session, the bone of
 /// an earlier run, the lock of one that was killed.

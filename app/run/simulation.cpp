@@ -149,6 +149,7 @@ Status Simulation::apply(const Input& input) {
       if (!tool) return issues.front();
       tools_.push_back(std::make_unique<Tool>(std::move(*tool)));
       if (Status changed = parts_->change_tool(*tools_.back()); !changed) return changed;
+      tools_.erase(tools_.begin(), tools_.end() - 1);  // nothing refers to the one before any more
       return log_->record_event(time, "tool", input.text);
     }
     case InputKind::undo:

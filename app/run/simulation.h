@@ -153,7 +153,7 @@ class Simulation {
   std::uint64_t tick_ = 0;
   ServoOutput servo_now_;
   std::vector<double> row_;                   // scratch of record_rows()
-  std::vector<std::unique_ptr<Tool>> tools_;  // of inputs that changed the tool
+  std::vector<std::unique_ptr<Tool>> tools_;  // of the input that changed the tool last; while it is changed, also the one before
   std::size_t next_input_ = 0;
   bool has_overview_ = false;  // the scene asks for that picture
   RunEnd end_ = RunEnd::done;

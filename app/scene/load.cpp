@@ -52,7 +52,7 @@ BoneNeed need_of_phantom(const PhantomSpec& phantom) {
   out.in_memory = out.paged = {dims, phantom_bone_from_index(phantom)};
   out.in_memory.bytes = out.in_memory.in_memory = out.paged.in_memory = dense_bone_bytes(dims, true);
   out.paged.bytes = PagedBone::index_bytes(dims, 1.0);
-  out.paged_import = dense_fields_bytes(dims);
+  out.import = out.paged_import = dense_fields_bytes(dims);
   out.file = PagedBone::file_bytes(dims, true, 1.0);
   return out;
 }
@@ -91,7 +91,7 @@ Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene
     const BoneNeed need = need_of_phantom(*volume.phantom);
     const auto storage = place(need);
     if (!storage) return storage.error();
-    if (storage->is_paged()) out.scan_bytes = need.paged_import;
+    out.scan_bytes = storage->is_paged() ? need.paged_import : need.import;
     if (volume.phantom->kind == PhantomKind::head) {
       auto head = make_head_bone(*volume.phantom, *storage);
       if (!head) return head.error();
@@ -195,8 +195,10 @@ std::string changed_tool(const std::string& text, const std::string& path, const
     issues.push_back(document.error());
     return text;
   }
-  for (const std::string& one : sets)
-    if (Status applied = document->set(one, "--set-tool"); !applied) issues.push_back(applied.error());
+  std::vector<TomlChange> changes;
+  for (const std::string& one : sets) changes.push_back({one, "--set-tool", false});
+  const Issues refused = document->apply(changes);
+  issues.insert(issues.end(), refused.begin(), refused.end());
   if (!issues.empty()) return text;
   if (has_tool_mesh(*document))
     (void)read_mesh_tool_spec(*document, issues);

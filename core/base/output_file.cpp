@@ -1,5 +1,6 @@
 #include "core/base/output_file.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
@@ -9,7 +10,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <climits>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <utility>
@@ -26,6 +29,7 @@ constexpr int kMostLinks = 40;                ///< in a row, as Linux follows
 constexpr std::size_t kRandomDigits = 16;     ///< hexadecimal, of such a name
 constexpr std::size_t kLongestName = 255;     ///< [bytes] NAME_MAX of Linux
 constexpr std::string_view kEnding = ".tmp";  // NAME.PROCESS-RANDOM.tmp
+constexpr int kMostEntries = 10'000;          ///< of a folder that are searched for temporary files of dead processes: about 2 ms
 
 /// @returns 0, or errno of the first write that failed. @param stop as of open_descriptor().
 int write_all(int file, std::span<const std::byte> bytes, const std::atomic<bool>* stop = nullptr) noexcept {
@@ -70,6 +74,42 @@ std::string temporary_name(const std::string& path, int number) {
   auto [folder, name] = folder_and_name(path);
   name.resize(std::min(name.size(), kLongestName - ending.size()));
   return folder + name + ending;
+}
+
+/// @returns the process in the name of a temporary file.
+pid_t process_of(std::string_view temporary) noexcept {
+  const std::string_view without_end = temporary.substr(0, temporary.rfind('-'));
+  pid_t process = 0;
+  const std::string_view digits = without_end.substr(without_end.rfind('.') + 1);
+  const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), process);
+  return read.ec == std::errc() ? process : 0;
+}
+
+/// Removes a temporary file if it is this user's, its process has gone, and nobody holds the lock that its writer has. A writer on another
+/// machine, or whose processes are numbered anew, has it.
+void remove_if_dead(int folder, const char* name) noexcept {
+  const pid_t process = process_of(name);
+  if (process <= 0 || ::kill(process, 0) == 0 || errno != ESRCH) return;
+  const Descriptor file(::openat(folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  struct stat status {};
+  if (file.get() < 0 || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != ::geteuid()) return;
+  if (::flock(file.get(), LOCK_EX | LOCK_NB) == 0) ::unlinkat(folder, name, 0);
+}
+
+/// Removes what killed processes have left of writing to `path`. Errors are no errors of the write.
+void remove_dead(const std::string& path) noexcept {
+  const std::size_t slash = path.rfind('/');
+  const std::string_view name = std::string_view(path).substr(slash == std::string::npos ? 0 : slash + 1);
+  const std::unique_ptr<DIR, int (*)(DIR*)> folder(::opendir(slash == std::string::npos ? "." : path.substr(0, slash + 1).c_str()),
+                                                   ::closedir);
+  if (!folder) return;
+  std::vector<std::string> found;
+  for (int n = 0; n < kMostEntries; ++n) {
+    const dirent* entry = ::readdir(folder.get());
+    if (entry == nullptr) break;
+    if (is_temporary_of(entry->d_name, name)) found.emplace_back(entry->d_name);
+  }
+  for (const std::string& one : found) remove_if_dead(::dirfd(folder.get()), one.c_str());
 }
 
 /// @returns what a symbolic link leads to, whether it is there or not; another path as it is.
@@ -154,7 +194,9 @@ struct OutputFile::State {
       if (file.get() >= 0) temporary = std::move(name);
       if (file.get() >= 0 || errno != EEXIST) break;
     }
-    return file.get() >= 0 ? 0 : errno;
+    if (file.get() < 0) return errno;
+    static_cast<void>(::flock(file.get(), LOCK_EX | LOCK_NB));  // see remove_if_dead()
+    return 0;
   }
   [[nodiscard]] Status put(std::span<const std::byte> bytes) {
     if (const int code = write_all(file.get(), bytes, stop); code != 0) return fail(code);
@@ -192,6 +234,7 @@ Result<OutputFile> OutputFile::create(const std::string& path, const std::atomic
     // Who may read the old file may read the new one, and nobody else, at no time.
     if (const int code = state->open_temporary(is_there ? 0600 : 0666); code != 0) return write_error(path, code);
     if (is_there) copy_rights(state->file.get(), old);
+    remove_dead(state->target);
   }
   state->buffer.reserve(kBuffer);
   return OutputFile(std::move(state));

@@ -75,6 +75,19 @@ class Reliability(WithFolder):
         (self.bench.out / "session.sqlite").write_bytes((other / "session.sqlite").read_bytes())
         self.assertIn("another session", self.bench._left(case))
 
+    def test_a_mixture_of_two_runs_is_noticed(self):
+        for case in cases(self.folder):
+            self.bench.begin(case)
+            self.bench.learn_marks(case)  # out has the files of run 2
+            self.assertIsNone(self.bench.mixture([1, 2]), case.name)
+            self.assertIsNotNone(self.bench.mixture([1]), case.name)
+            if len(self.bench.marks[0]) == 1:
+                continue
+            for name in sorted(p.name for p in self.bench.old.iterdir()):
+                self.assertEqual(self.bench._run(case, who=2).returncode, 0)
+                (self.bench.out / name).write_bytes((self.bench.old / name).read_bytes())
+                self.assertIn(name, self.bench.mixture([1, 2]) or "", name)
+
 
 if __name__ == "__main__":
     main()

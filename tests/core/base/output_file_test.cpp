@@ -380,6 +380,59 @@ TEST_CASE("append: a line is added whole or not at all") {
   CHECK_FALSE(append_to_file("/dev/full", "x"));
 }
 
+/// Starts to write a file in another process. @returns the process, which waits for a signal; `name` gets that of its temporary file.
+pid_t start_writing(const TemporaryFolder& folder, const std::string& file, std::string& name) {
+  const std::set<std::string> before = names_in(folder);
+  int ready[2] = {};
+  REQUIRE(pipe(ready) == 0);
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    auto out = OutputFile::create(folder.file(file));
+    const bool whole = out.ok() && out->write("part").ok() && ::write(ready[1], "x", 1) == 1;
+    while (whole) pause();
+    _exit(1);
+  }
+  close(ready[1]);
+  char byte = 0;
+  REQUIRE(::read(ready[0], &byte, 1) == 1);
+  close(ready[0]);
+  for (const std::string& one : names_in(folder))
+    if (!before.contains(one)) name = one;
+  REQUIRE(is_temporary_of(name, file));
+  return child;
+}
+
+void kill_writer(pid_t process) {
+  REQUIRE(kill(process, SIGKILL) == 0);
+  int status = 0;
+  REQUIRE(waitpid(process, &status, 0) == process);
+}
+
+TEST_CASE("output file: the next write to a name removes what killed processes have left of it, and nothing else") {
+  const TemporaryFolder folder;
+  std::string dead, other, alive;
+  const pid_t writer = start_writing(folder, "out.bin", alive);
+  kill_writer(start_writing(folder, "out.bin", dead));
+  kill_writer(start_writing(folder, "out.bin.2", other));
+  const std::string locked =
+      "out.bin" + dead.substr(7, dead.rfind('-') - 7) + "-00000000000000aa.tmp";  // as of a process of another machine
+  const std::string link = "out.bin" + dead.substr(7, dead.rfind('-') - 7) + "-00000000000000bb.tmp";
+  put(folder.file(locked), "x");
+  fs::create_symlink(folder.file(locked), folder.file(link));
+  const int held = open(folder.file(locked).c_str(), O_RDONLY | O_CLOEXEC);
+  REQUIRE(flock(held, LOCK_EX) == 0);
+  CHECK(names_in(folder) == std::set<std::string>{dead, other, alive, locked, link});
+  REQUIRE(write_in_pieces(folder.file("out.bin"), "whole", 5));
+  CHECK(names_in(folder) == std::set<std::string>{"out.bin", other, alive, locked, link});
+  close(held);
+  kill_writer(writer);
+  REQUIRE(write_in_pieces(folder.file("out.bin"), "whole", 5));
+  CHECK(names_in(folder) == std::set<std::string>{"out.bin", other, link});
+  REQUIRE(write_in_pieces(folder.file("out.bin.2"), "whole", 5));
+  CHECK(names_in(folder) == std::set<std::string>{"out.bin", "out.bin.2", link});
+}
+
 TEST_CASE("temporary names: those of a file, and no others") {
   CHECK(is_temporary_of("sound.wav.12-0123456789abcdef.tmp", "sound.wav"));
   for (const char* const other :
