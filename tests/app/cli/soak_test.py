@@ -45,7 +45,8 @@ class Short(unittest.TestCase):
 
     def test_a_live_run_replays_to_the_same(self):
         figures = self.soak("live", 0.002)
-        self.assertLessEqual(set(figures["failed"]), {"live: rows are missing", "live: memory is not flat"})
+        judged = [line for line in figures["failed"] if not line.startswith(("live: rows are missing", "live: memory is not flat"))]
+        self.assertEqual(judged, [])
 
     def test_the_clock_is_measured(self):
         figures = self.soak("clock", 0.01)
