@@ -100,9 +100,9 @@ void add_stereo_options(CLI::App& command, SceneOption& scene) {
   command
       .add_option_function<std::string>(
           "--stereo", [&scene](const std::string& mode) { scene.sets.push_back(fmt::format("display.stereo=\"{}\"", mode)); },
-          "pictures of two eyes in one: side-by-side, top-bottom or anaglyph")
+          "pictures of two eyes in one: side-by-side, top-bottom or anaglyph; quad: in a window with quad-buffered stereo")
       ->type_name("MODE")
-      ->check(CLI::IsMember({"off", "side-by-side", "top-bottom", "anaglyph"}));
+      ->check(CLI::IsMember({"off", "side-by-side", "top-bottom", "anaglyph", "quad"}));
   command
       .add_option_function<double>(
           "--workbench", [&scene](double height) { scene.sets.push_back(fmt::format("display.workbench_mm={}", height)); },

@@ -332,6 +332,14 @@ Status Renderer::set_quality(const DrawingQuality& quality) {
   return {};
 }
 
+void Renderer::set_lights(const SurfaceLights& lights) noexcept {
+  Appearance& appearance = impl_->options.appearance;
+  if (impl_->options.slices || impl_->options.translucent || lights == SurfaceLights{appearance.shadow, appearance.specular}) return;
+  appearance.shadow = lights.shadow;
+  appearance.specular = lights.specular;
+  impl_->cache.restart(impl_->options.supersample);
+}
+
 Result<Image> Renderer::draw(const FrameView& view, int width, int height) {
   auto drawn = impl_->draw_sized(view, width, height, std::nullopt);
   if (!drawn) return drawn.error();

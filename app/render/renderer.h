@@ -114,6 +114,9 @@ class Renderer {
   /// Changes the options of the following pictures; all pixels of the next picture are drawn. Ambient occlusion is on if the options of
   /// create() and the finish of `quality` enable it. @returns ErrorCode::out_of_range without any change.
   [[nodiscard]] Status set_quality(const DrawingQuality& quality);
+  /// Changes shadows and highlights of the following pictures; all pixels of the next picture are drawn if they differ. No effect on slices
+  /// and translucent bone, which have neither.
+  void set_lights(const SurfaceLights& lights) noexcept;
 
   /// Draws one picture. If no volume is set, it shows background and tool only. The same view, volume and tool give the same bytes. If only
   /// texels or the pose of the tool have changed since the last picture, it draws the pixels that they can affect (the tool at its old and

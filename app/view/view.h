@@ -140,6 +140,12 @@ struct Appearance {
   NormalSource normals = NormalSource::texture;
 };
 
+/// The options of Appearance that a person changes while pictures are drawn.
+struct SurfaceLights {
+  bool shadow = false, specular = false;
+  friend bool operator==(const SurfaceLights&, const SurfaceLights&) = default;
+};
+
 /// Fog of a microscope: of what lies at depth d from the plane of the camera's target, square to the view, a share 1 - exp(-(d / depth)^2) of
 /// the colour is replaced.
 struct FogView {
@@ -160,8 +166,8 @@ struct CameraView {
   friend bool operator==(const CameraView&, const CameraView&) = default;
 };
 
-/// Combination of the two pictures of a stereo pair.
-enum class StereoMode { off, side_by_side, top_bottom, anaglyph };
+/// Combination of the two pictures of a stereo pair. quad: none, a window shows each eye from a buffer of its own.
+enum class StereoMode { off, side_by_side, top_bottom, anaglyph, quad };
 
 /// The haptic workbench of [AcostaLiu07]: bone appears at its place and size behind or before a screen that stands at the camera's target,
 /// perpendicular to its view. The head may be anywhere before the screen; the camera's distance and field have no effect.

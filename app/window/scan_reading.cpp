@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "app/scene/volume_scene.h"
-#include "core/base/caught_error.h"
+#include "app/window/start_thread.h"
 
 namespace burrhole {
 namespace {
@@ -21,7 +21,7 @@ ImportRequest overview_request(const SkullSource& source, bool is_grids) {
 }
 
 ScanReading::ScanReading(SkullSource source, bool is_grids) : source_(std::move(source)), is_grids_(is_grids) {
-  thread_ = std::thread([this] {
+  const Status started = start_thread(thread_, [this] {
     // An exception may not leave the thread, and its text needs memory, of which there may be none.
     try {
       ImportRequest request = overview_request(source_, is_grids_);
@@ -33,11 +33,14 @@ ScanReading::ScanReading(SkullSource source, bool is_grids) : source_(std::move(
     }
     done_.store(true, std::memory_order_release);
   });
+  if (started) return;
+  bone_.emplace(started.error());
+  done_.store(true, std::memory_order_release);
 }
 
 ScanReading::~ScanReading() {
   stop_.request_stop();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 std::optional<Result<ImportedBone>> ScanReading::take() {

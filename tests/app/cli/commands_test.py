@@ -117,9 +117,18 @@ class OtherCommands(WithFolder):
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual(struct.unpack(">II", image.read_bytes()[16:24]), size)
         self.assertNotEqual((self.folder / "off.png").read_bytes(), (self.folder / "anaglyph.png").read_bytes())
-        result = run("check", QUICK, "--set", "display.stereo=quad-buffered")
-        self.assertEqual(result.returncode, 2)
-        self.assertIn("not in this version", result.stderr)
+        result = run("render", QUICK, "--image", self.folder / "quad.png", "--size", "64x48", "--stereo", "quad")
+        self.assertEqual(result.returncode, 4)  # a file has no buffer for each eye
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        for other in ("side-by-side", "anaglyph"):
+            self.assertIn(other, result.stderr)
+
+    def test_the_shipped_head_is_shown_with_skin_and_an_opening_on_a_table(self):
+        result = run("explain", "head")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        row = " ".join(result.stdout.split())
+        for part in ("on a table", "skin with an opening of 42 mm", "an overview first"):
+            self.assertIn(part, row)
 
     def test_slices_through_the_tip_need_no_opengl(self):
         image = self.folder / "slices.png"
