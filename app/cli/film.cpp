@@ -236,7 +236,8 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const FilmOptions& option
                       frames.size() == 1 ? "frame of a film" : "frames of a film", std::ranges::min(frames).filename().string()),
           path);
   if (format == nullptr) {
-    const bool own = options.run_folder.empty() || fs::weakly_canonical(given, ignored) != fs::weakly_canonical(options.run_folder, ignored);
+    const bool own =
+        options.run_folder.empty() || fs::weakly_canonical(given, ignored) != fs::weakly_canonical(options.run_folder, ignored);
     auto film = std::make_unique<FolderFilm>(path, own);
     if (is_folder)  // another one is made and taken with the first frame
       if (const Status taken = film->take(); !taken) return taken.error();

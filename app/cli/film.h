@@ -17,9 +17,9 @@ namespace burrhole::cli {
 
 /// Values of --video, --video-fps and --force.
 struct FilmOptions {
-  std::string path;      ///< a folder or a video file; empty: no film
-  int fps = 25;          ///< [1/s] frames, of simulated time
-  bool replace = false;  ///< frames in the folder are replaced
+  std::string path;        ///< a folder or a video file; empty: no film
+  int fps = 25;            ///< [1/s] frames, of simulated time
+  bool replace = false;    ///< frames in the folder are replaced
   std::string run_folder;  ///< that of the run's results, which the run itself takes; empty: none
 };
 
