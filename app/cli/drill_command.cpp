@@ -265,8 +265,7 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->add_flag("--offscreen", option->offscreen, "no window: the scene's own hand drills");
   command->add_flag("--no-pictures", option->scene.no_pictures,
                     "offscreen and without [display]: needs no OpenGL, other results are the same");
-  command->add_flag("--force", option->force,
-                    "replace results of another scene or of other settings in the folder, and frames in that of --video");
+  command->add_flag("--force", option->force, "replace results of another scene or of other settings, and frames of a film");
   add_window_options(*command, option->window);
   command->add_option("--expect", option->expect, "exit 3 unless all hold: results, 'no FLAG', FIGURE<VALUE UNIT (burrhole docs outcome)")
       ->type_name("TERMS");
