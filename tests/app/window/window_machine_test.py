@@ -1,10 +1,9 @@
-"""What desktop and machine do to a window: another scale, no quad-buffered stereo, a thread that is refused, names that are not UTF-8.
+"""What desktop and machine do to a window: another scale, no quad-buffered stereo, names that are not UTF-8.
 
 Run and skipped as window_test.py. BURRHOLE_SCALE_CHANGE names the library of tests/support/scale_change.c.
 """
 import os
 import pathlib
-import re
 import shutil
 import signal
 import subprocess
@@ -54,42 +53,6 @@ class Machine(WindowTest):
         for part in ("quad-buffered stereo", "side-by-side", "anaglyph"):
             self.assertIn(part, refused.stderr)
         self.assertFalse(self.out.exists())
-
-    def threads_of_main(self, *words, end):
-        """The number of threads that the main thread starts in a whole run."""
-        log = self.folder / "calls"
-        self.start_program(*words, before=["strace", "-f", "-q", "-o", log, "--seccomp-bpf", "-e", "trace=clone3,clone"])
-        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first state")
-        self.find_window()
-        end()
-        self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
-        lines = re.findall(r"^(\d+) +clone3?\(.*$", log.read_text(), re.MULTILINE)
-        return lines.count(lines[0])
-
-    def refuse_thread(self, number, *words):
-        """@returns the program's end if the main thread's thread of that number is refused."""
-        inject = ["strace", "-f", "-q", "-o", "/dev/null", "--seccomp-bpf", "-e", "trace=clone3", "-e", f"inject=clone3:error=EAGAIN:when={number}"]
-        return subprocess.run([*inject, PROGRAM, *map(str, words)], env=self.display.environment, capture_output=True, text=True, timeout=PATIENCE,
-                              cwd=self.folder, check=False)
-
-    @unittest.skipIf(shutil.which("strace") is None, "strace is missing")
-    def test_a_thread_that_is_refused_ends_the_window_with_one_line_and_loses_nothing(self):
-        drill = ("drill", QUICK, "--window", "--quiet", "--out", self.out)
-        last = self.threads_of_main("drill", QUICK, "--window", "--out", self.out, end=self.close)
-        watch = ("replay", self.out / "session.sqlite", "--view", "--quiet")
-        earlier = {path.name: path.read_bytes() for path in self.out.iterdir()}
-        for number in (last - 1, last):  # those that draw and drill
-            ended = self.refuse_thread(number, *drill)
-            self.assertEqual(ended.returncode, 4, f"thread {number} of {last}: {ended.stderr}")
-            self.assertEqual(len(ended.stderr.splitlines()), 1, ended.stderr)
-            self.assertIn("refused a thread", ended.stderr)
-            self.assertEqual(earlier, {path.name: path.read_bytes() for path in self.out.iterdir()})
-        last = self.threads_of_main("replay", self.out / "session.sqlite", "--view", end=lambda: self.press("Escape"))
-        for number in (last - 1, last):  # those that draw and replay
-            ended = self.refuse_thread(number, *watch)
-            self.assertEqual(ended.returncode, 4, f"thread {number} of {last}: {ended.stderr}")
-            self.assertEqual(len(ended.stderr.splitlines()), 1, ended.stderr)
-            self.assertIn("refused a thread", ended.stderr)
 
     def test_a_scene_whose_name_is_not_utf_8_is_opened_drilled_and_watched(self):
         self.copy_scene(b"a \xff scene.toml")
