@@ -48,7 +48,8 @@ struct Twins {
   Twins(const Appearance& appearance, int side, int threshold = kThreshold)
       : edges(require_renderer(options(appearance, side, threshold))), full(require_renderer(options(appearance, side, 0))) {
     for (Renderer* one : {&edges, &full}) {
-      VolumeRecipe recipe{.bone_from_index = half_millimetre_cube()};
+      VolumeRecipe recipe;
+      recipe.bone_from_index = half_millimetre_cube();
       // A ball over a plate, and another in its shadow, of three colours.
       recipe.bone = [](const Vec3& p) {
         return std::max({8e-3 - glm::length(p - Vec3(0.0, 0.0, 2e-3)), 4e-3 - glm::length(p - Vec3(9e-3, 6e-3, -3e-3)),
