@@ -482,13 +482,13 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& scene, I
 }  // namespace
 
 EffectEntry display_effect() {
-  return {
-      "display",
-      "pictures; without it none is drawn",
-      read,
-      {"method = \"slices\"", "quality = \"auto\"", "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]", "cut = \"tip\"",
-       "stereo = \"side-by-side\"", "stereo = \"top-bottom\"", "stereo = \"anaglyph\"", "workbench_mm = 300", "tissue = \"plain\"",
-       "normals = \"recomputed\"", "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}};
+  return {"display",
+          "pictures; without it none is drawn",
+          read,
+          {"method = \"slices\"", "quality = \"auto\"", "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]",
+           "cut = \"tip\"", "stereo = \"side-by-side\"", "stereo = \"top-bottom\"", "stereo = \"anaglyph\"", "stereo = \"quad\"",
+           "workbench_mm = 300", "tissue = \"plain\"", "normals = \"recomputed\"",
+           "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}};
 }
 
 }  // namespace burrhole

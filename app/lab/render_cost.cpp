@@ -433,7 +433,7 @@ void add_point_rows(RenderCost& out) {
 }  // namespace
 
 std::size_t count_of_trials(const RenderCostOptions& options) noexcept {
-  constexpr std::size_t kAlone = 21 + 7 + 3 + 3;        // of a subject: sampling, texels, slices, translucent
+  constexpr std::size_t kAlone = 27 + 7 + 3 + 3;        // of a subject: sampling, texels, slices, translucent
   constexpr std::size_t kCombined = 7 * 2 * 4 + 7 * 3;  // rays, translucent
   return (options.drilled ? 2 : 1) * (kAlone + (options.pareto ? kCombined : 0));
 }
