@@ -1,0 +1,47 @@
+#include "core/mesh/surface_offset.h"
+
+#include "core/base/bounds.h"
+#include "core/base/trilinear.h"
+
+namespace burrhole {
+namespace {
+
+constexpr double kStep = 0.125;          // [voxel] of the search
+constexpr int kHalvings = 24;            // of a step: below the precision of a float
+constexpr double kLeastGradient = 1e-4;  // [1/voxel] rounding of a symmetric neighbourhood is smaller
+
+double density_at(const DensityBlock& block, const Vec3i& v) {
+  return block.box.contains(v) ? static_cast<double>(block.density[block.box.offset_of(v)]) : 0.0;
+}
+
+double sample(const DensityBlock& block, const Vec3& p) {
+  const Vec3i base = floor_int(p);
+  return trilinear(p - Vec3(base), [&](unsigned n) { return density_at(block, base + cell_corner(n)); });
+}
+
+}  // namespace
+
+std::optional<Vec3> offset_to_surface(const DensityBlock& block, const Vec3i& voxel) {
+  Vec3 gradient;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3i step(0);
+    step[axis] = 1;
+    gradient[axis] = 0.5 * (density_at(block, voxel + step) - density_at(block, voxel - step));
+  }
+  const double length = glm::length(gradient);
+  if (!(length > kLeastGradient)) return std::nullopt;
+  const Vec3 outward = gradient / -length, centre(voxel);
+  double inside = 0.0;
+  for (double way = kStep; way <= kLongestOffset; inside = way, way += kStep) {
+    if (sample(block, centre + way * outward) >= 0.5) continue;
+    double outside = way;
+    for (int n = 0; n < kHalvings; ++n) {
+      const double middle = 0.5 * (inside + outside);
+      (sample(block, centre + middle * outward) >= 0.5 ? inside : outside) = middle;
+    }
+    return inside * outward;
+  }
+  return std::nullopt;
+}
+
+}  // namespace burrhole
