@@ -152,8 +152,7 @@ void BallMesh::roll(Id half_edge) {
   if (reverse == HalfEdgeMesh::kNone) {
     reverse = 3 * add_triangle({b, a, c});
   } else {
-    ++work_.glued;
-    if (!config_.rules.glue) return mesh_.leave_open(half_edge);
+    if (++work_.glued == config_.rules.missed_glue) return mesh_.leave_open(half_edge);
   }
   if (mesh_.partner(reverse) != HalfEdgeMesh::kFront) return mesh_.leave_open(half_edge);
   mesh_.glue(half_edge, reverse);

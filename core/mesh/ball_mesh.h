@@ -27,7 +27,7 @@ namespace burrhole {
 /// What a test may break: with other values than these the mesh is wrong.
 struct PivotRules {
   TieRule tie = TieRule::lowest_corner;
-  bool glue = true;  ///< false: an edge that reaches a known triangle is left open
+  std::uint64_t missed_glue = 0;  ///< the edge that would be glued as this one, counted from 1, is left open; 0: none is
 };
 
 struct BallMeshConfig {

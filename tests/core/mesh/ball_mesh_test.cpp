@@ -18,7 +18,7 @@ int sum(const Vec3i& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); 
 
 /// A convex body whose faces have normals of components -1, 0 and 1, round the middle of its box.
 struct Polytope {
-  const char* name;
+  std::string name;
   std::function<bool(const Vec3i&)> inside;
   double volume;  // [voxel^3] of the hull of its centres
 };
@@ -130,7 +130,9 @@ TEST_CASE("ball mesh: solid is a density of one half or more") {
 TEST_CASE("ball mesh, sabotage: a tie that depends on the edge, and a missed glue, are found by the checks") {
   const MeshBone bone = small_shapes(1)[1].bone;
   CHECK(mesh_error_of(make_mesh(bone), bone) == "");
-  CHECK(mesh_error_of(make_mesh(bone, {.rules = {.tie = TieRule::first_found}}), bone) != "");
-  CHECK(twin_error(make_mesh(bone, {.rules = {.tie = TieRule::first_found}}), bone) != "");
-  CHECK(mesh_error_of(make_mesh(bone, {.rules = {.glue = false}}), bone) != "");
+  const BallMesh other_tie = make_mesh(bone, {.rules = {.tie = TieRule::first_found}});
+  CHECK(mesh_error_of(other_tie, bone) != "");
+  CHECK(twin_error(other_tie, bone) != "");
+  for (const std::uint64_t missed : {1u, 2u, 100u}) CHECK(mesh_error_of(make_mesh(bone, {.rules = {.missed_glue = missed}}), bone) != "");
+  CHECK(mesh_error_of(make_mesh(bone, {.rules = {.missed_glue = 100'000}}), bone) == "");  // there are not that many
 }

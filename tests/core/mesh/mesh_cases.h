@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "core/mesh/ball_mesh.h"
@@ -28,7 +29,7 @@ struct MeshBone {
 
 /// A bone and the name by which a failure reports it.
 struct MeshShape {
-  const char* name;
+  std::string name;
   MeshBone bone;
 };
 /// Small shapes, of at most 9 voxels per edge: block, ball, walls of 1 to 3 voxels, handle, bridge, chain, parts that touch along an edge and

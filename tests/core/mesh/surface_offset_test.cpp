@@ -19,7 +19,7 @@ constexpr BallMeshConfig kSubvoxel{.subvoxel = true, .rules = {}};
 
 /// Density ramps whose 0.5 level encloses a known volume [voxel^3].
 struct Body {
-  const char* name;
+  std::string name;
   Vec3i edge;
   std::function<double(const Vec3&)> distance;
   double volume;
