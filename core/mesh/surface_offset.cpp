@@ -6,8 +6,8 @@
 namespace burrhole {
 namespace {
 
-constexpr double kStep = 0.125;          // [voxel] of the search
-constexpr int kHalvings = 24;            // of a step: below the precision of a float
+constexpr double kStep = 0.25;           // [voxel] of the search
+constexpr int kHalvings = 8;             // of a step, to a thousandth of a voxel; then linear: 1e-6 voxel
 constexpr double kLeastGradient = 1e-4;  // [1/voxel] rounding of a symmetric neighbourhood is smaller
 
 double density_at(const DensityBlock& block, const Vec3i& v) {
@@ -16,6 +16,7 @@ double density_at(const DensityBlock& block, const Vec3i& v) {
 
 double sample(const DensityBlock& block, const Vec3& p) {
   const Vec3i base = floor_int(p);
+  if (block.box.contains(base) && block.box.contains(base + 1)) return trilinear(block.box, block.density.data(), p);
   return trilinear(p - Vec3(base), [&](unsigned n) { return density_at(block, base + cell_corner(n)); });
 }
 
@@ -31,15 +32,21 @@ std::optional<Vec3> offset_to_surface(const DensityBlock& block, const Vec3i& vo
   const double length = glm::length(gradient);
   if (!(length > kLeastGradient)) return std::nullopt;
   const Vec3 outward = gradient / -length, centre(voxel);
-  double inside = 0.0;
-  for (double way = kStep; way <= kLongestOffset; inside = way, way += kStep) {
-    if (sample(block, centre + way * outward) >= 0.5) continue;
-    double outside = way;
-    for (int n = 0; n < kHalvings; ++n) {
-      const double middle = 0.5 * (inside + outside);
-      (sample(block, centre + middle * outward) >= 0.5 ? inside : outside) = middle;
+  const auto above = [&](double way) { return sample(block, centre + way * outward) - 0.5; };
+  double inside = 0.0, at_inside = density_at(block, voxel) - 0.5;
+  for (double outside = kStep; outside <= kLongestOffset; outside += kStep) {
+    double at_outside = above(outside);
+    if (at_outside >= 0.0) {
+      inside = outside;
+      at_inside = at_outside;
+      continue;
     }
-    return inside * outward;
+    for (int n = 0; n < kHalvings; ++n) {
+      const double middle = 0.5 * (inside + outside), at_middle = above(middle);
+      (at_middle >= 0.0 ? inside : outside) = middle;
+      (at_middle >= 0.0 ? at_inside : at_outside) = at_middle;
+    }
+    return (inside + (outside - inside) * at_inside / (at_inside - at_outside)) * outward;
   }
   return std::nullopt;
 }

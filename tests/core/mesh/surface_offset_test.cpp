@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -48,6 +49,23 @@ std::vector<Body> bodies() {
   };
 }
 
+/// @returns how many triangles have another side outside after their vertices were moved.
+std::size_t turned_over(const BallMesh& mesh) {
+  const HalfEdgeMesh& half_edges = mesh.half_edges();
+  std::size_t count = 0;
+  for (HalfEdgeMesh::Id t = 0; t < half_edges.triangle_slots(); ++t) {
+    if (!half_edges.has_triangle(t)) continue;
+    std::array<Vec3, 3> moved, centres;
+    for (HalfEdgeMesh::Id n = 0; n < 3; ++n) {
+      moved[n] = mesh.position(half_edges.origin(3 * t + n));
+      centres[n] = Vec3(half_edges.voxel(half_edges.origin(3 * t + n)));
+    }
+    const auto normal = [](const std::array<Vec3, 3>& p) { return glm::cross(p[1] - p[0], p[2] - p[0]); };
+    count += glm::dot(normal(moved), normal(centres)) <= 0.0 ? 1 : 0;
+  }
+  return count;
+}
+
 }  // namespace
 
 TEST_CASE("surface offset: to a plane it is the distance along the normal") {
@@ -79,6 +97,7 @@ TEST_CASE("surface offset: the moved mesh encloses the volume of the 0.5 level w
     CHECK(std::abs(error) < 0.01);
     CHECK(std::abs(at_centres) > 0.01);  // sabotage: without offsets
     CHECK(mesh_error_of(mesh, bone) == "");
+    CHECK(turned_over(mesh) == 0);
     for (HalfEdgeMesh::Id vertex = 0; vertex < mesh.half_edges().vertex_slots(); ++vertex)
       CHECK(glm::length(mesh.offset(vertex)) <= static_cast<float>(kLongestOffset));
   }
