@@ -24,7 +24,7 @@ struct Patch {
 Patch make_patch(int edge) {
   constexpr double kBurrRadius = 8.5;  // [voxel] with its ramp it reaches to the faces of a box of 20^3
   Patch out{.box = {Vec3i(0), Vec3i(edge)}, .density = {}, .drilled = {}, .changed = {Vec3i(edge / 2 - 10), Vec3i(edge / 2 + 10)}};
-  const Vec3 burr(edge / 2 - 0.5);
+  const Vec3 burr(0.5 * (edge - 1));
   out.density.reserve(out.box.count());
   for_each_voxel(out.box, [&](const Vec3i& v) {
     const double face = 0.5 * edge + 3.0 * std::sin(0.11 * v.x) + 2.0 * std::cos(0.17 * v.y);
@@ -71,15 +71,15 @@ Status compare_full(Bench& bench, const Patch& patch, bool subvoxel) {
   auto contours = make_bone_surface(source);
   if (!contours) return contours.error();
   mesh->fill(patch.before());
-  const double triangles = static_cast<double>(mesh->half_edges().triangles());
-  const std::string name = fmt::format("full pivoting{} over volumeToMesh, {}^3, {} triangles", subvoxel ? " and offsets" : "",
-                                       patch.box.size().x, mesh->half_edges().triangles());
+  const double points = static_cast<double>(mesh->half_edges().vertices());
+  const std::string name = fmt::format("full pivoting{} over volumeToMesh, {}^3, {} points", subvoxel ? " and offsets" : "",
+                                       patch.box.size().x, mesh->half_edges().vertices());
   const double expected = volume_of(*contours), found = take_census(*mesh).volume;
   // At the centres the mesh lies up to a voxel inside the surface: its volume is compared for the order of size.
   if (!bench.require(name, std::abs(found / expected - 1.0) < (subvoxel ? 0.01 : 0.1), "the volumes differ")) return {};
   const Side by_contours{{}, [&] { contours = make_bone_surface(source); }};
   const Side by_ball{{}, [&] { mesh->fill(patch.before()); }};
-  bench.add_speed_up(name, "ns/triangle", 1e9 / triangles, bench.time(by_contours, by_ball));
+  bench.add_speed_up(name, "ns/point", 1e9 / points, bench.time(by_contours, by_ball));
   return {};
 }
 

@@ -6,7 +6,8 @@
 namespace burrhole {
 namespace {
 
-constexpr double kStep = 0.25;           // [voxel] of the search
+constexpr int kSteps = 6;  // of the search, of a quarter of a voxel
+constexpr double kStep = kLongestOffset / kSteps;
 constexpr int kHalvings = 8;             // of a step, to a thousandth of a voxel; then linear: 1e-6 voxel
 constexpr double kLeastGradient = 1e-4;  // [1/voxel] rounding of a symmetric neighbourhood is smaller
 
@@ -34,7 +35,8 @@ std::optional<Vec3> offset_to_surface(const DensityBlock& block, const Vec3i& vo
   const Vec3 outward = gradient / -length, centre(voxel);
   const auto above = [&](double way) { return sample(block, centre + way * outward) - 0.5; };
   double inside = 0.0, at_inside = density_at(block, voxel) - 0.5;
-  for (double outside = kStep; outside <= kLongestOffset; outside += kStep) {
+  for (int step = 1; step <= kSteps; ++step) {
+    double outside = kStep * step;
     double at_outside = above(outside);
     if (at_outside >= 0.0) {
       inside = outside;

@@ -74,7 +74,7 @@ std::string change(const MeshBone& start, std::uint64_t seed, int rounds) {
 MeshBone carve(BallMesh& mesh, MeshBone bone, std::uint64_t seed, int balls) {
   const Vec3 size(bone.box.size());
   for (int n = 0; n < balls; ++n) {
-    const auto random = [&](int m) { return uniform01(seed, static_cast<std::uint64_t>(4 * n + m)); };
+    const auto random = [&](std::uint64_t m) { return uniform01(seed, 4 * static_cast<std::uint64_t>(n) + m); };
     const Vec3 centre = Vec3(bone.box.lo) + size * Vec3(random(0), random(1), random(2));
     const double radius = 3.0 + 3.0 * random(3);
     const Vec3i reach(static_cast<int>(radius) + 1);
@@ -134,7 +134,7 @@ TEST_CASE("ball mesh: undo brings the same triangles back, and an update touches
     RC_ASSERT(mesh_error_of(mesh, carved) == "");
     RC_ASSERT(after == triangles_of(make_mesh(carved)));
     RC_ASSERT(mesh.work().triangles_touched() - touched == triangles_in_one(before, after));
-    mesh.update(start.block(), start.box);
+    mesh.update(start.block(), start.box.grown(5));  // beyond the box nothing is read
     RC_ASSERT(triangles_of(mesh) == before);
     RC_ASSERT(mesh.work().triangles_touched() - touched == 2 * triangles_in_one(before, after));
   }));
@@ -191,6 +191,25 @@ TEST_CASE("ball mesh: a voxel that grows in the gap between two partners parts t
   CHECK(mesh_error_of(pair.mesh, pair.bone) == "");
   CHECK(twin_error(pair.mesh, pair.bone) == "");
   CHECK(take_census(pair.mesh).shared_edges.size() == 3);  // two of the block, and the way to the new voxel
+}
+
+TEST_CASE("ball mesh: a box outside changes nothing, and a mesh that is filled again forgets what it was") {
+  const auto shapes = small_shapes(3);
+  Pair pair(shapes[0].bone);
+  const MeshWork before = pair.mesh.work();
+  pair.mesh.update(pair.bone.block(), {pair.bone.box.hi, pair.bone.box.hi + 4});
+  pair.mesh.update(pair.bone.block(), pair.bone.box);
+  CHECK(pair.mesh.work().triangles_touched() == before.triangles_touched());
+  CHECK(pair.mesh.work().pivots == before.pivots);
+  MeshBone other = pair.bone;
+  for (const Vec3i& v : shuffled(other.solid_voxels(), 9)) {
+    if (other.solid_voxels().size() < 70) break;
+    other.set(v, false);
+    pair.mesh.remove(v);  // with a front that is left
+  }
+  pair.mesh.fill(other.block());
+  CHECK(mesh_error_of(pair.mesh, other) == "");
+  CHECK(twin_error(pair.mesh, other) == "");
 }
 
 TEST_CASE("ball mesh: an interior voxel that goes leaves a cavity of its own, found by a seed") {
