@@ -39,10 +39,13 @@ std::vector<Body> bodies() {
   return {
       {"ball of radius 15", Vec3i(40), [=](const Vec3& p) { return glm::length(p - middle) - 15.0; }, 4.0 / 3.0 * pi * 15.0 * 15.0 * 15.0},
       {"ball of radius 12", Vec3i(40), [=](const Vec3& p) { return glm::length(p - middle) - 12.0; }, 4.0 / 3.0 * pi * 12.0 * 12.0 * 12.0},
+      {"ball of radius 10", Vec3i(40), [=](const Vec3& p) { return glm::length(p - middle) - 10.0; }, 4.0 / 3.0 * pi * 1000.0},
       {"cavity in a block", Vec3i(40),
        [=](const Vec3& p) { return std::max(10.0 - glm::length(p - middle), outside_box(p, block_lo, block_hi)); },
        std::pow(37.3, 3) - 4.0 / 3.0 * pi * 1000.0},
       {"slab", Vec3i(60, 60, 22), [=](const Vec3& p) { return outside_box(p, lo, hi); }, slab},
+      {"thinner slab", Vec3i(50, 50, 20), [=](const Vec3& p) { return outside_box(p, Vec3(2.3, 2.6, 4.2), Vec3(47.4, 48.1, 14.9)); },
+       45.1 * 45.5 * 10.7},
       {"slab with a round hole", Vec3i(60, 60, 22),
        [=](const Vec3& p) { return std::max(outside_box(p, lo, hi), hole - std::hypot(p.x - 29.4, p.y - 30.1)); },
        slab - pi * hole * hole * (hi.z - lo.z)},
