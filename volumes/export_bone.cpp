@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/base/descriptor.h"
+#include "core/base/output_file.h"
 #include "core/voxel/vdb_grids.h"
 #include "volumes/read/number_text.h"
 #include "volumes/write/bone_surface.h"
@@ -46,6 +48,7 @@ Result<ExportReport> export_image(const Voxmap& bone, const ExportRequest& reque
                        .check = [&] { return model.read_status(); },
                        .stop = request.stop};
   if (image.box.empty()) return bad_input("there is no bone to crop to", request.path);
+  if (request.begin) request.begin();
   const auto bytes =
       format == "NRRD" ? write_nrrd(request.path, image) : write_nifti(request.path, image, lower(request.path).ends_with(".gz"));
   if (!bytes) return bytes.error();
@@ -60,15 +63,10 @@ Result<ExportReport> export_mesh(const Voxmap& bone, const ExportRequest& reques
   const auto mesh = make_bone_surface(density);
   if (!mesh) return Error{mesh.error().code, mesh.error().message, request.path};
   if (const Status read = bone.bone().read_status(); !read) return read.error();
+  if (request.begin) request.begin();
   const auto bytes = write_mesh(request.path, format, *mesh, request.stop);
   if (!bytes) return bytes.error();
   return ExportReport{.format = format, .triangles = mesh->indices.size() / 3, .bytes = *bytes};
-}
-
-bool is_stopped(const ExportRequest& request) { return request.stop != nullptr && request.stop->load(std::memory_order_relaxed); }
-
-Error stopped(const ExportRequest& request) {
-  return {ErrorCode::unavailable, "the writing was stopped: the file is as it was before", request.path};
 }
 
 /// A bone model of this program, with one grid more for others.
@@ -90,6 +88,7 @@ Result<ExportReport> export_vdb(const Voxmap& bone, const ExportRequest& request
         [&](const Vec3i& block, const BlockValues& block_values) { remaining.write_box(box_of_block(block), block_values); });
     grids.push_back(&remaining);
   }
+  if (request.begin) request.begin();
   const Status written = write_vdb(request.path, model.dims(), model.bone_from_index(), grids, model.notes(), request.stop);
   if (!written) return written.error();
   std::error_code ignored;
@@ -150,9 +149,10 @@ void read_field(const Voxmap& bone, ExportField field, bool undrilled, const Vox
 
 Result<ExportReport> export_bone(const Voxmap& bone, const ExportRequest& request) {
   if (const Status valid = check_request(request); !valid) return valid.error();
-  if (is_stopped(request)) return stopped(request);
+  if (is_stopped(request.stop)) return stopped_error(request.path);
   const std::string format = export_format(request.path).value();
-  // Each checks before it renames its file that all of the bone was read: a read that failed is taken for 0.
+  // Images and meshes check before they rename their file that all of the bone was read: a read that failed is taken for 0. A .vdb is written
+  // only of a bone in memory, which no read can fail to get.
   if (is_volume(format)) return export_image(bone, request, format);
   return format == "OpenVDB" ? export_vdb(bone, request) : export_mesh(bone, request, format);
 }

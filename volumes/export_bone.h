@@ -28,6 +28,7 @@ struct ExportRequest {
   bool undrilled = false;                     ///< bone as loaded, without what tools have removed
   bool crop = false;                          ///< only the box round the bone, with a margin; not for .vdb and meshes
   std::function<void(double)> progress = {};  ///< receives the share done, 0..1; may be empty
+  std::function<void()> begin = {};  ///< called before the temporary file is made: until then there is nothing to remove; may be empty
   /// Once true, the export ends with `unavailable`, and what was under the name stays; a signal handler may set it.
   const std::atomic<bool>* stop = nullptr;
 };

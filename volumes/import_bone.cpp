@@ -68,7 +68,32 @@ bool is_vdb(const std::string& path) {
   return ending == ".vdb";
 }
 
+/// @returns the error of a reading that shall stop, without a report of its progress.
+Status goes_on(const ReadOptions& read) {
+  ReadOptions stop;
+  stop.stop = read.stop;
+  return advance(stop, 0.0);
+}
+
 bool shapes_bone(const BoneOptions& bone) { return bone.band || bone.hu_offset || bone.spacing || bone.region || !bone.hardness.empty(); }
+
+std::optional<Enclosure> enclosure_of(const BoneModel& bone, const std::optional<BoneSite>& site) {
+  if (!site) return std::nullopt;
+  const BoneSamples samples{bone.dims(), bone.bone_from_index(), bone.bone_box(),
+                            [&](const Vec3i& v) { return bone.occupancy(v) >= kBoneLevel; }};
+  return measure_enclosure(samples, site->entry, site->axis);
+}
+
+/// Of all of the scan, whatever is kept of it. @param surface [unit of the values] from which a voxel is bone.
+std::optional<Enclosure> enclosure_of(const Scan& scan, double surface, const std::optional<BoneSite>& site) {
+  if (!site) return std::nullopt;
+  const VoxelBox all{Vec3i(0), scan.dims};
+  BoneSamples samples{scan.dims, scan.bone_from_index, {}, [&](const Vec3i& v) { return scan.values[all.offset_of(v)] >= surface; }};
+  for_each_voxel(all, [&](const Vec3i& v) {
+    if (samples.is_bone(v)) samples.bone_box.include(v);
+  });
+  return measure_enclosure(samples, site->entry, site->axis);
+}
 
 /// The bone model at the path, or nothing if the file is not a bone model of this program.
 Result<std::optional<ImportedBone>> load_own(const ImportRequest& request) {
@@ -92,6 +117,7 @@ Result<std::optional<ImportedBone>> load_own(const ImportRequest& request) {
   out.report.dims = (*bone)->dims();
   out.report.grid = describe_grid((*bone)->bone_from_index());
   describe_bone(**bone, out.report);
+  out.report.enclosure = enclosure_of(**bone, request.site);
   return std::optional<ImportedBone>(std::move(out));
 }
 
@@ -189,6 +215,7 @@ Result<ImportedBone> import_bone(const ImportRequest& given, const std::function
       say(fmt::format("{} voxels read, {:.1f} MB; bone of {} voxels takes about {:.1f} MB", size_text(scan.dims),
                       static_cast<double>(scan.values.size() * sizeof(float)) / kMegabyte, size_text(grid.dims),
                       likely_bytes(grid) / kMegabyte));
+    if (Status on = goes_on(request.read); !on) return storage = on.error();
     if (request.accept) storage = request.accept(grid, sizeof(float) * scan.values.size() + slab_bytes(scan, grid));
     return storage;
   };
@@ -204,6 +231,7 @@ Result<ImportedBone> import_bone(const ImportRequest& given, const std::function
   out.report.grid = describe_grid(scan.bone_from_index);
   out.bone = std::move(made->bone);
   out.report.facts = std::move(*made);
+  out.report.enclosure = enclosure_of(scan, out.report.facts.surface, request.site);
   describe_bone(*out.bone, out.report);
   return out;
 }

@@ -6,8 +6,10 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "core/measure/enclosure.h"
 #include "core/voxel/bone_model.h"
 #include "volumes/read/bone_from_scan.h"
 #include "volumes/read/scan.h"
@@ -15,10 +17,17 @@
 
 namespace burrhole {
 
+/// Where bone will be drilled.
+struct BoneSite {
+  Vec3 entry{0.0};  ///< [m] near the outer surface
+  Vec3 axis{0.0};   ///< [-] unit vector into bone
+};
+
 struct ImportRequest {
   std::string path;
   ReadOptions read;
   BoneOptions bone;
+  std::optional<BoneSite> site{};  ///< ImportReport::enclosure is measured there; absent: it is not
   /// Called with the grid of the bone and the bytes of the scan, with those of the slabs in which bone is made, after the headers and before
   /// values are read (of a mesh and of a bone model, after the file is read), and again before bone is made, when its share is known. @returns
   /// where the bone is to be kept, of which the last answer counts; an error ends the import. May be empty.
@@ -38,6 +47,7 @@ struct ImportReport {
   double bone_spacing = 0.0;        ///< [m] edge of the cube with the volume of a voxel
   Vec3 bone_edges{0.0};             ///< [m] distances of voxel centres along i, j, k
   std::uint64_t bone_voxels = 0, bytes = 0;
+  std::optional<Enclosure> enclosure{};  ///< of the whole scan, at the site; of a bone model, of its bone as loaded
 };
 
 /// @returns whether the file says where left, back and up are; otherwise an assumption of the report says that LPS was taken.

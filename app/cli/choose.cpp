@@ -13,10 +13,12 @@
 #include "app/cli/drilling.h"
 #include "app/report/file.h"
 #include "app/session/session.h"
+#include "app/stage/result_files.h"
 #include "app/window/chooser.h"
 #include "app/window/panel_text.h"
 #include "app/window/window_run.h"
 #include "core/base/input_file.h"
+#include "core/config/toml_messages.h"
 #include "core/tool/make_tool.h"
 
 namespace burrhole::cli {
@@ -100,7 +102,7 @@ std::vector<Item> sessions() {
   std::vector<std::pair<fs::file_time_type, fs::path>> found;
   std::error_code ignored;
   const auto look = [&](const fs::path& folder) {
-    const fs::path session = folder / "session.sqlite";
+    const fs::path session = folder / kSessionFile;
     if (fs::is_regular_file(session, ignored)) found.emplace_back(fs::last_write_time(session, ignored), session);
   };
   look(kResults);
@@ -123,13 +125,34 @@ std::vector<Item> sessions() {
   return out;
 }
 
+/// A scene is UTF-8: it cannot name a scan whose path has other bytes. Such a scan gets a link with a plain name in the scene's folder.
+Status link_source(SkullSource& source, const fs::path& folder) {
+  if (printable_text(source.path) == source.path) return {};
+  std::error_code error;
+  const fs::path path = fs::absolute(source.path, error), name = path.filename();
+  const bool plain = printable_text(name.string()) == name.string();  // then its folder is linked, and files beside it are found
+  std::string ending = fs::is_directory(path, error) ? std::string() : path.extension().string();
+  if (name.string().ends_with(".nii.gz")) ending = ".nii.gz";
+  for (const char* header : {".hdr", ".nhdr", ".mhd"})
+    if (!plain && ending == header)
+      return bad_input("the name is not UTF-8, and the header's data are in a file beside it: rename both", source.path);
+  const std::string link = plain ? "scans" : "scan" + ending;
+  fs::create_directories(folder, error);
+  fs::create_symlink(plain ? path.parent_path() : path, folder / link, error);
+  if (error) return bad_input("a link to the scan cannot be made: " + error.message(), (folder / link).string());
+  source.link = plain ? (fs::path(link) / name).string() : link;
+  return {};
+}
+
 /// @returns the command for a scene file, or for a site on a scan, whose scene is written into the folder of the results.
 Result<Words> words_of_file(const Chosen& chosen) {
   if (!chosen.site) return drill_words(chosen.scene, results_of(fs::path(chosen.scene).stem().string()));
   const fs::path source(chosen.source.path);
   const fs::path folder = results_of((source.has_stem() ? source.stem() : source.parent_path().filename()).string());
-  const fs::path scene = folder / "scene.toml";
-  if (const Status written = write_file(scene.string(), site_scene(*chosen.site, chosen.source)); !written) return written.error();
+  const fs::path scene = folder / kChosenSceneFile;
+  SkullSource named = chosen.source;
+  if (const Status linked = link_source(named, folder); !linked) return linked.error();
+  if (const Status written = write_file(scene.string(), site_scene(*chosen.site, named)); !written) return written.error();
   note(fmt::format("scene: {}\n", scene.string()));
   return drill_words(scene.string(), folder.string());
 }

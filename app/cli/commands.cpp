@@ -100,9 +100,9 @@ void add_stereo_options(CLI::App& command, SceneOption& scene) {
   command
       .add_option_function<std::string>(
           "--stereo", [&scene](const std::string& mode) { scene.sets.push_back(fmt::format("display.stereo=\"{}\"", mode)); },
-          "pictures of two eyes in one: side-by-side, top-bottom or anaglyph")
+          "pictures of two eyes in one: side-by-side, top-bottom or anaglyph; quad: in a window with quad-buffered stereo")
       ->type_name("MODE")
-      ->check(CLI::IsMember({"off", "side-by-side", "top-bottom", "anaglyph"}));
+      ->check(CLI::IsMember({"off", "side-by-side", "top-bottom", "anaglyph", "quad"}));
   command
       .add_option_function<double>(
           "--workbench", [&scene](double height) { scene.sets.push_back(fmt::format("display.workbench_mm={}", height)); },
@@ -231,10 +231,10 @@ Result<TomlDocument> SceneOption::document() const {
   for (const std::string& assignment : sets)
     if (const Status valid = is_no_value_of_a_table(assignment); !valid) return valid.error();
   // First what goes: --unset approach --set approach.markups=FILE gives another approach.
-  for (const std::string& name : unsets)
-    if (Status removed = document->unset(name); !removed) return removed.error();
-  for (const std::string& assignment : sets)
-    if (Status applied = document->set(from_current_folder(assignment)); !applied) return applied.error();
+  std::vector<TomlChange> changes;
+  for (const std::string& name : unsets) changes.push_back({name, "--unset", true});
+  for (const std::string& assignment : sets) changes.push_back({from_current_folder(assignment)});
+  if (const Issues refused = document->apply(changes); !refused.empty()) return refused.front();
   Issues unread;
   if (no_pictures && document->root(unread).has("display"))
     if (Status removed = document->unset("display", "--no-pictures"); !removed) return removed.error();

@@ -5,6 +5,7 @@
 
 #include "app/cli/commands.h"
 #include "app/job/compare_runs.h"
+#include "app/job/run_folder.h"
 #ifdef BH_WITH_RENDER
 #include "app/cli/picture_difference.h"
 #endif
@@ -64,17 +65,25 @@ std::vector<ComparedView> compare_views(const std::vector<RunResults>& runs, con
   return out;
 }
 
+bool has_results(const std::string& path) {
+  std::error_code ignored;
+  return fs::exists(fs::is_directory(path, ignored) ? fs::path(path) / "summary.json" : fs::path(path), ignored);
+}
+
 int run_compare(const Options& option) {
   std::vector<RunResults> runs;
   Issues issues;
+  bool all_there = true;  // a path without results is a mistake of the call, damaged results are not
   for (const std::string& path : option.runs) {
+    all_there = all_there && has_results(path);
     auto run = read_run(path);
     if (run)
       runs.push_back(std::move(*run));
     else if (std::ranges::find(issues, run.error().text(), &Error::text) == issues.end())  // the same run given twice
       issues.push_back(run.error());
   }
-  if (!issues.empty()) return report(issues);
+  if (!issues.empty() && !all_there) return report(issues);
+  if (runs.size() < 2) return report(issues);  // nothing is left to compare
   for (const RunResults& run : runs) {
     if (run.damaged)
       issues.push_back(bad_input(run.no_curves + "; its figures are those of summary.json, without curves", run.name));
@@ -82,10 +91,8 @@ int run_compare(const Options& option) {
       print_line(run.name + ": no curves: " + run.no_curves);
   }
   if (!option.folder.empty()) {
-    std::error_code error;
-    fs::create_directories(option.folder, error);
-    if (error || !fs::is_directory(option.folder))
-      return report(bad_input("the output folder cannot be created: give another by --out", option.folder));
+    const auto lock = take_output_folder(option.folder);
+    if (!lock) return report(lock.error());
     const auto views = compare_views(runs, option.folder, issues);
     if (Status written = write_comparison(runs, views, option.folder); !written) return report(written.error());
     note(fmt::format("page: {}\n", (fs::path(option.folder) / "compare.html").string()));
@@ -105,7 +112,8 @@ void add_compare(CLI::App& app, int& exit_code) {
            "that differ, and of two runs the last column is the second minus the first. A setting that a run did not override is the "
            "scene's. feed_mm_per_s is depth_mm over breakthrough_s, the approach included. With --out it also writes compare.html with "
            "force and depth of all runs over each other (compare.svg), and for each picture of the first run those of the others that "
-           "differ, with the place of their differences. A session or picture that is damaged is left out: the exit code is then 2.",
+           "differ, with the place of their differences. A summary.json, session or picture that is damaged is left out: the exit code is "
+           "then 2.",
        .examples = {"burrhole compare out/soft out/hard", "burrhole compare out/soft out/hard --out out/compared",
                     "burrhole compare out/* --json | jq '.runs[].figures.plunge_mm'"},
        .exits = {}});

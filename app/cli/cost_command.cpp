@@ -67,7 +67,8 @@ Status measure_multirate_cost(const StudyFolder& folder, std::size_t& row_count)
 /// Runs a study and prints where its rows are. @param measure writes them and counts them. @param beside files beside cost.csv.
 int run_study(const StudyFolder& folder, const std::function<Status(const StudyFolder&, std::size_t&)>& measure,
               const std::string& beside) {
-  if (const Status begun = begin_study(folder); !begun) return report(begun.error());
+  const auto lock = begin_study(folder);
+  if (!lock) return report(lock.error());
   std::size_t rows = 0;
   if (const Status measured = measure(folder, rows); !measured) return report(measured.error());
   end_study(folder);

@@ -29,11 +29,33 @@ DrillingRuns runs_of(const DrillingCostArguments& arguments, Progress& progress)
   return runs;
 }
 
+/// Finds a bit that is not one of the study: a shipped tool, or a tool file. @returns null for one of the study.
+Result<std::shared_ptr<const DrillingBit>> find_own_bit(const std::string& given) {
+  if (find_drilling_bit(given) != nullptr) return std::shared_ptr<const DrillingBit>();
+  const std::string ending = std::filesystem::path(given).extension().string();
+  if (ending == ".stl" || ending == ".ply" || ending == ".obj")
+    return bad_input("--bit: is a mesh, and the study compares a hole with its closed form: give a tool file with regions", given);
+  const SceneContext context = scene_context();
+  const auto text = read_tool_text(given, {}, context);
+  std::error_code ignored;
+  if (!text && !std::filesystem::exists(given, ignored))
+    return bad_input(fmt::format("--bit \"{}\" is no bit of the study ({}), no shipped tool (burrhole tools lists them) and no tool file",
+                                 given, drilling_bit_names()));
+  if (!text) return text.error();
+  auto bit = own_drilling_bit(given, *text);
+  if (!bit) return bit.error();
+  return std::shared_ptr<const DrillingBit>(std::make_shared<DrillingBit>(std::move(bit).value()));
+}
+
 int run_cost(const DrillingCostArguments& arguments) {
-  if (const Status begun = begin_study(arguments.folder); !begun) return report(begun.error());
+  const auto own = find_own_bit(arguments.options.bit);
+  if (!own) return report(own.error());
+  const auto lock = begin_study(arguments.folder);
+  if (!lock) return report(lock.error());
   Progress progress(false, {}, true);
   DrillingCostOptions options = arguments.options;
   options.runs = runs_of(arguments, progress);
+  options.own = *own;
   const auto points = measure_drilling_cost(options);
   if (!points) return report(points.error());
   if (const Status written = write_drilling_cost(*points, options.bit, arguments.folder.folder); !written) return report(written.error());
@@ -45,7 +67,8 @@ int run_cost(const DrillingCostArguments& arguments) {
 }
 
 int run_convergence(const DrillingCostArguments& arguments) {
-  if (const Status begun = begin_study(arguments.folder); !begun) return report(begun.error());
+  const auto lock = begin_study(arguments.folder);
+  if (!lock) return report(lock.error());
   Progress progress(false, {}, true);
   ConvergenceOptions options;
   options.runs = runs_of(arguments, progress);
@@ -77,12 +100,14 @@ void add_drilling_cost(CLI::App& cost, int& exit_code) {
            "bones, by both laws, do not depend on voxel edge and erosion rate. Each hole is kept when it is done, and a call that was "
            "interrupted goes on from there.",
        .examples = {"burrhole cost drilling --quick --out out/cost_drilling", "burrhole cost drilling --knob erosion.rate_hz",
-                    "burrhole cost drilling --convergence"},
+                    "burrhole cost drilling --quick --bit my_bit.toml", "burrhole cost drilling --convergence"},
        .exits = "Exit 3 if a bound of --convergence fails."});
   auto arguments = std::make_shared<DrillingCostArguments>();
   add_study_options(*command, arguments->folder, "the tables, the plot and the page");
   CLI::Option* convergence = command->add_flag("--convergence", arguments->convergence, "check the bounds of holes by voxel edge and rate");
-  command->add_option("--bit", arguments->options.bit, "bit that drills the hole")
+  command
+      ->add_option("--bit", arguments->options.bit,
+                   "bit that drills the hole: one of the study, a shipped tool, or a tool file of your own")
       ->type_name(kToolValue)
       ->capture_default_str()
       ->excludes(convergence);

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "app/job/run_folder.h"
+
 namespace burrhole::cli {
 
 namespace fs = std::filesystem;
@@ -13,13 +15,14 @@ void add_study_options(CLI::App& command, StudyFolder& folder, const std::string
   command.add_flag("--fresh", folder.fresh, "measure again what an interrupted call has done already");
 }
 
-Status begin_study(const StudyFolder& folder) {
+Result<FolderLock> begin_study(const StudyFolder& folder) {
+  auto lock = take_output_folder(folder.folder);
   std::error_code error;
-  fs::create_directories(folder.folder, error);
-  if (error || !fs::is_directory(folder.folder))
-    return bad_input("the output folder cannot be created: give another by --out", folder.folder);
-  if (folder.fresh) fs::remove(folder.file(), error);
-  return {};
+  if (lock && folder.fresh) fs::remove(folder.file(), error);
+  if (error)
+    return bad_input("the results of an interrupted call cannot be removed: " + error.message() + "; give another folder by --out",
+                     folder.file());
+  return lock;
 }
 
 StudyRuns study_runs(const StudyFolder& folder, Progress& progress) {

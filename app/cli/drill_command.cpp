@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <csignal>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "app/cli/commands.h"
 #include "app/cli/drill_window.h"
@@ -10,8 +12,8 @@
 #include "app/cli/film.h"
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
+#include "app/job/earlier_run.h"
 #include "app/job/expectation.h"
-#include "app/report/file.h"
 
 namespace burrhole::cli {
 namespace {
@@ -21,6 +23,21 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler writes i
 
 extern "C" void on_signal(int) { stop_flag.store(true, std::memory_order_relaxed); }
 
+extern "C" void end_on_signal(int) {
+  constexpr std::string_view kText = "\nstopped: nothing was written\n";
+  static_cast<void>(!::write(STDERR_FILENO, kText.data(), kText.size()));  // a closed standard error changes nothing
+  ::_exit(kInterrupted);
+}
+
+void handle_signals(void (*handler)(int), int flags) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = flags;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
 void print_figures(const RunSummary& s) {
   const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f} mm", *value) : std::string("-"); };
   note(fmt::format(
@@ -28,15 +45,6 @@ void print_figures(const RunSummary& s) {
       "in {:.1f} s\n{}\n",
       s.thickness_mm, mm(s.depth_mm), mm(s.plunge_mm), mm(s.hole_diameter_mm), mm(s.inner_diameter_mm), s.peak_force_N, s.duration_s,
       s.wall_s, outcome_text(s)));
-}
-
-Result<std::unique_ptr<FilmWriter>> make_film(const Scene& scene, const DrillingFiles& files) {
-  if (scene.find<DisplayConfig>() == nullptr) return bad_input("--video needs the table [display]: add it to the scene", scene.file);
-  if (scene.servo_hz % files.video_fps != 0)
-    return bad_input(
-        fmt::format("--video-fps {} does not divide the servo rate, {} Hz: give a divisor of it", files.video_fps, scene.servo_hz),
-        scene.file);
-  return FilmWriter::create(files.video, files.video_fps);
 }
 
 /// Receives sound for a run that only measures it.
@@ -48,7 +56,8 @@ class NoSpeaker final : public SoundSink {
 /// @returns the error of options that exclude each other, or of a folder that is none.
 Status check_options(const LiveMode& mode, const DrillingFiles& files) {
   if (mode.require_realtime && !mode.live) return bad_input("--require-realtime is valid only with --live: add it");
-  if (mode.live && !files.video.empty()) return bad_input("--video is not valid with --live: a film is drawn in lockstep");
+  if (mode.live && !files.film.path.empty())
+    return bad_input("--video is not valid with --live: film the session afterwards, by burrhole replay --video");
   std::error_code ignored;
   if (std::filesystem::exists(files.folder, ignored) && !std::filesystem::is_directory(files.folder, ignored))
     return bad_input("the output folder is a file: give another by --out", files.folder);
@@ -75,18 +84,23 @@ Result<std::vector<ExpectedTerm>> parse_if_given(const std::optional<std::string
 const std::atomic<bool>& stop_requested() { return stop_flag; }
 
 void catch_signals() {
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESTART | SA_RESETHAND;  // a second Ctrl-C ends the program
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  handle_signals(on_signal, SA_RESTART | SA_RESETHAND);  // a second Ctrl-C ends the program
   // A terminal that is closed may send more than one; nohup has the signal ignored.
   struct sigaction hang_up {};
   sigaction(SIGHUP, nullptr, &hang_up);
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
   if (hang_up.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
+
+void catch_all_signals() {
+  catch_signals();
+  handle_signals(on_signal, SA_RESTART);
+}
+
+void end_at_signals() { handle_signals(end_on_signal, 0); }
 
 Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet, const LiveMode& mode) {
   Progress progress(quiet);
@@ -103,11 +117,13 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
   // A run without outputs is one whose steps are timed: its sound is made for nobody.
   if (files.folder.empty()) job.make_speaker = [](int) { return std::make_unique<NoSpeaker>(); };
   std::unique_ptr<FilmWriter> film;
-  if (!files.video.empty()) {
-    auto made = make_film(loaded.scene, files);
+  if (!files.film.path.empty()) {
+    if (loaded.scene.find<DisplayConfig>() == nullptr)
+      return bad_input("--video needs the table [display]: add it to the scene", loaded.scene.file);
+    auto made = make_film(loaded.scene, files.film);
     if (!made) return made.error();
     film = std::move(made).value();
-    job.film_hz = files.video_fps;
+    job.film_hz = files.film.fps;
   }
   job.make_sink = [&](const DisplayConfig& display, const std::string& folder) {
     return make_picture_sink(display, {.folder = folder,
@@ -132,7 +148,7 @@ Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& f
         loaded.scene.file,
         "the run ended before the first frame of its film: none was written; a longer duration_s or a higher --video-fps gives one");
   else if (!quiet)
-    note(fmt::format("film: {} frames, {} a second, in {}\n", film->frames(), files.video_fps, files.video));
+    note(fmt::format("film: {} frames, {} a second, in {}\n", film->frames(), files.film.fps, files.film.path));
   return summary;
 }
 
@@ -147,26 +163,6 @@ struct DrillOptions {
   bool json = false, quiet = false, offscreen = false, force = false;
 };
 
-/// Results of another scene are not overwritten: they are likely wanted still. A scene that was edited is the same scene: its file is at the
-/// same place. @returns bad_input if the folder holds results of another scene, or a summary.json of another program.
-Status check_old_results(const std::string& folder, const std::string& scene_file) {
-  constexpr const char* kNext = "give another folder by --out, or --force to replace them";
-  const std::string path = (std::filesystem::path(folder) / "summary.json").string();
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return {};
-  const auto text = read_file(path);
-  const nlohmann::json old = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
-  if (!old.is_object() || !old.contains("scene") || !old["scene"].is_string())
-    return bad_input(fmt::format("holds a summary.json that is none of burrhole drill: {}", kNext), folder);
-  const std::string before = std::filesystem::path(old["scene"].get<std::string>()).filename().string();
-  const std::string now = std::filesystem::path(scene_file).filename().string();
-  if (before != now) return bad_input(fmt::format("holds results of another scene, {}: {}", before, kNext), folder);
-  const auto place = nlohmann::json::json_pointer("/provenance/scene_place");
-  if (!old.contains(place) || !old[place].is_string()) return {};  // of an earlier version
-  if (old[place] == place_of_scene(scene_file, folder, shipped_folder("scenes"))) return {};
-  return bad_input(fmt::format("holds results of another scene, of a {} in another folder: {}", before, kNext), folder);
-}
-
 /// Runs the command once its arguments are parsed.
 void run_drill(DrillOptions& option, int& exit_code) {
   if (const Status valid = check_options(option.mode, option.files); !valid) {
@@ -178,18 +174,20 @@ void run_drill(DrillOptions& option, int& exit_code) {
     exit_code = report(expected.error());
     return;
   }
-  const bool by_script = option.offscreen || option.scene.no_pictures || option.json || option.mode.live || !option.files.video.empty() ||
-                         !option.files.inputs.empty();
+  const bool by_script = option.offscreen || option.scene.no_pictures || option.json || option.mode.live ||
+                         !option.files.film.path.empty() || !option.files.inputs.empty();
   const auto windowed = decide_window(option.window, option.scene, by_script, option.quiet);
   if (!windowed) {
     exit_code = report(windowed.error());
     return;
   }
   option.mode.live = option.mode.live || *windowed;
+  option.files.film.replace = option.force;
+  option.files.film.run_folder = option.files.folder;
   const auto loaded = load_or_report(option.scene, exit_code, option.quiet, option.mode.live, option.files.inputs);
   if (!loaded) return;
   if (!option.force)
-    if (const Status free = check_old_results(option.files.folder, loaded->scene.file); !free) {
+    if (const Status free = check_earlier_run(*loaded, option.files.folder, shipped_folder("scenes")); !free) {
       exit_code = report(free.error());
       return;
     }
@@ -213,6 +211,24 @@ void run_drill(DrillOptions& option, int& exit_code) {
 }
 
 }  // namespace
+
+Result<std::unique_ptr<FilmWriter>> make_film(const Scene& scene, const FilmOptions& options) {
+  if (scene.servo_hz % options.fps != 0)
+    return bad_input(fmt::format("--video-fps {} does not divide the servo rate, {} Hz: give a divisor of it", options.fps, scene.servo_hz),
+                     scene.file);
+  return FilmWriter::create(options);
+}
+
+CLI::Option* add_film_options(CLI::App& command, FilmOptions& film) {
+  CLI::Option* video =
+      command.add_option("--video", film.path, "also draws a film: a folder of frames, or .mp4, .mkv or .webm, which needs ffmpeg")
+          ->type_name("PATH");
+  command.add_option("--video-fps", film.fps, "frames of the film per second of drilling; divides the servo rate")
+      ->check(CLI::Range(1, 1000))
+      ->needs("--video")
+      ->capture_default_str();
+  return video;
+}
 
 void add_drill(CLI::App& app, int& exit_code) {
   CLI::App* command = add_command(
@@ -243,18 +259,13 @@ void add_drill(CLI::App& app, int& exit_code) {
   add_simd_option(*command);
   add_gl_option(*command, option->files.gl);
   add_shader_option(*command, option->files.shader_folder);
-  command->add_option("--video", option->files.video, "also draws a film: a folder of frames, or .mp4, .mkv or .webm, which needs ffmpeg")
-      ->type_name("PATH");
-  command->add_option("--video-fps", option->files.video_fps, "frames of the film per second of drilling; divides the servo rate")
-      ->check(CLI::Range(1, 1000))
-      ->needs("--video")
-      ->capture_default_str();
+  add_film_options(*command, option->files.film);
   command->add_flag("--live", option->mode.live, "on threads in real time instead of in lockstep");
   command->add_flag("--require-realtime", option->mode.require_realtime, "exit if the system refuses real-time priority (with --live)");
   command->add_flag("--offscreen", option->offscreen, "no window: the scene's own hand drills");
   command->add_flag("--no-pictures", option->scene.no_pictures,
                     "offscreen and without [display]: needs no OpenGL, other results are the same");
-  command->add_flag("--force", option->force, "replace results of another scene in the folder");
+  command->add_flag("--force", option->force, "replace results of another scene or of other settings, and frames of a film");
   add_window_options(*command, option->window);
   command->add_option("--expect", option->expect, "exit 3 unless all hold: results, 'no FLAG', FIGURE<VALUE UNIT (burrhole docs outcome)")
       ->type_name("TERMS");

@@ -142,7 +142,7 @@ Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const Window
   return drill_in_window(loaded, std::move(run));
 }
 
-Result<bool> view_session_in_window(const std::string& path, const WindowOptions& options, bool quiet) {
+Result<ViewedSession> view_session_in_window(const std::string& path, const WindowOptions& options, bool quiet) {
   if (!has_display())
     return Error{ErrorCode::unavailable,
                  "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set; leave --view out to replay without one",
@@ -166,12 +166,15 @@ Result<bool> view_session_in_window(const std::string& path, const WindowOptions
   view.viewer = viewer_config(options, fs::absolute(path).parent_path().string());
   view.stop = &stop_requested();
   if (!quiet) view.say = print_line;
+  if (const std::string changed = changed_bone(*session, *loaded); !changed.empty()) print_line(changed);
   const auto viewed = view_session(*session, *loaded, view);
   if (!viewed) return viewed.error();
-  if (viewed->same) return true;
+  const auto is_compared = [](const SessionHash& hash) { return hash.kind == "voxels" || hash.kind == "forces" || hash.kind == "sent"; };
+  if (std::ranges::none_of(session->hashes(), is_compared)) return ViewedSession::without_results;
+  if (viewed->same) return ViewedSession::shown;
   print_line(path + ": bone or forces differ from those of the run");
   if (const std::string why = why_different(session->meta()); !why.empty()) print_line(why);
-  return false;
+  return ViewedSession::different;
 }
 
 }  // namespace burrhole::cli

@@ -27,7 +27,13 @@ void add_window_options(CLI::App& command, WindowOptions& options);
 [[nodiscard]] Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool quiet);
 [[nodiscard]] Result<RunSummary> drill_scene_in_window(const LoadedScene& loaded, const WindowOptions& options, const DrillingFiles& files,
                                                        bool quiet);
-/// Shows a recorded session until the person closes the window. @returns whether results that were compared are the same. bad_input: the session has no order of steps, or its scene no [display].
-[[nodiscard]] Result<bool> view_session_in_window(const std::string& session, const WindowOptions& options, bool quiet);
+/// What came of showing a session.
+enum class ViewedSession {
+  shown,           ///< to its end with the results of the run, or until the person closed the window before
+  different,       ///< to its end, with other results
+  without_results  ///< the run was cut short, so nothing can be compared
+};
+/// Shows a recorded session until the person closes the window. bad_input: the session has no order of steps, or its scene no [display].
+[[nodiscard]] Result<ViewedSession> view_session_in_window(const std::string& session, const WindowOptions& options, bool quiet);
 
 }  // namespace burrhole::cli

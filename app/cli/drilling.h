@@ -2,9 +2,11 @@
 ///   Thread  main.   Errors  those of drill() in app/job.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <atomic>
 #include <string>
 
+#include "app/cli/film.h"
 #include "app/cli/picture_sink.h"
 #include "app/job/summary.h"
 #include "app/scene/load.h"
@@ -16,6 +18,10 @@ namespace burrhole::cli {
 /// Handles the first SIGINT and SIGTERM by setting stop_requested(); a second one ends the program. Handles each SIGHUP so, unless it is
 /// ignored.
 void catch_signals();
+/// The same, but further SIGINT and SIGTERM do nothing: for what removes its temporary file by itself, soon.
+void catch_all_signals();
+/// From now on SIGINT and SIGTERM print one line and end the program with exit code 130: for what has nothing to remove.
+void end_at_signals();
 
 struct DrillingFiles {
   std::string folder;           ///< empty: nothing is written
@@ -23,8 +29,7 @@ struct DrillingFiles {
   std::string gl = "auto";      ///< value of --gl
   std::string shader_folder{};  ///< value of --shader-dir; empty: the built-in shaders
   std::string inputs{};         ///< value of --inputs, a file of timed inputs; empty: none
-  std::string video{};          ///< value of --video, a folder or a video file; empty: no film
-  int video_fps = 25;           ///< [1/s] frames of the film, of simulated time
+  FilmOptions film{};           ///< of --video
 };
 
 struct LiveMode {
@@ -34,5 +39,8 @@ struct LiveMode {
 
 /// Runs the scene and writes pictures, session, bone.vdb, summary.json and report.html. @returns the summary; the caller prints errors.
 [[nodiscard]] Result<RunSummary> drill_scene(const LoadedScene& loaded, const DrillingFiles& files, bool quiet, const LiveMode& mode = {});
+
+/// Adds `--video` and `--video-fps`. @returns the first.
+CLI::Option* add_film_options(CLI::App& command, FilmOptions& film);
 
 }  // namespace burrhole::cli

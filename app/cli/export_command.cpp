@@ -157,7 +157,7 @@ Status export_volume(const Options& option, const Source& source, Progress& prog
   ExportRequest request = request_of(option);
   request.progress = [&](double share) { progress.show(share, "writing"); };
   request.stop = &stop_requested();
-  catch_signals();  // from here on there is a temporary file to remove
+  request.begin = catch_all_signals;
   const auto done = export_bone(*voxmap, request);
   if (!done) return done.error();
   print(report_text(option, *done, voxmap->blocks().size() > 0 && !option.undrilled));
@@ -171,6 +171,7 @@ int export_input(const Options& option) {
   if (const Status paths = check_paths(option); !paths) return report(paths.error());
   if (option.undrilled && !option.restore.empty())
     return report(bad_input("--restore and --undrilled exclude each other: with the hole, or without it"));
+  end_at_signals();  // the surface of a bone, for example, takes long and writes nothing
   Progress progress(option.quiet, kReadingDelay);
   int exit_code = kDone;
   const auto source = load_source(option, progress, exit_code);

@@ -23,7 +23,9 @@
 #include <vector>
 
 #include "app/cli/png_writer.h"
+#include "app/job/run_folder.h"
 #include "core/base/assert.h"
+#include "core/base/child_attributes.h"
 #include "core/base/output_file.h"
 
 namespace burrhole::cli {
@@ -49,12 +51,18 @@ bool is_frame(std::string_view name) {
   return number.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// Removes the frames of an earlier film.
-Status remove_frames(const std::string& folder) {
-  std::error_code error;
+/// @returns the files in a folder that have names of frames.
+std::vector<fs::path> find_frames(const std::string& folder, std::error_code& error) {
   std::vector<fs::path> found;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
     if (is_frame(entry->path().filename().string())) found.push_back(entry->path());
+  return found;
+}
+
+/// Removes the frames of an earlier film.
+Status remove_frames(const std::string& folder) {
+  std::error_code error;
+  const std::vector<fs::path> found = find_frames(folder, error);
   for (const fs::path& file : found)
     if (!error) fs::remove(file, error);
   if (error)
@@ -73,27 +81,31 @@ std::string find_program(const std::string& name) {
 
 class FolderFilm final : public FilmWriter {
  public:
-  explicit FolderFilm(std::string folder) : folder_(std::move(folder)) {}
+  /// @param own whether no other part of this process takes the folder.
+  FolderFilm(std::string folder, bool own) : folder_(std::move(folder)), own_(own) {}
+  Status take() {
+    if (!own_ || lock_) return {};
+    auto lock = take_output_folder(folder_, "--video");
+    if (!lock) return lock.error();
+    lock_.emplace(std::move(lock).value());
+    return {};
+  }
   Status add(const Image& image) override {
     if (frames_ == 0)
       if (Status begun = begin(); !begun) return begun;
     return writer_.add((fs::path(folder_) / fmt::format("frame_{:06}.png", frames_++)).string(), image);
   }
-  Status finish() override {
-    if (frames_ > 0) return writer_.wait();
-    std::error_code ignored;
-    return fs::is_directory(folder_, ignored) ? remove_frames(folder_) : Status();
-  }
+  Status finish() override { return frames_ > 0 ? writer_.wait() : Status(); }
 
  private:
-  Status begin() const {
-    std::error_code error;
-    fs::create_directories(folder_, error);
-    if (error) return bad_input("cannot make the folder of the film: " + error.message() + "; give another by --video", folder_);
+  Status begin() {
+    if (Status taken = take(); !taken) return taken;
     return remove_frames(folder_);
   }
 
   std::string folder_;
+  bool own_;
+  std::optional<FolderLock> lock_;
   PngWriter writer_;
 };
 
@@ -127,11 +139,7 @@ class VideoFilm final : public FilmWriter {
   }
 
   Status finish() override {
-    if (process_ == 0) {  // no frame: an earlier video is not this one
-      std::error_code ignored;
-      fs::remove(file_, ignored);
-      return {};
-    }
+    if (process_ == 0) return {};  // no frame
     close(socket_);
     int status = 0;
     pid_t ended = 0;
@@ -189,11 +197,8 @@ class VideoFilm final : public FilmWriter {
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     // In a process group of its own: Ctrl-C ends the run, which then completes the video.
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-    const int refused = posix_spawn(&process_, program_.c_str(), &actions, &attributes, arguments.data(), environ);
-    posix_spawnattr_destroy(&attributes);
+    const ChildAttributes attributes(true);
+    const int refused = posix_spawn(&process_, program_.c_str(), &actions, attributes.get(), arguments.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     socket_ = ends[0];
@@ -214,7 +219,8 @@ class VideoFilm final : public FilmWriter {
 
 }  // namespace
 
-Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, int rate) {
+Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const FilmOptions& options) {
+  const std::string& path = options.path;
   const fs::path given(path);
   std::string ending = given.extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -223,7 +229,20 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, 
   const char* format = format_of(ending);
   if (format != nullptr && is_folder) return bad_input("a video has this name, but it is a folder: choose another name", path);
   if (format == nullptr && !is_folder && !ending.empty()) return bad_input("a film is a folder, or a file .mp4, .mkv or .webm", path);
-  if (format == nullptr) return std::unique_ptr<FilmWriter>(std::make_unique<FolderFilm>(path));
+  if (format == nullptr && is_folder && !options.replace)
+    if (const auto frames = find_frames(path, ignored); !frames.empty())
+      return bad_input(
+          fmt::format("holds {} {}, {} for example: give another folder by --video, or --force to replace them", frames.size(),
+                      frames.size() == 1 ? "frame of a film" : "frames of a film", std::ranges::min(frames).filename().string()),
+          path);
+  if (format == nullptr) {
+    const bool own =
+        options.run_folder.empty() || fs::weakly_canonical(given, ignored) != fs::weakly_canonical(options.run_folder, ignored);
+    auto film = std::make_unique<FolderFilm>(path, own);
+    if (is_folder)  // another one is made and taken with the first frame
+      if (const Status taken = film->take(); !taken) return taken.error();
+    return std::unique_ptr<FilmWriter>(std::move(film));
+  }
   const std::string program = find_program("ffmpeg");
   if (program.empty())
     return Error{ErrorCode::unavailable, "a video needs the program ffmpeg, which is not installed; give a folder to get its frames", path};
@@ -231,7 +250,7 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string& path, 
   if (!fs::is_directory(folder, ignored))
     return bad_input("there is no such folder for the video: make it, or give another by --video", folder);
   if (access(folder.c_str(), W_OK) != 0) return bad_input("cannot write into the folder of the video: give another by --video", folder);
-  return std::unique_ptr<FilmWriter>(std::make_unique<VideoFilm>(program, path, format, rate));
+  return std::unique_ptr<FilmWriter>(std::make_unique<VideoFilm>(program, path, format, options.fps));
 }
 
 }  // namespace burrhole::cli

@@ -4,11 +4,14 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/progress.h"
+#include "app/job/run_folder.h"
 #include "app/lab/frontier.h"
 
 namespace burrhole::cli {
 
 int run_frontier(const std::string& folder, unsigned workers, bool quiet) {
+  const auto lock = take_output_folder(folder);
+  if (!lock) return report(lock.error());
   Progress progress(quiet);
   FrontierOptions options;
   options.workers = workers;

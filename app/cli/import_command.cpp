@@ -119,9 +119,10 @@ void print_results(const Options& option, const ImportReport& report, const std:
   print(fmt::format("# {:.2f} mm of bone along the axis\n{}", site->thickness / kMillimetre, approach_text(*site)));
 }
 
-/// Saves a bone, with what was drilled of it.
+/// Saves a bone, with what was drilled of it. A stop ends the writing of a bone that is not drilled, which may take long.
 Status save_bone(const std::shared_ptr<const BoneModel>& bone, const std::string& path) {
-  if (bone->drilled() == nullptr) return write_vdb(path, bone->dims(), bone->bone_from_index(), bone->grids(), bone->notes());
+  if (bone->drilled() == nullptr)
+    return write_vdb(path, bone->dims(), bone->bone_from_index(), bone->grids(), bone->notes(), &stop_requested());
   auto voxmap = Voxmap::create(bone, {});
   return voxmap ? voxmap->save(path) : Status(voxmap.error());
 }
@@ -152,12 +153,16 @@ int import_input(const Options& option) {
   if (!imported) return report(imported.error());
   if (!option.volume.empty()) {
     catch_signals();  // while there is a temporary file
-    if (const Status written = save_bone(imported->bone, option.volume); !written) return report(written.error());
+    if (const Status written = save_bone(imported->bone, option.volume); !written) {
+      const int failed = report(written.error());
+      return stop_requested() ? kInterrupted : failed;
+    }
     if (stop_requested()) return report_stopped(option.volume);
   }
   const BoneModel& bone = *imported->bone;
   if (!option.overview.empty())
     if (const Status drawn = draw_overview(option, bone, imported->report); !drawn) return report(drawn.error());
+  if (stop_requested()) return report_stopped(option.volume);
   std::optional<DrillSite> site;
   if (near) {
     const auto found = suggest_site(bone, *near);

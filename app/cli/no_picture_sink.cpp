@@ -8,7 +8,7 @@ Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig&, con
   return Error{ErrorCode::unavailable, "this program was built without the renderer: remove [display] from the scene", {}};
 }
 
-Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::string&, int) {
+Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const FilmOptions&) {
   return Error{ErrorCode::unavailable, "this program was built without the renderer, so it cannot draw a film", {}};
 }
 

@@ -22,7 +22,7 @@ Result<bool> prepare_window(WindowOptions& options, SceneOption&, bool) {
 
 Result<RunSummary> drill_scene_in_window(const LoadedScene&, const WindowOptions&, const DrillingFiles&, bool) { return no_window(); }
 
-Result<bool> view_session_in_window(const std::string&, const WindowOptions&, bool) { return no_window(); }
+Result<ViewedSession> view_session_in_window(const std::string&, const WindowOptions&, bool) { return no_window(); }
 
 Result<std::vector<std::string>> choose_command() {
   return Error{ErrorCode::unavailable,

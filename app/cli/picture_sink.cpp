@@ -21,6 +21,12 @@
 namespace burrhole::cli {
 namespace {
 
+/// Pictures in files of a run whose window has a buffer for each eye.
+StereoView stereo_of_files(StereoView stereo) {
+  if (stereo.mode == StereoMode::quad) stereo.mode = StereoMode::side_by_side;
+  return stereo;
+}
+
 class OffscreenSink final : public PictureSink {
  public:
   OffscreenSink(Renderer renderer, const DisplayConfig& display, const PictureOptions& options)
@@ -29,7 +35,7 @@ class OffscreenSink final : public PictureSink {
         translucent_(!display.transfer.empty()),
         quality_(display.quality),
         budget_(display.budget),
-        stereo_(display.stereo),
+        stereo_(stereo_of_files(display.stereo)),
         scale_bar_(display.scale_bar),
         orientation_(display.orientation) {}
 
@@ -184,6 +190,10 @@ Status check_picture_memory(const DisplayConfig& display) {
 }
 
 Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& display, const PictureOptions& options) {
+  if (display.stereo.mode == StereoMode::quad)
+    return Error{ErrorCode::unavailable,
+                 "quad-buffered stereo needs a window: --stereo side-by-side or --stereo anaglyph draws two eyes into a file",
+                 {}};
   if (Status fits = check_picture_memory(display); !fits) return fits.error();
   auto renderer = Renderer::create(options_of(display, options));
   if (!renderer) return renderer.error();

@@ -6,7 +6,9 @@
 #include <filesystem>
 
 #include "app/cli/commands.h"
+#include "app/job/provenance.h"
 #include "app/report/file.h"
+#include "core/base/hash.h"
 #include "core/base/physics_version.h"
 #include "core/config/toml_messages.h"
 
@@ -27,6 +29,23 @@ Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t tick
   if (!display) (void)loaded->scene.effects.remove("display");
   loaded->scene.duration = static_cast<double>(ticks) / loaded->scene.servo_hz;
   return std::move(*loaded);
+}
+
+std::optional<BoneHashes> bone_hashes(const SessionReader& session, const LoadedScene& loaded) {
+  const auto recorded = std::ranges::find(session.hashes(), "volume", &SessionHash::kind);
+  if (!loaded.import || recorded == session.hashes().end()) return std::nullopt;
+  const auto now = volume_hash(*loaded.bone);
+  if (!now) return std::nullopt;
+  return BoneHashes{recorded->value, hash_text(*now)};
+}
+
+std::string changed_bone(const SessionReader& session, const LoadedScene& loaded) {
+  const auto hashes = bone_hashes(session, loaded);
+  if (!hashes || hashes->recorded == hashes->now) return {};
+  return fmt::format(
+      "{}: is not the bone of the recorded run: it was replaced or is read differently since, so that results differ; put the earlier file "
+      "there",
+      loaded.scene.volume.scan ? loaded.scene.volume.scan->request.path : session.meta().scene_path);
 }
 
 std::string why_different(const SessionMeta& meta) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "app/report/scratch_folder.h"
@@ -13,6 +14,15 @@ namespace burrhole::cli {
 
 /// @param display whether pictures will be drawn; otherwise [display] is removed. @param ticks of the session, which set the duration.
 [[nodiscard]] Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, bool display);
+
+/// @returns the hash of the scene's bone now and in the recorded run, "volume" of the session's hashes; nothing where it was generated, or the
+/// session has none.
+struct BoneHashes {
+  std::string recorded, now;
+};
+[[nodiscard]] std::optional<BoneHashes> bone_hashes(const SessionReader& session, const LoadedScene& loaded);
+/// @returns one line if the bone that the scene names is not that of the recorded run; empty if it is, or if that is not known.
+[[nodiscard]] std::string changed_bone(const SessionReader& session, const LoadedScene& loaded);
 
 /// @returns why a replay's voxels and forces could not be expected to be equal; empty when they could.
 [[nodiscard]] std::string why_different(const SessionMeta& meta);

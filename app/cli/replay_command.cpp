@@ -3,6 +3,7 @@
 #include "app/cli/commands.h"
 #include "app/cli/drill_window.h"
 #include "app/cli/drilling.h"
+#include "app/cli/film.h"
 #include "app/cli/picture_sink.h"
 #include "app/cli/progress.h"
 #include "app/cli/recorded_scene.h"
@@ -22,13 +23,28 @@ std::string recorded_hash(const SessionReader& session, const std::string& kind)
   return {};
 }
 
+/// Says that a session has no results. @returns the exit code.
+int nothing_compared(const std::string& session, bool allow_partial) {
+  print_line(session + ": nothing was compared: the recorded run was cut short, so the session has no results" +
+             (allow_partial ? "" : " (--allow-partial accepts that)"));
+  return allow_partial ? kDone : kCheckFailed;
+}
+
 struct Comparison {
   std::string name, recorded, replayed;
   [[nodiscard]] bool same() const { return recorded == replayed; }
 };
 
+struct ReplayOptions {
+  std::string session, gl = "auto";
+  std::string wav;  ///< file for the sound; empty: none
+  FilmOptions film;
+  bool quiet = false, stills = false;
+};
+
 struct Replayed {
   std::vector<Comparison> rows;
+  std::string changed_bone;  // one line; empty: the bone is that of the run
   SessionMeta recorded;
   std::string renderer;  // of this replay; empty without pictures
 };
@@ -62,19 +78,40 @@ class ReplayedSound final : public SoundSink {
   std::unique_ptr<WavFile> wav_;
 };
 
-/// @param stills draws the recorded pictures again. @param gl of --gl. @param wav file for the sound; empty: none.
-Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const std::string& gl, const std::string& wav) {
+/// @returns the writer of --video; null without it.
+Result<std::unique_ptr<FilmWriter>> film_of(const ReplayOptions& option, const LoadedScene& loaded) {
+  if (option.film.path.empty()) return std::unique_ptr<FilmWriter>();
+  if (loaded.scene.find<DisplayConfig>() == nullptr)
+    return bad_input("--video: the recorded scene has no table [display]: record a run with pictures", option.session);
+  return make_film(loaded.scene, option.film);
+}
+
+Status finish_film(FilmWriter* film, const ReplayOptions& option) {
+  if (film == nullptr) return {};
+  if (Status finished = film->finish(); !finished) return finished;
+  if (film->frames() == 0)
+    print_warning(option.session, "the session ends before the first frame of its film: none was written; a higher --video-fps gives one");
+  else if (!option.quiet)
+    note(fmt::format("film: {} frames, {} a second, in {}\n", film->frames(), option.film.fps, option.film.path));
+  return {};
+}
+
+Result<Replayed> replay(const ReplayOptions& option) {
+  const std::string& path = option.session;
   auto session = SessionReader::open(path);
   if (!session) return session.error();
   auto hand = RecordedHand::create(*session);
   if (!hand) return Error{hand.error().code, hand.error().message, path};
-  auto loaded = load_recorded(*session, hand->ticks(), stills);
+  auto loaded = load_recorded(*session, hand->ticks(), option.stills || !option.film.path.empty());
   if (!loaded) return loaded.error();
+  const auto film = film_of(option, *loaded);
+  if (!film) return film.error();
 
   SimulationOptions options;
+  if (*film) options.film_hz = option.film.fps;
   options.hand = &*hand;
   options.stop = &stop_requested();
-  Progress progress(quiet);
+  Progress progress(option.quiet);
   options.progress = [&](double time, const DrillProgress& p) {
     progress.show(time / loaded->scene.duration, fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
   };
@@ -85,14 +122,14 @@ Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const 
   ReplayedSound sound;
   const auto* sounds = session->stream(kAudioStream) != nullptr ? loaded->scene.find<SoundConfig>() : nullptr;
   if (sounds != nullptr) {
-    if (Status opened = sound.open(wav, sounds->sample_rate); !opened) return opened.error();
+    if (Status opened = sound.open(option.wav, sounds->sample_rate); !opened) return opened.error();
     options.sound = &sound;
-  } else if (!wav.empty()) {
+  } else if (!option.wav.empty()) {
     return bad_input("--wav: the session has no sound: leave --wav out, or record a run whose scene has the table [sound]", path);
   }
   std::unique_ptr<PictureSink> sink;
   if (const auto* display = loaded->scene.find<DisplayConfig>(); display != nullptr) {
-    auto made = make_picture_sink(*display, {.folder = {}, .gl = gl});
+    auto made = make_picture_sink(*display, {.folder = {}, .gl = option.gl, .film = film->get()});
     if (!made) return made.error();
     sink = std::move(made).value();
     options.sink = sink.get();
@@ -105,39 +142,44 @@ Result<Replayed> replay(const std::string& path, bool quiet, bool stills, const 
   } else if (Status ran = simulation->run(); !ran) {
     return ran.error();
   }
-  std::vector<Comparison> rows{{"voxels", recorded_hash(*session, "voxels"), hash_text(simulation->voxmap().hash())},
+  if (Status filmed = finish_film(film->get(), option); !filmed) return filmed.error();
+  std::vector<Comparison> rows;
+  if (const auto bone = bone_hashes(*session, *loaded)) rows.push_back({"volume", bone->recorded, bone->now});
+  for (const Comparison& row :
+       std::vector<Comparison>{{"voxels", recorded_hash(*session, "voxels"), hash_text(simulation->voxmap().hash())},
                                {"forces", recorded_hash(*session, "forces"), hash_text(simulation->force_hash())},
-                               {"sent", recorded_hash(*session, "sent"), hash_text(simulation->sent_hash())}};
+                               {"sent", recorded_hash(*session, "sent"), hash_text(simulation->sent_hash())}})
+    rows.push_back(row);
   if (Status finished = sound.finish(); !finished) return finished.error();
   if (sounds != nullptr) rows.push_back({"sound", recorded_hash(*session, "sound"), simulation->sound_hash()});
-  if (sink)
+  if (sink && option.stills)
     for (std::size_t n = 0; n < session->stills().size(); ++n) {
       const SessionStill& still = session->stills()[n];
       const bool drawn = n < simulation->redrawn().size();
       rows.push_back({"still " + still.name, still.hash, drawn ? simulation->redrawn()[n].hash : std::string("(not reached)")});
     }
-  return Replayed{std::move(rows), session->meta(), sink ? sink->driver() : std::string()};
+  return Replayed{std::move(rows), changed_bone(*session, *loaded), session->meta(), sink ? sink->driver() : std::string()};
 }
 
 }  // namespace
 
 void add_replay(CLI::App& app, int& exit_code) {
-  struct Options {
-    std::string session;
-    std::string gl = "auto", wav;
-    bool quiet = false, stills = false, view = false, allow_partial = false;
+  struct Options : ReplayOptions {
+    bool view = false, allow_partial = false;
     WindowOptions window;
   };
-  CLI::App* command = add_command(
-      app, "replay", kDrillGroup,
-      {.summary = "Runs a recorded session again and compares the results bit for bit",
-       .about = "Runs the same steps with the recorded hand motion and compares voxels, contact forces and forces "
-                "sent to the hand with those of the recorded run. The session contains scene, tool and "
-                "checkpoint; only the scan of an imported bone is read from its file. With --view it is shown in a window "
-                "with a time line: run, pause, step, speed, jump.",
-       .examples = {"burrhole replay out/session.sqlite", "burrhole replay out/session.sqlite --view"},
-       .exits = "Exit 3 if voxels or forces differ, or if nothing could be compared because the recorded run was cut short (not "
-                "with --allow-partial), 4 if --view finds no display, 130 after Ctrl-C."});
+  CLI::App* command =
+      add_command(app, "replay", kDrillGroup,
+                  {.summary = "Runs a recorded session again and compares the results bit for bit",
+                   .about = "Runs the same steps with the recorded hand motion and compares voxels, contact forces and forces "
+                            "sent to the hand with those of the recorded run. The session contains scene, tool and "
+                            "checkpoint; only the scan of an imported bone is read from its file. With --view it is shown in a window "
+                            "with a time line: run, pause, step, speed, jump.",
+                   .examples = {"burrhole replay out/session.sqlite", "burrhole replay out/session.sqlite --view",
+                                "burrhole replay out/session.sqlite --video session.mp4"},
+                   .exits = "Exit 3 if the bone that the scene names, voxels or forces differ, or if nothing could be compared because the "
+                            "recorded run was cut short (not "
+                            "with --allow-partial), 4 if --view finds no display or a video needs ffmpeg, 130 after Ctrl-C."});
   auto option = std::make_shared<Options>();
   command->add_option("session", option->session, "session file of an earlier drill")->type_name(kFileValue)->required();
   add_simd_option(*command);
@@ -145,18 +187,22 @@ void add_replay(CLI::App& app, int& exit_code) {
   add_gl_option(*command, option->gl);
   CLI::Option* wav =
       command->add_option("--wav", option->wav, "write the sound of a session with [sound] into this file")->type_name(kFileValue);
-  command->add_flag("--view", option->view, "show the session in a window")->excludes("--stills")->excludes(wav);
+  CLI::Option* video = add_film_options(*command, option->film);
+  command->add_flag("--force", option->film.replace, "replace the frames in the folder of --video")->needs(video);
+  command->add_flag("--view", option->view, "show the session in a window")->excludes("--stills")->excludes(wav)->excludes(video);
   add_view_options(*command, option->window);
   command->add_flag("--allow-partial", option->allow_partial, "exit 0 also if the recorded run was cut short and has nothing to compare");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
     catch_signals();
     if (option->view) {
-      const auto same = view_session_in_window(option->session, option->window, option->quiet);
-      exit_code = !same ? report(same.error()) : !*same ? kCheckFailed : stop_requested().load() ? kInterrupted : kDone;
+      const auto viewed = view_session_in_window(option->session, option->window, option->quiet);
+      exit_code = !viewed ? report(viewed.error()) : *viewed == ViewedSession::different ? kCheckFailed : kDone;
+      if (viewed && *viewed == ViewedSession::without_results) exit_code = nothing_compared(option->session, option->allow_partial);
+      if (exit_code == kDone && stop_requested().load()) exit_code = kInterrupted;
       return;
     }
-    const auto replayed = replay(option->session, option->quiet, option->stills, option->gl, option->wav);
+    const auto replayed = replay(*option);
     if (!replayed) {
       exit_code = report(replayed.error());
       return;
@@ -177,11 +223,8 @@ void add_replay(CLI::App& app, int& exit_code) {
                                      : "DIFFERENT"));
       if (known && !row.same()) exit_code = kCheckFailed;
     }
-    if (!compared) {
-      print_line(option->session + ": nothing was compared: the recorded run was cut short, so the session has no results" +
-                 (option->allow_partial ? "" : " (--allow-partial accepts that)"));
-      if (!option->allow_partial) exit_code = kCheckFailed;
-    }
+    if (!compared) exit_code = nothing_compared(option->session, option->allow_partial);
+    if (!replayed->changed_bone.empty()) print_line(replayed->changed_bone);
     if (const std::string why = why_different(*replayed); compared && exit_code == kCheckFailed && !why.empty()) print(why + "\n");
   });
 }

@@ -7,6 +7,7 @@
 #include "app/cli/commands.h"
 #include "app/report/csv.h"
 #include "app/session/session.h"
+#include "app/stage/result_files.h"
 #include "core/config/toml_messages.h"
 
 namespace burrhole::cli {
@@ -102,7 +103,7 @@ Result<std::string> csv_of(const SessionReader& session, const std::string& name
 int run_session(const Options& option) {
   std::error_code ignored;
   const bool folder = fs::is_directory(option.session, ignored);
-  const std::string path = folder ? (fs::path(option.session) / "session.sqlite").string() : option.session;
+  const std::string path = folder ? (fs::path(option.session) / kSessionFile).string() : option.session;
   if (folder && !fs::exists(path, ignored))
     return report(bad_input("holds no session.sqlite: a run writes one where its scene has the table [record]", option.session));
   const auto session = SessionReader::open(path);

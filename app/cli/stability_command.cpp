@@ -5,6 +5,7 @@
 #include "app/cli/commands.h"
 #include "app/cli/frontier_option.h"
 #include "app/cli/progress.h"
+#include "app/job/run_folder.h"
 #include "app/lab/stability_report.h"
 #include "app/lab/stability_run.h"
 #include "app/report/file.h"
@@ -62,6 +63,8 @@ Status write_files(const std::vector<StabilityOutcome>& outcomes, const Stabilit
 }
 
 int run(const StabilityCommand& command) {
+  const auto lock = take_output_folder(command.folder);
+  if (!lock) return report(lock.error());
   Progress progress(command.json);
   const auto outcomes = run_stability(command.options, [&](double share, const std::string& text) { progress.show(share, text); });
   if (!outcomes) return report(outcomes.error());

@@ -13,7 +13,7 @@ struct NoOutput {
 };
 
 /// Call it before the first file is opened. Opens what is closed of the standard streams, so that no output file takes their place, and
-/// makes a write beyond the limit of the size of files (ulimit -f) an error instead of a signal.
+/// makes a write beyond the limit of the size of files (ulimit -f), or to a pipe whose reader has gone, an error instead of a signal.
 void prepare_streams();
 
 /// Prints to stdout and flushes it. Control characters but the ends of lines and tabulators are escaped: texts of files may hold some. Throws

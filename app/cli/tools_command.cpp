@@ -10,6 +10,7 @@
 #include "app/report/tool_sheet.h"
 #include "core/base/units.h"
 #include "core/drill/removal_rate.h"
+#include "core/tool/buried_cutters.h"
 #include "core/tool/make_tool.h"
 #include "core/tool/mesh_spec.h"
 #include "core/tool/tool_spec.h"
@@ -84,6 +85,7 @@ std::string mesh_text(const MeshToolSpec& spec) {
 struct ToolParts {
   std::string text;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  std::vector<BuriedCutter> buried;
 };
 
 /// @returns nothing when any issue was pushed.
@@ -98,9 +100,15 @@ std::optional<ToolParts> read_parts(const TomlDocument& document, Issues& issues
   }
   const auto spec = read_tool_spec(document, issues);
   if (!spec) return std::nullopt;
+  out.buried = find_buried_cutters(*spec);
   for (const RegionSpec& region : spec->regions) {
     out.text += region_text(region);
-    out.json.push_back({{"name", region.name}, {"cuts", region.erosion.base > 0.0}, {"erosion_factor_per_rev", region.erosion.base}});
+    const auto found = std::ranges::find(out.buried, region.name, &BuriedCutter::region);
+    out.json.push_back(
+        {{"name", region.name},
+         {"cuts", region.erosion.base > 0.0},
+         {"erosion_factor_per_rev", region.erosion.base},
+         {"covered_share", found == out.buried.end() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(found->share)}});
   }
   return out;
 }
@@ -249,6 +257,7 @@ int show_tool(const Options& options) {
   const auto fine = make_tool(*document, {.erosion_pitch = kFeedPitch, .read_mesh = read_mesh}, issues);
   const auto parts = read_parts(*document, issues);
   if (!parts || !fine) return report(issues);
+  for (const BuriedCutter& cutter : parts->buried) print_warning(file, buried_text(cutter));
   const std::vector<NamedFeed> feeds = feeds_of(*fine);
   if (!options.image.empty())
     if (Status drawn = draw_sheet(*document, *tool, feeds, options.image); !drawn) return report(drawn.error());

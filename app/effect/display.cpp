@@ -9,6 +9,7 @@
 #include "app/view/detail.h"
 #include "app/view/display_config.h"
 #include "app/view/picture_memory.h"
+#include "app/view/stereo.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
 #include "volumes/phantom/head_bone.h"
@@ -50,7 +51,7 @@ void read_quality(TableReader& table, bool rays, bool finish, DisplayConfig& out
   if (choice == "auto") {
     if (!rays) table.fault("quality", "needs method = \"raycast\"");
     out.budget = table.number("budget_ms", above_zero(100.0, 1e-3, 1e5), "time of a picture for which the quality is chosen");
-    for (const char* key : {"step_voxels", "bisections", "finish", "supersample", "resolution"})
+    for (const char* key : {"step_voxels", "bisections", "finish", "supersample", "edge_threshold", "resolution"})
       if (table.has(key)) table.fault(key, "is chosen by quality = \"auto\": remove one of the two");
     return;
   }
@@ -66,6 +67,10 @@ void read_quality(TableReader& table, bool rays, bool finish, DisplayConfig& out
   }
   quality.supersample =
       static_cast<int>(table.integer("supersample", quality.supersample, 1, 4, "rays along each edge of a pixel, for anti-aliasing"));
+  if (finish)
+    quality.edge_threshold = static_cast<int>(table.integer("edge_threshold", quality.edge_threshold, 0, 255,
+                                                            "levels of 255 by which a pixel must differ from one around it for all rays of "
+                                                            "supersample; others have one; 0: all pixels have them"));
   quality.resolution =
       table.number("resolution", {.fallback = 1.0, .min = 0.25, .max = 1.0}, "share of width and height that is drawn and then scaled up");
 }
@@ -131,13 +136,14 @@ std::optional<WorkbenchView> read_workbench(TableReader& table) {
 
 StereoView read_stereo(TableReader& table, double distance) {
   StereoView out;
-  const std::string mode = table.choice(
-      "stereo", "off", {"off", "side-by-side", "top-bottom", "anaglyph"},
-      "pictures of two eyes in one, each eye with the pixels of the key size; anaglyph: for red and cyan glasses", {"quad-buffered"});
+  const std::string mode = table.choice("stereo", "off", {"off", "side-by-side", "top-bottom", "anaglyph", "quad"},
+                                        "pictures of two eyes in one, each eye with the pixels of the key size; anaglyph: for red and cyan "
+                                        "glasses; quad: each eye in a buffer "
+                                        "of its own, in a window whose driver has them");
   out.workbench = read_workbench(table);
   if (mode == "off") return out;
   constexpr double kPupils = 63.0 * kMillimetre;  // mean of adults: Dodgson, Proc. SPIE 5291 (2004)
-  out.mode = mode == "anaglyph" ? StereoMode::anaglyph : mode == "top-bottom" ? StereoMode::top_bottom : StereoMode::side_by_side;
+  out.mode = stereo_mode(mode);
   out.separation = table
                        .optional_number("eye_separation_mm", above_zero(0.0, kMillimetre, 200.0),
                                         "distance between the eyes; default distance_mm / 30, of a workbench 63")
@@ -346,11 +352,7 @@ std::string picture_text(const DisplayConfig& display) {
   std::string out;
   if (display.cut.kind != CutKind::none) out += display.cut.kind == CutKind::tip ? ", cut at the tip" : ", cut at a plane";
   if (display.stereo.mode != StereoMode::off)
-    out += fmt::format(", {} of two eyes {:.3g} mm apart",
-                       display.stereo.mode == StereoMode::anaglyph     ? "anaglyph"
-                       : display.stereo.mode == StereoMode::top_bottom ? "top-bottom"
-                                                                       : "side-by-side",
-                       display.stereo.separation / kMillimetre);
+    out += fmt::format(", {} of two eyes {:.3g} mm apart", stereo_name(display.stereo.mode), display.stereo.separation / kMillimetre);
   if (const auto& bench = display.stereo.workbench)
     out += fmt::format(", workbench of {:.3g} mm{}", bench->height / kMillimetre, bench->mirrored ? ", mirrored" : "");
   if (display.table) out += ", on a table";

@@ -12,6 +12,7 @@
 #include "app/report/html.h"
 #include "app/report/plot.h"
 #include "app/session/session.h"
+#include "app/stage/result_files.h"
 #include "core/base/geometry.h"
 #include "core/config/toml.h"
 
@@ -22,7 +23,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr int kCompareSchema = 1;
-constexpr const char* kSession = "session.sqlite";
 
 constexpr FileLimit kSummaryInput{"a summary.json", 4u << 20, false};
 constexpr std::size_t kMostNested = 16;
@@ -148,7 +148,7 @@ std::optional<Vec3> vector_of(const Json& value) {
 
 /// Reads force and depth by time from the session. @returns why there are none; empty: they were read.
 Result<std::string> add_curves(const Json& json, RunResults& out) {
-  const std::string path = (fs::path(out.folder) / kSession).string();
+  const std::string path = (fs::path(out.folder) / kSessionFile).string();
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return std::string("no session.sqlite");
   const auto session = SessionReader::open(path);
@@ -234,7 +234,7 @@ Result<RunResults> read_run(const std::string& path) {
   while (out.name.size() > 1 && out.name.back() == '/') out.name.pop_back();
   std::error_code ignored;
   out.folder = fs::is_directory(path, ignored) ? path : fs::path(path).parent_path().string();
-  const std::string file = fs::is_directory(path, ignored) ? (fs::path(path) / "summary.json").string() : path;
+  const std::string file = fs::is_directory(path, ignored) ? (fs::path(path) / kSummaryFile).string() : path;
   if (!fs::exists(file, ignored))
     return bad_input("holds no results: a RUN is a folder that burrhole drill wrote, with summary.json", path);
   const auto text = read_file(file, kSummaryInput);
@@ -244,7 +244,7 @@ Result<RunResults> read_run(const std::string& path) {
   if (!json.is_object() || !json.contains("schema") || !json.contains("drilling") || !few(json) || !few(object_of(json, "drilling")) ||
       !few(object_of(json, "hash")) || !few(object_of(json, "provenance")) ||
       !few(object_of(object_of(json, "provenance"), "erosion_factors_per_rev")) || !few(object_of(object_of(json, "provenance"), "hash")))
-    return bad_input("is not a summary.json of burrhole drill: give the folder of a run", file);
+    return bad_input("is not a summary.json of burrhole drill, or a damaged one: the run is left out", file);
   add_facts(json, out);
   add_settings(json, out);
   add_figures(json, out);

@@ -40,12 +40,13 @@ std::string now_iso8601() {
 struct Caption {
   const char *name, *text;
 };
-constexpr Caption kCaptions[] = {{"overview", "Before: the whole body and the bit"},
-                                 {"before", "Before: the bit above the entry point"},
-                                 {"during", "At half the thickness of the bone"},
-                                 {"breakthrough", "Breakthrough: bone and bit in section through the axis"},
-                                 {"after", "After: the hole from above"},
-                                 {"cutaway", "After: section through the axis"}};
+constexpr Caption kCaptions[] = {
+    {"overview", "Before: the whole body and the bit"},
+    {"before", "Before: the bit above the entry point"},
+    {"during", "At half the thickness of the bone"},
+    {"breakthrough", "Breakthrough: bone and bit in section through the axis; the part of the bit that cuts is orange, the rest grey"},
+    {"after", "After: the hole from above"},
+    {"cutaway", "After: section through the axis"}};
 constexpr const char* kOpenAxis =
     "no bone is on the axis at the start: it was drilled through before; the figures are those of this run alone";
 
@@ -121,6 +122,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.thickness_mm = summary.thickness_mm;
   r.depth_mm_at_breakthrough = summary.depth_mm;
   r.plunge_mm = summary.plunge_mm;
+  r.beyond_mm = summary.beyond_mm;
   r.peak_force_N = summary.peak_force_N;
   r.angle_deg = summary.angle_deg;
   r.removed_mm3 = summary.removed_mm3;
@@ -128,6 +130,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.hole_diameter_mm = summary.hole_diameter_mm;
   r.inner_diameter_mm = summary.inner_diameter_mm;
   r.breakthrough_s = summary.breakthrough_s;
+  r.support_lost_s = summary.support_lost_s;
   const RunOutcome outcome = outcome_of(summary);
   r.result = name_of(outcome.result);
   r.reason = outcome.reason;
@@ -150,10 +153,10 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
 
 std::string date_of(const DrillJob& job) { return job.created.empty() ? now_iso8601() : job.created; }
 
-/// A file that a session holds, as an event of its kind.
+/// A file that a session holds, as an event of its kind. Its folder may name a patient, and a replay reads the session alone.
 struct SessionFile {
   const char* kind;
-  std::string path, text;
+  std::string name, text;
 };
 
 /// Reads them before the first file of the run, which may move one of them aside.
@@ -165,7 +168,7 @@ Result<std::vector<SessionFile>> read_session_files(const LoadedScene& loaded, c
     if (path.empty()) continue;
     auto text = read_file(path, limit);
     if (!text) return text.error();
-    out.push_back({kind, path, std::move(text).value()});
+    out.push_back({kind, fs::path(path).filename().string(), std::move(text).value()});
   }
   return out;
 }
@@ -176,7 +179,8 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   if (!stage.record_path() || job.folder.empty()) return std::optional<SessionWriter>();
   SessionMeta meta;
   meta.program = BH_VERSION;
-  meta.scene_path = loaded.scene.file;
+  // A replay needs the folder where a scan is named relative to it.
+  meta.scene_path = loaded.scene.volume.scan ? loaded.scene.file : fs::path(loaded.scene.file).filename().string();
   meta.scene = loaded.scene.text;
   meta.tool = loaded.tool_text;
   meta.seed = loaded.scene.hand.seed;
@@ -188,7 +192,7 @@ Result<std::optional<SessionWriter>> open_session(const LoadedScene& loaded, con
   auto session = SessionWriter::create(path, meta, session_layout(stage));
   if (!session) return session.error();
   for (const SessionFile& file : files)
-    if (Status noted = session->event({0.0, 0, file.kind, file.path, file.text}); !noted) return noted.error();
+    if (Status noted = session->event({0.0, 0, file.kind, file.name, file.text}); !noted) return noted.error();
   return std::optional<SessionWriter>(std::move(session).value());
 }
 
@@ -208,10 +212,16 @@ std::optional<std::string> undone_warning(const Simulation& simulation, const Ru
                      first->time, std::max(0.0, summary.reached_mm - summary.thickness_mm));
 }
 
+/// @returns the hash of the bone as loaded, of one that is read from a file: a replay reads it again.
+std::string volume_of(const RunSummary& summary) {
+  const bool read = !summary.volume_format.starts_with("phantom:");
+  return read && summary.provenance ? summary.provenance->volume_hash.value_or("") : std::string();
+}
+
 Status close_session(SessionWriter& session, const RunSummary& summary, const Simulation& simulation) {
   for (const auto& [kind, value] : {std::pair{"voxels", summary.voxel_hash}, std::pair{"forces", summary.force_hash},
                                     std::pair{"sent", hash_text(simulation.sent_hash())}, std::pair{"image", summary.image_hash},
-                                    std::pair{"sound", simulation.sound_hash()}})
+                                    std::pair{"sound", simulation.sound_hash()}, std::pair{"volume", volume_of(summary)}})
     if (!value.empty())
       if (Status noted = session.hash({kind, value}); !noted) return noted;
   return session.close();
@@ -236,9 +246,7 @@ struct Outputs {
 Result<Outputs> open_outputs(const LoadedScene& loaded, const DrillJob& job, const Stage& stage, const PictureSink* sink, SoundOut& sound) {
   if (Status kept = check_source(loaded, job.folder); !kept) return kept.error();
   if (is_set(job.stop)) return Error{ErrorCode::unavailable, kNeverBegan, {}};
-  if (!job.folder.empty())
-    if (Status made = make_output_folder(job.folder); !made) return made.error();
-  auto lock = FolderLock::take(job.folder);
+  auto lock = take_output_folder(job.folder);
   if (!lock) return lock.error();
   const auto files = read_session_files(loaded, job, stage);
   if (!files) return files.error();
@@ -272,6 +280,11 @@ void add_warnings(const DrillJob& job, const std::vector<std::string>& found, Ru
   }
   if (summary.open_axis) summary.warnings.emplace_back(kOpenAxis);
   std::ranges::copy(summary.latched_faults, std::back_inserter(summary.warnings));
+}
+
+/// @returns the line on a run that an error ended.
+std::string early_end(const Simulation& simulation, const Error& error) {
+  return without_folders(fmt::format("an error ended the run at {:.3f} s: {}", simulation.time(), error.text()));
 }
 
 }  // namespace
@@ -354,7 +367,9 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (job.begin) job.begin(*simulation);
   RunProvenance made = provenance_of(loaded, job, simulation->voxmap().starts_drilled());
   const auto start = std::chrono::steady_clock::now();
-  if (Status ran = simulation->run(); !ran) return ran.error();
+  const Status ran = simulation->run();
+  // A run that an error ends has results too, unless bone could not be read: those of minutes are not lost for one picture.
+  if (!ran && (simulation->time() == 0.0 || !simulation->voxmap().bone().read_status())) return ran.error();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Status sounded = sound.finish();
   RunSummary summary = make_summary(loaded, *simulation, plan, wall);
@@ -368,15 +383,17 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   if (auto undone = undone_warning(*simulation, summary)) found.push_back(std::move(*undone));
   std::ranges::move(outcome_warnings(summary), std::back_inserter(found));
   add_warnings(job, found, summary);
+  if (!ran) summary.warnings.push_back(early_end(*simulation, ran.error()));  // the caller reports the error itself
   if (sink) summary.display = sink->display();
-  if (outputs->session)
-    if (Status closed = close_session(*outputs->session, summary, *simulation); !closed) return closed.error();
-  if (job.folder.empty()) return summary;
+  Status closed;
+  if (outputs->session) closed = ran ? close_session(*outputs->session, summary, *simulation) : outputs->session->close();
   auto pictures = sink ? sink->files() : std::vector<std::string>();
-  if (!pictures) return pictures.error();
-  Status written = write_results(loaded, *simulation, summary, *pictures, job.folder);
-  if (written) outputs->earlier.replaced();
-  if (!written || !sounded) return !written ? written.error() : sounded.error();
+  Status written;
+  if (!job.folder.empty())
+    written = write_results(loaded, *simulation, summary, pictures ? *pictures : std::vector<std::string>(), job.folder);
+  if (ran && written) outputs->earlier.replaced();
+  for (const Status& done : {ran, closed, pictures ? Status() : Status(pictures.error()), written, sounded})
+    if (!done) return done.error();
   return summary;
 }
 

@@ -131,6 +131,7 @@ const std::vector<ExpectedFigure>& expected_figures() {
       {"plunge", "mm", "drilling.plunge_mm", [](Summary s) -> Value { return s.plunge_mm; }},
       {"depth", "mm", "drilling.reached_mm", [](Summary s) -> Value { return s.reached_mm; }},
       {"breakthrough-depth", "mm", "drilling.depth_mm", [](Summary s) -> Value { return s.depth_mm; }},
+      {"beyond", "mm", "drilling.beyond_mm", [](Summary s) -> Value { return s.beyond_mm; }},
       {"thickness", "mm", "drilling.thickness_mm", [](Summary s) -> Value { return s.thickness_mm; }},
       {"hole", "mm", "drilling.hole_diameter_mm", [](Summary s) -> Value { return s.hole_diameter_mm; }},
       {"inner-hole", "mm", "drilling.inner_diameter_mm", [](Summary s) -> Value { return s.inner_diameter_mm; }},

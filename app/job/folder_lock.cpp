@@ -33,7 +33,7 @@ Error failed(const std::string& path, const char* what) { return bad_input(std::
 
 }  // namespace
 
-Result<FolderLock> FolderLock::take(const std::string& folder) {
+Result<FolderLock> FolderLock::take(const std::string& folder, const char* option) {
   if (folder.empty()) return FolderLock({}, -1);
   const std::string path = (std::filesystem::path(folder) / kLockFile).string();
   for (;;) {
@@ -46,7 +46,7 @@ Result<FolderLock> FolderLock::take(const std::string& folder) {
       const bool cannot = errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL;
       if (cannot) return lock;  // a file system without locks
       if (errno != EWOULDBLOCK) return failed(path, "the output folder cannot be locked");
-      return bad_input(fmt::format("the output folder is in use by {}: give another one by --out", owner_of(file)), folder);
+      return bad_input(fmt::format("the output folder is in use by {}: give another one by {}", owner_of(file), option), folder);
     }
     // Its last owner may have removed the file between open() and flock().
     struct stat opened {

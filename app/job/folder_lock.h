@@ -1,7 +1,7 @@
-/// app/job/folder_lock.h: an output folder belongs to one run at a time.
-///   The file .burrhole-run in the folder is locked while the run lasts, and holds its process number and start. The lock ends with the
-///   process, however it ends. On a file system without locks nothing is locked.
-///   Thread  any.   Errors  bad_input: another run has the folder, or the file cannot be written.   Source  flock(2).
+/// app/job/folder_lock.h: an output folder belongs to one process at a time: a run, a study, a comparison, a film.
+///   The file .burrhole-run in the folder is locked meanwhile, and holds the number and start of the process. The lock ends with the process,
+///   however it ends. On a file system without locks nothing is locked.
+///   Thread  any.   Errors  bad_input: another process has the folder, or the file cannot be written.   Source  flock(2).
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@ namespace burrhole {
 
 class FolderLock {
  public:
-  /// @param folder exists. An empty name locks nothing.
-  [[nodiscard]] static Result<FolderLock> take(const std::string& folder);
+  /// @param folder exists. An empty name locks nothing. @param option that names the folder, for errors.
+  [[nodiscard]] static Result<FolderLock> take(const std::string& folder, const char* option = "--out");
   FolderLock(FolderLock&& other) noexcept;
   FolderLock& operator=(FolderLock&& other) = delete;
   ~FolderLock();

@@ -20,12 +20,24 @@ with `--quiet`) show them. A replay has the figures of bone and tool of its run;
   than 0.25 mm after it has not widened over 0.5 mm.
 - **Column**: the bone as loaded that lies in the direction of the axis over one cell of the cross-section, round the planned axis. It is *clear* if
   none of that bone is left at the end of the run.
-- **Cleared share**: the share of the columns that are clear. It decides whether the bone is drilled through. The *breakthrough* is another
-  thing: the time at which no bone is left on the axis itself. Hand, plunge and pictures use it; a crown has none, because its core stays on the
-  axis, and a narrow hole has one although the bit is not through.
+- **Cleared share**: the share of the columns that are clear. It decides whether the bone is drilled through.
+- **Breakthrough**: the time at which no bone is left on the axis itself. A bit with a point or a shoulder then still cuts at full thrust. The
+  picture and the event of this name use it; a crown has none, because its core stays on the axis, and a narrow hole has one although the bit is
+  not through.
+- **Steady thrust**: the mean of the thrust that bone carries along the axis while it carries more than 1 N, exponentially weighted over 0.5 s.
+- **Loss of support**: it begins at the last time at which bone carried at least half of the steady thrust and more than 1 N, once the tip is
+  beyond the last bone on the axis. It ends when bone has carried as much again for 0.1 s without a break, so that a bounce does not end it. Half is
+  the mid-reference level, at which the instant of a transition between two states is taken (IEEE Std 181); the times are our own.
 - **Uncut share**: of the columns that the bit has passed by more than 0.5 mm and a voxel, the share that is not clear; absent
   if it has passed less than half of them.
-- **Plunge**: the largest distance of the tip beyond its depth at breakthrough; of a bit that passed the bone without a breakthrough, beyond the bone.
+- **Plunge**: the advance without support: the largest distance of the tip beyond its depth where a loss of support began, before that loss ends.
+  A bit that leaves the bone cutting at full thrust has a plunge of 0. Of a bit that was pushed through uncut bone, and above a hole that was open
+  at the start, it is the distance beyond the bone.
+- **Beyond**: the largest depth of the tip beyond the bone on the axis, cut or fallen. Published plunge depths of bicortical drilling are this distance
+  (Clement et al. 2012, Ding and Marmor 2019), so compare them with it.
+
+These come in this order: the tip passes the bone (`passed_s`), the axis is clear (`breakthrough_s`), support is lost (`support_lost_s`), and
+the tip is deepest. The result and the flag `plunged` do not depend on the second.
 
 ## Results
 The first criterion that holds is the result. Results that nothing later takes back come first; an interruption comes before those that a longer

@@ -2,10 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "app/view/assumed_brain.h"
+#include "app/view/display_config.h"
 #include "core/base/units.h"
+#include "core/measure/approach.h"
+#include "core/tool/buried_cutters.h"
 #include "core/tool/finest_feature.h"
 #include "core/tool/mesh_spec.h"
 #include "haptics/servo/realtime.h"
@@ -63,6 +68,17 @@ PlanRow hand_row(const LoadedScene& loaded) {
           .rate_hz = static_cast<double>(loaded.scene.servo_hz)};
 }
 
+/// Warns of cutting regions that meet no bone.
+void warn_of_buried(const ToolText& tool, std::vector<std::string>& out) {
+  Issues ignored;
+  const auto document = TomlDocument::parse(tool.text, tool.name);
+  if (!document || has_tool_mesh(*document)) return;
+  const auto spec = read_tool_spec(*document, ignored);
+  if (!spec) return;
+  for (const BuriedCutter& cutter : find_buried_cutters(*spec))
+    out.push_back(fmt::format("tool \"{}\": {}", tool.name, buried_text(cutter)));
+}
+
 /// Warns of a bit whose finest cutting feature the voxels do not resolve: under two voxels, an edge is rounded as far as it is thick.
 void warn_of_features(const LoadedScene& loaded, const ToolText& tool, std::vector<std::string>& out) {
   constexpr double kLeastVoxels = 2.0;
@@ -81,6 +97,31 @@ void warn_of_features(const LoadedScene& loaded, const ToolText& tool, std::vect
                   "volume.spacing_mm to {:.3g} or less",
                   loaded.scene.volume.spacing_place, edge / kMillimetre, tool.name, feature->kind, feature->region,
                   feature->thickness / kMillimetre, std::floor(fits / unit * (1.0 + 1e-9)) * unit));
+}
+
+/// @returns a warning where pictures show dura and brain under bone that does not close round the site as a skull does.
+std::optional<std::string> assumed_layers_warning(const LoadedScene& loaded) {
+  const auto* display = loaded.scene.find<DisplayConfig>();
+  if (display == nullptr || !display->assumed_brain || !loaded.import) return std::nullopt;
+  const auto& enclosure = loaded.import->enclosure;
+  if (!enclosure || enclosure->is_closed()) return std::nullopt;
+  const auto approach = make_approach(*loaded.bone, loaded.scene.approach);
+  if (!approach || approach->thickness >= AssumedBrain::kThickest) return std::nullopt;  // none are drawn
+  // A saved phantom has layers of its own.
+  if (std::ranges::any_of(approach->layers, [](const Approach::Layer& l) { return l.label >= VoxelLabel::outer_table; }))
+    return std::nullopt;
+  const std::string why = enclosure->depth < Enclosure::kProbeDepth
+                              ? fmt::format("bone begins again {:.0f} mm below it", enclosure->depth / kMillimetre)
+                              : fmt::format(
+                                    "of the directions from {:g} mm below it {:.0f} % meet bone, nine tenths of them within {:.0f} mm; in "
+                                    "a skull at least {:.0f} % "
+                                    "do, and within no less than {:.0f} mm",
+                                    Enclosure::kProbeDepth / kMillimetre, 100.0 * enclosure->share, enclosure->reach / kMillimetre,
+                                    100.0 * Enclosure::kLeastShare, Enclosure::kLeastReach / kMillimetre);
+  return fmt::format(
+      "[display] layers under the bone are assumed: dura and brain are drawn though the scan does not show them, and its bone does not "
+      "close round the site as a skull does: {}; --set display.assumed_brain=false draws none",
+      why);
 }
 
 }  // namespace
@@ -102,8 +143,10 @@ Plan make_plan(const LoadedScene& loaded, const EffectRegistry& registry, const 
     if (!loaded.scene.effects.has(effect.table)) plan.not_built.emplace_back(effect.table);
   if (loaded.import)
     for (const std::string& line : loaded.import->scan.assumed) plan.warnings.push_back("[volume] assumed: " + line);
+  if (auto layers = assumed_layers_warning(loaded)) plan.warnings.push_back(std::move(*layers));
   if (!loaded.paged_note.empty()) plan.warnings.push_back("[limits] " + loaded.paged_note);
   warn_of_features(loaded, {loaded.tool.name, loaded.tool_text}, plan.warnings);
+  warn_of_buried({loaded.tool.name, loaded.tool_text}, plan.warnings);
   plan.scene_warnings = plan.warnings.size();
   plan.memory = plan_memory(loaded.scene, loaded.tool, bone, loaded.scan_bytes, run);
   return plan;
@@ -114,7 +157,10 @@ Plan make_run_plan(const LoadedScene& loaded, bool live, const InputTools& tools
   MemoryRun run{.live = live, .locked = live && may_lock_memory(), .inputs = tools.inputs};
   for (const Tool& other : others) run.tools.push_back(&other);
   Plan plan = make_plan(loaded, shipped_effects(), run);
-  for (const ToolText& one : tools.texts) warn_of_features(loaded, one, plan.warnings);
+  for (const ToolText& one : tools.texts) {
+    warn_of_features(loaded, one, plan.warnings);
+    warn_of_buried(one, plan.warnings);
+  }
   return plan;
 }
 

@@ -122,16 +122,21 @@ std::string run_title(const LoadedScene& loaded) {
   return title.find(tool) != std::string::npos ? title : fmt::format("{}: {}", title, tool);
 }
 
-RunProvenance provenance_of(const LoadedScene& loaded, const std::string& date, bool drilled_before) {
+RunProvenance text_provenance(const LoadedScene& loaded) {
   RunProvenance out;
-  out.program = std::string("burrhole ") + BH_VERSION;
-  out.date = date;
-  out.machine = fmt::format("{}, {} threads", cpu_model(), std::thread::hardware_concurrency());
   for (const std::string& change : loaded.changes) out.overrides.push_back(shown(change));
   for (const std::string& change : loaded.tool_changes) out.tool_overrides.push_back(shown(change));
   out.erosion_factors = factors_of(loaded);
   out.scene_hash = hash_of(without_folders(loaded.scene.text));
   out.tool_hash = hash_of(without_folders(loaded.tool_text));
+  return out;
+}
+
+RunProvenance provenance_of(const LoadedScene& loaded, const std::string& date, bool drilled_before) {
+  RunProvenance out = text_provenance(loaded);
+  out.program = std::string("burrhole ") + BH_VERSION;
+  out.date = date;
+  out.machine = fmt::format("{}, {} threads", cpu_model(), std::thread::hardware_concurrency());
   if (const auto hash = volume_hash(*loaded.bone)) out.volume_hash = hash_text(*hash);
   out.drilled_before = drilled_before;
   return out;

@@ -24,6 +24,8 @@ struct RunProvenance {
   bool drilled_before = false;                                  ///< the bone had holes at the start
 };
 
+/// @returns overrides, erosion factors and hashes of scene and tool: what does not depend on the bone.
+[[nodiscard]] RunProvenance text_provenance(const LoadedScene& loaded);
 /// @param date ISO 8601. @param drilled_before Voxmap::starts_drilled().
 [[nodiscard]] RunProvenance provenance_of(const LoadedScene& loaded, const std::string& date, bool drilled_before);
 

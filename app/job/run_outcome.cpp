@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "app/job/summary.h"
+#include "app/report/drill_report.h"
 
 namespace burrhole {
 namespace {
@@ -49,10 +50,7 @@ OutcomeFigures figures_of(const RunSummary& s) {
 /// @returns the sentence of a run that drilled through.
 std::string through_text(const RunSummary& s) {
   if (s.open_axis) return fmt::format("The hole was there before the run, which removed {:.1f} mm3 of bone round it.", s.removed_mass_mm3);
-  if (!s.breakthrough_s)
-    return fmt::format("The bone was drilled through round a core; the tip went {:.2f} mm beyond it.", s.plunge_mm.value_or(0.0));
-  const std::string out = fmt::format("The bone was drilled through after {:.2f} s", *s.breakthrough_s);
-  return out + (s.plunge_mm ? fmt::format("; the tip then went {:.2f} mm further.", *s.plunge_mm) : ".");
+  return exit_sentence(s.breakthrough_s, s.support_lost_s, s.plunge_mm) + ".";
 }
 
 std::string short_text(const RunSummary& s) {

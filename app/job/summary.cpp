@@ -37,6 +37,7 @@ Json display_json(const std::optional<RunSummary::Display>& display) {
             {"bisections", q.bisections},
             {"finish", q.finish},
             {"supersample", q.supersample},
+            {"edge_threshold", q.edge_threshold},
             {"resolution", q.resolution}}},
           {"budget_ms", optional_number(display->budget_ms)},
           {"expected_ms", optional_number(display->expected_ms)}};
@@ -98,9 +99,12 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   out.axis = world_from_approach.rotate(Vec3(0.0, 0.0, -1.0));
   out.depth_mm = in_mm(progress.breakthrough_depth);
   out.breakthrough_s = progress.breakthrough_time;
-  if (progress.breakthrough_depth) {
-    out.plunge_mm = (progress.deepest - *progress.breakthrough_depth) * kMm;
+  if (progress.loss) {
+    out.support_lost_s = progress.loss->time;
+    out.support_lost_mm = progress.loss->depth * kMm;
   }
+  if (progress.passed_time || progress.open_axis) out.beyond_mm = std::max(0.0, out.reached_mm - out.thickness_mm);
+  if (progress.passed_time) out.plunge_mm = progress.loss ? progress.loss->plunge * kMm : 0.0;
   out.passed_s = progress.passed_time;
   if (progress.passed_time) out.removed_at_passing = progress.removed_at_passing;
   if (progress.largest_ahead > -1.0) out.largest_ahead_mm = progress.largest_ahead * kMm;
@@ -146,7 +150,7 @@ void add_section(RunSummary& out, Simulation& simulation) {
   out.uncut_share = measured->uncut;
 }
 
-/// A bit that passed the bone without a breakthrough on the axis plunges from the inner surface on, unless it passed beside the bone.
+/// A bit that was pushed through uncut bone, or began above an open hole, plunges from the inner surface on; one that skated off does not plunge.
 void add_outcome(RunSummary& out, Simulation& simulation) {
   add_section(out, simulation);
   const auto count = [&](const char* name) { return static_cast<std::uint64_t>(simulation.stage().figure("contact", name).value_or(0.0)); };
@@ -157,9 +161,9 @@ void add_outcome(RunSummary& out, Simulation& simulation) {
   out.latched_faults = fault_warnings(simulation);
   out.brought_back =
       !out.breakthrough_s && std::ranges::find(simulation.events(), "breakthrough", &RunEvent::kind) != simulation.events().end();
-  if (out.open_axis) out.plunge_mm = std::max(0.0, out.reached_mm - out.thickness_mm);
-  if (!out.plunge_mm && out.passed_s && outcome_of(out).result != DrillResult::skated_off)
-    out.plunge_mm = std::max(0.0, out.reached_mm - out.thickness_mm);
+  const DrillResult result = outcome_of(out).result;
+  if (out.open_axis || result == DrillResult::passed_uncut) out.plunge_mm = out.beyond_mm;
+  if (!out.breakthrough_s && result == DrillResult::skated_off) out.plunge_mm.reset();
 }
 
 Json figures_json(const Figures& figures) {
@@ -199,6 +203,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   if (loaded.import) {
     out.volume_format = loaded.import->scan.format;
     for (const std::string& line : loaded.import->scan.assumed) out.assumed.push_back(without_folders(line));
+    if (loaded.import->enclosure) out.enclosed_share = loaded.import->enclosure->share;
   } else {
     out.volume_format = "phantom:" + std::string(phantom_name(loaded.scene.volume.phantom->kind));
   }
@@ -255,9 +260,13 @@ std::string summary_json(const RunSummary& s) {
   json["warnings"] = s.warnings;
   json["duration_s"] = s.duration_s;
   json["wall_s"] = s.wall_s;
-  json["volume"] = {{"format", s.volume_format},  {"dims", {s.dims.x, s.dims.y, s.dims.z}},
-                    {"spacing_mm", s.spacing_mm}, {"bone_voxels", s.bone_voxels},
-                    {"bytes", s.volume_bytes},    {"assumed", s.assumed}};
+  json["volume"] = {{"format", s.volume_format},
+                    {"dims", {s.dims.x, s.dims.y, s.dims.z}},
+                    {"spacing_mm", s.spacing_mm},
+                    {"bone_voxels", s.bone_voxels},
+                    {"bytes", s.volume_bytes},
+                    {"assumed", s.assumed},
+                    {"enclosed_share", optional_number(s.enclosed_share)}};
   json["tool"] = {{"name", s.tool},
                   {"spin_rpm", s.spin_rpm},
                   {"push_N", s.push_N},
@@ -274,6 +283,9 @@ std::string summary_json(const RunSummary& s) {
                       {"axis_open_at_start", s.open_axis},
                       {"breakthrough_s", optional_number(s.breakthrough_s)},
                       {"plunge_mm", optional_number(s.plunge_mm)},
+                      {"support_lost_s", optional_number(s.support_lost_s)},
+                      {"support_lost_mm", optional_number(s.support_lost_mm)},
+                      {"beyond_mm", optional_number(s.beyond_mm)},
                       {"plunge_limit_mm", s.limits.plunge_mm},
                       {"cleared_share", optional_number(s.cleared_share)},
                       {"uncut_share", optional_number(s.uncut_share)},

@@ -33,8 +33,9 @@ struct RunSummary {
   std::vector<std::string> warnings;  ///< of the plan; drill() appends those of the run
   Vec3i dims{0};
   double spacing_mm = 0.0;
-  std::string volume_format;         ///< "phantom:NAME", or the format of the scan
-  std::vector<std::string> assumed;  ///< of the volume, one line each
+  std::string volume_format;             ///< "phantom:NAME", or the format of the scan
+  std::vector<std::string> assumed;      ///< of the volume, one line each
+  std::optional<double> enclosed_share;  ///< [-] Enclosure::share of a scan
   std::uint64_t bone_voxels = 0, volume_bytes = 0, haptic_points = 0, erosion_points = 0;
   double duration_s = 0.0, wall_s = 0.0;
   double removed_mm3 = 0.0, removed_mass_mm3 = 0.0, thickness_mm = 0.0, angle_deg = 0.0, peak_force_N = 0.0;
@@ -46,8 +47,9 @@ struct RunSummary {
          section_radius_mm = 0.0;  ///< [mm^2], [mm] of the bit's cross-section (cross_section.h); 0 without erosion points
   bool section_on_axis = true;     ///< false for a crown
   std::optional<double> cleared_share, uncut_share;  ///< [-] SectionMeasure
-  std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, plunge_mm, passed_s, removed_at_passing,
-      largest_ahead_mm;
+  std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, passed_s, removed_at_passing, largest_ahead_mm;
+  std::optional<double> plunge_mm, support_lost_s, support_lost_mm;  ///< SupportLoss
+  std::optional<double> beyond_mm;                         ///< deepest position of the tip beyond the bone, of a bit that passed it
   std::vector<std::pair<std::string, StepTiming>> timing;  ///< in the order of the JSON
   std::uint64_t missed = 0;                                ///< servo ticks; 0 in lockstep
   struct Live {

@@ -1,8 +1,15 @@
 #include "app/lab/drilling_bits.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
+#include "core/base/bounds.h"
+#include "core/base/units.h"
 #include "core/config/toml.h"
+#include "core/tool/mesh_spec.h"
+#include "core/tool/tool_spec.h"
+#include "core/voxel/window_size.h"
 
 namespace burrhole {
 namespace {
@@ -104,6 +111,50 @@ const std::vector<DrillingBit>& drilling_bits() {
 const DrillingBit* find_drilling_bit(const std::string& name) {
   const auto found = std::ranges::find(drilling_bits(), name, &DrillingBit::name);
   return found == drilling_bits().end() ? nullptr : &*found;
+}
+
+std::string drilling_bit_names() {
+  std::string out;
+  for (const DrillingBit& one : drilling_bits()) out += (out.empty() ? "" : ", ") + one.name;
+  return out;
+}
+
+Result<DrillingBit> own_drilling_bit(const std::string& name, const std::string& text) {
+  constexpr double kFinest = 0.0625;    // [mm] as of the pinned shapes
+  constexpr double kRoundTheBit = 1.6;  // [-] volume of the window over that of the box round the bit
+  constexpr double kEven = 1e-9;        // [m] radii that differ by less are the same
+  const auto document = TomlDocument::parse(text, name);
+  if (!document) return document.error();
+  if (has_tool_mesh(*document))
+    return bad_input("the drilling study compares a hole with its closed form, which a mesh has not: give a bit with regions", name);
+  Issues issues;
+  const auto spec = read_tool_spec(*document, issues);
+  if (!spec) return issues.front();
+  DrillingBit out;
+  out.name = name;
+  out.text = text;
+  bool crown = true;
+  double bore = std::numeric_limits<double>::max();
+  Bounds box = Bounds::none();
+  for (const RegionSpec& region : spec->regions) {
+    const Solid& solid = region.solid;
+    box.include(solid.bounds().lo);
+    box.include(solid.bounds().hi);
+    if (region.erosion.base <= 0.0) continue;
+    if (!solid.revolves())
+      return bad_input("region \"" + region.name + "\" does not revolve: a hole of such a bit has no closed form", name);
+    const double widest = solid.low_radius >= solid.high_radius ? solid.z_low : solid.z_high;
+    const double at = solid.kind == SolidKind::ellipsoid ? 0.5 * (solid.z_low + solid.z_high) : widest;
+    if (solid.largest_radius() > out.swept.radius + kEven) out.widest_at = at;
+    out.swept.radius = std::max(out.swept.radius, solid.largest_radius());
+    crown = crown && solid.bored();
+    bore = std::min({bore, solid.low_bore, solid.high_bore});
+  }
+  if (out.swept.radius <= 0.0) return bad_input("the bit does not cut: give a region an erosion_factor", name);
+  if (crown) out.swept.bore = bore;
+  const Vec3 size = (box.hi - box.lo) / kMillimetre;
+  out.finest_mm = std::max(kFinest, std::cbrt(kRoundTheBit * size.x * size.y * size.z / static_cast<double>(kMaxWindowVoxels)));
+  return out;
 }
 
 Result<std::string> drilling_bit_text(const DrillingBit& bit, const std::string& tool_folder) {

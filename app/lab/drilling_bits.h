@@ -1,4 +1,4 @@
-/// app/lab/drilling_bits.h: the bits of the drilling studies: shipped ones, and pinned shapes that no shipped bit has.
+/// app/lab/drilling_bits.h: the bits of the drilling studies: shipped ones, pinned shapes that no shipped bit has, and a user's own.
 ///   Units  SI; the texts are tool files.   Errors  bad_input of a tool file, or for a name that is not in the list.   Thread  any.
 #pragma once
 
@@ -24,6 +24,11 @@ struct DrillingBit {
 [[nodiscard]] const std::vector<DrillingBit>& drilling_bits();
 /// @returns null if there is none of that name.
 [[nodiscard]] const DrillingBit* find_drilling_bit(const std::string& name);
+/// Makes a bit of a tool file, whose cutting part must revolve: the closed form of its hole is that of its largest cutting radius, and of a crown
+/// of its smallest bore. @param name for tables. @returns bad_input for a mesh, a bit that does not cut, or one that is no body of revolution.
+[[nodiscard]] Result<DrillingBit> own_drilling_bit(const std::string& name, const std::string& text);
+/// @returns the names of drilling_bits(), separated by commas.
+[[nodiscard]] std::string drilling_bit_names();
 /// @returns the text of the bit's tool file, with a short shank. @param tool_folder of the shipped tools.
 [[nodiscard]] Result<std::string> drilling_bit_text(const DrillingBit& bit, const std::string& tool_folder);
 

@@ -15,15 +15,18 @@ namespace burrhole {
 
 struct DrillingCostOptions {
   DrillingRuns runs;
-  std::string bit = "flat 4 mm";  ///< cheap, and cuts alike all over
-  std::string only_knob{};        ///< empty: all
-  bool quick = false;             ///< two values per setting, and no shifts
-  int shifts = 3;                 ///< positions of the entry, 1 nm apart, over which the plunge is compared
+  std::string bit = "flat 4 mm";             ///< cheap, and cuts alike all over
+  std::shared_ptr<const DrillingBit> own{};  ///< DrillingTrial::own
+  std::string only_knob{};                   ///< empty: all
+  bool quick = false;                        ///< two values per setting, and no shifts
+  int shifts = 3;                            ///< positions of the entry, 1 nm apart, over which the plunge is compared
 };
 
-/// One value of one setting. Errors are differences from the reference; NaN where one does not apply.
+/// One value of one setting. Errors are differences from the reference; NaN where one does not apply. An error against the finer run that is
+/// smaller than that run's own (`own`) says that it is smaller, and no more.
 struct DrillingPoint {
-  std::string knob, unit, reference;  ///< of the knob; what the finer run is
+  std::string knob, unit, reference;  ///< of the knob; what the finer run and its second level are
+  bool has_second = false;            ///< the reference has a second level
   double setting = 0.0;               ///< [unit]
   double shipped = 0.0;               ///< [unit] the default
   double volume_percent = 0.0;        ///< removed volume, from the closed form
@@ -37,19 +40,25 @@ struct DrillingPoint {
   double feed_percent = 0.0;          ///< on the bench, from the finer run
   double ripple_percent = 0.0;        ///< of that feed
   double roughness_um = 0.0;          ///< of the wall
-  double early_stops = 0.0;           ///< [-] runs of the default hand without a breakthrough
-  double cpu_s = 0.0, wall_s = 0.0;   ///< of the run with the default hand
-  double median_us = 0.0;             ///< CPU time of 100 ms of simulated time
-  double p99_us = 0.0;                ///< the same
-  double bytes = 0.0;                 ///< [bytes] predicted peak of the process
+  /// Of the finer run itself: its difference from a second one, half as fine (second_value()); NaN where there is none.
+  struct Own {
+    double time_percent = DrillingResult::kNone, depth_mm = DrillingResult::kNone, plunge_mm = DrillingResult::kNone,
+           feed_percent = DrillingResult::kNone;
+  } own{};
+  double early_stops = 0.0;          ///< [-] runs of the default hand without a breakthrough
+  double cpu_s = 0.0, wall_s = 0.0;  ///< of the run with the default hand
+  double median_us = 0.0;            ///< CPU time of 100 ms of simulated time
+  double p99_us = 0.0;               ///< the same
+  double bytes = 0.0;                ///< [bytes] predicted peak of the process
 };
 
 /// A figure of a point, for tables.
 struct DrillingFigure {
   const char* name;
   const char* unit;
-  const char* reference;         ///< null: the finer run of the knob
-  double DrillingPoint::*value;  ///< [unit]
+  const char* reference;                      ///< null: the finer run of the knob
+  double DrillingPoint::*value;               ///< [unit]
+  double DrillingPoint::Own::*own = nullptr;  ///< [unit] of the finer run itself; null: not against a finer run
 };
 [[nodiscard]] std::span<const DrillingFigure> drilling_figures() noexcept;
 

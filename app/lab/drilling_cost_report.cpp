@@ -35,9 +35,17 @@ std::size_t shipped_place(const KnobPoints& points) {
 
 std::string setting_text(const DrillingPoint& point) { return fmt::format("{:.4g} {}", point.setting, point.unit); }
 
+/// An error against the finer run: one below the error of that run itself is not known any better.
+std::string against_finer(const char* what, double error, double own, int decimals, const char* unit) {
+  if (std::abs(error) < own) return fmt::format("{} below the reference's own error of {:.{}f} {}", what, own, decimals, unit);
+  const std::string known = std::isnan(own) ? "" : fmt::format(" +- {:.{}f}", own, decimals);
+  return fmt::format("{:+.{}f}{} {} of {}", error, decimals, known, unit, what);
+}
+
 std::string errors_text(const DrillingPoint& p) {
   if (p.early_stops > 0.0) return fmt::format("{:+.1f} % of volume and {:.0f} runs that ended early", p.volume_percent, p.early_stops);
-  return fmt::format("{:+.1f} % of volume, {:+.1f} % of time and {:+.2f} mm of plunge", p.volume_percent, p.time_percent, p.plunge_mm);
+  return fmt::format("{:+.1f} % of volume, {} and {}", p.volume_percent, against_finer("time", p.time_percent, p.own.time_percent, 1, "%"),
+                     against_finer("plunge", p.plunge_mm, p.own.plunge_mm, 2, "mm"));
 }
 
 std::string neighbour_text(const DrillingPoint& p, const DrillingPoint& shipped) {
@@ -60,10 +68,11 @@ struct Curve {
   const char* name;
   const char* colour;
   double DrillingPoint::*value;
+  double DrillingPoint::Own::*own = nullptr;  ///< of the finer run itself
 };
 constexpr Curve kErrors[] = {{"volume [%]", kPlotBlue, &DrillingPoint::volume_percent},
-                             {"time to breakthrough [%]", kPlotOrange, &DrillingPoint::time_percent},
-                             {"plunge [mm]", kPlotGreen, &DrillingPoint::plunge_mm},
+                             {"time to breakthrough [%]", kPlotOrange, &DrillingPoint::time_percent, &DrillingPoint::Own::time_percent},
+                             {"plunge [mm]", kPlotGreen, &DrillingPoint::plunge_mm, &DrillingPoint::Own::plunge_mm},
                              {"ripple of the feed [%]", kPlotViolet, &DrillingPoint::ripple_percent}};
 
 /// The power of ten above all that is drawn.
@@ -90,7 +99,8 @@ PlotPanel panel_of(const KnobPoints& points, double top) {
     PlotSeries series{curve.name, {}, {}, nested_style(curve.colour, static_cast<std::size_t>(&curve - kErrors), std::size(kErrors))};
     for (const DrillingPoint& point : points) {
       series.x.push_back(point.setting);
-      const double error = std::abs(point.*curve.value);
+      double error = std::abs(point.*curve.value);
+      if (curve.own != nullptr && error < point.own.*curve.own) error = point.own.*curve.own;
       series.y.push_back(error < kFloor ? kFloor : error);  // NaN breaks the curve
     }
     panel.series.push_back(std::move(series));
@@ -120,6 +130,12 @@ Plot plot_of(const std::vector<KnobPoints>& knobs) {
 // ---- tables
 
 std::string with_sign(double value, int decimals) { return std::isnan(value) ? "-" : fmt::format("{:+.{}f}", value, decimals); }
+/// An error against the finer run with that run's own, or "below" it.
+std::string against_cell(double error, double own, int decimals) {
+  if (std::isnan(error) || std::isnan(own)) return with_sign(error, decimals);
+  if (std::abs(error) < own) return fmt::format("below {:.{}f}", own, decimals);
+  return fmt::format("{:+.{}f} +- {:.{}f}", error, decimals, own, decimals);
+}
 std::string cell(double value) { return std::isnan(value) ? "-" : fmt::format("{:.3g}", value); }
 
 std::vector<std::string> heads() {
@@ -137,7 +153,8 @@ std::vector<std::string> line_of(const DrillingPoint& point, const std::string& 
   std::string setting = fmt::format("{} = {:.4g}", point.knob, point.setting);
   if (point.setting == point.shipped) setting = mark + setting + mark + " (default)";
   std::vector<std::string> out{setting};
-  for (const DrillingFigure& figure : drilling_figures()) out.push_back(cell(point.*figure.value));
+  for (const DrillingFigure& figure : drilling_figures())
+    out.push_back(figure.own != nullptr ? against_cell(point.*figure.value, point.own.*figure.own, 3) : cell(point.*figure.value));
   out.push_back(fmt::format("{:.0f}", point.bytes * 1e-6));
   return out;
 }
@@ -152,8 +169,9 @@ std::string markdown(const std::vector<KnobPoints>& knobs) {
       const bool shipped = p.setting == p.shipped;
       out += fmt::format("| {0}`{1}` = {2:.4g}{0} | {3} | {4} | {5} | {6} | {7} | {8} | {9:.1f} | {10:.1f} | {11:.1f} | {12:.0f} |\n",
                          shipped ? "**" : "", p.knob, p.setting, with_sign(p.volume_percent, 2), with_sign(p.mass_percent, 2),
-                         with_sign(p.outer_mm, 3), with_sign(p.time_percent, 2), with_sign(p.plunge_mm, 3), cell(p.spread_mm),
-                         p.ripple_percent, p.roughness_um, p.cpu_s, p.bytes * 1e-6);
+                         with_sign(p.outer_mm, 3), against_cell(p.time_percent, p.own.time_percent, 2),
+                         against_cell(p.plunge_mm, p.own.plunge_mm, 3), cell(p.spread_mm), p.ripple_percent, p.roughness_um, p.cpu_s,
+                         p.bytes * 1e-6);
     }
   out += "\n";
   for (const KnobPoints& points : knobs) out += "- " + sentence_of(points) + "\n";
@@ -178,8 +196,8 @@ Status write_drilling_cost(const std::vector<DrillingPoint>& points, const std::
   HtmlPage html("What drilling costs", "One setting at a time round the defaults: a hole of the " + bit + " bit through a plate");
   html.svg(*svg,
            "Absolute errors, those below 0.01 drawn at 0.01; dashed lines mark the defaults. Volume against the closed form; time and "
-           "plunge against "
-           "a finer run. CPU time and memory of the run with the default hand, over the default.");
+           "plunge against a finer run, those below its own error drawn at it. CPU time and memory of the run with the default hand, over "
+           "the default.");
   html.heading("Setting by setting");
   for (const std::string& sentence : drilling_sentences(points)) html.paragraph(sentence);
   std::vector<std::vector<std::string>> cells;

@@ -87,4 +87,10 @@ double finest_value(const DrillingKnob& knob, const DrillingBit& bit, bool quick
   return knob.name == kSpacing ? std::max(value, bit.finest_mm) : value;
 }
 
+std::optional<double> second_value(const DrillingKnob& knob, const DrillingBit& bit, bool quick, double shipped) {
+  const double finest = finest_value(knob, bit, quick, shipped);
+  if (finest == 0.0 || finest == shipped) return std::nullopt;
+  return finest < shipped ? 2.0 * finest : 0.5 * finest;
+}
+
 }  // namespace burrhole

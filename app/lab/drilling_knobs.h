@@ -3,6 +3,7 @@
 ///   Units  those of the keys.   Errors  none.   Thread  any.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,5 +26,8 @@ struct DrillingKnob {
 [[nodiscard]] const std::vector<DrillingKnob>& drilling_knobs();
 /// @returns the value [unit of the key] of the reference run of a bit: the finest, as far as the bit fits into the window of bone.
 [[nodiscard]] double finest_value(const DrillingKnob& knob, const DrillingBit& bit, bool quick, double shipped);
+/// @returns the value of the second level of the reference, half as fine as the first: for a figure that converges with the first order, the
+/// difference of the two is the error of the first. Nothing where the reference is no limit but the setting itself: no latency, all bits.
+[[nodiscard]] std::optional<double> second_value(const DrillingKnob& knob, const DrillingBit& bit, bool quick, double shipped);
 
 }  // namespace burrhole

@@ -60,7 +60,7 @@ DrillingResult result_of(const std::vector<double>& f) {
 }  // namespace
 
 Result<std::string> key_of(const DrillingTrial& trial, const std::string& tool_folder) {
-  const DrillingBit* bit = find_drilling_bit(trial.bit);
+  const DrillingBit* bit = bit_of(trial);
   if (bit == nullptr) return bad_input("the drilling study has no bit \"" + trial.bit + "\"");
   const auto tool = drilling_bit_text(*bit, tool_folder);
   if (!tool) return tool.error();

@@ -109,8 +109,7 @@ void measure(const DrillingTrial& trial, const DrillingBit& bit, const LoadedSce
   const bool crown = bit.swept.bore > 0.0;
   if (const auto& passed = crown ? s.passed_s : s.breakthrough_s) {
     out.drilled_s = *passed - contact;
-    if (trial.hand == DrillingHand::script)
-      out.plunge_mm = crown ? s.reached_mm - s.thickness_mm : s.plunge_mm.value_or(DrillingResult::kNone);
+    if (trial.hand == DrillingHand::script) out.plunge_mm = s.plunge_mm.value_or(DrillingResult::kNone);
   }
   measure_feed(simulation.samples(), contact + loaded.scene.hand.ramp, kFeedFrom * thick, kFeedTo * thick, out);
   if (trial.hand != DrillingHand::bench) return;
@@ -147,22 +146,21 @@ const char* name_of(DrillingBone bone) noexcept {
   return "";
 }
 
+const DrillingBit* bit_of(const DrillingTrial& trial) { return trial.own ? trial.own.get() : find_drilling_bit(trial.bit); }
+
 std::string drilling_scene(const DrillingTrial& trial) {
-  const DrillingBit& bit = *find_drilling_bit(trial.bit);
+  const DrillingBit& bit = *bit_of(trial);
   const double across = 2.0 * (bit.swept.radius + kMargin);
   const double aside = trial.bone == DrillingBone::edge ? mm(0.5 * across - inset_of(bit)) : 0.0;
-  return "title = \"" + text_of({trial.bit, trial.bone, trial.hand}) + "\"\nduration_s = 90\n" + volume_table(bit, trial.bone) +
+  return "title = \"" + text_of({.bit = trial.bit, .bone = trial.bone, .hand = trial.hand}) + "\"\nduration_s = 90\n" +
+         volume_table(bit, trial.bone) +
          fmt::format("[tool]\nname = \"bit\"\nspin_rpm = 1000\n[approach]\nentry_mm = [{:g}, 0, 0]\n", aside) +
          hand_table(bit, trial.bone, trial.hand) + "[contact]\n[erosion]\n";
 }
 
 Result<LoadedScene> load_drilling(const DrillingTrial& trial, const std::string& tool_folder) {
-  const DrillingBit* bit = find_drilling_bit(trial.bit);
-  if (bit == nullptr) {
-    std::string known;
-    for (const DrillingBit& one : drilling_bits()) known += (known.empty() ? "" : ", ") + one.name;
-    return bad_input("the drilling study has no bit \"" + trial.bit + "\"; it has " + known);
-  }
+  const DrillingBit* bit = bit_of(trial);
+  if (bit == nullptr) return bad_input("the drilling study has no bit \"" + trial.bit + "\"; it has " + drilling_bit_names());
   auto tool_text = drilling_bit_text(*bit, tool_folder);
   if (!tool_text) return tool_text.error();
   auto tool = TomlDocument::parse(*tool_text, trial.bit);
@@ -204,7 +202,7 @@ Result<DrillingResult> run_drilling(const DrillingTrial& trial, const std::strin
     out.median_us = at_share(cpu_us, 0.5);
     out.p99_us = at_share(cpu_us, 0.99);
   }
-  measure(trial, *find_drilling_bit(trial.bit), *loaded, *simulation, out);
+  measure(trial, *bit_of(trial), *loaded, *simulation, out);
   return out;
 }
 

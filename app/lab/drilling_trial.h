@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,7 +29,8 @@ enum class DrillingHand {
 };
 
 struct DrillingTrial {
-  std::string bit;  ///< name in drilling_bits()
+  std::string bit;                                   ///< name in drilling_bits(), or of `own`
+  std::shared_ptr<const DrillingBit> own = nullptr;  ///< a bit that is not in that list; null: one that is
   DrillingBone bone = DrillingBone::plate;
   DrillingHand hand = DrillingHand::script;
   std::vector<std::string> sets{};       ///< "table.key=value" of the scene, as --set takes them
@@ -42,7 +44,7 @@ struct DrillingResult {
   RunSummary summary;
   double volume_mm3 = kNone;         ///< closed form of a hole that the bit has passed
   double drilled_s = kNone;          ///< from first contact to breakthrough; of a crown, which leaves its core, until its teeth have passed
-  double plunge_mm = kNone;          ///< furthest tip beyond that
+  double plunge_mm = kNone;          ///< SupportLoss::plunge
   double feed_mm_s = kNone;          ///< mean between 2/5 of the bone and its inner table or last tenth
   double ripple_percent = kNone;     ///< (p95 - p5) / mean of the feed there, over windows of 0.2 s
   double roughness_um = kNone;       ///< Rq of the wall (drilling_wall.h) of a hole that the bit has passed
@@ -51,7 +53,9 @@ struct DrillingResult {
   double p99_us = 0.0;               ///< the same
 };
 
-/// @returns the scene's text. @pre the bit is in the list.
+/// @returns the bit of a trial; null if there is none of that name.
+[[nodiscard]] const DrillingBit* bit_of(const DrillingTrial& trial);
+/// @returns the scene's text. @pre the trial has a bit.
 [[nodiscard]] std::string drilling_scene(const DrillingTrial& trial);
 /// Loads a trial without running it: the defaults that its scene takes. @param tool_folder of the shipped tools.
 [[nodiscard]] Result<LoadedScene> load_drilling(const DrillingTrial& trial, const std::string& tool_folder);

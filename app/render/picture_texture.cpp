@@ -29,6 +29,11 @@ void PictureTexture::set(const Image& image) {
   gl_->TextureSubImage2D(name_, 0, 0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
 }
 
+void PictureTexture::draw_to_eye(bool left) const {
+  gl_->NamedFramebufferDrawBuffer(0, left ? GL_BACK_LEFT : GL_BACK_RIGHT);
+  gl_->NamedFramebufferReadBuffer(0, left ? GL_BACK_LEFT : GL_BACK_RIGHT);
+}
+
 void PictureTexture::clear_window(int width, int height, const Vec3& color) const {
   gl_->BindFramebuffer(GL_FRAMEBUFFER, 0);
   gl_->Viewport(0, 0, width, height);

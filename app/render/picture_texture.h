@@ -21,6 +21,8 @@ class PictureTexture {
   [[nodiscard]] unsigned name() const noexcept { return name_; }
   [[nodiscard]] int width() const noexcept { return width_; }    ///< [pixels] of the picture
   [[nodiscard]] int height() const noexcept { return height_; }  ///< [pixels] of the picture
+  /// In a window with quad-buffered stereo: what follows is drawn into the back buffer of one eye, which read_window() reads.
+  void draw_to_eye(bool left) const;
   /// Binds the window's own framebuffer and fills it. @param width, height [pixels].
   void clear_window(int width, int height, const Vec3& color) const;
   /// @returns what the window shows, before it is swapped.

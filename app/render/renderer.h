@@ -38,6 +38,9 @@ struct RenderOptions {
   bool finish = true;        ///< surfaces only; true: smoothed normals and soft highlights; false: the light of [AcostaLiu07] and headlight
   Appearance appearance{};   ///< additional light options; tissue, occlusion, shadow and highlights for surfaces only
   int supersample = 1;       ///< 1..4, rays along each side of a pixel (antialiasing)
+  /// [-] levels of 255; 0: all pixels have the rays of `supersample`. Else, for surfaces, only tiles in which a pixel of one ray differs from one
+  /// around it by more than this in a colour; the others keep the one ray.
+  int edge_threshold = 0;
   double resolution = 1.0;   ///< [-] in [0.25, 1], share of the picture's width and height that is drawn, then enlarged
   bool keep_picture = true;  ///< true: only pixels that may have changed are drawn; false: all pixels; the picture is the same
   /// true: the caller reports growth of bone by forget(). Without forget() since the last picture, update() assumes that bone only
@@ -65,6 +68,7 @@ struct RenderCounters {
   /// By draw() and draw_at_pace(), at the drawn resolution, without pixels that were kept; pixels that were only lit again count.
   std::uint64_t drawn_pixels = 0;
   std::uint64_t tool_pixels = 0;    ///< beside them, those where only the tool and its shadow were drawn, over a copy of the bone
+  std::uint64_t edge_pixels = 0;    ///< beside them, those that got all their rays as edges of the picture
   std::uint64_t probe_samples = 0;  ///< sum of FrameProbe::samples of the last probe()
 };
 
@@ -114,6 +118,9 @@ class Renderer {
   /// Changes the options of the following pictures; all pixels of the next picture are drawn. Ambient occlusion is on if the options of
   /// create() and the finish of `quality` enable it. @returns ErrorCode::out_of_range without any change.
   [[nodiscard]] Status set_quality(const DrawingQuality& quality);
+  /// Changes shadows and highlights of the following pictures; all pixels of the next picture are drawn if they differ. No effect on slices
+  /// and translucent bone, which have neither.
+  void set_lights(const SurfaceLights& lights) noexcept;
 
   /// Draws one picture. If no volume is set, it shows background and tool only. The same view, volume and tool give the same bytes. If only
   /// texels or the pose of the tool have changed since the last picture, it draws the pixels that they can affect (the tool at its old and

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
 
 #include "app/report/file.h"
 #include "app/report/html.h"
@@ -20,9 +23,11 @@ void add_tile(std::vector<HtmlTile>& tiles, const char* name, const std::optiona
 std::vector<HtmlTile> key_figures(const DrillReport& report) {
   const bool plunged = report.plunge_mm.value_or(0.0) > report.plunge_limit_mm;
   std::vector<HtmlTile> tiles;
-  add_tile(tiles, "Plunge beyond the bone", report.plunge_mm, 2, "mm", plunged);
-  add_tile(tiles, "Breakthrough", report.breakthrough_s, 2, "s");
-  add_tile(tiles, "Depth at breakthrough", report.depth_mm_at_breakthrough, 2, "mm");
+  add_tile(tiles, "Plunge, without support", report.plunge_mm, 2, "mm", plunged);
+  add_tile(tiles, "Tip beyond the bone", report.beyond_mm, 2, "mm");
+  add_tile(tiles, "Tip out of the bone", report.breakthrough_s, 2, "s");
+  add_tile(tiles, "Support lost", report.support_lost_s, 2, "s");
+  add_tile(tiles, "Depth when the tip came out", report.depth_mm_at_breakthrough, 2, "mm");
   add_tile(tiles, "Bone thickness", report.thickness_mm, 2, "mm");
   add_tile(tiles, "Peak force", report.peak_force_N, 2, "N");
   add_tile(tiles, "Angle to the surface normal", report.angle_deg, 1, "°");
@@ -39,12 +44,10 @@ std::vector<HtmlTile> key_figures(const DrillReport& report) {
 std::string verdict(const DrillReport& report) {
   if (!report.through || !report.breakthrough_s)
     return report.outcome.empty() ? "The run ended before the bone was drilled through." : report.outcome;
-  std::string out = fmt::format("The bone was drilled through after {:.2f} s", *report.breakthrough_s);
+  const std::string out = exit_sentence(report.breakthrough_s, report.support_lost_s, report.plunge_mm);
   if (!report.plunge_mm) return out + ".";
-  if (*report.plunge_mm > report.plunge_limit_mm)
-    return out +
-           fmt::format("; the tip then went {:.2f} mm beyond it, which is more than {:.2f} mm.", *report.plunge_mm, report.plunge_limit_mm);
-  return out + fmt::format("; the tip went {:.2f} mm beyond it, within {:.2f} mm.", *report.plunge_mm, report.plunge_limit_mm);
+  const bool more = *report.plunge_mm > report.plunge_limit_mm;
+  return out + fmt::format(", which is {} {:.2f} mm.", more ? "more than" : "within", report.plunge_limit_mm);
 }
 
 std::string result_text(const DrillReport& report) {
@@ -64,6 +67,44 @@ std::string missed_text(const DrillReport& report) {
 constexpr double kLast = 3.0, kLongest = 8.0;  // [s] at the end of a run, which are drawn larger if it is more than twice as long
 constexpr int kWide = 900, kNarrow = 460;      // [px] of a plot
 
+constexpr double kFeedContact = 1.0, kFeedQuantile = 0.99, kFeedRoom = 1.5;  // [N], [-], [-] of feed_axis()
+
+/// @returns the axis of the feed [mm/s], by the drilling phase: forward speeds with bone under the bit from a time on, up to the deepest
+/// position. The brief fastest hundredth of them, the approach and the retreat do not count. Nothing if there is no such phase.
+std::optional<std::pair<double, double>> feed_axis(const DrillReport& report, double from) {
+  const std::size_t count = report.time_s.size();
+  if (report.force_N.size() != count || report.depth_mm.size() != count || report.speed_mm_s.size() != count) return std::nullopt;
+  const auto deepest = static_cast<std::size_t>(std::ranges::max_element(report.depth_mm) - report.depth_mm.begin());
+  std::vector<double> feeds;
+  for (std::size_t n = 0; n <= deepest && n < count; ++n)
+    if (report.time_s[n] >= from && report.force_N[n] > kFeedContact && report.speed_mm_s[n] > 0.0) feeds.push_back(report.speed_mm_s[n]);
+  if (feeds.empty()) return std::nullopt;
+  std::ranges::sort(feeds);
+  const double top = kFeedRoom * feeds[static_cast<std::size_t>(kFeedQuantile * static_cast<double>(feeds.size() - 1))];
+  return std::pair{-0.25 * top, top};
+}
+
+/// Speeds beyond the axis are drawn at its end, as a curve of their own that says how far they go.
+void clip_feed(PlotPanel& panel, const std::pair<double, double>& axis) {
+  PlotSeries& feed = panel.series.front();
+  PlotSeries beyond{"", feed.x, feed.y, line_style(kPlotOrange, "1", 4.0)};
+  double least = 0.0, most = 0.0;
+  for (std::size_t n = 0; n < feed.y.size(); ++n) {
+    const bool inside = feed.y[n] >= axis.first && feed.y[n] <= axis.second;
+    least = std::min(least, feed.y[n]);
+    most = std::max(most, feed.y[n]);
+    beyond.y[n] = inside ? std::numeric_limits<double>::quiet_NaN() : std::clamp(feed.y[n], axis.first, axis.second);
+    if (!inside) feed.y[n] = std::numeric_limits<double>::quiet_NaN();
+  }
+  panel.from_zero = false;
+  panel.y_range = axis;
+  if (least >= axis.first && most <= axis.second) return;
+  beyond.name = least < axis.first && most > axis.second
+                    ? fmt::format("beyond the axis, {:.3g} to {:.3g} mm/s", least, most)
+                    : fmt::format("beyond the axis, to {:.3g} mm/s", least < axis.first ? least : most);
+  panel.series.push_back(std::move(beyond));
+}
+
 /// @param from [s] start of the plot. @param width [px].
 Plot make_plot(const DrillReport& report, double from, int width) {
   Plot plot;
@@ -81,7 +122,10 @@ Plot make_plot(const DrillReport& report, double from, int width) {
     depth->y_down = true;
     for (const DrillReport::Layer& layer : report.layers) depth->bands.push_back({layer.name, layer.from_mm, layer.to_mm});
   }
-  if (PlotPanel* speed = add_panel("Speed (mm/s)", "speed of the tip", report.speed_mm_s)) speed->from_zero = true;
+  if (PlotPanel* speed = add_panel("Feed (mm/s)", "feed of the tip", report.speed_mm_s)) {
+    speed->from_zero = true;
+    if (const auto axis = feed_axis(report, from)) clip_feed(*speed, *axis);
+  }
   for (const DrillReport::Event& event : report.events)
     if (event.time_s >= from) plot.events.push_back({event.time_s, event.text});
   return plot;
@@ -156,6 +200,14 @@ void add_tables(const DrillReport& report, HtmlPage& page) {
 }
 
 }  // namespace
+
+std::string exit_sentence(std::optional<double> breakthrough_s, std::optional<double> support_lost_s, std::optional<double> plunge_mm) {
+  std::string out = "The bone was drilled through";
+  out += breakthrough_s ? fmt::format(": the tip came out after {:.2f} s", *breakthrough_s) : std::string(" round a core");
+  if (!plunge_mm) return out;
+  if (!support_lost_s) return out + ", the bone carried the thrust to the end, and the plunge is 0.00 mm";
+  return out + fmt::format(", the bone carried the thrust until {:.2f} s, and the tip then plunged {:.2f} mm", *support_lost_s, *plunge_mm);
+}
 
 Result<std::string> make_drill_report(const DrillReport& report) {
   HtmlPage page(report.title, report.scene);

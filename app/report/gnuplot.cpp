@@ -12,6 +12,7 @@
 
 #include "app/report/file.h"
 #include "app/report/scratch_folder.h"
+#include "core/base/child_attributes.h"
 
 extern char** environ;
 
@@ -29,7 +30,7 @@ int run_on_files(const std::string& program, const std::string& script, const st
   std::string words[] = {program, script};
   char* arguments[] = {words[0].data(), words[1].data(), nullptr};
   pid_t child = 0;
-  const int code = ::posix_spawnp(&child, program.c_str(), &streams, nullptr, arguments, environ);
+  const int code = ::posix_spawnp(&child, program.c_str(), &streams, ChildAttributes().get(), arguments, environ);
   posix_spawn_file_actions_destroy(&streams);
   if (code != 0) return code;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;

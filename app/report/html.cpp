@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "app/report/file.h"
+#include "core/config/toml_messages.h"
 
 namespace burrhole {
 namespace {
@@ -70,7 +71,8 @@ std::string caption_element(std::string_view caption) { return caption.empty() ?
 
 }  // namespace
 
-std::string html_escape(std::string_view text) {
+std::string html_escape(std::string_view given) {
+  const std::string text = printable_text(given);
   std::string out;
   out.reserve(text.size());
   for (const char c : text) {

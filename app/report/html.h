@@ -10,7 +10,7 @@
 
 namespace burrhole {
 
-/// @returns text escaped for elements and for double-quoted attributes.
+/// @returns text escaped for elements and for double-quoted attributes, in UTF-8: other bytes and control characters become "\\xff".
 [[nodiscard]] std::string html_escape(std::string_view text);
 
 /// @returns base64 as in RFC 4648 section 4, with padding.

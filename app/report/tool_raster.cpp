@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/tool/tool_surface.h"
+
 namespace burrhole {
 namespace {
 
@@ -153,10 +155,12 @@ SheetFrame SheetFrame::fitted(double margin, double aspect) const noexcept {
   return {middle - half_width, middle + half_width, low, low + std::max(height, width / aspect)};
 }
 
-Raster shade_tool(const Tool& tool, const SheetView& view, const SheetFrame& frame, const RasterSize& size, bool pale) {
+Raster shade_tool(const Tool& tool, const SheetView& view, const SheetFrame& frame, const RasterSize& size, Shading shading) {
   const Grid grid{frame, {size.width * kOver, size.height * kOver}};
   Raster fine = blank(grid.size);
-  const TriangleMesh& mesh = tool.mesh;
+  constexpr double kInside = 2e-5;  // [m] below the surface, where the region of a triangle is asked for
+  const bool fluted = shading == Shading::fluted, regions = fluted && tool.surface != nullptr;
+  const TriangleMesh& mesh = fluted ? tool.look : tool.mesh;
   for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
     std::array<Vec3, 3> corners;
     Vec3 middle(0.0), normal(0.0);
@@ -169,7 +173,8 @@ Raster shade_tool(const Tool& tool, const SheetView& view, const SheetFrame& fra
     }
     normal = glm::length(normal) > 0.0 ? glm::normalize(normal) : view.viewer;
     if (glm::dot(normal, view.viewer) < -0.2) continue;  // faces away from the viewer; a closed mesh hides it
-    fill_triangle(fine, corners, lit(cuts_at(tool.shell, middle, normal) ? kCuts : kSteel, normal, view, pale), grid);
+    const bool cuts = regions ? tool.surface->cuts_at(middle - kInside * normal) : cuts_at(tool.shell, middle, normal);
+    fill_triangle(fine, corners, lit(cuts ? kCuts : kSteel, normal, view, shading == Shading::pale), grid);
   }
   return reduced(fine);
 }

@@ -46,8 +46,12 @@ struct Raster {
 
 inline constexpr Rgb kPaper{255, 255, 255}, kSteel{176, 184, 192}, kCuts{222, 120, 48}, kPassive{205, 208, 212};
 
-/// Draws the mesh with soft light from the upper left. Triangles next to cutting shell points have a warm colour, the others that of steel.
-[[nodiscard]] Raster shade_tool(const Tool& tool, const SheetView& view, const SheetFrame& frame, const RasterSize& size, bool pale);
+/// What of a bit is drawn: the solid that it sweeps, the same in pale colours under its points, or the bit with its flutes and edges.
+enum class Shading { solid, pale, fluted };
+
+/// Draws the mesh with soft light from the upper left. Triangles next to cutting shell points have a warm colour, the others that of steel;
+/// of fluted bits, those of regions that cut.
+[[nodiscard]] Raster shade_tool(const Tool& tool, const SheetView& view, const SheetFrame& frame, const RasterSize& size, Shading shading);
 /// @returns the colour of an erosion factor as a share of the largest, 0..1: light to dark.
 [[nodiscard]] Rgb factor_colour(double share) noexcept;
 /// Draws the section along the x-z plane through the adjacent layer of erosion points: cells by factor, the rest of the tool kPassive.

@@ -113,7 +113,7 @@ std::string picture_panel(const Tool& tool, const SheetView& view) {
   std::string title = "The bit";
   if (height < tool.bound_hi.z) title += fmt::format("; its shaft ends at z = {:.0f} mm", tool.bound_hi.z * kMm);
   if (cuts_all_over(tool)) title += ", which has no shaft";
-  const Raster raster = shade_tool(tool, view, frame, {kPanelWidth, kPanelHeight}, false);
+  const Raster raster = shade_tool(tool, view, frame, {kPanelWidth, kPanelHeight}, Shading::fluted);
   return picture_block("picture", raster) + panel_commands(0, frame, title, "across the picture [mm]", "up the picture [mm]") + kLegend +
          "plot " + picture_element("picture", raster, frame) + ", " + square_entry(kCuts, "cuts") + ", " +
          square_entry(kSteel, "does not cut") + "\n";
@@ -121,7 +121,7 @@ std::string picture_panel(const Tool& tool, const SheetView& view) {
 
 std::string shell_panel(const Tool& tool, const SheetView& view) {
   const SheetFrame frame = frame_of(tool, view, working_height(tool));
-  const Raster raster = shade_tool(tool, view, frame, {kPanelWidth, kPanelHeight}, true);
+  const Raster raster = shade_tool(tool, view, frame, {kPanelWidth, kPanelHeight}, Shading::pale);
   const auto points = [&](const char* block, const char* colour, const char* name) {
     return fmt::format(
         "${0} using 1:2:3:4 with vectors nohead linewidth 1 linecolor rgb \"{1}\" notitle, ${0} using 1:2 with points pointtype 7 "

@@ -390,12 +390,8 @@ Status Loops::run_audio() {
 }
 
 Error Loops::error_of_simulation() const {
-  try {
-    std::rethrow_exception(why_);
-  } catch (...) {
-    const Error why = caught_error();
-    return {why.code, "the simulation thread ended: " + why.text(), {}};
-  }
+  const Error why = error_of(why_);
+  return {why.code, "the simulation thread ended: " + why.text(), {}};
 }
 
 Status Loops::run() {

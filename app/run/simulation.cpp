@@ -67,16 +67,19 @@ Status Simulation::run() {
   if (has_overview_)
     if (Status drawn = log_->draw(kOverview, parts_->contact->state().world_from_tool, false); !drawn) return drawn;
   if (Status drawn = log_->draw("before", parts_->contact->state().world_from_tool, false); !drawn) return drawn;
+  Status ran;
   {
     const FlushToZero guard;
-    if (Status ran = options_.live ? run_on_threads() : run_lockstep(); !ran) return ran;
+    ran = options_.live ? run_on_threads() : run_lockstep();
   }
+  if (!ran) end_ = RunEnd::stopped;
   if (Status read = parts_->voxmap->bone().read_status(); !read) return read;
   parts_->voxmap->write_back();
   parts_->gather(true);  // the last pictures show every change
-  if (Status drawn = log_->draw("after", {}, false); !drawn) return drawn;
-  if (Status drawn = log_->draw("cutaway", {}, true); !drawn) return drawn;
-  return parts_->voxmap->bone().read_status();
+  if (ran) ran = log_->draw("after", {}, false);
+  if (ran) ran = log_->draw("cutaway", {}, true);
+  const Status read = parts_->voxmap->bone().read_status();
+  return read ? ran : read;
 }
 
 Status Simulation::run_lockstep() {
@@ -84,7 +87,7 @@ Status Simulation::run_lockstep() {
   const ContactTick& contact = *parts_->contact;
   const auto last = static_cast<std::uint64_t>(config.duration * config.servo_hz + 0.5);
   const auto progress_every = static_cast<std::uint64_t>(kProgressEvery * config.servo_hz);
-  const auto film_every = options_.film_hz > 0.0 ? static_cast<std::uint64_t>(config.servo_hz / options_.film_hz + 0.5) : 0;
+  const std::uint64_t film_every = film_ticks();
   Lockstep steps(*parts_);
   end_ = RunEnd::duration;
   while (tick_ < last) {
@@ -112,6 +115,10 @@ Status Simulation::run_lockstep() {
   }
   servo_timer_ = steps.servo_timer();
   return {};
+}
+
+std::uint64_t Simulation::film_ticks() const noexcept {
+  return options_.film_hz > 0.0 ? static_cast<std::uint64_t>(parts_->config.servo_hz / options_.film_hz + 0.5) : 0;
 }
 
 Status Simulation::film() {
@@ -142,6 +149,7 @@ Status Simulation::apply(const Input& input) {
       if (!tool) return issues.front();
       tools_.push_back(std::make_unique<Tool>(std::move(*tool)));
       if (Status changed = parts_->change_tool(*tools_.back()); !changed) return changed;
+      tools_.erase(tools_.begin(), tools_.end() - 1);  // nothing refers to the one before any more
       return log_->record_event(time, "tool", input.text);
     }
     case InputKind::undo:
@@ -201,8 +209,13 @@ LiveInput Simulation::live_input(std::uint64_t tick, bool parked, Status& status
 Status Simulation::run_recorded(const SessionReader& session, RecordedHand& hand) {
   if (!options_.runs) return not_for_runs();
   const auto every = static_cast<std::uint64_t>(kProgressEvery / parts_->period + 0.5);
-  const auto tick = [&, next = std::uint64_t{0}](double time) mutable -> Status {
-    if (options_.progress && next++ % every == 0) options_.progress(time, progress());
+  const std::uint64_t film_every = film_ticks();
+  std::uint64_t next = 0;
+  const auto tick = [&](double time) -> Status {
+    const std::uint64_t ran = next++;
+    if (options_.progress && ran % every == 0) options_.progress(time, progress());
+    if (film_every > 0 && ran > 0 && ran % film_every == 0)
+      if (Status filmed = film(); !filmed) return filmed;
     return options_.watch ? options_.watch(time) : Status();
   };
   ReplayHooks hooks{options_.stop, tick, [this](const Input& input) { return apply(input); }, {}};
@@ -211,7 +224,7 @@ Status Simulation::run_recorded(const SessionReader& session, RecordedHand& hand
   if (!replayed) return replayed.error();
   tick_ = replayed->ticks;
   sent_ = replayed->sent;
-  return {};
+  return film_every > 0 && tick_ > 0 && tick_ % film_every == 0 ? film() : Status();
 }
 
 Status Simulation::run_on_threads() {

@@ -38,7 +38,7 @@ struct SimulationOptions {
   bool require_realtime = false;                                      ///< live: a refused priority is an error instead of a warning
   std::function<void(const std::string&)> warn{};                     ///< receives priority refusals, inputs not possible, servo faults
   std::vector<Input> inputs{};                                        ///< timed, in order; recorded when they are applied
-  double film_hz = 0.0;                                               ///< [Hz] frames of a film, in lockstep; divides servo_hz; 0: no film
+  double film_hz = 0.0;  ///< [Hz] frames of a film, in lockstep and replays; divides servo_hz; 0: no film
   /// A person at a live run, who sees the display and moves a hand of kind "mouse"; null: none. The sink then receives changes of bone while
   /// the run goes on, and no picture is drawn at events.
   LiveUser* user = nullptr;
@@ -130,6 +130,7 @@ class Simulation {
   [[nodiscard]] Status run_on_threads();
   /// Records the rows of the steps that ran in the last tick.
   [[nodiscard]] Status record_rows(const Lockstep& steps, std::uint64_t window);
+  [[nodiscard]] std::uint64_t film_ticks() const noexcept;  ///< from one frame of the film to the next; 0: no film
   /// Draws the next frame of the film.
   [[nodiscard]] Status film();
   [[nodiscard]] bool finished();
@@ -152,7 +153,7 @@ class Simulation {
   std::uint64_t tick_ = 0;
   ServoOutput servo_now_;
   std::vector<double> row_;                   // scratch of record_rows()
-  std::vector<std::unique_ptr<Tool>> tools_;  // of inputs that changed the tool
+  std::vector<std::unique_ptr<Tool>> tools_;  // of the input that changed the tool last; while it is changed, also the one before
   std::size_t next_input_ = 0;
   bool has_overview_ = false;  // the scene asks for that picture
   RunEnd end_ = RunEnd::done;

@@ -52,7 +52,7 @@ BoneNeed need_of_phantom(const PhantomSpec& phantom) {
   out.in_memory = out.paged = {dims, phantom_bone_from_index(phantom)};
   out.in_memory.bytes = out.in_memory.in_memory = out.paged.in_memory = dense_bone_bytes(dims, true);
   out.paged.bytes = PagedBone::index_bytes(dims, 1.0);
-  out.paged_import = dense_fields_bytes(dims);
+  out.import = out.paged_import = dense_fields_bytes(dims);
   out.file = PagedBone::file_bytes(dims, true, 1.0);
   return out;
 }
@@ -73,6 +73,17 @@ BoneNeed need_of_grid(const BoneGrid& grid, std::uint64_t scan_bytes) {
   return out;
 }
 
+/// @returns an error of an import at the key that caused it. If that is `source`, the scan's own place goes into the text.
+Error placed(Error error, const VolumeScene& volume) {
+  const BonePlaces& places = volume.scan->request.bone.places;
+  if (error.place == places.region) {
+    error.message += "; the region lies round entry_mm of [approach]: correct that, or give the scan that holds it as source";
+    return error;
+  }
+  if (error.place == places.band || error.place == places.spacing) return error;
+  return {error.code, error.text(), volume.place};
+}
+
 /// Generates or imports the bone. Errors are attributed to the key `source`, unless they name another place.
 Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene& out) {
   const VolumeScene& volume = out.scene.volume;
@@ -80,7 +91,7 @@ Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene
     const BoneNeed need = need_of_phantom(*volume.phantom);
     const auto storage = place(need);
     if (!storage) return storage.error();
-    if (storage->is_paged()) out.scan_bytes = need.paged_import;
+    out.scan_bytes = storage->is_paged() ? need.paged_import : need.import;
     if (volume.phantom->kind == PhantomKind::head) {
       auto head = make_head_bone(*volume.phantom, *storage);
       if (!head) return head.error();
@@ -96,6 +107,7 @@ Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene
   }
   ImportRequest request = volume.scan->request;
   request.read.progress = options.progress;
+  request.site = BoneSite{out.scene.approach.entry, out.scene.approach.axis};
   if (volume.scan->region)
     request.bone.region = BoneRegion{out.scene.approach.entry + out.scene.approach.axis * kRegionDepth, *volume.scan->region};
   bool refused = false;
@@ -108,8 +120,7 @@ Status load_bone(const LoadOptions& options, const PlaceBone& place, LoadedScene
   };
   auto imported = import_bone(request, options.say);
   if (!imported && refused) return imported.error();
-  // The place of the error is the key `source`; the scan's own place goes into the text.
-  if (!imported) return Error{imported.error().code, imported.error().text(), volume.place};
+  if (!imported) return placed(imported.error(), volume);
   out.bone = std::move(imported->bone);
   out.import = std::move(imported->report);
   if (auto* display = out.scene.find<DisplayConfig>(); display != nullptr && !knows_directions(*out.import)) display->orientation = false;
@@ -184,8 +195,10 @@ std::string changed_tool(const std::string& text, const std::string& path, const
     issues.push_back(document.error());
     return text;
   }
-  for (const std::string& one : sets)
-    if (Status applied = document->set(one, "--set-tool"); !applied) issues.push_back(applied.error());
+  std::vector<TomlChange> changes;
+  for (const std::string& one : sets) changes.push_back({one, "--set-tool", false});
+  const Issues refused = document->apply(changes);
+  issues.insert(issues.end(), refused.begin(), refused.end());
   if (!issues.empty()) return text;
   if (has_tool_mesh(*document))
     (void)read_mesh_tool_spec(*document, issues);

@@ -63,6 +63,7 @@ ScanScene read_scan_keys(TableReader& table, std::string path) {
           table.optional_choice("unit", length_unit_names(), "unit of length of a mesh or another program's .vdb, which carry none"))
     out.request.read.unit = length_unit(*unit);
   BoneOptions& bone = out.request.bone;
+  bone.places = {table.place_of("bone_hu"), table.place_of("spacing_mm"), table.place_of("region_mm")};
   const NumberRule value{.fallback = std::nullopt, .min = -1e6, .max = 1e6};
   if (const auto band = table.optional_numbers(
           "bone_hu", 2, value,

@@ -13,6 +13,7 @@
 #include "app/session/session_format.h"
 #include "app/session/sqlite_file.h"
 #include "core/base/assert.h"
+#include "core/base/descriptor.h"
 
 namespace burrhole {
 namespace {
@@ -87,11 +88,8 @@ bool is_session_file(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false;
   std::array<char, kIdAt + 4> header{};
-  int file = -1;
-  do file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  while (file < 0 && errno == EINTR);
-  const ssize_t count = file < 0 ? -1 : ::pread(file, header.data(), header.size(), 0);
-  if (file >= 0) ::close(file);
+  const Descriptor file(open_descriptor(path.c_str(), O_RDONLY));
+  const ssize_t count = ::pread(file.get(), header.data(), header.size(), 0);  // none of a descriptor that is none
   if (count != static_cast<ssize_t>(header.size())) return count == 0;
   std::int64_t id = 0;
   for (std::size_t n = kIdAt; n < header.size(); ++n) id = id << 8 | static_cast<unsigned char>(header[n]);

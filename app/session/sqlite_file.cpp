@@ -83,8 +83,11 @@ void distrust(sqlite3* database) {
 
 }  // namespace
 
-Database open_existing(const std::string& path) {
+Database open_existing(const std::string& named) {
   std::error_code ignored;
+  // SQLite names the WAL after the file that a link leads to.
+  const std::filesystem::path real = std::filesystem::canonical(named, ignored);
+  const std::string path = real.empty() ? named : real.string();
   const auto size_of = [&](const std::string& file) {
     const std::uintmax_t bytes = std::filesystem::file_size(file, ignored);
     return ignored ? 0 : bytes;

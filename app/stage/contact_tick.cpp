@@ -59,11 +59,12 @@ const ContactState& ContactTick::operator()(const HandState& hand) noexcept {
   hand_tick_ = hand.tick;
   opposed_ = (hand.flags & kHandUnopposed) == 0;
   time_ = static_cast<double>(hand.tick) * config_.servo_period;
-  const Vec3 tip = config_.bone.world_from_bone.inverse() * state.world_from_tool.translation;
+  const Pose bone_from_world = config_.bone.world_from_bone.inverse();
+  const Vec3 tip = bone_from_world * state.world_from_tool.translation;
   if (axis != nullptr)
     monitor_.look(*axis, view.voxels.voxel_edge(), tip, time_);
   else
-    monitor_.look(view.voxels, tip, felt_force(), state.engagement, time_);
+    monitor_.look(view.voxels, tip, bone_from_world.rotate(felt_force()), state.engagement, time_);
   return state;
 }
 

@@ -15,14 +15,15 @@ inline constexpr const char* kSoundFile = "sound.wav";
 inline constexpr const char* kSessionFile = "session.sqlite";  ///< unless the scene names another
 inline constexpr const char* kChosenSceneFile = "scene.toml";  ///< of a site on a scan that a person chose
 inline constexpr const char* kLockFile = ".burrhole-run";
-inline constexpr const char* kSetAsideFolder = ".burrhole-earlier";
+inline constexpr const char* kSetAsideFolder = ".burrhole-earlier";  ///< results of an earlier run, until this one starts
+inline constexpr const char* kDroppedFolder = ".burrhole-dropped";   ///< the same, while they are deleted
 /// Pictures, without their ending .png.
 inline constexpr const char* kPictureNames[] = {"overview", "before", "during", "breakthrough", "after", "cutaway"};
 
 /// @returns whether a file or folder of that name in the output folder would be replaced by another result of the run.
 [[nodiscard]] inline bool is_result_name(std::string_view name) {
   for (const char* const file :
-       {kSummaryFile, kReportFile, kBoneFile, kEarlierBoneFile, kSoundFile, kChosenSceneFile, kLockFile, kSetAsideFolder})
+       {kSummaryFile, kReportFile, kBoneFile, kEarlierBoneFile, kSoundFile, kChosenSceneFile, kLockFile, kSetAsideFolder, kDroppedFolder})
     if (name == file) return true;
   return std::ranges::any_of(kPictureNames, [&](const char* picture) { return name == std::string(picture) + ".png"; });
 }

@@ -15,15 +15,14 @@ bool is_layer(float label) {
   return label >= static_cast<float>(VoxelLabel::outer_table) && label <= static_cast<float>(VoxelLabel::inner_table);
 }
 
-constexpr double kPitch = 0.75e-3;   // [m] of the lattice
-constexpr double kRadius = 42e-3;    // [m] about the axis, in which they are drawn
-constexpr double kReach = 30e-3;     // [m] below the inner surface
-constexpr double kAbove = 30e-3;     // [m] start of a column above the entry
-constexpr double kBelow = 75e-3;     // [m] end of a column below the entry
-constexpr double kGap = 2e-3;        // [m] as in make_approach()
-constexpr double kThickest = 20e-3;  // [m] of bone at the entry that may be a skull
-constexpr double kDura = 0.6e-3;     // [m]
-constexpr double kInBone = 0.75;     // [voxels] of their surface above the inner surface, so that no slit is drawn between them
+constexpr double kPitch = 0.75e-3;  // [m] of the lattice
+constexpr double kRadius = 42e-3;   // [m] about the axis, in which they are drawn
+constexpr double kReach = 30e-3;    // [m] below the inner surface
+constexpr double kAbove = 30e-3;    // [m] start of a column above the entry
+constexpr double kBelow = 75e-3;    // [m] end of a column below the entry
+constexpr double kGap = 2e-3;       // [m] as in make_approach()
+constexpr double kDura = 0.6e-3;    // [m]
+constexpr double kInBone = 0.75;    // [voxels] of their surface above the inner surface, so that no slit is drawn between them
 // [-] occupancy from which a voxel has the colour of dura, also one of bone: half a voxel above the surface of dura. Where bone is drilled away, the
 // colour of dura is sampled three quarters of a voxel below its surface (shade.glsl), between voxels that were bone and voxels that were not.
 constexpr double kColored = 0.25;

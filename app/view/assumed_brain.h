@@ -14,6 +14,7 @@ namespace burrhole {
 
 class AssumedBrain {
  public:
+  static constexpr double kThickest = 20e-3;  ///< [m] of bone at the entry that may be a skull
   /// Finds the inner surface of the bone along the approach axis, on a lattice across it. @param bone as drawn; one that is large at coarse
   /// voxels. @param edge [m] of the finest voxels that are drawn. @param thickness [m] of bone at the entry. @returns nothing for a bone
   /// that has soft tissue or labelled layers of its own, or is too thick for a skull.

@@ -4,14 +4,15 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
-
-#include "core/base/geometry.h"
 
 namespace burrhole {
 namespace {
 
 constexpr double kThinnest = 1e-9;  // [m] of a strip of the section
+constexpr int kPlaces = 96;         // along a strip, at which its part is found; a narrower part may be missed
+constexpr int kHalvings = 20;       // of a place where two parts meet
 
 struct Corner {
   Vec3 position, normal;
@@ -28,11 +29,11 @@ Corner between(const Corner& a, const Corner& b) {
   return {a.position + t * (b.position - a.position), a.normal + t * (b.normal - a.normal), 0.0};
 }
 
-void append(TriangleMesh& out, const Vec3& position, const Vec3& normal) {
+void append(TriangleMesh& out, const Vec3& position, const Vec3& normal, double size = 1.0) {
   out.indices.push_back(static_cast<std::uint32_t>(out.positions.size()));
   out.positions.emplace_back(position);
   const double length = glm::length(normal);
-  out.normals.emplace_back(length > 0.0 ? normal / length : Vec3(0.0, 0.0, 1.0));
+  out.normals.emplace_back((length > 0.0 ? normal / length : Vec3(0.0, 0.0, 1.0)) * size);
 }
 
 /// Appends the part of a triangle below the plane. @returns the edge that lies in the plane, in the triangle's sense of rotation.
@@ -59,10 +60,9 @@ struct Crossing {
 };
 
 /// Fills the section strip by strip, between the heights of the ends of lines: there the lines are sides of trapezoids. A place is inside where
-/// the lines to its left wind about it, so that surfaces that overlap count once.
+/// the lines to its left wind about it, so that surfaces that overlap count once. @param heights [m] at which strips end besides.
 template <class Fill>
-void fill_section(const std::vector<Line>& lines, Fill&& fill) {
-  std::vector<double> heights;
+void fill_section(const std::vector<Line>& lines, std::vector<double> heights, Fill&& fill) {
   for (const Line& line : lines) heights.insert(heights.end(), {line.from.y, line.to.y});
   std::ranges::sort(heights);
   std::vector<Crossing> crossings;
@@ -85,14 +85,70 @@ void fill_section(const std::vector<Line>& lines, Fill&& fill) {
   }
 }
 
+/// Coordinates of the plane; in all but a plane across z, lines of equal v have equal z.
+struct PlaneAxes {
+  Vec3 right, up;  // right x up = normal
+};
+
+PlaneAxes axes_of(const Vec3& normal) {
+  const Vec3 rise = Vec3(0.0, 0.0, 1.0) - normal * normal.z;
+  const Vec3 up = glm::length(rise) > 1e-3 ? glm::normalize(rise) : glm::normalize(Vec3(0.0, 1.0, 0.0) - normal * normal.y);
+  return {glm::cross(up, normal), up};
+}
+
+/// End of a part of a trapezoid, as a share 0..1 of its width.
+struct PartEnd {
+  double share;
+  bool cuts;
+};
+
+/// @param at(share) is the place at half the trapezoid's height. @returns the parts from left to right; the last one ends at 1.
+template <class At>
+std::vector<PartEnd> find_parts(const SectionParts& parts, const At& at) {
+  std::vector<PartEnd> out;
+  const auto share_of = [](int n) { return (n + 0.5) / kPlaces; };
+  bool now = parts.cuts(at(share_of(0)));
+  for (int n = 1; n < kPlaces; ++n) {
+    if (parts.cuts(at(share_of(n))) == now) continue;
+    double from = share_of(n - 1), to = share_of(n);
+    for (int i = 0; i < kHalvings; ++i) (parts.cuts(at(0.5 * (from + to))) == now ? from : to) = 0.5 * (from + to);
+    out.push_back({0.5 * (from + to), now});
+    now = !now;
+  }
+  out.push_back({1.0, now});
+  return out;
+}
+
+/// Appends the section inside the lines.
+void append_section(const std::vector<Line>& lines, const PlaneAxes& axes, const Vec3& normal, double offset, const SectionParts* parts,
+                    TriangleMesh& out) {
+  const Vec3 origin = offset * normal;
+  std::vector<double> heights;
+  if (parts != nullptr && axes.up.z > 1e-3)
+    for (const double z : parts->heights) heights.push_back((z - origin.z) / axes.up.z);
+  fill_section(lines, std::move(heights), [&](double low, double high, const Crossing& left, const Crossing& other) {
+    const auto place = [&](double share, double t) {
+      const double from = left.low + t * (left.high - left.low), to = other.low + t * (other.high - other.low);
+      return origin + (from + share * (to - from)) * axes.right + (low + t * (high - low)) * axes.up;
+    };
+    std::vector<PartEnd> ends{{1.0, false}};
+    if (parts != nullptr) ends = find_parts(*parts, [&](double share) { return place(share, 0.5); });
+    double from = 0.0;
+    for (const auto& [to, cuts] : ends) {
+      const Vec3 a = place(from, 0.0), b = place(to, 0.0), c = place(to, 1.0), d = place(from, 1.0);
+      for (const Vec3& p : {a, b, c, a, c, d}) append(out, p, normal, parts == nullptr ? 1.0 : cuts ? kSectionCuts : kSectionBody);
+      from = to;
+    }
+  });
+}
+
 }  // namespace
 
-TriangleMesh cut_mesh(const TriangleMesh& mesh, const Vec3& normal, double offset) {
-  const Quat turn = rotation_from_z(normal);
-  const Vec3 right = turn * Vec3(1.0, 0.0, 0.0), up = turn * Vec3(0.0, 1.0, 0.0);
+TriangleMesh cut_mesh(const TriangleMesh& mesh, const Vec3& normal, double offset, const SectionParts* parts) {
+  const PlaneAxes axes = axes_of(normal);
   TriangleMesh out;
   std::vector<Line> lines;
-  const auto flat = [&](const Vec3& p) { return glm::dvec2(glm::dot(p, right), glm::dot(p, up)); };
+  const auto flat = [&](const Vec3& p) { return glm::dvec2(glm::dot(p, axes.right), glm::dot(p, axes.up)); };
   for (std::size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
     std::array<Corner, 3> triangle;
     for (std::size_t n = 0; n < 3; ++n) {
@@ -102,12 +158,7 @@ TriangleMesh cut_mesh(const TriangleMesh& mesh, const Vec3& normal, double offse
     }
     if (const auto edge = append_below(triangle, out)) lines.push_back({flat(edge->first), flat(edge->second)});
   }
-  const Vec3 origin = offset * normal;
-  fill_section(lines, [&](double low, double high, const Crossing& left, const Crossing& other) {
-    const auto place = [&](double u, double v) { return origin + u * right + v * up; };
-    const Vec3 a = place(left.low, low), b = place(other.low, low), c = place(other.high, high), d = place(left.high, high);
-    for (const Vec3& p : {a, b, c, a, c, d}) append(out, p, normal);
-  });
+  append_section(lines, axes, normal, offset, parts, out);
   return out;
 }
 

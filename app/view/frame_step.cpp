@@ -12,6 +12,7 @@
 #include "app/view/skin.h"
 #include "app/view/whole_bone.h"
 #include "core/base/bounds.h"
+#include "core/tool/tool_surface.h"
 
 namespace burrhole {
 namespace {
@@ -109,6 +110,7 @@ Result<FrameStep> FrameStep::create(const DisplayConfig& display, const Pose& wo
   FrameStep out(display, world_from_bone, approach, voxmap, sink);
   out.turns_ = tool.turns;
   out.look_ = tool.look;
+  out.surface_ = tool.surface;
   auto volume = out.make_levels(approach.bone_from_approach);
   if (!volume) return volume.error();
   out.find_outline();
@@ -331,8 +333,11 @@ Status FrameStep::draw_view(const std::string& name, const FrameView& view, Hash
 Status FrameStep::draw_section(const std::string& name, FrameView view, Hash64& hash) {
   constexpr double kBefore = 2e-5;  // [m] of the section of the bit before that of the bone, which is in the same plane
   const Pose& pose = *view.world_from_tool;
+  SectionParts parts;
+  if (surface_ != nullptr) parts = {surface_->region_heights(), [this](const Vec3& p) { return surface_->cuts_at(p); }};
   const TriangleMesh cut =
-      cut_mesh(look_, pose.inverse().rotate(view.cut->normal), view.cut->offset - glm::dot(view.cut->normal, pose.translation) + kBefore);
+      cut_mesh(look_, pose.inverse().rotate(view.cut->normal), view.cut->offset - glm::dot(view.cut->normal, pose.translation) + kBefore,
+               surface_ != nullptr ? &parts : nullptr);
   if (cut.indices.empty()) {
     view.world_from_tool.reset();
     return draw_view(name, view, hash);

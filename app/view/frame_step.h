@@ -64,6 +64,7 @@ class FrameStep {
   [[nodiscard]] Status change_tool(const Tool& tool) {
     turns_ = tool.turns;
     look_ = tool.look;
+    surface_ = tool.surface;
     return sink_->change_tool(look_);
   }
   [[nodiscard]] const FrameStepTimers& timers() const noexcept { return timers_; }
@@ -84,9 +85,10 @@ class FrameStep {
   DisplayConfig display_;
   Pose world_from_bone_, world_from_approach_;
   double thickness_;
-  Vec3 tip_;             // [m] world, of the latest picture
-  bool turns_ = true;    // whether the bit rotates about its axis
-  TriangleMesh look_;    // of the bit
+  Vec3 tip_;           // [m] world, of the latest picture
+  bool turns_ = true;  // whether the bit rotates about its axis
+  TriangleMesh look_;  // of the bit
+  std::shared_ptr<const ToolSurface> surface_;
   double turned_ = 0.0;  // [rev]
   Voxmap* voxmap_;
   FrameSink* sink_;

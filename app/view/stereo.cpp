@@ -10,6 +10,12 @@
 namespace burrhole {
 namespace {
 
+constexpr std::array<std::pair<const char*, StereoMode>, 5> kModes{{{"off", StereoMode::off},
+                                                                    {"side-by-side", StereoMode::side_by_side},
+                                                                    {"top-bottom", StereoMode::top_bottom},
+                                                                    {"anaglyph", StereoMode::anaglyph},
+                                                                    {"quad", StereoMode::quad}}};
+
 Error out_of_range(const char* why) { return {ErrorCode::out_of_range, why, {}}; }
 
 std::size_t at(const Image& image, int x, int y) {
@@ -66,6 +72,15 @@ Result<std::array<CameraView, 2>> make_workbench_cameras(const Pose& world_from_
   return eyes;
 }
 
+const char* stereo_name(StereoMode mode) noexcept {
+  return std::ranges::find(kModes, mode, &std::pair<const char*, StereoMode>::second)->first;
+}
+
+StereoMode stereo_mode(std::string_view name) noexcept {
+  const auto found = std::ranges::find(kModes, name, &std::pair<const char*, StereoMode>::first);
+  return found == kModes.end() ? StereoMode::off : found->second;
+}
+
 Result<std::vector<CameraView>> make_eye_cameras(const CameraView& camera, const StereoView& stereo, double aspect) {
   const bool both = stereo.mode != StereoMode::off;
   if (!stereo.workbench) {
@@ -105,6 +120,22 @@ Image make_screen_picture(const StereoView& stereo, std::vector<Image> eyes) {
       const auto row = [&](int n) { return out.pixels.begin() + static_cast<std::ptrdiff_t>(at(out, 0, part * rows + n)); };
       std::swap_ranges(row(y), row(y) + out.width, row(rows - 1 - y));
     }
+  return out;
+}
+
+std::vector<Image> make_buffer_pictures(const StereoView& stereo, std::vector<Image> eyes) {
+  std::vector<Image> out;
+  if (stereo.mode != StereoMode::quad) {
+    out.push_back(make_screen_picture(stereo, std::move(eyes)));
+    return out;
+  }
+  StereoView of_eye = stereo;
+  of_eye.mode = StereoMode::off;
+  for (Image& eye : eyes) {
+    std::vector<Image> one;
+    one.push_back(std::move(eye));
+    out.push_back(make_screen_picture(of_eye, std::move(one)));
+  }
   return out;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <string_view>
 #include <vector>
 
 #include "app/view/view.h"
@@ -33,11 +34,18 @@ struct ScreenView {
 [[nodiscard]] Result<std::array<CameraView, 2>> make_workbench_cameras(const Pose& world_from_head, double separation,
                                                                        const ScreenView& screen);
 
+/// @returns the word of [display] stereo for a mode, and the mode of a word; off for a word that is none.
+[[nodiscard]] const char* stereo_name(StereoMode mode) noexcept;
+[[nodiscard]] StereoMode stereo_mode(std::string_view name) noexcept;
+
 /// @returns the cameras of one picture: one, or left and right if the mode asks for two eyes; those of the workbench if there is one.
 /// @param aspect width / height of one eye's picture. Errors as above.
 [[nodiscard]] Result<std::vector<CameraView>> make_eye_cameras(const CameraView& camera, const StereoView& stereo, double aspect);
 /// @returns the picture of one or two eyes as the screen is to show it: joined, and upside down for a mirror. @param eyes as many as cameras.
+/// @pre the mode is not quad.
 [[nodiscard]] Image make_screen_picture(const StereoView& stereo, std::vector<Image> eyes);
+/// @returns what the buffers of the screen show: left and right picture of the mode quad, otherwise make_screen_picture() alone.
+[[nodiscard]] std::vector<Image> make_buffer_pictures(const StereoView& stereo, std::vector<Image> eyes);
 
 /// @returns one picture of two with equal size: twice as wide (left eye left), twice as high (left eye on top), or, as an anaglyph for red
 /// and cyan glasses, of equal size: red is the left eye's luma (ITU-R BT.601), green and blue are those of the right eye.

@@ -123,6 +123,7 @@ struct DrawingQuality {
   bool finish = true;        ///< smooth normals, and ambient occlusion if requested
   int supersample = 1;       ///< 1..4, rays along each side of a pixel
   double resolution = 1.0;   ///< [-] in [0.25, 1], share of the picture's width and height that is drawn, then enlarged
+  int edge_threshold = 0;    ///< [-] levels of 255; 0: all pixels have these rays; else only edges that differ by more (RenderOptions)
   friend bool operator==(const DrawingQuality&, const DrawingQuality&) = default;
 };
 
@@ -138,6 +139,12 @@ struct Appearance {
   bool drape = false;      ///< cloth has a pattern of its own
   bool labels = true;      ///< colours by tissue; off: one ivory colour
   NormalSource normals = NormalSource::texture;
+};
+
+/// The options of Appearance that a person changes while pictures are drawn.
+struct SurfaceLights {
+  bool shadow = false, specular = false;
+  friend bool operator==(const SurfaceLights&, const SurfaceLights&) = default;
 };
 
 /// Fog of a microscope: of what lies at depth d from the plane of the camera's target, square to the view, a share 1 - exp(-(d / depth)^2) of
@@ -160,8 +167,8 @@ struct CameraView {
   friend bool operator==(const CameraView&, const CameraView&) = default;
 };
 
-/// Combination of the two pictures of a stereo pair.
-enum class StereoMode { off, side_by_side, top_bottom, anaglyph };
+/// Combination of the two pictures of a stereo pair. quad: none, a window shows each eye from a buffer of its own.
+enum class StereoMode { off, side_by_side, top_bottom, anaglyph, quad };
 
 /// The haptic workbench of [AcostaLiu07]: bone appears at its place and size behind or before a screen that stands at the camera's target,
 /// perpendicular to its view. The head may be anywhere before the screen; the camera's distance and field have no effect.

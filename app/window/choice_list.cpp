@@ -1,6 +1,7 @@
 #include "app/window/choice_list.h"
 
 #include "app/window/panel_parts.h"
+#include "core/config/toml_messages.h"
 
 namespace burrhole {
 namespace {
@@ -10,11 +11,11 @@ void draw_words(const Gui& gui, const Choice& choice, const ImVec2& at) {
   ImDrawList* const list = ImGui::GetWindowDrawList();
   const float in = 8.0f * gui.scale();
   const ImU32 ink = possible ? ImGui::GetColorU32(ImGuiCol_Text) : paint(gui.colors().grey);
-  list->AddText(ImVec2(at.x + in, at.y + 0.25f * ImGui::GetFontSize()), ink, choice.title.c_str());
+  list->AddText(ImVec2(at.x + in, at.y + 0.25f * ImGui::GetFontSize()), ink, printable_text(choice.title).c_str());
   ImGui::PushFont(gui.small());
   const std::string& below = possible ? choice.about : choice.missing;
   list->AddText(ImVec2(at.x + in, at.y + 1.35f * ImGui::GetFontSize() + 0.5f * in),
-                paint(possible ? gui.colors().grey : gui.colors().orange), below.c_str());
+                paint(possible ? gui.colors().grey : gui.colors().orange), printable_text(below).c_str());
   ImGui::PopFont();
 }
 

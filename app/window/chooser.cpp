@@ -78,6 +78,7 @@ class ChooserWindow {
       const double dt = std::chrono::duration<double>(now - before).count();
       before = now;
       if (Status took = take_bone(); !took) return took.error();
+      std::erase_if(stopped_, [](const auto& reading) { return reading->has_ended(); });
       if (screen_ == Screen::skull) skull_->step(dt);
       if (window_->width() > 0 && window_->height() > 0) draw(dt);
     }
@@ -294,7 +295,7 @@ class ChooserWindow {
   Selection first_, units_;
   std::unique_ptr<FileBrowser> files_;
   std::unique_ptr<ScanReading> reading_;
-  std::vector<std::unique_ptr<ScanReading>> stopped_;  // their threads end at the next slice
+  std::vector<std::unique_ptr<ScanReading>> stopped_;  // their threads end at the next file or slice
   SkullSource source_;
   bool is_grids_ = false, moved_ = false, done_ = false;
   std::optional<Chosen> chosen_;

@@ -63,6 +63,7 @@ struct DisplayRequests {
   bool asks_end = false;                    ///< the question whether to end is shown
   double text_scale = 0.0;                  ///< [-] of the desktop's own scale; 0: as at the start
   std::optional<DrawingQuality> quality{};  ///< of a picture at rest; absent: the scene's
+  std::optional<SurfaceLights> lights{};    ///< absent: the scene's
 };
 
 class Controls {

@@ -35,6 +35,15 @@ struct GlfwWindow::Impl {
 };
 
 namespace {
+/// @returns whether the display gives a window of the last hints without stereo.
+bool lacks_stereo(const Glfw& glfw, const std::string& title) {
+  glfw.WindowHint(GLFW_STEREO, GLFW_FALSE);
+  glfw.WindowHint(GLFW_VISIBLE, GLFW_FALSE);
+  GLFWwindow* const plain = glfw.CreateWindow(kLeastWidth, kLeastHeight, title.c_str(), nullptr, nullptr);
+  if (plain != nullptr) glfw.DestroyWindow(plain);
+  return plain != nullptr;
+}
+
 // GLFW hands a callback the window alone, and its pointer is read by a function that was found at run time.
 decltype(&glfwGetWindowUserPointer) pointer_of = nullptr;
 }  // namespace
@@ -80,7 +89,7 @@ GlfwWindow::GlfwWindow(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 GlfwWindow::GlfwWindow(GlfwWindow&&) noexcept = default;
 GlfwWindow::~GlfwWindow() = default;
 
-Result<GlfwWindow> GlfwWindow::create(const std::string& title, int width, int height) {
+Result<GlfwWindow> GlfwWindow::create(const std::string& title, int width, int height, bool quad) {
   auto glfw = load_glfw();
   if (!glfw) return glfw.error();
   auto impl = std::make_unique<Impl>();
@@ -91,7 +100,10 @@ Result<GlfwWindow> GlfwWindow::create(const std::string& title, int width, int h
   g.WindowHint(GLFW_CONTEXT_VERSION_MINOR, kGlMinor);
   g.WindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   g.WindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  g.WindowHint(GLFW_STEREO, quad ? GLFW_TRUE : GLFW_FALSE);  // a hard constraint: GLFW makes no window without it
   impl->window = g.CreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (impl->window == nullptr && quad && lacks_stereo(g, title))
+    return no_window("the driver has no quad-buffered stereo (--stereo side-by-side or --stereo anaglyph shows two eyes without it)");
   if (impl->window == nullptr) return no_window("the display gives no OpenGL 4.5 core context: " + g.said());
   g.SetWindowSizeLimits(impl->window, kLeastWidth, kLeastHeight, GLFW_DONT_CARE, GLFW_DONT_CARE);
   impl->listen();

@@ -15,7 +15,8 @@ namespace burrhole {
 
 class GlfwWindow {
  public:
-  [[nodiscard]] static Result<GlfwWindow> create(const std::string& title, int width, int height);
+  /// @param quad with a back buffer for each eye; unavailable where the driver has none.
+  [[nodiscard]] static Result<GlfwWindow> create(const std::string& title, int width, int height, bool quad = false);
   GlfwWindow(GlfwWindow&&) noexcept;
   ~GlfwWindow();
 

@@ -135,9 +135,13 @@ void Gui::begin(int width, int height, double dt) {
 }
 
 void Gui::end() {
-  ImGui::Render();
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  end_layout();
+  draw();
 }
+
+void Gui::end_layout() { ImGui::Render(); }
+
+void Gui::draw() { ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData()); }
 
 bool Gui::wants_mouse() const { return ImGui::GetIO().WantCaptureMouse; }
 

@@ -40,8 +40,11 @@ class Gui {
   /// A button that is pressed and released within one frame is released in the next: the panel sees every click.
   void feed(const std::vector<WindowEvent>& events);
   void begin(int width, int height, double dt);
-  /// Draws into the current framebuffer.
+  /// Draws into the current framebuffer: end_layout() and draw().
   void end();
+  void end_layout();
+  /// Draws the last layout; once for each eye, where the window has two buffers.
+  void draw();
   [[nodiscard]] bool wants_mouse() const;
   [[nodiscard]] float scale() const noexcept { return scale_; }
   [[nodiscard]] ImFont* small() const noexcept { return small_; }

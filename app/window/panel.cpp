@@ -12,6 +12,7 @@
 #include "app/window/quality_panel.h"
 #include "app/window/transport_bar.h"
 #include "core/base/units.h"
+#include "core/config/toml_messages.h"
 
 namespace burrhole {
 namespace {
@@ -287,7 +288,8 @@ void Panel::over_picture(const WindowView& view, const DisplayFigures& figures, 
     begin_over("lines", ImVec2(edge, edge + 3.2f * ImGui::GetFontSize()), ImVec2(0.0f, 0.0f));
     ImGui::PushTextWrapPos(w - 3.0f * edge);
     for (const MessageLine& line : view.lines)
-      ImGui::TextColored(line.warning ? color(gui_->colors().orange) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s", line.text.c_str());
+      ImGui::TextColored(line.warning ? color(gui_->colors().orange) : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s",
+                         printable_text(line.text).c_str());
     ImGui::PopTextWrapPos();
     ImGui::End();
   }
@@ -344,7 +346,7 @@ void Panel::warnings(const WindowView& view, int width) {
   const std::vector<std::string> lines = warnings_of(plan_, view);
   if (lines.empty() || view.stage != RunStage::drilling) return;
   begin_over("warnings", ImVec2(0.5f * static_cast<float>(width), 10.0f * gui_->scale()), ImVec2(0.5f, 0.0f));
-  for (const std::string& line : lines) ImGui::TextColored(color(gui_->colors().orange), "%s", line.c_str());
+  for (const std::string& line : lines) ImGui::TextColored(color(gui_->colors().orange), "%s", printable_text(line).c_str());
   ImGui::End();
 }
 
@@ -414,13 +416,13 @@ void Panel::end_screen(int width, int height) {
         ImGui::TableNextColumn();
         text(name);
         ImGui::TableNextColumn();
-        ImGui::TextColored(color(gui_->colors().sky), "%s", value.c_str());
+        ImGui::TextColored(color(gui_->colors().sky), "%s", printable_text(value).c_str());
       }
       ImGui::EndTable();
     }
     for (const std::string& line : summary->warnings) {
       ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26.0f);
-      ImGui::TextColored(color(gui_->colors().orange), "%s", line.c_str());
+      ImGui::TextColored(color(gui_->colors().orange), "%s", printable_text(line).c_str());
       ImGui::PopTextWrapPos();
     }
   }

@@ -9,6 +9,7 @@
 
 #include "app/view/quality.h"
 #include "app/window/gui.h"
+#include "app/window/quality_steps.h"
 #include "app/window/window_state.h"
 
 namespace burrhole {
@@ -23,6 +24,8 @@ struct DisplayFigures {
   std::span<const QualityPoint> front{};  ///< what is known of qualities of this display; empty: nothing
   std::optional<double> full_ms{};        ///< time of the last picture at rest of which all pixels were drawn, at this quality
   std::optional<double> moving_psnr{};    ///< [dB] of the last picture before it was refined against that at rest, of the same view
+  std::optional<SurfaceLights> lights{};  ///< of the latest picture; absent: this display has no shadows and highlights
+  std::optional<LightsChange> relit{};    ///< absent: not changed yet, or the view has changed since
   double refined_ms = 0.0;                ///< from the last change to the latest picture at rest; 0: none yet
   bool coarse = false;                    ///< the latest picture is coarser than one at rest
 };

@@ -1,5 +1,7 @@
 #include "app/window/panel_parts.h"
 
+#include "core/config/toml_messages.h"
+
 namespace burrhole {
 
 ImVec4 color(unsigned rgb, float alpha) {
@@ -8,7 +10,7 @@ ImVec4 color(unsigned rgb, float alpha) {
 }
 ImU32 paint(unsigned rgb, float alpha) { return ImGui::ColorConvertFloat4ToU32(color(rgb, alpha)); }
 
-void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
+void text(const std::string& line) { ImGui::TextUnformatted(printable_text(line).c_str()); }
 
 void caption(const Gui& gui, const char* words) {
   ImGui::PushFont(gui.small());

@@ -16,7 +16,7 @@ inline constexpr float kOverPicture = 0.9f;
 [[nodiscard]] ImVec4 color(unsigned rgb, float alpha = 1.0f);
 [[nodiscard]] ImU32 paint(unsigned rgb, float alpha = 1.0f);
 
-/// Text as it is, without a format.
+/// Text without a format; bytes that are not UTF-8, as of a file's name, are shown escaped.
 void text(const std::string& line);
 /// A small caption above what follows.
 void caption(const Gui& gui, const char* words);

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/base/child_attributes.h"
 #include "core/base/units.h"
 
 namespace burrhole {
@@ -168,7 +169,7 @@ bool open_file(const std::string& path) {
   std::string program = "xdg-open", file = std::filesystem::absolute(path).string();
   char* const arguments[] = {program.data(), file.data(), nullptr};
   pid_t child = 0;
-  return posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) == 0;
+  return posix_spawnp(&child, program.c_str(), nullptr, ChildAttributes().get(), arguments, environ) == 0;
 }
 
 }  // namespace burrhole

@@ -56,18 +56,32 @@ std::optional<DrawingQuality> draw_knobs(const DisplayFigures& figures) {
   return wanted;
 }
 
+/// The knobs of shadows and highlights. @returns what the person wants now.
+std::optional<SurfaceLights> draw_light_knobs(const SurfaceLights& now) {
+  SurfaceLights wanted = now;
+  ImGui::Checkbox("shadows of bone and tool", &wanted.shadow);
+  ImGui::Checkbox("highlights", &wanted.specular);
+  return wanted == now ? std::nullopt : std::optional(wanted);
+}
+
 }  // namespace
 
 void draw_quality(const Gui& gui, WindowState& state, const DisplayFigures& figures) {
   caption(gui, "PICTURE AT REST");
   const auto wanted = draw_knobs(figures);
   if (wanted) state.with_controls([&](Controls& controls) { controls.requests().quality = *wanted; });
+  if (figures.lights)
+    if (const auto lights = draw_light_knobs(*figures.lights))
+      state.with_controls([&](Controls& controls) { controls.requests().lights = *lights; });
   ImGui::PushTextWrapPos(kWide * ImGui::GetFontSize());
   text(quality_text(figures.at_rest, false));
   text(figures.full_ms ? fmt::format("price: {:.0f} ms for all pixels, measured here", *figures.full_ms) : "price: not measured yet");
   const auto known = known_psnr(figures.front, figures.at_rest);
-  text(known ? fmt::format("error: {:.1f} dB to the best, on a skull patch (docs/drawing.md)", *known)
+  const bool lit = figures.lights && (figures.lights->shadow || figures.lights->specular);
+  text(known ? fmt::format("error: {:.1f} dB to the best, on a skull patch{} (docs/drawing.md)", *known,
+                           lit ? " without shadows and highlights" : "")
              : "error: not in the table of docs/drawing.md");
+  if (figures.lights) text(lights_text(figures.relit));
   if (figures.moving_psnr) text(fmt::format("while it moved: {:.1f} dB to this picture, measured here", *figures.moving_psnr));
   if (figures.refined_ms > 0.0) text(fmt::format("refined {:.0f} ms after the last change", figures.refined_ms));
   ImGui::PopTextWrapPos();

@@ -1,5 +1,7 @@
 #include "app/window/quality_steps.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -35,6 +37,12 @@ DrawingQuality next_quality(std::span<const QualityPoint> front, const DrawingQu
   for (const QualityPoint& p : front)
     if (rays_of(p.quality) < rays) fewer = p.quality;
   return fewer;
+}
+
+std::string lights_text(const std::optional<LightsChange>& change) {
+  if (!change) return "shadows, highlights: price and difference are measured when one is changed at rest";
+  const std::string differs = change->psnr ? fmt::format("{:.1f} dB to the picture before", *change->psnr) : "no pixel differs";
+  return fmt::format("shadows, highlights: the last change took {:+.0f} ms; {}, measured here", change->more_ms, differs);
 }
 
 std::optional<double> psnr_of(const Image& image, const Image& reference) {

@@ -3,21 +3,12 @@
 #include <utility>
 
 #include "app/scene/volume_scene.h"
-#include "core/base/caught_error.h"
+#include "app/window/start_thread.h"
 
 namespace burrhole {
 namespace {
 
 constexpr double kOverviewVoxel = 1.0e-3;  // [m] enough for a picture of a head and for the direction of its surface
-
-/// An exception may not leave the thread.
-Result<ImportedBone> read_safely(const ImportRequest& request) {
-  try {
-    return import_bone(request, {});
-  } catch (...) {
-    return caught_error();
-  }
-}
 
 }  // namespace
 
@@ -30,22 +21,31 @@ ImportRequest overview_request(const SkullSource& source, bool is_grids) {
 }
 
 ScanReading::ScanReading(SkullSource source, bool is_grids) : source_(std::move(source)), is_grids_(is_grids) {
-  thread_ = std::thread([this] {
-    ImportRequest request = overview_request(source_, is_grids_);
-    request.read.stop = stop_.get_token();
-    request.read.progress = [this](double share) { share_.store(share, std::memory_order_relaxed); };
-    bone_.emplace(read_safely(request));
+  const Status started = start_thread(thread_, [this] {
+    // An exception may not leave the thread, and its text needs memory, of which there may be none.
+    try {
+      ImportRequest request = overview_request(source_, is_grids_);
+      request.read.stop = stop_.get_token();
+      request.read.progress = [this](double share) { share_.store(share, std::memory_order_relaxed); };
+      bone_.emplace(import_bone(request, {}));
+    } catch (...) {
+      thrown_ = std::current_exception();
+    }
     done_.store(true, std::memory_order_release);
   });
+  if (started) return;
+  bone_.emplace(started.error());
+  done_.store(true, std::memory_order_release);
 }
 
 ScanReading::~ScanReading() {
   stop_.request_stop();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 std::optional<Result<ImportedBone>> ScanReading::take() {
-  if (!done_.load(std::memory_order_acquire)) return std::nullopt;
+  if (!has_ended()) return std::nullopt;
+  if (thrown_) return Result<ImportedBone>(error_of(std::exchange(thrown_, nullptr)));
   return std::exchange(bone_, std::nullopt);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -28,6 +29,7 @@ class ScanReading {
   [[nodiscard]] const SkullSource& source() const noexcept { return source_; }
   [[nodiscard]] bool is_grids() const noexcept { return is_grids_; }
   [[nodiscard]] double share() const noexcept { return share_.load(std::memory_order_relaxed); }  ///< [-] done, 0..1
+  [[nodiscard]] bool has_ended() const noexcept { return done_.load(std::memory_order_acquire); }
   /// @returns the bone or the error once the reading has ended; nothing before, and nothing the second time.
   [[nodiscard]] std::optional<Result<ImportedBone>> take();
 
@@ -37,6 +39,7 @@ class ScanReading {
   std::atomic<double> share_{0.0};
   std::atomic<bool> done_{false};
   std::optional<Result<ImportedBone>> bone_;
+  std::exception_ptr thrown_;
   std::stop_source stop_;
   std::thread thread_;
 };

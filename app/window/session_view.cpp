@@ -7,6 +7,7 @@
 
 #include "app/job/provenance.h"
 #include "app/session/recorded_hand.h"
+#include "app/window/start_thread.h"
 #include "core/base/caught_error.h"
 #include "core/base/hash.h"
 
@@ -156,7 +157,7 @@ class Replayer {
 
 Result<SessionViewed> view_session(const SessionReader& session, const LoadedScene& loaded, const SessionView& view) {
   if (loaded.scene.find<DisplayConfig>() == nullptr) return bad_input("a window needs the table [display]", loaded.scene.file);
-  auto window = GlfwWindow::create("session of " + run_title(loaded) + " - burrhole", view.width, view.height);
+  auto window = GlfwWindow::create("session of " + run_title(loaded) + " - burrhole", view.width, view.height, wants_quad(loaded));
   if (!window) return window.error();
   WindowState state;
   Viewer viewer(*window, state, view.make_sink, view.viewer);
@@ -164,10 +165,11 @@ Result<SessionViewed> view_session(const SessionReader& session, const LoadedSce
   RunSwitches switches;
   switches.signal = view.stop;
 
-  std::thread drawing([&] { viewer.loop(); });
+  std::thread drawing, replaying;
+  if (Status started = start_thread(drawing, [&] { viewer.loop(); }); !started) return started.error();
   Status ran;
   SessionViewed viewed;
-  std::thread replaying([&] {
+  const Status replays = start_thread(replaying, [&] {
     Replayer replayer(session, loaded, view, state, viewer, switches);
     try {
       ran = replayer.run();
@@ -179,6 +181,7 @@ Result<SessionViewed> view_session(const SessionReader& session, const LoadedSce
     viewer.release();
     switches.finished = true;
   });
+  if (!replays) return viewer.end_unused(drawing, replays.error());
   poll_window(
       *window, state, switches, [](const WindowView& shown) { return shown.goal.ends; },
       [&] {

@@ -8,6 +8,7 @@
 #include "app/window/panel.h"
 #include "app/window/panel_parts.h"
 #include "core/base/units.h"
+#include "core/config/toml_messages.h"
 
 namespace burrhole {
 namespace {
@@ -61,7 +62,7 @@ SkullScreen::Answer SkullScreen::draw_panel(int width, int height) {
   if (!problem.empty()) {
     begin_over("problem", ImVec2(0.5f * w, edge), ImVec2(0.5f, 0.0f));
     ImGui::PushTextWrapPos(w - 4.0f * edge);
-    ImGui::TextColored(color(gui_->colors().orange), "%s", problem.c_str());
+    ImGui::TextColored(color(gui_->colors().orange), "%s", printable_text(problem).c_str());
     ImGui::PopTextWrapPos();
     ImGui::End();
   }

@@ -4,24 +4,13 @@
 
 #include <filesystem>
 
+#include "core/config/toml_messages.h"
+
 namespace burrhole {
 namespace {
 
 constexpr double kFar = 0.5;      // [m] of the start of the ray to a region
 constexpr double kRegion = 46.0;  // [mm] edge of the bone that is refined and drilled
-
-/// A TOML string.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-      out += fmt::format("\\u{:04x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
-    else
-      out += c;
-  }
-  return out + '"';
-}
 
 }  // namespace
 
@@ -40,8 +29,8 @@ std::optional<Vec3> find_region(const BoneModel& bone, const SkullRegion& region
 }
 
 std::string site_scene(const DrillSite& site, const SkullSource& source) {
-  std::string volume = fmt::format("source = {}\n", quoted(source.path));
-  if (!source.series.empty()) volume += fmt::format("series = {}\n", quoted(source.series));
+  std::string volume = fmt::format("source = {}\n", toml_string(source.link.empty() ? source.path : source.link));
+  if (!source.series.empty()) volume += fmt::format("series = {}\n", toml_string(source.series));
   if (!source.unit.empty()) volume += fmt::format("unit = \"{}\"\n", source.unit);
   if (!source.is_bone_model)
     volume +=
@@ -60,7 +49,7 @@ std::string site_scene(const DrillSite& site, const SkullSource& source) {
       "[display]\nmethod = \"raycast\"\n\n"
       "[record]\n\n"
       "[outcome]\nplunge_limit_mm = 1.5               # of a drill without a clutch, as app/scenes/head_phantom.toml says\n",
-      quoted("Burrhole in " + path.filename().string()), volume, approach_text(site));
+      toml_string("Burrhole in " + printable_text(path.filename().string())), volume, approach_text(site));
 }
 
 }  // namespace burrhole

@@ -28,6 +28,7 @@ struct SkullSource {
   std::string unit{};          ///< of a mesh or of another program's .vdb; empty: the file states its own
   bool is_bone_model = false;  ///< the file holds a bone model, which is used at its own voxels
   std::string series{};        ///< of a DICOM folder, SeriesLine::name; empty: the file is one volume
+  std::string link{};          ///< by which the scene names the scan; empty: its path
 };
 
 /// @returns a scene file with the defaults of app/scenes/head_phantom.toml: a perforator, its hand, contact, erosion, picture and record.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/window/panel_parts.h"
+#include "core/config/toml_messages.h"
 
 namespace burrhole {
 namespace {
@@ -60,7 +61,7 @@ void line(const Gui& gui, WindowState& state, const Transport& transport, const 
   }
   list->AddCircleFilled(ImVec2(place(transport.head()), middle), 7.0f * gui.scale(), paint(gui.colors().sky));
   if (near != nullptr)
-    ImGui::SetTooltip("%.2f s: %s", near->time, near->text.c_str());
+    ImGui::SetTooltip("%.2f s: %s", near->time, printable_text(near->text).c_str());
   else if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%.2f s", std::clamp(pointed, 0.0, duration));
 }

@@ -4,6 +4,7 @@
 #include <imgui/imgui.h>
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <utility>
 
@@ -14,7 +15,7 @@
 #include "app/view/stereo.h"
 #include "app/window/over_bone.h"
 #include "app/window/transport_bar.h"
-#include "core/base/caught_error.h"
+#include "app/window/viewer_sink.h"
 
 namespace burrhole {
 namespace {
@@ -50,90 +51,6 @@ void show_slices(const PictureTexture& slices, const WindowView& view, const Gui
 double seconds(Steady::duration d) { return std::chrono::duration<double>(d).count(); }
 
 }  // namespace
-
-/// The sink that a run sees: everything is done by the drawing thread.
-class Viewer::Sink final : public PictureSink {
- public:
-  explicit Sink(Viewer& viewer) : viewer_(&viewer) {}
-
-  Status start(const VolumeView& volume, const TriangleMesh& tool) override {
-    return viewer_->call([&] {
-      viewer_->texels_.clear();  // of an earlier run of the same session
-      viewer_->bone_changed_ = true;
-      viewer_->tool_look_ = tool;
-      viewer_->slices_stale_ = true;
-      viewer_->note_ = volume.note;
-      return own().start(volume, tool);
-    });
-  }
-  void update(const TexelBox& texels) override {
-    viewer_->post([v = viewer_, texels] { v->texels_.push_back(texels); });
-  }
-  Status move_detail(const DetailView& view) override {
-    return viewer_->call([&] {
-      viewer_->send_texels();
-      viewer_->slices_stale_ = true;
-      return own().move_detail(view);
-    });
-  }
-  Status change_tool(const TriangleMesh& tool) override {
-    return viewer_->call([&] {
-      viewer_->bone_changed_ = true;
-      viewer_->tool_look_ = tool;
-      viewer_->slices_stale_ = true;
-      return own().change_tool(tool);
-    });
-  }
-  void forget() override {
-    viewer_->post([v = viewer_] {
-      v->send_texels();
-      v->grown_ = true;
-    });
-  }
-  Status draw(const std::string& name, const FrameView& view, int width, int height, Hash64& hash) override {
-    return viewer_->call([&] {
-      viewer_->send_texels();
-      // The pictures of a run have its quality, whatever the window shows.
-      viewer_->drawn_ = false;
-      // A driver may refuse new pictures once its display is lost. The run still writes its other results.
-      const auto passes = [this](Status done) { return !done && viewer_->window_->is_lost() ? Status() : std::move(done); };
-      if (viewer_->quality_ != viewer_->run_quality_)
-        if (Status set = viewer_->parts_.renderer->set_quality(viewer_->run_quality_); !set) return passes(std::move(set));
-      Status drawn = passes(own().draw(name, view, width, height, hash));
-      viewer_->quality_ = viewer_->run_quality_ = own().display().quality;  // a budget has chosen it now
-      return drawn;
-    });
-  }
-  Result<std::vector<std::string>> files() override {
-    std::optional<Result<std::vector<std::string>>> out;
-    const Status called = viewer_->call([&] {
-      out.emplace(own().files());
-      return Status();
-    });
-    if (!called) return called.error();
-    return *out;
-  }
-  std::string driver() const override {
-    std::string out;
-    (void)viewer_->call([&] {
-      out = own().driver();
-      return Status();
-    });
-    return out;
-  }
-  RunSummary::Display display() const override {
-    RunSummary::Display out;
-    (void)viewer_->call([&] {
-      out = own().display();
-      return Status();
-    });
-    return out;
-  }
-
- private:
-  [[nodiscard]] PictureSink& own() const { return *viewer_->parts_.sink; }
-  Viewer* viewer_;
-};
 
 Viewer::Viewer(GlfwWindow& window, WindowState& state, MakeWindowSink make_sink, const ViewerConfig& config)
     : window_(&window), state_(&state), make_parts_(std::move(make_sink)), config_(config), pace_(config.moving_budget, config.coarsest) {}
@@ -197,6 +114,8 @@ Result<std::unique_ptr<PictureSink>> Viewer::make_sink(const DisplayConfig& disp
     display_ = display;
     quality_ = run_quality_ = display.quality;
     if (display.method == "raycast") figures_.front = shipped_front(!display.transfer.empty());
+    run_lights_ = {display.appearance.shadow, display.appearance.specular};
+    if (draws_detail(display)) figures_.lights = run_lights_;  // rays to a surface
     return {};
   });
   if (!made) return made.error();
@@ -228,11 +147,18 @@ Status Viewer::open() {
   return {};
 }
 
+Error Viewer::end_unused(std::thread& drawing, const Error& why) {
+  state_->close();
+  release();
+  drawing.join();
+  return why;
+}
+
 void Viewer::loop() {
   try {
     draw_until_closed();
   } catch (...) {
-    state_->fail(caught_error());
+    state_->fail(std::current_exception());
   }
   {
     const std::scoped_lock lock(mutex_);
@@ -283,17 +209,7 @@ void Viewer::draw_frame() {
   const bool seeks = view.transport && view.transport->seeks();
   if (base_ && parts_.renderer != nullptr && width > side && !seeks) draw_picture(view, width - side, height);
   if (!seeks) draw_slices(view);
-  texture_->clear_window(width, height, kGround);
-  gui_->begin(width, height, since);
-  if (texture_->name() != 0)
-    // ImGui keeps names of OpenGL textures as pointers.  NOLINTNEXTLINE(performance-no-int-to-ptr)
-    ImGui::GetBackgroundDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture_->name())),
-                                             ImVec2(0.0f, 0.0f), ImVec2(static_cast<float>(width - side), static_cast<float>(height)));
-  if (view.mode == CameraMode::microscope) draw_eyepiece(width - side, height);
-  if (slices_) show_slices(*slices_, view, *gui_, height);
-  if (!note_.empty()) draw_note(note_, *gui_, width - side);
-  panel_->draw(view, figures_, width, height);
-  gui_->end();
+  show(view, width, height, since);
   state_->take_mouse(gui_->wants_mouse());
   if (view.requests.screenshot) take_screenshot(width, height);
   window_->swap();
@@ -345,6 +261,31 @@ Viewer::Change Viewer::find_change(const WindowView& view, int width, int height
   return out;
 }
 
+Status Viewer::restore_run_quality() {
+  drawn_ = false;
+  parts_.renderer->set_lights(run_lights_);
+  if (figures_.lights) figures_.lights = run_lights_;
+  return quality_ == run_quality_ ? Status() : parts_.renderer->set_quality(run_quality_);
+}
+
+bool Viewer::choose_lights(const WindowView& view) {
+  const SurfaceLights wanted = view.requests.lights.value_or(run_lights_);
+  if (!figures_.lights || *figures_.lights == wanted) return false;
+  parts_.renderer->set_lights(wanted);
+  figures_.lights = wanted;
+  std::optional<Image> before = std::move(rest_);
+  forget_rest();
+  rough_.reset();
+  if (before) before_lights_ = BeforeLights{std::move(*before), figures_.full_ms};
+  return true;
+}
+
+void Viewer::forget_rest() {
+  rest_.reset();
+  before_lights_.reset();
+  figures_.relit.reset();
+}
+
 bool Viewer::choose_quality(const WindowView& view, const Change& change) {
   const auto now = Steady::now();
   bool begins = false;
@@ -356,6 +297,7 @@ bool Viewer::choose_quality(const WindowView& view, const Change& change) {
   if (change.camera || !rests || change.bone || change.size) {
     changed_at_ = now;
     times_refined_ = false;
+    forget_rest();
   }
   if (change.tool) active_at_ = now;
   // A tool that moves without drilling leaves a refined picture as it is.
@@ -365,9 +307,15 @@ bool Viewer::choose_quality(const WindowView& view, const Change& change) {
     begins = !std::exchange(refined_, true);
   DrawingQuality wanted = figures_.at_rest = view.requests.quality.value_or(run_quality_);
   if (!refined_) wanted.supersample = 1;
-  if (wanted == quality_ || !parts_.renderer->set_quality(wanted)) return false;
+  keeps_rest_ = view.requests.lab;
+  if (wanted != quality_) {
+    if (!parts_.renderer->set_quality(wanted)) return false;
+    quality_ = wanted;
+    forget_rest();
+  } else if (!choose_lights(view)) {
+    return false;
+  }
   if (refined_) figures_.full_ms.reset();  // that of another quality
-  quality_ = wanted;
   times_refined_ = begins;
   return true;
 }
@@ -399,7 +347,32 @@ Result<PictureStep> Viewer::draw_eyes(const FrameView& frame, int width, int hei
     if (!image) return image.error();
     eyes.push_back(std::move(image).value());
   }
-  return PictureStep{make_screen_picture(display_.stereo, std::move(eyes)), whole};
+  std::vector<Image> shown = make_buffer_pictures(display_.stereo, std::move(eyes));
+  PictureStep out{shown.front(), whole};
+  of_eyes_.clear();
+  if (shown.size() > 1) of_eyes_ = std::move(shown);
+  return out;
+}
+
+void Viewer::show(const WindowView& view, int width, int height, double since) {
+  gui_->begin(width, height, since);
+  const int side = panel_width(width, gui_->scale());
+  if (texture_->name() != 0)
+    // ImGui keeps names of OpenGL textures as pointers.  NOLINTNEXTLINE(performance-no-int-to-ptr)
+    ImGui::GetBackgroundDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture_->name())),
+                                             ImVec2(0.0f, 0.0f), ImVec2(static_cast<float>(width - side), static_cast<float>(height)));
+  if (view.mode == CameraMode::microscope) draw_eyepiece(width - side, height);
+  if (slices_) show_slices(*slices_, view, *gui_, height);
+  if (!note_.empty()) draw_note(note_, *gui_, width - side);
+  panel_->draw(view, figures_, width, height);
+  gui_->end_layout();
+  const bool quad = display_.stereo.mode == StereoMode::quad;
+  for (const std::size_t eye : quad ? std::vector<std::size_t>{1, 0} : std::vector<std::size_t>{0}) {  // a screenshot shows the left eye
+    if (quad) texture_->draw_to_eye(eye == 0);
+    if (eye < of_eyes_.size()) texture_->set(of_eyes_[eye]);
+    texture_->clear_window(width, height, kGround);
+    gui_->draw();
+  }
 }
 
 void Viewer::draw_picture(const WindowView& view, int width, int height) {
@@ -447,7 +420,10 @@ void Viewer::measure(const Change& change, bool other_quality, double took, cons
   if (refined_ && std::exchange(all_stale_, false)) {
     figures_.full_ms = all * 1e3;
     if (rough_) figures_.moving_psnr = psnr_of(*rough_, drawn.image);
+    if (const auto before = std::exchange(before_lights_, {}); before && before->full_ms)
+      figures_.relit = LightsChange{all * 1e3 - *before->full_ms, psnr_of(before->image, drawn.image)};
   }
+  if (refined_ && keeps_rest_) rest_ = drawn.image;
   if (!refined_) rough_ = drawn.image;
 }
 

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "app/job/picture_sink.h"
@@ -37,7 +38,7 @@ struct ViewerConfig {
   bool light = false;            ///< dark letters on a light ground
   double text_scale = 1.0;       ///< [-] of the desktop's own scale
   double moving_budget = 0.050;  ///< [s] of a picture while the camera moves
-  double coarsest = 0.625;       ///< [-] least share of its width and height that is drawn then
+  double coarsest = 0.575;       ///< [-] least share of its width and height that is drawn then
   double bone_share = 0.4;       ///< [-] of the time, at most, for pixels whose bone has changed; a moving tool needs no rays
   std::string folder;            ///< of screenshots; empty: none can be taken
 };
@@ -53,6 +54,8 @@ class Viewer {
   void loop();
   /// The run has ended; nothing will be posted any more.
   void release() noexcept { released_.store(true, std::memory_order_release); }
+  /// Nothing will use the window: ends its drawing thread. @returns the reason.
+  [[nodiscard]] Error end_unused(std::thread& drawing, const Error& why);
   void set_report(const std::string& path);
   /// After loop() has returned.
   [[nodiscard]] const WindowFigures& totals() const noexcept { return totals_; }
@@ -88,9 +91,17 @@ class Viewer {
   [[nodiscard]] Change find_change(const WindowView& view, int width, int height) const;
   /// Decides on one ray a pixel or on the scene's quality. @returns whether it changed.
   bool choose_quality(const WindowView& view, const Change& change);
+  /// Sets the shadows and highlights that the person wants. @returns whether they changed.
+  bool choose_lights(const WindowView& view);
+  /// The pictures of a run have its quality and lights, whatever the window shows.
+  [[nodiscard]] Status restore_run_quality();
+  /// Another view or quality: pictures that were kept for comparison are no longer of it.
+  void forget_rest();
   /// One picture, or those of both eyes joined, as the scene's stereo says. @param at_once a picture is drawn as a whole, if the view
   /// has moved at its pace; otherwise the picture of one eye is drawn in steps.
   [[nodiscard]] Result<PictureStep> draw_eyes(const FrameView& frame, int width, int height, bool at_once);
+  /// Draws picture and panel into the window: once, or into the buffer of each eye.
+  void show(const WindowView& view, int width, int height, double since);
   /// Makes texts of the size that desktop and person want.
   void fit_texts(const WindowView& view);
   /// Keeps what a picture has cost, and its difference from the coarser one of the same view.
@@ -127,6 +138,8 @@ class Viewer {
   bool tool_turns_ = true, bone_changed_ = false, drawn_ = false, refined_ = true, grown_ = false;
   bool whole_ = true;                     // false: the picture is drawn in steps, and pixels are missing
   DrawingQuality quality_, run_quality_;  // of the last picture; of the pictures of the run
+  SurfaceLights run_lights_;
+  std::vector<Image> of_eyes_;  // of the last picture, in the mode quad
   DynamicResolution pace_;
   double steps_took_ = 0.0;  // [s] of the picture that is drawn in steps
   bool all_stale_ = false;   // they were, and nothing else has changed since
@@ -141,6 +154,14 @@ class Viewer {
   Time changed_at_{}, active_at_{}, last_frame_{}, sent_at_{};
   bool times_refined_ = false;  // the picture that is drawn now is the first refined one after a change
   std::optional<Image> rough_;  // the last picture that was not refined, of the present view
+  std::optional<Image> rest_;   // the last whole refined picture, of the present view
+  /// That before shadows and highlights were changed, until the one after is whole.
+  struct BeforeLights {
+    Image image;
+    std::optional<double> full_ms;
+  };
+  std::optional<BeforeLights> before_lights_;
+  bool keeps_rest_ = false;  // the panel of the lab is open, which shows the comparison
   int picture_width_ = 0, picture_height_ = 0, screenshots_ = 0;
   DisplayFigures figures_;
   WindowFigures totals_;

@@ -48,6 +48,8 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   viewer.set_base(base, world_from_approach, stage.tool->turns);
 }
 
+bool wants_quad(const LoadedScene& loaded) { return loaded.scene.find<DisplayConfig>()->stereo.mode == StereoMode::quad; }
+
 void poll_window(GlfwWindow& window, WindowState& state, RunSwitches& switches, const std::function<bool(const WindowView&)>& stops,
                  const std::function<void()>& ready) {
   auto before = Steady::now();

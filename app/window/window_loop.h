@@ -27,6 +27,9 @@ struct WindowStart {
 /// Gives state and viewer what a run is about, before its first tick. Run thread.
 void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded, const WindowStart& start, const Simulation& simulation);
 
+/// @returns whether the scene shows each eye from a buffer of its own. The scene must have [display].
+[[nodiscard]] bool wants_quad(const LoadedScene& loaded);
+
 /// What ends a run, and what it has come to.
 struct RunSwitches {
   const std::atomic<bool>* signal = nullptr;  ///< from outside; null: none

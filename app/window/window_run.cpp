@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "app/job/provenance.h"
+#include "app/window/start_thread.h"
 #include "app/window/window_loop.h"
 #include "core/base/caught_error.h"
 
@@ -31,7 +32,7 @@ bool has_display() { return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY"); }
 
 Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
   if (loaded.scene.find<DisplayConfig>() == nullptr) return bad_input("a window needs the table [display]", loaded.scene.file);
-  auto window = GlfwWindow::create(run_title(loaded) + " - burrhole", run.width, run.height);
+  auto window = GlfwWindow::create(run_title(loaded) + " - burrhole", run.width, run.height, wants_quad(loaded));
   if (!window) return Error{window.error().code, window.error().message + " (--offscreen drills without a window)", {}};
   WindowState state;
   Viewer viewer(*window, state, run.make_sink, run.viewer);
@@ -46,9 +47,10 @@ Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
   run.job.make_sink = [&](const DisplayConfig& display, const std::string& folder) { return viewer.make_sink(display, folder); };
   run.job.begin = [&](const Simulation& simulation) { start_window(state, viewer, loaded, run.start, simulation); };
 
-  std::thread drawing([&] { viewer.loop(); });
+  std::thread drawing, running;
+  if (Status started = start_thread(drawing, [&] { viewer.loop(); }); !started) return started.error();
   std::optional<Result<RunSummary>> summary;
-  std::thread running([&] {
+  const Status runs = start_thread(running, [&] {
     summary.emplace(drill_safely(loaded, run.job));
     if (*summary && !run.job.folder.empty() && loaded.scene.output.report)
       viewer.set_report((std::filesystem::path(run.job.folder) / "report.html").string());
@@ -56,6 +58,7 @@ Result<RunSummary> drill_in_window(const LoadedScene& loaded, WindowRun run) {
     viewer.release();
     switches.finished = true;
   });
+  if (!runs) return viewer.end_unused(drawing, runs.error());
   // A script does not read the goal by which a person ends a run.
   poll_window(
       *window, state, switches, [&](const WindowView& view) { return run.start.demonstration && !view.goal.takes_over && view.goal.ends; },

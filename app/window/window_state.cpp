@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/base/caught_error.h"
 #include "core/base/units.h"
 
 namespace burrhole {
@@ -209,8 +211,15 @@ void WindowState::fail(const Error& error) {
   closed_ = true;
 }
 
+void WindowState::fail(std::exception_ptr thrown) noexcept {
+  const std::scoped_lock lock(mutex_);
+  thrown_ = std::move(thrown);
+  closed_ = true;
+}
+
 std::optional<Error> WindowState::error() {
   const std::scoped_lock lock(mutex_);
+  if (thrown_) return error_of(thrown_);
   return error_;
 }
 

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -109,6 +110,8 @@ class WindowState final : public LiveUser {
   [[nodiscard]] std::string failure();  ///< of the run; empty: none
   /// There is no picture at all: the window closes.
   void fail(const Error& error);
+  /// The same, of an exception. Needs no memory.
+  void fail(std::exception_ptr thrown) noexcept;
   [[nodiscard]] std::optional<Error> error();  ///< of fail()
   /// @returns the time [s] since the first event that came after the last call; call it when a picture that shows it is on the screen.
   [[nodiscard]] std::optional<double> take_latency();
@@ -132,6 +135,7 @@ class WindowState final : public LiveUser {
   std::string tool_, failure_;
   std::optional<RunSummary> summary_;
   std::optional<Error> error_;
+  std::exception_ptr thrown_;
   std::optional<std::chrono::steady_clock::time_point> waits_since_;  // first event that no picture shows yet
   bool shown_soon_ = false;                                           // the picture being drawn shows it
   double time_ = 0.0, turned_ = 0.0;

@@ -45,4 +45,12 @@ Error caught_error() {
   }
 }
 
+Error error_of(const std::exception_ptr& thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (...) {
+    return caught_error();
+  }
+}
+
 }  // namespace burrhole

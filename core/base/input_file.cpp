@@ -10,26 +10,12 @@
 #include <cstring>
 #include <new>
 
+#include "core/base/descriptor.h"
+
 namespace burrhole {
 namespace {
 
 constexpr std::size_t kBlock = 1u << 16;  // [bytes] of one read
-
-class OpenFile {
- public:
-  explicit OpenFile(int number) noexcept : number_(number) {}
-  OpenFile(OpenFile&& other) noexcept : number_(other.number_) { other.number_ = -1; }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  OpenFile& operator=(OpenFile&&) = delete;
-  ~OpenFile() {
-    if (number_ >= 0) ::close(number_);
-  }
-  [[nodiscard]] int number() const noexcept { return number_; }
-
- private:
-  int number_;
-};
 
 Error cannot_read(const std::string& path, int code) {
   // A socket or a device without a driver cannot be opened.
@@ -45,7 +31,7 @@ const char* kind_of(mode_t mode) noexcept {
 }
 
 struct Opened {
-  OpenFile file;
+  Descriptor file;
   std::uint64_t bytes = 0;
 };
 
@@ -53,13 +39,10 @@ struct Opened {
 Result<Opened> open_regular(const std::string& path) {
   if (path.empty()) return bad_input("names no file: the path is empty");
   if (path.find('\0') != std::string::npos) return bad_input("a path must not contain a byte 0", path);
-  int number = -1;
-  do number = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
-  while (number < 0 && errno == EINTR);
-  OpenFile file(number);
-  if (file.number() < 0) return cannot_read(path, errno);
+  Descriptor file(open_descriptor(path.c_str(), O_RDONLY | O_NONBLOCK));
+  if (file.get() < 0) return cannot_read(path, errno);
   struct stat status {};
-  if (::fstat(file.number(), &status) != 0) return cannot_read(path, errno);
+  if (::fstat(file.get(), &status) != 0) return cannot_read(path, errno);
   if (!S_ISREG(status.st_mode)) return bad_input(kind_of(status.st_mode), path);
   return Opened{std::move(file), static_cast<std::uint64_t>(std::max<off_t>(status.st_size, 0))};
 }
@@ -75,19 +58,19 @@ Result<std::string> read_input(const std::string& path, const FileLimit& kind) {
   if (!opened) return opened.error();
   if (opened->bytes > kind.most_bytes) return too_large(path, kind);
   try {
-    std::string out;
-    // The size is a hint: files of /proc report 0, and a file may grow while it is read.
+    // The size is a hint: files of /proc report 0, and a file may grow while it is read. One byte more shows the end without new memory.
+    std::string out(opened->bytes > 0 ? static_cast<std::size_t>(opened->bytes) + 1 : kBlock, '\0');
+    std::size_t had = 0;
     for (;;) {
-      const std::size_t had = out.size();
-      const std::uint64_t expected = opened->bytes > had ? opened->bytes - had : 0;
-      out.resize(had + std::max<std::size_t>(kBlock, static_cast<std::size_t>(expected)));
-      const ssize_t got = ::read(opened->file.number(), out.data() + had, out.size() - had);
-      out.resize(had + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+      if (had == out.size()) out.resize(had + kBlock);
+      const ssize_t got = ::read(opened->file.get(), out.data() + had, out.size() - had);
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) return cannot_read(path, errno);
-      if (out.size() > kind.most_bytes) return too_large(path, kind);
+      had += static_cast<std::size_t>(got);
+      if (had > kind.most_bytes) return too_large(path, kind);
       if (got == 0) break;
     }
+    out.resize(had);
     if (kind.text)
       if (Status whole = check_no_zero_byte(out, path); !whole) return whole.error();
     return out;

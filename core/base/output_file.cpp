@@ -1,66 +1,41 @@
 #include "core/base/output_file.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <climits>
+#include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <utility>
 #include <vector>
+
+#include "core/base/descriptor.h"
 
 namespace burrhole {
 namespace {
 
 constexpr std::size_t kBuffer = 65536;        ///< [bytes]
 constexpr int kTries = 100;                   ///< names of temporary files, of which each is free almost surely
+constexpr int kMostLinks = 40;                ///< in a row, as Linux follows
 constexpr std::size_t kRandomDigits = 16;     ///< hexadecimal, of such a name
 constexpr std::size_t kLongestName = 255;     ///< [bytes] NAME_MAX of Linux
 constexpr std::string_view kEnding = ".tmp";  // NAME.PROCESS-RANDOM.tmp
+constexpr int kMostEntries = 10'000;          ///< of a folder that are searched for temporary files of dead processes: about 2 ms
 
-/// A file descriptor that is closed with its owner.
-class Descriptor {
- public:
-  explicit Descriptor(int file = -1) : file_(file) {}
-  Descriptor(Descriptor&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(file_, other.file_);
-    return *this;
-  }
-  ~Descriptor() {
-    if (file_ >= 0) ::close(file_);
-  }
-  [[nodiscard]] int get() const noexcept { return file_; }
-  /// @returns 0, or errno: some file systems report a failed write only here.
-  [[nodiscard]] int close() noexcept {
-    const int file = std::exchange(file_, -1);
-    // Linux closes the descriptor also if a signal interrupts.
-    return file < 0 || ::close(file) == 0 || errno == EINTR ? 0 : errno;
-  }
-
- private:
-  int file_;
-};
-
-/// As open(2), again when a signal interrupts: on network file systems it may wait. @returns below 0: errno says why.
-int open_file(const char* path, int flags, mode_t mode = 0) noexcept {
-  int file = -1;
-  do file = ::open(path, flags | O_CLOEXEC | O_NOCTTY, mode);
-  while (file < 0 && errno == EINTR);
-  return file;
-}
-
-/// @returns 0, or errno of the first write that failed.
-int write_all(int file, std::span<const std::byte> bytes) noexcept {
+/// @returns 0, or errno of the first write that failed. @param stop as of open_descriptor().
+int write_all(int file, std::span<const std::byte> bytes, const std::atomic<bool>* stop = nullptr) noexcept {
   while (!bytes.empty()) {
     const ssize_t count = ::write(file, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && errno == EINTR && !is_stopped(stop)) continue;
     if (count <= 0) return count < 0 ? errno : EIO;
     bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
@@ -85,27 +60,89 @@ std::pair<std::string, std::string> folder_and_name(const std::string& path) {
 /// Puts the new name on the disk. A folder that may not be opened is left to the system.
 int sync_folder_of(const std::string& path) noexcept {
   const std::string folder = folder_and_name(path).first;
-  const Descriptor file(open_file(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY));
+  const Descriptor file(open_descriptor(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY));
   return file.get() < 0 ? 0 : sync(file.get());
 }
 
-/// @returns a name beside `path` that no other process or thread chooses.
-std::string temporary_name(const std::string& path) {
+/// @returns a name beside `path` that no other process or thread chooses. @param number of the try.
+std::string temporary_name(const std::string& path, int number) {
   std::uint64_t random = 0;
   if (::getrandom(&random, sizeof random, 0) != static_cast<ssize_t>(sizeof random))
-    random = static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(&random));  // O_EXCL and further tries do the rest
+    random =
+        static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(&random)) + static_cast<std::uint64_t>(number);  // O_EXCL does the rest
   const std::string ending = fmt::format(".{}-{:016x}{}", ::getpid(), random, kEnding);
   auto [folder, name] = folder_and_name(path);
   name.resize(std::min(name.size(), kLongestName - ending.size()));
   return folder + name + ending;
 }
 
-/// @returns what a symbolic link leads to; another path as it is.
-std::string behind_link(const std::string& path) {
-  struct stat link {};
-  if (::lstat(path.c_str(), &link) != 0 || !S_ISLNK(link.st_mode)) return path;
-  const std::unique_ptr<char, decltype(&std::free)> real(::realpath(path.c_str(), nullptr), &std::free);
-  return real != nullptr ? std::string(real.get()) : path;
+/// @returns the process in the name of a temporary file.
+pid_t process_of(std::string_view temporary) noexcept {
+  const std::string_view without_end = temporary.substr(0, temporary.rfind('-'));
+  pid_t process = 0;
+  const std::string_view digits = without_end.substr(without_end.rfind('.') + 1);
+  const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), process);
+  return read.ec == std::errc() ? process : 0;
+}
+
+/// Removes a temporary file if it is this user's, its process has gone, and nobody holds the lock that its writer has. A writer on another
+/// machine, or whose processes are numbered anew, has it.
+void remove_if_dead(int folder, const char* name) noexcept {
+  const pid_t process = process_of(name);
+  if (process <= 0 || ::kill(process, 0) == 0 || errno != ESRCH) return;
+  const Descriptor file(::openat(folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  struct stat status {};
+  if (file.get() < 0 || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != ::geteuid()) return;
+  if (::flock(file.get(), LOCK_EX | LOCK_NB) == 0) ::unlinkat(folder, name, 0);
+}
+
+/// Removes what killed processes have left of writing to `path`. Errors are no errors of the write.
+void remove_dead(const std::string& path) noexcept {
+  const std::size_t slash = path.rfind('/');
+  const std::string_view name = std::string_view(path).substr(slash == std::string::npos ? 0 : slash + 1);
+  const std::unique_ptr<DIR, int (*)(DIR*)> folder(::opendir(slash == std::string::npos ? "." : path.substr(0, slash + 1).c_str()),
+                                                   ::closedir);
+  if (!folder) return;
+  std::vector<std::string> found;
+  for (int n = 0; n < kMostEntries; ++n) {
+    const dirent* entry = ::readdir(folder.get());
+    if (entry == nullptr) break;
+    if (is_temporary_of(entry->d_name, name)) found.emplace_back(entry->d_name);
+  }
+  for (const std::string& one : found) remove_if_dead(::dirfd(folder.get()), one.c_str());
+}
+
+/// @returns what a symbolic link leads to, whether it is there or not; another path as it is.
+std::string behind_link(std::string path) {
+  for (int n = 0; n < kMostLinks; ++n) {
+    std::string to(PATH_MAX, '\0');
+    const ssize_t size = ::readlink(path.c_str(), to.data(), to.size());
+    if (size <= 0) break;  // no link
+    to.resize(static_cast<std::size_t>(size));
+    path = to.starts_with('/') ? to : folder_and_name(path).first + to;
+  }
+  return path;
+}
+
+/// Gives a new file the group and the permissions of the one that it will replace. Where the group is refused, it gets no rights. A file
+/// system without permissions refuses both.
+void copy_rights(int file, const struct stat& old) noexcept {
+  const bool same_group = ::fchown(file, static_cast<uid_t>(-1), old.st_gid) == 0;
+  static_cast<void>(::fchmod(file, old.st_mode & (same_group ? 0777 : 0707)));
+}
+
+/// Appends, or leaves the file as it was before. @param is_new this process has made it, empty. @returns 0, or errno.
+int append(Descriptor& file, const struct stat& before, bool is_new, const std::string& path, std::string_view text) {
+  const std::string target = behind_link(path);
+  int code = write_all(file.get(), std::as_bytes(std::span(text)));
+  if (code == 0) code = sync(file.get());
+  if (code == 0 && is_new) code = sync_folder_of(target);
+  if (code == 0) return file.close();
+  if (is_new)
+    ::unlink(target.c_str());
+  else if (S_ISREG(before.st_mode))
+    static_cast<void>(::ftruncate(file.get(), before.st_size));
+  return code;
 }
 
 /// What to do, for the reasons that a user can remove.
@@ -143,25 +180,26 @@ struct OutputFile::State {
     if (!temporary.empty()) ::unlink(temporary.c_str());
   }
   [[nodiscard]] Status fail(int code) {
-    if (status) status = write_error(path, code);
+    if (status) status = code == EINTR && is_stopped(stop) ? stopped_error(path) : write_error(path, code);
     return status;
   }
   [[nodiscard]] Status check_stop() {
-    if (status && stop != nullptr && stop->load(std::memory_order_relaxed))
-      status = Error{ErrorCode::unavailable, "the writing was stopped: the file is as it was before", path};
+    if (status && is_stopped(stop)) status = stopped_error(path);
     return status;
   }
   [[nodiscard]] int open_temporary(mode_t mode) {
     for (int n = 0; n < kTries; ++n) {
-      std::string name = temporary_name(target);
-      file = Descriptor(open_file(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, mode));
+      std::string name = temporary_name(target, n);
+      file = Descriptor(open_descriptor(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, mode));
       if (file.get() >= 0) temporary = std::move(name);
       if (file.get() >= 0 || errno != EEXIST) break;
     }
-    return file.get() >= 0 ? 0 : errno;
+    if (file.get() < 0) return errno;
+    static_cast<void>(::flock(file.get(), LOCK_EX | LOCK_NB));  // see remove_if_dead()
+    return 0;
   }
   [[nodiscard]] Status put(std::span<const std::byte> bytes) {
-    if (const int code = write_all(file.get(), bytes); code != 0) return fail(code);
+    if (const int code = write_all(file.get(), bytes, stop); code != 0) return fail(code);
     flushed += bytes.size();
     end = std::max(end, flushed);
     return status;
@@ -187,13 +225,16 @@ Result<OutputFile> OutputFile::create(const std::string& path, const std::atomic
   if (!is_there && errno != ENOENT) return write_error(path, errno);
   if (is_there && S_ISDIR(old.st_mode)) return write_error(path, EISDIR);
   if (is_there && !S_ISREG(old.st_mode)) {
-    state->file = Descriptor(open_file(path.c_str(), O_WRONLY));
-    if (state->file.get() < 0) return write_error(path, errno);
+    state->file = Descriptor(open_descriptor(path.c_str(), O_WRONLY, 0, stop));
+    if (state->file.get() < 0) return state->fail(errno).error();
   } else {
+    // A rename would also replace a file that is protected against writing.
+    if (is_there && ::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0) return write_error(path, errno);
     state->target = behind_link(path);
-    if (const int code = state->open_temporary(0666); code != 0) return write_error(path, code);
-    // Who may read the old file may read the new one, and nobody else. A file system without permissions refuses that.
-    if (is_there) static_cast<void>(::fchmod(state->file.get(), old.st_mode & 0777));
+    // Who may read the old file may read the new one, and nobody else, at no time.
+    if (const int code = state->open_temporary(is_there ? 0600 : 0666); code != 0) return write_error(path, code);
+    if (is_there) copy_rights(state->file.get(), old);
+    remove_dead(state->target);
   }
   state->buffer.reserve(kBuffer);
   return OutputFile(std::move(state));
@@ -235,19 +276,30 @@ Result<std::uint64_t> OutputFile::commit() {
 }
 
 Status append_to_file(const std::string& path, std::string_view text) {
-  Descriptor file(open_file(path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666));
-  if (file.get() < 0) return write_error(path, errno);
-  struct stat before {};
-  if (::fstat(file.get(), &before) != 0) return write_error(path, errno);
-  int code = write_all(file.get(), std::as_bytes(std::span(text)));
-  if (code == 0) code = sync(file.get());
-  if (code != 0 && S_ISREG(before.st_mode)) static_cast<void>(::ftruncate(file.get(), before.st_size));
-  if (code == 0) code = file.close();
-  return code == 0 ? Status() : Status(write_error(path, code));
+  for (int n = 0; n < kTries; ++n) {
+    Descriptor file(open_descriptor(path.c_str(), O_WRONLY | O_APPEND));
+    const bool is_new = file.get() < 0 && errno == ENOENT;
+    if (is_new) file = Descriptor(open_descriptor(path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666));
+    if (file.get() < 0) return write_error(path, errno);
+    // What is cut off after an error is this process's own. Some file systems have no locks.
+    while (::flock(file.get(), LOCK_EX) != 0 && errno == EINTR) continue;
+    struct stat before {
+    }, named{};
+    if (::fstat(file.get(), &before) != 0) return write_error(path, errno);
+    const bool same = ::stat(path.c_str(), &named) == 0 && named.st_ino == before.st_ino && named.st_dev == before.st_dev;
+    if (!same) continue;  // whoever made it could not write, and removed it
+    if (const int code = append(file, before, is_new && before.st_size == 0, path, text); code != 0) return write_error(path, code);
+    return {};
+  }
+  return write_error(path, EBUSY);
 }
 
 Error write_error(const std::string& path, int code) {
   return bad_input(std::string("cannot be written: ") + std::strerror(code) + remedy_of(code), path);
+}
+
+Error stopped_error(const std::string& path) {
+  return {ErrorCode::unavailable, "the writing was stopped: the file is as it was before", path};
 }
 
 bool is_temporary_of(std::string_view name, std::string_view of) noexcept {

@@ -18,9 +18,11 @@ namespace burrhole {
 
 class OutputFile {
  public:
-  /// Opens a new temporary file in the folder of `path`; no other process has its name. A symbolic link is followed. What is no regular
-  /// file (a pipe, a device) is written directly. bad_input also for a folder. @param stop once true, write() and commit() fail with
-  /// `unavailable`; a signal handler may set it. Null: never.
+  /// Opens a new temporary file in the folder of `path`; no other process has its name. A symbolic link is followed, also to a file that is
+  /// not there yet. The new file has the group and the permissions of the old one; other hard links keep the old content. What is no regular
+  /// file (a pipe, a device) is written directly. bad_input also for a folder, and for a file that is protected against writing. @param stop once true, write() and commit() fail with
+  /// `unavailable`; a signal handler may set it. Null: never. Temporary files of the same name that killed processes of this user have left
+  /// are removed; of a folder with more than 10,000 files, the first of them are searched.
   [[nodiscard]] static Result<OutputFile> create(const std::string& path, const std::atomic<bool>* stop = nullptr);
   OutputFile(OutputFile&&) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
@@ -44,14 +46,18 @@ class OutputFile {
   std::unique_ptr<State> state_;
 };
 
-/// Adds a text to the end of a file, which is made if it is not there, and waits for the disk. After an error the file is as it was before.
+/// Adds a text to the end of a file, which is made if it is not there, and waits for the disk. Of processes that append to one file each adds
+/// its text whole. After an error the file is as it was before: it is not there if it was not.
 [[nodiscard]] Status append_to_file(const std::string& path, std::string_view text);
 
 /// @returns the error of a write that failed. @param code errno.
 [[nodiscard]] Error write_error(const std::string& path, int code);
 
+/// @returns the error of a write that was stopped: `unavailable`.
+[[nodiscard]] Error stopped_error(const std::string& path);
+
 /// @returns whether `name` is that of a temporary file for the file `of`, both without folder: such a file stays only when its process was
-/// killed.
+/// killed, until the next write to that name.
 [[nodiscard]] bool is_temporary_of(std::string_view name, std::string_view of) noexcept;
 
 }  // namespace burrhole

@@ -373,6 +373,7 @@ void TableReader::finish() {
 struct TomlDocument::State {
   std::shared_ptr<const ParsedFile> parsed;
   RenamedKeys renamed = renamed_keys();
+  std::size_t parses = 1;
 };
 
 TomlDocument::TomlDocument(std::shared_ptr<State> state) : state_(std::move(state)) {}
@@ -387,7 +388,7 @@ Result<TomlDocument> TomlDocument::parse(std::string_view text, const std::strin
   Result<toml::table> root = parse_table(text, file_name);
   if (!root) return root.error();
   auto parsed = std::make_shared<ParsedFile>(ParsedFile{file_name, std::string(text), {}, {}, {}, {}, std::move(root).value()});
-  return TomlDocument(std::make_shared<State>(State{std::move(parsed), renamed_keys()}));
+  return TomlDocument(std::make_shared<State>(State{std::move(parsed), renamed_keys(), 1}));
 }
 
 /// The same text with the same changes, afresh: copying a toml::table drops its line numbers, and readers or other documents may share it.
@@ -403,17 +404,25 @@ static Result<std::shared_ptr<ParsedFile>> parse_again(const ParsedFile& old) {
   }
   return next;
 }
-Status TomlDocument::change(const toml_wrapper::Assignment& assignment) {
+Issues TomlDocument::apply(const std::vector<TomlChange>& changes) {
+  if (changes.empty()) return {};
   auto next = parse_again(*state_->parsed);
-  if (!next) return next.error();
-  if (Status status = assign(**next, assignment); !status) return status;
-  state_ = std::make_shared<State>(State{*next, state_->renamed});
-  return {};
+  if (!next) return {next.error()};
+  Issues issues;
+  for (const TomlChange& one : changes)
+    if (Status status = assign(**next, {one.text, one.option, one.removes}); !status) issues.push_back(status.error());
+  if (issues.empty()) state_ = std::make_shared<State>(State{*next, state_->renamed, state_->parses + 1});
+  return issues;
 }
 Status TomlDocument::set(std::string_view assignment, const std::string& option) {
-  return change({std::string(assignment), option, false});
+  const Issues issues = apply({{std::string(assignment), option, false}});
+  return issues.empty() ? Status() : Status(issues.front());
 }
-Status TomlDocument::unset(std::string_view path, const std::string& option) { return change({std::string(path), option, true}); }
+Status TomlDocument::unset(std::string_view path, const std::string& option) {
+  const Issues issues = apply({{std::string(path), option, true}});
+  return issues.empty() ? Status() : Status(issues.front());
+}
+std::size_t TomlDocument::parses() const noexcept { return state_->parses; }
 std::vector<std::string> TomlDocument::changes() const {
   std::vector<std::string> out;
   for (const Assignment& one : state_->parsed->assignments) out.push_back((one.removes ? "unset " : "") + one.text);
@@ -424,10 +433,10 @@ std::vector<Renaming> TomlDocument::rename(RenamedKeys table) {
   if (!next) return {};  // it was parsed before
   (*next)->renames.emplace_back((*next)->assignments.size(), table);
   std::vector<Renaming> done = toml_wrapper::rename((*next)->root, table);
-  state_ = std::make_shared<State>(State{*next, state_->renamed});
+  state_ = std::make_shared<State>(State{*next, state_->renamed, state_->parses + 1});
   return done;
 }
-void TomlDocument::report_renamed(RenamedKeys table) { state_ = std::make_shared<State>(State{state_->parsed, table}); }
+void TomlDocument::report_renamed(RenamedKeys table) { state_ = std::make_shared<State>(State{state_->parsed, table, state_->parses}); }
 TableReader TomlDocument::root(Issues& issues, KeyLog* log) const {
   auto state = std::make_shared<TableReader::State>();
   state->parsed = state_->parsed;

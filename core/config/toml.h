@@ -20,9 +20,6 @@
 namespace burrhole {
 
 struct KeyLog;
-namespace toml_wrapper {
-struct Assignment;
-}
 
 /// Every error found, in the order of the reads; empty means valid.
 using Issues = std::vector<Error>;
@@ -87,6 +84,13 @@ class TableReader {
   std::shared_ptr<State> state_;
 };
 
+/// A change of a document, as given: see TomlDocument::set() and unset().
+struct TomlChange {
+  std::string text;
+  std::string option = "--set";
+  bool removes = false;
+};
+
 /// A parsed file. Does not throw; toml++ exceptions are converted to errors.
 class TomlDocument {
  public:
@@ -98,6 +102,10 @@ class TomlDocument {
   [[nodiscard]] Status set(std::string_view assignment, const std::string& option = "--set");
   /// Removes a table or a key. bad_input: it is not there.
   [[nodiscard]] Status unset(std::string_view path, const std::string& option = "--unset");
+  /// As set() and unset() of each in order, for which the text is parsed once. @returns all errors; after one the document is as it was.
+  [[nodiscard]] Issues apply(const std::vector<TomlChange>& changes);
+  /// @returns how often the text was parsed for this document and those that it was copied from.
+  [[nodiscard]] std::size_t parses() const noexcept;
   /// @returns what set() and unset() were given, in order; a removal as "unset PATH".
   [[nodiscard]] std::vector<std::string> changes() const;
   /// Brings keys of earlier versions to today's names and units. @returns what was renamed, in the order of the table. Later calls of set()
@@ -114,7 +122,6 @@ class TomlDocument {
  private:
   struct State;
   explicit TomlDocument(std::shared_ptr<State> state);
-  [[nodiscard]] Status change(const toml_wrapper::Assignment& assignment);
   std::shared_ptr<State> state_;
 };
 

@@ -13,7 +13,7 @@
 namespace burrhole::toml_wrapper {
 namespace {
 
-constexpr std::size_t kMostAssignments = 1000;  // each is applied again for every later one
+constexpr std::size_t kMostAssignments = 1000;  // given one by one, each is applied again for every later one
 
 /// Whether `path` equals `top` or lies under it.
 bool lies_under(const std::string& path, const std::string& top) {

@@ -6,11 +6,12 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/input_file.h"
 #include "core/base/result.h"
 
 namespace burrhole {
 
-inline constexpr std::size_t kMostTomlBytes = 4u << 20;
+inline constexpr std::size_t kMostTomlBytes = kTomlInput.most_bytes;
 inline constexpr std::size_t kMostNested = 32;     ///< arrays and inline tables one in another
 inline constexpr std::size_t kMostKeyParts = 16;   ///< of a dotted key or of the name of a table
 inline constexpr std::size_t kLongestKey = 256;    ///< [bytes] of one part

@@ -23,7 +23,14 @@ void DrillMonitor::follow(const Tip& tip, double voxel_edge, const Solid& solid)
   progress_.depth = depth;
   progress_.deepest = std::max(progress_.deepest, progress_.depth);
   progress_.peak_force = std::max(progress_.peak_force, tip.force);
-  if (progress_.breakthrough_time) return;
+  if (!progress_.breakthrough_time) follow_axis(tip, at, voxel_edge, speed, solid);
+  support_.look(tip.time, depth, tip.thrust, progress_.passed_time.has_value());
+  progress_.loss = support_.worst();
+}
+
+template <class Solid>
+void DrillMonitor::follow_axis(const Tip& tip, const Vec3& at, double voxel_edge, double speed, const Solid& solid) noexcept {
+  const Approach& a = *approach_;
   if (!progress_.passed_time && tip.force > kAsideForce)
     progress_.largest_aside = std::max(progress_.largest_aside, std::hypot(at.x, at.y));
 
@@ -69,6 +76,7 @@ void DrillMonitor::bone_grew(std::span<const std::uint8_t> bone) noexcept {
   progress_.open_axis = std::ranges::find(start_, std::uint8_t{1}) == start_.end();
   if (!grew) return;
   const auto first = static_cast<std::size_t>(std::ranges::find(cut_, std::uint8_t{0}) - cut_.begin());
+  support_.forget();
   DrillProgress now;
   now.depth = progress_.depth;
   now.deepest = progress_.deepest;
@@ -80,7 +88,8 @@ void DrillMonitor::bone_grew(std::span<const std::uint8_t> bone) noexcept {
 }
 
 void DrillMonitor::look(const ContactView& bone, const Vec3& tip_bone, const Vec3& force, double engagement, double time) noexcept {
-  follow({tip_bone, glm::length(force), engagement, time}, bone.voxel_edge(), [&](std::size_t n) {
+  const double thrust = glm::dot(force, approach_->bone_from_approach.rotate(Vec3(0.0, 0.0, 1.0)));
+  follow({tip_bone, glm::length(force), thrust, engagement, time}, bone.voxel_edge(), [&](std::size_t n) {
     const Vec3& index = approach_->axis_index[n];
     if (bone.knows(voxel_of(index))) cut_[n] = bone.sample(index) < kSurfaceLevel ? 1 : 0;
     return cut_[n] == 0;
@@ -88,7 +97,7 @@ void DrillMonitor::look(const ContactView& bone, const Vec3& tip_bone, const Vec
 }
 
 void DrillMonitor::look(const AxisSamples& axis, double voxel_edge, const Vec3& tip_bone, double time) noexcept {
-  follow({tip_bone, 0.0, 0.0, time}, voxel_edge, [&](std::size_t n) { return axis.bone[n] != 0; });
+  follow({tip_bone, 0.0, 0.0, 0.0, time}, voxel_edge, [&](std::size_t n) { return axis.bone[n] != 0; });
 }
 
 }  // namespace burrhole

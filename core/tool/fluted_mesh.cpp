@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "core/base/portable_math.h"
@@ -28,6 +29,15 @@ struct ProfilePoint {
 constexpr std::array kProfile{ProfilePoint{0.0, 0.0, 0.0},    ProfilePoint{0.06, 0.0, 0.08}, ProfilePoint{0.30, 0.35, 0.40},
                               ProfilePoint{0.50, 0.75, 0.65}, ProfilePoint{0.70, 1.0, 0.90}, ProfilePoint{0.92, 1.0, 1.0}};
 
+// Of a twist drill: margin, land with body clearance, flute down to the web. Usual proportions of drills of this size: a margin of a tenth and a
+// land of half of the pitch of the flutes, a body clearance of 4 % of the radius, a web of 0.3 of the diameter, a back taper of 2 % here so that
+// the margins in the hole are seen.
+constexpr double kDrillFlute = 0.7, kBackTaper = 0.98;  // [-] deepest flute, of the radius; radius of the body, of the point's
+constexpr std::array kDrillProfile{ProfilePoint{0.0, 0.0, 0.0},   ProfilePoint{0.06, 0.0, 0.0},  ProfilePoint{0.08, 0.06, 0.0},
+                                   ProfilePoint{0.22, 0.06, 0.0}, ProfilePoint{0.36, 0.06, 0.0}, ProfilePoint{0.50, 0.06, 0.0},
+                                   ProfilePoint{0.58, 0.55, 0.0}, ProfilePoint{0.70, 1.0, 0.0},  ProfilePoint{0.84, 1.0, 0.0},
+                                   ProfilePoint{0.94, 0.64, 0.0}};
+
 bool cuts(const ToolSpec& spec, const OutlinePiece& piece) { return spec.regions[piece.solid].erosion.base > 0.0; }
 
 bool meets(double a, double b) { return std::abs(a - b) < kOutlineTolerance; }
@@ -35,13 +45,12 @@ bool meets(double a, double b) { return std::abs(a - b) < kOutlineTolerance; }
 bool meet(const Meridian& a, const Meridian& b) { return glm::length(a - b) < kOutlineTolerance; }
 
 /// Corners of a ring; every ring of a bit has the same number.
-std::vector<ProfilePoint> ring_profile(int edges) {
-  const int between =
-      std::max(1, (kLeastCorners + edges * static_cast<int>(kProfile.size()) - 1) / (edges * static_cast<int>(kProfile.size())));
+std::vector<ProfilePoint> ring_profile(int edges, std::span<const ProfilePoint> profile) {
+  const int corners = edges * static_cast<int>(profile.size()), between = std::max(1, (kLeastCorners + corners - 1) / corners);
   std::vector<ProfilePoint> ring;
   for (int edge = 0; edge < edges; ++edge)
-    for (std::size_t n = 0; n < kProfile.size(); ++n) {
-      const ProfilePoint from = kProfile[n], to = n + 1 < kProfile.size() ? kProfile[n + 1] : ProfilePoint{1.0, 0.0, 0.0};
+    for (std::size_t n = 0; n < profile.size(); ++n) {
+      const ProfilePoint from = profile[n], to = n + 1 < profile.size() ? profile[n + 1] : ProfilePoint{1.0, 0.0, 0.0};
       for (int i = 0; i < between; ++i) {
         const double t = static_cast<double>(i) / between;
         ring.push_back({(edge + from.share + t * (to.share - from.share)) / edges, from.depth + t * (to.depth - from.depth),
@@ -79,10 +88,13 @@ class FlutedBit {
   FlutedBit(const ToolSpec& spec, const CuttingEdges& edges)
       : spec_(&spec),
         edges_(edges),
-        profile_(ring_profile(edges.count)),
         heights_(cutting_heights(spec)),
-        body_(find_drill_body(spec, edges)) {
-    if (body_) heights_.second = spec.regions[*body_].solid.z_high;
+        body_(find_drill_body(spec, edges)),
+        profile_(body_ ? ring_profile(edges.count, kDrillProfile) : ring_profile(edges.count, kProfile)) {
+    if (!body_) return;
+    heights_.second = spec.regions[*body_].solid.z_high;
+    edges_.depth = kDrillFlute;
+    web_ = (1.0 - kDrillFlute) * spec.regions[*body_].solid.largest_radius();
   }
 
   [[nodiscard]] std::vector<Vec3> triangles() {
@@ -133,6 +145,7 @@ class FlutedBit {
       const double angle = kTurn * p.share + turned;
       const double z = at.y + (falls ? edges_.relief * p.fall : 0.0);
       double r = at.x * (fluted ? 1.0 - edges_.depth * p.depth : 1.0);
+      r = std::max(r, std::min(at.x, web_));  // the web of a drill reaches into its point
       // An inclined flank uses the end with the relief of the adjoining end face.
       if (falls && meets(at.x, solid.low_radius)) r *= solid.radius(z) / solid.low_radius;
       if (falls && solid.low_bore > 0.0 && meets(at.x, solid.low_bore)) r *= solid.bore(z) / solid.low_bore;
@@ -156,9 +169,10 @@ class FlutedBit {
 
   const ToolSpec* spec_;
   CuttingEdges edges_;
-  std::vector<ProfilePoint> profile_;
   std::pair<double, double> heights_;  // [m]
   std::optional<std::size_t> body_;    // region
+  std::vector<ProfilePoint> profile_;
+  double web_ = 0.0;  // [m] radius
   std::vector<Vec3> corners_;
 };
 
@@ -279,7 +293,24 @@ int teeth_of(const ToolSpec& spec) {
   return edges > 0 ? edges : kToAndFro;
 }
 
-TriangleMesh make_fluted_mesh(const ToolSpec& spec) {
+ToolSpec as_drawn(const ToolSpec& spec) {
+  const auto body = find_drill_body(spec, find_cutting_edges(spec));
+  if (!body) return spec;
+  double widest = 0.0;
+  for (const RegionSpec& region : spec.regions)
+    if (region.erosion.base > 0.0) widest = std::max(widest, region.solid.largest_radius());
+  ToolSpec out = spec;
+  Solid& solid = out.regions[*body].solid;
+  if (solid.largest_radius() >= kBackTaper * widest) return spec;
+  solid.low_radius = solid.high_radius = kBackTaper * widest;
+  auto outline = make_outline(out.solids());
+  if (!outline) return spec;  // no single body any more: other regions lie round it
+  out.outline = std::move(outline).value();
+  return out;
+}
+
+TriangleMesh make_fluted_mesh(const ToolSpec& as_filed) {
+  const ToolSpec spec = as_drawn(as_filed);
   const CuttingEdges edges = find_cutting_edges(spec);
   const std::vector<Vec3> teeth = saw_teeth(spec);
   if (edges.count == 0 && teeth.empty()) return make_tool_mesh(spec);

@@ -1,5 +1,6 @@
 /// core/tool/fluted_mesh.h: mesh of a bit with flutes and cutting edges, for pictures only. Contact and erosion use the solid of revolution
-///   that the spinning bit sweeps; the fluted mesh sweeps the same solid.
+///   that the spinning bit sweeps; the fluted mesh sweeps the same solid,
+///   except for the body of a twist drill (as_drawn()).
 ///   Frame   tool frame.   Units  SI.   Errors  none.
 ///   Source  own derivation. Numbers of edges, rake and relief are estimates from pictures of bits, not measurements.
 #pragma once
@@ -24,9 +25,14 @@ struct CuttingEdges {
 /// @returns Tool::teeth: the key `teeth`, or the number of edges by the shape, or 2 for a tool that is no solid of revolution.
 [[nodiscard]] int teeth_of(const ToolSpec& spec);
 
-/// @returns a closed mesh, counter-clockwise seen from outside, with hard edges. No vertex lies outside the bit's solids. One revolution of
+/// The tool as pictures show it. The body of a twist drill has margins of nearly the diameter of its point along its whole length, and flutes
+/// between; for contact it is a thinner cylinder, since flutes and clearance carry no load. In pictures it is as wide as its margins are.
+/// @returns the same tool if it is no twist drill, or its body is as wide already.
+[[nodiscard]] ToolSpec as_drawn(const ToolSpec& spec);
+
+/// @returns a closed mesh of as_drawn(), counter-clockwise seen from outside, with hard edges. No vertex lies outside its solids. One revolution of
 /// the mesh sweeps every point of their surface to within 0.1 mm (tested for every shipped tool). The bit cuts when it turns clockwise seen
 /// from above (+z).
-[[nodiscard]] TriangleMesh make_fluted_mesh(const ToolSpec& spec);
+[[nodiscard]] TriangleMesh make_fluted_mesh(const ToolSpec& as_filed);
 
 }  // namespace burrhole

@@ -164,7 +164,20 @@ void join(ToolFaces& faces) noexcept {
 }  // namespace
 
 ToolSurface::ToolSurface(const ToolSpec& spec) {
-  for (const RegionSpec& region : spec.regions) parts_.push_back({region.solid, kCellRadius * pitch_of(region)});
+  for (const RegionSpec& region : spec.regions) parts_.push_back({region.solid, kCellRadius * pitch_of(region), region.erosion.base > 0.0});
+}
+
+bool ToolSurface::cuts_at(const Vec3& p) const noexcept {
+  if (!nodes_.empty()) return p.z >= cut_from_ && p.z <= cut_to_;
+  const auto owner = std::ranges::find_if(parts_, [&](const Part& part) { return part.solid.contains(p); });
+  return owner != parts_.end() && owner->cuts;
+}
+
+std::vector<double> ToolSurface::region_heights() const {
+  std::vector<double> out;
+  if (!nodes_.empty()) out = {cut_from_, cut_to_};
+  for (const Part& part : parts_) out.insert(out.end(), {part.solid.z_low, part.solid.z_high});
+  return out;
 }
 
 std::optional<Vec3> ToolSurface::nearest(const Vec3& p) const noexcept {

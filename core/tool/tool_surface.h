@@ -44,11 +44,16 @@ class ToolSurface {
   [[nodiscard]] std::optional<Vec3> nearest(const Vec3& p) const noexcept BH_REALTIME;
   /// @returns the faces at a point of the shell.
   [[nodiscard]] ToolFaces faces_at(const Vec3& p) const noexcept;
+  /// @returns whether the material at p belongs to a region that cuts, of a mesh: to its cutting heights. False outside the tool.
+  [[nodiscard]] bool cuts_at(const Vec3& p) const noexcept;
+  /// @returns heights [m] at which regions begin and end, not sorted.
+  [[nodiscard]] std::vector<double> region_heights() const;
 
  private:
   struct Part {
     Solid solid;
     double cell_radius = 0.0;  ///< [m]
+    bool cuts = false;
   };
   struct Triangle {
     Vec3 a{0.0}, b{0.0}, c{0.0};
@@ -65,6 +70,7 @@ class ToolSurface {
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;
   double mesh_cell_radius_ = 0.0;
+  double cut_from_ = 0.0, cut_to_ = -1.0;  // [m] heights between which a mesh cuts
 };
 
 }  // namespace burrhole

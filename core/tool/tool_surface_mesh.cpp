@@ -42,6 +42,7 @@ Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
 }  // namespace
 
 ToolSurface::ToolSurface(const MeshToolSpec& spec, const SurfaceMesh& mesh) : mesh_cell_radius_(kCellRadius * spec.pitch) {
+  if (spec.erosion_factor > 0.0) cut_from_ = spec.cut_from, cut_to_ = spec.cut_to;
   for (std::size_t n = 0; n + 2 < mesh.indices.size(); n += 3)
     triangles_.push_back({mesh.positions[mesh.indices[n]], mesh.positions[mesh.indices[n + 1]], mesh.positions[mesh.indices[n + 2]]});
   if (triangles_.empty()) return;

@@ -5,14 +5,17 @@
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <optional>
 #include <ostream>
+#include <system_error>
 
 #include "core/base/assert.h"
 #include "core/base/input_file.h"
 #include "core/base/output_stream.h"
+#include "core/voxel/vdb_header.h"
 
 namespace burrhole {
 namespace {
@@ -232,24 +235,21 @@ Status write_vdb(const std::string& path, const Vec3i& dims, const Affine& bone_
 
 namespace {
 
-/// Checks the header before OpenVDB reads it: OpenVDB prints a message about an unknown version to the standard error.
+static_assert(openvdb::OPENVDB_FILE_VERSION >= kNewestVdbVersion);
+
+/// @returns why OpenVDB may not read a file.
 std::optional<std::string> start_fault(const std::string& path) {
   if (Status regular = check_regular_file(path); !regular) return regular.error().message;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) return "cannot be read: " + error.message();
   std::ifstream stream(path, std::ios::binary);
-  std::int64_t magic = 0;
-  std::uint32_t version = 0;
-  stream.read(reinterpret_cast<char*>(&magic), sizeof magic);
-  stream.read(reinterpret_cast<char*>(&version), sizeof version);
-  if (!stream || magic != openvdb::OPENVDB_MAGIC) return "is no .vdb file";
-  if (version > openvdb::OPENVDB_FILE_VERSION)
-    return "has version " + std::to_string(version) + " of the format, at most " + std::to_string(openvdb::OPENVDB_FILE_VERSION) +
-           " is read";
-  return std::nullopt;
+  return vdb_header_fault(stream, size);
 }
 
 /// All grids of a file. Read as a stream that throws at its end: io::File does not check whether reads succeed, and builds
 /// trees from whatever was in memory (measured: up to 9 GB, or without end, from 100 kB with a few damaged bytes). What is left is a length
-/// of a name, up to 4 GB for a moment, and what OpenVDB loses when reading throws within a tree: a path of nodes, once a refused file.
+/// of a name that vdb_header_fault() did not see, up to 4 GB for a moment, and what OpenVDB loses when reading throws within a tree: a path of nodes, once a refused file.
 openvdb::GridPtrVecPtr read_all_grids(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);

@@ -17,6 +17,8 @@ import seed_dicom  # noqa: E402
 import seed_images  # noqa: E402
 import seed_markups  # noqa: E402
 import seed_meshes  # noqa: E402
+import seed_sessions  # noqa: E402
+import seed_vdb  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE = '[volume]\nsource = "phantom:plate"\n[tool]\nname = "any"\nspin_rpm = 1000\n[approach]\nentry_mm = [0, 0, 0]\n[hand]\n'
@@ -156,10 +158,11 @@ def main():
         sys.exit("usage: seeds.py FOLDER")
     folder = Path(sys.argv[1])
     seeds = {"scene": scenes(), "override": overrides(), "tool": tools(), "raw_sidecar": raw_sidecars(), "dicom": seed_dicom.files(), "mesh": seed_meshes.files(),
-             "markups": seed_markups.files(), **seed_images.files()}
+             "markups": seed_markups.files(), "session": seed_sessions.files(), "vdb": seed_vdb.files(), **seed_images.files()}
     words = {"scene": words_of(reference("scene")), "override": words_of(reference("scene")), "tool": words_of(reference("tool")), "raw_sidecar": words_of(reference("raw")),
              "metaimage": literals("volumes/read/meta_header.cpp"), "nrrd": literals("volumes/read/nrrd_header.cpp"),
              "markups": literals("volumes/read/markups.cpp"),
+             "vdb": {entry[0].decode() for entry in seed_vdb.ENTRIES},
              "mesh": literals("volumes/read/ply_format.cpp") | literals("volumes/read/stl_format.cpp")}
     for name, files in seeds.items():
         (folder / name).mkdir(parents=True, exist_ok=True)

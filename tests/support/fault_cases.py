@@ -8,15 +8,18 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 SCENE = SOURCE / "tests" / "data" / "scenes" / "quick_plate.toml"
 
 
-def small_scan(folder):
-    """A ball of bone in air, as NRRD."""
-    n, values = 24, bytearray()
+TOOLS = ("round_burr_3mm", "round_burr_4mm", "round_burr_5mm")
+
+
+def small_scan(folder, n):
+    """A ball of bone in air, of n voxels an edge, as NRRD."""
+    values = bytearray()
     for k in range(n):
         for j in range(n):
             for i in range(n):
-                inside = (i - 12) ** 2 + (j - 12) ** 2 + (k - 12) ** 2 < 64
+                inside = (i - n // 2) ** 2 + (j - n // 2) ** 2 + (k - n // 2) ** 2 < (n // 3) ** 2
                 values += struct.pack("<h", 1200 if inside else -1000)
-    path = pathlib.Path(folder) / "scan.nrrd"
+    path = pathlib.Path(folder) / f"scan_{n}.nrrd"
     head = (f"NRRD0004\ntype: short\ndimension: 3\nspace: LPS\nsizes: {n} {n} {n}\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
             "space origin: (0,0,0)\nendian: little\nencoding: raw\n\n")
     path.write_bytes(head.encode() + bytes(values))
@@ -24,15 +27,19 @@ def small_scan(folder):
 
 
 def cases(folder):
-    scan = small_scan(folder)
-    drill = ["drill", SCENE, "--offscreen", "--force", "--quiet", "--set", "duration_s=0.6"]
-    out = [
-        Case("drill", lambda out: [*drill, "--out", out], cleared=True, draws=True),
-        Case("drill --live", lambda out: [*drill, "--live", "--out", out], cleared=True, draws=True),
-        Case("drill without pictures", lambda out: [*drill, "--live", "--no-pictures", "--out", out], cleared=True),
-        Case("import", lambda out: ["import", scan, "--volume", out / "bone.vdb"]),
-        Case("export", lambda out: ["export", scan, "-o", out / "bone.stl", "--force"]),
-        Case("render", lambda out: ["render", SCENE, "--image", out / "picture.png"], draws=True),
-        Case("tools", lambda out: ["tools", "round_burr_3mm", "--image", out / "bit.png"], draws=True, other_program=True),
+    """Each case has three runs, numbered `who`, of which no two write equal files."""
+    scans = [small_scan(folder, n) for n in (24, 28, 32)]
+
+    def drill(out, who, *more):
+        mine = (f'title="Run {who}"', f"hand.seed={who + 1}", f"volume.extent_mm=[8, 8, {3 + 0.4 * who}]", f"display.size=[{160 + 16 * who}, 120]", "duration_s=0.6")
+        return ["drill", SCENE, "--offscreen", "--force", "--quiet", *(word for key in mine for word in ("--set", key)), *more, "--out", out]
+
+    return [
+        Case("drill", drill, cleared=True, draws=True),
+        Case("drill --live", lambda out, who: drill(out, who, "--live"), cleared=True, draws=True),
+        Case("drill without pictures", lambda out, who: drill(out, who, "--live", "--no-pictures"), cleared=True),
+        Case("import", lambda out, who: ["import", scans[who], "--volume", out / "bone.vdb"]),
+        Case("export", lambda out, who: ["export", scans[who], "-o", out / "bone.stl", "--force"]),
+        Case("render", lambda out, who: ["render", SCENE, "--size", f"{160 + 16 * who}x120", "--image", out / "picture.png"], draws=True),
+        Case("tools", lambda out, who: ["tools", TOOLS[who], "--image", out / "bit.png"], draws=True, other_program=True),
     ]
-    return out

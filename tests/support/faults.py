@@ -5,6 +5,7 @@ each of them must be the old one, a whole new one, or gone where the run clears 
 """
 import collections
 import contextlib
+import hashlib
 import json
 import os
 import pathlib
@@ -36,11 +37,34 @@ CALL = re.compile(r"^(\d+) +(\w+)\((.*)$")
 
 
 class Case:
-    """@param command of a folder: the arguments of the program. @param cleared: a run removes the files of an earlier one before it starts.
-    @param draws: Mesa's software driver waits for ever for a thread that it did not get, so none is refused. @param other_program: gnuplot draws, which gives up at an interrupted call."""
+    """@param command of a folder and of a number from 0 to 2: the arguments of the program, of three runs whose files differ by their marks.
+    @param cleared: a run removes the files of an earlier one before it starts. @param draws: Mesa's software driver waits for ever for a
+    thread that it did not get, so none is refused. @param other_program: gnuplot draws, which gives up at an interrupted call."""
 
     def __init__(self, name, command, cleared=False, draws=False, other_program=False):
         self.name, self.command, self.cleared, self.draws, self.other_program = name, command, cleared, draws, other_program
+
+
+def mark_of(path):
+    """@returns what says whose a file is: the title of the run, the size of a picture or of a bone, the number of triangles, or its hash."""
+    data = path.read_bytes()
+    if path.suffix == ".json":
+        return json.loads(data)["title"]
+    if path.suffix == ".html":
+        return re.search(rb"<title>(.*?)</title>", data, re.DOTALL).group(1)
+    if path.suffix == ".sqlite":
+        with tempfile.TemporaryDirectory() as copy:
+            shutil.copy(path, copy)
+            with contextlib.closing(sqlite3.connect(os.path.join(copy, path.name))) as session:
+                return re.search(r"title = .*", session.execute("SELECT value FROM meta WHERE key = 'scene'").fetchone()[0]).group(0)
+    if path.suffix == ".vdb":
+        at = data.index(b"burrhole_dims")
+        return data[at:at + 64].partition(b"vec3i")[2][:16]
+    if path.suffix == ".stl":
+        return data[80:84]
+    if path.name == "bit.png":
+        return hashlib.sha256(data).hexdigest()  # a drawing of a bit always has the same size
+    return data[16:24]
 
 
 def is_whole(path):
@@ -92,7 +116,9 @@ class Bench:
         self.out = self.folder / "out"
         self.old = self.folder / "old"
         self.trials = 0
+        self.not_reached = 0  # injected calls that the trial's run did not make: threads do not make the same calls in each run
         self.failures = []
+        self.raced = None  # the case whose marks are known
 
     def begin(self, case):
         """Runs the case once: its files are those of an earlier run from now on."""
@@ -114,8 +140,8 @@ class Bench:
         shutil.copytree(self.old, self.out)
         self.times = {p.name: p.stat().st_mtime_ns for p in self.out.iterdir()}  # those of the earlier run: copies keep them
 
-    def _run(self, case, around=()):
-        command = [*around, self.program, *map(str, case.command(self.out))]
+    def _run(self, case, around=(), who=0):
+        command = [*around, self.program, *map(str, case.command(self.out, who))]
         return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, env=self.environment)
 
     # ---- failed system calls ----
@@ -152,6 +178,7 @@ class Bench:
         except subprocess.TimeoutExpired:
             return self._note(label, f"hangs for more than {PATIENCE} s")
         problem = self._left(case)
+        injected = log.read_text(errors="replace")
         # oneTBB and LLVM end the process where they get no thread of their own; no file is damaged by that.
         ended = done.returncode < 0 or done.returncode > 128
         if ended and not (kind == "clone3" and done.returncode in (-signal.SIGABRT, 128 + signal.SIGABRT)):
@@ -162,8 +189,11 @@ class Bench:
             problem = problem or f"an interrupted call ends the run: exit {done.returncode}: {done.stderr.strip()[-300:]}"
         elif "internal error" in done.stderr:
             problem = problem or f"calls itself broken: {done.stderr.strip()[-300:]}"
-        elif done.returncode != 0 and not done.stderr.strip() and not MESSAGE.search(log.read_text(errors="replace")):
+        elif done.returncode != 0 and not done.stderr.strip() and not MESSAGE.search(injected):
             problem = problem or f"exit {done.returncode} without a word"
+        if problem is None and "INJECTED" not in injected:
+            self.not_reached += 1
+            return True
         return self._note(label, problem)
 
     def _not_written(self):
@@ -177,28 +207,53 @@ class Bench:
         """SIGKILL after a time [s]."""
         self.reset()
         label = f"{case.name}: killed after {after * 1e3:.0f} ms"
-        process = subprocess.Popen([self.program, *map(str, case.command(self.out))], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        process = subprocess.Popen([self.program, *map(str, case.command(self.out, 0))], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                    env=self.environment)
         time.sleep(after)
         process.send_signal(signal.SIGKILL)
         process.wait()
         problem = self._left(case, killed=True)
-        # A killed process cannot remove its temporary files. The next run into a folder of results does; elsewhere they may be anyone's.
+        # A killed process cannot remove its temporary files: the next one that writes the same does.
         if problem is None:
             again = self._run(case)
-            problem = self._left(case, killed=not case.cleared) if again.returncode == 0 else f"the next run ends with exit {again.returncode}: {again.stderr.strip()[-300:]}"
+            problem = self._left(case) if again.returncode == 0 else f"the next run ends with exit {again.returncode}: {again.stderr.strip()[-300:]}"
         return self._note(label, problem)
 
     # ---- two processes ----
 
+    def learn_marks(self, case):
+        """Runs the case three times, each alone: what marks its files. The marks of a file must differ."""
+        self.marks = []
+        for who in range(3):
+            shutil.rmtree(self.out)
+            self.out.mkdir()
+            done = self._run(case, who=who)
+            if done.returncode != 0:
+                raise RuntimeError(f"{case.name}, run {who}: exit {done.returncode}: {done.stderr}")
+            self.marks.append({p.name: mark_of(p) for p in self.out.iterdir()})
+        for name in self.marks[0]:
+            if len({mark.get(name) for mark in self.marks}) != 3:
+                raise RuntimeError(f"{case.name}: {name} does not show whose it is: {[mark.get(name) for mark in self.marks]}")
+        self.raced = case
+
+    def mixture(self, owners):
+        """@returns what is wrong with the files unless all of them are of one run, of those numbered."""
+        now = {p.name: mark_of(p) for p in self.out.iterdir() if p.name in self.marks[0]}
+        whose = {name: [n for n, known in enumerate(self.marks) if known[name] == mark] for name, mark in now.items()}
+        if any(now == self.marks[n] for n in owners):
+            return None
+        return f"the files are not those of one run of {owners}: {whose}"
+
     def race(self, case, offset):
-        """Two of the same command into one folder, the second `offset` [s] after the first. One at least succeeds."""
+        """Two runs that differ into one folder, the second `offset` [s] after the first. One at least succeeds, and all files are of one that does."""
+        if self.raced is not case:
+            self.learn_marks(case)
         self.reset()
         label = f"{case.name}: a second one after {offset * 1e3:.0f} ms"
-        command = [self.program, *map(str, case.command(self.out))]
-        first = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=self.environment)
+        commands = [[self.program, *map(str, case.command(self.out, who))] for who in (1, 2)]
+        first = subprocess.Popen(commands[0], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=self.environment)
         time.sleep(offset)
-        second = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=self.environment)
+        second = subprocess.Popen(commands[1], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=self.environment)
         errors = [p.communicate(timeout=PATIENCE)[1] for p in (first, second)]
         codes = (first.returncode, second.returncode)
         problem = self._left(case)
@@ -206,7 +261,7 @@ class Bench:
             problem = problem or f"neither succeeds: exit {codes}: {errors}"
         if any(code not in (0, 2) for code in codes):
             problem = problem or f"exit {codes}: {errors}"
-        return self._note(label, problem)
+        return self._note(label, problem or self.mixture([n for n, code in zip((1, 2), codes) if code == 0]))
 
     # ---- what is left ----
 
@@ -230,7 +285,7 @@ class Bench:
 
     def _is_earlier(self, path):
         """Whether a file is one of the earlier run that was moved aside, whole; or the folder for them, which could not be removed."""
-        if path.name == ".burrhole-earlier":
+        if path.name in (".burrhole-earlier", ".burrhole-dropped"):
             return all(p.read_bytes() == (self.old / p.name).read_bytes() for p in path.iterdir())
         name = path.name.replace(".earlier.", ".")
         return name != path.name and (self.old / name).exists() and path.read_bytes() == (self.old / name).read_bytes()

@@ -291,7 +291,8 @@ Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options) {
     const Vec3 low = options.region->centre - 0.5 * options.region->size, high = options.region->centre + 0.5 * options.region->size;
     if (glm::any(glm::greaterThan(low, hi)) || glm::any(glm::lessThan(high, lo)))
       return bad_input(fmt::format("the region round {} mm lies outside the scan, which spans {} to {} mm", mm_text(options.region->centre),
-                                   mm_text(lo), mm_text(hi)));
+                                   mm_text(lo), mm_text(hi)),
+                       options.places.region);
     // On the voxels of the whole scan, so that a region has the values of the whole.
     lo += pitch * glm::max(glm::ceil((low - lo) / pitch - 1e-6), 0.0);
     hi = glm::min(hi, high);
@@ -301,7 +302,8 @@ Result<BoneGrid> plan_grid(const Scan& scan, const BoneOptions& options) {
     return bad_input(
         fmt::format("{:.0f} x {:.0f} x {:.0f} voxels of {:g} mm are {:.0f} M, more than {:.0f} M: take a coarser spacing, or a "
                     "region (--region-mm with --centre-mm; region_mm in a scene)",
-                    count.x, count.y, count.z, pitch / kMillimetre, voxels / 1e6, kMaxResampledVoxels / 1e6));
+                    count.x, count.y, count.z, pitch / kMillimetre, voxels / 1e6, kMaxResampledVoxels / 1e6),
+        options.places.spacing);
   return BoneGrid{Vec3i(count), Affine::scaling(pitch, lo), true, share};
 }
 
@@ -374,11 +376,13 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
   out.value_max = facts.max + meaning.offset;
   out.hu_offset = meaning.offset;
   out.hounsfield = meaning.hounsfield;
+  out.surface = 0.5 * (rule.band[0] + rule.band[1]) - rule.offset;
   out.bone = builder->finish(fmt::format("{}", fmt::join(assumed, "\n")));
   if (const Status read = out.bone->read_status(); !read) return read.error();
   if (out.bone->bone_voxels() > 0) return out;
   return bad_input(fmt::format("no bone: values from {:g} to {:g} do not exceed the middle of the band {:g} to {:g}", out.value_min,
-                               out.value_max, rule.band[0], rule.band[1]));
+                               out.value_max, rule.band[0], rule.band[1]),
+                   options.band ? options.places.band : std::string());
 }
 
 }  // namespace burrhole

@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/bounds.h"
@@ -36,6 +37,11 @@ struct BoneRegion {
   Vec3 size{0.0};    ///< [m]
 };
 
+/// Where the options of a bone were given, for the errors that they cause; empty: the error has the path of the scan.
+struct BonePlaces {
+  std::string band, spacing, region;
+};
+
 struct BoneOptions {
   std::optional<std::array<double, 2>>
       band;  ///< [HU] values without bone and of full bone; [unit of the file] if the scan is not in HU; absent: 250, 400 HU
@@ -43,6 +49,7 @@ struct BoneOptions {
   std::optional<double> hu_offset;      ///< [HU] added to each value; absent: detected (scans stored as HU + 1024 are common)
   std::optional<double> spacing;        ///< [m] isotropic pitch after resampling; absent: the voxels of the scan
   std::optional<BoneRegion> region;     ///< keeps this box only; needs `spacing`
+  BonePlaces places{};
 };
 
 /// @returns the CT density [kg/m3] of [k-Wave], >= 0: four linear parts in h = HU + 1000.
@@ -80,6 +87,7 @@ struct BoneFromScan {
   double value_min = 0.0, value_max = 0.0;  ///< [HU] or [unit of the file] range of the scan, offset applied
   double hu_offset = 0.0;                   ///< [HU] offset that was applied
   bool hounsfield = false;                  ///< the values are interpreted as HU
+  double surface = 0.5;                     ///< [unit of the scan's values] from which a voxel is bone: the middle of the band
 };
 
 /// @returns the memory [bytes] that make_bone() needs in addition to the scan and the bone: slabs of the grid, and refined slices. It reads no

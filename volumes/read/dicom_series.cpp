@@ -276,13 +276,15 @@ bool lies_where(const DicomHeader& a, const DicomHeader& b) {
 
 }  // namespace
 
-Result<DicomFolder> scan_dicom_folder(const std::string& folder_or_file, const std::vector<DicomKeepTag>& keep) {
+Result<DicomFolder> scan_dicom_folder(const std::string& folder_or_file, const std::vector<DicomKeepTag>& keep,
+                                      const std::function<Status()>& goes_on) {
   const auto files = files_of(folder_or_file);
   if (!files) return files.error();
   DicomFolder out;
   ReasonCounts skipped;
   std::map<std::string, std::size_t> instances;  // to the header that has the UID
   for (const std::string& path : *files) {
+    if (Status on = goes_on(); !on) return on.error();
     auto header = read_dicom_header(path, keep);
     if (!header) return header.error();
     std::string reason = header->skip;

@@ -3,6 +3,7 @@
 ///   Order  files by path, so that the same folder gives the same report on every file system.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,9 +37,11 @@ struct DicomSeries {
   }
 };
 
-/// Reads all headers below a folder, or one file. @param keep header fields to copy. @returns bad_input if the path does not exist, cannot be
+/// Reads all headers below a folder, or one file. @param keep header fields to copy. @param goes_on called before each
+/// file: its error ends the reading. @returns bad_input if the path does not exist, cannot be
 /// read or is empty, if a single file is not a slice, or if a folder has no slice (the message gives the number of files per reason).
-[[nodiscard]] Result<DicomFolder> scan_dicom_folder(const std::string& folder_or_file, const std::vector<DicomKeepTag>& keep);
+[[nodiscard]] Result<DicomFolder> scan_dicom_folder(const std::string& folder_or_file, const std::vector<DicomKeepTag>& keep,
+                                                    const std::function<Status()>& goes_on);
 
 /// Groups slices into series and stacks each. An invalid series is returned with its error in DicomSeries::line. Behind a series that is no
 /// even stack but can be divided into two, these are listed: slices twice at each place, or two distances between slices.

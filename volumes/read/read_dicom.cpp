@@ -102,7 +102,9 @@ Status read_pixels(const DicomFolder& folder, const DicomSeries& series, const R
 Result<ReadScan> read_checked(const std::string& path, const ReadOptions& options) {
   const auto keep = keep_tags(options.keep);
   if (!keep) return keep.error();
-  const auto folder = scan_dicom_folder(path, *keep);
+  ReadOptions headers;  // a share of the headers is none of the reading: they are not reported
+  headers.stop = options.stop;
+  const auto folder = scan_dicom_folder(path, *keep, [&] { return advance(headers, 0.0); });
   if (!folder) return folder.error();
   std::vector<DicomSeries> series = group_series(*folder);
   const auto chosen = choose_series(series, options.series, path);

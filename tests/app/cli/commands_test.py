@@ -44,7 +44,9 @@ class OtherCommands(WithFolder):
         self.assertIn("less than a voxel", " ".join(json.loads(run("explain", QUICK, "--json", "--set", "contact.cutting_N_per_m=1e7", "--set", "erosion.subvoxel=false").stdout)["warnings"]))
 
     def test_the_predicted_memory_is_within_15_percent_of_the_measured_one(self):
-        for scene, sets in ((QUICK, ["display.size=[64,48]"]), (QUICK, []), ("parietal", ["duration_s=2"])):
+        # Of the last one, most is what its bone is made from.
+        large = ["volume.extent_mm=[40,40,40]", "volume.thickness_mm=6", "duration_s=0.1", "display.size=[64,48]"]
+        for scene, sets in ((QUICK, ["display.size=[64,48]"]), (QUICK, []), ("parietal", ["duration_s=2"]), (QUICK, large)):
             with self.subTest(scene=scene, sets=sets):
                 out = self.folder / "run"
                 done = run("drill", scene, "--force", "--out", out, *[a for s in sets for a in ("--set", s)])
@@ -115,9 +117,18 @@ class OtherCommands(WithFolder):
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual(struct.unpack(">II", image.read_bytes()[16:24]), size)
         self.assertNotEqual((self.folder / "off.png").read_bytes(), (self.folder / "anaglyph.png").read_bytes())
-        result = run("check", QUICK, "--set", "display.stereo=quad-buffered")
-        self.assertEqual(result.returncode, 2)
-        self.assertIn("not in this version", result.stderr)
+        result = run("render", QUICK, "--image", self.folder / "quad.png", "--size", "64x48", "--stereo", "quad")
+        self.assertEqual(result.returncode, 4)  # a file has no buffer for each eye
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        for other in ("side-by-side", "anaglyph"):
+            self.assertIn(other, result.stderr)
+
+    def test_the_shipped_head_is_shown_with_skin_and_an_opening_on_a_table(self):
+        result = run("explain", "head")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        row = " ".join(result.stdout.split())
+        for part in ("on a table", "skin with an opening of 42 mm", "an overview first"):
+            self.assertIn(part, row)
 
     def test_slices_through_the_tip_need_no_opengl(self):
         image = self.folder / "slices.png"
@@ -302,6 +313,14 @@ class Studies(WithFolder):
         self.assertEqual(len(rows), 4 * 3 * 2 * 4)
         for n, median in enumerate(kept):  # four rows a trial; a second measurement would differ
             self.assertAlmostEqual(float(rows[4 * n]["median_us"]) / median, 1.0, places=5)
+
+    def test_results_that_fresh_cannot_remove_are_an_error(self):
+        partial = self.folder / "study" / "partial_surface.txt"
+        partial.mkdir(parents=True)
+        (partial / "file").write_text("")
+        result = run("cost", "surface", "--fresh", "--out", self.folder / "study")
+        self.assertEqual((result.returncode, lines(result.stderr)), (2, [f"{partial}: the results of an interrupted call cannot be removed: "
+                                                                          "Directory not empty; give another folder by --out"]))
 
     def test_fresh_measures_all_again(self):
         out = self.folder / "study"

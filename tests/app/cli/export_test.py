@@ -2,6 +2,7 @@
 
 Run by ctest with the program's path in BURRHOLE_PROGRAM, by an interpreter that has nibabel. Needs no drawing.
 """
+import contextlib
 import gzip
 import json
 import math
@@ -126,6 +127,49 @@ class Stopped(Drilled):
                 if before:
                     self.assertEqual(out.read_bytes(), before)
                     out.unlink()
+
+
+    def test_an_interrupt_before_the_file_is_begun_ends_at_once(self):
+        """While a surface is computed there is nothing to remove."""
+        fine = ("--set", "volume.spacing_mm=0.02", "--force")
+        for name in ("new.stl", "new.vdb"):
+            with self.subTest(name):
+                process = subprocess.Popen([PROGRAM, "export", str(self.scene_path), "-o", str(self.folder / name), *fine], stdout=subprocess.PIPE,
+                                           stderr=subprocess.PIPE, text=True)
+                self.addCleanup(process.kill)
+                while not self.catches(process):
+                    self.assertIsNone(process.poll())
+                    time.sleep(0.005)
+                process.send_signal(signal.SIGINT)
+                printed, errors = process.communicate(timeout=60)
+                self.assertEqual((process.returncode, printed), (130, ""), errors)
+                self.assertIn("stopped: nothing was written", errors)
+                self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_a_second_interrupt_leaves_no_part_of_a_file_either(self):
+        fine = ("--set", "volume.spacing_mm=0.02", "--force")
+        for name in ("new.vdb", "new.nii.gz"):
+            with self.subTest(name):
+                process = subprocess.Popen([PROGRAM, "export", str(self.scene_path), "-o", str(self.folder / name), *fine], stdout=subprocess.PIPE,
+                                           stderr=subprocess.PIPE, text=True)
+                self.addCleanup(process.kill)
+                while process.poll() is None and not list(self.folder.glob("*.tmp")):
+                    time.sleep(0.001)
+                self.assertIsNone(process.poll(), "it was done before the interrupt")
+                while process.poll() is None:  # signals that wait for the same handler are one
+                    process.send_signal(signal.SIGINT)
+                printed, errors = process.communicate(timeout=60)
+                self.assertEqual((process.returncode, printed), (130, ""), errors)
+                self.assertEqual(list(self.folder.iterdir()), [])
+
+    @staticmethod
+    def catches(process):
+        """Whether the process has a handler for Ctrl-C."""
+        with contextlib.suppress(FileNotFoundError):
+            for line in Path(f"/proc/{process.pid}/status").read_text().splitlines():
+                if line.startswith("SigCgt:"):
+                    return int(line.split()[1], 16) >> (signal.SIGINT - 1) & 1
+        return 0
 
 
 class Again(Drilled):
@@ -256,7 +300,7 @@ class Plans(Drilled):
         self.assertEqual([point["label"] for point in markup["controlPoints"]], ["entry", "target"])
 
     def test_a_plan_drills_the_hole_of_the_scene_that_it_came_from(self):
-        approach = ("drill", "--offscreen", "--json", "--quiet", "--out", self.folder / "out")
+        approach = ("drill", "--offscreen", "--json", "--quiet", "--force", "--out", self.folder / "out")
         hashes = []
         for name, ras in (("plan.mrk.json", False), ("plan.fcsv", False), ("plan.mrk.json", True), ("plan.fcsv", True)):
             path = self.plan(name)

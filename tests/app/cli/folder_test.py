@@ -11,6 +11,7 @@ import math
 import os
 import pathlib
 import re
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -23,7 +24,7 @@ from program_support import lines, main, PLACE, PROGRAM, QUICK, run, SOURCE, Wit
 sys.path.insert(0, str(SOURCE / "tests" / "support"))
 import session_blocks  # noqa: E402
 
-SHORT = ("--set", "duration_s=0.1", "--quiet")
+SHORT = ("--set", "duration_s=0.1", "--quiet", "--force")  # another run than the one before
 # A bit that does not spin is pressed on for as long as the run lasts.
 STOPPED = 1 << 7  # of the faults of the servo: a stop was requested
 ENDLESS = ("--set", "duration_s=3000", "--set", "tool.spin_rpm=0")
@@ -42,7 +43,7 @@ class WithRuns(WithFolder):
         """Starts a run without pictures, and waits until it drills."""
         out = out or self.out
         before = self.session_of(out)
-        process = subprocess.Popen([PROGRAM, "drill", str(QUICK), "--no-pictures", "--out", str(out), *ENDLESS, *map(str, arguments)],
+        process = subprocess.Popen([PROGRAM, "drill", str(QUICK), "--no-pictures", "--out", str(out), "--force", *ENDLESS, *map(str, arguments)],
                                    env=without_display(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, **options)
         self.addCleanup(process.stderr.close)
         self.addCleanup(process.wait)
@@ -147,6 +148,98 @@ class OneRun(WithRuns):
         self.assertIn("records/mine.sqlite", contents(self.out))
         self.assertEqual(run("drill", QUICK, "--no-pictures", "--out", self.out, *SHORT, *named).returncode, 0)
         self.assertEqual(set(contents(self.out)), {"bone.vdb", "report.html", "records/mine.sqlite", "summary.json", "notes.txt"})
+
+    def test_files_that_burrhole_did_not_write_are_replaced_only_by_force(self):
+        drill = ("drill", QUICK, "--no-pictures", "--out", self.out, *SHORT[:-1])
+        for name in ("report.html", "bone.vdb", "before.png"):
+            with self.subTest(name):
+                self.out.mkdir()
+                (self.out / name).write_text("of a person")
+                result = run(*drill)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertEqual(lines(result.stderr), [f"{self.out / name}: is no result of burrhole drill: give another folder by --out, or "
+                                                        "--force to replace it"])
+                self.assertEqual(contents(self.out), {name: b"of a person"})
+                self.assertEqual(run(*drill, "--force").returncode, 0)
+                self.assertNotEqual(contents(self.out).get(name), b"of a person")
+                shutil.rmtree(self.out)
+
+    def test_an_input_is_not_replaced_by_the_bone_of_an_earlier_run(self):
+        old = self.earlier()
+        (self.out / "bone.vdb").rename(self.out / "bone.earlier.vdb")
+        restore = ("drill", QUICK, "--no-pictures", "--out", self.out, "--restore", self.out / "bone.earlier.vdb", *SHORT)
+        self.assertEqual(run(*restore).returncode, 0)
+        before = contents(self.out)
+        result = run(*restore)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn(f"{self.out / 'bone.earlier.vdb'}: is an input of this run", result.stderr)
+        self.assertEqual([name for name in before.keys() | contents(self.out).keys() if before.get(name) != contents(self.out).get(name)], [])
+        self.assertTrue(before["bone.earlier.vdb"] == old["bone.vdb"])
+
+
+class AnotherRun(WithRuns):
+    """Results of the same scene with other settings are those of another run."""
+
+    PLAIN = ("--no-pictures", "--set", "duration_s=0.1", "--quiet")
+
+    def drill(self, *arguments, scene=None):
+        return run("drill", scene or self.path, "--out", self.out, *arguments)
+
+    def setUp(self):
+        super().setUp()
+        self.path = self.quick()
+        first = self.drill(*self.PLAIN)
+        self.assertEqual(first.returncode, 0, first.stderr)
+        self.before = contents(self.out)
+
+    def refused(self, *needles, arguments=PLAIN):
+        result = self.drill(*arguments)
+        self.assertEqual((result.returncode, len(lines(result.stderr))), (2, 1), result.stderr)
+        for needle in ("holds results of this scene", *needles, "give another folder by --out, or --force to replace them"):
+            self.assertIn(needle, result.stderr)
+        self.assertEqual(contents(self.out), self.before)
+
+    def test_the_same_run_is_repeated(self):
+        for mode in ((), ("--live",)):
+            again = self.drill(*self.PLAIN, *mode)
+            self.assertEqual(again.returncode, 0, again.stderr)
+
+    def test_other_overrides_are_refused_and_named(self):
+        more = ("--set", "hand.push_N=12")
+        self.refused("with other overrides of the scene: the scene's own values there, hand.push_N=12 now", arguments=(*self.PLAIN, *more))
+        self.refused("duration_s=0.1 there, duration_s=0.2 now", arguments=("--no-pictures", "--set", "duration_s=0.2", "--quiet"))
+        self.refused("the tool's own values there, region.pin.erosion_factor=0.02 now", arguments=(*self.PLAIN, "--set-tool", "region.pin.erosion_factor=0.02"))
+        self.assertEqual(self.drill(*self.PLAIN, *more, "--force").returncode, 0)
+        back = self.drill(*self.PLAIN)
+        self.assertEqual(back.returncode, 2, "now they are the results with the override")
+        self.assertIn("hand.push_N=12 there, the scene's own values now", back.stderr)
+
+    def test_an_edited_scene_or_tool_is_refused(self):
+        text = self.path.read_text()
+        edited = re.sub(r"(?m)^push_N = .*$", "push_N = 11.0", text)
+        self.assertNotEqual(edited, text)
+        self.path.write_text(edited)
+        self.refused("of another version of its file: the scene was edited since")
+        self.path.write_text(text)
+        self.assertEqual(self.drill(*self.PLAIN).returncode, 0)
+        self.before = contents(self.out)
+        tool = self.folder / "pin_2mm.toml"
+        tool.write_text(tool.read_text() + "\n# sharper\n")
+        self.refused("with another tool: its file was edited since, or is another one")
+
+    def test_another_bone_under_the_same_name_is_refused(self):
+        bone = self.folder / "bone.vdb"
+        source = ("--no-pictures", "--quiet", "--set", "duration_s=0.1", "--set", f"volume.source={bone}", "--unset", "volume.spacing_mm",
+                  "--unset", "volume.extent_mm", "--unset", "volume.above_mm", "--unset", "volume.thickness_mm")
+        thick = self.folder / "thick"
+        self.assertEqual(run("drill", self.path, "--out", thick, *self.PLAIN, "--set", "volume.thickness_mm=1.4").returncode, 0)
+        bone.write_bytes((self.out / "bone.vdb").read_bytes())
+        first = self.drill(*source, "--force")
+        self.assertEqual(first.returncode, 0, first.stderr)
+        self.assertEqual(self.drill(*source).returncode, 0)
+        self.before = contents(self.out)
+        bone.write_bytes((thick / "bone.vdb").read_bytes())
+        self.refused("with another bone: the volume was replaced since, or is read differently", arguments=source)
 
 
 class Names(WithRuns):

@@ -331,6 +331,7 @@ class Memory(Hostile):
                 self.assertEqual(len(lines(done.stderr)), 1, done.stderr)
                 self.assertIn("memory", done.stderr)
         self.assertIn(0, seen, "the largest of them is enough")
+        self.assertIn(4, seen, "none of them is refused")
 
     def test_threads_that_are_refused_are_one_line_or_not_needed(self):
         program = pathlib.Path(PROGRAM)

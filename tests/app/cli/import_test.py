@@ -2,14 +2,18 @@
 
 Run by ctest with the program's path in BURRHOLE_PROGRAM. The DICOM files are written here, byte by byte, and share nothing with the reader.
 """
+import array
 import json
 import math
 import os
 import pathlib
+import random
 import shutil
+import signal
 import struct
 import subprocess
 import tempfile
+import time
 import unittest
 
 PROGRAM = os.path.abspath(os.environ["BURRHOLE_PROGRAM"])
@@ -112,6 +116,27 @@ cutting_N_per_m = 25e3
         self.assertAlmostEqual(report["shear_deg"], 0.0, places=9)
         self.assertTrue((self.folder / "bone.vdb").stat().st_size > 0)
 
+    def test_an_interrupt_while_the_bone_is_saved_leaves_no_part_of_a_file_and_what_was_there(self):
+        size = 224  # random values of bone: compressing them takes seconds
+        scan, out = self.folder / "noise.nrrd", self.folder / "out"
+        head = (f"NRRD0004\ntype: short\ndimension: 3\nspace: LPS\nsizes: {size} {size} {size}\nspace directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)\n"
+                "space origin: (0,0,0)\nendian: little\nencoding: raw\n\n")
+        values = array.array("h", (1000 + value for value in random.Random(5).randbytes(size**3)))
+        scan.write_bytes(head.encode() + values.tobytes())
+        out.mkdir()
+        (out / "bone.vdb").write_bytes(b"a bone")
+        process = subprocess.Popen([PROGRAM, "import", str(scan), "--bone-hu", "250,400", "--hu-offset", "0", "--volume", str(out / "bone.vdb"), "--quiet"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        while process.poll() is None and not list(out.glob("*.tmp")):
+            time.sleep(0.01)
+        self.assertIsNone(process.poll(), "it was done before the interrupt")
+        process.send_signal(signal.SIGINT)
+        printed, errors = process.communicate(timeout=120)
+        self.assertEqual((process.returncode, printed), (130, ""), errors)
+        self.assertIn("was stopped", errors)
+        self.assertEqual({path.name: path.read_bytes() for path in out.iterdir()}, {"bone.vdb": b"a bone"})
+
     def test_what_names_a_patient_stays_behind(self):
         out = self.folder / "out"
         texts = []
@@ -140,7 +165,7 @@ cutting_N_per_m = 25e3
         self.assertEqual(run("import", self.scan, "--volume", self.folder / "bone.vdb", "--quiet").returncode, 0)
         hashes = []
         for source in (self.scan, self.folder / "bone.vdb"):
-            result = run("drill", self.scene(source), "--out", self.folder / "out", "--json", "--quiet")
+            result = run("drill", self.scene(source), "--out", self.folder / "out", "--json", "--quiet", "--force")
             self.assertEqual(result.returncode, 0, result.stderr)
             summary = json.loads(result.stdout)
             hashes.append((summary["hash"]["voxels"], summary["hash"]["forces"]))

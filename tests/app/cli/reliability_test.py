@@ -31,6 +31,8 @@ class Reliability(WithFolder):
             for point in chosen(points, CALLS, SEED):
                 self.bench.fail_call(case, point)
         self.check()
+        # Of live runs the number of a call in its thread differs from run to run.
+        self.assertGreater(self.bench.trials, 2 * self.bench.not_reached)
 
     def test_a_killed_run_leaves_whole_files(self):
         draw = random.Random(SEED)
@@ -61,10 +63,30 @@ class Reliability(WithFolder):
         (self.bench.out / "after.png.123.tmp").write_bytes(b"")
         self.assertIn("leaves", self.bench._left(case))
         self.bench.reset()
+        if not missing_tool():
+            before = self.bench.trials
+            self.bench.fail_call(case, ("write", 60000, "EIO"))
+            self.assertEqual((self.bench.trials - before, self.bench.not_reached), (0, 1), "a call that was never made was not survived")
+            self.bench.fail_call(case, ("write", 1, "EIO"))
+            self.assertEqual((self.bench.trials - before, self.bench.not_reached), (1, 1))
+            self.bench.reset()
         other = self.folder / "other"
         self.assertEqual(run("drill", SCENE, "--offscreen", "--quiet", "--set", "duration_s=0.3", "--out", other).returncode, 0)
         (self.bench.out / "session.sqlite").write_bytes((other / "session.sqlite").read_bytes())
         self.assertIn("another session", self.bench._left(case))
+
+    def test_a_mixture_of_two_runs_is_noticed(self):
+        for case in cases(self.folder):
+            self.bench.begin(case)
+            self.bench.learn_marks(case)  # out has the files of run 2
+            self.assertIsNone(self.bench.mixture([1, 2]), case.name)
+            self.assertIsNotNone(self.bench.mixture([1]), case.name)
+            if len(self.bench.marks[0]) == 1:
+                continue
+            for name in sorted(p.name for p in self.bench.old.iterdir()):
+                self.assertEqual(self.bench._run(case, who=2).returncode, 0)
+                (self.bench.out / name).write_bytes((self.bench.old / name).read_bytes())
+                self.assertIn(name, self.bench.mixture([1, 2]) or "", name)
 
 
 if __name__ == "__main__":

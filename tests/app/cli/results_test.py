@@ -13,7 +13,7 @@ import subprocess
 import sys
 import unittest
 
-from program_support import lines, main, PROGRAM, QUICK, run, SOURCE, WithFolder, without_display
+from program_support import lines, main, PROGRAM, QUICK, run, SCENES, SOURCE, WithFolder, without_display
 
 sys.path.insert(0, str(SOURCE / "tests" / "support"))
 import session_blocks  # noqa: E402
@@ -40,7 +40,7 @@ class Drilled(WithFolder):
 
     def again(self, *arguments):
         out = self.folder / "again"
-        result = run("drill", QUICK, "--no-pictures", "--out", out, "--json", *arguments)
+        result = run("drill", QUICK, "--no-pictures", "--out", out, "--json", "--force", *arguments)
         self.assertEqual(result.returncode, 0, result.stderr)
         return json.loads(result.stdout), result.stderr, (out / "report.html").read_text()
 
@@ -131,7 +131,49 @@ class Drilled(WithFolder):
         self.assertIn("--restore", result.stderr)
 
 
+class Replaced(WithFolder):
+    def test_a_replay_whose_bone_was_replaced_says_so(self):
+        bone, out = self.folder / "source.vdb", self.folder / "out"
+        thick = self.folder / "thick"
+        self.assertEqual(run("drill", QUICK, "--no-pictures", "--out", thick, "--quiet", "--set", "duration_s=0.05", "--set", "volume.thickness_mm=1.4").returncode, 0)
+        half = self.folder / "half"
+        self.assertEqual(run("drill", QUICK, "--no-pictures", "--out", half, "--quiet", "--set", "duration_s=0.05").returncode, 0)
+        shutil.copy(half / "bone.vdb", bone)
+        result = run("drill", QUICK, "--no-pictures", "--out", out, "--quiet", "--set", "duration_s=0.3", "--set", f"volume.source={bone}", "--unset",
+                     "volume.spacing_mm", "--unset", "volume.extent_mm", "--unset", "volume.above_mm", "--unset", "volume.thickness_mm")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        same = run("replay", out / "session.sqlite", "--quiet")
+        self.assertEqual((same.returncode, same.stderr), (0, ""), same.stdout)
+        self.assertRegex(same.stdout, r"(?m)^volume +recorded [0-9a-f]{16} +replayed [0-9a-f]{16} +same$")
+        shutil.copy(thick / "bone.vdb", bone)
+        other = run("replay", out / "session.sqlite", "--quiet")
+        self.assertEqual(other.returncode, 3, other.stderr)
+        self.assertRegex(other.stdout, r"(?m)^volume +recorded [0-9a-f]{16} +replayed [0-9a-f]{16} +DIFFERENT$")
+        self.assertEqual(len(lines(other.stderr)), 1, other.stderr)
+        self.assertIn(f"{bone}: is not the bone of the recorded run", other.stderr)
+        # Of a generated bone nothing is read.
+        self.assertNotIn("volume ", run("replay", half / "session.sqlite", "--quiet").stdout)
+
+
 class Provenance(WithFolder):
+    def test_a_session_names_no_folder_that_its_replay_does_not_need(self):
+        out = self.folder / "run"
+        scene = self.folder / "scene.toml"
+        shutil.copy(SCENES / "pin_2mm.toml", self.folder)
+        shutil.copy(QUICK, scene)
+        drill = ("drill", scene, "--no-pictures", "--quiet", "--set", "duration_s=0.1", "--out")
+        self.assertEqual(run(*drill, self.folder / "before").returncode, 0)
+        plan = self.folder / "plan.mrk.json"
+        self.assertEqual(run("export", scene, "-o", plan, "--quiet").returncode, 0)
+        scene.write_text(re.sub(r"(?m)^(entry_mm|axis) = .*\n", "", scene.read_text()).replace("[approach]\n", '[approach]\nmarkups = "plan.mrk.json"\n'))
+        result = run(*drill, out, "--restore", self.folder / "before" / "bone.vdb")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        session = out / "session.sqlite"
+        self.assertNotIn(str(self.folder).encode(), session.read_bytes())
+        self.assertIn(b"plan.mrk.json", session.read_bytes())
+        again = run("replay", session, "--quiet")
+        self.assertEqual(again.returncode, 0, again.stderr)
+
     def test_results_name_what_made_them_and_no_folder(self):
         out = self.folder / "run"
         scene = self.quick()
@@ -179,6 +221,20 @@ class Provenance(WithFolder):
         self.assertEqual(run("drill", scene, "--no-pictures", "--out", out, "--quiet", "--set", "duration_s=0.8", "--set-tool", "region[0].erosion_factor=0.02").returncode, 0)
         replayed = run("replay", out / "session.sqlite", "--quiet")
         self.assertEqual(replayed.returncode, 0, replayed.stdout + replayed.stderr)
+
+
+class Documented(WithFolder):
+    def test_every_key_of_summary_json_is_in_its_page_and_no_other(self):
+        out = self.folder / "run"
+        self.assertEqual(run("drill", QUICK, "--live", "--out", out, "--quiet", "--set", "duration_s=0.3", "--set", "display.size=[64, 48]").returncode, 0)
+        summary = json.loads((out / "summary.json").read_text())
+        page = (SOURCE / "docs" / "summary.md").read_text()
+        rows = {word.split(".")[0].rstrip("[]") for line in page.splitlines() if line.startswith("| `") and line.count("|") >= 4 for word in re.findall(r"`([^`]+)`", line.split("|")[1])}
+        self.assertEqual(rows, set(summary), "the top level")
+        self.assertEqual(int(re.search(r"\| `schema` \| integer \| (\d+);", page)[1]), summary["schema"])
+        named = {word.split(".")[-1] for word in re.findall(r"`([^`]+)`", page)}
+        for table in ("provenance", "approach", "volume", "tool", "drilling", "live", "display", "memory", "counters", "hash"):
+            self.assertEqual([key for key in summary[table] if key not in named], [], table)
 
 
 class Compare(WithFolder):
@@ -304,6 +360,25 @@ class Compare(WithFolder):
             self.assertEqual(row.split("  ")[-1].strip(), title if len(title) <= 44 else title[:41] + "...")
             head = result.stdout.decode("utf-8").splitlines()[0]
             self.assertEqual(row.index(title[:41]), head.index(str(self.runs[1])[:41]), "columns are aligned")
+
+    def test_a_damaged_summary_is_named_and_the_others_are_compared(self):
+        third, path = self.folder / "third", self.runs[1] / "summary.json"
+        shutil.copytree(self.runs[0], third)
+        table = run("compare", self.runs[0], third)
+        self.assertEqual(table.returncode, 0, table.stderr)
+        whole = path.read_bytes()
+        for data in (b"", b"no JSON", whole[: len(whole) // 2], b"[1]", b'{"schema": 1}'):
+            with self.subTest(data[:20]):
+                path.write_bytes(data)
+                result = run("compare", self.runs[0], self.runs[1], third)
+                self.assertEqual((result.returncode, result.stdout), (2, table.stdout), result.stderr)
+                self.assertEqual(len(lines(result.stderr)), 1, result.stderr)
+                self.assertTrue(result.stderr.startswith(f"{path}: is not a summary.json of burrhole drill, or a damaged one"), result.stderr)
+                alone = run("compare", self.runs[0], self.runs[1])
+                self.assertEqual((alone.returncode, alone.stdout, len(lines(alone.stderr))), (2, "", 1), alone.stderr)
+        # A path without results is a mistake of the call: nothing is compared.
+        typed = run("compare", self.runs[0], self.folder / "nowhere", third)
+        self.assertEqual((typed.returncode, typed.stdout), (2, ""), typed.stderr)
 
     def test_a_damaged_session_is_named_and_the_rest_is_compared(self):
         session = self.runs[1] / "session.sqlite"

@@ -14,7 +14,7 @@ import unittest
 
 from program_support import lines, main, PROGRAM, QUICK, run, SCENES, WithFolder, without_display
 
-SHORT = ("--set", "duration_s=0.1", "--quiet")
+SHORT = ("--set", "duration_s=0.1", "--quiet", "--force")
 STAND_IN = "#!/bin/sh\nfor last; do :; done\ncat > \"${last#file:}\"\n"  # in place of ffmpeg: what it is given, into its output
 
 
@@ -92,7 +92,7 @@ class Writes(WithFolder):
                 self.assertTrue(target.is_symlink())
 
     def test_a_drill_that_cannot_write_leaves_no_result_that_seems_whole(self):
-        largest = max(path.stat().st_size for path in self.run_folder.iterdir())
+        largest, began = max(path.stat().st_size for path in self.run_folder.iterdir()), 0
         for limit in (0, 1000, 20000, 60000, largest * 9 // 10):
             with self.subTest(limit=limit):
                 out = self.folder / f"limited-{limit}"
@@ -104,15 +104,19 @@ class Writes(WithFolder):
                 new = {path.name: path.read_bytes() for path in out.iterdir()}
                 if new == old:  # it did not begin
                     continue
+                began += 1
                 # What is there is of this run, and whole. These files differ from run to run, by times and by an identifier.
                 for name in ("summary.json", "report.html", "bone.vdb"):
                     self.assertTrue(name not in new or new[name] != old[name], name)
                 if "summary.json" in new:
-                    self.assertEqual(json.loads(new["summary.json"])["end"], "duration")
+                    summary = json.loads(new["summary.json"])
+                    ended = any(line.startswith("an error ended the run at") for line in summary["warnings"])
+                    self.assertEqual(summary["end"], "stopped" if ended else "duration")
                 if "bone.vdb" in new:
                     self.assertEqual(run("import", out / "bone.vdb", "--json").returncode, 0)
                 else:
                     self.assertTrue(new["bone.earlier.vdb"] == old["bone.vdb"])
+        self.assertGreater(began, 0, "no run began under a limit")
 
     def test_folders_of_reports(self):
         commands = {"compare": ("compare", self.run_folder, self.run_folder), "scenes": ("scenes", "--copy", "parietal"),
@@ -199,7 +203,7 @@ class StandardStreams(WithFolder):
     def test_a_reader_that_goes_ends_the_program_quietly(self):
         # More than a pipe holds, so that the program writes when nobody reads any more.
         run("drill", QUICK, "--no-pictures", "--out", self.folder / "long", "--quiet")
-        for ignored in (False, True):
+        for ignored in (False, True):  # by who starts the program
             with self.subTest(ignored=ignored):
                 process = subprocess.Popen([PROGRAM, "session", str(self.folder / "long"), "--csv"], stdout=subprocess.PIPE,
                                            stderr=subprocess.PIPE, restore_signals=not ignored)
@@ -208,7 +212,30 @@ class StandardStreams(WithFolder):
                 message = process.stderr.read()
                 process.stderr.close()
                 self.assertEqual(message, b"")
-                self.assertEqual(process.wait(timeout=60), 128 + signal.SIGPIPE if ignored else -signal.SIGPIPE)
+                self.assertEqual(process.wait(timeout=60), 128 + signal.SIGPIPE)
+
+    def test_a_reader_of_standard_error_that_goes_costs_no_result(self):
+        out = self.folder / "out"
+        process = subprocess.Popen([PROGRAM, "drill", str(QUICK), "--out", str(out), "--set", "duration_s=0.3"], stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.PIPE, env=without_display())
+        process.stderr.close()
+        self.assertEqual(process.wait(timeout=60), 0)
+        self.assertLessEqual({"summary.json", "report.html", "bone.vdb", "session.sqlite", "after.png"}, {path.name for path in out.iterdir()})
+
+    def test_programs_that_it_starts_end_at_a_broken_pipe(self):
+        tools = self.folder / "tools"
+        tools.mkdir()
+        note = f"#!/bin/sh\ngrep SigIgn /proc/self/status > {self.folder}/ignored-${{0##*/}}\n"
+        (tools / "gnuplot").write_text(note + "exit 1\n")
+        (tools / "ffmpeg").write_text(note + STAND_IN)
+        for tool in tools.iterdir():
+            tool.chmod(0o755)
+        env = {**without_display(), "PATH": f"{tools}:{os.environ['PATH']}"}
+        run("tools", "round_burr_2mm", "--image", self.folder / "sheet.png", env=env)
+        run("drill", QUICK, "--out", self.folder / "filmed", "--video-fps", "50", *SHORT, "--video", self.folder / "video.mp4", env=env)
+        for name in ("gnuplot", "ffmpeg"):
+            mask = int((self.folder / f"ignored-{name}").read_text().split()[1], 16)
+            self.assertEqual(mask >> (signal.SIGPIPE - 1) & 1, 0, name)
 
     def test_no_standard_error_changes_nothing(self):
         expected = None

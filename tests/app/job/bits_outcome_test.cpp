@@ -24,25 +24,25 @@ struct BitOutcome {
   std::vector<std::string> flags;  ///< all of them
 };
 
-// Long plunges: a bit without a shoulder is stopped by the hand alone, and the hand takes some exits for bone that is soft.
+// A bit that leaves bone at once falls until the hand stops it, 5 to 51 mm; one that cuts its rim away at full thrust hardly does.
 const std::vector<BitOutcome> kFlat{
-    {"perforator_14_11", "through, plunge<1.5mm, cleared>95%", {}},
-    {"acosta_liu_perforator", "through, cleared>95%", {"plunged", "contact-degraded"}},
-    {"trephine_12mm", "through, cleared>95%, plunge<7mm", {"plunged", "core-left"}},
-    {"matchstick_burr_3mm", "through, cleared>95%", {"plunged"}},
+    {"perforator_14_11", "through, plunge<0.1mm, beyond<1.5mm, cleared>95%", {}},
+    {"acosta_liu_perforator", "through, plunge>20mm, cleared>95%", {"plunged", "contact-degraded"}},
+    {"trephine_12mm", "through, cleared>95%, plunge>5mm, plunge<6mm, beyond<7mm", {"plunged", "core-left"}},
+    {"matchstick_burr_3mm", "through, plunge>20mm, cleared>95%", {"plunged"}},
 };
 const std::vector<BitOutcome> kBurrs{
-    {"round_burr_2mm", "through, cleared>85%", {"plunged"}},
-    {"round_burr_3mm", "through, plunge<1.5mm, cleared>50%", {"shelf-left"}},
-    {"round_burr_4mm", "through, plunge<2mm, cleared>85%", {"plunged"}},
-    {"round_burr_5mm", "through, cleared>90%", {"plunged", "contact-degraded"}},
-    {"round_burr_6mm", "through, plunge<3mm, cleared>90%", {"plunged"}},
-    {"acosta_liu_round", "through, cleared>90%", {"plunged"}},
+    {"round_burr_2mm", "through, plunge>20mm, cleared>85%", {"plunged"}},
+    {"round_burr_3mm", "through, plunge<0.1mm, beyond<1.5mm, cleared>50%", {"shelf-left"}},
+    {"round_burr_4mm", "through, plunge<0.1mm, beyond<2mm, cleared>85%", {}},
+    {"round_burr_5mm", "through, plunge>20mm, cleared>90%", {"plunged", "contact-degraded"}},
+    {"round_burr_6mm", "through, plunge<0.1mm, beyond<3mm, cleared>90%", {}},
+    {"acosta_liu_round", "through, plunge>20mm, cleared>90%", {"plunged"}},
 };
 // The craniotome has a footplate below its router and cannot enter whole bone. The hand takes the diploe under the thin drill for the end of bone.
 const std::vector<BitOutcome> kOthers{
-    {"acorn_burr_7_5mm", "through, plunge<4mm, cleared>80%", {"plunged", "shelf-left"}},
-    {"sagittal_saw_12mm", "through, cleared>95%", {"plunged"}},
+    {"acorn_burr_7_5mm", "through, plunge<0.1mm, beyond<4mm, cleared>80%", {"shelf-left"}},
+    {"sagittal_saw_12mm", "through, plunge>10mm, cleared>95%", {"plunged"}},
     {"craniotome_2_3mm", "did-not-cut, depth<0.1mm, removed<0.1mm3", {}},
     {"twist_drill_2_5mm", "stopped-short, depth<6mm", {}},
 };

@@ -5,7 +5,11 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "app/job/drill_job.h"
 #include "tests/support/drill_scene.h"
@@ -102,6 +106,58 @@ TEST_CASE("output: a run that drills and ends with the bit in bone says so, and 
     change(other);
     CHECK(warning(other, "done", false).empty());
     CHECK(warning(other, "duration", false).empty());
+  }
+}
+
+/// Draws nothing, and fails at one picture or frame.
+class FailingSink final : public PictureSink {
+ public:
+  explicit FailingSink(std::string fails_at) : fails_at_(std::move(fails_at)) {}
+  Status start(const VolumeView&, const TriangleMesh&) override { return {}; }
+  void update(const TexelBox&) override {}
+  Status draw(const std::string& name, const FrameView&, int, int, Hash64&) override { return answer(name); }
+  Status film(const FrameView&, int, int) override { return answer(++frames_ == 3 ? "frame" : ""); }
+  Result<std::vector<std::string>> files() override {
+    if (fails_at_ == "files") return bad_input("no file");
+    return std::vector<std::string>();
+  }
+  std::string driver() const override { return "none"; }
+  RunSummary::Display display() const override { return {}; }
+
+ private:
+  Status answer(const std::string& name) const { return name == fails_at_ ? Status(bad_input("no " + name)) : Status(); }
+  std::string fails_at_;
+  int frames_ = 0;
+};
+
+TEST_CASE("output: a picture that fails costs a run neither its bone nor its figures, and is its error") {
+  const TemporaryFolder folder;
+  const LoadedScene loaded = load_text(scene_text({.record = true, .display = true}), {"duration_s=0.3"});
+  for (const char* at : {"before", "frame", "after", "cutaway", "files"}) {
+    INFO("fails at " << at);
+    DrillJob job;
+    job.folder = folder.file(at);
+    job.film_hz = 10.0;
+    job.make_sink = [&](const DisplayConfig&, const std::string&) -> Result<std::unique_ptr<PictureSink>> {
+      return std::unique_ptr<PictureSink>(std::make_unique<FailingSink>(at));
+    };
+    std::filesystem::create_directory(job.folder);
+    std::ofstream(job.folder + "/bone.earlier.vdb") << "of an earlier run";
+    const auto summary = drill(loaded, job);
+    REQUIRE_FALSE(summary);
+    CHECK(summary.error().message == (std::string(at) == "files" ? "no file" : "no " + std::string(at)));
+    Names files;
+    for (const auto& entry : std::filesystem::directory_iterator(job.folder)) files.insert(entry.path().filename().string());
+    const bool began = std::string(at) != "before";
+    CHECK(files.contains("bone.vdb") == began);
+    CHECK(files.contains("summary.json") == began);
+    CHECK(files.contains("report.html") == began);
+    CHECK(files.contains("bone.earlier.vdb") == (std::string(at) != "files"));
+    if (!began) continue;
+    std::ifstream file(job.folder + "/summary.json");
+    const std::string json(std::istreambuf_iterator<char>(file), {});
+    CHECK((json.find("an error ended the run at 0.300 s: no frame") != std::string::npos) == (std::string(at) == "frame"));
+    CHECK((json.find("\"end\": \"stopped\"") != std::string::npos) == (std::string(at) == "frame"));
   }
 }
 

@@ -297,3 +297,41 @@ TEST_CASE("appearance: a cut plane takes away what lies beyond it, drawn by rays
     CHECK(seen > 1000);  // or there was nothing to cut away
   }
 }
+
+TEST_CASE("appearance: a section of the bit is hatched, orange where it cuts and grey elsewhere, and a surface is not") {
+  Renderer renderer = require_renderer({.finish = false});
+  REQUIRE(renderer.set_volume(slab(false)).ok());
+  FrameView view = evenly_lit();
+  view.camera = {.eye = {0.0, 0.0, 0.06}, .target = {0.0, 0.0, 0.0}, .up = {0.0, 1.0, 0.0}, .vertical_fov = 0.25};
+  view.world_from_tool = Pose{};
+  struct Seen {
+    double red = 0.0, blue = 0.0, least = 255.0, most = 0.0;  // means, and the range of green
+  };
+  const auto seen = [&](float length) {
+    TriangleMesh mesh = square(5e-3, 6e-3);  // above the slab
+    for (Vec3f& normal : mesh.normals) normal *= length;
+    REQUIRE(renderer.set_tool(mesh).ok());
+    const auto picture = renderer.draw(view, kSize, kSize);
+    REQUIRE(picture.ok());
+    Seen out;
+    int count = 0;
+    for (int y = kSize / 2 - 20; y < kSize / 2 + 20; ++y)
+      for (int x = kSize / 2 - 20; x < kSize / 2 + 20; ++x, ++count) {
+        const Rgba8 c = picture->pixels[static_cast<std::size_t>(y * kSize + x)];
+        out.red += c.r;
+        out.blue += c.b;
+        out.least = std::min(out.least, static_cast<double>(c.g));
+        out.most = std::max(out.most, static_cast<double>(c.g));
+      }
+    out.red /= count, out.blue /= count;
+    return out;
+  };
+  const Seen surface = seen(1.0f), cuts = seen(2.0f), body = seen(3.0f);
+  CHECK(surface.most - surface.least < 25.0);  // reflections change slowly
+  CHECK(std::abs(surface.red - surface.blue) < 20.0);
+  CHECK(cuts.red > 2.0 * cuts.blue);
+  CHECK(std::abs(body.red - body.blue) < 25.0);
+  // Lines have 0.55 of the colour between them.
+  CHECK(cuts.least < 0.7 * cuts.most);
+  CHECK(body.least < 0.7 * body.most);
+}

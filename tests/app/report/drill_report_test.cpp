@@ -36,7 +36,7 @@ TEST_CASE("drill report: shows what applies, escaped, and nothing that does not"
   const Result<std::string> page = make_drill_report(make_report());
   REQUIRE(page);
   for (const char* part :
-       {"Parietal &lt;burrhole&gt;", "inner table", "Force (N)", "Depth (mm)", "Speed (mm/s)", "0123456789abcdef", "1.25"})
+       {"Parietal &lt;burrhole&gt;", "inner table", "Force (N)", "Depth (mm)", "Feed (mm/s)", "0123456789abcdef", "1.25"})
     CHECK_MESSAGE(contains(*page, part), std::string(part));
   CHECK_FALSE(contains(*page, "Peak force"));
   CHECK_FALSE(contains(*page, "Time taken by the steps"));
@@ -75,6 +75,47 @@ TEST_CASE("drill report: a run that did not break through says so") {
   CHECK(contains(*make_drill_report(report), "ended before the bone was drilled through"));
 }
 
+/// The plots of a page, in its order: of each the wide and the narrow form.
+std::vector<std::string> plots_of(const std::string& page) {
+  std::vector<std::string> out;
+  for (std::size_t at = page.find("<svg"); at != std::string::npos; at = page.find("<svg", at + 1))
+    out.push_back(page.substr(at, page.find("</svg>", at) - at));
+  return out;
+}
+
+TEST_CASE("drill report: a hole is drilled through where the tip came out, and plunges where support was lost, not before") {
+  CHECK(exit_sentence(27.9, 30.3, 0.4) ==
+        "The bone was drilled through: the tip came out after 27.90 s, the bone carried the thrust until 30.30 s, and the tip then plunged "
+        "0.40 mm");
+  CHECK(exit_sentence(27.9, std::nullopt, 0.0).ends_with("the bone carried the thrust to the end, and the plunge is 0.00 mm"));
+  CHECK(exit_sentence(std::nullopt, 9.2, 5.6).starts_with("The bone was drilled through round a core, the bone carried"));
+  CHECK(exit_sentence(27.9, std::nullopt, std::nullopt).ends_with("came out after 27.90 s"));
+  DrillReport report = make_report();
+  report.support_lost_s = 3.75, report.beyond_mm = 2.125;
+  for (const char* part : {"until 3.75 s, and the tip then plunged 1.25 mm, which is more than 0.50 mm.", "Support lost", "2.12"})
+    CHECK_MESSAGE(contains(*make_drill_report(report), part), part);
+}
+
+TEST_CASE("drill report: the axis of the feed is that of drilling; a fast approach, a fall and the retreat are clipped and named") {
+  DrillReport report = make_report();
+  report.time_s.clear(), report.force_N.clear(), report.depth_mm.clear(), report.speed_mm_s.clear();
+  for (int i = 0; i < 4000; ++i) {
+    const bool approach = i < 200, fall = i >= 3500 && i < 3520, retreat = i >= 3520;
+    report.time_s.push_back(0.001 * i);
+    report.force_N.push_back(approach || retreat ? 0.0 : 20.0);
+    report.speed_mm_s.push_back(approach ? 30.0 : fall ? 700.0 : retreat ? -45.0 : 0.4);
+    report.depth_mm.push_back((report.depth_mm.empty() ? -6.0 : report.depth_mm.back()) + 0.001 * report.speed_mm_s.back());
+  }
+  const Result<std::string> page = make_drill_report(report);
+  if (contains(*page, "No plot: ")) return;  // no gnuplot
+  const std::string plot = plots_of(*page).front();
+  CHECK(contains(plot, "beyond the axis, -45 to 700 mm/s"));
+  CHECK(contains(plot, "0.4<"));  // a tic of an axis up to 0.6 mm/s
+  CHECK_FALSE(contains(plot, "700<"));
+  report.speed_mm_s.assign(report.speed_mm_s.size(), 0.4);
+  CHECK_FALSE(contains(plots_of(*make_drill_report(report)).front(), "beyond the axis"));
+}
+
 /// A run of 20 s with a large force in its first second only.
 DrillReport make_long_report() {
   DrillReport report = make_report();
@@ -87,14 +128,6 @@ DrillReport make_long_report() {
   report.events = {{0.1, "contact"}, {18.0, "breakthrough"}};
   report.breakthrough_s = 18.0;
   return report;
-}
-
-/// The plots of a page, in its order: of each the wide and the narrow form.
-std::vector<std::string> plots_of(const std::string& page) {
-  std::vector<std::string> out;
-  for (std::size_t at = page.find("<svg"); at != std::string::npos; at = page.find("<svg", at + 1))
-    out.push_back(page.substr(at, page.find("</svg>", at) - at));
-  return out;
 }
 
 TEST_CASE("drill report: the last seconds of a long run are drawn again, from half a second before the breakthrough, 3 to 8 s") {

@@ -9,6 +9,7 @@ namespace burrhole {
 namespace {
 
 TEST_CASE("html: markup in a text is shown, never obeyed") {
+  CHECK(html_escape("a\xff.toml \xc3\xa4") == "a\\xff.toml \xc3\xa4");  // a name of a file that is not UTF-8
   CHECK(html_escape("<b a=\"1\" c='2'>&</b>") == "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;&lt;/b&gt;");
   const std::string evil = "</p><script>alert(1)</script>";
   HtmlPage page(evil, evil);

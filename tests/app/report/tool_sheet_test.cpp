@@ -92,7 +92,7 @@ TEST_CASE("shading: a sphere's outline is a disc, nearest at its middle, and cut
   frame.include(-2.5e-3, -0.5e-3);
   frame.include(2.5e-3, 4.5e-3);
   const SheetView front;
-  const Raster look = shade_tool(ball, front, frame, {200, 200}, false);
+  const Raster look = shade_tool(ball, front, frame, {200, 200}, Shading::solid);
   std::size_t covered = 0;
   for (const float depth : look.depth) covered += depth > -1.0f ? 1 : 0;
   // flats of 1/64 turn lose 0.2 %; a pixel counts when one of its nine samples is covered: half a pixel of 80 all round, 1.2 %
@@ -104,7 +104,7 @@ TEST_CASE("shading: a sphere's outline is a disc, nearest at its middle, and cut
   SheetFrame high;
   high.include(-10e-3, 20e-3);
   high.include(10e-3, 40e-3);
-  const Rgb shank = shade_tool(perforator, front, high, {100, 100}, false).pixels[50 * 100 + 50];
+  const Rgb shank = shade_tool(perforator, front, high, {100, 100}, Shading::solid).pixels[50 * 100 + 50];
   CHECK(shank[2] >= shank[0]);  // steel
 }
 

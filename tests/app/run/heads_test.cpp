@@ -67,6 +67,13 @@ void drill_head(const char* name) {
   MESSAGE(result_line(summary) << "; plunge " << summary.plunge_mm.value_or(-1.0) << " mm");
   CHECK(outcome_of(summary).result == DrillResult::drilled_through);
   CHECK((outcome_of(summary).flags & kFlagPlunged) == 0);  // its own limit
+  // The outer drill cuts at full thrust until the hand releases it, so support ends with the release, not at breakthrough.
+  REQUIRE(summary.plunge_mm.has_value());
+  CHECK(*summary.plunge_mm < 0.1);
+  REQUIRE(summary.beyond_mm.has_value());
+  CHECK(*summary.beyond_mm > 1.0);
+  REQUIRE(summary.support_lost_s.has_value());
+  CHECK(*summary.support_lost_s > *summary.breakthrough_s + 1.0);
 }
 
 }  // namespace

@@ -169,6 +169,26 @@ TEST_CASE("inputs: the removed mass is that of the bone at the end, not of what 
   CHECK(all > 0.1e-9);
 }
 
+TEST_CASE("inputs: a tool that was changed for another takes no more memory") {
+  std::vector<std::weak_ptr<const CuttingField>> seen;
+  Simulation* simulation = nullptr;
+  SimulationOptions options;
+  options.inputs = {tool(300, "pin"), tool(500, "pin"), tool(700, "pin"), tool(900, "pin")};
+  options.history = true;
+  options.progress = [&](double, const DrillProgress&) {
+    const std::shared_ptr<const CuttingField> now = simulation->stage().tool->cutting;
+    REQUIRE((now != nullptr));
+    if (seen.empty() || seen.back().lock() != now) seen.emplace_back(now);
+  };
+  DrillRun run(SmallScene{.sets = {"duration_s=1.1"}}, options);
+  simulation = &run.simulation();
+  run.run();
+  REQUIRE(seen.size() == 5);
+  CHECK_FALSE(seen.front().expired());  // the scene's own, which is not the simulation's
+  for (std::size_t n = 1; n + 1 < seen.size(); ++n) CHECK(seen[n].expired());
+  CHECK_FALSE(seen.back().expired());
+}
+
 TEST_CASE("inputs: a lockstep session with all of them replays to the same voxels, forces and pictures") {
   const TemporaryFolder folder;
   const std::string path = folder.file("run.sqlite");

@@ -97,6 +97,15 @@ TEST_CASE("limits: a scan is refused by its header, before its voxels are read")
   CHECK(line.find("while the bone is made 296 MB") != std::string::npos);
 }
 
+TEST_CASE("limits: a generated bone counts with the fields that it is made from, and is refused before they are made") {
+  // 650 x 650 x 650 voxels, 275 million: 3.6 GB of fields and 4.8 GB of bone, which no test has.
+  const std::string text =
+      scene_text({.volume = "source = \"phantom:plate\"\nspacing_mm = 0.1\nextent_mm = [65, 65, 65]\nabove_mm = 2\nthickness_mm = 6\n"});
+  const std::string line = refusal(text + limit(1000.0));
+  CHECK(line.find("memory_mb is exceeded") != std::string::npos);
+  CHECK(line.find("and while the bone is made 3570") != std::string::npos);  // 13 bytes a voxel
+}
+
 TEST_CASE("limits: memory_mb has a range, and the table no other key") {
   CHECK(refusal(scene_text({}) + limit(0.5)).find("limits.memory_mb = 0.5 must be in") != std::string::npos);
   CHECK(refusal(scene_text({}) + "[limits]\nmemory = 5\n").find("memory") != std::string::npos);

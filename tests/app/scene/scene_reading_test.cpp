@@ -133,7 +133,7 @@ const BadScene kBadScenes[] = {
     {"[record]",
      "[display]\nbudget_ms = 30\nresolution = 0.1",
      {"~bad.toml:32:1: display.resolution = 0.1 must be in [0.25, 1]", "~bad.toml:31:1: unknown key \"budget_ms\" in [display]"}},
-    {"[record]", "[display]\nstereo = \"quad-buffered\"", {"~display.stereo = \"quad-buffered\" is not in this version; it knows \"off\""}},
+    {"[record]", "[display]\nstereo = \"quad-buffered\"", {"~display.stereo = \"quad-buffered\" must be one of \"off\", \"side-by-side\""}},
     {"[record]", "[display]\neye_separation_mm = 3", {"~unknown key \"eye_separation_mm\" in [display]"}},
     {"[record]", "[display]\ncut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, 0, 0]", {"~display.cut_normal must not be zero"}},
     {"[record]", "[display]\ncut = \"tip\"\ncut_normal = [0, 0, 1]", {"~unknown key \"cut_normal\" in [display]"}},

@@ -228,6 +228,18 @@ TEST_CASE("session: a writer killed at any moment loses at most the last second"
   }
 }
 
+TEST_CASE("session: a link to the session of a killed writer shows the same rows") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.file("runs"));
+  const std::string path = folder.file("runs/run.session"), link = folder.file("link.session");
+  write_and_kill(path, 100, 5'000);
+  std::filesystem::create_symlink("runs/run.session", link);
+  REQUIRE(std::filesystem::file_size(path + "-wal") > 0);
+  const std::int64_t rows = open_reader(link).row_count("servo");
+  CHECK(rows >= 4'900);
+  CHECK(rows == open_reader(path).row_count("servo"));
+}
+
 TEST_CASE("session: a writer that commits only at its end fails that check") {
   const TemporaryFolder folder;
   const std::string path = folder.file("run.session");

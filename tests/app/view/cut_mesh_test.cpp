@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/tool/make_tool.h"
+#include "core/tool/tool_surface.h"
 #include "tests/support/source_folder.h"
 
 using namespace burrhole;
@@ -96,4 +97,46 @@ TEST_CASE("cut mesh: the shipped perforator in section is closed, and half of it
   const Measure half = measure(cut, Vec3(0, -1, 0), 0.0);
   CHECK(std::abs(half.volume / whole.volume - 0.5) < 0.01);
   CHECK(glm::length(half.area) < 1e-3 * half.section);
+}
+
+namespace {
+
+/// Area [m^2] of the triangles whose normals have a length.
+double area_of_part(const TriangleMesh& mesh, double length) {
+  double sum = 0.0;
+  for (std::size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
+    const auto at = [&](std::size_t n) { return Vec3(mesh.positions[mesh.indices[t + n]]); };
+    if (std::abs(glm::length(Vec3(mesh.normals[mesh.indices[t]])) - length) < 1e-5)
+      sum += 0.5 * glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
+  }
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("cut mesh: a section is split where its parts meet, with the area of each in closed form, in an oblique plane too") {
+  TriangleMesh box;
+  add_box(box, Vec3(-2.0, -1.0, -3.0), Vec3(2.0, 1.0, 3.0));
+  const SectionParts parts{{-1.0}, [](const Vec3& p) { return p.z < -1.0 || (p.x > 0.3 && p.x < 0.7); }};
+  for (const Vec3& normal : {Vec3(0.0, -1.0, 0.0), glm::normalize(Vec3(0.0, -1.0, 0.25))}) {
+    const double stretch = 1.0 / std::abs(normal.y);  // of lengths along the slope
+    const TriangleMesh cut = cut_mesh(box, normal, 0.0, &parts);
+    const double cuts = area_of_part(cut, kSectionCuts), body = area_of_part(cut, kSectionBody);
+    CHECK(cuts == doctest::Approx((4.0 * 2.0 + 0.4 * 4.0) * stretch).epsilon(1e-5));
+    CHECK(body == doctest::Approx((4.0 - 0.4) * 4.0 * stretch).epsilon(1e-5));
+    CHECK(measure(cut, normal, 0.0).section == doctest::Approx(cuts + body).epsilon(1e-6));
+  }
+  const TriangleMesh plain = cut_mesh(box, Vec3(0.0, -1.0, 0.0), 0.0);
+  CHECK(area_of_part(plain, kSectionCuts) + area_of_part(plain, kSectionBody) == 0.0);
+}
+
+TEST_CASE("cut mesh: the section of a bit shows its cutting regions, of a twist drill the point and its margins") {
+  Issues issues;
+  const auto tool = load_tool(test::in_source("app/tools/twist_drill_2_5mm.toml"), {.erosion_pitch = 0.25e-3}, issues);
+  REQUIRE(tool.has_value());
+  const SectionParts parts{tool->surface->region_heights(), [&](const Vec3& p) { return tool->surface->cuts_at(p); }};
+  // The solid that it sweeps: a cone of 0.751 mm on a cylinder of 0.5 mm, both 2.5 mm wide, and a body of 1.67 mm up to 40 mm.
+  const TriangleMesh cut = cut_mesh(tool->mesh, Vec3(0.0, -1.0, 0.0), 0.0, &parts);
+  CHECK(area_of_part(cut, kSectionCuts) == doctest::Approx(2.5e-3 * (0.5 * 0.751e-3 + 0.5e-3)).epsilon(0.01));
+  CHECK(area_of_part(cut, kSectionBody) == doctest::Approx(1.67e-3 * 38.749e-3).epsilon(0.01));
 }

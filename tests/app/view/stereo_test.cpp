@@ -141,6 +141,31 @@ TEST_CASE("workbench: for a mirror each eye's picture is upside down") {
   CHECK(make_screen_picture({.mode = StereoMode::top_bottom}, {left, right}).pixels == std::vector<Rgba8>{a, b, c, d});
 }
 
+TEST_CASE("stereo: each mode has a word of its own") {
+  for (const StereoMode mode : {StereoMode::off, StereoMode::side_by_side, StereoMode::top_bottom, StereoMode::anaglyph, StereoMode::quad})
+    CHECK(stereo_mode(stereo_name(mode)) == mode);
+  CHECK(stereo_mode("no mode") == StereoMode::off);
+}
+
+TEST_CASE("stereo: with a buffer for each eye the pictures are those that side by side joins, in the same order") {
+  const Rgba8 a{1, 1, 1, 255}, b{2, 2, 2, 255}, c{3, 3, 3, 255}, d{4, 4, 4, 255};
+  const Image left{1, 2, {a, b}}, right{1, 2, {c, d}};
+  for (const bool mirrored : {false, true}) {
+    StereoView stereo{.mode = StereoMode::quad, .separation = 4e-3, .screen = 0.12};
+    if (mirrored) stereo.workbench = WorkbenchView{0.3, {0.0, 0.0, 0.5}, true};
+    const auto quad = make_buffer_pictures(stereo, {left, right});
+    const auto cameras = make_eye_cameras({}, stereo, 1.25);
+    stereo.mode = StereoMode::side_by_side;
+    const auto beside = make_buffer_pictures(stereo, {left, right});
+    REQUIRE(quad.size() == 2);
+    REQUIRE(beside.size() == 1);
+    CHECK(join_eyes(StereoMode::side_by_side, quad[0], quad[1]).pixels == beside[0].pixels);
+    REQUIRE(cameras.ok());
+    CHECK(*cameras == *make_eye_cameras({}, stereo, 1.25));
+  }
+  CHECK(make_buffer_pictures({}, {left}).size() == 1);
+}
+
 TEST_CASE("stereo: pictures are joined side by side, one over the other, or by colour") {
   Image left{2, 1, {{200, 100, 50, 255}, {1, 2, 3, 255}}}, right{2, 1, {{10, 20, 30, 255}, {4, 5, 6, 255}}};
   const Image beside = join_eyes(StereoMode::side_by_side, left, right);

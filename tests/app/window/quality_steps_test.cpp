@@ -53,3 +53,12 @@ TEST_CASE("quality: the error of a picture is its closed form") {
   CHECK_FALSE(psnr_of(a, grey(5, 7, 100)).has_value());
   CHECK_FALSE(psnr_of({}, {}).has_value());
 }
+
+TEST_CASE("quality: what shadows and highlights cost and change is stated as it was measured") {
+  CHECK(lights_text({}).find("are measured when one is changed") != std::string::npos);
+  const std::string more = lights_text(LightsChange{123.4, 31.25});
+  CHECK(more.find("+123 ms") != std::string::npos);
+  CHECK(more.find("31.2 dB") != std::string::npos);
+  CHECK(lights_text(LightsChange{-80.0, 31.0}).find("-80 ms") != std::string::npos);
+  CHECK(lights_text(LightsChange{1.0, {}}).find("no pixel differs") != std::string::npos);
+}

@@ -190,6 +190,17 @@ TEST_CASE("site: a scene file holds the site and the source, whatever the path")
   }
 }
 
+TEST_CASE("site: a scan whose path is not UTF-8 is named by a link, and the title shows its name escaped") {
+  SkullSource source{"/tmp/a\xff scan.nii"};
+  source.link = "scan.nii";
+  const auto document = TomlDocument::parse(site_scene({Vec3(0.0), Vec3(0.0, 0.0, -1.0), 6e-3}, source), "scene.toml");
+  REQUIRE_MESSAGE(document.ok(), document.error().text());
+  Issues issues;
+  TableReader root = document->root(issues);
+  CHECK(root.text("title", "", "") == "Burrhole in a\\xff scan.nii");
+  CHECK(root.table("volume", "")->text("source", "", "") == "scan.nii");
+}
+
 TEST_CASE("pointer: a click places the bit where the picture shows it; beside the bone it stays") {
   SkullPointer pointer(shell());
   pointer.set_picture_size(800, 600);

@@ -291,7 +291,12 @@ class Window(WindowTest):
         self.assertEqual(self.log.read_text().count("cut short"), 1)
         self.picture()
         self.press("Escape")
+        self.assertEqual(self.process.wait(PATIENCE), 3, self.log.read_text())
+        self.assertIn("nothing was compared: the recorded run was cut short", self.log.read_text())
+        self.watch("--allow-partial")
+        self.press("Escape")
         self.assertEqual(self.process.wait(PATIENCE), 0, self.log.read_text())
+        self.assertIn("nothing was compared", self.log.read_text())
 
     def test_a_renderer_that_cannot_be_made_is_one_line(self):
         empty = self.folder / "shaders"

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <exception>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
@@ -32,4 +33,5 @@ TEST_CASE("caught_error: memory and threads are unavailable, a path is bad input
   CHECK(error_of(std::runtime_error("pthread_create has failed: Resource temporarily unavailable")).code == ErrorCode::unavailable);
   CHECK(error_of(std::runtime_error("x")).code == ErrorCode::internal);
   CHECK(error_of(7).code == ErrorCode::internal);
+  CHECK(error_of(std::make_exception_ptr(std::bad_alloc())).code == ErrorCode::unavailable);
 }

@@ -2,17 +2,25 @@
 
 #include <doctest/doctest.h>
 
+#include <fcntl.h>
+#include <grp.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <ostream>
 #include <random>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "core/base/output_stream.h"
@@ -216,6 +224,146 @@ TEST_CASE("output file: permissions of the old file stay, and a name may be as l
   CHECK_FALSE(OutputFile::create(folder.file(std::string(256, 'n'))));
 }
 
+TEST_CASE("output file: a link to a file that is not there stays a link, and the file is made") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.file("store"));
+  fs::create_symlink("store/first", folder.file("out"));
+  fs::create_symlink("second", folder.file("store/first"));
+  REQUIRE(write_in_pieces(folder.file("out"), "new", 3));
+  CHECK(fs::is_symlink(folder.file("out")));
+  CHECK(fs::is_symlink(folder.file("store/first")));
+  CHECK(bytes_of(folder.file("store/second")) == "new");
+  fs::create_symlink("none/file", folder.file("nowhere"));
+  const auto nowhere = OutputFile::create(folder.file("nowhere"));
+  REQUIRE_FALSE(nowhere);
+  CHECK(nowhere.error().message == "cannot be written: No such file or directory");
+  CHECK(fs::is_symlink(folder.file("nowhere")));
+}
+
+constexpr uid_t kNobody = 65534;
+
+/// Runs `check` in a process of a user whom permissions bind, in no group but its own. @returns its answer.
+bool as_ordinary_user(const std::function<bool()>& check) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const bool ordinary = ::geteuid() != 0 || (::setgroups(0, nullptr) == 0 && ::setgid(kNobody) == 0 && ::setuid(kNobody) == 0);
+    _exit(ordinary && check() ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+/// @returns the group and the permissions of a file.
+std::pair<gid_t, mode_t> rights_of(const std::string& path) {
+  struct stat status {};
+  REQUIRE(::stat(path.c_str(), &status) == 0);
+  return {status.st_gid, status.st_mode & 0777};
+}
+
+TEST_CASE("output file: the group of the old file stays; where it cannot, no group gets its rights") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("out.bin");
+  put(path, "old");
+  if (::geteuid() != 0) {  // of another group than its own, only root makes a file for sure
+    REQUIRE(write_in_pieces(path, "new", 3));
+    CHECK(rights_of(path).first == ::getegid());
+    return;
+  }
+  constexpr gid_t kGroup = 4242;
+  REQUIRE(::chown(path.c_str(), 0, kGroup) == 0);
+  REQUIRE(::chmod(path.c_str(), 0664) == 0);
+  REQUIRE(write_in_pieces(path, "new", 3));
+  CHECK(rights_of(path) == std::pair<gid_t, mode_t>(kGroup, 0664));
+  REQUIRE(::chown(folder.path().c_str(), kNobody, kNobody) == 0);
+  REQUIRE(::chown(path.c_str(), kNobody, kGroup) == 0);
+  CHECK(as_ordinary_user([&] { return write_in_pieces(path, "newer", 5).ok(); }));
+  CHECK(bytes_of(path) == "newer");
+  CHECK(rights_of(path) == std::pair<gid_t, mode_t>(kNobody, 0604));
+}
+
+TEST_CASE("output file: a file that is protected against writing is not replaced") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("out.bin");
+  put(path, "old");
+  if (::geteuid() == 0) {
+    REQUIRE(::chown(folder.path().c_str(), kNobody, kNobody) == 0);
+    REQUIRE(::chown(path.c_str(), kNobody, kNobody) == 0);
+  }
+  REQUIRE(::chmod(path.c_str(), 0444) == 0);
+  CHECK(as_ordinary_user([&] {
+    const auto refused = OutputFile::create(path);
+    return !refused && refused.error().text() == path + ": cannot be written: Permission denied: name a place that may be written";
+  }));
+  CHECK(bytes_of(path) == "old");
+  CHECK(names_in(folder) == std::set<std::string>{"out.bin"});
+}
+
+std::atomic<bool> stop_writing{false};
+
+TEST_CASE("output file: a stop ends the wait for the reader of a pipe") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("pipe");
+  REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
+  struct sigaction action {
+  }, before{};
+  action.sa_handler = +[](int) { stop_writing.store(true); };
+  REQUIRE(::sigaction(SIGALRM, &action, &before) == 0);  // without SA_RESTART
+  const itimerval every{{0, 20'000}, {0, 20'000}}, never{};
+  for (const bool opened : {false, true}) {
+    INFO("a reader has opened it: " << opened);
+    const int reader = opened ? ::open(path.c_str(), O_RDONLY | O_NONBLOCK) : -1;
+    REQUIRE(::setitimer(ITIMER_REAL, &every, nullptr) == 0);
+    const Status written = [&]() -> Status {
+      auto file = OutputFile::create(path, &stop_writing);
+      return file ? file->write(pattern(1 << 20, 5)) : Status(file.error());
+    }();
+    REQUIRE(::setitimer(ITIMER_REAL, &never, nullptr) == 0);
+    if (reader >= 0) ::close(reader);
+    REQUIRE_FALSE(written);
+    CHECK(written.error().code == ErrorCode::unavailable);
+    stop_writing.store(false);
+  }
+  ::sigaction(SIGALRM, &before, nullptr);
+}
+
+TEST_CASE("append: a file that it made does not stay when the text cannot be written") {
+  const TemporaryFolder folder;
+  fs::create_symlink("behind", folder.file("link"));
+  {
+    const DiskLimit full(2);
+    CHECK_FALSE(append_to_file(folder.file("lines"), "line\n"));
+    CHECK_FALSE(append_to_file(folder.file("link"), "line\n"));
+  }
+  CHECK(names_in(folder) == std::set<std::string>{"link"});
+  REQUIRE(append_to_file(folder.file("link"), "line\n"));
+  CHECK(bytes_of(folder.file("behind")) == "line\n");
+}
+
+TEST_CASE("append: what another process adds meanwhile is not cut off after an error") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("lines");
+  REQUIRE(append_to_file(path, "one\n"));
+  const int other = ::open(path.c_str(), O_WRONLY | O_APPEND);
+  REQUIRE(other >= 0);
+  REQUIRE(::flock(other, LOCK_EX) == 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    ::close(other);
+    const DiskLimit full(6);
+    _exit(append_to_file(path, "of the child\n") ? 1 : 0);
+  }
+  ::usleep(50'000);  // the child waits; one that did not would have written and cut off by now
+  CHECK(bytes_of(path) == "one\n");
+  CHECK(waitpid(child, nullptr, WNOHANG) == 0);
+  REQUIRE(::write(other, "two\n", 4) == 4);
+  ::close(other);
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(status == 0);
+  CHECK(bytes_of(path) == "one\ntwo\n");
+}
+
 TEST_CASE("append: a line is added whole or not at all") {
   const TemporaryFolder folder;
   const std::string path = folder.file("lines");
@@ -230,6 +378,59 @@ TEST_CASE("append: a line is added whole or not at all") {
   REQUIRE(append_to_file(path, "second\n"));
   CHECK(bytes_of(path) == "one\nsecond\n");
   CHECK_FALSE(append_to_file("/dev/full", "x"));
+}
+
+/// Starts to write a file in another process. @returns the process, which waits for a signal; `name` gets that of its temporary file.
+pid_t start_writing(const TemporaryFolder& folder, const std::string& file, std::string& name) {
+  const std::set<std::string> before = names_in(folder);
+  int ready[2] = {};
+  REQUIRE(pipe(ready) == 0);
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    auto out = OutputFile::create(folder.file(file));
+    const bool whole = out.ok() && out->write("part").ok() && ::write(ready[1], "x", 1) == 1;
+    while (whole) pause();
+    _exit(1);
+  }
+  close(ready[1]);
+  char byte = 0;
+  REQUIRE(::read(ready[0], &byte, 1) == 1);
+  close(ready[0]);
+  for (const std::string& one : names_in(folder))
+    if (!before.contains(one)) name = one;
+  REQUIRE(is_temporary_of(name, file));
+  return child;
+}
+
+void kill_writer(pid_t process) {
+  REQUIRE(kill(process, SIGKILL) == 0);
+  int status = 0;
+  REQUIRE(waitpid(process, &status, 0) == process);
+}
+
+TEST_CASE("output file: the next write to a name removes what killed processes have left of it, and nothing else") {
+  const TemporaryFolder folder;
+  std::string dead, other, alive;
+  const pid_t writer = start_writing(folder, "out.bin", alive);
+  kill_writer(start_writing(folder, "out.bin", dead));
+  kill_writer(start_writing(folder, "out.bin.2", other));
+  const std::string locked =
+      "out.bin" + dead.substr(7, dead.rfind('-') - 7) + "-00000000000000aa.tmp";  // as of a process of another machine
+  const std::string link = "out.bin" + dead.substr(7, dead.rfind('-') - 7) + "-00000000000000bb.tmp";
+  put(folder.file(locked), "x");
+  fs::create_symlink(folder.file(locked), folder.file(link));
+  const int held = open(folder.file(locked).c_str(), O_RDONLY | O_CLOEXEC);
+  REQUIRE(flock(held, LOCK_EX) == 0);
+  CHECK(names_in(folder) == std::set<std::string>{dead, other, alive, locked, link});
+  REQUIRE(write_in_pieces(folder.file("out.bin"), "whole", 5));
+  CHECK(names_in(folder) == std::set<std::string>{"out.bin", other, alive, locked, link});
+  close(held);
+  kill_writer(writer);
+  REQUIRE(write_in_pieces(folder.file("out.bin"), "whole", 5));
+  CHECK(names_in(folder) == std::set<std::string>{"out.bin", other, link});
+  REQUIRE(write_in_pieces(folder.file("out.bin.2"), "whole", 5));
+  CHECK(names_in(folder) == std::set<std::string>{"out.bin", "out.bin.2", link});
 }
 
 TEST_CASE("temporary names: those of a file, and no others") {

@@ -176,6 +176,34 @@ TEST_CASE("set: bad assignments are refused and leave the document as it was") {
   CHECK(document.to_text() == before);
 }
 
+TEST_CASE("apply: a thousand changes parse the text once, as one does, and give the same document as one after another") {
+  auto document = *TomlDocument::parse("[tool]\nname = \"ball\"\n[record]\n", "scene.toml");
+  TomlDocument one_by_one = document;
+  CHECK(document.parses() == 1);
+  std::vector<TomlChange> changes{{"record", "--unset", true}};
+  for (int n = 0; n < 999; ++n) changes.push_back({"tool.spin_rpm=" + std::to_string(n)});
+  CHECK(document.apply(changes).empty());
+  CHECK(document.parses() == 2);
+  for (const TomlChange& change : changes)
+    REQUIRE((change.removes ? one_by_one.unset(change.text, change.option) : one_by_one.set(change.text, change.option)).ok());
+  CHECK(one_by_one.parses() == 1001);
+  CHECK(document.to_text() == one_by_one.to_text());
+  CHECK(document.changes() == one_by_one.changes());
+  Issues issues;
+  CHECK(document.root(issues).table("tool", "")->place_of("spin_rpm") == "--set tool.spin_rpm");
+}
+
+TEST_CASE("apply: every error is reported, and after one the document is as it was") {
+  auto document = *TomlDocument::parse("[tool]\nname = \"ball\"\n", "scene.toml");
+  const std::string before = document.to_text();
+  const Issues issues = document.apply({{"tool.name=\"cone\""}, {"tool.name"}, {"hand", "--unset", true}});
+  REQUIRE(issues.size() == 2);
+  CHECK(issues[0].place == "--set tool.name");
+  CHECK(issues[1].place == "--unset hand");
+  CHECK(document.to_text() == before);
+  CHECK(document.changes().empty());
+}
+
 TEST_CASE("set: a copy of the document and readers made before are not touched") {
   TomlDocument document = parsed("x = 1\n");
   const TomlDocument copy = document;

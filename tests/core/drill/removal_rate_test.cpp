@@ -40,6 +40,18 @@ TEST_CASE("feed: a flat end with an even factor has the closed form, whatever th
   }
 }
 
+TEST_CASE(
+    "feed: at equal thrust the power of cutting is the same in tables and diploe, so the motor's pitch does not step (docs/sound.md)") {
+  const Tool pin = tool_of(kPin);
+  constexpr double kSpecificEnergy = 1e8;  // [J/m^3] of hardness 1; any value
+  const auto torque = [&](double hardness, double thrust) {
+    const FeedConditions c{.thrust = thrust, .hardness = hardness};
+    return kSpecificEnergy * hardness * predict_feed(pin, FeedDirection::plunge, c).rate / (2.0 * std::numbers::pi * c.spin);
+  };
+  for (const double hardness : {0.9, 0.45, 0.12}) CHECK(torque(hardness, 20.0) == doctest::Approx(torque(1.0, 20.0)).epsilon(1e-12));
+  CHECK(torque(0.9, 10.0) == doctest::Approx(0.5 * torque(0.9, 20.0)).epsilon(1e-12));  // it follows the thrust, as M = mu F r does
+}
+
 TEST_CASE("feed: sideways a cylinder shows its diameter times its height and is limited where it leads") {
   const FeedConditions c;
   const FeedPrediction side = predict_feed(tool_of(kPin), FeedDirection::sideways, c);

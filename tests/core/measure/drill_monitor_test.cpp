@@ -149,6 +149,35 @@ TEST_CASE("monitor: a bit that comes out while it is engaged in the last of the 
   CHECK(loose.progress().passed_time == 1.0);
 }
 
+TEST_CASE("monitor: support ends where the thrust along the axis does, not at breakthrough, and grown bone takes that back") {
+  ClearedPlate plate;
+  DrillMonitor monitor(plate.approach);
+  plate.clear(2e-3, 10e-3);
+  ContactWindowPublisher publisher(*plate.voxmap);
+  publisher.publish(*plate.voxmap);
+  const ContactView view(publisher.exchange().latest(), plate.bone->bone_from_index(), {});
+  double time = 0.0;
+  const auto at = [&](double beyond, const Vec3& force) {
+    monitor.look(view, Vec3(0.0, 0.0, -ClearedPlate::kThickness - beyond), force, 0.0, time += 0.05);
+  };
+  const Vec3 thrust(0.0, 0.0, 20.0);
+  for (int n = 0; n < 20; ++n) at(-1e-3, thrust);
+  at(0.1e-3, thrust);
+  at(0.8e-3, thrust);  // a shoulder still cuts
+  REQUIRE(monitor.progress().breakthrough_time.has_value());
+  CHECK_FALSE(monitor.progress().loss.has_value());
+  at(1.8e-3, Vec3(20.0, 0.0, 0.0));  // a force on its side carries no thrust
+  at(2.8e-3, Vec3(0.0));
+  at(0.5e-3, Vec3(0.0));
+  REQUIRE(monitor.progress().loss.has_value());
+  CHECK(monitor.progress().loss->time == doctest::Approx(22 * 0.05).epsilon(1e-9));
+  CHECK(std::abs(monitor.progress().loss->depth - (ClearedPlate::kThickness + 0.8e-3)) < 1e-6);
+  CHECK(std::abs(monitor.progress().loss->plunge - 2e-3) < 1e-6);
+  ClearedPlate whole;
+  monitor.bone_grew(bone_on_axis(whole.approach, *whole.voxmap));
+  CHECK_FALSE(monitor.progress().loss.has_value());
+}
+
 TEST_CASE("monitor: distance from the axis counts in contact alone, and until the tip has passed the bone") {
   ClearedPlate plate;
   DrillMonitor monitor(plate.approach);

@@ -110,9 +110,10 @@ std::vector<ToolSpec> shipped_specs() {
 }  // namespace
 
 TEST_CASE("fluted mesh: every shipped bit is closed, lies within its solids and sweeps all of them within 0.1 mm") {
-  for (const ToolSpec& spec : shipped_specs()) {
-    CAPTURE(spec.name);
-    const TriangleMesh mesh = make_fluted_mesh(spec);
+  for (const ToolSpec& filed : shipped_specs()) {
+    CAPTURE(filed.name);
+    const ToolSpec spec = as_drawn(filed);
+    const TriangleMesh mesh = make_fluted_mesh(filed);
     CHECK(open_edges(mesh) == 0);
     REQUIRE(mesh.normals.size() == mesh.positions.size());
     const std::vector<Solid> solids = spec.solids();
@@ -135,7 +136,7 @@ TEST_CASE("fluted mesh: what cuts has flutes, what does not is as smooth as it w
   for (const ToolSpec& spec : shipped_specs()) {
     CAPTURE(spec.name);
     const CuttingEdges edges = find_cutting_edges(spec);
-    const double smooth = volume(make_tool_mesh(spec, 128)), fluted = volume(make_fluted_mesh(spec));
+    const double smooth = volume(make_tool_mesh(as_drawn(spec), 128)), fluted = volume(make_fluted_mesh(spec));
     CHECK(fluted > 0.5 * smooth);
     if (edges.count > 0) CHECK(fluted < smooth);
     if (edges.count == 0) CHECK(fluted > 0.9 * smooth);  // a saw has gaps between its teeth
@@ -146,6 +147,43 @@ TEST_CASE("fluted mesh: what cuts has flutes, what does not is as smooth as it w
   const ToolSpec passive = tool_of({region(make_sphere(0.0, 3e-3), 0.0, 1e-3)});
   CHECK(find_cutting_edges(passive).count == 0);
   CHECK(volume(make_fluted_mesh(passive)) == volume(make_tool_mesh(passive)));
+}
+
+TEST_CASE("fluted mesh: only a twist drill is drawn wider than it is filed: its body has the proportions of a drill") {
+  for (const ToolSpec& spec : shipped_specs()) {
+    CAPTURE(spec.name);
+    const ToolSpec drawn = as_drawn(spec);
+    const bool drill = spec.name == "twist_drill_2_5mm";
+    for (std::size_t n = 0; n < spec.regions.size(); ++n)
+      CHECK((drawn.regions[n].solid.largest_radius() == spec.regions[n].solid.largest_radius()) == !(drill && n == 2));
+  }
+  // Sections of the body at two heights: from the web to the margins; the land between flutes turns by the helix.
+  const TriangleMesh mesh = make_fluted_mesh(shipped_spec("twist_drill_2_5mm"));
+  double least = 1.0, most = 0.0, area = 0.0;
+  for (std::size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
+    const auto at = [&](std::size_t n) { return Vec3(mesh.positions[mesh.indices[t + n]]); };
+    // Of the end of the shaft, which is the section of the body there: fans about the axis.
+    if (std::min({at(0).z, at(1).z, at(2).z}) < 39.999e-3) continue;
+    area += 0.5 * glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
+  }
+  for (const Vec3f& p : mesh.positions) {
+    if (p.z < 5e-3f || p.z > 30e-3f) continue;
+    least = std::min(least, std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)));
+    most = std::max(most, std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)));
+  }
+  const double radius = 0.98 * 1.25e-3;
+  CHECK(most == doctest::Approx(radius).epsilon(1e-5));
+  CHECK(least == doctest::Approx(0.3 * radius).epsilon(1e-5));
+  // The profile's share of the circle: straight stretches of r, each (r0^2 + r0 r1 + r1^2) / 3 of its share of the turn.
+  const std::array<double, 9> at{0.0, 0.06, 0.08, 0.50, 0.58, 0.70, 0.84, 0.94, 1.0}, depth{0, 0, 0.06, 0.06, 0.55, 1.0, 1.0, 0.64, 0};
+  double share = 0.0;
+  for (std::size_t n = 0; n + 1 < at.size(); ++n) {
+    const double a = 1.0 - 0.7 * depth[n], b = 1.0 - 0.7 * depth[n + 1];
+    share += (at[n + 1] - at[n]) * (a * a + a * b + b * b) / 3.0;
+  }
+  CHECK(area / (kPi * radius * radius) == doctest::Approx(share).epsilon(0.01));  // chords of at most 6.3 degrees: 0.2 %
+  CHECK(share > 0.5);  // of the section, as of drills; a body of two thirds of the diameter had 0.3 with its flutes
+  CHECK(share < 0.7);
 }
 
 TEST_CASE("fluted mesh: the saw has ten pointed teeth at its edge, wider upwards, and none above their roots") {

@@ -8,6 +8,7 @@
 #include "tests/support/dicom_writer.h"
 #include "tests/support/mesh_samples.h"
 #include "tests/support/temporary_folder.h"
+#include "volumes/import_bone.h"
 #include "volumes/read/scan.h"
 
 using namespace burrhole;
@@ -67,6 +68,35 @@ TEST_CASE("readers: a reading that shall stop before its first value reports not
     CAPTURE(path);
     CHECK(reports_until_stopped(path, 0) == 0);
   }
+}
+
+TEST_CASE("readers: a reading stops between the headers of a folder, before it knows what is wrong with the series") {
+  const TemporaryFolder uneven;
+  for (const double z : {0.0, 1.0, 3.7, 4.1}) {
+    CtSlice slice;
+    slice.position.z += z;
+    slice.instance = fmt::format("{}.{}", slice.series, z);
+    ct_slice(slice).write(uneven.file(fmt::format("slice{}", z)));
+  }
+  const auto whole = read_scan(uneven.path().string(), {});
+  REQUIRE_FALSE(whole.ok());
+  CHECK(whole.error().code == ErrorCode::bad_input);
+  CHECK(reports_until_stopped(uneven.path().string(), 0) == 0);
+}
+
+TEST_CASE("readers: of a scan that was read when the reading shall stop no bone is made") {
+  const TemporaryFolder slices;
+  std::stop_source source;
+  ImportRequest request{write_slices(slices), {}, {}};
+  request.read.stop = source.get_token();
+  request.read.progress = [&](double share) {
+    if (share == 1.0) source.request_stop();
+  };
+  const auto bone = import_bone(request, {});
+  REQUIRE(source.stop_requested());
+  REQUIRE_FALSE(bone.ok());
+  CHECK(bone.error().code == ErrorCode::unavailable);
+  CHECK(bone.error().message.find("stopped") != std::string::npos);
 }
 
 TEST_CASE("readers: a reading stops at the next slice or slab") {

@@ -246,19 +246,37 @@ TEST_CASE("export: density is recognised as occupancy when it is imported, and o
   CHECK(resampled->bone->bone_from_index().mean_edge() == doctest::Approx(0.4e-3));
 }
 
-TEST_CASE("export: a stop between two slabs leaves no part of the file, and the file that was there") {
+TEST_CASE("export: a stop after the file is begun leaves no part of it, and the file that was there") {
   const Voxmap bone = ball_voxmap(sheared_map(), false);
+  REQUIRE(kBallDims.z > 8);  // a slab: the stop comes before the last
   for (const std::string name : {"a.nrrd", "a.nii", "a.nii.gz", "a.stl", "a.vdb"})
     for (const bool there : {false, true}) {
       CAPTURE(name);
       const TemporaryFolder folder;
       if (there) std::ofstream(folder.file(name)) << "a CT";
-      std::atomic<bool> stop{name == "a.stl" || name == "a.vdb"};  // these have no progress
-      std::size_t calls = 0;
-      const auto report = export_bone(bone, {.path = folder.file(name), .progress = [&](double) { stop = ++calls > 0; }, .stop = &stop});
+      const bool is_image = name != "a.stl" && name != "a.vdb";
+      std::atomic<bool> stop{false};
+      std::size_t slabs = 0, begun = 0, temporary = 0;
+      const auto between_slabs = [&](double share) {
+        CHECK(share < 1.0);
+        ++slabs;
+        temporary = files_in(folder).size() - (there ? 1 : 0);
+        stop = true;
+      };
+      const auto before_the_file = [&] {
+        ++begun;
+        CHECK(files_in(folder).size() == (there ? 1 : 0));
+        stop = !is_image;  // these have no progress
+      };
+      const auto report =
+          export_bone(bone, {.path = folder.file(name), .progress = between_slabs, .begin = before_the_file, .stop = &stop});
+      CHECK(begun == 1);
+      CHECK(slabs == (is_image ? 1 : 0));
+      CHECK(temporary == (is_image ? 1 : 0));
       REQUIRE(!report.ok());
       CHECK(report.error().code == ErrorCode::unavailable);
       CHECK(report.error().place == folder.file(name));
+      CHECK(report.error().message.find("was stopped") != std::string::npos);
       CHECK(files_in(folder) == (there ? std::vector<std::string>{name} : std::vector<std::string>{}));
       if (there) CHECK(std::filesystem::file_size(folder.file(name)) == 4);
     }
