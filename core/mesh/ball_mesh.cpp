@@ -178,7 +178,12 @@ bool BallMesh::put_down() {
 
 BallMesh::Id BallMesh::add_triangle(const std::array<Id, 3>& vertices) {
   ++work_.triangles_added;
-  return mesh_.add_triangle(vertices);
+  const Id triangle = mesh_.add_triangle(vertices);
+  if (config_.subvoxel) {
+    offsets_.resize(3 * static_cast<std::size_t>(mesh_.triangle_slots()));
+    for (Id n = 0; n < 3; ++n) offsets_[3 * triangle + n] = Vec3f(0.0f);
+  }
+  return triangle;
 }
 
 void BallMesh::remove_triangle(Id triangle) {
@@ -198,10 +203,6 @@ BallMesh::Id BallMesh::vertex_at(const Vec3i& voxel) {
   if (vertex != VertexMap::kNone) return vertex;
   vertex = mesh_.add_vertex(voxel);
   vertices_.set(voxel, vertex);
-  if (config_.subvoxel) {
-    offsets_.resize(mesh_.vertex_slots());
-    offsets_[vertex] = Vec3f(0.0f);
-  }
   return vertex;
 }
 
@@ -221,10 +222,40 @@ std::optional<BallMesh::Id> BallMesh::find_triangle(std::size_t cell, const Cell
 void BallMesh::move_vertices(const DensityBlock& block, const VoxelBox& part) {
   for_each_voxel(part, [&](const Vec3i& voxel) {
     const Id vertex = vertices_.find(voxel);
-    if (vertex == VertexMap::kNone) return;
-    offsets_[vertex] = Vec3f(offset_to_surface(block, voxel).value_or(Vec3(0.0)));
-    ++work_.vertices_moved;
+    if (vertex != VertexMap::kNone) move_fans(block, vertex);
   });
+}
+
+/// Calls f(half-edge) for each half-edge round the origin of one, in its fan.
+template <class F>
+void BallMesh::for_each_in_fan(Id half_edge, F&& f) const {
+  Id h = half_edge;
+  do {
+    f(h);
+    h = mesh_.next_in_fan(h);
+  } while (h != half_edge && h != HalfEdgeMesh::kFront && h != HalfEdgeMesh::kBorder);
+}
+
+void BallMesh::move_fans(const DensityBlock& block, Id vertex) {
+  const Vec3i voxel = mesh_.voxel(vertex);
+  std::size_t here = 0, in_first = 0;
+  for (Id h = mesh_.first_at(vertex); h != HalfEdgeMesh::kNone; h = mesh_.next_at_origin(h)) ++here;
+  for_each_in_fan(mesh_.first_at(vertex), [&](Id) { ++in_first; });
+  fans_.clear();
+  for (Id start = mesh_.first_at(vertex); start != HalfEdgeMesh::kNone; start = mesh_.next_at_origin(start)) {
+    if (std::ranges::find(fans_, start) != fans_.end()) continue;
+    Vec3i normal(0);  // of the triangles on centres: whole numbers, so the sum does not depend on where the fan begins
+    for_each_in_fan(start, [&](Id h) {
+      const Vec3i u = mesh_.voxel(mesh_.target(h)) - voxel, v = mesh_.voxel(mesh_.opposite(h)) - voxel;
+      normal += Vec3i(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
+    });
+    const auto offset = in_first == here ? offset_to_surface(block, voxel) : offset_along(block, voxel, Vec3(normal));
+    for_each_in_fan(start, [&](Id h) {
+      offsets_[h] = Vec3f(offset.value_or(Vec3(0.0)));
+      fans_.push_back(h);
+    });
+    ++work_.vertices_moved;
+  }
 }
 
 bool BallMesh::is_surface(const Vec3i& voxel) const noexcept {
@@ -252,15 +283,17 @@ FrontEdge BallMesh::front_edge(Id half_edge) const noexcept {
 
 SurfaceMesh BallMesh::surface() const {
   SurfaceMesh out;
-  std::vector<Id> number(mesh_.vertex_slots(), HalfEdgeMesh::kNone);
+  std::vector<Id> number(3 * static_cast<std::size_t>(mesh_.triangle_slots()), HalfEdgeMesh::kNone);
   for (Id vertex = 0; vertex < mesh_.vertex_slots(); ++vertex) {
-    if (mesh_.first_at(vertex) == HalfEdgeMesh::kNone) continue;
-    number[vertex] = static_cast<Id>(out.positions.size());
-    out.positions.push_back(position(vertex));
+    for (Id start = mesh_.first_at(vertex); start != HalfEdgeMesh::kNone; start = mesh_.next_at_origin(start)) {
+      if (number[start] != HalfEdgeMesh::kNone) continue;
+      if (config_.subvoxel || start == mesh_.first_at(vertex)) out.positions.push_back(position(start));
+      for_each_in_fan(start, [&](Id h) { number[h] = static_cast<Id>(out.positions.size() - 1); });
+    }
   }
   for (Id triangle = 0; triangle < mesh_.triangle_slots(); ++triangle)
     if (mesh_.has_triangle(triangle))
-      for (Id n = 0; n < 3; ++n) out.indices.push_back(number[mesh_.origin(3 * triangle + n)]);
+      for (Id n = 0; n < 3; ++n) out.indices.push_back(number[3 * triangle + n]);
   return out;
 }
 

@@ -83,12 +83,17 @@ class BallMesh {
   [[nodiscard]] HalfEdgeMesh::VertexState state(const Vec3i& voxel) const noexcept;
   [[nodiscard]] FrontEdge front_edge(HalfEdgeMesh::Id half_edge) const noexcept;
 
-  /// @returns the position [voxels] of a vertex: its voxel's centre plus offset().
-  [[nodiscard]] Vec3 position(HalfEdgeMesh::Id vertex) const noexcept { return Vec3(mesh_.voxel(vertex)) + Vec3(offset(vertex)); }
-  /// @returns the offset [voxels] of a vertex from its voxel's centre to the 0.5 surface; zero without `subvoxel`, and where
-  /// offset_to_surface() finds none.
-  [[nodiscard]] Vec3f offset(HalfEdgeMesh::Id vertex) const noexcept { return vertex < offsets_.size() ? offsets_[vertex] : Vec3f(0.0f); }
-  /// @returns the mesh as two arrays, in index coordinates. Allocates.
+  /// @returns the offset [voxels] of the corner of a triangle at which a half-edge begins, from the voxel's centre to the 0.5 surface; the same
+  /// for all triangles of a fan. Along the falling gradient; where a voxel has several fans, as in a wall of one voxel, along the mean normal
+  /// of each. Zero without `subvoxel`, before update() has seen the triangle, and where no surface is found.
+  [[nodiscard]] Vec3f offset(HalfEdgeMesh::Id half_edge) const noexcept {
+    return half_edge < offsets_.size() ? offsets_[half_edge] : Vec3f(0.0f);
+  }
+  /// @returns the position [voxels] of that corner.
+  [[nodiscard]] Vec3 position(HalfEdgeMesh::Id half_edge) const noexcept {
+    return Vec3(mesh_.voxel(mesh_.origin(half_edge))) + Vec3(offset(half_edge));
+  }
+  /// @returns the mesh as two arrays, in index coordinates. With `subvoxel` each fan has a vertex of its own. Allocates.
   [[nodiscard]] SurfaceMesh surface() const;
   [[nodiscard]] std::size_t bytes() const noexcept;
 
@@ -106,13 +111,17 @@ class BallMesh {
   [[nodiscard]] Id vertex_at(const Vec3i& voxel);
   [[nodiscard]] std::optional<Id> find_triangle(std::size_t cell, const CellTriangle& corners) const noexcept;
   void move_vertices(const DensityBlock& block, const VoxelBox& part);
+  void move_fans(const DensityBlock& block, Id vertex);
+  template <class F>
+  void for_each_in_fan(Id half_edge, F&& f) const;
 
   BallMeshConfig config_;
   std::shared_ptr<const BallTables> tables_;
   SolidBits solid_;
   HalfEdgeMesh mesh_;
   VertexMap vertices_;
-  std::vector<Vec3f> offsets_;              // [voxels] per vertex
+  std::vector<Vec3f> offsets_;              // [voxels] per half-edge; empty without subvoxel
+  std::vector<Id> fans_;                    // of one vertex: half-edges that have their offset
   std::vector<std::size_t> changed_cells_;  // by the index of the lowest corner
   std::vector<std::uint64_t> is_marked_;    // one bit per index: in changed_cells_
   std::vector<Id> doomed_;                  // of one removal

@@ -65,6 +65,9 @@ class HalfEdgeMesh {
   [[nodiscard]] Id first_at(Id vertex) const noexcept { return first_[vertex]; }
   [[nodiscard]] Id next_at_origin(Id half_edge) const noexcept { return next_at_origin_[half_edge]; }
 
+  /// @returns the next half-edge round the origin, in the same fan of triangles; kFront or kBorder where the fan ends.
+  [[nodiscard]] Id next_in_fan(Id half_edge) const noexcept { return partner_[previous(half_edge)]; }
+
   [[nodiscard]] const Vec3i& voxel(Id vertex) const noexcept { return voxel_[vertex]; }
   [[nodiscard]] VertexState state(Id vertex) const noexcept {
     return first_[vertex] == kNone ? VertexState::orphan : open_[vertex] > 0 ? VertexState::front : VertexState::inner;

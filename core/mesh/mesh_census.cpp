@@ -92,7 +92,7 @@ MeshCensus take_census(const BallMesh& ball_mesh) {
     if (is_open(mesh, h)) ++out.open_edges;
     if (is_open(mesh, h) || h < mesh.partner(h)) ++out.edges;
     if (h % 3 != 0) return;
-    const Vec3 a = ball_mesh.position(mesh.origin(h)), b = ball_mesh.position(mesh.target(h)), c = ball_mesh.position(mesh.opposite(h));
+    const Vec3 a = ball_mesh.position(h), b = ball_mesh.position(mesh.next(h)), c = ball_mesh.position(mesh.previous(h));
     out.volume += glm::dot(a, glm::cross(b, c)) / 6.0;
   });
   out.corners = count_fans(mesh);

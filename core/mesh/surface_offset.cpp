@@ -30,9 +30,14 @@ std::optional<Vec3> offset_to_surface(const DensityBlock& block, const Vec3i& vo
     step[axis] = 1;
     gradient[axis] = 0.5 * (density_at(block, voxel + step) - density_at(block, voxel - step));
   }
-  const double length = glm::length(gradient);
-  if (!(length > kLeastGradient)) return std::nullopt;
-  const Vec3 outward = gradient / -length, centre(voxel);
+  if (!(glm::length(gradient) > kLeastGradient)) return std::nullopt;
+  return offset_along(block, voxel, -gradient);
+}
+
+std::optional<Vec3> offset_along(const DensityBlock& block, const Vec3i& voxel, const Vec3& direction) {
+  const double length = glm::length(direction);
+  if (!(length > 0.0)) return std::nullopt;
+  const Vec3 outward = direction / length, centre(voxel);
   const auto above = [&](double way) { return sample(block, centre + way * outward) - 0.5; };
   double inside = 0.0, at_inside = density_at(block, voxel) - 0.5;
   for (int step = 1; step <= kSteps; ++step) {

@@ -17,5 +17,7 @@ inline constexpr double kLongestOffset = 1.5;
 /// @returns the offset from the centre; none if the gradient is zero, as in the middle of a wall of one voxel, or the surface is farther
 /// away than kLongestOffset. @pre voxel in block.box.
 [[nodiscard]] std::optional<Vec3> offset_to_surface(const DensityBlock& block, const Vec3i& voxel);
+/// The same along a given direction of any length; none if it is zero.
+[[nodiscard]] std::optional<Vec3> offset_along(const DensityBlock& block, const Vec3i& voxel, const Vec3& direction);
 
 }  // namespace burrhole

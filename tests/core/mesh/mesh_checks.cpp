@@ -27,6 +27,15 @@ bool is_empty_ball(const MeshBone& bone, const Vec3& ball) {
   return empty;
 }
 
+/// The mesh on the voxel centres, with one vertex per voxel.
+SurfaceMesh at_centres(const HalfEdgeMesh& mesh) {
+  SurfaceMesh out;
+  for (Id vertex = 0; vertex < mesh.vertex_slots(); ++vertex) out.positions.emplace_back(mesh.voxel(vertex));
+  for (Id h = 0; h < 3 * mesh.triangle_slots(); ++h)
+    if (mesh.has_triangle(h / 3)) out.indices.push_back(mesh.origin(h));
+  return out;
+}
+
 std::string triangle_error(const HalfEdgeMesh& mesh, const MeshBone& bone) {
   std::set<PlainTriangle> known;
   for (Id t = 0; t < mesh.triangle_slots(); ++t) {
@@ -168,7 +177,7 @@ std::string mesh_error_of(const BallMesh& mesh, const MeshBone& bone) {
   const MeshCensus census = take_census(mesh);
   if (census.open_edges != 0 || mesh.half_edges().front_edges() != 0 || mesh.half_edges().border_edges() != 0)
     return std::to_string(census.open_edges) + " open edges";
-  const MeshCheck check = check_mesh(mesh.surface());
+  const MeshCheck check = check_mesh(at_centres(mesh.half_edges()));
   if (check.degenerate != 0 || check.open_edges != 0) return "core/tool finds a degenerate triangle or an open edge";
   if (check.flipped_edges != 0) return "core/tool finds an edge with both triangles in one direction";
   if (check.non_manifold_edges != census.shared_edges.size()) return "core/tool finds another number of shared edges";
@@ -189,6 +198,23 @@ std::string twin_error(const BallMesh& mesh, const MeshBone& bone) {
     return "other topology than the twin: " + std::to_string(census.corners) + " corners and " + std::to_string(census.parts) +
            " parts instead of " + std::to_string(plain.corners) + " and " + std::to_string(plain.parts);
   return {};
+}
+
+MovedTriangles moved_triangles(const BallMesh& mesh) {
+  MovedTriangles out;
+  const HalfEdgeMesh& half_edges = mesh.half_edges();
+  for (Id t = 0; t < half_edges.triangle_slots(); ++t) {
+    if (!half_edges.has_triangle(t)) continue;
+    const auto voxel = [&](Id n) { return half_edges.voxel(half_edges.origin(3 * t + n)); };
+    const PlainTriangle triangle = plain_triangle(voxel(0), voxel(1), voxel(2));
+    for (Id n = 0; n < 3; ++n) {
+      const Vec3i v = voxel(n);
+      const Vec3f offset = mesh.offset(3 * t + n);
+      for (std::size_t m = 0; m < 3; ++m)
+        if (triangle[m] == std::array{v.z, v.y, v.x}) out[triangle][m] = {offset.x, offset.y, offset.z};
+    }
+  }
+  return out;
 }
 
 }  // namespace burrhole::test

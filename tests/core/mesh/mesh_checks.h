@@ -3,9 +3,10 @@
 ///   Frame  index.   Units  voxels.   Errors  none.   Thread  any.
 #pragma once
 
+#include <map>
 #include <string>
 
-#include "tests/core/mesh/mesh_cases.h"
+#include "tests/core/mesh/pivot_twin.h"
 
 namespace burrhole::test {
 
@@ -20,5 +21,9 @@ namespace burrhole::test {
 
 /// Whether the mesh is the one of the slow twin: same triangles, edges, corners and parts.
 [[nodiscard]] std::string twin_error(const BallMesh& mesh, const MeshBone& bone);
+
+/// A triangle's corners with their offsets [voxels], in the order of the triangle.
+using MovedTriangles = std::map<PlainTriangle, std::array<std::array<float, 3>, 3>>;
+[[nodiscard]] MovedTriangles moved_triangles(const BallMesh& mesh);
 
 }  // namespace burrhole::test
