@@ -239,23 +239,27 @@ void BallMesh::for_each_in_fan(Id half_edge, F&& f) const {
 void BallMesh::move_fans(const DensityBlock& block, Id vertex) {
   const Vec3i voxel = mesh_.voxel(vertex);
   std::size_t here = 0, in_first = 0;
-  for (Id h = mesh_.first_at(vertex); h != HalfEdgeMesh::kNone; h = mesh_.next_at_origin(h)) ++here;
-  for_each_in_fan(mesh_.first_at(vertex), [&](Id) { ++in_first; });
+  const Id first = mesh_.first_at(vertex);
+  for (Id h = first; h != HalfEdgeMesh::kNone; h = mesh_.next_at_origin(h)) ++here;
+  for_each_in_fan(first, [&](Id) { ++in_first; });
+  if (in_first == here) return move_fan(first, offset_to_surface(block, voxel));
   fans_.clear();
-  for (Id start = mesh_.first_at(vertex); start != HalfEdgeMesh::kNone; start = mesh_.next_at_origin(start)) {
+  for (Id start = first; start != HalfEdgeMesh::kNone; start = mesh_.next_at_origin(start)) {
     if (std::ranges::find(fans_, start) != fans_.end()) continue;
     Vec3i normal(0);  // of the triangles on centres: whole numbers, so the sum does not depend on where the fan begins
     for_each_in_fan(start, [&](Id h) {
       const Vec3i u = mesh_.voxel(mesh_.target(h)) - voxel, v = mesh_.voxel(mesh_.opposite(h)) - voxel;
       normal += Vec3i(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
-    });
-    const auto offset = in_first == here ? offset_to_surface(block, voxel) : offset_along(block, voxel, Vec3(normal));
-    for_each_in_fan(start, [&](Id h) {
-      offsets_[h] = Vec3f(offset.value_or(Vec3(0.0)));
       fans_.push_back(h);
     });
-    ++work_.vertices_moved;
+    move_fan(start, offset_along(block, voxel, Vec3(normal)));
   }
+}
+
+void BallMesh::move_fan(Id half_edge, const std::optional<Vec3>& offset) {
+  const Vec3f way(offset.value_or(Vec3(0.0)));
+  for_each_in_fan(half_edge, [&](Id h) { offsets_[h] = way; });
+  ++work_.vertices_moved;
 }
 
 bool BallMesh::is_surface(const Vec3i& voxel) const noexcept {

@@ -112,6 +112,7 @@ class BallMesh {
   [[nodiscard]] std::optional<Id> find_triangle(std::size_t cell, const CellTriangle& corners) const noexcept;
   void move_vertices(const DensityBlock& block, const VoxelBox& part);
   void move_fans(const DensityBlock& block, Id vertex);
+  void move_fan(Id half_edge, const std::optional<Vec3>& offset);
   template <class F>
   void for_each_in_fan(Id half_edge, F&& f) const;
 
@@ -121,7 +122,7 @@ class BallMesh {
   HalfEdgeMesh mesh_;
   VertexMap vertices_;
   std::vector<Vec3f> offsets_;              // [voxels] per half-edge; empty without subvoxel
-  std::vector<Id> fans_;                    // of one vertex: half-edges that have their offset
+  std::vector<Id> fans_;                    // of one vertex: half-edges of fans that have been moved
   std::vector<std::size_t> changed_cells_;  // by the index of the lowest corner
   std::vector<std::uint64_t> is_marked_;    // one bit per index: in changed_cells_
   std::vector<Id> doomed_;                  // of one removal
