@@ -100,7 +100,7 @@ void add_stereo_options(CLI::App& command, SceneOption& scene) {
   command
       .add_option_function<std::string>(
           "--stereo", [&scene](const std::string& mode) { scene.sets.push_back(fmt::format("display.stereo=\"{}\"", mode)); },
-          "pictures of two eyes in one: side-by-side, top-bottom or anaglyph; quad: in a window with quad-buffered stereo")
+          "two eyes: side-by-side, top-bottom, anaglyph; quad: a window with stereo buffers")
       ->type_name("MODE")
       ->check(CLI::IsMember({"off", "side-by-side", "top-bottom", "anaglyph", "quad"}));
   command

@@ -51,7 +51,7 @@ void read_quality(TableReader& table, bool rays, bool finish, DisplayConfig& out
   if (choice == "auto") {
     if (!rays) table.fault("quality", "needs method = \"raycast\"");
     out.budget = table.number("budget_ms", above_zero(100.0, 1e-3, 1e5), "time of a picture for which the quality is chosen");
-    for (const char* key : {"step_voxels", "bisections", "finish", "supersample", "edge_threshold", "resolution"})
+    for (const char* key : {"step_voxels", "bisections", "finish", "supersample", "resolution"})
       if (table.has(key)) table.fault(key, "is chosen by quality = \"auto\": remove one of the two");
     return;
   }
@@ -67,10 +67,6 @@ void read_quality(TableReader& table, bool rays, bool finish, DisplayConfig& out
   }
   quality.supersample =
       static_cast<int>(table.integer("supersample", quality.supersample, 1, 4, "rays along each edge of a pixel, for anti-aliasing"));
-  if (finish)
-    quality.edge_threshold = static_cast<int>(table.integer("edge_threshold", quality.edge_threshold, 0, 255,
-                                                            "levels of 255 by which a pixel must differ from one around it for all rays of "
-                                                            "supersample; others have one; 0: all pixels have them"));
   quality.resolution =
       table.number("resolution", {.fallback = 1.0, .min = 0.25, .max = 1.0}, "share of width and height that is drawn and then scaled up");
 }
@@ -482,13 +478,13 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& scene, I
 }  // namespace
 
 EffectEntry display_effect() {
-  return {
-      "display",
-      "pictures; without it none is drawn",
-      read,
-      {"method = \"slices\"", "quality = \"auto\"", "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]", "cut = \"tip\"",
-       "stereo = \"side-by-side\"", "stereo = \"top-bottom\"", "stereo = \"anaglyph\"", "workbench_mm = 300", "tissue = \"plain\"",
-       "normals = \"recomputed\"", "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}};
+  return {"display",
+          "pictures; without it none is drawn",
+          read,
+          {"method = \"slices\"", "quality = \"auto\"", "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]",
+           "cut = \"tip\"", "stereo = \"side-by-side\"", "stereo = \"top-bottom\"", "stereo = \"anaglyph\"", "stereo = \"quad\"",
+           "workbench_mm = 300", "tissue = \"plain\"", "normals = \"recomputed\"",
+           "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}};
 }
 
 }  // namespace burrhole

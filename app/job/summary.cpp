@@ -37,7 +37,6 @@ Json display_json(const std::optional<RunSummary::Display>& display) {
             {"bisections", q.bisections},
             {"finish", q.finish},
             {"supersample", q.supersample},
-            {"edge_threshold", q.edge_threshold},
             {"resolution", q.resolution}}},
           {"budget_ms", optional_number(display->budget_ms)},
           {"expected_ms", optional_number(display->expected_ms)}};

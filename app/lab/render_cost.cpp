@@ -227,7 +227,7 @@ class SubjectRun {
                      .figures = kTimes + kMetrics * references.size()};
     trial.key.add("render").add(trial.name).add(subject_.text).add(out_.driver).add(options_.width).add(options_.height).add(frames);
     trial.key.add(quality.step_voxels).add(quality.bisections).add(quality.finish ? 1.0 : 0.0).add(quality.supersample);
-    trial.key.add(quality.resolution).add(quality.edge_threshold);
+    trial.key.add(quality.resolution);
     const auto figures = study_.run(trial, [&]() -> Result<Study::Figures> {
       const auto drawn = frames > 0 ? draw_timed(with, quality, *shipped_, frames) : draw_once(with, quality);
       if (!drawn) return drawn.error();
@@ -267,11 +267,6 @@ class SubjectRun {
                                    finish ? "rays, finish" : "rays, no finish");
             !done)
           return done;
-    for (const int threshold : {2, 4, 8, 16, 32, 64})
-      if (Status done = add_rays("threshold of edges [levels]", threshold, {.supersample = 2, .edge_threshold = threshold},
-                                 "rays, finish, 2 x 2 at edges");
-          !done)
-        return done;
     for (const double resolution : {0.25, 0.5, 0.75})
       if (Status done = add_rays("resolution", resolution, {.resolution = resolution}, "rays, finish"); !done) return done;
     return {};

@@ -9,7 +9,7 @@
 
 namespace burrhole {
 
-inline constexpr DrawingQuality kShippedQuality{.supersample = 2};  ///< the default of scenes, with all rays at all pixels
+inline constexpr DrawingQuality kShippedQuality{.supersample = 2};  ///< the default of scenes
 
 struct StandView {
   FrameView view;

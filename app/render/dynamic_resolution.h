@@ -11,7 +11,7 @@ class DynamicResolution {
   static constexpr double kCoarsest = 0.25;  ///< [-] smallest resolution, unless another is given
   static constexpr double kStep = 0.125;     ///< [-] step of the resolution; coarse, because a render target is allocated per size
 
-  /// @param budget [s] per picture, > 0. @param coarsest [-] smallest resolution.
+  /// @param budget [s] per picture, > 0. @param coarsest [-] smallest resolution, a multiple of kStep.
   explicit DynamicResolution(double budget, double coarsest = kCoarsest) : budget_(budget), coarsest_(coarsest) {}
   /// @returns the coarsest resolution before the first record(); afterwards the finest step that is predicted to fit, or the coarsest.
   [[nodiscard]] double resolution() const noexcept;

@@ -62,10 +62,9 @@ CameraRays rays_of(const FrameBlock& block) noexcept {
   return {Vec3(block.eye_world), forward, right, up, glm::dot(across, forward) < 0.0 ? -across : across};
 }
 
-void FrameCache::restart(int supersample, int tile) noexcept {
+void FrameCache::restart(int supersample) noexcept {
   forget();
   supersample_ = supersample;
-  tile_ = tile;
 }
 
 void FrameCache::texels_changed(const VoxelBox& box) {
@@ -82,17 +81,11 @@ StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, cons
   BH_ASSERT(changed_.empty() || world_from_index);
   PixelRegion region;
   const CameraRays rays = rays_of(key.block);
-  const auto whole_blocks = [&](const PixelRect& rect) {
-    if (tile_ == 0 || rect.empty()) return in_blocks(rect, supersample_);
-    const PixelRect beside = rect.grown(supersample_).intersect({Vec2i(0), drawn});
-    return in_blocks(beside, tile_ * supersample_).intersect({Vec2i(0), drawn});
-  };
   const auto footprints = [&](const Reach& of, PixelRegion& into) {
-    for (const VoxelBox& box : changed_) into.add(whole_blocks(find_footprint(rays, reached_corners(box, of, *world_from_index), drawn)));
+    for (const VoxelBox& box : changed_)
+      into.add(in_blocks(find_footprint(rays, reached_corners(box, of, *world_from_index), drawn), supersample_));
   };
-  // Beside pixels that are missing, the tiles of pixels that are lit again are not known.
-  const bool relights = layers && (tile_ == 0 || missing_.empty());
-  footprints(relights ? reach : reach.with_occlusion(), region);
+  footprints(layers ? reach : reach.with_occlusion(), region);
   PixelRegion moved;
   if (!same(tool_, tool))
     for (const std::optional<DrawnTool>& one : {tool_, tool})
@@ -101,7 +94,7 @@ StalePixels FrameCache::find_stale(const FrameKey& key, const Vec2i& drawn, cons
   out.drawn.assign(region.rects().begin(), region.rects().end());
   for (const PixelRect& part : outside(missing_, region.rects())) out.drawn.push_back(part);
   if (!layers) return out;
-  if (relights && reach.occlusion > 0.0 && !changed_.empty()) {
+  if (reach.occlusion > 0.0 && !changed_.empty()) {
     PixelRegion wide;
     footprints(reach.with_occlusion(), wide);
     out.relit = outside(wide.rects(), out.drawn);
@@ -118,10 +111,10 @@ std::vector<PixelRect> StalePixels::all() const {
   return out;
 }
 
-std::vector<StalePixels> StalePixels::in_bands(int rows, int pixels, int focus) const {
+std::vector<StalePixels> StalePixels::in_bands(int supersample, int focus) const {
   std::vector<PixelRect> bands;
   for (const PixelRect& rect : drawn) {
-    const int whole = std::max(1, pixels / (rows * rect.size().x)) * rows;
+    const int whole = std::max(1, kBandPixels / (supersample * rect.size().x)) * supersample;
     for (int row = rect.lo.y; row < rect.hi.y; row += whole)
       bands.push_back({{rect.lo.x, row}, {rect.hi.x, std::min(row + whole, rect.hi.y)}});
   }

@@ -38,25 +38,23 @@ struct StalePixels {
 
   /// @returns all rectangles.
   [[nodiscard]] std::vector<PixelRect> all() const;
-  /// @returns the same in parts that can be drawn one after the other: bands of about `pixels` of `drawn`, in multiples of `rows`, those nearest
-  /// to the row `focus` first; the first part has everything else.
-  [[nodiscard]] std::vector<StalePixels> in_bands(int rows, int pixels, int focus) const;
+  /// @returns the same in parts that can be drawn one after the other: bands of about kBandPixels of `drawn`, those nearest to the row
+  /// `focus` first; the first part has everything else.
+  [[nodiscard]] std::vector<StalePixels> in_bands(int supersample, int focus) const;
 };
 
 /// [drawn pixels] 10 ms of four rays a pixel with llvmpipe on two cores.
 inline constexpr int kBandPixels = 1 << 17;
-inline constexpr int kEdgeBandPixels = 1 << 19;  ///< [drawn pixels] the same if only edges have all rays
 
 class FrameCache {
  public:
-  /// @param supersample drawn pixels per pixel of the picture, along each side. @param tile [pixels of the picture] 0: a pixel depends on its
-  /// own rays; else on what one ray a pixel shows in a square tile and the pixels around it, so stale rectangles are grown to such tiles.
-  explicit FrameCache(int supersample = 1, int tile = 0) : supersample_(supersample), tile_(tile) {}
+  /// @param supersample drawn pixels per pixel of the picture, along each side.
+  explicit FrameCache(int supersample = 1) : supersample_(supersample) {}
 
   /// The next picture is drawn completely: volume or tool were replaced, or bone changed in a way that was not reported.
   void forget() noexcept { key_.reset(); }
   /// The next picture is drawn completely, with that many drawn pixels. Until all of it is drawn, the last one is shown in the rest.
-  void restart(int supersample, int tile = 0) noexcept;
+  void restart(int supersample) noexcept;
   void texels_changed(const VoxelBox& box);
 
   /// @returns what the picture of `key` must draw, in whole pixels of the picture. @param drawn size in drawn pixels.
@@ -71,7 +69,7 @@ class FrameCache {
   [[nodiscard]] const Image& picture() const noexcept { return picture_; }
 
  private:
-  int supersample_, tile_;
+  int supersample_;
   std::optional<FrameKey> key_;
   std::optional<DrawnTool> tool_;
   BoxList<VoxelBox, 32> changed_;   // since the last picture

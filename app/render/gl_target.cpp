@@ -18,15 +18,6 @@ void flip_rows(std::vector<T>& pixels, int width, int height) {
   }
 }
 
-/// A texture of one level, looked up texel by texel.
-GlObject make_image(const GladGLContext& gl, GLenum format, int width, int height) {
-  GlObject image = make_texture(gl, GL_TEXTURE_2D);
-  gl.TextureStorage2D(image.name(), 1, format, width, height);
-  gl.TextureParameteri(image.name(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  gl.TextureParameteri(image.name(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  return image;
-}
-
 }  // namespace
 
 Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height, TargetKind kind) {
@@ -43,19 +34,22 @@ Result<GlTarget> GlTarget::create(const GladGLContext& gl, int width, int height
              with_hits = kind != TargetKind::floats && kind != TargetKind::shown && kind != TargetKind::shaded;
   const GLenum depth_place = marked ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT;
   target.framebuffer_ = make_framebuffer(gl);
-  target.color_ = make_image(gl, kind == TargetKind::floats ? GL_RGBA32F : GL_RGBA8, width, height);
+  target.color_ = make_renderbuffer(gl, kind == TargetKind::floats ? GL_RGBA32F : GL_RGBA8, width, height);
   target.depth_ = make_renderbuffer(gl, marked ? GL_DEPTH32F_STENCIL8 : GL_DEPTH_COMPONENT32F, width, height);
   const GLuint framebuffer = target.framebuffer_.name();
-  gl.NamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, target.color_.name(), 0);
+  gl.NamedFramebufferRenderbuffer(framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color_.name());
   gl.NamedFramebufferRenderbuffer(framebuffer, depth_place, GL_RENDERBUFFER, target.depth_.name());
   const GLenum outputs[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
   bool complete = true;
   if (with_hits) {
-    target.hits_ = make_image(gl, GL_R32F, width, height);
+    target.hits_ = make_texture(gl, GL_TEXTURE_2D);
+    gl.TextureStorage2D(target.hits_.name(), 1, GL_R32F, width, height);
+    gl.TextureParameteri(target.hits_.name(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TextureParameteri(target.hits_.name(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     gl.NamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT1, target.hits_.name(), 0);
     target.light_framebuffer_ = make_framebuffer(gl);
     const GLuint light = target.light_framebuffer_.name();
-    gl.NamedFramebufferTexture(light, GL_COLOR_ATTACHMENT0, target.color_.name(), 0);
+    gl.NamedFramebufferRenderbuffer(light, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color_.name());
     gl.NamedFramebufferRenderbuffer(light, depth_place, GL_RENDERBUFFER, target.depth_.name());
     complete = gl.CheckNamedFramebufferStatus(light, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
   }
@@ -91,7 +85,12 @@ Image GlTarget::read_part(const PixelRect& part) const {
   return image;
 }
 
-void GlTarget::make_depth_copy() { depth_copy_ = make_image(*gl_, GL_DEPTH_COMPONENT32F, width_, height_); }
+void GlTarget::make_depth_copy() {
+  depth_copy_ = make_texture(*gl_, GL_TEXTURE_2D);
+  gl_->TextureStorage2D(depth_copy_.name(), 1, GL_DEPTH_COMPONENT32F, width_, height_);
+  gl_->TextureParameteri(depth_copy_.name(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl_->TextureParameteri(depth_copy_.name(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+}
 
 GLuint GlTarget::copy_depth(const PixelRect& part) const {
   BH_ASSERT(depth_copy_);

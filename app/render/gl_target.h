@@ -27,7 +27,6 @@ class GlTarget {
   void bind_for_light() const;  ///< picture and depth only; the hit depth can then be read as texture hits()
   [[nodiscard]] std::int64_t pixels() const noexcept { return std::int64_t{width_} * height_; }
   [[nodiscard]] GLuint hits() const noexcept { return hits_.name(); }
-  [[nodiscard]] GLuint colours() const noexcept { return color_.name(); }  ///< a texture
   [[nodiscard]] Image read_picture() const { return read_part({Vec2i(0), Vec2i(width_, height_)}); }
   [[nodiscard]] Image read_part(const PixelRect& part) const;  ///< row 0 at the top
   [[nodiscard]] std::vector<glm::fvec4> read_probe() const;    ///< row 0 at the top; @pre the target is `probed`

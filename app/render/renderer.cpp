@@ -20,7 +20,6 @@ Status check_options(const RenderOptions& options) {
   if (!(options.step_voxels > 0.0 && options.step_voxels <= 1.0)) return out_of_range("the ray step must be in (0, 1] voxels");
   if (options.bisections < 0 || options.bisections > 16) return out_of_range("bisections must be in 0..16");
   if (options.supersample < 1 || options.supersample > 4) return out_of_range("supersampling must be in 1..4");
-  if (options.edge_threshold < 0 || options.edge_threshold > 255) return out_of_range("the threshold of edges must be in 0..255");
   if (!(options.resolution >= 0.25 && options.resolution <= 1.0)) return out_of_range("the resolution must be in [0.25, 1]");
   if (options.slices && !(options.slices->per_voxel > 0.0 && options.slices->per_voxel <= 8.0))
     return out_of_range("slices must be in (0, 8] a voxel");
@@ -114,19 +113,6 @@ FrameBlock Renderer::Impl::make_detail_block(const FrameBlock& whole, const Fram
   return block;
 }
 
-Status Renderer::Impl::prepare_targets(const Vec2i& drawn, bool over_copy) {
-  const int n = options.supersample;
-  const bool at_edges = has_edges();
-  if (Status made = prepare(target, &spare_target, drawn.x, drawn.y, at_edges && !detail ? TargetKind::bytes : bone_kind()); !made)
-    return made;
-  if (at_edges) {
-    if (Status made = prepare(pixels, nullptr, drawn.x / n, drawn.y / n, bone_kind()); !made) return made;
-    if (Status made = prepare(resolved, nullptr, drawn.x / n, drawn.y / n, TargetKind::shown); !made) return made;
-  }
-  if (!over_copy) return {};
-  return prepare(shown, &spare_shown, drawn.x, drawn.y, has_tool_shadow() ? TargetKind::shaded : TargetKind::shown);
-}
-
 Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int height, std::optional<double> seconds) {
   const auto start = std::chrono::steady_clock::now();
   const int n = options.supersample;
@@ -134,8 +120,11 @@ Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int h
   if (const Status current = context.make_current(); !current) return current.error();
   auto block = make_block(view, drawn.x, drawn.y, n);
   if (!block) return block.error();
-  const bool layers = has_layers(), over_copy = layers && (tool || skin), at_edges = has_edges();
-  if (Status made = prepare_targets(drawn, over_copy); !made) return made.error();
+  if (Status made = prepare(target, &spare_target, drawn.x, drawn.y, bone_kind()); !made) return made.error();
+  const bool layers = has_layers(), over_copy = layers && (tool || skin);
+  if (over_copy)
+    if (Status made = prepare(shown, &spare_shown, drawn.x, drawn.y, has_tool_shadow() ? TargetKind::shaded : TargetKind::shown); !made)
+      return made.error();
   const bool cut = view.cut.has_value();
   note_view(view);
   std::string shaders;
@@ -152,39 +141,26 @@ Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int h
   }
   const StalePixels stale = cache.find_stale(key, drawn, drawn_tool, world_from_index, reach, layers);
   fill_changed(block.value(), stale.changed);
-  FrameBlock of_pixels;
-  if (at_edges) {
-    auto made = make_block(view, width, height, 1);
-    if (!made) return made.error();
-    of_pixels = made.value();
-    fill_changed(of_pixels, stale.changed);
-    edges.resize({width, height});
-  }
-  const EdgeFrame edge_frame{view, block.value(), of_pixels, drawn_tool, over_copy};
   const int focus = drawn_tool ? (drawn_tool->footprint.lo.y + drawn_tool->footprint.hi.y) / 2 : drawn.y / 2;
   std::vector<PixelRect> rects;
   std::vector<Image> parts;
   std::vector<PixelRect> missing;
-  const auto bands = !seconds   ? std::vector{stale}
-                     : at_edges ? stale.in_bands(n * kEdgeTile, kEdgeBandPixels, focus)
-                                : stale.in_bands(n, kBandPixels, focus);
-  for (const StalePixels& step : bands) {
+  for (const StalePixels& step : seconds ? stale.in_bands(n, focus) : std::vector{stale}) {
     if (!rects.empty() && std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > seconds.value_or(INFINITY)) {
       missing.insert(missing.end(), step.drawn.begin(), step.drawn.end());
       continue;
     }
-    const auto relit = at_edges ? render_edges(step, edge_frame)
-                                : render(step, view, block.value(), drawn_tool, over_copy ? ToolPass::layer : ToolPass::picture);
+    const auto relit = render(step, view, block.value(), drawn_tool, over_copy ? ToolPass::layer : ToolPass::picture);
     if (!relit) {
       cache.forget();
       return relit.error();
     }
     for (const PixelRect& part : step.all()) {
       rects.push_back(part);
-      parts.push_back(at_edges ? resolved.read_part({part.lo / n, part.hi / n}) : shrink((over_copy ? shown : target).read_part(part), n));
+      parts.push_back(shrink((over_copy ? shown : target).read_part(part), n));
     }
     for (const PixelRect& part : step.drawn) counters.drawn_pixels += static_cast<std::uint64_t>(part.count() / (n * n));
-    counters.drawn_pixels += *relit / static_cast<std::uint64_t>(at_edges ? 1 : n * n);
+    counters.drawn_pixels += *relit / static_cast<std::uint64_t>(n * n);
   }
   const bool whole = missing.empty();
   cache.keep(std::move(key), drawn, drawn_tool, rects, parts, std::move(missing));
@@ -226,7 +202,6 @@ RenderOptions make_render_options(const DrawingQuality& quality, const Appearanc
                         .finish = quality.finish,
                         .appearance = appearance,
                         .supersample = quality.supersample,
-                        .edge_threshold = quality.edge_threshold,
                         .resolution = quality.resolution};
   options.appearance.occlusion = appearance.occlusion && quality.finish;
   return options;
@@ -350,11 +325,10 @@ Status Renderer::set_quality(const DrawingQuality& quality) {
   options.finish = quality.finish;
   options.appearance.occlusion = quality.finish && impl_->asked_occlusion;
   options.supersample = quality.supersample;
-  options.edge_threshold = quality.edge_threshold;
   options.resolution = quality.resolution;
   if (Status valid = check_options(options); !valid) return valid;
   impl_->options = std::move(options);
-  impl_->cache.restart(impl_->options.supersample, tile_side(impl_->options));
+  impl_->cache.restart(impl_->options.supersample);
   return {};
 }
 

@@ -38,9 +38,6 @@ struct RenderOptions {
   bool finish = true;        ///< surfaces only; true: smoothed normals and soft highlights; false: the light of [AcostaLiu07] and headlight
   Appearance appearance{};   ///< additional light options; tissue, occlusion, shadow and highlights for surfaces only
   int supersample = 1;       ///< 1..4, rays along each side of a pixel (antialiasing)
-  /// [-] levels of 255; 0: all pixels have the rays of `supersample`. Else, for surfaces, only tiles in which a pixel of one ray differs from one
-  /// around it by more than this in a colour; the others keep the one ray.
-  int edge_threshold = 0;
   double resolution = 1.0;   ///< [-] in [0.25, 1], share of the picture's width and height that is drawn, then enlarged
   bool keep_picture = true;  ///< true: only pixels that may have changed are drawn; false: all pixels; the picture is the same
   /// true: the caller reports growth of bone by forget(). Without forget() since the last picture, update() assumes that bone only
@@ -68,7 +65,6 @@ struct RenderCounters {
   /// By draw() and draw_at_pace(), at the drawn resolution, without pixels that were kept; pixels that were only lit again count.
   std::uint64_t drawn_pixels = 0;
   std::uint64_t tool_pixels = 0;    ///< beside them, those where only the tool and its shadow were drawn, over a copy of the bone
-  std::uint64_t edge_pixels = 0;    ///< beside them, those that got all their rays as edges of the picture
   std::uint64_t probe_samples = 0;  ///< sum of FrameProbe::samples of the last probe()
 };
 

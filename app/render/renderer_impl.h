@@ -1,19 +1,16 @@
 /// app/render/renderer_impl.h: state of a Renderer, and the steps of one picture. Internal to app/render.
-///   renderer.cpp checks the request and fills the frame's block; renderer_passes.cpp finds the programs and issues the draw calls;
-///   renderer_edges.cpp does so for pictures that have all rays at edges only.
+///   renderer.cpp checks the request and fills the frame's block; renderer_passes.cpp finds the programs and issues the draw calls.
 ///   Errors  those of Renderer; unavailable if OpenGL fails.
 #pragma once
 
 #include <filesystem>
 #include <optional>
 
-#include "app/render/edge_tiles.h"
 #include "app/render/frame_block.h"
 #include "app/render/frame_cache.h"
 #include "app/render/gl_context.h"
 #include "app/render/gl_target.h"
 #include "app/render/renderer.h"
-#include "app/render/screen_mesh.h"
 #include "app/render/shader_program.h"
 #include "app/render/skin_mesh.h"
 #include "app/render/tool_depth.h"
@@ -30,15 +27,10 @@ struct Renderer::Impl {
   const GladGLContext& gl;
   ProgramCache programs;
   RenderCounters counters;
-  ScreenMesh screen;
-  bool by_rects = false;  ///< draw_screen() draws the rectangles of `screen`
   GlObject no_vertices, frame_buffer, detail_buffer, count_query;
   GlTarget target;  ///< the picture; with layers that of the bone
   GlTarget shown;   ///< with layers and a tool the picture
   GlTarget probe_target;
-  GlTarget pixels;    ///< with rays at edges: bone with one ray a pixel; `target` has all rays where tiles are marked or the tool is
-  GlTarget resolved;  ///< with rays at edges: the picture, in pixels
-  EdgeTiles edges;    ///< of `pixels`
   /// The last larger one of each that a smaller one replaced: a view that moves and rests alternates, and a software renderer clears new
   /// memory page by page.
   GlTarget spare_target, spare_shown;
@@ -63,8 +55,7 @@ struct Renderer::Impl {
         context(std::move(made)),
         gl(context.functions()),
         programs(gl, std::move(files)),
-        screen(gl),
-        cache(chosen.supersample, tile_side(chosen)) {
+        cache(chosen.supersample) {
     no_vertices = make_vertex_array(gl);
     frame_buffer = make_buffer(gl);
     gl.NamedBufferStorage(frame_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
@@ -90,7 +81,6 @@ struct Renderer::Impl {
     GLuint skin = 0, rim = 0;                                ///< of the skin, if there is one
     GLuint tool_depth = 0, tool_shadow = 0;                  ///< of the tool's shadow, if it is drawn: seen from the light, and marks
     GLuint shaded = 0, detail_shaded = 0;                    ///< light on the hits in the tool's shadow
-    GLuint resolve = 0, spread = 0;                          ///< with rays at edges
     PixelRect detail_rect{};                                 ///< pixels whose rays may meet the detail
   };
   bool has_table = false;  ///< the view that is drawn has a table that is seen
@@ -111,22 +101,6 @@ struct Renderer::Impl {
   [[nodiscard]] ShaderVariant stale_variant(bool cut, VolumeLevel level) const;
   [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
   void scissor(const PixelRect& part) const;
-  /// @returns whether only edges have all rays.
-  [[nodiscard]] bool has_edges() const noexcept { return volume && tile_side(options) > 0; }
-  /// What a picture with rays at edges is drawn from.
-  struct EdgeFrame {
-    const FrameView& view;
-    const FrameBlock& of_rays;    ///< of a picture of all rays
-    const FrameBlock& of_pixels;  ///< of one with a ray a pixel
-    const std::optional<DrawnTool>& tool;
-    bool over_copy;  ///< tool or skin are drawn over a copy of the bone
-  };
-  Result<std::uint64_t> draw_pixels(const StalePixels& step, const EdgeFrame& frame);
-  void draw_edges(const StalePixels& step, const Programs& used);
-  void convert(GLuint program, const GlTarget& from, std::span<const PixelRect> parts);
-  Status draw_over_edges(std::span<const PixelRect> parts, const Programs& used, const EdgeFrame& frame);
-  /// As render(), into `resolved`. @returns pixels that were only lit again.
-  Result<std::uint64_t> render_edges(const StalePixels& step, const EdgeFrame& frame);
   void draw_screen(GLuint program) const;
   void draw_tool(GLuint program) const;
   void draw_skin(const Programs& used) const;
@@ -137,11 +111,7 @@ struct Renderer::Impl {
   template <class F>
   void with_detail(const PixelRect& part, const Programs& used, const F& f) const;
   void draw_levels(const PixelRect& part, const Programs& used) const;
-  struct LevelLight {
-    GLuint outer, inner;  ///< programs for the hits of each level
-    GLuint compared;      ///< bits of the stencil, besides that of the level, that must be set
-  };
-  void light_levels(const PixelRect& part, const LevelLight& light, const Programs& used) const;
+  void light_levels(const PixelRect& part, GLuint outer, GLuint inner, const Programs& used) const;
   /// @returns the number of drawn pixels whose light was drawn again.
   std::uint64_t relight(std::span<const PixelRect> parts, const Programs& used) const;
   /// @param width, height [pixels] drawn. @param rays_a_side of a pixel of the picture.
@@ -159,10 +129,6 @@ struct Renderer::Impl {
   void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;
   /// @param drawn_tool where it meets the part; absent: not at all.
   void draw_layer(const PixelRect& part, const Programs& used, const std::optional<DrawnTool>& drawn_tool) const;
-  Status draw_layers(std::span<const PixelRect> parts, const Programs& used, const std::optional<DrawnTool>& drawn_tool);
-  /// Finds the programs, sends the blocks and sets the state for drawing into `target`.
-  Result<Programs> begin_pass(const FrameView& view, const FrameBlock& block, ToolPass pass, bool with_stale);
-  Status prepare_targets(const Vec2i& drawn, bool over_copy);
   /// @returns the number of drawn pixels that were only lit again.
   Result<std::uint64_t> render(const StalePixels& stale, const FrameView& view, const FrameBlock& block,
                                const std::optional<DrawnTool>& drawn_tool, ToolPass pass);

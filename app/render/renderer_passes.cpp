@@ -4,18 +4,14 @@
 #include "app/render/renderer_impl.h"
 
 namespace burrhole {
-namespace {
-
-constexpr GLuint kMarkBit = 1, kDetailBit = 2;  // of the stencil: a hit to be lit again; the nearest hit is that of the detail
-
-}  // namespace
 
 void Renderer::Impl::scissor(const PixelRect& part) const { gl.Scissor(part.lo.x, part.lo.y, part.size().x, part.size().y); }
 
-/// A ray, or the background, at each pixel of the whole picture, or of the rectangles.
+/// One triangle over the whole picture: a ray, or the background, at each pixel.
 void Renderer::Impl::draw_screen(GLuint program) const {
   gl.UseProgram(program);
-  by_rects ? screen.draw_rects() : screen.draw_all();
+  gl.BindVertexArray(no_vertices.name());
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void Renderer::Impl::draw_tool(GLuint program) const {
@@ -100,65 +96,49 @@ void Renderer::Impl::with_detail(const PixelRect& part, const Programs& used, co
   scissor(part);
 }
 
-/// The nearer hit of each ray in both levels, or in the only one, then the light on the hits of each. Of two levels the stencil notes which one
-/// is nearer: light runs on the hits of its own level alone.
+/// The nearer hit of each ray in both levels, or in the only one, then the light on the hits of each.
 void Renderer::Impl::draw_levels(const PixelRect& part, const Programs& used) const {
-  if (detail) gl.Enable(GL_STENCIL_TEST);
-  gl.StencilMask(kDetailBit);
-  gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
-  gl.StencilFunc(GL_ALWAYS, 0, 0xff);
-  gl.DepthFunc(GL_ALWAYS);  // what was there is replaced
   volume->bind();
   draw_screen(used.volume);
   with_detail(part, used, [&] {
-    gl.StencilFunc(GL_ALWAYS, kDetailBit, 0xff);
     gl.DepthFunc(GL_LESS);  // a ray without a hit, at the far plane, changes nothing
     draw_screen(used.detail);
+    gl.DepthFunc(GL_LEQUAL);
   });
-  gl.DepthFunc(GL_LEQUAL);
-  gl.StencilMask(0xff);
-  gl.StencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
-  light_levels(part, {used.light, used.detail_light, 0}, used);
-  gl.Disable(GL_STENCIL_TEST);
+  light_levels(part, used.light, used.detail_light, used);
 }
 
-/// Runs one program on the hits of all of the volume, or of all but the detail, and one on those of the detail. @pre with a detail the stencil test is
-/// on.
-void Renderer::Impl::light_levels(const PixelRect& part, const LevelLight& light, const Programs& used) const {
-  const GLuint compared = (detail ? kDetailBit : 0u) | light.compared;
-  gl.StencilFunc(GL_EQUAL, kMarkBit, compared);
+/// Runs one program on the hits of all of the volume, or of all but the detail, and one on those of the detail.
+void Renderer::Impl::light_levels(const PixelRect& part, GLuint outer, GLuint inner, const Programs& used) const {
   volume->bind();
-  draw_light(light.outer);
-  with_detail(part, used, [&] {
-    gl.StencilFunc(GL_EQUAL, kMarkBit | kDetailBit, compared);
-    draw_light(light.inner);
-  });
+  draw_light(outer);
+  with_detail(part, used, [&] { draw_light(inner); });
 }
 
 /// A program that first tests whether its pixel is concerned costs as much as one that lights it: Mesa executes both branches of each `if`.
 /// Therefore one pass marks the pixels by stencil, and a second draws light there.
 std::uint64_t Renderer::Impl::relight(std::span<const PixelRect> parts, const Programs& used) const {
-  const auto each = [&](const LevelLight& light) {
+  const auto each = [&](GLuint outer, GLuint inner) {
     for (const PixelRect& part : parts) {
       scissor(part);
-      light_levels(part, light, used);
+      light_levels(part, outer, inner, used);
     }
   };
-  gl.StencilMask(kMarkBit);
   for (const PixelRect& part : parts) {
     scissor(part);
     gl.Clear(GL_STENCIL_BUFFER_BIT);
   }
   gl.Enable(GL_STENCIL_TEST);
+  gl.StencilFunc(GL_ALWAYS, 1, 0xff);
   gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
   gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   gl.BeginQuery(GL_SAMPLES_PASSED, count_query.name());
-  each({used.stale_occlusion, used.detail_stale_occlusion, 0});
+  each(used.stale_occlusion, used.detail_stale_occlusion);
   gl.EndQuery(GL_SAMPLES_PASSED);
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  gl.StencilMask(0xff);
+  gl.StencilFunc(GL_EQUAL, 1, 0xff);
   gl.StencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
-  each({used.light, used.detail_light, kMarkBit});
+  each(used.light, used.detail_light);
   gl.Disable(GL_STENCIL_TEST);
   GLuint64 marked = 0;
   gl.GetQueryObjectui64v(count_query.name(), GL_QUERY_RESULT, &marked);
@@ -209,7 +189,6 @@ Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
     if (has_surface() && options.appearance.shadow) asked.push_back(light_variant(cut, true, true, VolumeLevel::only, true));
   }
   if (has_surface() && options.appearance.shadow) asked.insert(asked.end(), {tool_depth_variant(), tool_shadow_variant()});
-  if (tile_side(options) > 0) asked.insert(asked.end(), {resolve_variant(), spread_variant()});
   for (const ShaderVariant& variant : asked) {
     const auto linked = programs.find_or_link(variant);
     if (linked) continue;
@@ -222,7 +201,7 @@ Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
 
 TargetKind Renderer::Impl::bone_kind() const noexcept {
   if (options.slices) return TargetKind::floats;
-  return relights() || detail ? TargetKind::marked : TargetKind::bytes;
+  return relights() ? TargetKind::marked : TargetKind::bytes;
 }
 
 Status Renderer::Impl::prepare(GlTarget& into, GlTarget* spare, int width, int height, TargetKind kind) {
@@ -245,7 +224,7 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPas
   if (!bone) return bone.error();
   const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut, has_tissue(), has_soft(), outer_level())) : empty;
   if (!light) return light.error();
-  const auto steel = pass == ToolPass::none ? empty : programs.find_or_link(tool_variant(pass, has_fog));
+  const auto steel = programs.find_or_link(tool_variant(pass, has_fog));
   if (!steel) return steel.error();
   Programs out{.background = empty.value(), .volume = bone.value(), .light = light.value(), .tool = steel.value()};
   if (with_stale) {
@@ -317,13 +296,12 @@ std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const
 /// The same fragments as in a whole picture: OpenGL does not let the scissor's place change what is drawn inside (4.5 core, appendix A.3).
 void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const {
   scissor(part);
+  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   const bool opaque = !volume || has_surface();
-  if (volume && opaque) {
-    draw_levels(part, used);  // writes each pixel
-  } else {
-    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  if (volume && opaque)
+    draw_levels(part, used);
+  else
     draw_screen(used.background);
-  }
   if (with_tool) draw_tool(used.tool);
   if (!opaque && options.slices) draw_slices(used.volume, static_cast<int>(block.slices.y));
   if (!opaque && options.translucent) draw_translucent(used.volume, part);
@@ -368,32 +346,7 @@ void Renderer::Impl::draw_layer(const PixelRect& part, const Programs& used, con
 
 Result<std::uint64_t> Renderer::Impl::render(const StalePixels& stale, const FrameView& view, const FrameBlock& block,
                                              const std::optional<DrawnTool>& drawn_tool, ToolPass pass) {
-  const auto used = begin_pass(view, block, pass, !stale.relit.empty());
-  if (!used) return used.error();
-  const bool layers = pass == ToolPass::layer;
-  const auto has_tool = [&](const PixelRect& part) { return drawn_tool && !drawn_tool->footprint.intersect(part).empty(); };
-  for (const PixelRect& part : stale.drawn) draw_part(part, block, used.value(), !layers && has_tool(part));
-  const std::uint64_t relit = stale.relit.empty() ? 0 : relight(stale.relit, *used);
-  if (layers)
-    if (Status drawn = draw_layers(stale.all(), *used, drawn_tool); !drawn) return drawn.error();
-  if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
-  return relit;
-}
-
-Status Renderer::Impl::draw_layers(std::span<const PixelRect> parts, const Programs& used, const std::optional<DrawnTool>& drawn_tool) {
-  const auto shaded = [&](const PixelRect& part) { return !drawn_tool->shadow.intersect(part).empty(); };
-  if (drawn_tool && std::ranges::any_of(parts, shaded)) {
-    if (Status made = make_tool_depth(); !made) return made;
-    tool_depth->draw(*tool, used.tool_depth);
-  }
-  shown.bind();
-  for (const PixelRect& part : parts) draw_layer(part, used, drawn_tool);
-  return {};
-}
-
-Result<Renderer::Impl::Programs> Renderer::Impl::begin_pass(const FrameView& view, const FrameBlock& block, ToolPass pass,
-                                                            bool with_stale) {
-  auto used = find_programs(view.cut.has_value(), pass, with_stale);
+  auto used = find_programs(view.cut.has_value(), pass, !stale.relit.empty());
   if (!used) return used.error();
   if (detail) {
     const FrameBlock of_detail = make_detail_block(block, view);
@@ -409,7 +362,22 @@ Result<Renderer::Impl::Programs> Renderer::Impl::begin_pass(const FrameView& vie
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LEQUAL);
   gl.Enable(GL_SCISSOR_TEST);
-  return used;
+  const bool layers = pass == ToolPass::layer;
+  const auto has_tool = [&](const PixelRect& part) { return drawn_tool && !drawn_tool->footprint.intersect(part).empty(); };
+  for (const PixelRect& part : stale.drawn) draw_part(part, block, used.value(), !layers && has_tool(part));
+  const std::uint64_t relit = stale.relit.empty() ? 0 : relight(stale.relit, *used);
+  if (layers) {
+    const std::vector<PixelRect> parts = stale.all();
+    const auto shaded = [&](const PixelRect& part) { return !drawn_tool->shadow.intersect(part).empty(); };
+    if (drawn_tool && std::ranges::any_of(parts, shaded)) {
+      if (Status made = make_tool_depth(); !made) return made.error();
+      tool_depth->draw(*tool, used->tool_depth);
+    }
+    shown.bind();
+    for (const PixelRect& part : parts) draw_layer(part, *used, drawn_tool);
+  }
+  if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::internal, "OpenGL reports an error after drawing", {}};
+  return relit;
 }
 
 }  // namespace burrhole

@@ -167,9 +167,6 @@ ShaderVariant background_variant(bool table, bool fog) {
   return variant;
 }
 
-ShaderVariant resolve_variant() { return {"resolve", "screen.vert", "resolve.frag", {}}; }
-ShaderVariant spread_variant() { return {"spread", "screen.vert", "spread.frag", {}}; }
-
 ShaderVariant skin_variant(const SkinChoice& choice) {
   ShaderVariant variant{"skin", "skin.vert", "skin.frag", {}};
   add_define(variant, choice.cut, "CUT", "_cut");
@@ -208,15 +205,9 @@ void add_fog_variants(const Appearance& usual, const Appearance& all, std::vecto
 }  // namespace
 
 std::vector<ShaderVariant> all_shader_variants() {
-  std::vector<ShaderVariant> variants{background_variant(),
-                                      background_variant(true),
-                                      tool_variant(ToolPass::picture),
-                                      tool_variant(ToolPass::probe),
-                                      tool_variant(ToolPass::layer),
-                                      tool_depth_variant(),
-                                      tool_shadow_variant(),
-                                      resolve_variant(),
-                                      spread_variant()};
+  std::vector<ShaderVariant> variants{background_variant(),          background_variant(true),      tool_variant(ToolPass::picture),
+                                      tool_variant(ToolPass::probe), tool_variant(ToolPass::layer), tool_depth_variant(),
+                                      tool_shadow_variant()};
   const auto bit = [](unsigned bits, unsigned n) { return (bits >> n & 1u) != 0; };
   const auto options = [bit](unsigned bits) {
     return Appearance{.tissue = bit(bits, 0),

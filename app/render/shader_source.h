@@ -81,18 +81,14 @@ struct SkinChoice {
 [[nodiscard]] ShaderVariant stale_occlusion_variant(const SurfaceChoice& choice);
 [[nodiscard]] ShaderVariant translucent_variant(const TranslucentChoice& choice);
 [[nodiscard]] ShaderVariant slices_variant(const SlicesChoice& choice);
-/// The tool: into the picture of the bone, with a probe or not; or over a copy of it; or not drawn.
-enum class ToolPass { picture, probe, layer, none };
-/// @pre the pass is not `none`.
+/// The tool: into the picture of the bone, with a probe or not; or over a copy of it.
+enum class ToolPass { picture, probe, layer };
 [[nodiscard]] ShaderVariant tool_variant(ToolPass pass, bool fog = false);
 /// Depths of the tool seen from the light.
 [[nodiscard]] ShaderVariant tool_depth_variant();
 /// Marks the hits in the shadow of the tool.
 [[nodiscard]] ShaderVariant tool_shadow_variant();
 [[nodiscard]] ShaderVariant background_variant(bool table = false, bool fog = false);
-/// Rays to pixels, and pixels to rays.
-[[nodiscard]] ShaderVariant resolve_variant();
-[[nodiscard]] ShaderVariant spread_variant();
 [[nodiscard]] ShaderVariant skin_variant(const SkinChoice& choice);
 /// The build validates and a test links each of these: all options of the drawing method, without appearance options, with those of a
 /// default scene and with all, and each appearance option alone and left out; fog with each method, with the default scene's options and with

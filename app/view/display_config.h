@@ -50,8 +50,8 @@ struct DisplayConfig {
   std::string method = "raycast";  ///< "raycast" or "slices"
   double slices_per_voxel = 1.0;   ///< [1/voxel]
   bool opacity_correction = true;
-  TransferFunction transfer;                                      ///< empty: bone is drawn as a surface; key shading = "translucent"
-  DrawingQuality quality{.supersample = 2, .edge_threshold = 8};  ///< four rays per pixel at edges: anti-aliased
+  TransferFunction transfer;                 ///< empty: bone is drawn as a surface; key shading = "translucent"
+  DrawingQuality quality{.supersample = 2};  ///< four rays per pixel: anti-aliased edges
   std::optional<double> budget;  ///< [s] time of one picture, used to select `quality` (quality = "auto"); absent: `quality` is used
   Appearance appearance{.tissue = true, .occlusion = true};
   /// [voxels] largest texture of a whole bone. A larger bone is drawn at coarser voxels, and by rays to a surface also a part around the

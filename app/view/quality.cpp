@@ -32,10 +32,7 @@ QualityChoice choose_quality(std::span<const QualityPoint> front, double first, 
 std::string quality_text(const DrawingQuality& quality, bool translucent) {
   std::string out = fmt::format("step {:g} voxel", quality.step_voxels);
   if (!translucent) out += fmt::format(", {} bisections, {}", quality.bisections, quality.finish ? "finish" : "no finish");
-  out += fmt::format(", {0} x {0} rays a pixel", quality.supersample);
-  if (!translucent && quality.supersample > 1 && quality.edge_threshold > 0)
-    out += fmt::format(" at edges of more than {} of 255 levels", quality.edge_threshold);
-  return out + fmt::format(", resolution {:g}", quality.resolution);
+  return out + fmt::format(", {0} x {0} rays a pixel, resolution {1:g}", quality.supersample, quality.resolution);
 }
 
 }  // namespace burrhole

@@ -123,7 +123,6 @@ struct DrawingQuality {
   bool finish = true;        ///< smooth normals, and ambient occlusion if requested
   int supersample = 1;       ///< 1..4, rays along each side of a pixel
   double resolution = 1.0;   ///< [-] in [0.25, 1], share of the picture's width and height that is drawn, then enlarged
-  int edge_threshold = 0;    ///< [-] levels of 255; 0: all pixels have these rays; else only edges that differ by more (RenderOptions)
   friend bool operator==(const DrawingQuality&, const DrawingQuality&) = default;
 };
 

@@ -38,7 +38,7 @@ struct ViewerConfig {
   bool light = false;            ///< dark letters on a light ground
   double text_scale = 1.0;       ///< [-] of the desktop's own scale
   double moving_budget = 0.050;  ///< [s] of a picture while the camera moves
-  double coarsest = 0.575;       ///< [-] least share of its width and height that is drawn then
+  double coarsest = 0.625;       ///< [-] least share of its width and height that is drawn then
   double bone_share = 0.4;       ///< [-] of the time, at most, for pixels whose bone has changed; a moving tool needs no rays
   std::string folder;            ///< of screenshots; empty: none can be taken
 };

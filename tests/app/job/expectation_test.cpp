@@ -22,7 +22,7 @@ RunSummary through() {
   s.breakthrough_s = s.passed_s = 20.0;
   s.cleared_share = 0.95, s.uncut_share = 0.0;
   s.section_mm2 = 95.0, s.section_radius_mm = 5.5, s.removed_mass_mm3 = 900.0;
-  s.plunge_mm = 0.4, s.depth_mm = 7.0, s.peak_force_N = 29.0, s.spacing_mm = 0.25;
+  s.plunge_mm = 0.4, s.beyond_mm = 0.4, s.depth_mm = 7.0, s.peak_force_N = 29.0, s.spacing_mm = 0.25;
   return s;
 }
 

@@ -207,8 +207,7 @@ TEST_CASE("summary: what drew is reported key by key, null where nothing chose t
   CHECK(told.at("backend") == "osmesa");
   CHECK(told.at("version") == "4.5");
   CHECK(told.at("renderer") == "llvmpipe");
-  CHECK(told.at("quality") ==
-        Json{{"step_voxels", 0.5}, {"bisections", 3}, {"finish", true}, {"supersample", 1}, {"edge_threshold", 0}, {"resolution", 0.5}});
+  CHECK(told.at("quality") == Json{{"step_voxels", 0.5}, {"bisections", 3}, {"finish", true}, {"supersample", 1}, {"resolution", 0.5}});
   CHECK(told.at("budget_ms").is_null());
   CHECK(told.at("expected_ms").is_null());
   summary.display->budget_ms = 30.0;

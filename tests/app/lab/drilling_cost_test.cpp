@@ -85,7 +85,7 @@ TEST_CASE("drilling cost: a bit without a closed form is refused") {
   CHECK(refused(*saw).find("does not revolve") != std::string::npos);
   CHECK(refused("[mesh]\nfile = \"burr.stl\"\n").find("a mesh has not") != std::string::npos);
   const std::string passive =
-      "[shell]\npitch_mm = 0.5\n[[region]]\nname = \"rod\"\nshape = \"cylinder\"\nz_mm = 0\nheight_mm = 9\ndiameter_mm = 2\nerosion_factor "
+      "title = \"rod\"\n[shell]\npitch_mm = 0.5\n[[region]]\nname = \"rod\"\nshape = \"cylinder\"\nz_mm = 0\nheight_mm = 9\ndiameter_mm = 2\nerosion_factor "
       "= 0\n";
   CHECK(refused(passive).find("does not cut") != std::string::npos);
 }

@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <tuple>
 
 #include "app/render/footprint.h"
 #include "tests/app/render/render_scenes.h"
@@ -177,25 +176,16 @@ TEST_CASE("redraw: ambient occlusion reaches further, and no byte differs") {
   check_sequence("occlusion-recomputed", {.appearance = {.tissue = true, .occlusion = true, .normals = NormalSource::recomputed}}, 0.3);
 }
 
-TEST_CASE("redraw: rays at edges alone draw the bytes of a whole picture by the pixels that changed") {
-  check_sequence("edges", {.appearance = {.tissue = true}, .supersample = 2, .edge_threshold = 8}, 0.15);
-  check_sequence("edges-occlusion", {.appearance = {.occlusion = true}, .supersample = 2, .edge_threshold = 8}, 0.35);
-  check_sequence("edges-odd", {.appearance = {.occlusion = true}, .supersample = 3, .edge_threshold = 3}, 0.35);
-  check_sequence("edges-shadow", {.appearance = {.occlusion = true, .shadow = true}, .supersample = 2, .edge_threshold = 8}, 1.01);
-}
-
 TEST_CASE("redraw: a tool that moves before and behind bone needs no ray, and no byte differs") {
-  for (const int threshold : {0, 8}) {
-    Pair pair({.appearance = {.tissue = true, .occlusion = true}, .supersample = 2, .edge_threshold = threshold});
-    pair.view.world_from_tool = at(-8e-3, 4e-3);
-    pair.draw("tool-first");
-    const std::uint64_t rays = pair.kept.counters().drawn_pixels;
-    for (int n = 1; n < 12; ++n) {
-      pair.view.world_from_tool = at(-8e-3 + 1.3e-3 * n, 4e-3 - 1.5e-3 * n);  // from beside the ball into the plate
-      CHECK(pair.draw("tool-moves") > 0);
-    }
-    CHECK(pair.kept.counters().drawn_pixels == rays);
+  Pair pair({.appearance = {.tissue = true, .occlusion = true}, .supersample = 2});
+  pair.view.world_from_tool = at(-8e-3, 4e-3);
+  pair.draw("tool-first");
+  const std::uint64_t rays = pair.kept.counters().drawn_pixels;
+  for (int n = 1; n < 12; ++n) {
+    pair.view.world_from_tool = at(-8e-3 + 1.3e-3 * n, 4e-3 - 1.5e-3 * n);  // from beside the ball into the plate
+    CHECK(pair.draw("tool-moves") > 0);
   }
+  CHECK(pair.kept.counters().drawn_pixels == rays);
 }
 
 TEST_CASE("redraw: a tool that moves over bone moves its shadow without a ray, and no byte differs") {
@@ -361,11 +351,9 @@ TEST_CASE(
 }
 
 TEST_CASE("steps: a picture drawn in bands is that of one draw, whatever changes between the bands, and shows the last one until then") {
-  constexpr int kWide = 960, kHigh = 640;
-  const auto cases = {std::tuple(true, false, 0), std::tuple(false, false, 0), std::tuple(true, true, 0), std::tuple(true, false, 8),
-                      std::tuple(true, true, 8)};
-  for (const auto& [occlusion, shadow, threshold] : cases) {
-    RenderOptions options{.finish = true, .supersample = 2, .edge_threshold = threshold};
+  constexpr int kWide = 480, kHigh = 320;
+  for (const auto& [occlusion, shadow] : {std::pair(true, false), std::pair(false, false), std::pair(true, true)}) {
+    RenderOptions options{.finish = true, .supersample = 2};
     options.appearance.occlusion = occlusion;
     options.appearance.shadow = shadow;
     Renderer stepped = require_renderer(options), at_once = require_renderer(options);
@@ -381,7 +369,7 @@ TEST_CASE("steps: a picture drawn in bands is that of one draw, whatever changes
     REQUIRE(stepped.set_quality(coarse).ok());
     const auto before = stepped.draw(view, kWide, kHigh);
     REQUIRE(before.ok());
-    REQUIRE(stepped.set_quality({.finish = true, .supersample = 2, .edge_threshold = threshold}).ok());
+    REQUIRE(stepped.set_quality({.finish = true, .supersample = 2}).ok());
     const std::uint64_t drawn_before = stepped.counters().drawn_pixels;
     int steps = 0;
     for (bool whole = false; !whole; ++steps) {
