@@ -16,7 +16,7 @@ BASE = ["core/base"]
 CONFIG = BASE + ["core/config"]
 VALUES = CONFIG + ["core/voxel", "core/tool"]
 ACTING = VALUES + ["core/contact", "core/drill"]
-CORE = ACTING + ["core/measure", "core/sound"]
+CORE = ACTING + ["core/measure", "core/mesh", "core/sound"]
 INPUT = CORE + ["haptics", "volumes"]
 VIEW = ["app/view"]
 STAGE = INPUT + VIEW + ["app/stage"]
@@ -32,6 +32,7 @@ SEES = {
     "core/contact": VALUES,
     "core/drill": VALUES,
     "core/measure": ACTING,
+    "core/mesh": VALUES,
     "core/sound": BASE,
     "haptics": CORE,
     "volumes": CORE,

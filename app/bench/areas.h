@@ -14,6 +14,8 @@ namespace burrhole {
 [[nodiscard]] Status bench_servo(Bench& bench);
 /// Needs the real slices of $BURRHOLE_DATA; without them it prints a line and adds no row.
 [[nodiscard]] Status bench_import(Bench& bench);
+/// Ball pivoting: full, and after a cut.
+[[nodiscard]] Status bench_mesh(Bench& bench);
 /// What depends on the edge of the volume; only in a build with the renderer. Also writes growth.svg.
 [[nodiscard]] Status bench_growth(Bench& bench);
 [[nodiscard]] Status bench_render(Bench& bench);  ///< only in a build with the renderer

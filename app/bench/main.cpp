@@ -27,7 +27,7 @@ struct Area {
 };
 
 constexpr std::array kAreas{
-    Area{"contact", bench_contact}, Area{"erosion", bench_erosion}, Area{"import", bench_import},
+    Area{"contact", bench_contact}, Area{"erosion", bench_erosion}, Area{"import", bench_import}, Area{"mesh", bench_mesh},
 #ifdef BH_WITH_RENDER
     Area{"growth", bench_growth},   Area{"render", bench_render},
 #endif

@@ -53,6 +53,7 @@ class Tree(unittest.TestCase):
         for path, included in [
             ("core/voxel/a.cpp", "core/tool/tool.h"),
             ("core/drill/a.cpp", "core/measure/approach.h"),
+            ("core/contact/a.cpp", "core/mesh/ball_mesh.h"),
             ("core/contact/a.cpp", "haptics/servo/step.h"),
             ("haptics/a.cpp", "volumes/phantom/p.h"),
             ("volumes/a.cpp", "app/scene/scene.h"),
