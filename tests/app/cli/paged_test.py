@@ -47,7 +47,7 @@ push_N = 10.0
 class PagedBone(WithFolder):
     def drill(self, name, *arguments):
         out = self.folder / name
-        done = run("drill", self.folder / "scene.toml", "--out", out, *arguments)
+        done = run("drill", self.folder / "scene.toml", "--out", out, "--force", *arguments)
         return done, json.loads((out / "summary.json").read_text()) if done.returncode == 0 else None
 
     def predicted(self, *arguments):
