@@ -153,7 +153,7 @@ Result<Words> words_of_file(const Chosen& chosen) {
   SkullSource named = chosen.source;
   if (const Status linked = link_source(named, folder); !linked) return linked.error();
   if (const Status written = write_file(scene.string(), site_scene(*chosen.site, named)); !written) return written.error();
-  note(fmt::format("scene: {}\n", scene.string()));
+  print_line("scene: " + scene.string());
   return drill_words(scene.string(), folder.string());
 }
 
