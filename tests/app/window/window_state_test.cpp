@@ -4,14 +4,11 @@
 #include <doctest/doctest.h>
 
 #include <chrono>
-#include <exception>
-#include <new>
 #include <thread>
 
 #include "app/session/recorded_hand.h"
 #include "core/base/random.h"
 #include "tests/support/drill_scene.h"
-#include "tests/support/memory_trap.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace burrhole;
@@ -165,17 +162,4 @@ TEST_CASE("state: time from an event to the picture that shows it is measured on
   REQUIRE(waited.has_value());
   CHECK(*waited >= 0.020);
   CHECK_FALSE(state.take_latency().has_value());
-}
-
-TEST_CASE("window state: an exception that ends the drawing is kept without memory, and named by who asks") {
-  WindowState state;
-  CHECK_FALSE(state.error().has_value());
-  std::exception_ptr thrown = std::make_exception_ptr(std::bad_alloc());
-  clear_trap();
-  on_trap([&] { state.fail(std::move(thrown)); });
-  CHECK(trapped().allocations == 0);
-  CHECK(state.closed());
-  REQUIRE(state.error().has_value());
-  CHECK(state.error()->code == ErrorCode::unavailable);
-  CHECK(state.error()->message.find("not enough memory") != std::string::npos);
 }
