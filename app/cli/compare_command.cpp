@@ -6,6 +6,7 @@
 #include "app/cli/commands.h"
 #include "app/job/compare_runs.h"
 #include "app/job/run_folder.h"
+#include "app/stage/result_files.h"
 #ifdef BH_WITH_RENDER
 #include "app/cli/picture_difference.h"
 #endif
@@ -67,7 +68,7 @@ std::vector<ComparedView> compare_views(const std::vector<RunResults>& runs, con
 
 bool has_results(const std::string& path) {
   std::error_code ignored;
-  return fs::exists(fs::is_directory(path, ignored) ? fs::path(path) / "summary.json" : fs::path(path), ignored);
+  return fs::exists(fs::is_directory(path, ignored) ? fs::path(path) / kSummaryFile : fs::path(path), ignored);
 }
 
 int run_compare(const Options& option) {

@@ -63,10 +63,7 @@ class Machine(WindowTest):
         self.press(*["Down"] * 2, "Return")  # opens files
         time.sleep(1.0)
         self.press("Return")
-        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
-        self.find_window()
-        self.process.send_signal(signal.SIGINT)
-        self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
+        self.interrupt_when_ready()
         out = self.only_run()
         self.assertIn(b"a \xff scene-", out)
         for name in (b"report.html", b"summary.json"):
@@ -87,9 +84,7 @@ class Machine(WindowTest):
         self.press("Return")
         time.sleep(5.0)
         self.press("4", "Return")
-        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
-        self.process.send_signal(signal.SIGINT)
-        self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
+        self.interrupt_when_ready()
         out = self.only_run()
         scene = os.path.join(out, b"scene.toml")
         self.assertIn("\\xfe shell", pathlib.Path(os.fsdecode(scene)).read_text(encoding="utf-8"))

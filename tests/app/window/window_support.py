@@ -3,6 +3,7 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -102,6 +103,13 @@ class WindowTest(WithFolder):
                 self.fail(f"the program ended ({self.process.returncode}) before {what}: {self.log.read_text()}")
             self.assertLess(time.monotonic(), end, f"{what} did not come")
             time.sleep(0.05)
+
+    def interrupt_when_ready(self):
+        """Ctrl-C once the run has begun."""
+        self.wait_until(lambda: "window: ready" in self.log.read_text(), "the first tick")
+        self.find_window()
+        self.process.send_signal(signal.SIGINT)
+        self.assertEqual(self.process.wait(PATIENCE), 130, self.log.read_text())
 
     def press(self, *keys):
         for key in keys:
