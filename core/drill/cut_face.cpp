@@ -16,6 +16,7 @@ constexpr float kNearTool = 1.5f;                         // [voxel edges] bone 
 constexpr int kPart = kBlockEdge / 2;                     // [voxels] parts of a block are passed over by themselves
 constexpr std::uint32_t kAllParts = 0xff;
 constexpr float kNewNormal = 1.0f / 16.0f;  // [voxel edges] a face that moved less keeps its normal
+constexpr float kSameFace = 0.5f;           // [voxel edges] of a distance by the density of one voxel from that by its neighbours' too
 constexpr float kSharedDepth = 1.0f;        // [voxel edges] bone between two faces has the normal of the cut one up to here
 constexpr double kFacing = 0.3;             // [-] cosine: a surface that faces the tool; the sides of a post do not
 constexpr float kSteepEnough = 0.1f;        // [-] least slope with which a lag is extrapolated
@@ -73,7 +74,13 @@ void CutFace::complete(const Voxmap& voxmap, const Vec3i& at, CutSurface::Block&
     block.record[n] = scratch_[part.offset_of(v)];
     block.base[n] = static_cast<float>(kRecord16Distance) * static_cast<float>(block.record[n].distance);
     block.cut[n] = -kBand;
-    block.cut_before[n] = window.remaining[window.box.offset_of(v)] < 1.0f;
+    const std::size_t here = window.box.offset_of(v);
+    const float remaining = window.remaining[here];
+    block.cut_before[n] = remaining < 1.0f;
+    if (!block.cut_before[n] || window.occupancy[here] < 1.0f || remaining == 0.0f) return;
+    // The voxel was whole, so it has the ramp of the earlier cut, unless it was thinned out.
+    const float on_ramp = (1.0f - 2.0f * remaining) * kRamp;
+    if (std::abs(on_ramp - block.base[n]) < kSameFace) block.base[n] = on_ramp;
   });
 }
 

@@ -20,20 +20,22 @@ float thinned(const MasterWindow& window, const Buried& node, double turns) noex
   return window.occupancy[node.at] * after < kLeastDensity ? 0.0f : after;
 }
 
-/// @returns remaining [-] of a node's voxel when its face has moved to `phi`. Nothing is lost before the face moves: where the surface, when
-/// the node was set, is steeper than the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches as far.
-/// A voxel that had lost bone before has its ramp in `remaining`.
+/// @returns remaining [-] of a voxel that was whole when its face lay at `base`, with the face at `phi`. Nothing is lost before the face moves:
+/// where the surface is steeper than the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches as far.
+float left_of_whole(float occupancy, float base, float phi) noexcept {
+  const float ramp = std::max(CutFace::kRamp, base + kTail), at_base = CutFace::density_of(base, ramp);
+  return std::min(1.0f, CutFace::density_of(phi, ramp) / (at_base < 1.0f ? at_base : occupancy));
+}
+
+/// @returns remaining [-] of a node's voxel whose face moves to `phi`. A voxel that had lost bone before its node was set, as in a hole that
+/// was restored, loses the same share of what it has.
 float remaining_at(const MasterWindow& window, const FaceNodes& nodes, std::size_t n, float phi) noexcept {
-  const std::uint32_t at = nodes.at[n];
-  const float base = nodes.base[n];
-  const float before = window.remaining[at];
-  const float ramp = std::max(CutFace::kRamp, base + kTail);
-  if (phi <= nodes.cut[n] || phi <= -ramp) return before;
-  const float occupancy = window.occupancy[at];
-  if (occupancy == 0.0f) return before;
-  const float at_base = CutFace::density_of(base, ramp);
-  const bool is_face = at_base < 1.0f && nodes.cut_before[n] == 0;
-  return std::min(before, CutFace::density_of(phi, ramp) / (is_face ? at_base : occupancy));
+  const float before = window.remaining[nodes.at[n]], occupancy = window.occupancy[nodes.at[n]], base = nodes.base[n], cut = nodes.cut[n];
+  if (phi <= cut || phi <= -std::max(CutFace::kRamp, base + kTail) || occupancy == 0.0f) return before;
+  const float whole = left_of_whole(occupancy, base, phi);
+  if (nodes.cut_before[n] == 0) return std::min(before, whole);
+  const float whole_before = left_of_whole(occupancy, base, cut);
+  return whole < whole_before ? before * (whole / whole_before) : before;
 }
 
 }  // namespace
