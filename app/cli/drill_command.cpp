@@ -14,6 +14,7 @@
 #include "app/job/drill_job.h"
 #include "app/job/earlier_run.h"
 #include "app/job/expectation.h"
+#include "app/stage/result_files.h"
 
 namespace burrhole::cli {
 namespace {
@@ -204,7 +205,12 @@ void run_drill(DrillOptions& option, int& exit_code) {
   if (!option.quiet) print_figures(*summary);
   const std::vector<std::string> missed = missed_terms(*expected, *summary);
   for (const std::string& line : missed) print_line(loaded->scene.file + ": " + line);
-  if (!option.quiet) print_line(result_line(*summary));
+  if (!option.quiet) {
+    const std::string page = (std::filesystem::path(option.files.folder) / kReportFile).string();
+    std::error_code ignored;
+    print_line("results in " + (std::filesystem::exists(page, ignored) ? page : option.files.folder));
+    print_line(result_line(*summary));
+  }
   if (option.json) print(summary_json(*summary));
   exit_code = missed.empty() ? kDone : kCheckFailed;
   if (summary->end == "stopped" && stop_requested()) exit_code = kInterrupted;  // a person may end a demonstration

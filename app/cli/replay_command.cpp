@@ -113,7 +113,7 @@ Result<Replayed> replay(const ReplayOptions& option) {
   options.stop = &stop_requested();
   Progress progress(option.quiet);
   options.progress = [&](double time, const DrillProgress& p) {
-    progress.show(time / loaded->scene.duration, fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
+    progress.show(time / loaded->scene.duration, progress_text(time, p.depth));
   };
   RecordedFile checkpoint;
   if (Status written = checkpoint.write(*session, "restore"); !written) return written.error();

@@ -353,7 +353,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
     if (job.watch && !job.live) job.watch(*simulation);
     if (job.progress)
       job.progress(std::max(p.deepest / thickness * 0.95, time / loaded.scene.duration),
-                   fmt::format("{:5.1f} s  depth {:6.2f} mm", time, p.depth * 1e3));
+                   progress_text(time, p.depth));
   };
   simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "app/job/summary.h"
 #include "app/report/drill_report.h"
+#include "core/base/units.h"
 
 namespace burrhole {
 namespace {
@@ -98,6 +101,11 @@ std::string outcome_text(const RunSummary& s) {
       return short_text(s);
   }
   return {};
+}
+
+std::string progress_text(double time, double depth) {
+  const double mm = std::abs(depth) / kMillimetre;
+  return depth < 0.0 ? fmt::format("{:5.1f} s  tip {:.2f} mm above bone", time, mm) : fmt::format("{:5.1f} s  depth {:6.2f} mm", time, mm);
 }
 
 std::string result_line(const RunSummary& summary) {

@@ -86,6 +86,8 @@ struct RunSummary {
 [[nodiscard]] std::string layer_name(VoxelLabel label);
 /// @returns result, reason and flags of a run (core/measure/outcome.h).
 [[nodiscard]] RunOutcome outcome_of(const RunSummary& summary);
+/// @returns a line of progress: the time [s], and the depth [m] of the tip in bone or its height above it.
+[[nodiscard]] std::string progress_text(double time, double depth);
 /// @returns one sentence on how the run ended.
 [[nodiscard]] std::string outcome_text(const RunSummary& summary);
 /// @returns "RESULT: REASON", and the flags if there are any: one line.
