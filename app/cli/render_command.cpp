@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/cli/commands.h"
+#include "app/cli/drilling.h"
 #include "app/cli/picture_sink.h"
 #include "app/cli/volume_picture.h"
 #include "app/cli/volume_source.h"

