@@ -131,8 +131,8 @@ TEST_CASE("mesh display: a drilled hole is the same surface as that of rays, wit
             following.run().simulation().approach().bone_from_approach.rotate(Vec3(0.0, -1.0, 0.0)));
         if (cut) view.cut = FrameView::Cut{normal, glm::dot(normal, view.camera.target)};
         const Agreement found = compare(rays, mesh, volume, view);
-        MESSAGE(when << ", side " << side << std::string(cut ? ", cut" : "") << ": " << found.both << " pixels, near " << found.share() << ", worst "
-                     << found.worst << " voxel, one alone " << found.one << ", off depth " << found.off_depth);
+        MESSAGE(when << ", side " << side << std::string(cut ? ", cut" : "") << ": " << found.both << " pixels, near " << found.share()
+                     << ", worst " << found.worst << " voxel, one alone " << found.one << ", off depth " << found.off_depth);
         CHECK(found.both > 4000);
         CHECK(found.share() >= 0.99);
         // The mesh bevels the edges of the box by 0.3 voxel, a ray does not: along an outline of 4 x 32 voxels that is 3.7 % of 32 x 32.
