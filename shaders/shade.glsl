@@ -1,8 +1,6 @@
 // Light at a point of the volume, for rays and slices. p: index, world: the same point; normal and to_eye: world, unit length;
 // is_face: the point lies on a cut, where the colour is sampled at the point itself.
-#ifdef FINISH
-#include "finish.glsl"
-#endif
+#include "light.glsl"
 #ifdef OCCLUSION
 #include "occlusion.glsl"
 #endif
@@ -40,16 +38,5 @@ vec3 shade(vec3 p, vec3 world, vec3 normal, vec3 to_eye, bool is_face) {
 #ifdef TOOL_SHADOW
   reaching *= light_past_tool(world);
 #endif
-  // [AcostaLiu07] section 4: C = Ia Cv + Id Cv max(N.L, 0); the headlight fill is our own, 0 disables it.
-  float direct = light_terms.y * max(dot(normal, light.xyz), 0.0) * mix(0.45, 1.0, sky) * reaching;
-  float fill = light_terms.z * max(dot(normal, to_eye), 0.0) * sky;
-  color *= light_terms.x * sky + direct + fill;
-#ifdef SPECULAR
-  // Specular highlight of a wet surface [Blinn77]: a tenth of the light, within about 15 degrees of the mirror direction.
-  color += 0.1 * light_terms.y * reaching * pow(max(dot(normal, normalize(light.xyz + to_eye)), 0.0), 40.0) * step(0.0, dot(normal, light.xyz));
-#endif
-#ifdef FINISH
-  color = rolled_off(color);
-#endif
-  return color;
+  return lit(color, normal, to_eye, sky, reaching);
 }

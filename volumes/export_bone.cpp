@@ -9,6 +9,7 @@
 #include "core/base/output_file.h"
 #include "core/voxel/vdb_grids.h"
 #include "volumes/read/number_text.h"
+#include "volumes/write/ball_surface.h"
 #include "volumes/write/bone_surface.h"
 #include "volumes/write/image_writer.h"
 #include "volumes/write/mesh_writer.h"
@@ -60,7 +61,7 @@ Result<ExportReport> export_mesh(const Voxmap& bone, const ExportRequest& reques
       .regions = regions_of(bone.bone()),
       .bone_from_index = bone.bone().bone_from_index(),
       .read = [&](const VoxelBox& box, std::span<float> out) { read_field(bone, ExportField::density, request.undrilled, box, out); }};
-  const auto mesh = make_bone_surface(density);
+  const auto mesh = request.ball ? make_ball_surface(density) : make_bone_surface(density);
   if (!mesh) return Error{mesh.error().code, mesh.error().message, request.path};
   if (const Status read = bone.bone().read_status(); !read) return read.error();
   if (request.begin) request.begin();

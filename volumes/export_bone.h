@@ -27,6 +27,7 @@ struct ExportRequest {
   std::optional<ExportField> field = {};      ///< of a volume; absent: the density. A .vdb and a mesh have no choice
   bool undrilled = false;                     ///< bone as loaded, without what tools have removed
   bool crop = false;                          ///< only the box round the bone, with a margin; not for .vdb and meshes
+  bool ball = false;                          ///< a mesh by ball pivoting (write/ball_surface.h), not by dual contouring
   std::function<void(double)> progress = {};  ///< receives the share done, 0..1; may be empty
   std::function<void()> begin = {};  ///< called before the temporary file is made: until then there is nothing to remove; may be empty
   /// Once true, the export ends with `unavailable`, and what was under the name stays; a signal handler may set it.

@@ -158,6 +158,7 @@ RenderOptions options_of(const DisplayConfig& display, const PictureOptions& opt
     if (options.gl == gl_backend_name(backend)) render.gl = backend;
   if (display.method == "slices")
     render.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
+  render.mesh = display.method == "mesh";
   if (!display.transfer.empty()) render.translucent = display.transfer;
   render.growth_is_reported = true;
   return render;

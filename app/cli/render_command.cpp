@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/cli/commands.h"
+#include "app/cli/drilling.h"
 #include "app/cli/picture_sink.h"
 #include "app/cli/volume_picture.h"
 #include "app/cli/volume_source.h"
@@ -13,6 +14,7 @@
 #include "app/view/driver_text.h"
 #include "app/view/picture_memory.h"
 #include "core/base/units.h"
+#include "volumes/export_bone.h"
 
 namespace burrhole::cli {
 namespace {
@@ -24,6 +26,7 @@ constexpr double kSliceHalfWidth = 20e-3;  ///< [m] of slices through the tip
 struct Options {
   SceneOption scene;
   std::string image = "burrhole.png", size, camera, method, restore, unit, gl = "auto", shader_folder;
+  std::string mesh;  ///< value of --export; empty: a picture is drawn
   bool cut = false, no_tool = false, overview = false, slices_through_tip = false;
   bool stereo = false, workbench = false;  ///< the options were given
   std::optional<double> depth_mm;
@@ -34,7 +37,8 @@ Status apply_view(const Options& option, DisplayConfig& display) {
   if (display.method != "raycast") {
     display.transfer.clear();
     display.budget.reset();
-    display.appearance.tissue = false;  // slices do not support it
+    // Slices and meshes do not support it.
+    display.appearance.tissue = display.appearance.occlusion = display.appearance.shadow = false;
     display.skin.reset();
   }
   if (!option.size.empty()) {
@@ -63,6 +67,34 @@ Pose tool_pose(const Options& option, Simulation& simulation, const Scene& scene
   if (!option.depth_mm) return simulation.contact_state().world_from_tool;
   const Pose world_from_approach = scene.volume.world_from_bone * simulation.approach().bone_from_approach;
   return world_from_approach * Pose{Quat(1, 0, 0, 0), Vec3(0.0, 0.0, -*option.depth_mm * kMillimetre)};
+}
+
+/// Writes the surface of a bone in place of a picture.
+Status export_mesh(const Options& option, const Voxmap& voxmap) {
+  ExportRequest request{.path = option.mesh, .ball = true};
+  request.begin = catch_all_signals;
+  request.stop = &stop_requested();
+  const auto done = export_bone(voxmap, request);
+  if (!done) return done.error();
+  print(fmt::format("{}: {}, surface of the bone by ball pivoting, {} triangles, mm in LPS, {:.1f} MB\n", option.mesh, done->format,
+                    done->triangles, static_cast<double>(done->bytes) * 1e-6));
+  return {};
+}
+
+/// @returns the error of a path of --export that cannot be a mesh.
+Status check_mesh_path(const std::string& path) {
+  const auto format = export_format(path);
+  if (format && (*format == "STL" || *format == "PLY" || *format == "OBJ")) return {};
+  return bad_input("--export " + path + " must end in .stl, .ply or .obj; burrhole export writes voxels");
+}
+
+/// The same of a scene: as loaded, or as a checkpoint has it.
+Status export_scene(const Options& option, const LoadedScene& loaded) {
+  auto voxmap = Voxmap::create(loaded.bone, {});
+  if (!voxmap) return voxmap.error();
+  if (!option.restore.empty())
+    if (Status restored = voxmap->restore(option.restore); !restored) return restored;
+  return export_mesh(option, *voxmap);
 }
 
 /// Draws slices through the tip. They need no renderer, so the simulation is built without [display].
@@ -95,6 +127,7 @@ Status check_memory_limit(const LoadedScene& loaded) {
 }
 
 Status draw_scene(const Options& option, LoadedScene& loaded) {
+  if (!option.mesh.empty()) return export_scene(option, loaded);
   if (!loaded.scene.effects.has("display")) add_effect(loaded.scene, "display");
   DisplayConfig& display = *loaded.scene.find<DisplayConfig>();
   const std::uint64_t planned = picture_bytes(display);
@@ -165,6 +198,10 @@ Status draw_volume(const Options& option) {
   if (!option.unit.empty()) sets.push_back("volume.unit=\"" + option.unit + "\"");
   const auto volume = read_volume_for_picture(option.scene.scene, sets);
   if (!volume) return volume.error();
+  if (!option.mesh.empty()) {
+    const auto voxmap = Voxmap::create(volume->bone, {});
+    return voxmap ? export_mesh(option, *voxmap) : Status(voxmap.error());
+  }
   picture.display.orientation = knows_directions(volume->report);
   const auto driver = write_volume_picture(image.string(), *volume->bone, picture);
   if (!driver) return driver.error();
@@ -193,12 +230,16 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--unit", option->unit, "of a volume: unit of length of a mesh or another program's .vdb, which carry none")
       ->check(CLI::IsMember(length_unit_names()));
   command->add_option("--image", option->image, "PNG file to write")->type_name(kFileValue)->capture_default_str();
+  command
+      ->add_option("--export", option->mesh,
+                   "write the surface of the bone as a closed mesh by ball pivoting, .stl, .ply or .obj, in place of a picture")
+      ->type_name(kFileValue);
   command->add_option("--size", option->size, "size in pixels; default: the scene's")->type_name("WIDTHxHEIGHT");
   command->add_option("--camera", option->camera, "degrees, degrees, mm to the entry, or to the middle of a volume; default: the scene's")
       ->type_name("AZIMUTH,ELEVATION,DISTANCE");
   command->add_option("--method", option->method, "how bone is drawn; default: the scene's")
       ->type_name("METHOD")
-      ->check(CLI::IsMember({"raycast", "slices"}));
+      ->check(CLI::IsMember({"raycast", "slices", "mesh"}));
   command->add_option("--restore", option->restore, "checkpoint: the bone.vdb of an earlier run")->type_name(kFileValue);
   add_gl_option(*command, option->gl);
   add_shader_option(*command, option->shader_folder);
@@ -213,6 +254,10 @@ void add_render(CLI::App& app, int& exit_code) {
   command->callback([option, command, &exit_code] {
     option->stereo = command->count("--stereo") > 0;
     option->workbench = command->count("--workbench") > 0;
+    if (const Status valid = option->mesh.empty() ? Status() : check_mesh_path(option->mesh); !valid) {
+      exit_code = report(valid.error());
+      return;
+    }
     if (is_volume(find_scene(option->scene.scene))) {
       const Status drawn = draw_volume(*option);
       exit_code = drawn ? kDone : report(drawn.error());

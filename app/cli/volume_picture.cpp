@@ -25,6 +25,7 @@ RenderOptions options_of(const VolumePicture& picture) {
   for (const GlBackend backend : gl_backends())
     if (picture.gl == gl_backend_name(backend)) out.gl = backend;
   if (display.method == "slices") out.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
+  out.mesh = display.method == "mesh";
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "app/effect/registry.h"
 #include "app/stage/stage.h"
+#include "app/view/bone_mesh.h"
 #include "app/view/detail.h"
 #include "app/view/display_config.h"
 #include "app/view/picture_memory.h"
@@ -72,13 +73,16 @@ void read_quality(TableReader& table, bool rays, bool finish, DisplayConfig& out
 }
 
 /// Reads the keys of light and tissue. Those that only ray-cast surfaces support are read for these alone.
-Appearance read_appearance(TableReader& table, bool surface, bool translucent) {
+Appearance read_appearance(TableReader& table, const DisplayConfig& display) {
+  const bool surface = draws_detail(display), translucent = !display.transfer.empty(), mesh = display.method == "mesh";
   Appearance out;
   out.labels = table.boolean("label_colours", true, "colours by tissue and mineral density; false: one ivory colour");
-  if (!translucent &&
+  if (!translucent && !mesh &&
       table.choice("normals", "texture", {"texture", "recomputed"},
                    "texture: normals as stored with the texels; recomputed: from density differences in the shader") == "recomputed")
     out.normals = NormalSource::recomputed;
+  const auto read_specular = [&] { out.specular = table.boolean("specular", false, "specular highlights of a wet surface"); };
+  if (mesh) read_specular();
   if (!surface) return out;
   out.tissue =
       table.choice("tissue", "procedural", {"procedural", "plain"},
@@ -86,7 +90,7 @@ Appearance read_appearance(TableReader& table, bool surface, bool translucent) {
       "procedural";
   out.occlusion = table.boolean("ambient_occlusion", true, "ambient occlusion");
   out.shadow = table.boolean("shadow", false, "shadows of bone and tool on bone");
-  out.specular = table.boolean("specular", false, "specular highlights of a wet surface");
+  read_specular();
   return out;
 }
 
@@ -221,8 +225,9 @@ void read_skin(TableReader& table, const StageConfig& scene, DisplayConfig& out)
 
 DisplayConfig read_display(TableReader& table, const StageConfig& scene) {
   DisplayConfig out;
-  out.method =
-      table.choice("method", "raycast", {"raycast", "slices"}, "how bone is drawn: ray casting, or slices blended back to front", {"mesh"});
+  out.method = table.choice(
+      "method", "raycast", {"raycast", "slices", "mesh"},
+      "how bone is drawn: ray casting, slices blended back to front, or a mesh of triangles that is updated where bone changes");
   if (out.method == "raycast") {
     const std::string shading =
         table.choice("shading", "surface", {"surface", "translucent"},
@@ -238,7 +243,7 @@ DisplayConfig read_display(TableReader& table, const StageConfig& scene) {
         "[AcostaLiu07]");
   }
   read_quality(table, out.method == "raycast", out.method == "raycast" && out.transfer.empty(), out);
-  out.appearance = read_appearance(table, out.method == "raycast" && out.transfer.empty(), !out.transfer.empty());
+  out.appearance = read_appearance(table, out);
   out.background.top = read_color(table, "background_top", out.background.top, "red, green and blue of the background at the upper edge");
   out.background.bottom =
       read_color(table, "background_bottom", out.background.bottom, "red, green and blue of the background at the lower edge");
@@ -435,7 +440,7 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
   DisplayPlan(TableReader& table, const StageConfig& scene) { config_ = read_display(table, scene); }
 
   PlanRow row(const PlanContext& context) const override {
-    // A texel, and the same with the distances that rays skip, twice. The pixels: picture_bytes().
+    // A texel, and the same with the distances that rays skip, twice; or a mesh. The pixels: picture_bytes().
     const std::uint64_t a_texel = kTexelBytes + sizeof(Rgba8) + (config_.appearance.tissue ? sizeof(TissueTexel) : 0);
     // A voxel of the window, of which the largest part may change at once: texels and the densities that they are made from.
     constexpr std::uint64_t kChangeBytes = 9;
@@ -443,11 +448,13 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
     const Levels levels = levels_of(config_, context.bone, head);
     const std::uint64_t coarse = head ? 0 : coarse_bytes(context.bone, levels.factor);  // that of a head belongs to the volume
     // At the start the texels are in memory and in the textures.
-    const std::uint64_t drawn = levels.voxels * (a_texel + 2) + coarse + kDriverBytes + (config_.skin ? kSkinBytes : 0);
+    const bool mesh = config_.method == "mesh";
+    const std::uint64_t bone = mesh ? mesh_bytes(levels.voxels) : levels.voxels * (a_texel + 2);
+    const std::uint64_t drawn = bone + coarse + kDriverBytes + (config_.skin ? kSkinBytes : 0);
     const std::string budget = config_.budget ? fmt::format(", quality for {:g} ms a picture", *config_.budget * 1e3) : std::string();
     return {.table = "display",
             .clock = Clock::frame,
-            .step = "changed boxes to the texture, one picture",
+            .step = mesh ? "changed boxes to the mesh, one picture" : "changed boxes to the texture, one picture",
             .needs = "changed boxes, tool pose",
             .gives = "pictures",
             .detail = fmt::format("{}{}{}, {} x {} pixels{}, at events", method_text(config_), levels_text(config_, context.bone, head),
@@ -481,10 +488,10 @@ EffectEntry display_effect() {
   return {"display",
           "pictures; without it none is drawn",
           read,
-          {"method = \"slices\"", "quality = \"auto\"", "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]",
-           "cut = \"tip\"", "stereo = \"side-by-side\"", "stereo = \"top-bottom\"", "stereo = \"anaglyph\"", "stereo = \"quad\"",
-           "workbench_mm = 300", "tissue = \"plain\"", "normals = \"recomputed\"",
-           "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}};
+          {"method = \"slices\"", "method = \"mesh\"", "quality = \"auto\"",
+           "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]", "cut = \"tip\"", "stereo = \"side-by-side\"",
+           "stereo = \"top-bottom\"", "stereo = \"anaglyph\"", "stereo = \"quad\"", "workbench_mm = 300", "tissue = \"plain\"",
+           "normals = \"recomputed\"", "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}};
 }
 
 }  // namespace burrhole

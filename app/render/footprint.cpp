@@ -10,6 +10,10 @@
 namespace burrhole {
 namespace {
 
+// [voxels] from a changed voxel to a triangle that differs: its normals depend on voxels up to 4 away, its other corners are one voxel farther, and a
+// corner lies up to 1.5 voxels from its voxel.
+constexpr double kMeshVoxels = 6.6;
+
 /// [pixels] rounding of the ray, and the 1/256 grid of a rasteriser.
 constexpr double kSlackPixels = 0.125;
 /// volume.glsl, surface_normal with RECOMPUTED: corners of the voxel around the point.
@@ -53,6 +57,7 @@ void PixelRegion::add(const PixelRect& rect) {
 }
 
 Reach reach_of(const RenderOptions& options, double longest_edge) noexcept {
+  if (options.mesh) return {kMeshVoxels, 0.0, 0.0};
   Reach out{kLookUpVoxels, 0.0, 0.0};
   if (options.translucent) return out;  // normals as stored
   const auto sees = [&out](double voxels) { out.voxels = std::max(out.voxels, kLookUpVoxels + voxels); };

@@ -98,11 +98,15 @@ void fill_light_and_cut(FrameBlock& block, const FrameView& view) {
   block.cut = vec4(view.cut->normal / length, view.cut->offset / length);
 }
 
-void fill_skin(FrameBlock& block, const SkinView& skin, const Pose& world_from_bone, const glm::dmat4& clip_from_world) {
+void fill_bone_place(FrameBlock& block, const Pose& world_from_bone, const glm::dmat4& clip_from_world) {
   glm::dmat4 matrix(glm::mat3_cast(world_from_bone.rotation));
   matrix[3] = glm::dvec4(world_from_bone.translation, 1.0);
   block.world_from_bone_at = glm::fmat4(matrix);
   block.clip_from_bone = glm::fmat4(clip_from_world * matrix);
+}
+
+void fill_skin(FrameBlock& block, const SkinView& skin, const Pose& world_from_bone, const glm::dmat4& clip_from_world) {
+  fill_bone_place(block, world_from_bone, clip_from_world);
   block.skin = vec4(skin.color, skin.opacity);
 }
 

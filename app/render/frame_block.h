@@ -48,6 +48,8 @@ void fill_changed(FrameBlock& block, const VoxelBox& changed);
 void fill_slices(FrameBlock& block, const CameraRays& rays, const Vec3i& dims, const Affine& world_from_index, double per_voxel);
 /// Appends the corners of the box of all voxel cells, to which rays are clipped, in world coordinates.
 void append_corners(const Vec3i& dims, const Affine& world_from_index, std::vector<Vec3>& points);
+/// Fills the place of what is drawn in the bone frame: a mesh, the skin. @param clip_from_world of the same picture.
+void fill_bone_place(FrameBlock& block, const Pose& world_from_bone, const glm::dmat4& clip_from_world);
 /// Fills the skin's colour, opacity and place. @param clip_from_world of the same picture.
 void fill_skin(FrameBlock& block, const SkinView& skin, const Pose& world_from_bone, const glm::dmat4& clip_from_world);
 /// Fills the projection along the light in which the tool's shadow is found. @param corners of the tool's box, and @param axis of the tool,

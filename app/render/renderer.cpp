@@ -24,6 +24,8 @@ Status check_options(const RenderOptions& options) {
   if (options.slices && !(options.slices->per_voxel > 0.0 && options.slices->per_voxel <= 8.0))
     return out_of_range("slices must be in (0, 8] a voxel");
   if (options.slices && options.translucent) return out_of_range("a transfer function is for rays: slices have their own opacity");
+  if (options.mesh && (options.slices || options.translucent))
+    return out_of_range("a mesh is a surface: slices and a transfer function are for volumes");
   if (options.translucent) return check_transfer(*options.translucent);
   return {};
 }
@@ -65,10 +67,10 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
   fill_fog(block, view.camera, rays.value());
   const Mat3 rotation = glm::mat3_cast(view.world_from_bone.rotation);
   for (int axis = 0; axis < 3; ++axis) block.world_from_bone[axis] = Vec4f(glm::dvec4(rotation[axis], 0.0));
-  if (volume) {
-    const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
-    append_corners(volume->dims(), world_from_index, points);
-    fill_volume(block, rays.value(), volume->dims(), world_from_index);
+  if (has_bone()) {
+    const Affine world_from_index = place_bone(view);
+    append_corners(bone_dims(), world_from_index, points);
+    fill_volume(block, rays.value(), bone_dims(), world_from_index);
     if (detail) fill_hole(block, grid);
   }
   block.dims.w = static_cast<float>(options.step_voxels);
@@ -81,6 +83,7 @@ Result<FrameBlock> Renderer::Impl::make_block(const FrameView& view, int width, 
     for (const Vec3& corner : skin->corners()) points.push_back(view.world_from_bone * corner);
   range = fit_depth_range(rays.value(), points);
   block.lens = Vec4f(glm::dvec4(range.near_plane, range.far_plane, width, height));
+  if (mesh) fill_bone_place(block, view.world_from_bone, clip_from_world(rays.value(), range));
   if (skin) fill_skin(block, skin->look(), view.world_from_bone, clip_from_world(rays.value(), range));
   if (volume && options.slices) {
     const Affine world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
@@ -127,12 +130,10 @@ Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int h
       return made.error();
   const bool cut = view.cut.has_value();
   note_view(view);
-  std::string shaders;
-  if (volume) shaders = volume_variant(cut, false, has_soft(), outer_level()).name;
-  if (volume && has_surface()) shaders += " " + light_variant(cut, has_tissue(), has_soft(), outer_level()).name;
-  FrameKey key = make_frame_key(std::move(shaders), block.value());
+  if (Status sent = send_mesh(cut); !sent) return sent.error();
+  FrameKey key = make_frame_key(shader_names(cut), block.value());
   std::optional<Affine> world_from_index;
-  if (volume) world_from_index = Affine::from_pose(view.world_from_bone) * volume->bone_from_index();
+  if (has_bone()) world_from_index = place_bone(view);
   const Reach reach = reach_of(options, world_from_index ? world_from_index->longest_edge() : 0.0);
   const std::optional<DrawnTool> drawn_tool = place_tool(view, block.value(), drawn);
   if (!options.keep_picture) {
@@ -186,6 +187,7 @@ Status Renderer::Impl::draw_probe(const FrameView& view, int width, int height) 
   const auto block = make_block(view, width, height, 1);
   if (!block) return block.error();
   note_view(view);
+  if (Status sent = send_mesh(view.cut.has_value()); !sent) return sent;
   StalePixels whole;
   whole.drawn.push_back({Vec2i(0), Vec2i(width, height)});
   std::swap(target, probe_target);
@@ -236,6 +238,7 @@ Renderer::~Renderer() = default;
 Status Renderer::set_volume(const VolumeView& view) {
   const Status current = impl_->context.make_current();
   if (!current) return current;
+  if (impl_->options.mesh) return impl_->set_mesh(view);
   auto made = VolumeTexture::create(impl_->gl, view, impl_->seen_from);
   if (!made) return made.error();
   std::optional<VolumeTexture> detail;
@@ -276,7 +279,14 @@ Status Renderer::set_detail(const DetailView& view) {
 }
 
 void Renderer::update(const TexelBox& texels) {
-  BH_ASSERT(impl_->volume.has_value());
+  BH_ASSERT(impl_->has_bone());
+  if (impl_->mesh) {
+    if (texels.of_detail) return;
+    impl_->mesh->update(texels);
+    impl_->cache.texels_changed(texels.box);
+    ++impl_->counters.update_boxes;
+    return;
+  }
   const Status current = impl_->context.make_current();
   BH_ASSERT(current.ok());
   static_cast<void>(current);
@@ -293,6 +303,11 @@ void Renderer::update(const TexelBox& texels) {
 Result<std::vector<MineralBox>> Renderer::read_mineral(const Vec3& p_bone, double half_width) const {
   if (const Status current = impl_->context.make_current(); !current) return current.error();
   std::vector<MineralBox> out;
+  if (const auto& mesh = impl_->mesh) {
+    const Affine index_from_bone = mesh->bone_from_index().inverse();
+    const VoxelBox box = voxels_around(index_from_bone, p_bone, half_width).intersect({Vec3i(0), mesh->dims()});
+    out.push_back({box, index_from_bone, mesh->read_mineral(box)});
+  }
   for (const std::optional<VolumeTexture>* level : {&impl_->detail, &impl_->volume}) {
     if (!*level) continue;
     const VolumeTexture& volume = **level;
@@ -365,7 +380,7 @@ Result<Image> Renderer::draw_at_pace(const FrameView& view, int width, int heigh
 }
 
 Result<FrameProbe> Renderer::probe(const FrameView& view, int width, int height) {
-  if (!impl_->volume) return bad_input("a probe needs a volume");
+  if (!impl_->has_bone()) return bad_input("a probe needs a volume");
   if (impl_->options.slices) return bad_input("a probe needs rays: slices meet no surface");
   const Status drawn = impl_->draw_probe(view, width, height);
   if (!drawn) return drawn.error();

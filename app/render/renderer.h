@@ -29,8 +29,8 @@ struct SliceOptions {
   bool correct = true;
 };
 
-/// Options of accuracy and finish. A disabled option is not in the shader. At most one of `slices` and `translucent` may be set; without
-/// both, rays draw the 0.5 surface.
+/// Options of accuracy and finish. A disabled option is not in the shader. At most one of `slices`, `translucent` and `mesh` may be set; without
+/// them, rays draw the 0.5 surface.
 struct RenderOptions {
   double step_voxels = 0.5;  ///< [voxels] in (0, 1], distance of samples along a ray, in index coordinates; not for slices
   int bisections = 5;        ///< 0..16, each halves the error of the hit; surfaces only
@@ -45,6 +45,9 @@ struct RenderOptions {
   bool growth_is_reported = false;
   std::optional<SliceOptions> slices{};           ///< if set: slices instead of rays
   std::optional<TransferFunction> translucent{};  ///< if set: bone as a translucent body, front to back, instead of its surface; no finish
+  /// The 0.5 surface is drawn as triangles (app/view/bone_mesh.h), made from the texels and updated by those of update(). No texture of the
+  /// volume is made, except one of its colours when a cut is first drawn. `specular` and `finish` apply, other options of Appearance do not.
+  bool mesh = false;
   /// Whether changed texels are sent through a ring of mapped buffers (upload_ring.h). Absent: true on a GPU, where a copy would wait until
   /// drawing ends; false with a software renderer, which copies at once.
   std::optional<bool> upload_ring{};
@@ -57,11 +60,13 @@ struct RenderOptions {
 
 /// Counters, not times.
 struct RenderCounters {
-  std::uint64_t volume_bytes = 0;    ///< texels, colours and tissue sent by the last set_volume()
-  std::uint64_t update_bytes = 0;    ///< texels sent by all calls of update()
-  std::uint64_t update_boxes = 0;    ///< number of calls of update()
-  std::uint64_t skip_map_bytes = 0;  ///< sent for empty space skipping by all calls: by set_volume(), and by update() where bone grew
-  std::uint64_t frames = 0;          ///< pictures drawn, those of probe() included
+  std::uint64_t volume_bytes = 0;       ///< texels, colours and tissue sent by the last set_volume()
+  std::uint64_t update_bytes = 0;       ///< texels sent by all calls of update()
+  std::uint64_t update_boxes = 0;       ///< number of calls of update()
+  std::uint64_t mesh_bytes = 0;         ///< vertices sent before the first picture, and again when their buffer grew
+  std::uint64_t mesh_update_bytes = 0;  ///< vertices of changed triangles sent before later pictures
+  std::uint64_t skip_map_bytes = 0;     ///< sent for empty space skipping by all calls: by set_volume(), and by update() where bone grew
+  std::uint64_t frames = 0;             ///< pictures drawn, those of probe() included
   /// By draw() and draw_at_pace(), at the drawn resolution, without pixels that were kept; pixels that were only lit again count.
   std::uint64_t drawn_pixels = 0;
   std::uint64_t tool_pixels = 0;    ///< beside them, those where only the tool and its shadow were drawn, over a copy of the bone
@@ -79,7 +84,7 @@ struct FrameProbe {
   Image image;
   std::vector<Vec3f> hit_index;   ///< [voxels] position of the hit in index coordinates; valid where `hit` is 1
   std::vector<std::uint8_t> hit;  ///< 1 where the pixel shows the surface of bone or soft tissue, or a cut; always 0 for translucent bone
-  std::vector<float> view_depth;  ///< [m] of tool or surface along the direction of view; undefined where there is neither
+  std::vector<float> view_depth;  ///< [m] of tool or surface along the direction of view; undefined where there is neither, and on a section of a mesh
   /// Densities that the ray sampled at its steps, up to and including the hit, or to the end of the ray. Bisections and look-ups of the
   /// skip map are not counted. Surfaces: a ray that crosses the volume without a hit counts one too many; 0 where the tool is in front.
   std::vector<int> samples;

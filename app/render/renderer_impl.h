@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/render/bone_buffer.h"
 #include "app/render/frame_block.h"
 #include "app/render/frame_cache.h"
 #include "app/render/gl_context.h"
@@ -41,6 +42,10 @@ struct Renderer::Impl {
   std::optional<VolumeTexture> volume;
   std::optional<VolumeTexture> detail;  ///< a part of it at finer voxels
   DetailGrid grid;                      ///< of the detail
+  /// The bone as triangles, in place of the volume; all absent unless RenderOptions::mesh.
+  std::optional<BoneMesh> mesh;
+  std::optional<BoneBuffer> mesh_buffer;
+  std::optional<GlObject> section_colors;  ///< a texture of its voxels' colours, made when a cut is first drawn
   std::optional<UploadRing> ring;
   std::optional<ToolMesh> tool;
   std::optional<ToolDepth> tool_depth;  ///< made when the tool's shadow is first drawn
@@ -62,8 +67,8 @@ struct Renderer::Impl {
     detail_buffer = make_buffer(gl);
     gl.NamedBufferStorage(detail_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
     count_query = make_count_query(gl);
-    if (options.upload_ring.value_or(!context.is_software())) ring.emplace(gl);
-    if (options.skip_empty && !options.slices) seen_from = kSolidOpacity;
+    if (!options.mesh && options.upload_ring.value_or(!context.is_software())) ring.emplace(gl);
+    if (options.skip_empty && !options.slices && !options.mesh) seen_from = kSolidOpacity;
     if (!options.translucent) return;
     const TransferTable table = make_transfer_table(*options.translucent);
     transfer = make_transfer_texture(gl, table);
@@ -91,14 +96,26 @@ struct Renderer::Impl {
   /// @returns the level that draws all of the volume, or all but the detail.
   [[nodiscard]] VolumeLevel outer_level() const noexcept { return detail ? VolumeLevel::whole : VolumeLevel::only; }
   [[nodiscard]] bool has_surface() const noexcept { return !options.slices && !options.translucent; }
+  [[nodiscard]] bool has_bone() const noexcept { return volume || mesh; }
+  /// @returns world_from_index of the bone. @pre has_bone().
+  [[nodiscard]] Affine place_bone(const FrameView& view) const {
+    return Affine::from_pose(view.world_from_bone) * (mesh ? mesh->bone_from_index() : volume->bone_from_index());
+  }
+  [[nodiscard]] const Vec3i& bone_dims() const noexcept { return mesh ? mesh->dims() : volume->dims(); }
   /// @returns whether ambient occlusion reaches further than what else is drawn, so that some hits are only lit again.
   [[nodiscard]] bool relights() const noexcept { return reach_of(options, 0.0).occlusion > 0.0; }
   /// @returns whether the bone is drawn into a picture of its own, so that a moving tool costs no rays. Slices and translucent bone are
   /// blended with the tool.
-  [[nodiscard]] bool has_layers() const noexcept { return volume && has_surface(); }
-  [[nodiscard]] bool has_tool_shadow() const noexcept { return has_layers() && tool && options.appearance.shadow; }
+  [[nodiscard]] bool has_layers() const noexcept { return has_bone() && has_surface(); }
+  [[nodiscard]] bool has_tool_shadow() const noexcept { return !mesh && has_layers() && tool && options.appearance.shadow; }
   [[nodiscard]] ShaderVariant light_variant(bool cut, bool tissue, bool soft, VolumeLevel level, bool tool_shadow = false) const;
   [[nodiscard]] ShaderVariant stale_variant(bool cut, VolumeLevel level) const;
+  [[nodiscard]] ShaderVariant bone_mesh_variant(bool cut, bool probe) const;
+  [[nodiscard]] std::string shader_names(bool cut) const;
+  [[nodiscard]] Status set_mesh(const VolumeView& view);
+  /// Sends what of the mesh has changed, and before the first cut the colours of its section. Nothing without a mesh.
+  [[nodiscard]] Status send_mesh(bool cut);
+  void draw_mesh(GLuint background, GLuint program) const;
   [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
   void scissor(const PixelRect& part) const;
   void draw_screen(GLuint program) const;
@@ -117,6 +134,7 @@ struct Renderer::Impl {
   /// @param width, height [pixels] drawn. @param rays_a_side of a pixel of the picture.
   Result<FrameBlock> make_block(const FrameView& view, int width, int height, int rays_a_side);
   void note_view(const FrameView& view) noexcept;
+  Result<Programs> find_mesh_programs(bool cut, ToolPass pass);
   Status find_skin_programs(bool cut, Programs& out);
   Status find_shadow_programs(bool cut, Programs& out);
   Status make_tool_depth();

@@ -183,12 +183,16 @@ ShaderVariant Renderer::Impl::volume_variant(bool cut, bool probe, bool soft, Vo
 Status Renderer::Impl::link_asked(const std::filesystem::path& folder) {
   std::vector<ShaderVariant> asked{background_variant(), tool_variant(has_surface() ? ToolPass::layer : ToolPass::picture)};
   for (const bool cut : {false, true}) {
+    if (options.mesh) {
+      asked.push_back(bone_mesh_variant(cut, false));
+      continue;
+    }
     asked.push_back(volume_variant(cut, false, true, VolumeLevel::only));
     if (has_surface()) asked.push_back(light_variant(cut, true, true, VolumeLevel::only));
     if (relights()) asked.push_back(stale_variant(cut, VolumeLevel::only));
     if (has_surface() && options.appearance.shadow) asked.push_back(light_variant(cut, true, true, VolumeLevel::only, true));
   }
-  if (has_surface() && options.appearance.shadow) asked.insert(asked.end(), {tool_depth_variant(), tool_shadow_variant()});
+  if (!options.mesh && has_surface() && options.appearance.shadow) asked.insert(asked.end(), {tool_depth_variant(), tool_shadow_variant()});
   for (const ShaderVariant& variant : asked) {
     const auto linked = programs.find_or_link(variant);
     if (linked) continue;
@@ -220,6 +224,7 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_programs(bool cut, ToolPas
   const bool probe = pass == ToolPass::probe;
   const auto empty = programs.find_or_link(background_variant(has_table, has_fog));
   if (!empty) return empty.error();
+  if (mesh) return find_mesh_programs(cut, pass);
   const auto bone = volume ? programs.find_or_link(volume_variant(cut, probe, has_soft(), outer_level())) : empty;
   if (!bone) return bone.error();
   const auto light = volume && has_surface() ? programs.find_or_link(light_variant(cut, has_tissue(), has_soft(), outer_level())) : empty;
@@ -297,6 +302,11 @@ std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const
 void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const {
   scissor(part);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  if (mesh) {
+    draw_mesh(used.background, used.volume);
+    if (with_tool) draw_tool(used.tool);
+    return;
+  }
   const bool opaque = !volume || has_surface();
   if (volume && opaque)
     draw_levels(part, used);

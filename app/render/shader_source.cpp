@@ -175,6 +175,16 @@ ShaderVariant skin_variant(const SkinChoice& choice) {
   return variant;
 }
 
+ShaderVariant mesh_variant(const MeshChoice& choice) {
+  ShaderVariant variant{"mesh", "mesh.vert", "mesh.frag", {}};
+  add_define(variant, choice.cut, "CUT", "_cut");
+  add_define(variant, choice.probe, "PROBE", "_probe");
+  add_define(variant, choice.finish, "FINISH", "_finish");
+  add_define(variant, choice.specular, "SPECULAR", "_specular");
+  add_define(variant, choice.fog, "FOG", "_fog");
+  return variant;
+}
+
 namespace {
 
 /// A surface; if it has shadows, also that in the shadow of the tool.
@@ -254,6 +264,9 @@ std::vector<ShaderVariant> all_shader_variants() {
                                        .normals = bit(bits, 3) ? NormalSource::recomputed : NormalSource::texture}));
   for (unsigned bits = 0; bits < 8; ++bits)
     variants.push_back(skin_variant({.cut = bit(bits, 0), .fog = bit(bits, 1), .rim = bit(bits, 2)}));
+  for (unsigned bits = 0; bits < 32; ++bits)
+    variants.push_back(
+        mesh_variant({.cut = bit(bits, 0), .probe = bit(bits, 1), .finish = bit(bits, 2), .specular = bit(bits, 3), .fog = bit(bits, 4)}));
   add_fog_variants(options(kDefault), options(kAllOptions), variants);
   return variants;
 }

@@ -75,6 +75,15 @@ struct SkinChoice {
   bool rim = false;  ///< the cut edge of the opening
 };
 
+/// Options of triangles.
+struct MeshChoice {
+  bool cut = false;
+  bool probe = false;
+  bool finish = false;
+  bool specular = false;
+  bool fog = false;
+};
+
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);
 [[nodiscard]] ShaderVariant surface_variant(const SurfaceChoice& choice);
 /// Marks the hits whose ambient occlusion may have changed; the appearance counts for their normals only.
@@ -90,6 +99,7 @@ enum class ToolPass { picture, probe, layer };
 [[nodiscard]] ShaderVariant tool_shadow_variant();
 [[nodiscard]] ShaderVariant background_variant(bool table = false, bool fog = false);
 [[nodiscard]] ShaderVariant skin_variant(const SkinChoice& choice);
+[[nodiscard]] ShaderVariant mesh_variant(const MeshChoice& choice);
 /// The build validates and a test links each of these: all options of the drawing method, without appearance options, with those of a
 /// default scene and with all, and each appearance option alone and left out; fog with each method, with the default scene's options and with
 /// all; the shadow of the tool with each surface that has shadows.

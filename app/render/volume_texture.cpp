@@ -36,15 +36,18 @@ Vec3i largest_taken(const GladGLContext& gl, const Vec3i& dims, GLenum stored) {
   return shrunk(fits);
 }
 
+Status check_size(const GladGLContext& gl, const Vec3i& dims, GLenum stored) {
+  if (takes(gl, dims, stored)) return {};
+  return Error{ErrorCode::out_of_range,
+               "a volume of " + size_text(dims) + " voxels is more than this driver draws: " + size_text(largest_taken(gl, dims, stored)) +
+                   " would fit, as with larger voxels or a smaller region",
+               {}};
+}
+
 Status check(const GladGLContext& gl, const VolumeView& view) {
   if (std::min({view.dims.x, view.dims.y, view.dims.z}) < 1)
     return Error{ErrorCode::out_of_range, "a volume of " + size_text(view.dims) + " voxels cannot be drawn: it is empty", {}};
-  const GLenum stored = view.precise.normal_opacity.empty() ? GL_RGBA8 : GL_RGBA32F;
-  if (!takes(gl, view.dims, stored))
-    return Error{ErrorCode::out_of_range,
-                 "a volume of " + size_text(view.dims) + " voxels is more than this driver draws: " +
-                     size_text(largest_taken(gl, view.dims, stored)) + " would fit, as with larger voxels or a smaller region",
-                 {}};
+  if (Status fits = check_size(gl, view.dims, view.precise.normal_opacity.empty() ? GL_RGBA8 : GL_RGBA32F); !fits) return fits;
   const std::size_t count = VoxelBox{Vec3i(0), view.dims}.count();
   if (view.normal_opacity.size() != count || view.color.size() != count ||
       (!view.precise.normal_opacity.empty() && (view.precise.normal_opacity.size() != count || view.precise.field.size() != count)) ||
@@ -91,6 +94,13 @@ GlObject make_field(const GladGLContext& gl, const VolumeView& view) {
 }
 
 }  // namespace
+
+Result<GlObject> make_color_texture(const GladGLContext& gl, const Vec3i& dims, const std::vector<Rgba8>& colors) {
+  if (Status fits = check_size(gl, dims, GL_RGBA8); !fits) return fits.error();
+  GlObject made = make_volume(gl, dims, GL_RGBA8, GL_RGBA, GL_LINEAR, colors.data());
+  if (gl.GetError() != GL_NO_ERROR) return Error{ErrorCode::unavailable, "the driver has no memory for the colours of a section", {}};
+  return made;
+}
 
 Result<VolumeTexture> VolumeTexture::create(const GladGLContext& gl, const VolumeView& view, std::optional<std::uint8_t> seen_from) {
   const Status valid = check(gl, view);

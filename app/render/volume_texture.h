@@ -25,6 +25,9 @@ inline constexpr std::uint8_t kSolidOpacity = 128;
 /// Grey value of marrow in slices.
 inline constexpr float kMarrow = 0.25f;
 
+/// @returns a texture of colours alone, for the section of a mesh. Errors as VolumeTexture::create(). @pre one colour per voxel.
+[[nodiscard]] Result<GlObject> make_color_texture(const GladGLContext& gl, const Vec3i& dims, const std::vector<Rgba8>& colors);
+
 class VolumeTexture {
  public:
   VolumeTexture() = default;

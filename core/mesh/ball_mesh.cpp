@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/base/assert.h"
 #include "core/base/bounds.h"
 #include "core/mesh/surface_offset.h"
@@ -24,6 +26,7 @@ BallMesh::BallMesh(const VoxelBox& box, const BallMeshConfig& config)
 
 void BallMesh::fill(const DensityBlock& block) {
   BH_ASSERT(block.box.contains(box()));
+  for (Id triangle = 0; triangle < mesh_.triangle_slots(); ++triangle) list(triangle);  // those of before
   mesh_.clear();
   vertices_.clear();
   offsets_.clear();
@@ -119,6 +122,31 @@ void BallMesh::resume() {
   } while (put_down());
 }
 
+void BallMesh::list(Id triangle) {
+  if (!config_.report) return;
+  const std::size_t word = triangle >> 6;
+  if (word >= is_listed_.size()) is_listed_.resize(word + 1);
+  const std::uint64_t bit = std::uint64_t{1} << (triangle & 63);
+  if ((is_listed_[word] & bit) != 0) return;
+  is_listed_[word] |= bit;
+  changed_.push_back(triangle);
+}
+
+void BallMesh::take_changed(std::vector<Id>& out) {
+  std::ranges::sort(changed_);
+  for (const Id triangle : changed_) is_listed_[triangle >> 6] &= ~(std::uint64_t{1} << (triangle & 63));
+  out.insert(out.end(), changed_.begin(), changed_.end());
+  changed_.clear();
+}
+
+void BallMesh::list_vertices(const VoxelBox& part) {
+  for_each_voxel(part.intersect(box()), [&](const Vec3i& voxel) {
+    const Id vertex = vertices_.find(voxel);
+    if (vertex == VertexMap::kNone) return;
+    for (Id h = mesh_.first_at(vertex); h != HalfEdgeMesh::kNone; h = mesh_.next_at_origin(h)) list(h / 3);
+  });
+}
+
 void BallMesh::mark_cells(std::size_t index) {
   for (unsigned n = 0; n < 8; ++n) {
     const std::size_t cell = index - solid_.corner_step(n);
@@ -179,6 +207,7 @@ bool BallMesh::put_down() {
 BallMesh::Id BallMesh::add_triangle(const std::array<Id, 3>& vertices) {
   ++work_.triangles_added;
   const Id triangle = mesh_.add_triangle(vertices);
+  list(triangle);
   if (config_.subvoxel) {
     offsets_.resize(3 * static_cast<std::size_t>(mesh_.triangle_slots()));
     for (Id n = 0; n < 3; ++n) offsets_[3 * triangle + n] = Vec3f(0.0f);
@@ -190,6 +219,7 @@ void BallMesh::remove_triangle(Id triangle) {
   std::array<Id, 3> corners{};
   for (Id n = 0; n < 3; ++n) corners[n] = mesh_.origin(3 * triangle + n);
   mesh_.remove_triangle(triangle);
+  list(triangle);
   ++work_.triangles_removed;
   for (const Id vertex : corners) {
     if (mesh_.state(vertex) != HalfEdgeMesh::VertexState::orphan) continue;
@@ -258,7 +288,11 @@ void BallMesh::move_fans(const DensityBlock& block, Id vertex) {
 
 void BallMesh::move_fan(Id half_edge, const std::optional<Vec3>& offset) {
   const Vec3f way(offset.value_or(Vec3(0.0)));
-  for_each_in_fan(half_edge, [&](Id h) { offsets_[h] = way; });
+  for_each_in_fan(half_edge, [&](Id h) {
+    if (offsets_[h] == way) return;
+    offsets_[h] = way;
+    list(h / 3);
+  });
   ++work_.vertices_moved;
 }
 
@@ -303,7 +337,7 @@ SurfaceMesh BallMesh::surface() const {
 
 std::size_t BallMesh::bytes() const noexcept {
   return solid_.bytes() + mesh_.bytes() + vertices_.bytes() + offsets_.capacity() * sizeof(Vec3f) +
-         is_marked_.capacity() * sizeof(std::uint64_t);
+         (is_marked_.capacity() + is_listed_.capacity()) * sizeof(std::uint64_t) + changed_.capacity() * sizeof(Id);
 }
 
 }  // namespace burrhole

@@ -32,6 +32,7 @@ struct PivotRules {
 
 struct BallMeshConfig {
   bool subvoxel = false;  ///< vertices are moved from the centres to the 0.5 surface, by offset_to_surface()
+  bool report = false;    ///< changed triangles are listed, see take_changed()
   PivotRules rules;
 };
 
@@ -69,6 +70,12 @@ class BallMesh {
   /// The steps of an update: any number of these, then resume(). A voxel that is already so is no change. @pre voxel in box().
   void remove(const Vec3i& voxel);
   void add(const Vec3i& voxel);
+  /// Appends to `out` the numbers of the triangles that were added, removed or moved since the last call, increasing, each once. After
+  /// fill(): all. A number that is no triangle any more is one to be removed. Their order does not depend on that of the changes.
+  /// Without `report` nothing is listed.
+  void take_changed(std::vector<HalfEdgeMesh::Id>& out);
+  /// Lists the triangles of all vertices in a box as changed, for a reader whose data of a vertex depend on more than its position.
+  void list_vertices(const VoxelBox& part);
   /// Rolls the ball until no front is left, and puts it down wherever a triangle is missing near a changed voxel.
   void resume();
 
@@ -101,6 +108,7 @@ class BallMesh {
   using Id = HalfEdgeMesh::Id;
   BallMesh(const VoxelBox& box, const BallMeshConfig& config);
 
+  void list(Id triangle);
   void mark_cells(std::size_t index);
   void part_across(const Vec3i& voxel);
   void roll(Id half_edge);
@@ -126,6 +134,8 @@ class BallMesh {
   std::vector<std::size_t> changed_cells_;  // by the index of the lowest corner
   std::vector<std::uint64_t> is_marked_;    // one bit per index: in changed_cells_
   std::vector<Id> doomed_;                  // of one removal
+  std::vector<Id> changed_;                 // triangles; empty without report
+  std::vector<std::uint64_t> is_listed_;    // one bit per triangle: in changed_
   MeshWork work_;
 };
 

@@ -15,13 +15,13 @@ double density_at(const DensityBlock& block, const Vec3i& v) {
   return block.box.contains(v) ? static_cast<double>(block.density[block.box.offset_of(v)]) : 0.0;
 }
 
-double sample(const DensityBlock& block, const Vec3& p) {
+}  // namespace
+
+double sample_density(const DensityBlock& block, const Vec3& p) {
   const Vec3i base = floor_int(p);
   if (block.box.contains(base) && block.box.contains(base + 1)) return trilinear(block.box, block.density.data(), p);
   return trilinear(p - Vec3(base), [&](unsigned n) { return density_at(block, base + cell_corner(n)); });
 }
-
-}  // namespace
 
 std::optional<Vec3> offset_to_surface(const DensityBlock& block, const Vec3i& voxel) {
   Vec3 gradient;
@@ -38,7 +38,7 @@ std::optional<Vec3> offset_along(const DensityBlock& block, const Vec3i& voxel, 
   const double length = glm::length(direction);
   if (!(length > 0.0)) return std::nullopt;
   const Vec3 outward = direction / length, centre(voxel);
-  const auto above = [&](double way) { return sample(block, centre + way * outward) - 0.5; };
+  const auto above = [&](double way) { return sample_density(block, centre + way * outward) - 0.5; };
   double inside = 0.0, at_inside = density_at(block, voxel) - 0.5;
   for (int step = 1; step <= kSteps; ++step) {
     double outside = kStep * step;

@@ -145,6 +145,7 @@ class OtherCommands(WithFolder):
                 **{f"{key} = {value}": ["--set", f"display.{key}={value}"] for key, value in LOOKS.items()},
                 "cut at a plane": ["--set", "display.cut=plane", "--set", "display.cut_point_mm=[0, 0, 0]", "--set", "display.cut_normal=[0, -1, 0]"],
                 "slices of one colour": ["--method", "slices", "--set", "display.label_colours=false"],
+                "mesh": ["--set", "display.method=mesh"], "mesh with highlights": ["--method", "mesh", "--set", "display.method=mesh", "--set", "display.specular=true"],
                 "tool deeper": ["--depth-mm", "1"],
                 "denser": ["--set", "display.shading=translucent", "--set", "display.transfer=[{density=0.2, opacity_per_mm=0}, {density=1, opacity_per_mm=2}]"]}
         drawn = {}
@@ -155,7 +156,7 @@ class OtherCommands(WithFolder):
             drawn[name] = image.read_bytes()
         self.assertEqual(drawn["slices"], drawn["slices by key"])
         self.assertEqual(len(set(drawn.values())), len(drawn) - 1)
-        for wrong, needle in ((["display.method=mesh"], "not in this version"), (["display.slices_per_voxel=2"], "slices_per_voxel"),
+        for wrong, needle in ((["display.method=mesh", "display.step_voxels=0.5"], "step_voxels"), (["display.slices_per_voxel=2"], "slices_per_voxel"),
                               (["display.shading=translucent", "display.transfer=[{density=1, opacity_per_mm=1}, {density=0.5, opacity_per_mm=1}]"], "larger")):
             result = run("check", QUICK, *[a for s in wrong for a in ("--set", s)])
             self.assertEqual(result.returncode, 2, wrong)

@@ -225,7 +225,7 @@ class BadInput(WithFolder):
             ([("name = \"pin_2mm\"", "name = \"pin_3mm\"")], "not found in "),
             ([("[contact]", "[contact]\nmodel = \"mesh\"")], "is not in this version"),
             ([("[contact]", "[contact]\ntool = \"device\"")], "unknown key \"tool\" in [contact]"),
-            ([("size = [160, 120]", "method = \"mesh\"")], "is not in this version"),
+            ([("size = [160, 120]", "method = \"mesh\"\nbisections = 3")], "unknown key \"bisections\" in [display]"),
             ([("[contact]", "[heat]\n[contact]")], "is an effect that is not in this version"),
             ([("[contact]", "[contact]\nrate_hz = 333")], "must divide servo_hz"),
             ([("title = \"Quick plate\"", "title = \"Quick plate")], "scene.toml:1:"),

@@ -97,6 +97,8 @@ std::vector<Way> all_ways() {
       {.name = "all-cut", .options = {.appearance = {.tissue = true, .occlusion = true, .shadow = true, .specular = true}}, .cut = true});
   ways.push_back({.name = "slices", .options = {.slices = SliceOptions{}}});
   ways.push_back({.name = "slices-smooth-bare", .options = {.supersample = 2, .slices = SliceOptions{}}, .tool = false});
+  ways.push_back({.name = "mesh", .options = {.appearance = {.specular = true}, .supersample = 2, .mesh = true}});
+  ways.push_back({.name = "mesh-cut-bare", .options = {.mesh = true}, .tool = false, .cut = true});
   ways.push_back({.name = "translucent-smooth", .options = {.supersample = 2, .translucent = haze}});
   ways.push_back({.name = "translucent-bare", .options = {.translucent = haze}, .tool = false});
   return ways;

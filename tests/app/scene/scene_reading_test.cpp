@@ -121,8 +121,11 @@ const BadScene kBadScenes[] = {
     {"[record]", "[spindle]\nstall_torque_Nm = 0", {"bad.toml:31:1: spindle.stall_torque_Nm = 0 must be in (0, 1000]"}},
     {"[record]", "[spindle]\ninertia = 1", {"bad.toml:31:1: spindle.inertia lacks its unit: write \"inertia_kg_m2\""}},
     {"[record]",
-     "[display]\nmethod = \"mesh\"",
-     {"bad.toml:31:1: display.method = \"mesh\" is not in this version; it knows \"raycast\", \"slices\""}},
+     "[display]\nmethod = \"mesh\"\nbisections = 3\nambient_occlusion = true\nspecular = true\nnormals = \"texture\"\ntissue = "
+     "\"plain\"\nshadow = true",
+     {"~unknown key \"bisections\" in [display]", "~unknown key \"ambient_occlusion\" in [display]",
+      "~unknown key \"normals\" in [display]", "~unknown key \"tissue\" in [display]", "~unknown key \"shadow\" in [display]"}},
+    {"[record]", "[display]\nmethod = \"mesh\"\nquality = \"auto\"", {"~display.quality needs method = \"raycast\""}},
     {"[record]",
      "[display]\nquality = \"auto\"\nbudget_ms = 0\nsupersample = 2",
      {"~bad.toml:32:1: display.budget_ms = 0 must be ",

@@ -188,6 +188,26 @@ class Window(WindowTest):
         self.assertIsNotNone(json.loads((self.out / "summary.json").read_text())["drilling"]["breakthrough_s"])
         self.assert_replays()
 
+    def test_a_mesh_is_drilled_live_and_cut_open(self):
+        self.start("--set", "display.method=mesh")
+        before = self.picture()
+        self.press("x")
+        self.hold("w", 5.0)
+        self.hold("s", 1.5)
+        self.press("x")
+        time.sleep(1.0)
+        drilled = self.picture()
+        self.assertNotEqual(before.read_bytes(), drilled.read_bytes())
+        self.press("k")
+        time.sleep(1.0)
+        self.assertNotEqual(drilled.read_bytes(), self.picture().read_bytes())
+        self.press("l")
+        time.sleep(1.0)
+        self.picture()
+        summary = self.end()
+        self.assertGreater(summary["drilling"]["removed_mm3"], 0.5)
+        self.assert_replays()
+
     def test_a_demonstration_is_taken_over(self):
         self.start("--demo")
         time.sleep(3.0)

@@ -1,0 +1,136 @@
+#include "app/view/bone_mesh.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/base/assert.h"
+#include "core/mesh/surface_offset.h"
+
+namespace burrhole {
+namespace {
+
+constexpr double kNormalStep = 1.0;      // [voxel] between a vertex and the samples of its gradient
+constexpr double kLeastGradient = 1e-3;  // [-] difference of the density over two steps; below, the triangle's own normal is taken
+// A vertex lies up to kLongestOffset from its voxel, and a sample reads the voxels of its cell.
+const int kNormalReach = static_cast<int>(std::ceil(kLongestOffset + kNormalStep)) + 1;
+
+float density_of(std::uint16_t field) { return static_cast<float>(field) / 65535.0f; }
+
+std::array<std::int16_t, 4> encode(const Vec3& normal) {
+  const auto code = [](double n) { return static_cast<std::int16_t>(std::lround(32767.0 * std::clamp(n, -1.0, 1.0))); };
+  return {code(normal.x), code(normal.y), code(normal.z), 0};
+}
+
+}  // namespace
+
+BoneMesh::BoneMesh(BallMesh mesh, const VolumeView& volume)
+    : mesh_(std::move(mesh)),
+      dims_(volume.dims),
+      bone_from_index_(volume.bone_from_index),
+      bone_from_gradient_(glm::transpose(glm::inverse(volume.bone_from_index.linear))),
+      turns_over_(glm::determinant(volume.bone_from_index.linear) < 0.0),
+      colors_(volume.color) {
+  const std::size_t count = volume.normal_opacity.size();
+  density_.resize(count);
+  bone_.resize(count);
+  for (std::size_t n = 0; n < count; ++n) {
+    bone_[n] = volume.normal_opacity[n].a;
+    density_[n] = density_of(volume.field.empty() ? field_of(bone_[n], volume.color[n].a) : volume.field[n]);
+  }
+}
+
+Result<BoneMesh> BoneMesh::create(const VolumeView& volume) {
+  auto mesh = BallMesh::create({Vec3i(0), volume.dims}, {.subvoxel = true, .report = true, .rules = {}});
+  if (!mesh)
+    return Error{
+        mesh.error().code,
+        fmt::format("a bone of {} x {} x {} voxels is too long for method = \"mesh\": give a smaller display.whole_voxels, so that "
+                    "no edge has more than {}, or method = \"raycast\"",
+                    volume.dims.x, volume.dims.y, volume.dims.z, BallMesh::kLongestBox),
+        {}};
+  const std::size_t count = VoxelBox{Vec3i(0), volume.dims}.count();
+  if (volume.normal_opacity.size() != count || volume.color.size() != count || !(volume.field.empty() || volume.field.size() == count))
+    return bad_input("the texels of a volume do not agree with its dimensions");
+  const double size = glm::determinant(volume.bone_from_index.linear);
+  if (!std::isfinite(size) || size == 0.0) return bad_input("the volume's affine map is singular");
+  BoneMesh out(std::move(mesh).value(), volume);
+  out.mesh_.fill(out.block());
+  return out;
+}
+
+void BoneMesh::update(const TexelBox& texels) {
+  const VoxelBox whole = mesh_.box();
+  BH_ASSERT(whole.contains(texels.box) && !texels.of_detail);
+  std::size_t n = 0;
+  for_each_voxel(texels.box, [&](const Vec3i& v) {
+    const std::size_t at = whole.offset_of(v);
+    density_[at] = density_of(texels.field[n]);
+    bone_[at] = texels.normal_opacity[n++].a;
+  });
+  mesh_.update(block(), texels.box);
+  mesh_.list_vertices(texels.box.grown(kNormalReach));
+}
+
+std::vector<TriangleRange> BoneMesh::take_changed() {
+  changed_.clear();
+  mesh_.take_changed(changed_);
+  std::vector<TriangleRange> out;
+  for (const std::uint32_t number : changed_) {
+    if (!out.empty() && out.back().end == number)
+      ++out.back().end;
+    else
+      out.push_back({number, number + 1});
+  }
+  return out;
+}
+
+/// @param face [voxels] normal of the triangle, of any length, index axes.
+MeshVertex BoneMesh::corner(std::uint32_t half_edge, const Vec3& face) const {
+  const HalfEdgeMesh& edges = mesh_.half_edges();
+  const Vec3 p = mesh_.position(half_edge);
+  Vec3 falling;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 step(0.0);
+    step[axis] = kNormalStep;
+    falling[axis] = sample_density(block(), p - step) - sample_density(block(), p + step);
+  }
+  // In a wall thinner than the steps the gradient may be that of the other side.
+  if (!(glm::length(falling) > kLeastGradient) || glm::dot(falling, face) < 0.0) falling = face;
+  Vec3 normal = bone_from_gradient_ * falling;
+  const double length = glm::length(normal);
+  normal = length > 0.0 ? normal / length : Vec3(0.0);
+  const Rgba8& color = colors_[mesh_.box().offset_of(edges.voxel(edges.origin(half_edge)))];
+  return {Vec3f(bone_from_index_ * p), encode(normal), {color.r, color.g, color.b, 255}};
+}
+
+MeshTriangle BoneMesh::triangle(std::uint32_t number) const {
+  if (!mesh_.half_edges().has_triangle(number)) return {};
+  const std::uint32_t a = 3 * number, b = turns_over_ ? a + 2 : a + 1, c = turns_over_ ? a + 1 : a + 2;
+  const Vec3 from = mesh_.position(a);
+  const Vec3 face = glm::cross(mesh_.position(a + 1) - from, mesh_.position(a + 2) - from);
+  return {corner(a, face), corner(b, face), corner(c, face)};
+}
+
+std::vector<float> BoneMesh::read_mineral(const VoxelBox& box) const {
+  std::vector<float> out;
+  out.reserve(box.empty() ? 0 : box.count());
+  for_each_voxel(box, [&](const Vec3i& v) { out.push_back(static_cast<float>(bone_[mesh_.box().offset_of(v)]) / 255.0f); });
+  return out;
+}
+
+std::size_t BoneMesh::bytes() const noexcept {
+  return mesh_.bytes() + density_.capacity() * sizeof(float) + bone_.capacity() + colors_.capacity() * sizeof(Rgba8) +
+         changed_.capacity() * sizeof(std::uint32_t);
+}
+
+std::uint64_t mesh_bytes(std::uint64_t voxels) noexcept {
+  // A voxel: density, bone, colour, its bits, the colour of a section. Triangles, by the area of the bone: a drilled skull patch has 8.9 for each voxel of
+  // a face of its box, a full box 12; more is assumed for the pores of a scan. A triangle: half-edges, offsets, lists, and its vertices in the
+  // display's buffer.
+  constexpr double kVoxelBytes = 4 + 1 + 4 + 4 + 0.75, kTriangles = 30.0, kTriangleBytes = 110 + 72;
+  const auto count = static_cast<double>(voxels);
+  return static_cast<std::uint64_t>(kVoxelBytes * count + kTriangles * kTriangleBytes * std::cbrt(count) * std::cbrt(count));
+}
+
+}  // namespace burrhole
