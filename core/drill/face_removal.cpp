@@ -20,16 +20,20 @@ float thinned(const MasterWindow& window, const Buried& node, double turns) noex
   return window.occupancy[node.at] * after < kLeastDensity ? 0.0f : after;
 }
 
-/// @returns remaining [-] of a voxel whose face moves from `cut` to `phi`. Nothing is lost before the face moves: where the surface as loaded
-/// is steeper than the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches as far.
-float remaining_at(const MasterWindow& window, std::uint32_t at, float cut, float base, float phi) noexcept {
+/// @returns remaining [-] of a node's voxel when its face has moved to `phi`. Nothing is lost before the face moves: where the surface, when
+/// the node was set, is steeper than the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches as far.
+/// A voxel that had lost bone before has its ramp in `remaining`.
+float remaining_at(const MasterWindow& window, const FaceNodes& nodes, std::size_t n, float phi) noexcept {
+  const std::uint32_t at = nodes.at[n];
+  const float base = nodes.base[n];
   const float before = window.remaining[at];
   const float ramp = std::max(CutFace::kRamp, base + kTail);
-  if (phi <= cut || phi <= -ramp) return before;
+  if (phi <= nodes.cut[n] || phi <= -ramp) return before;
   const float occupancy = window.occupancy[at];
   if (occupancy == 0.0f) return before;
-  const float loaded = CutFace::density_of(base, ramp);
-  return std::min(before, CutFace::density_of(phi, ramp) / (loaded < 1.0f ? loaded : occupancy));
+  const float at_base = CutFace::density_of(base, ramp);
+  const bool is_face = at_base < 1.0f && nodes.cut_before[n] == 0;
+  return std::min(before, CutFace::density_of(phi, ramp) / (is_face ? at_base : occupancy));
 }
 
 }  // namespace
@@ -87,7 +91,7 @@ void FaceRemoval::for_each_loss(const MasterWindow& window, double turns, const 
   const std::span<const float> after = face_.recede(turns);
   for (std::size_t n = 0; n < after.size(); ++n) {
     const std::uint32_t at = nodes.at[n];
-    const float left = remaining_at(window, at, nodes.cut[n], nodes.base[n], after[n]);
+    const float left = remaining_at(window, nodes, n, after[n]);
     if (left != window.remaining[at]) use(at, left, face_.radius(n));
   }
 }
