@@ -58,7 +58,7 @@ MAX_OPENVDB_FILES = 6
 
 # Library header, or our own that exposes one (pattern on the path as included), its name, and the only places that may include it.
 WRAPPED = [
-    (r"(openvdb|nanovdb)/", "OpenVDB", ["core/voxel/", "volumes/", "app/bench/vdb_baselines.cpp"]),
+    (r"(openvdb|nanovdb)/", "OpenVDB", ["core/voxel/", "volumes/", "app/bench/vdb_baselines.cpp", "app/lab/vdb_mesher.cpp"]),
     (r"(glad|GL|EGL|GLES\d?)/", "OpenGL", ["app/render/"]),
     (r"toml\+\+/|toml\.hpp$", "toml++", ["core/config/toml_parsed.h"]),
     (r"core/config/toml_parsed\.h$", "toml++", ["core/config/toml"]),

@@ -315,6 +315,22 @@ class Studies(WithFolder):
         for n, median in enumerate(kept):  # four rows a trial; a second measurement would differ
             self.assertAlmostEqual(float(rows[4 * n]["median_us"]) / median, 1.0, places=5)
 
+    def test_the_price_of_a_mesh(self):
+        out = self.folder / "mesh"
+        result = run("cost", "mesh", "--quick", "--out", out)
+        self.assertIn(result.returncode, (0, 3), result.stderr)  # 3: a ratio of times, which a loaded machine may move
+        self.assertEqual(sorted(p.name for p in out.iterdir() if p.is_file() and not p.name.startswith(".")),
+                         ["cost.csv", "mesh.html", "mesh.md", "mesh.svg", "mesh_growth.svg"])
+        self.assertIn("bounds failed" if result.returncode == 3 else "all within their bounds", result.stdout)
+        self.assertIn((out / "mesh.md").read_text(), result.stdout)
+        rows = list(csv.DictReader((out / "cost.csv").read_text().splitlines()))
+        self.assertEqual(len(rows), 4 * 5 * 12 + 3 * 8)
+        for row in rows:
+            if row["error_name"] == "border_edges":
+                self.assertEqual(float(row["error"]), 0.0, row)
+            if row["error_name"] == "volume_off" and row["model"] != "pivoting, centres":
+                self.assertLess(abs(float(row["error"])), 2.0, row)
+
     def test_results_that_fresh_cannot_remove_are_an_error(self):
         partial = self.folder / "study" / "partial_surface.txt"
         partial.mkdir(parents=True)

@@ -63,7 +63,7 @@ class Locks(WithFolder):
             self.assert_refused(run("stability", "--map", "--out", self.out))
 
     def test_each_study_of_cost(self):
-        for study in ("contact", "surface", "drilling", "multirate", "render"):
+        for study in ("contact", "surface", "drilling", "mesh", "multirate", "render"):
             with self.subTest(study), held(self.out):
                 before = contents(self.out)
                 self.assert_refused(run("cost", study, "--fresh", "--out", self.out))
