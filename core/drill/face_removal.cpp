@@ -11,6 +11,7 @@ namespace {
 
 constexpr float kLeastDensity = 1e-3f;  // [-] a voxel that is thinned out ends here
 constexpr float kTail = 0.25f;          // [voxel edges] way of the face over which bone beyond the ramp goes
+constexpr float kAsWhole = 0.999f;      // [-] of what a whole voxel would have left: less is that of a voxel which was drilled before
 
 /// @returns remaining [-] of a voxel without a face; the part of it inside the tool is thinned out.
 float thinned(const MasterWindow& window, const Buried& node, double turns) noexcept {
@@ -20,16 +21,22 @@ float thinned(const MasterWindow& window, const Buried& node, double turns) noex
   return window.occupancy[node.at] * after < kLeastDensity ? 0.0f : after;
 }
 
-/// @returns remaining [-] of a voxel whose face moves from `cut` to `phi`. Nothing is lost before the face moves: where the surface as loaded
-/// is steeper than the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches as far.
+/// @returns remaining [-] of a voxel that was whole when its face lay at `base`, with the face at `phi`. Nothing is lost before the face moves:
+/// where the surface as loaded is steeper than the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches
+/// as far.
+float left_of_whole(float occupancy, float base, float phi) noexcept {
+  const float ramp = std::max(CutFace::kRamp, base + kTail), loaded = CutFace::density_of(base, ramp);
+  return std::min(1.0f, CutFace::density_of(phi, ramp) / (loaded < 1.0f ? loaded : occupancy));
+}
+
+/// @returns remaining [-] of a voxel whose face moves from `cut` to `phi`. A voxel that had lost bone before its face was known, as in a hole
+/// that was restored, loses the same share of what it has: were it compared with a whole one, the face would move on without a loss of bone,
+/// and what contact reads changes with bone alone.
 float remaining_at(const MasterWindow& window, std::uint32_t at, float cut, float base, float phi) noexcept {
-  const float before = window.remaining[at];
-  const float ramp = std::max(CutFace::kRamp, base + kTail);
-  if (phi <= cut || phi <= -ramp) return before;
-  const float occupancy = window.occupancy[at];
-  if (occupancy == 0.0f) return before;
-  const float loaded = CutFace::density_of(base, ramp);
-  return std::min(before, CutFace::density_of(phi, ramp) / (loaded < 1.0f ? loaded : occupancy));
+  const float before = window.remaining[at], occupancy = window.occupancy[at];
+  if (phi <= cut || phi <= -std::max(CutFace::kRamp, base + kTail) || occupancy == 0.0f) return before;
+  const float whole = left_of_whole(occupancy, base, phi), whole_before = left_of_whole(occupancy, base, cut);
+  return before < kAsWhole * whole_before ? before * (whole / whole_before) : std::min(before, whole);
 }
 
 }  // namespace
