@@ -8,11 +8,21 @@
 #include "app/cli/commands.h"
 #include "app/job/provenance.h"
 #include "app/report/file.h"
+#include "app/stage/result_files.h"
 #include "core/base/hash.h"
 #include "core/base/physics_version.h"
 #include "core/config/toml_messages.h"
 
 namespace burrhole::cli {
+
+Result<std::string> session_of(const std::string& file_or_folder) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(file_or_folder, ignored)) return file_or_folder;
+  const auto path = std::filesystem::path(file_or_folder) / kSessionFile;
+  if (!std::filesystem::exists(path, ignored))
+    return bad_input("holds no session.sqlite: a run writes one where its scene has the table [record]", file_or_folder);
+  return path.string();
+}
 
 Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, bool display) {
   auto document = TomlDocument::parse(session.meta().scene, session.meta().scene_path);

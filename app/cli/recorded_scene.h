@@ -12,6 +12,9 @@
 
 namespace burrhole::cli {
 
+/// @returns the session file of a folder of results, or the path itself if it is none. bad_input: the folder holds no session.
+[[nodiscard]] Result<std::string> session_of(const std::string& file_or_folder);
+
 /// @param display whether pictures will be drawn; otherwise [display] is removed. @param ticks of the session, which set the duration.
 [[nodiscard]] Result<LoadedScene> load_recorded(const SessionReader& session, std::size_t ticks, bool display);
 

@@ -181,7 +181,7 @@ void add_replay(CLI::App& app, int& exit_code) {
                             "recorded run was cut short (not "
                             "with --allow-partial), 4 if --view finds no display or a video needs ffmpeg, 130 after Ctrl-C."});
   auto option = std::make_shared<Options>();
-  command->add_option("session", option->session, "session file of an earlier drill")->type_name(kFileValue)->required();
+  command->add_option("session", option->session, "session file, or folder of results")->type_name(kFileValue)->required();
   add_simd_option(*command);
   command->add_flag("--stills", option->stills, "draw the recorded pictures again and compare them too (same CPU and driver)");
   add_gl_option(*command, option->gl);
@@ -195,6 +195,12 @@ void add_replay(CLI::App& app, int& exit_code) {
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] {
     catch_signals();
+    const auto path = session_of(option->session);
+    if (!path) {
+      exit_code = report(path.error());
+      return;
+    }
+    option->session = *path;
     if (option->view) {
       const auto viewed = view_session_in_window(option->session, option->window, option->quiet);
       exit_code = !viewed ? report(viewed.error()) : *viewed == ViewedSession::different ? kCheckFailed : kDone;

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/commands.h"
+#include "app/cli/recorded_scene.h"
 #include "app/report/csv.h"
 #include "app/session/session.h"
-#include "app/stage/result_files.h"
 #include "core/config/toml_messages.h"
 
 namespace burrhole::cli {
@@ -101,15 +101,12 @@ Result<std::string> csv_of(const SessionReader& session, const std::string& name
 }
 
 int run_session(const Options& option) {
-  std::error_code ignored;
-  const bool folder = fs::is_directory(option.session, ignored);
-  const std::string path = folder ? (fs::path(option.session) / kSessionFile).string() : option.session;
-  if (folder && !fs::exists(path, ignored))
-    return report(bad_input("holds no session.sqlite: a run writes one where its scene has the table [record]", option.session));
-  const auto session = SessionReader::open(path);
+  const auto path = session_of(option.session);
+  if (!path) return report(path.error());
+  const auto session = SessionReader::open(*path);
   if (!session) return report(session.error());
   const auto text = option.csv ? csv_of(*session, option.stream) : Result<std::string>(overview(*session));
-  if (!text) return report(Error{text.error().code, text.error().message, path});
+  if (!text) return report(Error{text.error().code, text.error().message, *path});
   print(*text);
   return kDone;
 }

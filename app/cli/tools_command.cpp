@@ -225,15 +225,9 @@ Status draw_sheet(const TomlDocument& document, const Tool& tool, const std::vec
 
 /// @returns the error of a name that is no tool file: a mesh, a folder, or not there.
 Status is_a_tool(const std::string& name) {
-  std::string ending = fs::path(name).extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   std::error_code ignored;
-  if (ending == ".stl" || ending == ".ply" || ending == ".obj")
-    return bad_input(
-        fmt::format("is a mesh, not a tool file: write a tool file with a table [mesh], file = \"{}\", pitch_mm and erosion_factor "
-                    "(burrhole docs tool), and give that{}",
-                    fs::path(name).filename().string(), fs::exists(name, ignored) ? "" : "; the mesh is not there either"),
-        name);
+  if (const auto mesh = mesh_as_tool(name))
+    return bad_input(*mesh + (fs::exists(name, ignored) ? "" : "; the mesh is not there either"), name);
   if (!find_tool_file(name).empty()) return {};
   const auto near = nearest_name(fs::path(name).stem().string(), shipped_names("tools"));
   return bad_input(fmt::format("tool not found in the current folder, {}{}", (fs::path(share_folder()) / "tools").string(),

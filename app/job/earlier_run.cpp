@@ -66,8 +66,8 @@ std::string difference(const Json& old, const LoadedScene& loaded) {
       return fmt::format("with other {}: {} there, {} now", changes.what, beyond(before, *changes.now, changes.none),
                          beyond(*changes.now, before, changes.none));
   }
-  if (scene && *scene != now.scene_hash) return "of another version of its file: the scene was edited since";
-  if (tool && *tool != now.tool_hash) return "with another tool: its file was edited since, or is another one";
+  if (scene && *scene != now.scene_hash) return "from before its file was edited";
+  if (tool && *tool != now.tool_hash) return "with another tool, or from before its file was edited";
   if (!volume) return {};  // of a bone in a temporary file
   const auto bone = volume_hash(*loaded.bone);
   return bone && hash_text(*bone) != *volume ? "with another bone: the volume was replaced since, or is read differently" : "";

@@ -71,6 +71,15 @@ Error no_figure(std::string_view term, std::string_view name) {
                                near ? "did you mean \"" + *near + "\"? " : "", fmt::join(names, ", ")));
 }
 
+/// The same for a flag.
+Error no_flag(std::string_view term, std::string_view name) {
+  std::vector<std::string> names;
+  for (const OutcomeRow& row : flag_rows({})) names.push_back(row.name);
+  const auto near = nearest_name(name, names);
+  return bad_input(fmt::format("--expect: \"{}\" names no flag: \"{}\"; {}flags: {} (burrhole docs outcome)", term, name,
+                               near ? "did you mean \"no " + *near + "\"? " : "", fmt::join(names, ", ")));
+}
+
 Result<ExpectedTerm> parse_comparison(std::string_view term, std::size_t sign) {
   ExpectedTerm out;
   out.text = term;
@@ -98,7 +107,7 @@ Result<ExpectedTerm> parse_term(std::string_view term) {
   out.text = term;
   if (term.starts_with("no ")) {
     out.no_flag = flag_named(trimmed(term.substr(3)));
-    if (!out.no_flag) return wrong(term, "names no flag");
+    if (!out.no_flag) return no_flag(term, trimmed(term.substr(3)));
     return out;
   }
   out.result = term == "through" ? DrillResult::drilled_through : result_named(term);

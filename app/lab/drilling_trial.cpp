@@ -226,6 +226,8 @@ Result<std::vector<DrillingResult>> run_drillings(const std::vector<DrillingTria
     runs.say(
         fmt::format("{} of {} holes were drilled by an earlier call that was interrupted and are not drilled again (--fresh drills all)",
                     unique.size() - left, unique.size()));
+  if (runs.say && left > 1 && !runs.partial.empty())
+    runs.say(fmt::format("{} holes to drill; each is kept, so after an interrupt the same command goes on from there", left));
   std::atomic<std::size_t> next{0}, done{0};
   std::atomic<bool> failed{false};
   std::mutex reporting;

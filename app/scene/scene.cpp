@@ -334,17 +334,32 @@ static std::vector<std::string> tool_places(const std::string& name, const std::
   return places;
 }
 
+std::optional<std::string> mesh_as_tool(const std::string& name) {
+  std::string ending = fs::path(name).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (ending != ".stl" && ending != ".ply" && ending != ".obj") return std::nullopt;
+  return fmt::format("is a mesh, not a tool file: write a tool file with a table [mesh], file = \"{}\", pitch_mm and erosion_factor "
+                     "(burrhole docs tool), and give that",
+                     fs::path(name).filename().string());
+}
+
 std::string tool_not_found(const std::string& name, const std::string& scene_file, const SceneContext& context) {
+  if (auto mesh = mesh_as_tool(name)) return *mesh;
   std::string where;
   for (const std::string& place : tool_places(name, scene_file, context)) {
     const std::string folder = fs::path(place).parent_path().string();
     where += (where.empty() ? "" : ", ") + (folder.empty() ? std::string("the current folder") : folder);
   }
   const auto near = nearest_name(fs::path(name).stem().string(), tool_names(context));
-  return fmt::format("not found in {}{}", where, near ? "; did you mean \"" + *near + "\"?" : " (burrhole tools lists the shipped ones)");
+  const bool is_path = name.ends_with(".toml") || name.find('/') != std::string::npos;
+  return fmt::format("not found in {}{}", where,
+                     near      ? "; did you mean \"" + *near + "\"?"
+                     : is_path ? std::string("; ") + kPathsCount
+                               : " (burrhole tools lists the shipped ones)");
 }
 
 std::optional<std::string> find_tool(const std::string& name, const std::string& scene_file, const SceneContext& context) {
+  if (mesh_as_tool(name)) return std::nullopt;
   std::error_code unreadable;  // a name that is too long, or a folder without permission: not there
   for (const std::string& place : tool_places(name, scene_file, context))
     if (fs::is_regular_file(place, unreadable)) return place;

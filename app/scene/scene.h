@@ -44,6 +44,8 @@ struct SceneContext {
   const EffectRegistry* registry = &shipped_effects();  ///< the known effects
 };
 
+/// @returns why a name that ends as a mesh does is no tool, and what to do; empty: it does not.
+[[nodiscard]] std::optional<std::string> mesh_as_tool(const std::string& name);
 /// @returns "not found in FOLDER, FOLDER; did you mean ...?", for a name that find_tool() does not find.
 [[nodiscard]] std::string tool_not_found(const std::string& name, const std::string& scene_file, const SceneContext& context);
 

@@ -33,7 +33,7 @@ std::string source_path(TableReader& table, const std::string& source, const std
               "is not there: tried " + *path + missing_data_note(source) +
                   (fs::path(source).is_absolute() || source.front() == '$'
                        ? std::string()
-                       : "; a path in a scene counts from the scene's folder, one on the command line also from the current one"));
+                       : std::string("; ") + kPathsCount));
   return {};
 }
 

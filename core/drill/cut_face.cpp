@@ -73,6 +73,7 @@ void CutFace::complete(const Voxmap& voxmap, const Vec3i& at, CutSurface::Block&
     block.record[n] = scratch_[part.offset_of(v)];
     block.base[n] = static_cast<float>(kRecord16Distance) * static_cast<float>(block.record[n].distance);
     block.cut[n] = -kBand;
+    block.cut_before[n] = window.remaining[window.box.offset_of(v)] < 1.0f;
   });
 }
 
@@ -174,6 +175,7 @@ std::uint32_t CutFace::find(Voxmap& voxmap, const Affine& index_from_tool, const
     buried_.clear();
     find_wear(tool_, voxmap.window().hardness.data(), kLeastHardness, nodes_);
     find_lags(tool_, usual_, longest_, nodes_);
+    note_earlier_cuts();
     double sum = 0.0;
     std::size_t count = 0;
     for (std::size_t n = 0; n < nodes_.count; ++n)
@@ -327,6 +329,13 @@ void CutFace::visit(Voxmap& voxmap, const Sweep& sweep, const Vec3i& at) {
   start_lacking(voxmap, sweep, at, search, *block);
   if (nodes_.count > first) runs_.push_back({block, first});
   if (known != nullptr) note_quiet(sweep, search, true, *known);
+}
+
+void CutFace::note_earlier_cuts() {
+  for (std::size_t r = 0; r < runs_.size(); ++r) {
+    const std::size_t last = r + 1 < runs_.size() ? runs_[r + 1].first : nodes_.count;
+    for (std::size_t n = runs_[r].first; n < last; ++n) nodes_.cut_before[n] = runs_[r].block->cut_before[nodes_.inside[n]] ? 1 : 0;
+  }
 }
 
 std::span<const float> CutFace::recede(double turns) {

@@ -137,6 +137,7 @@ class CutFace {
              std::size_t inside) const noexcept;
   [[nodiscard]] bool faces_tool(const Record16& record, const Vec3f& place) const noexcept;
   [[nodiscard]] float from_neighbour(const Voxmap& voxmap, const Sweep& sweep, const Vec3i& voxel, const Vec3f& place) const noexcept;
+  void note_earlier_cuts();
   void renew_normals();
 
   /// The nodes from `first` on, up to the next run, are of one block.

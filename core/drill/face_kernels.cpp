@@ -298,6 +298,7 @@ void FaceNodes::make_room(std::size_t more) {
   if (x.size() >= least) return;
   at.resize(2 * least);
   inside.resize(2 * least);
+  cut_before.resize(2 * least);
   for (std::vector<float>* list : {&x, &y, &z, &tool, &cut, &base, &wear, &behind, &rest}) list->resize(2 * least);
 }
 

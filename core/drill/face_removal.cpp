@@ -11,7 +11,6 @@ namespace {
 
 constexpr float kLeastDensity = 1e-3f;  // [-] a voxel that is thinned out ends here
 constexpr float kTail = 0.25f;          // [voxel edges] way of the face over which bone beyond the ramp goes
-constexpr float kAsWhole = 0.999f;      // [-] of what a whole voxel would have left: less is that of a voxel which was drilled before
 
 /// @returns remaining [-] of a voxel without a face; the part of it inside the tool is thinned out.
 float thinned(const MasterWindow& window, const Buried& node, double turns) noexcept {
@@ -21,22 +20,20 @@ float thinned(const MasterWindow& window, const Buried& node, double turns) noex
   return window.occupancy[node.at] * after < kLeastDensity ? 0.0f : after;
 }
 
-/// @returns remaining [-] of a voxel that was whole when its face lay at `base`, with the face at `phi`. Nothing is lost before the face moves:
-/// where the surface as loaded is steeper than the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches
-/// as far.
-float left_of_whole(float occupancy, float base, float phi) noexcept {
-  const float ramp = std::max(CutFace::kRamp, base + kTail), loaded = CutFace::density_of(base, ramp);
-  return std::min(1.0f, CutFace::density_of(phi, ramp) / (loaded < 1.0f ? loaded : occupancy));
-}
-
-/// @returns remaining [-] of a voxel whose face moves from `cut` to `phi`. A voxel that had lost bone before its face was known, as in a hole
-/// that was restored, loses the same share of what it has: were it compared with a whole one, the face would move on without a loss of bone,
-/// and what contact reads changes with bone alone.
-float remaining_at(const MasterWindow& window, std::uint32_t at, float cut, float base, float phi) noexcept {
-  const float before = window.remaining[at], occupancy = window.occupancy[at];
-  if (phi <= cut || phi <= -std::max(CutFace::kRamp, base + kTail) || occupancy == 0.0f) return before;
-  const float whole = left_of_whole(occupancy, base, phi), whole_before = left_of_whole(occupancy, base, cut);
-  return before < kAsWhole * whole_before ? before * (whole / whole_before) : std::min(before, whole);
+/// @returns remaining [-] of a node's voxel when its face has moved to `phi`. Nothing is lost before the face moves: where the surface, when
+/// the node was set, is steeper than the ramp, the ramp is scaled, and where it reaches further out than the ramp, the ramp reaches as far.
+/// A voxel that had lost bone before has its ramp in `remaining`.
+float remaining_at(const MasterWindow& window, const FaceNodes& nodes, std::size_t n, float phi) noexcept {
+  const std::uint32_t at = nodes.at[n];
+  const float base = nodes.base[n];
+  const float before = window.remaining[at];
+  const float ramp = std::max(CutFace::kRamp, base + kTail);
+  if (phi <= nodes.cut[n] || phi <= -ramp) return before;
+  const float occupancy = window.occupancy[at];
+  if (occupancy == 0.0f) return before;
+  const float at_base = CutFace::density_of(base, ramp);
+  const bool is_face = at_base < 1.0f && nodes.cut_before[n] == 0;
+  return std::min(before, CutFace::density_of(phi, ramp) / (is_face ? at_base : occupancy));
 }
 
 }  // namespace
@@ -94,7 +91,7 @@ void FaceRemoval::for_each_loss(const MasterWindow& window, double turns, const 
   const std::span<const float> after = face_.recede(turns);
   for (std::size_t n = 0; n < after.size(); ++n) {
     const std::uint32_t at = nodes.at[n];
-    const float left = remaining_at(window, at, nodes.cut[n], nodes.base[n], after[n]);
+    const float left = remaining_at(window, nodes, n, after[n]);
     if (left != window.remaining[at]) use(at, left, face_.radius(n));
   }
 }

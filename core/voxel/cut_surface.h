@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -40,6 +41,7 @@ class CutSurface {
     std::array<Record16, kBlockVoxels> record{};
     /// [steps] of kRecord16Distance: value of `cut` for which the normal was computed; 0: not yet
     std::array<std::int16_t, kBlockVoxels> normal_at{};
+    std::bitset<kBlockVoxels> cut_before;  ///< the voxel had lost bone when the node was set
     bool complete = false;  ///< every node is set
     bool free = false;      ///< no node will change any more
     Block() noexcept {

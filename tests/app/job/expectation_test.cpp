@@ -67,7 +67,11 @@ TEST_CASE("expectation: a wrong term is one line with what is allowed") {
     CHECK(terms.error().code == ErrorCode::bad_input);
     const bool no_figure = terms.error().message.find("names no figure") != std::string::npos;
     CHECK(no_figure == (std::string(text).starts_with("depht") || std::string(text).starts_with("through plunge")));
-    const char* const listed = no_figure ? "figures: plunge, depth, " : "; allowed: through, faulted";
+    const bool no_flag = terms.error().message.find("names no flag") != std::string::npos;
+    CHECK(no_flag == (std::string(text) == "no plunge"));
+    const char* const listed = no_figure ? "figures: plunge, depth, "
+                               : no_flag ? "did you mean \"no plunged\"? flags: plunged, "
+                                         : "; allowed: through, faulted";
     CHECK(terms.error().message.find(listed) != std::string::npos);
     CHECK(terms.error().message.find('\n') == std::string::npos);
   }

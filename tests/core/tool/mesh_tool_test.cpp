@@ -253,6 +253,7 @@ TEST_CASE("mesh tool file: errors are reported with their line and column") {
               "(shift_mm, turn_deg)"});
   CHECK(faults(kFile, sphere_mesh({9, 0, 2}, 2, 2)).at(0).find("lies beside the axis") != std::string::npos);
   CHECK(faults(kFile + "unit_mm = 25.4\n", ball).at(0).find("reaches 50.8 mm from the axis") != std::string::npos);
+  CHECK(faults(kFile + "unit_mm = 0.001\n", ball).at(0).find("needs unit_mm = 1000") != std::string::npos);
   CHECK(faults(kFile + "cutting_range_mm = [2, 1]\n", ball) ==
         Lines{"bits/bit.toml:6:1: mesh.cutting_range_mm must rise from its first height to its second"});
   CHECK(faults(kFile + "colour = 1\n", ball) == Lines{"bits/bit.toml:6:1: unknown key \"colour\" in [mesh]"});
