@@ -98,7 +98,7 @@ void catch_signals() {
 
 void catch_all_signals() {
   catch_signals();
-  handle_signals(on_signal, SA_RESTART);
+  handle_signals(on_signal, 0);  // a wait for the other end of a pipe ends, since no second signal would end it
 }
 
 void end_at_signals() { handle_signals(end_on_signal, 0); }

@@ -12,6 +12,7 @@
 #include "app/view/driver_text.h"
 #include "core/base/units.h"
 #include "core/measure/drill_site.h"
+#include "core/voxel/saved_remaining.h"
 #include "core/voxel/vdb_grids.h"
 #include "core/voxel/voxmap.h"
 #include "volumes/import_bone.h"
@@ -119,12 +120,17 @@ void print_results(const Options& option, const ImportReport& report, const std:
   print(fmt::format("# {:.2f} mm of bone along the axis\n{}", site->thickness / kMillimetre, approach_text(*site)));
 }
 
-/// Saves a bone, with what was drilled of it. A stop ends the writing of a bone that is not drilled, which may take long.
+/// Saves a bone, with what was drilled of it. A stop ends the writing, which may take long.
 Status save_bone(const std::shared_ptr<const BoneModel>& bone, const std::string& path) {
-  if (bone->drilled() == nullptr)
-    return write_vdb(path, bone->dims(), bone->bone_from_index(), bone->grids(), bone->notes(), &stop_requested());
-  auto voxmap = Voxmap::create(bone, {});
-  return voxmap ? voxmap->save(path) : Status(voxmap.error());
+  std::vector<const FloatVdb*> grids = bone->grids();
+  FloatVdb remaining(kRemainingGrid, 1.0f);
+  if (bone->drilled() != nullptr) {
+    const auto voxmap = Voxmap::create(bone, {});
+    if (!voxmap) return voxmap.error();
+    voxmap->blocks().for_each_block([&](const Vec3i& block, const BlockValues& values) { remaining.write_box(box_of_block(block), values); });
+    grids.push_back(&remaining);
+  }
+  return write_vdb(path, bone->dims(), bone->bone_from_index(), grids, bone->notes(), &stop_requested());
 }
 
 int report_stopped(const std::string& volume) {

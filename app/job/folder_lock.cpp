@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "app/stage/result_files.h"
+#include "core/base/descriptor.h"
 
 namespace burrhole {
 namespace {
@@ -23,7 +24,7 @@ namespace {
 /// @returns what the file says of the run that has it.
 std::string owner_of(int file) {
   std::array<char, 128> text{};
-  const ssize_t size = pread(file, text.data(), text.size(), 0);
+  const ssize_t size = repeat_interrupted([&] { return pread(file, text.data(), text.size(), 0); });
   std::string out(text.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
   while (!out.empty() && out.back() == '\n') out.pop_back();
   return out.empty() ? "another process" : out;
@@ -37,11 +38,10 @@ Result<FolderLock> FolderLock::take(const std::string& folder, const char* optio
   if (folder.empty()) return FolderLock({}, -1);
   const std::string path = (std::filesystem::path(folder) / kLockFile).string();
   for (;;) {
-    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
-    if (file < 0 && errno == EINTR) continue;
+    const int file = open_descriptor(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW, 0644);
     if (file < 0) return failed(path, "the output folder cannot be locked by this file (if no run uses it, remove it)");
     FolderLock lock(path, file);
-    if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+    if (repeat_interrupted([&] { return flock(file, LOCK_EX | LOCK_NB); }) != 0) {
       lock.path_.clear();  // it is the other's
       const bool cannot = errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL;
       if (cannot) return lock;  // a file system without locks
@@ -57,12 +57,9 @@ Result<FolderLock> FolderLock::take(const std::string& folder, const char* optio
       continue;
     }
     const std::string text = fmt::format("process {} since {:%Y-%m-%d %H:%M:%S} UTC\n", getpid(), fmt::gmtime(std::time(nullptr)));
-    ssize_t written = -1;
-    if (ftruncate(file, 0) == 0) {
-      do written = pwrite(file, text.data(), text.size(), 0);
-      while (written < 0 && errno == EINTR);
-    }
-    if (written != static_cast<ssize_t>(text.size())) return failed(path, "the output folder cannot be locked");
+    const bool emptied = repeat_interrupted([&] { return ftruncate(file, 0); }) == 0;
+    if (!emptied || repeat_interrupted([&] { return pwrite(file, text.data(), text.size(), 0); }) != static_cast<ssize_t>(text.size()))
+      return failed(path, "the output folder cannot be locked");
     return lock;
   }
 }

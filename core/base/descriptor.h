@@ -1,5 +1,5 @@
-/// core/base/descriptor.h: the owner of a file descriptor, and open(2) that a signal does not fail.
-///   Thread  one owner.   Source  open(2), close(2).
+/// core/base/descriptor.h: the owner of a file descriptor, and calls of the system that a signal does not fail.
+///   Thread  one owner.   Source  open(2), close(2), signal(7).
 #pragma once
 
 #include <fcntl.h>
@@ -39,13 +39,19 @@ class Descriptor {
   return stop != nullptr && stop->load(std::memory_order_relaxed);
 }
 
-/// As open(2), again when a signal interrupts: on network file systems it may wait, and a pipe waits for its other end. @param stop once true,
-/// an interrupted call is not repeated. @returns below 0: errno says why.
+/// Repeats a call that a signal interrupted. @param call returns below 0 and sets errno when it fails. @param stop once true, an interrupted
+/// call is not repeated. @returns the value of the last call.
+template <class Call>
+[[nodiscard]] auto repeat_interrupted(Call call, const std::atomic<bool>* stop = nullptr) noexcept {
+  auto value = call();
+  while (value < 0 && errno == EINTR && !is_stopped(stop)) value = call();
+  return value;
+}
+
+/// As open(2), again when a signal interrupts: on network file systems it may wait, and a pipe waits for its other end. @param stop as of
+/// repeat_interrupted(). @returns below 0: errno says why.
 [[nodiscard]] inline int open_descriptor(const char* path, int flags, mode_t mode = 0, const std::atomic<bool>* stop = nullptr) noexcept {
-  int file = -1;
-  do file = ::open(path, flags | O_CLOEXEC | O_NOCTTY, mode);
-  while (file < 0 && errno == EINTR && !is_stopped(stop));
-  return file;
+  return repeat_interrupted([&] { return ::open(path, flags | O_CLOEXEC | O_NOCTTY, mode); }, stop);
 }
 
 }  // namespace burrhole

@@ -63,8 +63,7 @@ Result<std::string> read_input(const std::string& path, const FileLimit& kind) {
     std::size_t had = 0;
     for (;;) {
       if (had == out.size()) out.resize(had + kBlock);
-      const ssize_t got = ::read(opened->file.get(), out.data() + had, out.size() - had);
-      if (got < 0 && errno == EINTR) continue;
+      const ssize_t got = repeat_interrupted([&] { return ::read(opened->file.get(), out.data() + had, out.size() - had); });
       if (got < 0) return cannot_read(path, errno);
       had += static_cast<std::size_t>(got);
       if (had > kind.most_bytes) return too_large(path, kind);

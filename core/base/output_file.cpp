@@ -34,8 +34,7 @@ constexpr int kMostEntries = 10'000;          ///< of a folder that are searched
 /// @returns 0, or errno of the first write that failed. @param stop as of open_descriptor().
 int write_all(int file, std::span<const std::byte> bytes, const std::atomic<bool>* stop = nullptr) noexcept {
   while (!bytes.empty()) {
-    const ssize_t count = ::write(file, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR && !is_stopped(stop)) continue;
+    const ssize_t count = repeat_interrupted([&] { return ::write(file, bytes.data(), bytes.size()); }, stop);
     if (count <= 0) return count < 0 ? errno : EIO;
     bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
@@ -44,11 +43,8 @@ int write_all(int file, std::span<const std::byte> bytes, const std::atomic<bool
 
 /// @returns 0, or errno. What cannot be synchronised (a pipe, some network file systems) is no error.
 int sync(int file) noexcept {
-  while (::fsync(file) != 0) {
-    if (errno == EINTR) continue;
-    return errno == EINVAL || errno == ENOTSUP || errno == EROFS ? 0 : errno;
-  }
-  return 0;
+  if (repeat_interrupted([&] { return ::fsync(file); }) == 0) return 0;
+  return errno == EINVAL || errno == ENOTSUP || errno == EROFS ? 0 : errno;
 }
 
 std::pair<std::string, std::string> folder_and_name(const std::string& path) {
@@ -282,7 +278,7 @@ Status append_to_file(const std::string& path, std::string_view text) {
     if (is_new) file = Descriptor(open_descriptor(path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666));
     if (file.get() < 0) return write_error(path, errno);
     // What is cut off after an error is this process's own. Some file systems have no locks.
-    while (::flock(file.get(), LOCK_EX) != 0 && errno == EINTR) continue;
+    static_cast<void>(repeat_interrupted([&] { return ::flock(file.get(), LOCK_EX); }));
     struct stat before {
     }, named{};
     if (::fstat(file.get(), &before) != 0) return write_error(path, errno);

@@ -14,6 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 # The sources that are the reader, by fuzzer.
 READERS = {
+    "command": ["app/cli/program.cpp", "app/cli/command_text.cpp"],
     "dicom": ["volumes/read/dicom_*.cpp", "volumes/read/jpeg_scan.cpp"],
     "markups": ["volumes/read/markups.cpp", "volumes/read/located_json.cpp"],
     "mesh": ["volumes/read/stl_format.cpp", "volumes/read/obj_format.cpp", "volumes/read/ply_format.cpp", "volumes/read/polygon.cpp", "core/tool/surface_mesh.cpp"],

@@ -13,6 +13,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import seed_commands  # noqa: E402
 import seed_dicom  # noqa: E402
 import seed_images  # noqa: E402
 import seed_markups  # noqa: E402
@@ -158,10 +159,10 @@ def main():
         sys.exit("usage: seeds.py FOLDER")
     folder = Path(sys.argv[1])
     seeds = {"scene": scenes(), "override": overrides(), "tool": tools(), "raw_sidecar": raw_sidecars(), "dicom": seed_dicom.files(), "mesh": seed_meshes.files(),
-             "markups": seed_markups.files(), "session": seed_sessions.files(), "vdb": seed_vdb.files(), **seed_images.files()}
+             "markups": seed_markups.files(), "command": seed_commands.files(), "session": seed_sessions.files(), "vdb": seed_vdb.files(), **seed_images.files()}
     words = {"scene": words_of(reference("scene")), "override": words_of(reference("scene")), "tool": words_of(reference("tool")), "raw_sidecar": words_of(reference("raw")),
              "metaimage": literals("volumes/read/meta_header.cpp"), "nrrd": literals("volumes/read/nrrd_header.cpp"),
-             "markups": literals("volumes/read/markups.cpp"),
+             "markups": literals("volumes/read/markups.cpp"), "command": seed_commands.options() | seed_commands.names(),
              "vdb": {entry[0].decode() for entry in seed_vdb.ENTRIES},
              "mesh": literals("volumes/read/ply_format.cpp") | literals("volumes/read/stl_format.cpp")}
     for name, files in seeds.items():

@@ -6,6 +6,7 @@ import contextlib
 import gzip
 import json
 import math
+import os
 import re
 import signal
 import struct
@@ -161,6 +162,35 @@ class Stopped(Drilled):
                 printed, errors = process.communicate(timeout=60)
                 self.assertEqual((process.returncode, printed), (130, ""), errors)
                 self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_one_interrupt_ends_the_wait_for_the_reader_of_a_pipe(self):
+        """Both waits: for a reader that opens the pipe, and for one that reads what it has opened."""
+        for opened in (False, True):
+            with self.subTest(opened=opened):
+                pipe = self.folder / f"pipe{opened}.stl"  # far larger than what a pipe holds
+                os.mkfifo(pipe)
+                reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK) if opened else None
+                process = subprocess.Popen([PROGRAM, "export", str(self.scene_path), "-o", str(pipe), "--force", "--quiet"], stdout=subprocess.PIPE,
+                                           stderr=subprocess.PIPE, text=True)
+                self.addCleanup(process.kill)
+                self.assertTrue(self.waits(process), "it was done before the interrupt")
+                process.send_signal(signal.SIGINT)
+                printed, errors = process.communicate(timeout=60)
+                if reader is not None:
+                    os.close(reader)
+                self.assertEqual((process.returncode, printed), (130, ""), errors)
+                pipe.unlink()
+                self.assertEqual(list(self.folder.iterdir()), [])
+
+    @staticmethod
+    def waits(process):
+        """Whether the process comes to wait for the other end of a pipe."""
+        while process.poll() is None:
+            call = Path(f"/proc/{process.pid}/wchan").read_text()
+            if call in ("wait_for_partner", "fifo_open", "pipe_write", "pipe_wait"):
+                return True
+            time.sleep(0.005)
+        return False
 
     @staticmethod
     def catches(process):
