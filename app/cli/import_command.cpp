@@ -127,7 +127,8 @@ Status save_bone(const std::shared_ptr<const BoneModel>& bone, const std::string
   if (bone->drilled() != nullptr) {
     const auto voxmap = Voxmap::create(bone, {});
     if (!voxmap) return voxmap.error();
-    voxmap->blocks().for_each_block([&](const Vec3i& block, const BlockValues& values) { remaining.write_box(box_of_block(block), values); });
+    voxmap->blocks().for_each_block(
+        [&](const Vec3i& block, const BlockValues& values) { remaining.write_box(box_of_block(block), values); });
     grids.push_back(&remaining);
   }
   return write_vdb(path, bone->dims(), bone->bone_from_index(), grids, bone->notes(), &stop_requested());

@@ -351,9 +351,7 @@ Result<RunSummary> drill(const LoadedScene& loaded, const DrillJob& job) {
   std::unique_ptr<Simulation> simulation;
   options.progress = [&](double time, const DrillProgress& p) {
     if (job.watch && !job.live) job.watch(*simulation);
-    if (job.progress)
-      job.progress(std::max(p.deepest / thickness * 0.95, time / loaded.scene.duration),
-                   progress_text(time, p.depth));
+    if (job.progress) job.progress(std::max(p.deepest / thickness * 0.95, time / loaded.scene.duration), progress_text(time, p.depth));
   };
   simulation = Simulation::create(loaded.scene, loaded.bone, loaded.tool, options, issues);
   if (!simulation) return issues.front();

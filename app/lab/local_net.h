@@ -22,7 +22,7 @@ class LocalNet {
 
   /// The whole net. @pre block.box contains the box.
   void fill(const DensityBlock& block);
-  /// Brings the net up to date after the density changed in `changed`. @pre as fill().
+  /// Brings the net up to date after the density changed in `changed`, and nowhere else. @pre as fill().
   void update(const DensityBlock& block, const VoxelBox& changed);
   /// @returns the net as two arrays. Allocates.
   [[nodiscard]] SurfaceMesh surface() const;

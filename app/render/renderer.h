@@ -84,7 +84,8 @@ struct FrameProbe {
   Image image;
   std::vector<Vec3f> hit_index;   ///< [voxels] position of the hit in index coordinates; valid where `hit` is 1
   std::vector<std::uint8_t> hit;  ///< 1 where the pixel shows the surface of bone or soft tissue, or a cut; always 0 for translucent bone
-  std::vector<float> view_depth;  ///< [m] of tool or surface along the direction of view; undefined where there is neither, and on a section of a mesh
+  std::vector<float>
+      view_depth;  ///< [m] of tool or surface along the direction of view; undefined where there is neither, and on a section of a mesh
   /// Densities that the ray sampled at its steps, up to and including the hit, or to the end of the ray. Bisections and look-ups of the
   /// skip map are not counted. Surfaces: a ray that crosses the volume without a hit counts one too many; 0 where the tool is in front.
   std::vector<int> samples;

@@ -338,9 +338,10 @@ std::optional<std::string> mesh_as_tool(const std::string& name) {
   std::string ending = fs::path(name).extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending != ".stl" && ending != ".ply" && ending != ".obj") return std::nullopt;
-  return fmt::format("is a mesh, not a tool file: write a tool file with a table [mesh], file = \"{}\", pitch_mm and erosion_factor "
-                     "(burrhole docs tool), and give that",
-                     fs::path(name).filename().string());
+  return fmt::format(
+      "is a mesh, not a tool file: write a tool file with a table [mesh], file = \"{}\", pitch_mm and erosion_factor "
+      "(burrhole docs tool), and give that",
+      fs::path(name).filename().string());
 }
 
 std::string tool_not_found(const std::string& name, const std::string& scene_file, const SceneContext& context) {

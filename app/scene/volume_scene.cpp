@@ -29,11 +29,8 @@ std::string source_path(TableReader& table, const std::string& source, const std
   }
   std::error_code ignored;
   if (fs::exists(*path, ignored)) return *path;
-  table.fault("source",
-              "is not there: tried " + *path + missing_data_note(source) +
-                  (fs::path(source).is_absolute() || source.front() == '$'
-                       ? std::string()
-                       : std::string("; ") + kPathsCount));
+  table.fault("source", "is not there: tried " + *path + missing_data_note(source) +
+                            (fs::path(source).is_absolute() || source.front() == '$' ? std::string() : std::string("; ") + kPathsCount));
   return {};
 }
 

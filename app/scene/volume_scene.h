@@ -11,7 +11,8 @@
 namespace burrhole {
 
 /// Part of the message that a file is not there.
-inline constexpr const char* kPathsCount = "a path in a scene counts from the scene's folder, one on the command line also from the current one";
+inline constexpr const char* kPathsCount =
+    "a path in a scene counts from the scene's folder, one on the command line also from the current one";
 
 /// [m] depth of the region's centre below the entry, along the axis; a skull is 5 to 9 mm thick.
 inline constexpr double kRegionDepth = 5e-3;

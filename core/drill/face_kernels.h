@@ -27,15 +27,15 @@ struct FaceTool {
 /// The voxels whose face overlaps the tool, as lists.
 struct FaceNodes {
   std::size_t count = 0;
-  std::vector<std::uint32_t> at;      ///< offset into the window
-  std::vector<std::uint32_t> inside;  ///< place in the block
-  std::vector<float> x, y, z;         ///< [nodes] place
-  std::vector<float> tool;            ///< [voxel unit] D
-  std::vector<float> cut, base;       ///< [voxel unit] phi, and the distance to the surface when the node was set
+  std::vector<std::uint32_t> at;         ///< offset into the window
+  std::vector<std::uint32_t> inside;     ///< place in the block
+  std::vector<float> x, y, z;            ///< [nodes] place
+  std::vector<float> tool;               ///< [voxel unit] D
+  std::vector<float> cut, base;          ///< [voxel unit] phi, and the distance to the surface when the node was set
   std::vector<std::uint8_t> cut_before;  ///< 1: the voxel had lost bone then
-  std::vector<float> wear;            ///< [1/rev] e / h
-  std::vector<float> behind;          ///< [voxel unit] l; 0: there is none, and phi + a w applies
-  std::vector<float> rest;            ///< [voxel unit] error of l: -D(p - l u) - phi
+  std::vector<float> wear;               ///< [1/rev] e / h
+  std::vector<float> behind;             ///< [voxel unit] l; 0: there is none, and phi + a w applies
+  std::vector<float> rest;               ///< [voxel unit] error of l: -D(p - l u) - phi
   /// Makes room for `more` entries beyond the last.
   void make_room(std::size_t more);
   [[nodiscard]] static constexpr std::size_t bytes_of_node() noexcept { return 2 * sizeof(std::uint32_t) + 9 * sizeof(float) + 1; }

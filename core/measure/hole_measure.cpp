@@ -102,8 +102,9 @@ HoleMeasure measure_hole(Voxmap& voxmap, const Approach& approach) {
       inner += gone(span->second + 0.5 * edge) ? 1 : 0;
     }
   const auto diameter = [&](std::uint64_t count) { return 2.0 * std::sqrt(static_cast<double>(count) * pitch * pitch / std::numbers::pi); };
-  if (outer > 0) out.outer_diameter = diameter(outer);
-  if (inner > 0) out.inner_diameter = diameter(inner);
+  const auto resolved = [&](std::uint64_t count) { return diameter(count) >= 2.0 * edge; };
+  if (resolved(outer)) out.outer_diameter = diameter(outer);
+  if (resolved(inner)) out.inner_diameter = diameter(inner);
   return out;
 }
 

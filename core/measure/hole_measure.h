@@ -11,9 +11,10 @@
 namespace burrhole {
 
 struct HoleMeasure {
-  double removed = 0.0;                  ///< [m^3] volume lost inside the 0.5 surface
-  double removed_mass = 0.0;             ///< [m^3] integral of the density lost: of occupancy x (1 - remaining)
-  std::optional<double> outer_diameter;  ///< [m] diameter of the circle with the area of the hole in the outer surface as loaded
+  double removed = 0.0;       ///< [m^3] volume lost inside the 0.5 surface
+  double removed_mass = 0.0;  ///< [m^3] integral of the density lost: of occupancy x (1 - remaining)
+  /// [m] diameter of the circle with the area of the hole in the outer surface as loaded; nothing below two voxel edges, as where a rim was shaved
+  std::optional<double> outer_diameter;
   std::optional<double> inner_diameter;  ///< [m] the same for the inner surface; nothing if the hole does not reach it
 };
 

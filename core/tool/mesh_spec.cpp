@@ -73,8 +73,9 @@ std::optional<std::string> size_error(const Vec3& lo, const Vec3& hi) {
         "reaches {:.4g} mm from the axis and is {:.4g} mm high, at most {:g} and {:g} are allowed: another unit_mm or shift_mm?",
         mm(across), mm(hi.z - lo.z), mm(kMaxAcross), mm(kMaxHeight));
   if (across < kLeastAcross)
-    return fmt::format("reaches {:.4g} mm from the axis, at least {:g} is needed: a file in metres needs unit_mm = 1000, one in inches 25.4",
-                       mm(across), mm(kLeastAcross));
+    return fmt::format(
+        "reaches {:.4g} mm from the axis, at least {:g} is needed: a file in metres needs unit_mm = 1000, one in inches 25.4", mm(across),
+        mm(kLeastAcross));
   if (std::abs(lo.z) > kTipTolerance)
     return fmt::format("has its lowest point at z = {:.4g} mm and must stand on z = 0: the tip is the origin (shift_mm, turn_deg)",
                        mm(lo.z));

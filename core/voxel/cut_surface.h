@@ -42,8 +42,8 @@ class CutSurface {
     /// [steps] of kRecord16Distance: value of `cut` for which the normal was computed; 0: not yet
     std::array<std::int16_t, kBlockVoxels> normal_at{};
     std::bitset<kBlockVoxels> cut_before;  ///< the voxel had lost bone when the node was set
-    bool complete = false;  ///< every node is set
-    bool free = false;      ///< no node will change any more
+    bool complete = false;                 ///< every node is set
+    bool free = false;                     ///< no node will change any more
     Block() noexcept {
       base.fill(kUnset);
       cut.fill(-kUnset);

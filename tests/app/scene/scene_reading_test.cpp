@@ -61,7 +61,9 @@ const BadScene kBadScenes[] = {
     {"\"ball\"", "\"perforator_14\"", {"~bad.toml:13:1: tool.name = \"perforator_14\" not found in the current folder, "}},
     {"\"ball\"",
      "\"no/such.toml\"",
-     {"bad.toml:13:1: tool.name = \"no/such.toml\" not found in no (burrhole tools lists the shipped ones)"}},
+     {"bad.toml:13:1: tool.name = \"no/such.toml\" not found in no; a path in a scene counts from the scene's folder, one on the command "
+      "line "
+      "also from the current one"}},
     {"cutting_N_per_m = 40e3", "rate_hz = 300", {"bad.toml:26:1: contact.rate_hz = 300 must divide servo_hz = 1000"}},
     {"[erosion]", "[erosion]\nrate_hz = 333", {"bad.toml:29:1: erosion.rate_hz = 333 must divide servo_hz = 1000"}},
     {"[0.0, 0.0, 0.0]",
@@ -125,7 +127,7 @@ const BadScene kBadScenes[] = {
      "\"plain\"\nshadow = true",
      {"~unknown key \"bisections\" in [display]", "~unknown key \"ambient_occlusion\" in [display]",
       "~unknown key \"normals\" in [display]", "~unknown key \"tissue\" in [display]", "~unknown key \"shadow\" in [display]"}},
-    {"[record]", "[display]\nmethod = \"mesh\"\nquality = \"auto\"", {"~display.quality needs method = \"raycast\""}},
+    {"[record]", "[display]\nmethod = \"mesh\"\nquality = \"auto\"", {"~display.quality = \"auto\" needs method = \"raycast\""}},
     {"[record]",
      "[display]\nquality = \"auto\"\nbudget_ms = 0\nsupersample = 2",
      {"~bad.toml:32:1: display.budget_ms = 0 must be ",

@@ -134,7 +134,9 @@ TEST_CASE("cut face: the wall of a hole lies within 0.1 voxel of the true one fo
   }
 }
 
-TEST_CASE("cut face: the wall of a hole that is cut in runs, each from the voxels that the one before has left, lies where that of one run lies") {
+TEST_CASE(
+    "cut face: the wall of a hole that is cut in runs, each from the voxels that the one before has left, lies where that of one run "
+    "lies") {
   const Walls one = walls_of({.subvoxel = true}), many = walls_of({.subvoxel = true}, 8);
   const auto compare = [](const Wall& a, const Wall& b) {
     MESSAGE("in runs: " << b.text());
