@@ -402,7 +402,7 @@ class NoDisplay final : public Effect {
 
 // [bytes] of Mesa's software driver with its compiler: resident memory of a run that draws 64 x 48 pixels, less that of one that draws
 // nothing.
-constexpr std::uint64_t kDriverBytes = 103'000'000;
+constexpr std::uint64_t kDriverBytes = 91'000'000;
 // [bytes] of the skin: its lattice, its mesh, and the triangles that Mesa's software driver sorts into tiles; 58 to 73 MB measured, of pictures
 // of 64 x 48 and 1200 x 900 pixels with four rays each. A scan that is read again takes its own memory in addition, for a moment.
 constexpr std::uint64_t kSkinBytes = 65'000'000;
