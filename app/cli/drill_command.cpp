@@ -274,7 +274,8 @@ void add_drill(CLI::App& app, int& exit_code) {
   command->add_flag("--force", option->force, "replace results of another scene or of other settings, and frames of a film");
   add_window_options(*command, option->window);
   command->add_option("--expect", option->expect, "exit 3 unless all hold: results, 'no FLAG', FIGURE<VALUE UNIT (burrhole docs outcome)")
-      ->type_name("TERMS");
+      ->type_name("TERMS")
+      ->join(',');
   command->add_flag("--json", option->json, "print only summary.json on stdout");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, &exit_code] { run_drill(*option, exit_code); });

@@ -232,7 +232,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--image", option->image, "PNG file to write")->type_name(kFileValue)->capture_default_str();
   command
       ->add_option("--export", option->mesh,
-                   "write the surface of the bone, closed, by ball pivoting, in place of a picture: .stl .ply .obj")
+                   "write the bone as a closed mesh by ball pivoting, in place of a picture: .stl .ply .obj")
       ->type_name(kFileValue);
   command->add_option("--size", option->size, "size in pixels; default: the scene's")->type_name("WIDTHxHEIGHT");
   command->add_option("--camera", option->camera, "degrees, degrees, mm to the entry, or to the middle of a volume; default: the scene's")

@@ -152,9 +152,11 @@ std::string condition_of(std::span<const KeyLog> logs, std::span<const std::stri
     }
   if (const std::string both = two_conditions(logs, row, rows); !both.empty()) return both;
   if (std::string without = absent_keys(logs, row, rows); !without.empty()) return without;
-  std::set<std::string> where;
-  for (const std::size_t n : row.samples) where.insert(names[n]);
-  return "only in some files: " + listed(where);
+  std::set<std::string> with, without;
+  for (std::size_t n = 0; n < logs.size(); ++n)
+    if (visits(logs[n], row.key.table))
+      (std::find(row.samples.begin(), row.samples.end(), n) != row.samples.end() ? with : without).insert(names[n]);
+  return with.size() <= without.size() ? "only in some files: " + listed(with) : "not in some files: " + listed(without);
 }
 
 std::vector<std::string> find_unvisited(std::span<const KeyLog> logs, const Rows& rows) {

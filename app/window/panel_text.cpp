@@ -158,7 +158,7 @@ std::vector<std::pair<std::string, std::string>> end_figures(const RunSummary& s
   const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f} mm", *value) : std::string("-"); };
   return {{"bone on the plan", fmt::format("{:.2f} mm", s.thickness_mm)},
           {"deepest", fmt::format("{:.2f} mm", s.reached_mm)},
-          {"plunge after the bone", mm(s.plunge_mm)},
+          {"plunge, without support", mm(s.plunge_mm)},
           {"hole outside, inside", mm(s.hole_diameter_mm) + ", " + mm(s.inner_diameter_mm)},
           {"largest force", fmt::format("{:.1f} N", s.peak_force_N)},
           {"bone removed", fmt::format("{:.1f} mm3", s.removed_mm3)},

@@ -37,6 +37,7 @@ int write_all(int file, std::span<const std::byte> bytes, const std::atomic<bool
     const ssize_t count = repeat_interrupted([&] { return ::write(file, bytes.data(), bytes.size()); }, stop);
     if (count <= 0) return count < 0 ? errno : EIO;
     bytes = bytes.subspan(static_cast<std::size_t>(count));
+    if (!bytes.empty() && is_stopped(stop)) return EINTR;  // a signal ends a write that has begun with a count, not with an error
   }
   return 0;
 }
