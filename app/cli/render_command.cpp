@@ -230,9 +230,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--unit", option->unit, "of a volume: unit of length of a mesh or another program's .vdb, which carry none")
       ->check(CLI::IsMember(length_unit_names()));
   command->add_option("--image", option->image, "PNG file to write")->type_name(kFileValue)->capture_default_str();
-  command
-      ->add_option("--export", option->mesh,
-                   "write the bone as a closed mesh by ball pivoting, in place of a picture: .stl .ply .obj")
+  command->add_option("--export", option->mesh, "write the bone as a closed mesh by ball pivoting, in place of a picture: .stl .ply .obj")
       ->type_name(kFileValue);
   command->add_option("--size", option->size, "size in pixels; default: the scene's")->type_name("WIDTHxHEIGHT");
   command->add_option("--camera", option->camera, "degrees, degrees, mm to the entry, or to the middle of a volume; default: the scene's")

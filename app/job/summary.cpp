@@ -109,7 +109,7 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   if (progress.largest_ahead > -1.0) out.largest_ahead_mm = progress.largest_ahead * kMm;
 }
 
-std::uint64_t count_of(const SampleTimer& timer) { return static_cast<std::uint64_t>(timer.timing().count); }
+std::uint64_t count_of(const StepTimer& timer) { return static_cast<std::uint64_t>(timer.timing().count); }
 
 void add_costs(RunSummary& out, Simulation& simulation, const Plan& plan) {
   const std::vector<TimedStep> timings = simulation.timings();

@@ -265,8 +265,10 @@ Status Loops::report_refusals(const std::string& memory) {
 Status Loops::drain_servo() {
   ServoRow row;
   while (servo_rows_.pop(row)) {
-    report_->servo.add(row.compute_us);
-    report_->servo_late.add(row.late_us);
+    if (const double time = static_cast<double>(row.hand.tick) * parts_->period; time >= options_.untimed) {
+      report_->servo.add(row.compute_us);
+      report_->servo_late.add(row.late_us);
+    }
     report_->servo_skipped += row.skipped;
     report_->faults |= row.faults;
     state_.hand = row.hand;
@@ -286,9 +288,11 @@ Status Loops::drain_servo() {
 Status Loops::drain_contact() {
   ContactRow row;
   while (contact_rows_.pop(row)) {
-    report_->contact.add(row.compute_us);
-    report_->contact_step.add(row.step_us);
-    report_->contact_late.add(row.late_us);
+    if (row.time >= options_.untimed) {
+      report_->contact.add(row.compute_us);
+      report_->contact_step.add(row.step_us);
+      report_->contact_late.add(row.late_us);
+    }
     report_->contact_skipped += row.skipped;
     progress_ = row.progress;
     state_.progress = row.progress;

@@ -37,6 +37,7 @@ struct LiveOptions {
   std::function<void(const LiveState&)> see{};  ///< receives the state about every 5 ms; may be empty
   /// Called about as often when the batch of changed texels is filled, to send it to the display; empty: none is filled before a picture.
   std::function<Status()> send{};
+  double untimed = 0.0;                            ///< [s] at the start that the timers of the report leave out
   const std::atomic<bool>* read_failed = nullptr;  ///< a paged bone cannot be read: ends the run like `stop`; may be null
 };
 
@@ -47,8 +48,8 @@ struct LiveOptions {
 
 /// Timing and counters of a live run.
 struct LiveReport {
-  SampleTimer servo, contact_step, contact, bone;                          ///< time of computation
-  SampleTimer servo_late, contact_late;                                    ///< lateness of the thread's wake-up
+  StepTimer servo, contact_step, contact, bone;                            ///< time of computation, after LiveOptions::untimed
+  StepTimer servo_late, contact_late;                                      ///< lateness of the thread's wake-up, after that
   std::uint64_t servo_skipped = 0, contact_skipped = 0, bone_skipped = 0;  ///< missed ticks
   std::uint64_t unrecorded = 0;                                            ///< rows dropped because the log was full
   std::uint64_t ticks = 0;                                                 ///< of the servo, including missed ticks

@@ -230,6 +230,7 @@ Status Simulation::run_recorded(const SessionReader& session, RecordedHand& hand
 Status Simulation::run_on_threads() {
   live_.emplace();
   LiveOptions options{options_.require_realtime, options_.stop, options_.progress, options_.warn};
+  options.untimed = options_.untimed;
   options.read_failed = parts_->voxmap->bone().read_failed();
   options.inputs = [this](std::uint64_t tick, bool parked, Status& status) { return live_input(tick, parked, status); };
   if (options_.user != nullptr) {

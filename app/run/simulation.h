@@ -48,6 +48,7 @@ struct SimulationOptions {
   bool runs = true;      ///< false: built for a check or a picture, at less time and memory; run() refuses
   bool history = false;  ///< keeps what undo, reset and checkpoints need
   bool samples = true;   ///< keeps force and depth of every contact evaluation, for plots
+  double untimed = 0.0;  ///< [s] at the start of a live run that its timers leave out
 };
 
 /// What ended a run.

@@ -70,7 +70,7 @@ class StepTimer {
   double max_ = 0.0, total_ = 0.0;  // [us]
 };
 
-/// Keeps every sample: exact percentiles, and samples at the start can be left out. Allocates.
+/// Keeps every sample: exact percentiles. Allocates.
 class SampleTimer {
  public:
   template <class F>
@@ -79,11 +79,11 @@ class SampleTimer {
   }
   /// Adds the duration [us] of a call that was timed elsewhere.
   void add(float us) { samples_.push_back(us); }
-  /// @returns the statistics of all calls after the first `skip`; zeros if there are none.
-  [[nodiscard]] StepTiming timing(std::size_t skip = 0) const {
+  /// @returns the statistics of all calls; zeros if there are none.
+  [[nodiscard]] StepTiming timing() const {
     StepTiming out;
-    if (samples_.size() <= skip) return out;
-    std::vector<float> sorted(samples_.begin() + static_cast<std::ptrdiff_t>(skip), samples_.end());
+    if (samples_.empty()) return out;
+    std::vector<float> sorted = samples_;
     for (const float sample : sorted) out.total_us += static_cast<double>(sample);
     std::sort(sorted.begin(), sorted.end());
     const auto at = [&](double share) {
