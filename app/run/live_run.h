@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <functional>
+#include <type_traits>
 
 #include "app/run/live_user.h"
 #include "app/run/run_log.h"
@@ -61,6 +62,8 @@ struct LiveReport {
   bool stopped = false;          ///< by LiveOptions::stop
   bool done = false;             ///< the script ended
 };
+
+static_assert(std::is_trivially_copyable_v<LiveReport>, "a report of fixed size: a run may last for hours");
 
 /// Hand-off of the display's batch of changed texels: on request, the simulation thread fills it between two steps.
 class BatchHandOff {
