@@ -321,11 +321,13 @@ void read_effects(TableReader& root, const SceneContext& context, Scene& scene, 
 
 }  // namespace
 
+/// @returns whether [tool] name is the path of a file, and not a name.
+static bool is_path(const std::string& name) { return name.ends_with(".toml") || name.find('/') != std::string::npos; }
+
 /// @returns the files that a tool's name or path may mean, in the order of the search.
 static std::vector<std::string> tool_places(const std::string& name, const std::string& scene_file, const SceneContext& context) {
   std::vector<std::string> places;
-  const bool is_path = name.ends_with(".toml") || name.find('/') != std::string::npos;
-  if (is_path) {
+  if (is_path(name)) {
     places.push_back(beside(scene_file, name));
   } else {
     places.push_back(beside(scene_file, name + ".toml"));
@@ -352,11 +354,10 @@ std::string tool_not_found(const std::string& name, const std::string& scene_fil
     where += (where.empty() ? "" : ", ") + (folder.empty() ? std::string("the current folder") : folder);
   }
   const auto near = nearest_name(fs::path(name).stem().string(), tool_names(context));
-  const bool is_path = name.ends_with(".toml") || name.find('/') != std::string::npos;
   return fmt::format("not found in {}{}", where,
-                     near      ? "; did you mean \"" + *near + "\"?"
-                     : is_path ? std::string("; ") + kPathsCount
-                               : " (burrhole tools lists the shipped ones)");
+                     near            ? "; did you mean \"" + *near + "\"?"
+                     : is_path(name) ? std::string("; ") + kPathsCount
+                                     : " (burrhole tools lists the shipped ones)");
 }
 
 std::optional<std::string> find_tool(const std::string& name, const std::string& scene_file, const SceneContext& context) {

@@ -29,7 +29,8 @@
 ///   face.
 ///   Tool placed inside bone  It overlaps no face. The density of the voxels inside it decays by the law. As soon as one of them is below
 ///   0.5, the face is set to the surface of the tool.
-///   When bone grows back (restore, undo), phi starts anew from the bone.
+///   When bone grows back (restore, undo), phi starts anew from the bone. In a voxel that was whole as loaded and has been cut, it starts at the
+///   distance that has its density on the ramp of that cut, so that its density follows from there as in one run.
 #pragma once
 
 #include <algorithm>

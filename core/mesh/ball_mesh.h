@@ -70,14 +70,15 @@ class BallMesh {
   /// The steps of an update: any number of these, then resume(). A voxel that is already so is no change. @pre voxel in box().
   void remove(const Vec3i& voxel);
   void add(const Vec3i& voxel);
+  /// Rolls the ball until no front is left, and puts it down wherever a triangle is missing near a changed voxel.
+  void resume();
+
   /// Appends to `out` the numbers of the triangles that were added, removed or moved since the last call, increasing, each once. After
   /// fill(): all. A number that is no triangle any more is one to be removed. Their order does not depend on that of the changes.
   /// Without `report` nothing is listed.
   void take_changed(std::vector<HalfEdgeMesh::Id>& out);
   /// Lists the triangles of all vertices in a box as changed, for a reader whose data of a vertex depend on more than its position.
   void list_vertices(const VoxelBox& part);
-  /// Rolls the ball until no front is left, and puts it down wherever a triangle is missing near a changed voxel.
-  void resume();
 
   [[nodiscard]] const VoxelBox& box() const noexcept { return solid_.box(); }
   [[nodiscard]] const MeshWork& work() const noexcept { return work_; }
