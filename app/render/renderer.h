@@ -51,9 +51,9 @@ struct RenderOptions {
   bool mesh = false;
   /// Of a mesh: images in place of the voxels' colours, where bone was not cut and where it was. Null: no texture, no upload and no branch of it.
   std::shared_ptr<const BoneTextures> textures{};
-  /// Whether changed texels are sent through a ring of mapped buffers (upload_ring.h). Absent: true on a GPU, where a copy would wait until
-  /// drawing ends; false with a software renderer, which copies at once.
-  std::optional<bool> upload_ring{};
+  /// Whether changed texels are sent and pictures are read through mapped buffers (upload_ring.h, read_buffer.h). Absent: true on a GPU,
+  /// where a copy would wait until drawing ends; false with a software renderer, which copies at once. The picture is the same.
+  std::optional<bool> mapped_buffers{};
   GlBackend gl = GlBackend::automatic;    ///< back end of OpenGL
   std::filesystem::path shader_folder{};  ///< folder of shaders that create() reads and checks; empty: the built-in shaders
 };
