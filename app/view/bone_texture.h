@@ -31,10 +31,10 @@ struct VolumeImage {
 
 /// The same, read or made.
 struct BoneTextures {
-  Image exterior;        ///< empty: none
-  VolumeImage interior;  ///< empty: none
-  double exterior_edge = 0.020;
-  std::optional<double> interior_edge;
+  Image exterior;                       ///< empty: none
+  VolumeImage interior;                 ///< empty: none
+  double exterior_edge = 0.020;         ///< [m]
+  std::optional<double> interior_edge;  ///< [m]
   int axis = 2;
   bool exterior_tiles = false;  ///< opposite sides fit together; false: every second repeat is mirrored
   bool interior_tiles = false;
@@ -42,7 +42,7 @@ struct BoneTextures {
 
 /// Rows of the maps from the bone frame [m] to repeats of the textures.
 struct TextureMaps {
-  glm::dvec4 exterior[3], interior[3];
+  glm::dvec4 exterior[3], interior[3];  ///< [1/m], the fourth [-]
 };
 
 /// @param box of the bone as loaded, bone frame.

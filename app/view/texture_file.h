@@ -1,5 +1,5 @@
 /// app/view/texture_file.h: files of textures: what their header says, checked before anything is read into memory. No OpenGL, no libpng.
-///   Units  texels.   Errors  bad_input with what to do.   Thread  any: no state.
+///   Frame  none.   Units  texels.   Errors  bad_input with what to do.   Thread  any: no state.
 ///   Format a PNG. A volume is a column of square slices, the first at the top: width n, height n times the number of slices.
 #pragma once
 
