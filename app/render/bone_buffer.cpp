@@ -10,8 +10,8 @@ constexpr std::uint32_t kMostAtOnce = 4096;  // [triangles] of the staging memor
 
 void describe(const GladGLContext& gl, GLuint array) {
   gl.VertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, offsetof(MeshVertex, position));
-  gl.VertexArrayAttribFormat(array, 1, 3, GL_SHORT, GL_TRUE, offsetof(MeshVertex, normal));
-  gl.VertexArrayAttribFormat(array, 2, 3, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(MeshVertex, color));
+  gl.VertexArrayAttribFormat(array, 1, 4, GL_SHORT, GL_TRUE, offsetof(MeshVertex, normal));
+  gl.VertexArrayAttribFormat(array, 2, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(MeshVertex, color));
   for (const GLuint attribute : {0u, 1u, 2u}) {
     gl.EnableVertexArrayAttrib(array, attribute);
     gl.VertexArrayAttribBinding(array, attribute, 0);
