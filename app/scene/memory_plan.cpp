@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/stage/bone_step.h"
+#include "core/mesh/mesh_patch.h"
 #include "core/tool/cutting_field.h"
 #include "core/voxel/bone_history.h"
 #include "core/voxel/bone_prefetch.h"
@@ -88,7 +89,8 @@ std::uint64_t publish_bytes(const PlanContext& context) noexcept {
   derived.density = derived.gradient = false;
   constexpr std::uint64_t kLeapBytes = 3;  // a voxel, in which ContactWords finds leaps
   const std::uint64_t copies = context.live ? 3 : 1, leaps = derived.words ? kLeapBytes : 0;
-  return context.window_voxels * (copies * bytes_a_voxel(needs.fields) + bytes_a_voxel(derived) + leaps);
+  const std::uint64_t triangles = needs.fields.triangles != nullptr ? mesh_patch_bytes(context.window_voxels, copies) : 0;
+  return context.window_voxels * (copies * bytes_a_voxel(needs.fields) + bytes_a_voxel(derived) + leaps) + triangles;
 }
 
 std::uint64_t dense_bone_bytes(const Vec3i& dims, bool soft) noexcept {
