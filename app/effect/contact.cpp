@@ -207,7 +207,7 @@ EffectEntry contact_effect() {
            "model = \"gradient-plane\"\nmode = \"paper\"", "model = \"gradient-plane\"\nstorage = \"vdb\"",
            "model = \"voxmap\"\nstacking = \"sum\"", "model = \"voxmap\"\nstacking = \"sum-limited\"",
            "model = \"voxmap\"\nstacking = \"average\"", "model = \"voxmap\"\nstacking = \"deepest\"",
-           "model = \"voxmap\"\nplane = \"surface\"", "model = \"mesh\"", "model = \"mesh\"\nstacking = \"average\"",
+           "model = \"voxmap\"\nplane = \"surface\"", "model = \"mesh\"", "model = \"mesh\"\nstacking = \"deepest\"",
            "model = \"mesh\"\ncoupling = \"virtual\""}};
 }
 

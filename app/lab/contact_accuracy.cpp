@@ -26,7 +26,7 @@ struct LabTool {
   std::string name;
   std::string text;  // of its file
   PointShell shell;
-  std::unique_ptr<PenaltyModel> planes, mesh;
+  std::unique_ptr<PenaltyModel> planes, mesh, deepest;
 };
 
 Result<std::vector<LabTool>> load_tools(const ContactAccuracyOptions& options) {
@@ -43,7 +43,10 @@ Result<std::vector<LabTool>> load_tools(const ContactAccuracyOptions& options) {
     if (!model) return model.error();
     auto mesh = MeshContact::create({.stiffness = options.model.stiffness}, tool->shell);
     if (!mesh) return mesh.error();
-    tools.push_back({name, std::move(text).value(), std::move(tool->shell), std::move(model).value(), std::move(mesh).value()});
+    auto deepest = MeshContact::create({.stiffness = options.model.stiffness, .stacking = MeshStacking::deepest}, tool->shell);
+    if (!deepest) return deepest.error();
+    tools.push_back({name, std::move(text).value(), std::move(tool->shell), std::move(model).value(), std::move(mesh).value(),
+                     std::move(deepest).value()});
   }
   return tools;
 }
@@ -188,7 +191,9 @@ Status measure_bone(const LabBone& bone, const std::vector<LabTool>& tools, cons
   const BoneForm forms[] = {{kShippedForm, rig->word_view(), rig->word_bytes()},
                             {"gradient-plane, floats", rig->float_view(), rig->float_bytes()},
                             {"gradient-plane, vdb", rig->vdb_view(), std::numeric_limits<double>::quiet_NaN()},
-                            {"mesh", rig->mesh_view(), rig->mesh_bytes(), &LabTool::mesh, exact_deepest_force, kDeepestReference}};
+                            {"mesh", rig->mesh_view(), rig->mesh_bytes(), &LabTool::mesh},
+                            {"mesh, deepest", rig->mesh_view(), rig->mesh_bytes(), &LabTool::deepest, exact_deepest_force,
+                             kDeepestReference}};
   for (const LabTool& tool : tools)
     for (const double depth : options.depths_voxel)
       for (const BoneForm& form : forms) {
@@ -223,7 +228,7 @@ Study::Figures forces_of(const LabBone& level, const ContactRig& rig, const LabT
     out.push_back(glm::dot(result.wrench.force, level.out));
     out.push_back(glm::dot(exact_average_force(rig.truth(), tool.shell, pose, k), level.out));
     out.push_back(k * exact_translation_distance(rig.truth(), tool.shell, pose, level.out));
-    tool.mesh->evaluate(rig.mesh_view(), pose, result);
+    tool.deepest->evaluate(rig.mesh_view(), pose, result);
     out.push_back(glm::dot(result.wrench.force, level.out));
   }
   return out;
@@ -273,7 +278,7 @@ double largest_loss_percent(const std::vector<double>& force) noexcept {
 }
 
 std::size_t count_of_trials(const ContactAccuracyOptions& options) {
-  constexpr std::size_t kForms = 4;
+  constexpr std::size_t kForms = 5;
   return options.tools.size() * (bones_of(options).size() * options.depths_voxel.size() * kForms + 1);
 }
 
@@ -297,7 +302,7 @@ Result<ContactAccuracy> measure_contact_accuracy(const ContactAccuracyOptions& o
   if (!curves) return curves.error();
   out.curves = std::move(curves).value();
   for (const ForceCurve& curve : out.curves)
-    for (const auto& [model, force] : {std::pair{kShippedForm, &curve.model_N}, {"exact average", &curve.law_N}, {"mesh", &curve.mesh_N}}) {
+    for (const auto& [model, force] : {std::pair{kShippedForm, &curve.model_N}, {"exact average", &curve.law_N}, {"mesh, deepest", &curve.mesh_N}}) {
       CostRow row;
       row.subject = curve.tool + " pressed into plate, level";
       row.model = model;

@@ -34,7 +34,7 @@ struct ForceCurve {
   std::string tool;                   ///< as ContactAccuracyOptions::tools
   std::vector<double> depth_mm;       ///< [mm] of the tip below the surface, increasing
   std::vector<double> model_N;        ///< [N] of the model
-  std::vector<double> mesh_N;         ///< [N] of the model `mesh`
+  std::vector<double> mesh_N;         ///< [N] of the model `mesh`, deepest
   std::vector<double> law_N;          ///< [N] of its own law with closed-form depths
   std::vector<double> translation_N;  ///< [N] k x the translation distance
 };
@@ -46,8 +46,8 @@ struct ContactAccuracy {
   std::vector<ForceCurve> curves;
 };
 /// Let f be the force of the model. The two reference forces are
-///   own law      from the closed form of the bone; gradient-plane: k x the average of depth x outward normal over the colliding points;
-///                mesh: k x the largest depth along the outward normal there;
+///   own law      from the closed form of the bone; k x the average of depth x outward normal over the colliding points;
+///                mesh, deepest: k x the largest depth along the outward normal there;
 ///   translation  k x the translation distance: the distance along the outward normal after which no shell point is in bone.
 /// For each tool, bone (clean and noisy), depth, and form of the bone (packed words as published by a run, floats, OpenVDB grids, and the mesh
 /// for the model of that name) there is

@@ -101,6 +101,9 @@ class Search {
     const Vec3 normal(triangle.normal);
     const double depth = glm::dot(Vec3(triangle.corners[0]) - point_, normal);
     if (const double off = std::abs(depth) - kFlat; off > 0.0 && off * off > limit2_ * kUnit) return;  // its plane alone is farther away
+    PatchBounds bounds;
+    for (const Vec3f& corner : triangle.corners) bounds.include(corner);
+    if (distance2_to(bounds, point_) > limit2_) return;
     const Nearest nearest = nearest_on(triangle, point_);
     const double distance2 = glm::dot(nearest.from_place, nearest.from_place);
     if (distance2 > limit2_) return;

@@ -3,8 +3,7 @@
 ///   Source [TellesONeill10] section 4.3.2: from the nearest triangle to the tool, the distance to its plane is the depth (linkDist) and its
 ///          normal the direction of the force; section 4.3.3 eq. (1): force = matUltStrength x scaleFactor x linkDist x forceVector. The
 ///          product of the first two is the stiffness k.
-///   Departures  The paper's tool is a ball; here each point of the shell has its nearest triangle, which for a ball is the same up to the
-///          distance of its points. The paper has no sign of the distance; here a point collides if it is on the inner side of the mesh.
+///   Departures  The paper's tool is a ball; here each point of the shell has its nearest triangle: see MeshStacking. The paper has no sign of the distance; here a point collides if it is on the inner side of the mesh.
 ///          Eq. (2), the limit of the change of the force, is that of the servo (servo.slew_N_per_s).
 #pragma once
 
@@ -15,13 +14,13 @@ namespace burrhole {
 
 /// How the forces of n colliding points combine.
 enum class MeshStacking : std::uint8_t {
-  deepest,  ///< eq. (1) of the deepest point alone
-  average,  ///< the mean of all, as in [AcostaLiu07] section 2
+  average,  ///< the mean of eq. (1) over all, as in [AcostaLiu07] section 2
+  deepest,  ///< eq. (1) of the deepest point alone, as the paper has it; on an edge its direction alternates between two faces
 };
 
 struct MeshContactConfig {
   double stiffness = 2000.0;  ///< [N/m] k, > 0
-  MeshStacking stacking = MeshStacking::deepest;
+  MeshStacking stacking = MeshStacking::average;
 };
 
 class MeshContact final : public PenaltyModel {

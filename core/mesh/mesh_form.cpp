@@ -13,9 +13,10 @@ class MeshForm final : public ContactForm {
  public:
   explicit MeshForm(TableReader& table) {
     model_.stiffness = table.number("stiffness_N_per_m", above_zero(model_.stiffness, 1.0, 1e7), kPenaltyStiffnessText);
-    if (table.choice("stacking", "deepest", {"deepest", "average"},
-                     "force of n colliding points; deepest: that of the deepest point; average: the mean of their forces") == "average")
-      model_.stacking = MeshStacking::average;
+    if (table.choice("stacking", "average", {"average", "deepest"},
+                     "force of n colliding points; average: the mean of their forces; deepest: that of the deepest point, as in "
+                     "[TellesONeill10]") == "deepest")
+      model_.stacking = MeshStacking::deepest;
     coupling_ = read_coupling(table);
   }
 

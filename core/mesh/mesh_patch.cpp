@@ -174,13 +174,18 @@ void MeshPatch::rebuild_block(std::uint32_t block) {
   const Vec3i& size = patch_.blocks_size;
   const Vec3i lo = patch_.box.lo + Vec3i(n % size.x, n / size.x % size.y, n / (size.x * size.y)) * TrianglePatch::kBlock;
   // Their order must not depend on that of the changes.
-  std::vector<Id>& triangles = filed_[block];
-  std::ranges::sort(triangles, {}, [&](Id triangle) { return corners_of(triangle).key(lo); });
+  std::vector<std::pair<unsigned, Corners>> triangles;
+  triangles.reserve(filed_[block].size());
+  for (const Id triangle : filed_[block]) {
+    const Corners corners = corners_of(triangle);
+    triangles.emplace_back(corners.key(lo), corners);
+  }
+  std::ranges::sort(triangles, {}, &std::pair<unsigned, Corners>::first);
   PatchBlock& out = patch_.blocks[block];
   out.triangles.clear();
   out.bounds = {};
-  for (const Id triangle : triangles) {
-    const PatchTriangle shape = shape_of(corners_of(triangle));
+  for (const auto& [key, corners] : triangles) {
+    const PatchTriangle shape = shape_of(corners);
     if (shape.normal == Vec3f(0.0f)) continue;  // without area
     out.triangles.push_back(shape);
     for (const Vec3f& corner : shape.corners) out.bounds.include(corner);

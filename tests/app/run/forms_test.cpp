@@ -85,7 +85,7 @@ TEST_CASE("every model of contact drills: the tool held back by the surface, pla
                         {"voxmap, average", voxmap + of_20_kN + "stacking = \"average\"\n"},
                         {"voxmap, deepest", voxmap + of_20_kN + "stacking = \"deepest\"\n"},
                         {"mesh", "model = \"mesh\"\n" + of_20_kN},
-                        {"mesh, average", "model = \"mesh\"\nstacking = \"average\"\n" + of_20_kN},
+                        {"mesh, deepest", "model = \"mesh\"\nstacking = \"deepest\"\n" + of_20_kN},
                         {"mesh, coupled", "model = \"mesh\"\n" + of_20_kN + coupled},
                         // Its body is cut free as fast as the hand feeds, and the hand never comes to call it contact: half the bit.
                         {"voxmap, coupled", voxmap + coupled, {"tool.erosion_scale=0.5"}}};
