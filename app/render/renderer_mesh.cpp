@@ -79,14 +79,15 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_mesh_programs(bool cut, To
 }
 
 /// The background has no hit, so only its picture is written.
-void Renderer::Impl::draw_mesh(GLuint background, GLuint program) const {
+void Renderer::Impl::draw_mesh(const PixelRect& part, const FrameBlock& block, GLuint background, GLuint program) {
   target.bind_for_light();
   draw_screen(background);
   target.bind();
   gl.UseProgram(program);
   if (section_colors) gl.BindTextureUnit(1, section_colors->name());
   if (paint) paint->bind();
-  mesh_buffer->draw();
+  const glm::dmat4 place(block.world_from_bone_at);
+  mesh_buffer->draw(rays_of(block), {Mat3(place), Vec3(place[3])}, part, {static_cast<int>(block.lens.z), static_cast<int>(block.lens.w)});
 }
 
 }  // namespace burrhole

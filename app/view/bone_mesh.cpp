@@ -175,8 +175,8 @@ std::size_t BoneMesh::bytes() const noexcept {
 std::uint64_t mesh_bytes(std::uint64_t voxels, bool find_cuts) noexcept {
   // A voxel: density, bone, colour, its bits, the colour of a section. Triangles, by the area of the bone: a drilled skull patch has 8.9 for each voxel of
   // a face of its box, a full box 12; more is assumed for the pores of a scan. A triangle: half-edges, offsets, lists, and its vertices in the
-  // display's buffer.
-  constexpr double kVoxelBytes = 4 + 1 + 4 + 4 + 0.75, kTriangles = 30.0, kTriangleBytes = 110 + 72;
+  // display's buffer, its place there.
+  constexpr double kVoxelBytes = 4 + 1 + 4 + 4 + 0.75, kTriangles = 30.0, kTriangleBytes = 110 + 72 + 20;
   const auto count = static_cast<double>(voxels);
   const double voxel_bytes = find_cuts ? kVoxelBytes + 1 : kVoxelBytes;
   return static_cast<std::uint64_t>(voxel_bytes * count + kTriangles * kTriangleBytes * std::cbrt(count) * std::cbrt(count));
