@@ -51,7 +51,7 @@ double cloud(const Vec3& at, const Vec3i& cells, std::uint32_t seed) {
   return sum / 0.9375;
 }
 
-/// Distances [cells] to the two nearest of points that repeat, one in each cell.
+/// Distances [cells] to the two nearest of points that repeat, one in each cell; across z where there is one layer of cells.
 struct Nearest {
   double first = 4.0, second = 4.0;
 };
@@ -63,7 +63,8 @@ Nearest nearest_points(const Vec3& at, const Vec3i& cells, std::uint32_t seed) {
     const Vec3i cell = base + Vec3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
     const std::uint32_t h = hash_of(wrapped(cell, cells), seed);
     const Vec3 point = Vec3(cell) + 0.1 + 0.8 * Vec3(h & 1023u, (h >> 10) & 1023u, (h >> 20) & 1023u) / 1023.0;
-    const double d = glm::length(point - x);
+    const Vec3 off = point - x;
+    const double d = glm::length(cells.z == 1 ? Vec3(off.x, off.y, 0.0) : off);
     out.second = std::min(out.second, std::max(d, out.first));
     out.first = std::min(out.first, d);
   }
@@ -79,16 +80,16 @@ Rgba8 texel(const Vec3& color) {
 Vec3 bone_outside(double u, double v) {
   const Vec3 at(u, v, 0.0);
   const double fibres = cloud(at, {48, 8, 1}, 1), patches = cloud(at, {4, 4, 1}, 2);
-  const double pit = 1.0 - smooth(0.05, 0.16, nearest_points({u, v, 0.05}, {9, 9, 1}, 3).first);
+  const double pit = 1.0 - smooth(0.03, 0.10, nearest_points(at, {6, 6, 1}, 3).first);
   Vec3 color = Vec3(0.90, 0.84, 0.72) * (0.88 + 0.14 * fibres) + Vec3(0.06, 0.05, 0.03) * (patches - 0.5);
-  return glm::mix(color, Vec3(0.50, 0.36, 0.27), 0.75 * pit);
+  return glm::mix(color, Vec3(0.50, 0.36, 0.27), 0.60 * pit);
 }
 
 /// Diploe: walls round pores with red marrow. 12 mm.
 Vec3 bone_inside(const Vec3& at) {
   const Vec3 bent = at + 0.012 * Vec3(noise(at, Vec3i(16), 4), noise(at, Vec3i(16), 5), noise(at, Vec3i(16), 6));
   const Nearest pore = nearest_points(bent, Vec3i(11), 7);
-  const double wall = 1.0 - smooth(0.06, 0.24, pore.second - pore.first);
+  const double wall = 1.0 - smooth(0.14, 0.38, pore.second - pore.first);
   const Vec3 bone = Vec3(0.93, 0.83, 0.68) * (0.92 + 0.12 * cloud(at, Vec3i(12), 8));
   const Vec3 marrow = Vec3(0.50, 0.15, 0.11) * (0.75 + 0.5 * cloud(at, Vec3i(10), 9));
   return glm::mix(marrow, bone, wall);
@@ -101,7 +102,7 @@ Vec3 apple_outside(double u, double v) {
   const double red = smooth(0.30, 0.62, 0.6 * streaks + 0.5 * blush);
   Vec3 color = glm::mix(Vec3(0.84, 0.70, 0.30), Vec3(0.70, 0.09, 0.10), red);
   color *= 0.90 + 0.2 * cloud(at, {40, 12, 1}, 13);
-  const double dot = 1.0 - smooth(0.05, 0.13, nearest_points({u, v, 0.05}, {17, 17, 1}, 14).first);
+  const double dot = 1.0 - smooth(0.05, 0.13, nearest_points(at, {17, 17, 1}, 14).first);
   return glm::mix(color, Vec3(0.92, 0.80, 0.58), 0.55 * dot);
 }
 
@@ -123,7 +124,7 @@ Vec3 apple_inside(const Vec3& at) {
   color = glm::mix(color, Vec3(0.80, 0.70, 0.46), 1.0 - smooth(0.85, 1.08, cell));
   const double seed = seed_share((p.z + 0.02) / 0.13, std::hypot((x - 0.155) / 0.060, y / 0.042));
   color = glm::mix(color, Vec3(0.27, 0.13, 0.06), seed);
-  return glm::mix(color, Vec3(0.66, 0.62, 0.36), 0.6 * (1.0 - smooth(0.02, 0.05, radius)));
+  return glm::mix(color, Vec3(0.66, 0.62, 0.36), 0.6 * (1.0 - smooth(0.02, 0.05, radius)) * (1.0 - 0.7 * smooth(0.2, 0.5, std::abs(p.z))));
 }
 
 /// Dark green with paler lines along the axis, and bumps. 40 mm.
@@ -132,7 +133,7 @@ Vec3 cucumber_outside(double u, double v) {
   const double lines = smooth(0.45, 0.75, cloud(at, {10, 2, 1}, 31));
   Vec3 color = glm::mix(Vec3(0.08, 0.24, 0.07), Vec3(0.36, 0.52, 0.18), 0.75 * lines);
   color *= 0.85 + 0.3 * cloud(at, {24, 24, 1}, 32);
-  const double bump = nearest_points({u, v, 0.05}, {7, 5, 1}, 33).first;
+  const double bump = nearest_points(at, {7, 5, 1}, 33).first;
   color = glm::mix(color, Vec3(0.05, 0.15, 0.05), 0.6 * (1.0 - smooth(0.08, 0.18, bump)));
   return glm::mix(color, Vec3(0.62, 0.72, 0.42), 0.7 * (1.0 - smooth(0.02, 0.07, bump)));
 }
