@@ -17,10 +17,11 @@ constexpr const char* kLineDashes[] = {"1", "(8,4)", "(2,3)"};
 constexpr double kLineWidth = 1.6, kCoveredWidth = 3.4;
 
 bool coincide(const PlotSeries& a, const PlotSeries& b, double near) {
-  if (a.x != b.x || a.x.empty()) return false;
+  if (a.x != b.x || a.x.size() < 2) return false;
+  const auto meet = [&](std::size_t n) { return std::abs(a.y[n] - b.y[n]) <= near; };
   std::size_t same = 0;
-  for (std::size_t n = 0; n < a.y.size(); ++n) same += std::abs(a.y[n] - b.y[n]) <= near ? 1 : 0;
-  return 4 * same >= a.y.size();
+  for (std::size_t n = 1; n < a.y.size(); ++n) same += meet(n - 1) && meet(n) ? 1 : 0;
+  return 4 * same >= a.y.size() - 1;
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ struct CurveLayer {
   bool covered = false;   ///< whether another lies on it
 };
 
-/// @returns the layer of each series of a panel. Two curves coincide if they have the same x and, in a quarter of their points or more, y
-/// within `near` [unit of the axis]. Only series without a style of their own count.
+/// @returns the layer of each series of a panel. Two curves coincide if they have the same x and, on a quarter of their segments or more,
+/// y within `near` [unit of the axis]. Only series without a style of their own count.
 [[nodiscard]] std::vector<CurveLayer> curve_layers(const PlotPanel& panel, double near);
 
 /// @returns the style of the series of that number: colours in turn, and after each round of them the next dash. A curve that covers others

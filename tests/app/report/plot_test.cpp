@@ -139,7 +139,7 @@ TEST_CASE("plot: a curve that runs along zero lies above the frame, one that onl
   CHECK(lower_end({2.0, 0.004, 0.003}) < -0.05);  // within the width of the line
 }
 
-TEST_CASE("plot: curves that coincide are told apart by dashes over a wider line, others are plain") {
+TEST_CASE("plot: of curves that coincide the upper ones are dashed and the lowest is wider, others are plain") {
   const auto styles = [](const std::vector<double>& second, const std::vector<double>& third) {
     Plot plot;
     plot.panels.push_back({.y_label = "Force (N)",
@@ -158,7 +158,8 @@ TEST_CASE("plot: curves that coincide are told apart by dashes over a wider line
   CHECK(styles({3.0, 2.5, 2.5, 2.5}, {1.0, 0.5, 0.5, 0.5}) == Styles{"1.6 1", "1.6 1", "1.6 1"});
   CHECK(styles({0.0, 1.0, 2.0, 3.0}, {1.0, 0.5, 0.5, 0.5}) == Styles{"3.4 1", "1.6 (8,4)", "1.6 1"});
   CHECK(styles({0.0, 1.0, 2.0, 3.0}, {0.0, 1.0, 2.0, 3.0}) == Styles{"3.4 1", "1.6 (8,4)", "1.6 (2,3)"});
-  CHECK(styles({0.0, 9.0, 9.0, 9.0}, {1.0, 0.5, 0.5, 0.5}) == Styles{"3.4 1", "1.6 (8,4)", "1.6 1"});  // a quarter of the points
+  CHECK(styles({0.0, 1.0, 9.0, 9.0}, {1.0, 0.5, 0.5, 0.5}) == Styles{"3.4 1", "1.6 (8,4)", "1.6 1"});  // on one segment of three
+  CHECK(styles({0.0, 9.0, 9.0, 9.0}, {1.0, 0.5, 0.5, 0.5}) == Styles{"1.6 1", "1.6 1", "1.6 1"});      // a common start
 }
 
 TEST_CASE("plot: a legend over a grid has the rows that its names need, all inside the picture") {

@@ -256,7 +256,7 @@ TEST_CASE("approach: an entry written in RAS is named with the same place in LPS
   auto phantom = make_phantom(patch());
   REQUIRE(phantom);
   const Vec3 aside(60e-3, -40e-3, 0.0);
-  phantom->bone.bone_from_index.translation += aside;
+  phantom->bone.bone_from_index.offset += aside;
   const auto bone = BoneModel::create(phantom->bone);
   REQUIRE(bone);
   ApproachScene scene;
