@@ -174,16 +174,19 @@ Status is_a_scene(const std::string& path) {
   std::string ending = fs::path(path).extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (path.ends_with(".mrk.json") || ending == ".fcsv")
-    return bad_input(fmt::format("is no scene: a plan of 3D Slicer is given to a scene by --unset approach --set approach.markups={}", path), path);
+    return bad_input(
+        fmt::format("is no scene: a plan of 3D Slicer is given to a scene by --unset approach --set approach.markups={}", path), path);
   constexpr const char* kOtherPrograms[] = {".mrml", ".mrb", ".pvsm", ".vti", ".vtp", ".vtk", ".vtu", ".mitk"};
   if (std::ranges::find(kOtherPrograms, ending) != std::end(kOtherPrograms))
-    return bad_input("is a file of another program, not a scene: save its volume as NRRD, NIfTI or MetaImage there (burrhole import)", path);
+    return bad_input("is a file of another program, not a scene: save its volume as NRRD, NIfTI or MetaImage there (burrhole import)",
+                     path);
   constexpr const char* kVolumes[] = {".vdb", ".nii", ".gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".dcm", ".stl", ".ply", ".obj", ".raw"};
   if (std::ranges::find(kVolumes, ending) == std::end(kVolumes)) return {};
-  return bad_input(fmt::format("is a volume or a mesh, not a scene: burrhole render {0} --image FILE.png draws it; to drill it, give it to a "
-                               "scene by --unset volume --set volume.source={0}",
-                               path),
-                   path);
+  return bad_input(
+      fmt::format("is a volume or a mesh, not a scene: burrhole render {0} --image FILE.png draws it; to drill it, give it to a "
+                  "scene by --unset volume --set volume.source={0}",
+                  path),
+      path);
 }
 
 /// @returns an error for the file of a tool in place of a scene.

@@ -10,13 +10,12 @@ struct OtherWord {
   std::string_view word, instead;
 };
 
-constexpr std::array<OtherWord, 25> kCommands{{{"run", "drill"},         {"start", "drill"},    {"simulate", "drill"},   {"play", "replay"},
-                                               {"view", "render"},       {"show", "render"},    {"open", "render"},      {"draw", "render"},
-                                               {"screenshot", "render"}, {"load", "import"},    {"read", "import"},      {"info", "import"},
-                                               {"convert", "export"},    {"save", "export"},    {"write", "export"},     {"diff", "compare"},
-                                               {"list", "scenes"},       {"ls", "scenes"},      {"init", "scenes --copy"}, {"new", "scenes --copy"},
-                                               {"validate", "check"},    {"lint", "check"},     {"bits", "tools"},       {"bench", "cost"},
-                                               {"log", "session"}}};
+constexpr std::array<OtherWord, 25> kCommands{
+    {{"run", "drill"},      {"start", "drill"}, {"simulate", "drill"}, {"play", "replay"},        {"view", "render"},
+     {"show", "render"},    {"open", "render"}, {"draw", "render"},    {"screenshot", "render"},  {"load", "import"},
+     {"read", "import"},    {"info", "import"}, {"convert", "export"}, {"save", "export"},        {"write", "export"},
+     {"diff", "compare"},   {"list", "scenes"}, {"ls", "scenes"},      {"init", "scenes --copy"}, {"new", "scenes --copy"},
+     {"validate", "check"}, {"lint", "check"},  {"bits", "tools"},     {"bench", "cost"},         {"log", "session"}}};
 
 struct OtherName {
   std::string_view name, instead, option;

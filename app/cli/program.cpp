@@ -132,8 +132,7 @@ std::optional<std::string> split_numbers_of(const CLI::App& command, std::span<c
       if (!is_number(word)) break;
       whole += separator + word;
     }
-    if (whole != option->results().front())
-      return fmt::format("unexpected \"{}\": write {} {}", extra.front(), option->get_name(), whole);
+    if (whole != option->results().front()) return fmt::format("unexpected \"{}\": write {} {}", extra.front(), option->get_name(), whole);
   }
   return std::nullopt;
 }
@@ -186,7 +185,8 @@ std::string wrong_count(const CLI::App& command, const std::string& text) {
   const CLI::Option* option = command.get_option_no_throw(text.substr(0, text.find(':')));
   if (option == nullptr) return text;
   const std::string name = option->get_name(), type = option->get_type_name();
-  if (option->get_items_expected_max() == 1 && option->count() > 1) return fmt::format("{} is given {} times: give it once", name, option->count());
+  if (option->get_items_expected_max() == 1 && option->count() > 1)
+    return fmt::format("{} is given {} times: give it once", name, option->count());
   if (text.find("missing") == std::string::npos) return text;
   return fmt::format("{} is not followed by its value: {} {}", name, name, type.substr(0, type.find(':')));
 }
@@ -194,8 +194,8 @@ std::string wrong_count(const CLI::App& command, const std::string& text) {
 /// @returns what is wrong with an option in place of a command: --drill, or help and version as words.
 std::optional<std::string> misplaced(const std::string& word, const std::vector<std::string>& names, std::span<const char* const> rest) {
   if (word == "help")
-    return "unknown command \"help\"; did you mean \"" + (rest.empty() ? std::string("burrhole") : fmt::format("burrhole {}", rest.front())) +
-           " --help\"?";
+    return "unknown command \"help\"; did you mean \"" +
+           (rest.empty() ? std::string("burrhole") : fmt::format("burrhole {}", rest.front())) + " --help\"?";
   if (word == "version") return "unknown command \"version\"" + did_you_mean("burrhole --version");
   if (!word.starts_with('-')) return std::nullopt;
   const std::string bare = word.substr(std::min(word.find_first_not_of('-'), word.size()));

@@ -206,7 +206,8 @@ Status write_drilling_cost(const std::vector<DrillingPoint>& points, const std::
   HtmlPage html("What drilling costs", "One setting at a time round the defaults: a hole of the " + bit + " bit through a plate");
   html.svg(*svg,
            "Absolute errors; dotted lines mark the defaults. A triangle that points down is an upper bound: the error is below the finer "
-           "run's own, or below 0.01. Volume against the closed form; time and plunge against a finer run. CPU time and memory of the run with the default hand, over "
+           "run's own, or below 0.01. Volume against the closed form; time and plunge against a finer run. CPU time and memory of the run "
+           "with the default hand, over "
            "the default.");
   html.heading("Setting by setting");
   for (const std::string& sentence : drilling_sentences(points)) html.paragraph(sentence);

@@ -312,8 +312,8 @@ std::string series_commands(const PlotPanel& panel, std::size_t panel_index, con
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const PlotSeries& series = panel.series[i];
     const std::string block = fmt::format("$p{}_{}", panel_index, i);
-    parts.push_back(fmt::format("{} using 1:2 {} {}", block, series.style.empty() ? turn_style(i, layers[i]) : series.style,
-                                titled(series.name)));
+    parts.push_back(
+        fmt::format("{} using 1:2 {} {}", block, series.style.empty() ? turn_style(i, layers[i]) : series.style, titled(series.name)));
   }
   std::string out = "plot ";
   for (const std::string& part : parts) out += (&part == parts.data() ? "" : ", \\\n     ") + part;

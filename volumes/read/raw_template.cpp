@@ -46,10 +46,11 @@ std::string raw_template(std::span<const std::string> files) {
   const auto slices = std::ranges::count_if(files, [&](const std::string& file) { return pattern.fits(name_of(file)); });
   const bool stack = slices > 1;
   const std::string where = (fs::path(files.front()).parent_path() / "scan.toml").string();
-  return fmt::format("raw voxels are read by a file that describes them: write {} with the lines {} = {}; dims = [I, J, {}]; spacing_mm = "
-                     "[X, Y, Z]; type = \"int16\"; byte_order = \"little\" (burrhole docs raw), then give that file",
-                     where, stack ? "files" : "data", toml_string(stack ? pattern.before + "*" + pattern.after : name),
-                     stack ? std::to_string(slices) : "K");
+  return fmt::format(
+      "raw voxels are read by a file that describes them: write {} with the lines {} = {}; dims = [I, J, {}]; spacing_mm = "
+      "[X, Y, Z]; type = \"int16\"; byte_order = \"little\" (burrhole docs raw), then give that file",
+      where, stack ? "files" : "data", toml_string(stack ? pattern.before + "*" + pattern.after : name),
+      stack ? std::to_string(slices) : "K");
 }
 
 bool named_as_raw(const std::string& path) {

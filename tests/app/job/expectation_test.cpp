@@ -70,13 +70,13 @@ TEST_CASE("expectation: a wrong term is one line with what is allowed") {
     const bool no_flag = terms.error().message.find("names no flag") != std::string::npos;
     CHECK(no_flag == (std::string(text) == "no plunge"));
     const std::string term = text;
-    const char* const listed = no_figure                                         ? "figures: plunge, depth, "
-                               : no_flag                                         ? "did you mean \"no plunged\"? flags: plunged, "
-                               : term == "plunge<0.5"                            ? ": write \"plunge<0.5mm\""
+    const char* const listed = no_figure                                           ? "figures: plunge, depth, "
+                               : no_flag                                           ? "did you mean \"no plunged\"? flags: plunged, "
+                               : term == "plunge<0.5"                              ? ": write \"plunge<0.5mm\""
                                : term == "plunge<0.5cm" || term == "plunge<0.5mm2" ? ": plunge is in mm"
-                               : term == "plunge=1mm"                            ? ": write \"plunge>LOW, plunge<HIGH\""
-                               : term == "plunge<<1mm"                           ? ": write \"plunge<1mm\""
-                                                                                 : "; allowed: through, faulted";
+                               : term == "plunge=1mm"                              ? ": write \"plunge>LOW, plunge<HIGH\""
+                               : term == "plunge<<1mm"                             ? ": write \"plunge<1mm\""
+                                                                                   : "; allowed: through, faulted";
     CHECK(terms.error().message.find(listed) != std::string::npos);
     CHECK(terms.error().message.find('\n') == std::string::npos);
   }

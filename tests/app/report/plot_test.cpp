@@ -118,7 +118,8 @@ TEST_CASE("plot: a legend of many long names takes rows, and its panel grows by 
 std::vector<double> numbers_after(const std::string& script, const std::string& word) {
   const std::regex number(word + "(-?[0-9.]+)");
   std::vector<double> out;
-  for (std::sregex_iterator at(script.begin(), script.end(), number); at != std::sregex_iterator(); ++at) out.push_back(std::stod((*at)[1]));
+  for (std::sregex_iterator at(script.begin(), script.end(), number); at != std::sregex_iterator(); ++at)
+    out.push_back(std::stod((*at)[1]));
   return out;
 }
 
@@ -169,7 +170,8 @@ TEST_CASE("plot: a legend over a grid has the rows that its names need, all insi
     plot.legend = "above";
     const Result<std::string> svg = draw_svg(plot);
     REQUIRE_MESSAGE(svg.ok(), (svg ? "" : svg.error().text()));
-    const std::regex name(R"re(<g transform="translate\(([-0-9.]+),([-0-9.]+)\)"[^>]*>\s*<text><!\[CDATA\[run1|<g transform="translate\(([-0-9.]+),([-0-9.]+)\)"[^>]*>\s*<text>run1)re");
+    const std::regex name(
+        R"re(<g transform="translate\(([-0-9.]+),([-0-9.]+)\)"[^>]*>\s*<text><!\[CDATA\[run1|<g transform="translate\(([-0-9.]+),([-0-9.]+)\)"[^>]*>\s*<text>run1)re");
     std::set<double> rows;
     int names = 0;
     for (std::sregex_iterator at(svg->begin(), svg->end(), name); at != std::sregex_iterator(); ++at, ++names) {

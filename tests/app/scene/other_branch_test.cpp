@@ -14,10 +14,11 @@ namespace {
 
 /// The one issue of a hand of that text, explained.
 std::string about_hand(const std::string& lines) {
-  ReadSample read = read_sample(SchemaFile::scene,
-                                "[volume]\nsource = \"phantom:plate\"\n[tool]\nname = \"x\"\nspin_rpm = 1000\n[approach]\nentry_mm = [0, 0, 0]\n"
-                                "[contact]\n[hand]\n" +
-                                    lines + "\n");
+  ReadSample read =
+      read_sample(SchemaFile::scene,
+                  "[volume]\nsource = \"phantom:plate\"\n[tool]\nname = \"x\"\nspin_rpm = 1000\n[approach]\nentry_mm = [0, 0, 0]\n"
+                  "[contact]\n[hand]\n" +
+                      lines + "\n");
   Issues issues = read.issues;
   explain_unknown_keys(issues);
   REQUIRE(issues.size() == 1);
