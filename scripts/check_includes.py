@@ -32,7 +32,7 @@ SEES = {
     "core/contact": VALUES,
     "core/drill": VALUES,
     "core/measure": ACTING,
-    "core/mesh": VALUES,
+    "core/mesh": VALUES + ["core/contact"],
     "core/sound": BASE,
     "haptics": CORE,
     "volumes": CORE,

@@ -235,7 +235,8 @@ Status is_no_value_of_a_table(const std::string& assignment) {
 }
 
 /// The keys whose values are paths of files that are read.
-constexpr const char* kPathKeys[] = {"volume.source", "approach.markups", "tool.name", "mesh.file"};
+constexpr const char* kPathKeys[] = {"volume.source", "approach.markups",         "tool.name",
+                                     "mesh.file",     "display.exterior_texture", "display.interior_texture"};
 
 /// @returns the assignment with the path of a file below the current folder made absolute; others unchanged.
 std::string from_current_folder(const std::string& assignment) {
@@ -251,7 +252,8 @@ std::string from_current_folder(const std::string& assignment) {
   if (value.size() >= 2 && value.front() == value.back() && (value.front() == '"' || value.front() == '\''))
     value = value.substr(1, value.size() - 2);
   std::error_code ignored;
-  const bool by_name = key == "tool.name" && !value.ends_with(".toml") && value.find('/') == std::string::npos;
+  const char* const ending = key == "tool.name" ? ".toml" : key.ends_with("_texture") ? ".png" : nullptr;  // of files that may be named too
+  const bool by_name = ending != nullptr && !value.ends_with(ending) && value.find('/') == std::string::npos;
   if (value.empty() || by_name || value.front() == '/' || value.front() == '$' || !fs::exists(value, ignored)) return assignment;
   return key + "=" + toml_string(fs::absolute(value, ignored).lexically_normal().string());
 }

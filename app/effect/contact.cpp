@@ -6,6 +6,7 @@
 #include "app/stage/force_loop.h"
 #include "app/stage/stage.h"
 #include "core/contact/contact_form.h"
+#include "core/mesh/mesh_form.h"
 #include "haptics/servo/multi_rate.h"
 
 namespace burrhole {
@@ -16,7 +17,8 @@ struct FormEntry {
   const char* word;
   std::unique_ptr<ContactForm> (*read)(TableReader& table);
 };
-constexpr FormEntry kForms[] = {{"surface", read_surface_form}, {"gradient-plane", read_gradient_plane_form}, {"voxmap", read_voxmap_form}};
+constexpr FormEntry kForms[] = {
+    {"surface", read_surface_form}, {"gradient-plane", read_gradient_plane_form}, {"voxmap", read_voxmap_form}, {"mesh", read_mesh_form}};
 
 class ContactEffect final : public Effect {
  public:
@@ -102,9 +104,9 @@ class ContactPlan final : public EffectPlan {
     word_ =
         table.choice("model", words.front(), words,
                      "contact model; surface: a tool that is constrained by the bone's surface; gradient-plane: a penalty force by tangent "
-                     "planes from the density gradient; voxmap: a penalty force by planes perpendicular to the tool's inward normals; a "
-                     "large thrust can push the tool through bone against a penalty force",
-                     {"mesh"});
+                     "planes from the density gradient; voxmap: a penalty force by planes perpendicular to the tool's inward normals; "
+                     "mesh: a penalty force by the nearest triangles of a mesh of the surface; a large thrust can push the tool through "
+                     "bone against a penalty force");
     for (const FormEntry& entry : kForms)
       if (word_ == entry.word) form_ = entry.read(table);
     rate_hz_ = read_rate(table, stage, rate_hz_, 20, "rate of contact evaluations; divides servo_hz");
@@ -144,7 +146,9 @@ class ContactPlan final : public EffectPlan {
     const std::uint64_t shell = context.tool.shell.size() * (2 * sizeof(Vec3) + 1 + sizeof(Contact));
     return {.table = "contact",
             .clock = Clock::contact,
-            .step = "point shell against the window copy, and its planes at the servo's rate",
+            .step = context.needs.fields.triangles != nullptr
+                        ? "point shell against the triangles of the window copy, and its planes at the servo's rate"
+                        : "point shell against the window copy, and its planes at the servo's rate",
             .needs = "window copy, hand motion",
             .gives = "contact state",
             .detail = fmt::format("{} points, {}", context.tool.shell.size(), form_->text()),
@@ -201,7 +205,8 @@ EffectEntry contact_effect() {
            "model = \"gradient-plane\"\nmode = \"paper\"", "model = \"gradient-plane\"\nstorage = \"vdb\"",
            "model = \"voxmap\"\nstacking = \"sum\"", "model = \"voxmap\"\nstacking = \"sum-limited\"",
            "model = \"voxmap\"\nstacking = \"average\"", "model = \"voxmap\"\nstacking = \"deepest\"",
-           "model = \"voxmap\"\nplane = \"surface\""}};
+           "model = \"voxmap\"\nplane = \"surface\"", "model = \"mesh\"", "model = \"mesh\"\nstacking = \"average\"",
+           "model = \"mesh\"\ncoupling = \"virtual\""}};
 }
 
 }  // namespace burrhole

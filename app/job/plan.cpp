@@ -43,7 +43,8 @@ std::optional<PlanRow> publish_row(const PlanContext& context) {
                  .needs = "window, changed boxes",
                  .gives = needs.paper_grids ? "density and gradient grids" : "window copy",
                  .detail = needs.paper_grids ? std::string("the whole bone")
-                                             : fmt::format("{} voxels of {} bytes", context.window_voxels, bytes_a_voxel(needs.fields)),
+                                             : fmt::format("{} voxels of {} bytes{}", context.window_voxels, bytes_a_voxel(needs.fields),
+                                                           needs.fields.triangles != nullptr ? ", mesh of the surface in them" : ""),
                  .rate_hz = needs.simulation_hz > 0 ? static_cast<double>(needs.simulation_hz) : 0.25 * context.config.servo_hz,
                  .bytes = publish_bytes(context)};
 }

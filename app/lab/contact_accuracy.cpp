@@ -16,6 +16,7 @@
 #include "core/base/portable_math.h"
 #include "core/base/random.h"
 #include "core/base/units.h"
+#include "core/mesh/mesh_contact.h"
 #include "core/tool/make_tool.h"
 
 namespace burrhole {
@@ -25,7 +26,7 @@ struct LabTool {
   std::string name;
   std::string text;  // of its file
   PointShell shell;
-  std::unique_ptr<PenaltyModel> model;
+  std::unique_ptr<PenaltyModel> planes, mesh;
 };
 
 Result<std::vector<LabTool>> load_tools(const ContactAccuracyOptions& options) {
@@ -40,7 +41,9 @@ Result<std::vector<LabTool>> load_tools(const ContactAccuracyOptions& options) {
     if (!text) return text.error();
     auto model = GradientPlane::create(options.model, tool->shell);
     if (!model) return model.error();
-    tools.push_back({name, std::move(text).value(), std::move(tool->shell), std::move(model).value()});
+    auto mesh = MeshContact::create({.stiffness = options.model.stiffness}, tool->shell);
+    if (!mesh) return mesh.error();
+    tools.push_back({name, std::move(text).value(), std::move(tool->shell), std::move(model).value(), std::move(mesh).value()});
   }
   return tools;
 }
@@ -93,6 +96,10 @@ Pose placed(const LabBone& bone, const ContactAccuracyOptions& options, double d
   return {to_surface * about_axis, aside - depth * bone.out};
 }
 
+constexpr const char* kShippedForm = "gradient-plane, words";
+constexpr const char* kLawReference = "average over colliding points of closed-form depths";
+constexpr const char* kDeepestReference = "largest closed-form depth";
+
 /// Results of one setting, one value per placement (times: one per evaluation).
 struct Samples {
   std::vector<double> own_law, translation;  // [%] of the reference force
@@ -100,8 +107,19 @@ struct Samples {
   std::vector<double> time_us;
 };
 
-Samples sample(const LabBone& bone, const ContactRig& rig, const ContactView& view, const LabTool& tool, double depth,
+/// A model with the form of the bone that it reads, and the closed form of its law.
+struct BoneForm {
+  const char* model;
+  ContactView view;
+  double bytes;
+  std::unique_ptr<PenaltyModel> LabTool::*evaluated = &LabTool::planes;
+  Vec3 (*law)(const Truth&, const PointShell&, const Pose&, double) noexcept = exact_average_force;
+  const char* law_text = kLawReference;
+};
+
+Samples sample(const LabBone& bone, const Truth& truth, const BoneForm& form, const LabTool& tool, double depth,
                const ContactAccuracyOptions& options) {
+  const PenaltyModel& model = *(tool.*form.evaluated);
   Samples out;
   ContactResult result;
   result.contacts.reserve(tool.shell.size());
@@ -109,12 +127,12 @@ Samples sample(const LabBone& bone, const ContactRig& rig, const ContactView& vi
     const Pose pose = placed(bone, options, depth, n);
     for (int repeat = 0; repeat < options.repeats; ++repeat) {
       const auto start = std::chrono::steady_clock::now();
-      tool.model->evaluate(view, pose, result);
+      model.evaluate(form.view, pose, result);
       out.time_us.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
     }
     const double k = options.model.stiffness;
-    const Vec3 law = exact_average_force(rig.truth(), tool.shell, pose, k);
-    const Vec3 translation = bone.out * (k * exact_translation_distance(rig.truth(), tool.shell, pose, bone.out));
+    const Vec3 law = form.law(truth, tool.shell, pose, k);
+    const Vec3 translation = bone.out * (k * exact_translation_distance(truth, tool.shell, pose, bone.out));
     if (law == Vec3(0.0)) continue;  // beside the edge of the wedge the tip may be in air
     const double off_law = glm::length(result.wrench.force - law);
     out.own_law.push_back(100.0 * off_law / glm::length(law));
@@ -124,16 +142,14 @@ Samples sample(const LabBone& bone, const ContactRig& rig, const ContactView& vi
   return out;
 }
 
-constexpr const char* kShippedForm = "gradient-plane, words";
-constexpr const char* kLawReference = "average over colliding points of closed-form depths";
 constexpr const char* kWayReference = "k x closed-form translation distance along the push";
 
 struct ContactError {
-  const char *name, *unit, *reference;
+  const char *name, *unit, *reference;  // null: that of the form's law
 };
-constexpr std::array kErrors{ContactError{"own_law_median", "%", kLawReference}, ContactError{"own_law_worst", "%", kLawReference},
-                             ContactError{"own_law_worst_length", "voxel", kLawReference},
-                             ContactError{"translation_median", "%", kWayReference}, ContactError{"translation_worst", "%", kWayReference}};
+constexpr std::array kErrors{ContactError{"own_law_median", "%", nullptr}, ContactError{"own_law_worst", "%", nullptr},
+                             ContactError{"own_law_worst_length", "voxel", nullptr}, ContactError{"translation_median", "%", kWayReference},
+                             ContactError{"translation_worst", "%", kWayReference}};
 constexpr std::size_t kFigures = kErrors.size() + 2;  // and the median and the 99th percentile of the times [us]
 
 /// @returns the errors in the order of kErrors, then the times; NaN if the tool met no bone.
@@ -144,7 +160,7 @@ Study::Figures figures_of(const Samples& samples) {
           at_share(samples.time_us, 0.99)};
 }
 
-void add_rows(std::vector<CostRow>& rows, CostRow row, const Study::Figures& figures) {
+void add_rows(std::vector<CostRow>& rows, CostRow row, const Study::Figures& figures, const std::string& law_text) {
   if (std::isnan(figures.front())) return;
   row.median_us = figures[kErrors.size()];
   row.p99_us = figures[kErrors.size() + 1];
@@ -152,7 +168,7 @@ void add_rows(std::vector<CostRow>& rows, CostRow row, const Study::Figures& fig
     row.error_name = std::string(kErrors[n].name);
     row.error = figures[n];
     row.unit = std::string(kErrors[n].unit);
-    row.reference = std::string(kErrors[n].reference);
+    row.reference = kErrors[n].reference == nullptr ? law_text : std::string(kErrors[n].reference);
     rows.push_back(row);
   }
 }
@@ -165,19 +181,14 @@ StudyTrial trial_of(const std::string& name, const LabTool& tool, const ContactA
   return out;
 }
 
-struct BoneForm {
-  const char* model;
-  ContactView view;
-  double bytes;
-};
-
 Status measure_bone(const LabBone& bone, const std::vector<LabTool>& tools, const ContactAccuracyOptions& options, Study& study,
                     std::vector<CostRow>& rows) {
   auto rig = ContactRig::create(bone.spec);
   if (!rig) return rig.error();
   const BoneForm forms[] = {{kShippedForm, rig->word_view(), rig->word_bytes()},
                             {"gradient-plane, floats", rig->float_view(), rig->float_bytes()},
-                            {"gradient-plane, vdb", rig->vdb_view(), std::numeric_limits<double>::quiet_NaN()}};
+                            {"gradient-plane, vdb", rig->vdb_view(), std::numeric_limits<double>::quiet_NaN()},
+                            {"mesh", rig->mesh_view(), rig->mesh_bytes(), &LabTool::mesh, exact_deepest_force, kDeepestReference}};
   for (const LabTool& tool : tools)
     for (const double depth : options.depths_voxel)
       for (const BoneForm& form : forms) {
@@ -190,28 +201,30 @@ Status measure_bone(const LabBone& bone, const std::vector<LabTool>& tools, cons
         StudyTrial trial = trial_of(fmt::format("{}, {:g} voxels deep, {}", common.subject, depth, form.model), tool, options, kFigures);
         trial.key.add(depth).add(options.placements).add(options.repeats);
         const auto figures = study.run(trial, [&]() -> Result<Study::Figures> {
-          return figures_of(sample(bone, *rig, form.view, tool, depth * options.pitch, options));
+          return figures_of(sample(bone, rig->truth(), form, tool, depth * options.pitch, options));
         });
         if (!figures) return figures.error();
-        add_rows(rows, common, *figures);
+        add_rows(rows, common, *figures, form.law_text);
       }
   return {};
 }
 
 constexpr int kCurveSteps = 380;      // to 1.9 mm, almost the middle of the plate
 constexpr double kCurveStep = 0.005;  // [mm]
-constexpr std::size_t kForces = 3;    // of a step: of the model, of its own law, of the translation distance
+constexpr std::size_t kForces = 4;    // of a step: of the model, of its own law, of the translation distance, of the mesh
 
 Study::Figures forces_of(const LabBone& level, const ContactRig& rig, const LabTool& tool, const ContactAccuracyOptions& options) {
   Study::Figures out;
   ContactResult result;
   for (int step = 1; step <= kCurveSteps; ++step) {
     const Pose pose = placed(level, options, step * kCurveStep * kMillimetre, 0);
-    tool.model->evaluate(rig.word_view(), pose, result);
+    tool.planes->evaluate(rig.word_view(), pose, result);
     const double k = options.model.stiffness;
     out.push_back(glm::dot(result.wrench.force, level.out));
     out.push_back(glm::dot(exact_average_force(rig.truth(), tool.shell, pose, k), level.out));
     out.push_back(k * exact_translation_distance(rig.truth(), tool.shell, pose, level.out));
+    tool.mesh->evaluate(rig.mesh_view(), pose, result);
+    out.push_back(glm::dot(result.wrench.force, level.out));
   }
   return out;
 }
@@ -225,12 +238,13 @@ Result<std::vector<ForceCurve>> measure_curves(const std::vector<LabTool>& tools
     const auto figures = study.run(trial_of(tool.name + " pressed into " + level.name, tool, options, kForces * kCurveSteps),
                                    [&]() -> Result<Study::Figures> { return forces_of(level, *rig, tool, options); });
     if (!figures) return figures.error();
-    ForceCurve curve{tool.name, {}, {}, {}, {}};
+    ForceCurve curve{tool.name, {}, {}, {}, {}, {}};
     for (std::size_t n = 0; n < figures->size(); n += kForces) {
       curve.depth_mm.push_back(static_cast<double>(n / kForces + 1) * kCurveStep);
       curve.model_N.push_back((*figures)[n]);
       curve.law_N.push_back((*figures)[n + 1]);
       curve.translation_N.push_back((*figures)[n + 2]);
+      curve.mesh_N.push_back((*figures)[n + 3]);
     }
     curves.push_back(std::move(curve));
   }
@@ -259,7 +273,7 @@ double largest_loss_percent(const std::vector<double>& force) noexcept {
 }
 
 std::size_t count_of_trials(const ContactAccuracyOptions& options) {
-  constexpr std::size_t kForms = 3;
+  constexpr std::size_t kForms = 4;
   return options.tools.size() * (bones_of(options).size() * options.depths_voxel.size() * kForms + 1);
 }
 
@@ -283,7 +297,7 @@ Result<ContactAccuracy> measure_contact_accuracy(const ContactAccuracyOptions& o
   if (!curves) return curves.error();
   out.curves = std::move(curves).value();
   for (const ForceCurve& curve : out.curves)
-    for (const auto& [model, force] : {std::pair{kShippedForm, &curve.model_N}, {"exact average", &curve.law_N}}) {
+    for (const auto& [model, force] : {std::pair{kShippedForm, &curve.model_N}, {"exact average", &curve.law_N}, {"mesh", &curve.mesh_N}}) {
       CostRow row;
       row.subject = curve.tool + " pressed into plate, level";
       row.model = model;

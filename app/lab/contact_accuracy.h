@@ -1,4 +1,4 @@
-/// app/lab/contact_accuracy.h: error and cost of gradient-plane contact. Its force is compared with closed forms on level, tilted and
+/// app/lab/contact_accuracy.h: error and cost of gradient-plane and mesh contact. Their force is compared with closed forms on level, tilted and
 ///   curved bone, clean and noisy, at several depths, with the shipped tools.
 ///   Frame  world = bone frame.   Units  SI here; rows state theirs.   Errors  out_of_range, unavailable, errors of tools and phantoms.
 ///   Source  [AcostaLiu07] section 2 for the law; references in contact_reference.h.
@@ -34,6 +34,7 @@ struct ForceCurve {
   std::string tool;                   ///< as ContactAccuracyOptions::tools
   std::vector<double> depth_mm;       ///< [mm] of the tip below the surface, increasing
   std::vector<double> model_N;        ///< [N] of the model
+  std::vector<double> mesh_N;         ///< [N] of the model `mesh`
   std::vector<double> law_N;          ///< [N] of its own law with closed-form depths
   std::vector<double> translation_N;  ///< [N] k x the translation distance
 };
@@ -45,14 +46,16 @@ struct ContactAccuracy {
   std::vector<ForceCurve> curves;
 };
 /// Let f be the force of the model. The two reference forces are
-///   own law      k x the average of depth x outward normal over the colliding points, from the closed form of the bone;
+///   own law      from the closed form of the bone; gradient-plane: k x the average of depth x outward normal over the colliding points;
+///                mesh: k x the largest depth along the outward normal there;
 ///   translation  k x the translation distance: the distance along the outward normal after which no shell point is in bone.
-/// For each tool, bone (clean and noisy), depth, and form of the bone (packed words as published by a run, floats, OpenVDB grids) there is
+/// For each tool, bone (clean and noisy), depth, and form of the bone (packed words as published by a run, floats, OpenVDB grids, and the mesh
+/// for the model of that name) there is
 /// one row per error, with the median or the largest value over the placements:
 ///   own_law_median, own_law_worst          [%] |f - own law| over |own law|
 ///   own_law_worst_length                   [voxel] |f - own law| over k, in voxel edges: error of the surface position in the model
 ///   translation_median, translation_worst  [%] |f - translation| over |translation|
-/// and for each tool one row for the model and one for its own law, force_lost [%]: largest decrease of the force while the depth in a
+/// and for each tool one row for each model and one for the law of gradient-plane, force_lost [%]: largest decrease of the force while the depth in a
 /// level plate increases. @returns errors of tools and phantoms; out_of_range if there is no tool, depth, placement or repetition, or a
 /// depth is not between 0 and 2 mm, the middle of the plate.
 [[nodiscard]] Result<ContactAccuracy> measure_contact_accuracy(const ContactAccuracyOptions& options);

@@ -57,7 +57,8 @@ Plot force_plot(const std::vector<ForceCurve>& curves) {
     // The first two coincide: the wider one is seen on both sides of the narrower one.
     panel.series = {{"gradient-plane", curve.depth_mm, curve.model_N, line_style(kPlotBlue, "1", 5.0)},
                     {"average of exact depths", curve.depth_mm, curve.law_N, line_style(kPlotOrange, "1", 1.6)},
-                    {"k x translation distance", curve.depth_mm, curve.translation_N, line_style(kPlotGreen, "(8,4)", 1.6)}};
+                    {"k x translation distance", curve.depth_mm, curve.translation_N, line_style(kPlotGreen, "(8,4)", 5.0)},
+                    {"mesh", curve.depth_mm, curve.mesh_N, line_style(kPlotViolet, "1", 1.6)}};
     plot.panels.push_back(std::move(panel));
   }
   return plot;

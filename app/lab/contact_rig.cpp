@@ -1,6 +1,7 @@
 #include "app/lab/contact_rig.h"
 
 #include "core/contact/contact_form.h"
+#include "core/mesh/mesh_form.h"
 
 namespace burrhole {
 namespace {
@@ -36,6 +37,7 @@ Result<ContactRig> ContactRig::create(const PhantomSpec& spec) {
   };
   rig.words_ = publish(shipped_fields(read_gradient_plane_form));
   rig.floats_ = publish({.density = true, .gradient = true});
+  rig.mesh_ = publish(shipped_fields(read_mesh_form));
   rig.records_ = publish(shipped_fields(read_surface_form));
   rig.grids_ = std::make_unique<VdbContactGrids>(*rig.voxmap_);
   return rig;
@@ -46,6 +48,8 @@ SurfaceView ContactRig::surface_view() const {
   BH_ASSERT(view.has_value());
   return *view;
 }
+
+double ContactRig::mesh_bytes() const { return static_cast<double>(mesh_->exchange().latest().bytes()); }
 
 double ContactRig::bytes_of(const ContactWindowPublisher& publisher) const {
   return static_cast<double>(voxmap_->window().box.count() * bytes_a_voxel(publisher.fields()));

@@ -23,10 +23,13 @@ class ContactRig {
   [[nodiscard]] ContactView float_view() const { return {floats_->exchange().latest(), bone_from_index_, Pose{}}; }
   /// The storage of the paper.
   [[nodiscard]] ContactView vdb_view() const { return {*grids_, bone_from_index_, Pose{}}; }
+  /// Published by a scene with `model = "mesh"`.
+  [[nodiscard]] ContactView mesh_view() const { return {mesh_->exchange().latest(), bone_from_index_, Pose{}}; }
   /// Published by a scene with `model = "surface"`.
   [[nodiscard]] SurfaceView surface_view() const;
   [[nodiscard]] double word_bytes() const { return bytes_of(*words_); }  ///< [bytes] of one published copy
   [[nodiscard]] double float_bytes() const { return bytes_of(*floats_); }
+  [[nodiscard]] double mesh_bytes() const;  ///< [bytes] of one published copy
 
  private:
   ContactRig() = default;
@@ -34,7 +37,7 @@ class ContactRig {
   std::unique_ptr<Truth> truth_;
   Affine bone_from_index_;
   std::unique_ptr<Voxmap> voxmap_;
-  std::unique_ptr<ContactWindowPublisher> words_, floats_, records_;
+  std::unique_ptr<ContactWindowPublisher> words_, floats_, mesh_, records_;
   std::unique_ptr<VdbContactGrids> grids_;
 };
 

@@ -16,6 +16,7 @@
 #include "core/contact/constrained_tool.h"
 #include "core/contact/gradient_plane.h"
 #include "core/contact/voxmap_contact.h"
+#include "core/mesh/mesh_contact.h"
 #include "core/tool/make_tool.h"
 
 namespace burrhole {
@@ -145,7 +146,7 @@ Result<std::vector<SlidingRow>> measure_sliding(const SlidingOptions& options, s
     const Slope slope(tilt);
     auto rig = ContactRig::create(plate_of(options, slope.normal));
     if (!rig) return rig.error();
-    const SlidingBone bone{rig->word_view(), rig->surface_view()};
+    const SlidingBone bone{rig->word_view(), rig->mesh_view(), rig->surface_view()};
     for (const double depth : options.depths_voxel)
       for (const SlidingSubject& subject : subjects) {
         const auto figures = study.run(trial_of(subject, tilt, depth, tool, options), [&]() -> Result<Study::Figures> {
@@ -204,13 +205,14 @@ Result<std::vector<SlidingSubject>> sliding_subjects(const SlidingOptions& optio
   auto tool = load_tool(tool_file(options), {.erosion_pitch = 1e-3}, issues);
   if (!tool) return issues.front();
   std::vector<SlidingSubject> subjects;
-  const auto add = [&](const char* name, Result<std::unique_ptr<PenaltyModel>> made) -> Status {
+  const auto add = [&](const char* name, Result<std::unique_ptr<PenaltyModel>> made,
+                       ContactView SlidingBone::*form = &SlidingBone::voxels) -> Status {
     if (!made) return made.error();
     const std::shared_ptr<const PenaltyModel> model = std::move(made).value();
-    subjects.push_back({name, [model](const SlidingBone& bone) -> ForceAt {
+    subjects.push_back({name, [model, form](const SlidingBone& bone) -> ForceAt {
                           auto result = std::make_shared<ContactResult>();
                           result->contacts.reserve(model->shell().size());
-                          return [model, view = &bone.voxels, result](const Pose& pose) {
+                          return [model, view = &(bone.*form), result](const Pose& pose) {
                             model->evaluate(*view, pose, *result);
                             return result->wrench.force;
                           };
@@ -227,6 +229,11 @@ Result<std::vector<SlidingSubject>> sliding_subjects(const SlidingOptions& optio
   if (const Status ok = add("voxmap, own voxel, sum limited", voxmap(PlaneVoxel::own, Stacking::sum_limited)); !ok) return ok.error();
   if (const Status ok = add("voxmap, surface voxel, average", voxmap(PlaneVoxel::surface, Stacking::average)); !ok) return ok.error();
   if (const Status ok = add("voxmap, surface voxel, deepest", voxmap(PlaneVoxel::surface, Stacking::deepest)); !ok) return ok.error();
+  for (const auto& [name, stacking] : {std::pair{"mesh, deepest", MeshStacking::deepest}, {"mesh, average", MeshStacking::average}})
+    if (const Status ok =
+            add(name, MeshContact::create({.stiffness = kSlidingStiffness, .stacking = stacking}, tool->shell), &SlidingBone::mesh);
+        !ok)
+      return ok.error();
   return subjects;
 }
 

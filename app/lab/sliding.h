@@ -21,9 +21,10 @@ inline constexpr double kSlidingStiffness = 2000.0;  ///< [N/m] of every compare
 /// Force [N] on the tool at a pose.
 using ForceAt = std::function<Vec3(const Pose&)>;
 
-/// One bone in the forms that the penalty models and the constrained tool read.
+/// One bone in the forms that the penalty models (of voxels, of the mesh) and the constrained tool read.
 struct SlidingBone {
   ContactView voxels;
+  ContactView mesh;
   SurfaceView surface;
 };
 
@@ -74,7 +75,7 @@ struct SlideFigures {
 
 /// The models with the tool of the options at 2000 N/m: surface, with rotation locked and without damping, so that the force depends on the
 /// pose only; gradient-plane; voxmap with the point's own voxel and sum_limited (average is a tenth of it where ten points touch); voxmap
-/// with the surface voxel, average and deepest.
+/// with the surface voxel, average and deepest; mesh, deepest and average.
 [[nodiscard]] Result<std::vector<SlidingSubject>> sliding_subjects(const SlidingOptions& options);
 
 /// Four rows of cost.csv each, against tilt: mean_force_off (mean minus true force, < 0 if a model returns less), largest_step and rms_step

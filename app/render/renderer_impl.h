@@ -7,10 +7,12 @@
 #include <optional>
 
 #include "app/render/bone_buffer.h"
+#include "app/render/bone_paint.h"
 #include "app/render/frame_block.h"
 #include "app/render/frame_cache.h"
 #include "app/render/gl_context.h"
 #include "app/render/gl_target.h"
+#include "app/render/read_buffer.h"
 #include "app/render/renderer.h"
 #include "app/render/shader_program.h"
 #include "app/render/skin_mesh.h"
@@ -45,12 +47,15 @@ struct Renderer::Impl {
   /// The bone as triangles, in place of the volume; all absent unless RenderOptions::mesh.
   std::optional<BoneMesh> mesh;
   std::optional<BoneBuffer> mesh_buffer;
+  std::optional<BonePaint> paint;          ///< its textures; absent: none
   std::optional<GlObject> section_colors;  ///< a texture of its voxels' colours, made when a cut is first drawn
   std::optional<UploadRing> ring;
+  std::optional<ReadBuffer> read_buffer;
   std::optional<ToolMesh> tool;
   std::optional<ToolDepth> tool_depth;  ///< made when the tool's shadow is first drawn
   std::optional<SkinMesh> skin;         ///< drawn where has_layers()
   FrameCache cache;
+  std::vector<Image> read_parts;          ///< drawn parts of the last picture, whose memory the next ones take
   bool may_grow = false;                  ///< forget() came since the last picture
   std::optional<CameraView> last_camera;  ///< of draw_at_pace
 
@@ -67,7 +72,10 @@ struct Renderer::Impl {
     detail_buffer = make_buffer(gl);
     gl.NamedBufferStorage(detail_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
     count_query = make_count_query(gl);
-    if (!options.mesh && options.upload_ring.value_or(!context.is_software())) ring.emplace(gl);
+    if (options.mapped_buffers.value_or(!context.is_software())) {
+      if (!options.mesh) ring.emplace(gl);
+      read_buffer.emplace(gl);
+    }
     if (options.skip_empty && !options.slices && !options.mesh) seen_from = kSolidOpacity;
     if (!options.translucent) return;
     const TransferTable table = make_transfer_table(*options.translucent);
@@ -115,7 +123,7 @@ struct Renderer::Impl {
   [[nodiscard]] Status set_mesh(const VolumeView& view);
   /// Sends what of the mesh has changed, and before the first cut the colours of its section. Nothing without a mesh.
   [[nodiscard]] Status send_mesh(bool cut);
-  void draw_mesh(GLuint background, GLuint program) const;
+  void draw_mesh(const PixelRect& part, const FrameBlock& block, GLuint background, GLuint program);
   [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
   void scissor(const PixelRect& part) const;
   void draw_screen(GLuint program) const;
@@ -144,7 +152,7 @@ struct Renderer::Impl {
   /// Makes `into` a target of that size and kind. @param spare keeps the last larger one, and gives it back; null: none is kept.
   Status prepare(GlTarget& into, GlTarget* spare, int width, int height, TargetKind kind);
   [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
-  void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;
+  void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool);
   /// @param drawn_tool where it meets the part; absent: not at all.
   void draw_layer(const PixelRect& part, const Programs& used, const std::optional<DrawnTool>& drawn_tool) const;
   /// @returns the number of drawn pixels that were only lit again.

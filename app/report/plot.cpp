@@ -15,6 +15,7 @@
 #include "app/report/file.h"
 #include "app/report/gnuplot.h"
 #include "app/report/plot_labels.h"
+#include "app/report/plot_range.h"
 #include "app/report/plot_style.h"
 #include "core/base/assert.h"
 
@@ -24,6 +25,7 @@ namespace {
 // Sizes [px]. The right margin contains the names of the bands, if there are any, the top margin the rows of event names.
 constexpr int kLeft = 84, kRightOfBands = 118, kRight = 26, kBottom = 58, kTop = 14, kGap = 16;
 constexpr int kTitle = 30, kGridRight = 14;  // in a grid: above each panel, and to its right
+constexpr double kFarAway = 1e6;             // of what lies outside a frame
 constexpr int kLegendAbove = 26;             // height of a legend of one row above a grid
 constexpr int kAxisName = 18;                // centre of the name of a y axis
 constexpr int kRowHeight = 16, kFontSize = 12;
@@ -41,23 +43,6 @@ constexpr std::size_t kUsualRows = 3;  // of a legend: the height of a panel hol
 constexpr double kCoincide = 0.005;  // [-] of the axis: curves nearer than this cover each other
 constexpr const char* kBandColors[] = {"#f1e7d4", "#f9f4ea"};
 
-struct Range {
-  double lo = std::numeric_limits<double>::infinity();
-  double hi = -std::numeric_limits<double>::infinity();
-
-  void include(double value) {
-    if (!std::isfinite(value)) return;
-    lo = std::min(lo, value);
-    hi = std::max(hi, value);
-  }
-  /// A range with a positive length.
-  [[nodiscard]] Range drawable() const {
-    if (lo > hi) return {0.0, 1.0};
-    if (lo == hi) return {lo - 0.5, hi + 0.5};
-    return *this;
-  }
-};
-
 /// Where a panel's frame lies on the picture [px from the left and the bottom].
 struct Place {
   double left = 0.0, right = 0.0, bottom = 0.0, top = 0.0;
@@ -68,48 +53,6 @@ int right_margin(const Plot& plot) {
   return std::ranges::any_of(plot.panels, [](const PlotPanel& panel) { return !panel.bands.empty(); }) ? kRightOfBands : kRight;
 }
 
-bool can_be_drawn(double value, bool log) { return std::isfinite(value) && (!log || value > 0.0); }
-
-/// Of one panel, or of all that share an axis.
-Range x_range(std::span<const PlotPanel> panels, bool log) {
-  Range range;
-  for (const PlotPanel& panel : panels) {
-    if (panel.x_range) return {panel.x_range->first, panel.x_range->second};
-    for (const PlotSeries& series : panel.series)
-      for (const double x : series.x)
-        if (can_be_drawn(x, log)) range.include(x);
-  }
-  return range.drawable();
-}
-
-/// Whether a curve runs along zero, where the frame would hide it. @param most of the axis.
-bool runs_along_zero(const PlotPanel& panel, double most) {
-  constexpr double kHidden = 0.004;  // [-] of the axis
-  for (const PlotSeries& series : panel.series)
-    for (std::size_t n = 1; n < series.y.size(); ++n)
-      if (std::abs(series.y[n - 1]) <= kHidden * most && std::abs(series.y[n]) <= kHidden * most) return true;
-  return false;
-}
-
-Range y_range(const PlotPanel& panel, bool log) {
-  if (panel.y_range) return {panel.y_range->first, panel.y_range->second};
-  Range range;
-  for (const PlotSeries& series : panel.series)
-    for (const double y : series.y)
-      if (can_be_drawn(y, log)) range.include(y);
-  for (const PlotBand& band : panel.bands) {
-    range.include(band.from);
-    range.include(band.to);
-  }
-  if (panel.from_zero) range.include(0.0);
-  range = range.drawable();
-  if (log) return range.lo > 0.0 ? Range{range.lo / 1.2, range.hi * 1.2} : Range{0.1, 1.0};
-  // Room for the line's own width; an axis that starts at zero keeps its zero on the frame, except where a curve runs along it.
-  const double room = 0.06 * (range.hi - range.lo);
-  const bool on_frame = panel.from_zero && range.lo == 0.0 && !runs_along_zero(panel, range.hi);
-  return {on_frame ? 0.0 : range.lo - room, range.hi + room};
-}
-
 /// The name of an event: its text runs to the right of the event's line.
 struct Flag {
   double pole_px = 0.0;  // from the left
@@ -118,7 +61,7 @@ struct Flag {
 };
 
 /// From right to left, each name is placed one row above every line that its text would cross, so that no line crosses a name.
-std::vector<Flag> make_flags(const Plot& plot, const Range& x) {
+std::vector<Flag> make_flags(const Plot& plot, const PlotRange& x) {
   const double px_per_x = (plot.width_px - kLeft - right_margin(plot)) / (x.hi - x.lo);
   std::vector<Flag> flags(plot.events.size());
   std::vector<std::size_t> order(flags.size());
@@ -127,7 +70,7 @@ std::vector<Flag> make_flags(const Plot& plot, const Range& x) {
   for (std::size_t n = 0; n < order.size(); ++n) {
     Flag& flag = flags[order[n]];
     const double width = kCharWidth * static_cast<double>(plot.events[order[n]].label.size() + 1);
-    flag.pole_px = kLeft + (plot.events[order[n]].x - x.lo) * px_per_x;
+    flag.pole_px = std::clamp(kLeft + (plot.events[order[n]].x - x.lo) * px_per_x, -kFarAway, kFarAway);
     flag.text_px = std::min(flag.pole_px - 2.0, plot.width_px - width);
     for (std::size_t later = 0; later < n; ++later) {
       const Flag& other = flags[order[later]];
@@ -151,17 +94,35 @@ std::string data_block(const Plot& plot, const PlotSeries& series, const std::st
   return out + "\n1e300 1e300\nEOD\n";
 }
 
-std::string fill_block(const PlotFill& fill, const Range& y, const std::string& name) {
+std::string fill_block(const Plot& plot, const PlotFill& fill, const PlotRange& y, const std::string& name) {
   BH_ASSERT(fill.x.size() == fill.from.size() && fill.x.size() == fill.to.size());
   std::string out = name + " << EOD\n";
-  for (std::size_t n = 0; n < fill.x.size(); ++n)
-    out += fmt::format("{} {} {}\n", shortest_number(fill.x[n]), shortest_number(std::clamp(fill.from[n], y.lo, y.hi)),
-                       shortest_number(std::clamp(fill.to[n], y.lo, y.hi)));
-  return out + "EOD\n";
+  bool has_points = false;
+  for (std::size_t n = 0; n < fill.x.size(); ++n) {
+    const bool drawn = can_be_drawn(fill.x[n], plot.log_x) && !std::isnan(fill.from[n]) && !std::isnan(fill.to[n]);
+    has_points = has_points || drawn;
+    out += drawn ? fmt::format("{} {} {}\n", shortest_number(fill.x[n]), shortest_number(std::clamp(fill.from[n], y.lo, y.hi)),
+                               shortest_number(std::clamp(fill.to[n], y.lo, y.hi)))
+                 : "\n";
+  }
+  return out + (has_points ? "EOD\n" : "1e300 1e300 1e300\nEOD\n");  // as in data_block()
+}
+
+/// @returns whether a panel has nothing to draw.
+bool is_empty(const Plot& plot, const PlotPanel& panel) {
+  const auto can = [&](const PlotSeries& series) {
+    for (std::size_t n = 0; n < series.x.size(); ++n)
+      if (can_be_drawn(series.x[n], plot.log_x) && can_be_drawn(series.y[n], plot.log_y)) return true;
+    return false;
+  };
+  const auto fills = [&](const PlotFill& fill) {
+    return std::ranges::any_of(fill.x, [&](double x) { return can_be_drawn(x, plot.log_x); });
+  };
+  return std::ranges::none_of(panel.series, can) && std::ranges::none_of(panel.fills, fills);
 }
 
 /// Shaded bands with their names to the right, separated where bands are thin.
-std::string band_commands(const PlotPanel& panel, const Range& y, const Place& place, int width_px, int height_px) {
+std::string band_commands(const PlotPanel& panel, const PlotRange& y, const Place& place, int width_px, int height_px) {
   std::string out;
   const double px_per_y = (place.top - place.bottom) / (y.hi - y.lo);
   std::vector<std::size_t> order(panel.bands.size());
@@ -174,7 +135,7 @@ std::string band_commands(const PlotPanel& panel, const Range& y, const Place& p
     out += fmt::format(
         "set object {} rectangle from graph 0, first {} to graph 1, first {} behind fillcolor rgb \"{}\" fillstyle solid noborder\n", n + 1,
         shortest_number(band.from), shortest_number(band.to), kBandColors[n % std::size(kBandColors)]);
-    last = std::max((middle(order[n]) - y.lo) * px_per_y, last + kLabelPitch);
+    last = std::max(std::clamp((middle(order[n]) - y.lo) * px_per_y, -kFarAway, kFarAway), last + kLabelPitch);
     const double y_px = panel.y_down ? place.top - last : place.bottom + last;
     out += fmt::format("set label {} at screen {:.5f}, screen {:.5f} left textcolor rgb \"#6b5d42\" font \",11\"\n",
                        gnuplot_quoted(band.label), (width_px - kRightOfBands + 8.0) / width_px, y_px / height_px);
@@ -216,20 +177,22 @@ int stacked_height(const Plot& plot) {
 }
 
 /// The legend has its own space above the data, so that it covers no line.
-Range with_legend_room(const Range& y, const PlotPanel& panel, std::size_t rows, int panel_height_px) {
+PlotRange with_legend_room(const PlotRange& y, const PlotPanel& panel, std::size_t rows, int panel_height_px) {
   const double taken = kLegendRow * static_cast<double>(rows);
   const double room = (y.hi - y.lo) * taken / (panel_height_px - taken);
-  return panel.y_down ? Range{y.lo - room, y.hi} : Range{y.lo, y.hi + room};
+  return panel.y_down ? PlotRange{y.lo - room, y.hi} : PlotRange{y.lo, y.hi + room};
 }
 
 /// Share of the length of an axis at a value.
-double share_of(const Range& axis, bool log, double value) {
-  return log ? std::log(value / axis.lo) / std::log(axis.hi / axis.lo) : (value - axis.lo) / (axis.hi - axis.lo);
+double share_of(const PlotRange& axis, bool log, double value) {
+  const double share =
+      log ? (std::log(value) - std::log(axis.lo)) / (std::log(axis.hi) - std::log(axis.lo)) : (value - axis.lo) / (axis.hi - axis.lo);
+  return std::clamp(share, -kFarAway, kFarAway);
 }
 
 /// Axes of a panel on the picture.
 struct Axes {
-  Range x, y;
+  PlotRange x, y;
   bool log_x = false, log_y = false, y_down = false;
   Place place;
 
@@ -315,6 +278,7 @@ std::string series_commands(const PlotPanel& panel, std::size_t panel_index, con
     parts.push_back(
         fmt::format("{} using 1:2 {} {}", block, series.style.empty() ? turn_style(i, layers[i]) : series.style, titled(series.name)));
   }
+  if (parts.empty()) parts.emplace_back("NaN notitle");  // gnuplot refuses a plot of nothing
   std::string out = "plot ";
   for (const std::string& part : parts) out += (&part == parts.data() ? "" : ", \\\n     ") + part;
   return out + '\n';
@@ -322,11 +286,12 @@ std::string series_commands(const PlotPanel& panel, std::size_t panel_index, con
 
 /// Room for the frame, the y axis and its name. A label of our own: gnuplot's ylabel moves with the width of the numbers, so those of
 /// stacked panels would not line up.
-std::string frame_commands(const Plot& plot, const PlotPanel& panel, const Range& y, const Place& place, int height_px) {
+std::string frame_commands(const Plot& plot, const PlotPanel& panel, const PlotRange& y, const Place& place, int height_px) {
   std::string out = "unset object\nunset label\nunset arrow\n";
   for (const auto& [side, at] : {std::pair{'l', place.left / plot.width_px}, std::pair{'r', place.right / plot.width_px},
                                  std::pair{'b', place.bottom / height_px}, std::pair{'t', place.top / height_px}})
     out += fmt::format("set {}margin at screen {:.5f}\n", side, at);
+  if (is_empty(plot, panel)) out += "set label \"no data\" at graph 0.5, graph 0.5 center textcolor rgb \"#666666\"\n";
   out += fmt::format("set yrange [{}:{}]\n", shortest_number(panel.y_down ? y.hi : y.lo), shortest_number(panel.y_down ? y.lo : y.hi));
   return out + fmt::format("set label {} at screen {:.5f}, screen {:.5f} center rotate\n", gnuplot_quoted(panel.y_label),
                            (place.left - kLeft + kAxisName) / plot.width_px, 0.5 * (place.bottom + place.top) / height_px);
@@ -335,20 +300,20 @@ std::string frame_commands(const Plot& plot, const PlotPanel& panel, const Range
 std::string stacked_panel(const Plot& plot, std::size_t index, const std::vector<Flag>& flags, const Place& place, int height_px) {
   const PlotPanel& panel = plot.panels[index];
   const std::size_t rows = legend_rows(plot, panel);
-  const Range y = with_legend_room(y_range(panel, plot.log_y), panel, rows, stacked_height(plot));
+  const PlotRange y = with_legend_room(y_axis_of(panel, plot.log_y), panel, rows, stacked_height(plot));
   std::string out = frame_commands(plot, panel, y, place, height_px);
   out += index + 1 == plot.panels.size() ? fmt::format("set format x \"%g\"\nset xlabel {} offset 0,0.3\n", gnuplot_quoted(plot.x_label))
                                          : "set format x \"\"\nunset xlabel\n";
   out += band_commands(panel, y, place, plot.width_px, height_px);
   out += event_commands(plot, flags, index == 0, place, height_px);
-  out += name_commands(plot, panel, {x_range(plot.panels, plot.log_x), y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, {});
+  out += name_commands(plot, panel, {x_axis_of(plot.panels, plot.log_x), y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, {});
   const std::vector<CurveLayer> layers = curve_layers(panel, kCoincide * (y.hi - y.lo));
   const char* const sample = has_dashes(layers) ? "4" : "2";  // long enough for a dash
   out += rows > 0 ? fmt::format("set key top left Left reverse vertical maxrows {} samplen {}\n", rows, sample) : "unset key\n";
   return out + series_commands(panel, index, layers);
 }
 
-std::string log_tics(const Range& x, std::span<const double> steps, int& count) {
+std::string log_tics(const PlotRange& x, std::span<const double> steps, int& count) {
   std::string out;
   count = 0;
   for (double decade = std::pow(10.0, std::floor(std::log10(x.lo))); decade <= x.hi; decade *= 10.0)
@@ -361,7 +326,7 @@ std::string log_tics(const Range& x, std::span<const double> steps, int& count) 
 }
 
 /// Marks at 1, 2 and 5 times the powers of ten; at more multiples where these are fewer than three.
-std::string log_tics(const Range& x) {
+std::string log_tics(const PlotRange& x) {
   constexpr double kCoarse[] = {1.0, 2.0, 5.0}, kFine[] = {1.0, 1.5, 2.0, 3.0, 5.0, 7.0};
   int count = 0;
   const std::string coarse = log_tics(x, kCoarse, count);
@@ -370,8 +335,8 @@ std::string log_tics(const Range& x) {
 
 std::string grid_panel(const Plot& plot, std::size_t index, const Place& place, int height_px) {
   const PlotPanel& panel = plot.panels[index];
-  const Range x = x_range({&panel, 1}, plot.log_x);
-  const Range y = y_range(panel, plot.log_y);
+  const PlotRange x = x_axis_of({&panel, 1}, plot.log_x);
+  const PlotRange y = y_axis_of(panel, plot.log_y);
   std::string out = frame_commands(plot, panel, y, place, height_px);
   out += fmt::format("set title {} offset 0,-0.6\nset xlabel {} offset 0,0.5\nset xrange [{}:{}]\n", gnuplot_quoted(panel.title),
                      gnuplot_quoted(plot.x_label), shortest_number(x.lo), shortest_number(x.hi));
@@ -392,7 +357,7 @@ std::string opening(const Plot& plot, int height_px) {
     const PlotPanel& panel = plot.panels[p];
     for (std::size_t s = 0; s < panel.series.size(); ++s) out += data_block(plot, panel.series[s], fmt::format("$p{}_{}", p, s));
     for (std::size_t f = 0; f < panel.fills.size(); ++f)
-      out += fill_block(panel.fills[f], y_range(panel, plot.log_y), fmt::format("$f{}_{}", p, f));
+      out += fill_block(plot, panel.fills[f], y_axis_of(panel, plot.log_y), fmt::format("$f{}_{}", p, f));
   }
   out += std::string("set multiplot\n") + kAxesStyle;
   if (plot.log_x) out += "set logscale x\n";
@@ -401,7 +366,7 @@ std::string opening(const Plot& plot, int height_px) {
 }
 
 std::string stacked_script(const Plot& plot) {
-  const Range x = x_range(plot.panels, plot.log_x);
+  const PlotRange x = x_axis_of(plot.panels, plot.log_x);
   const std::vector<Flag> flags = make_flags(plot, x);
   std::size_t row_count = 0;
   for (const Flag& flag : flags) row_count = std::max(row_count, flag.row + 1);
@@ -449,6 +414,7 @@ std::string legend_above(const Plot& plot, int height_px) {
     const std::string style = series.style.empty() ? turn_style(n) : series.style;
     out += fmt::format("{}NaN {} {}", out.ends_with("plot ") ? "" : ", ", style, titled(series.name));
   }
+  if (out.ends_with("plot ")) out += "NaN notitle";
   return out + "\nset xtics\nset ytics\n" + kAxesStyle;
 }
 
@@ -469,7 +435,18 @@ std::string grid_script(const Plot& plot) {
 
 }  // namespace
 
-std::string plot_script(const Plot& plot) { return (plot.columns > 0 ? grid_script(plot) : stacked_script(plot)) + "unset multiplot\n"; }
+std::string plot_script(const Plot& plot) {
+  const auto no_event = [&](const PlotEvent& event) { return !can_be_drawn(event.x, plot.log_x); };
+  const auto no_band = [&](const PlotBand& band) { return !can_be_drawn(band.from, plot.log_y) || !can_be_drawn(band.to, plot.log_y); };
+  const auto has_no_band = [&](const PlotPanel& panel) { return std::ranges::any_of(panel.bands, no_band); };
+  if (std::ranges::any_of(plot.events, no_event) || std::ranges::any_of(plot.panels, has_no_band)) {
+    Plot drawn = plot;
+    std::erase_if(drawn.events, no_event);
+    for (PlotPanel& panel : drawn.panels) std::erase_if(panel.bands, no_band);
+    return plot_script(drawn);
+  }
+  return (plot.columns > 0 ? grid_script(plot) : stacked_script(plot)) + "unset multiplot\n";
+}
 
 Result<std::string> draw_svg(const Plot& plot, const std::string& gnuplot) {
   Result<std::string> svg = run_gnuplot(plot_script(plot), gnuplot, "</svg>");

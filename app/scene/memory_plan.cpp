@@ -6,9 +6,11 @@
 #include <cmath>
 
 #include "app/stage/bone_step.h"
+#include "core/mesh/mesh_patch.h"
 #include "core/tool/cutting_field.h"
 #include "core/voxel/bone_history.h"
 #include "core/voxel/bone_prefetch.h"
+#include "core/voxel/surface_memory.h"
 
 namespace burrhole {
 namespace {
@@ -87,7 +89,8 @@ std::uint64_t publish_bytes(const PlanContext& context) noexcept {
   derived.density = derived.gradient = false;
   constexpr std::uint64_t kLeapBytes = 3;  // a voxel, in which ContactWords finds leaps
   const std::uint64_t copies = context.live ? 3 : 1, leaps = derived.words ? kLeapBytes : 0;
-  return context.window_voxels * (copies * bytes_a_voxel(needs.fields) + bytes_a_voxel(derived) + leaps);
+  const std::uint64_t triangles = needs.fields.triangles != nullptr ? mesh_patch_bytes(context.window_voxels, copies) : 0;
+  return context.window_voxels * (copies * bytes_a_voxel(needs.fields) + bytes_a_voxel(derived) + leaps) + triangles;
 }
 
 std::uint64_t dense_bone_bytes(const Vec3i& dims, bool soft) noexcept {
@@ -125,6 +128,8 @@ MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bo
   plan.import = import;
   plan.items = {{"program", kProgramBytes}, {"volume", volume_bytes(bone, context.window_voxels)}, {"tool", of_tools}};
   if (const std::uint64_t copies = publish_bytes(context); copies > 0) plan.items.push_back({"publish", copies});
+  if (needs.reads_window && needs.fields.records)
+    plan.items.push_back({"surface records", record_scratch_bytes(grown_window_voxels(context.window_voxels), bone.bone_from_index)});
   if (needs.feels) plan.items.push_back({"coarse distance", CoarseDistance::bytes_for(bone.dims)});
   const std::uint64_t history = run.inputs ? BoneHistoryConfig{}.memory : 0;
   std::uint64_t start = kProgramBytes + bone.bytes + of_tools + history;

@@ -106,7 +106,8 @@ bool read_plan(TableReader& table, const std::string& scene_file, ApproachScene&
 
 ApproachScene read_approach(TableReader table, const VolumeScene& volume, const std::string& scene_file) {
   ApproachScene out;
-  if (table.has("site") && table.has("markups")) table.fault("site", "is given by markups: remove one of the two, or give --unset approach");
+  if (table.has("site") && table.has("markups"))
+    table.fault("site", "is given by markups: remove one of the two, or give --unset approach");
   if (read_plan(table, scene_file, out) || read_site(table, volume, out)) {
     table.finish();
     return out;

@@ -123,7 +123,7 @@ Result<FrameStep> FrameStep::create(const DisplayConfig& display, const Pose& wo
 
 Result<VolumeView> FrameStep::make_levels(const Pose& bone_from_approach) {
   const BoneModel& bone = voxmap_->bone();
-  const bool tissue = display_.appearance.tissue;
+  const bool tissue = display_.appearance.tissue || draws_textures(display_);  // its bone as loaded shows what was cut
   const Surroundings* around = bone.surroundings();
   const int factor = around != nullptr ? around->factor : coarse_factor(bone.dims(), display_.whole_voxels);
   const double edge = bone.bone_from_index().mean_edge();

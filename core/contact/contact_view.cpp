@@ -20,7 +20,8 @@ ContactView::ContactView(const ContactWindow& window, const Affine& bone_from_in
       valid_(window.box.grown(-1)),
       density_(window.density.data()),
       gradient_(window.gradient.data()),
-      words_(window.words.empty() ? nullptr : window.words.data()) {
+      words_(window.words.empty() ? nullptr : window.words.data()),
+      triangles_(window.triangles.blocks.empty() ? nullptr : &window.triangles) {
   set_frames(bone_from_index, world_from_bone);
 }
 
@@ -29,6 +30,7 @@ ContactView::ContactView(const VdbContactGrids& grids, const Affine& bone_from_i
 }
 
 void ContactView::set_frames(const Affine& bone_from_index, const Pose& world_from_bone) {
+  world_from_bone_ = world_from_bone;
   world_from_index_ = Affine::from_pose(world_from_bone) * bone_from_index;
   index_from_world_ = world_from_index_.inverse();
   voxel_edge_ = bone_from_index.mean_edge();

@@ -59,6 +59,9 @@ class ContactView {
   [[nodiscard]] const VoxelBox& box() const noexcept { return box_; }
   [[nodiscard]] const Affine& world_from_index() const noexcept { return world_from_index_; }
   [[nodiscard]] const Affine& index_from_world() const noexcept { return index_from_world_; }
+  /// Triangles of the surface; nullptr where the window has none.
+  [[nodiscard]] const TrianglePatch* triangles() const noexcept { return triangles_; }
+  [[nodiscard]] const Pose& world_from_bone() const noexcept { return world_from_bone_; }
   /// Trilinear density at a point in index coordinates.
   [[nodiscard]] double sample(const Vec3& index) const noexcept;
   /// Trilinear gradient [1/voxel], index axes.
@@ -74,11 +77,13 @@ class ContactView {
   void set_frames(const Affine& bone_from_index, const Pose& world_from_bone);
 
   Affine world_from_index_, index_from_world_;
+  Pose world_from_bone_;
   double voxel_edge_ = 0.0;
   VoxelBox box_, valid_;
   const float* density_ = nullptr;
   const Vec3f* gradient_ = nullptr;
   const ContactWord* words_ = nullptr;
+  const TrianglePatch* triangles_ = nullptr;
   const VdbContactGrids* grids_ = nullptr;
 };
 

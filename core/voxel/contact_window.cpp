@@ -53,12 +53,14 @@ void ContactWindowPublisher::for_each_field(ContactWindow& copy, const MasterWin
 
 std::size_t ContactWindow::bytes() const noexcept {
   const std::size_t of_records = std::visit([](const auto& array) { return bytes_of_array(array); }, records);
-  return bytes_of_array(density) + bytes_of_array(gradient) + bytes_of_array(words) + of_records + bytes_of_array(stiffness);
+  return bytes_of_array(density) + bytes_of_array(gradient) + bytes_of_array(words) + of_records + bytes_of_array(stiffness) +
+         triangles.bytes();
 }
 
 std::size_t ContactWindowPublisher::bytes() const noexcept {
   std::size_t sum = words_.bytes() + bytes_of_array(stiffness_);
   if (records_) sum += records_->bytes();
+  if (triangles_) sum += triangles_->bytes();
   for (const ContactWindow& copy : buffer_.slots()) sum += copy.bytes();
   return sum;
 }
@@ -66,6 +68,7 @@ std::size_t ContactWindowPublisher::bytes() const noexcept {
 ContactWindowPublisher::ContactWindowPublisher(Voxmap& voxmap, const ContactFields& fields, bool one_thread)
     : listener_(voxmap.add_listener()), fields_(fields), copies_(one_thread ? 1 : 3), growth_epoch_(voxmap.growth_epoch()) {
   if (fields.records) records_.emplace(voxmap.bone().bone_from_index(), *fields.records);
+  if (fields.triangles != nullptr) triangles_ = fields.triangles(voxmap.bone().bone_from_index());
   if (one_thread) buffer_.use_one_slot();
 }
 
@@ -135,6 +138,7 @@ void ContactWindowPublisher::follow_window(const Voxmap& voxmap) {
     load_window(voxmap);
   else if (voxmap.window().box != box_)
     slide_window(voxmap);
+  if (triangles_) triangles_->rebuild(voxmap.window());
   box_ = voxmap.window().box;
   growth_epoch_ = voxmap.growth_epoch();
 }
@@ -146,6 +150,7 @@ void ContactWindowPublisher::publish(Voxmap& voxmap) {
   for (const VoxelBox& dirty : changed) {
     note(dirty);
     if (fields_.words) note(words_.update(master, dirty));
+    if (triangles_) triangles_->update(master, dirty);
   }
   if (records_) {
     // Dirty boxes include changed gradients, which extend one voxel beyond changed densities.
@@ -187,6 +192,7 @@ void ContactWindowPublisher::catch_up(ContactWindow& copy, VoxelBoxes& missed, c
                      [&](auto& field, const auto& source) { copy_part(part, master.box, source.data(), master.box, field.data()); });
     }
   }
+  if (triangles_) triangles_->bring_up_to_date(copy.triangles);
   missed.clear();
   copy.box = master.box;
   if (records_) copy.records_valid = records_->valid_box();

@@ -5,12 +5,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/base/snapshot_buffer.h"
 #include "core/voxel/contact_words.h"
 #include "core/voxel/surface_records.h"
+#include "core/voxel/triangle_patch.h"
 #include "core/voxel/voxmap.h"
 
 namespace burrhole {
@@ -22,6 +24,7 @@ struct ContactFields {
   bool words = false;                           ///< packed density and gradient, for the SIMD gradient-plane model
   std::optional<RecordPrecision> records = {};  ///< distance and normal of the surface, with stiffness, for the constrained tool
   LabelFactors label_stiffness = kAllAlike;     ///< [-] 0..1 for each label: scales the stiffness
+  MakeTriangles triangles = nullptr;            ///< triangles of the surface, for the mesh model; null: none
 };
 
 /// @returns whether a slide of the window reads labels.
@@ -29,7 +32,7 @@ struct ContactFields {
   return fields.records && fields.label_stiffness != kAllAlike;
 }
 
-/// @returns the bytes per voxel of one copy.
+/// @returns the bytes per voxel of one copy, without triangles.
 [[nodiscard]] constexpr std::size_t bytes_a_voxel(const ContactFields& fields) noexcept {
   std::size_t sum = 0;
   if (fields.density) sum += sizeof(float);
@@ -49,6 +52,7 @@ struct ContactWindow {
   VoxelBox records_valid;               ///< box in which records are valid
   VoxelBox records_cut;                 ///< box of records that may be of the cut surface (cut_surface.h)
   std::vector<std::uint8_t> stiffness;  ///< relative: hardness times the factor of the label, 255 is 1; present with records
+  TrianglePatch triangles;              ///< of the surface in `box`
   std::uint64_t window_epoch = 0;
   std::uint64_t growth_epoch = 0;
   std::uint64_t number = 0;  ///< of the publication, from 1
@@ -93,6 +97,7 @@ class ContactWindowPublisher {
   ContactFields fields_;
   ContactWords words_;
   std::optional<SurfaceRecords> records_;
+  std::unique_ptr<TriangleSource> triangles_;
   std::vector<std::uint8_t> stiffness_;  // of the master, relative, in bytes
   VoxelBox box_;                         // of the master at the last publishing
   SnapshotBuffer<ContactWindow> buffer_;

@@ -16,6 +16,14 @@ Vec3 exact_average_force(const Truth& truth, const PointShell& shell, const Pose
   return inside > 0 ? sum * (stiffness / inside) : sum;
 }
 
+Vec3 exact_deepest_force(const Truth& truth, const PointShell& shell, const Pose& bone_from_tool, double stiffness) noexcept {
+  SurfaceDistance deepest{.signed_distance = 0.0, .normal = Vec3(0.0)};
+  for (const Vec3& position : shell.positions)
+    if (const SurfaceDistance surface = truth.nearest(bone_from_tool * position); surface.signed_distance < deepest.signed_distance)
+      deepest = surface;
+  return deepest.normal * (-deepest.signed_distance * stiffness);
+}
+
 double exact_translation_distance(const Truth& truth, const PointShell& shell, const Pose& bone_from_tool, const Vec3& out) noexcept {
   double way = 0.0;
   for (const Vec3& position : shell.positions) {

@@ -100,6 +100,12 @@ class OtherCommands(WithFolder):
         # there. 11 : 10 : 18 over the density of the copy.
         self.assertEqual((records8 - voxmap) * 11, (words - voxmap) * 10)
         self.assertEqual((records16 - voxmap) * 11, (words - voxmap) * 18)
+        # Triangles are planned by the area of the window's faces, in the copy and where they are made.
+        plan = run("explain", QUICK, "--set", "contact.model=mesh").stdout
+        self.assertIn("mesh of the surface", plan)
+        self.assertIn("triangles of the window copy", plan)
+        self.assertNotIn("mesh of the surface", run("explain", QUICK).stdout)
+        self.assertGreater(copy_bytes("contact.model=mesh"), 2 * voxmap)
         self.assertIn("rough", " ".join(json.loads(run("explain", QUICK, "--json", "--set", "erosion.subvoxel=false").stdout)["warnings"]))
 
     def test_render_draws_the_size_asked_for(self):

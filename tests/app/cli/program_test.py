@@ -223,7 +223,7 @@ class BadInput(WithFolder):
             ([("[erosion]", "[contact.label_stiffness]\ndiploo = 0.5\n[erosion]")], "did you mean \"diploe\"?"),
             ([("[erosion]", "[contact.label_stiffness]\ndiploe = 2\n[erosion]")], "must be in [0.01, 1]"),
             ([("name = \"pin_2mm\"", "name = \"pin_3mm\"")], "not found in "),
-            ([("[contact]", "[contact]\nmodel = \"mesh\"")], "is not in this version"),
+            ([("[hand]", "[hand]\nkind = \"replay\"")], "is not in this version"),
             ([("[contact]", "[contact]\ntool = \"device\"")], "unknown key \"tool\" in [contact]"),
             ([("size = [160, 120]", "method = \"mesh\"\nbisections = 3")], "unknown key \"bisections\" in [display]"),
             ([("[contact]", "[heat]\n[contact]")], "is an effect that is not in this version"),

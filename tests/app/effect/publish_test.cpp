@@ -74,6 +74,20 @@ TEST_CASE("publish: a contact model has its copies, and the paper's storage has 
   CHECK(bone.published() > 0);
 }
 
+TEST_CASE("publish: a copy has triangles of the surface for the mesh model, and for no other") {
+  for (const char* keys : {kHeldKeys, kPenaltyKeys, "model = \"voxmap\"\n", "model = \"mesh\"\n"}) {
+    CAPTURE(keys);
+    DrillRun run(SmallScene{.contact_keys = keys, .sets = {"duration_s=0.1"}});
+    BoneStep& bone = run.run().simulation().bone_step();
+    REQUIRE(bone.publisher() != nullptr);
+    const TrianglePatch& patch = bone.publisher()->exchange().latest().triangles;
+    const bool mesh = std::string(keys).find("mesh") != std::string::npos;
+    CHECK((patch.blocks.size() > 0) == mesh);
+    CHECK((patch.bytes() > 0) == mesh);
+    CHECK((bone.publisher()->fields().triangles != nullptr) == mesh);
+  }
+}
+
 TEST_CASE("publish: drilling that is not felt is monitored as through a copy of the window") {
   // The same hand and erosion; a penalty model of almost no stiffness leaves the tool where the hand is, as no model does.
   const std::vector<std::string> sets{"duration_s=1.5", "hand.feels=false"};

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <regex>
 #include <set>
@@ -199,6 +200,17 @@ TEST_CASE("plot: a program that fails is an error with its words, or says that t
   const Result<std::string> svg = draw_svg(make_plot(), "false");
   REQUIRE_FALSE(svg);
   CHECK(svg.error().message.find("no reason given") != std::string::npos);
+}
+
+TEST_CASE("plot: a program that a signal ends is not at hand, which is no error of the plot") {
+  const TemporaryFolder folder;
+  const std::string killed = folder.file("killed");
+  REQUIRE(write_file(killed, "#!/bin/sh\nkill -KILL $$\n"));
+  std::filesystem::permissions(killed, std::filesystem::perms::owner_all);
+  const Result<std::string> svg = draw_svg(make_plot(), killed);
+  REQUIRE_FALSE(svg);
+  CHECK(svg.error().code == ErrorCode::unavailable);
+  CHECK(svg.error().message == killed + " was ended by signal 9: try again");
 }
 
 TEST_CASE("plot: an unwritable path is bad input with the path") {

@@ -67,7 +67,7 @@ double cap_volume(double depth) {
   return cap + std::numbers::pi * kRadius * kRadius * std::max(0.0, depth - kRadius);
 }
 
-TEST_CASE("every model of contact drills: the tool held back by the surface, planes from gradients, planes across tool vectors") {
+TEST_CASE("every model of contact drills: the tool held back by the surface, planes from gradients or across tool vectors, triangles") {
   const std::string planes = kPenaltyKeys, voxmap = "model = \"voxmap\"\n", of_20_kN = "stiffness_N_per_m = 20e3\n";
   const std::string paper = "mode = \"paper\"\n", vdb = "storage = \"vdb\"\n", coupled = "coupling = \"virtual\"\n";
   const Form forms[] = {{"surface", kHeldKeys},
@@ -84,6 +84,9 @@ TEST_CASE("every model of contact drills: the tool held back by the surface, pla
                         {"voxmap, sum", voxmap + "stacking = \"sum\"\n"},
                         {"voxmap, average", voxmap + of_20_kN + "stacking = \"average\"\n"},
                         {"voxmap, deepest", voxmap + of_20_kN + "stacking = \"deepest\"\n"},
+                        {"mesh", "model = \"mesh\"\n" + of_20_kN},
+                        {"mesh, average", "model = \"mesh\"\nstacking = \"average\"\n" + of_20_kN},
+                        {"mesh, coupled", "model = \"mesh\"\n" + of_20_kN + coupled},
                         // Its body is cut free as fast as the hand feeds, and the hand never comes to call it contact: half the bit.
                         {"voxmap, coupled", voxmap + coupled, {"tool.erosion_scale=0.5"}}};
   for (const Form& form : forms) {

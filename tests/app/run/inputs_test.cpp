@@ -8,6 +8,7 @@
 
 #include "app/session/recorded_hand.h"
 #include "core/measure/hole_measure.h"
+#include "core/mesh/mesh_patch.h"
 #include "core/voxel/box_parts.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
@@ -149,6 +150,34 @@ TEST_CASE("inputs: undo gives the bone before the last spin-on, to the bit; so d
   CHECK(voxels({spin(900, 0.0), plain(950, InputKind::checkpoint, "a"), spin(1000, 1.0), spin(1300, 0.0),
                 plain(1350, InputKind::restore, "a")},
                "1.5") == first);
+}
+
+TEST_CASE(
+    "inputs: after tool changes, undo and restore the triangles of the mesh model are those of the bone, and a second run is the same") {
+  // The last input is followed by drilling, or by none.
+  const std::vector<Input> endings[] = {{}, {plain(1300, InputKind::undo)}, {plain(1300, InputKind::restore, "a")}};
+  std::vector<Outcome> outcomes;
+  for (const std::vector<Input>& ending : endings) {
+    SimulationOptions options;
+    options.inputs = {tool(300, "pin"), plain(500, InputKind::checkpoint, "a"), tool(700, "ball")};
+    options.inputs.insert(options.inputs.end(), ending.begin(), ending.end());
+    options.history = true;
+    const SmallScene scene{.contact_keys = "model = \"mesh\"\nstiffness_N_per_m = 20e3\n", .sets = {"duration_s=1.3", "hand.push_N=5"}};
+    DrillRun run(scene, options), again(scene, options);
+    Simulation& simulation = run.run().simulation();
+    BoneStep& bone = simulation.bone_step();
+    CHECK(bone.removed_mass() > 0.01e-9);
+    CHECK((simulation.contact_flags() & kContactOutsideWindow) == 0);
+    MeshPatch anew(simulation.voxmap().bone().bone_from_index());
+    anew.rebuild(simulation.voxmap().window());
+    const TrianglePatch& published = bone.publisher()->exchange().latest().triangles;
+    CHECK(published.box == anew.patch().box);
+    CHECK(published.blocks == anew.patch().blocks);
+    outcomes.push_back(outcome_of(run));
+    CHECK(outcome_of(again.run()) == outcomes.back());
+  }
+  CHECK_FALSE(outcomes[0].voxels == outcomes[1].voxels);
+  CHECK_FALSE(outcomes[0].voxels == outcomes[2].voxels);
 }
 
 TEST_CASE("inputs: the removed mass is that of the bone at the end, not of what was undone") {

@@ -104,8 +104,8 @@ const BadScene kBadScenes[] = {
       "bad.toml:22:2: [device] has no effect on hand.kind = \"feed\", only on \"script\""}},
     {"push_N = 20.0", "give_mm_per_s = 2", {"~bad.toml:20:1: "}},
     {"[contact]",
-     "[contact]\nmodel = \"mesh\"",
-     {"bad.toml:26:1: contact.model = \"mesh\" is not in this version; it knows \"surface\", \"gradient-plane\", \"voxmap\""}},
+     "[contact]\nmodel = \"mesh\"\nstacking = \"sum\"",
+     {"~contact.stacking = \"sum\" must be one of \"deepest\", \"average\"", "~unknown key \"cutting_N_per_m\""}},
     // A key of another branch is as unknown as one that was never there.
     {"[contact]", "[contact]\nmodel = \"gradient-plane\"", {"~unknown key \"cutting_N_per_m\" in [contact]"}},
     {"[contact]", "[contact]\ntool = \"device\"", {"~unknown key \"tool\" in [contact]"}},
