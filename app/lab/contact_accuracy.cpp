@@ -151,8 +151,8 @@ struct ContactError {
   const char *name, *unit, *reference;  // null: that of the form's law
 };
 constexpr std::array kErrors{ContactError{"own_law_median", "%", nullptr}, ContactError{"own_law_worst", "%", nullptr},
-                             ContactError{"own_law_worst_length", "voxel", nullptr},
-                             ContactError{"translation_median", "%", kWayReference}, ContactError{"translation_worst", "%", kWayReference}};
+                             ContactError{"own_law_worst_length", "voxel", nullptr}, ContactError{"translation_median", "%", kWayReference},
+                             ContactError{"translation_worst", "%", kWayReference}};
 constexpr std::size_t kFigures = kErrors.size() + 2;  // and the median and the 99th percentile of the times [us]
 
 /// @returns the errors in the order of kErrors, then the times; NaN if the tool met no bone.

@@ -47,7 +47,7 @@ struct Renderer::Impl {
   /// The bone as triangles, in place of the volume; all absent unless RenderOptions::mesh.
   std::optional<BoneMesh> mesh;
   std::optional<BoneBuffer> mesh_buffer;
-  std::optional<BonePaint> paint;  ///< its textures; absent: none
+  std::optional<BonePaint> paint;          ///< its textures; absent: none
   std::optional<GlObject> section_colors;  ///< a texture of its voxels' colours, made when a cut is first drawn
   std::optional<UploadRing> ring;
   std::optional<ReadBuffer> read_buffer;

@@ -16,16 +16,17 @@
 #include "app/report/gnuplot.h"
 #include "app/report/plot_labels.h"
 #include "app/report/plot_range.h"
+#include "app/report/plot_style.h"
 #include "core/base/assert.h"
 
 namespace burrhole {
 namespace {
 
-// Sizes [px]. The right margin contains the names of the bands, the top margin the rows of event names.
-constexpr int kLeft = 84, kRight = 118, kBottom = 58, kTop = 14, kGap = 16;
+// Sizes [px]. The right margin contains the names of the bands, if there are any, the top margin the rows of event names.
+constexpr int kLeft = 84, kRightOfBands = 118, kRight = 26, kBottom = 58, kTop = 14, kGap = 16;
 constexpr int kTitle = 30, kGridRight = 14;  // in a grid: above each panel, and to its right
 constexpr double kFarAway = 1e6;             // of what lies outside a frame
-constexpr int kLegendAbove = 26;             // height of a legend above a grid
+constexpr int kLegendAbove = 26;             // height of a legend of one row above a grid
 constexpr int kAxisName = 18;                // centre of the name of a y axis
 constexpr int kRowHeight = 16, kFontSize = 12;
 constexpr int kNameFont = 10;         // of the names of points
@@ -39,15 +40,18 @@ constexpr double kLegendRow = 19.0;    // height of a row of the legend
 constexpr double kKeySample = 46.0;    // the line sample of a legend, with the space before and after it
 constexpr std::size_t kUsualRows = 3;  // of a legend: the height of a panel holds these
 
-constexpr const char* kLineColors[] = {kPlotBlue, kPlotOrange, kPlotGreen, kPlotViolet, kPlotGrey};
-// One for each round of the colours: with these, 15 lines of a panel differ. Each pattern repeats in the sample of the legend.
-constexpr const char* kLineDashes[] = {"1", "(8,4)", "(2,3)"};
+constexpr double kCoincide = 0.005;  // [-] of the axis: curves nearer than this cover each other
 constexpr const char* kBandColors[] = {"#f1e7d4", "#f9f4ea"};
 
 /// Where a panel's frame lies on the picture [px from the left and the bottom].
 struct Place {
   double left = 0.0, right = 0.0, bottom = 0.0, top = 0.0;
 };
+
+/// The right margin of stacked panels, which share it.
+int right_margin(const Plot& plot) {
+  return std::ranges::any_of(plot.panels, [](const PlotPanel& panel) { return !panel.bands.empty(); }) ? kRightOfBands : kRight;
+}
 
 /// The name of an event: its text runs to the right of the event's line.
 struct Flag {
@@ -58,7 +62,7 @@ struct Flag {
 
 /// From right to left, each name is placed one row above every line that its text would cross, so that no line crosses a name.
 std::vector<Flag> make_flags(const Plot& plot, const PlotRange& x) {
-  const double px_per_x = (plot.width_px - kLeft - kRight) / (x.hi - x.lo);
+  const double px_per_x = (plot.width_px - kLeft - right_margin(plot)) / (x.hi - x.lo);
   std::vector<Flag> flags(plot.events.size());
   std::vector<std::size_t> order(flags.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -134,7 +138,7 @@ std::string band_commands(const PlotPanel& panel, const PlotRange& y, const Plac
     last = std::max(std::clamp((middle(order[n]) - y.lo) * px_per_y, -kFarAway, kFarAway), last + kLabelPitch);
     const double y_px = panel.y_down ? place.top - last : place.bottom + last;
     out += fmt::format("set label {} at screen {:.5f}, screen {:.5f} left textcolor rgb \"#6b5d42\" font \",11\"\n",
-                       gnuplot_quoted(band.label), (width_px - kRight + 8.0) / width_px, y_px / height_px);
+                       gnuplot_quoted(band.label), (width_px - kRightOfBands + 8.0) / width_px, y_px / height_px);
   }
   return out;
 }
@@ -160,7 +164,7 @@ std::size_t legend_rows(const Plot& plot, const PlotPanel& panel) {
   if (count < 2) return 0;
   std::size_t longest = 0;
   for (const PlotSeries& series : panel.series) longest = std::max(longest, series.name.size());
-  const double room = plot.width_px - kLeft - kRight, column = kKeySample + kCharWidth * static_cast<double>(longest);
+  const double room = plot.width_px - kLeft - right_margin(plot), column = kKeySample + kCharWidth * static_cast<double>(longest);
   const std::size_t columns = std::max<std::size_t>(1, static_cast<std::size_t>(room / column));
   return std::max(std::min(count, kUsualRows), (count + columns - 1) / columns);
 }
@@ -262,13 +266,8 @@ PlotBox legend_box(const PlotPanel& panel, const std::string& where, const Place
 
 std::string titled(const std::string& name) { return name.empty() ? "notitle" : "title " + gnuplot_quoted(name); }
 
-/// The style of the series of that number: colours in turn, and after each round of them the next dash.
-std::string turn_style(std::size_t number) {
-  constexpr std::size_t kColors = std::size(kLineColors), kDashes = std::size(kLineDashes);
-  return line_style(kLineColors[number % kColors], kLineDashes[number / kColors % kDashes], 1.6);
-}
-
-std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
+/// @param layers of the series, from curve_layers().
+std::string series_commands(const PlotPanel& panel, std::size_t panel_index, const std::vector<CurveLayer>& layers) {
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < panel.fills.size(); ++i)
     parts.push_back(fmt::format("$f{}_{} using 1:2:3 with filledcurves linecolor rgb \"{}\" {}", panel_index, i, kBandColors[0],
@@ -276,7 +275,8 @@ std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const PlotSeries& series = panel.series[i];
     const std::string block = fmt::format("$p{}_{}", panel_index, i);
-    parts.push_back(fmt::format("{} using 1:2 {} {}", block, series.style.empty() ? turn_style(i) : series.style, titled(series.name)));
+    parts.push_back(
+        fmt::format("{} using 1:2 {} {}", block, series.style.empty() ? turn_style(i, layers[i]) : series.style, titled(series.name)));
   }
   if (parts.empty()) parts.emplace_back("NaN notitle");  // gnuplot refuses a plot of nothing
   std::string out = "plot ";
@@ -307,9 +307,10 @@ std::string stacked_panel(const Plot& plot, std::size_t index, const std::vector
   out += band_commands(panel, y, place, plot.width_px, height_px);
   out += event_commands(plot, flags, index == 0, place, height_px);
   out += name_commands(plot, panel, {x_axis_of(plot.panels, plot.log_x), y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, {});
-  const char* const sample = panel.series.size() > std::size(kLineColors) ? "4" : "2";  // long enough for a dash
+  const std::vector<CurveLayer> layers = curve_layers(panel, kCoincide * (y.hi - y.lo));
+  const char* const sample = has_dashes(layers) ? "4" : "2";  // long enough for a dash
   out += rows > 0 ? fmt::format("set key top left Left reverse vertical maxrows {} samplen {}\n", rows, sample) : "unset key\n";
-  return out + series_commands(panel, index);
+  return out + series_commands(panel, index, layers);
 }
 
 std::string log_tics(const PlotRange& x, std::span<const double> steps, int& count) {
@@ -344,7 +345,7 @@ std::string grid_panel(const Plot& plot, std::size_t index, const Place& place, 
   const std::optional<PlotBox> legend = index == 0 && !above ? std::optional(legend_box(panel, plot.legend, place)) : std::nullopt;
   out += name_commands(plot, panel, {x, y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, legend);
   out += index > 0 || above ? "unset key\n" : "set key opaque " + plot.legend + " Left reverse samplen 2 maxrows 8 font \",10\"\n";
-  return out + series_commands(panel, index);
+  return out + series_commands(panel, index, std::vector<CurveLayer>(panel.series.size()));
 }
 
 /// What all panels share, and their data.
@@ -376,26 +377,41 @@ std::string stacked_script(const Plot& plot) {
   out += fmt::format("set xrange [{}:{}]\n", shortest_number(x.lo), shortest_number(x.hi));
   for (std::size_t p = 0; p < plot.panels.size(); ++p) {
     const double panel_top = height - top - static_cast<double>(p) * (panel_height + kGap);
-    const Place place{kLeft, double(plot.width_px - kRight), panel_top - panel_height, panel_top};
+    const Place place{kLeft, double(plot.width_px - right_margin(plot)), panel_top - panel_height, panel_top};
     out += stacked_panel(plot, p, flags, place, height);
   }
   return out;
 }
 
-/// The legend of the first panel in one row over a grid: gnuplot breaks a row at the width of a panel, so it is a panel of its own without axes.
-std::string legend_above(const PlotPanel& panel, int height_px) {
+/// Rows of a legend over a grid: as many as its names need.
+std::size_t rows_above(const Plot& plot) {
+  double longest = 0.0, count = 0.0;
+  for (const PlotSeries& series : plot.panels.front().series) {
+    longest = std::max(longest, static_cast<double>(series.name.size()));
+    count += series.name.empty() ? 0.0 : 1.0;
+  }
+  const double columns = std::max(1.0, std::floor(0.98 * plot.width_px / (kKeySample + kCharWidth * longest)));
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(count / columns)));
+}
+
+int height_above(const Plot& plot) { return kLegendAbove + static_cast<int>(kLegendRow * static_cast<double>(rows_above(plot) - 1)); }
+
+/// The legend of the first panel over a grid: gnuplot breaks a row at the width of a panel, so it is a panel of its own without axes.
+std::string legend_above(const Plot& plot, int height_px) {
+  const PlotPanel& panel = plot.panels.front();
   std::string out =
       "unset border\nunset xtics\nunset ytics\nunset grid\nset lmargin at screen 0.01\nset rmargin at screen 0.99\nset tmargin at screen "
       "1\n";
-  out += fmt::format("set bmargin at screen {:.5f}\nset xrange [1:2]\nset yrange [1:2]\n", 1.0 - double(kLegendAbove) / height_px);
+  out += fmt::format("set bmargin at screen {:.5f}\nset xrange [1:2]\nset yrange [1:2]\n", 1.0 - double(height_above(plot)) / height_px);
   std::size_t longest = 0;
   for (const PlotSeries& series : panel.series) longest = std::max(longest, series.name.size());
   // gnuplot reserves a third more than a name is wide.
-  out += fmt::format("set key center center horizontal Left reverse samplen 3 maxrows 1 width -{} font \",11\"\nplot ", longest / 4);
+  out += fmt::format("set key center center horizontal Left reverse samplen 3 maxrows {} width -{} font \",11\"\nplot ", rows_above(plot),
+                     longest / 4);
   for (std::size_t n = 0; n < panel.series.size(); ++n) {
     const PlotSeries& series = panel.series[n];
     if (series.name.empty()) continue;
-    const std::string style = series.style.empty() ? line_style(kLineColors[n % std::size(kLineColors)], "1", 1.6) : series.style;
+    const std::string style = series.style.empty() ? turn_style(n) : series.style;
     out += fmt::format("{}NaN {} {}", out.ends_with("plot ") ? "" : ", ", style, titled(series.name));
   }
   if (out.ends_with("plot ")) out += "NaN notitle";
@@ -404,11 +420,11 @@ std::string legend_above(const PlotPanel& panel, int height_px) {
 
 std::string grid_script(const Plot& plot) {
   const int count = static_cast<int>(plot.panels.size()), rows = (count + plot.columns - 1) / plot.columns;
-  const int row_height = kTitle + plot.panel_height_px + kBottom, above = plot.legend == "above" ? kLegendAbove : 0;
+  const int row_height = kTitle + plot.panel_height_px + kBottom, above = plot.legend == "above" ? height_above(plot) : 0;
   const int height = above + rows * row_height;
   const double width = double(plot.width_px) / plot.columns;
   std::string out = opening(plot, height);
-  if (above > 0) out += legend_above(plot.panels.front(), height);
+  if (above > 0) out += legend_above(plot, height);
   for (int p = 0; p < count; ++p) {
     const double left = width * (p % plot.columns), top = height - above - row_height * (p / plot.columns) - kTitle;
     out +=
@@ -418,23 +434,6 @@ std::string grid_script(const Plot& plot) {
 }
 
 }  // namespace
-
-std::string line_style(const char* colour, const char* dash, double width) {
-  return fmt::format("with lines linewidth {} linecolor rgb \"{}\" dashtype {}", width, colour, dash);
-}
-std::string linked_point_style(const char* colour, int type) {
-  return fmt::format("with linespoints linewidth 1.2 linecolor rgb \"{}\" pointtype {} pointsize {}", colour, type, type < 7 ? 1.0 : 0.6);
-}
-std::string nested_style(const char* colour, std::size_t n, std::size_t count) {
-  constexpr int kOpen[] = {4, 6, 8, 12};
-  BH_ASSERT(n < count && count <= std::size(kOpen));
-  const double above = static_cast<double>(count - 1 - n);
-  return fmt::format("with linespoints linewidth {} linecolor rgb \"{}\" pointtype {} pointsize {}", 1.0 + 0.7 * above, colour, kOpen[n],
-                     0.6 + 0.3 * above);
-}
-std::string point_style(const char* colour, int type, double size, double width) {
-  return fmt::format("with points pointtype {} pointsize {} linewidth {} linecolor rgb \"{}\"", type, size, width, colour);
-}
 
 std::string plot_script(const Plot& plot) {
   const auto no_event = [&](const PlotEvent& event) { return !can_be_drawn(event.x, plot.log_x); };

@@ -19,6 +19,15 @@ std::optional<PlotRange> given(const std::optional<std::pair<double, double>>& r
 
 double size_of(const PlotRange& range) noexcept { return std::max(std::abs(range.lo), std::abs(range.hi)); }
 
+/// Whether a curve runs along zero, where the frame would hide it. @param most of the axis.
+bool runs_along_zero(const PlotPanel& panel, double most) noexcept {
+  constexpr double kHidden = 0.004;  // [-] of the axis
+  for (const PlotSeries& series : panel.series)
+    for (std::size_t n = 1; n < series.y.size(); ++n)
+      if (std::abs(series.y[n - 1]) <= kHidden * most && std::abs(series.y[n]) <= kHidden * most) return true;
+  return false;
+}
+
 }  // namespace
 
 bool can_be_drawn(double value, bool log) noexcept { return std::abs(value) <= kLargest && (!log || value >= kLeast); }
@@ -64,9 +73,10 @@ PlotRange y_axis_of(const PlotPanel& panel, bool log) noexcept {
   const bool is_empty = range.lo > range.hi;
   range = range.drawable(log);
   if (log) return is_empty ? range : PlotRange{range.lo / 1.2, range.hi * 1.2};
-  // Room for the line's own width; an axis that starts at zero keeps its zero on the frame.
+  // Room for the line's own width; an axis that starts at zero keeps its zero on the frame, except where a curve runs along it.
   const double room = 0.06 * (range.hi - range.lo);
-  return {panel.from_zero && range.lo == 0.0 ? 0.0 : range.lo - room, range.hi + room};
+  const bool on_frame = panel.from_zero && range.lo == 0.0 && !runs_along_zero(panel, range.hi);
+  return {on_frame ? 0.0 : range.lo - room, range.hi + room};
 }
 
 }  // namespace burrhole
