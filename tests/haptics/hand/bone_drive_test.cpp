@@ -13,6 +13,7 @@
 namespace burrhole {
 namespace {
 
+const Quat kUpright(1.0, 0.0, 0.0, 0.0);
 constexpr double kPeriod = 1e-3;  // [s]
 const BoneDriveConfig kConfig{.pivot = {3e-3, -2e-3, 7e-3}, .axes = rotation_of({0.3, 0.0, 0.9}), .speed = 0.03, .turn_rate = 0.6};
 
@@ -88,9 +89,9 @@ TEST_CASE("bone drive: a switch moves the bone along one of its axes, at the spe
     Vec3 axis(0.0);
     axis[direction / 2 % 3] = direction % 2 == 0 ? 0.25 : -0.25;  // [s] times the sign
     axis = kConfig.axes * axis;
-    const Pose expected =
-        direction < 6 ? Pose{{}, axis * kConfig.speed}
-                      : Pose{{}, kConfig.pivot} * Pose{rotation_of(axis * kConfig.turn_rate), -Vec3(0.0)} * Pose{{}, -kConfig.pivot};
+    const Pose expected = direction < 6 ? Pose{kUpright, axis * kConfig.speed}
+                                        : Pose{kUpright, kConfig.pivot} * Pose{rotation_of(axis * kConfig.turn_rate), -Vec3(0.0)} *
+                                              Pose{kUpright, -kConfig.pivot};
     CHECK(distance(now.world_from_rest, expected) < 1e-12);
   }
 }
