@@ -15,8 +15,8 @@ struct FramesRequest {
   std::string csv;                  ///< file to write
 };
 
-/// Draws volumes of 128^3, 256^3 and 512^3 voxels (quick: 64^3), by first hit and as translucent bone; each picture is complete and read
-/// back. Wall time. Writes the CSV and adds rows. @returns unavailable if the build or machine lacks that back end.
+/// Draws volumes of 128^3, 256^3 and 512^3 voxels (quick: 64^3), by first hit, as translucent bone and as a mesh; each picture is complete and
+/// read back. Then the same with a change of 20^3 voxels before each picture. Wall time. Writes the CSV and adds rows. @returns unavailable if the build or machine lacks that back end.
 [[nodiscard]] Status bench_frames(Bench& bench, const FramesRequest& request);
 
 }  // namespace burrhole

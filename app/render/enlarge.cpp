@@ -24,7 +24,7 @@ std::vector<Place> places(int large, int small) {
 
 }  // namespace
 
-Image enlarge(const Image& image, int width, int height) {
+Image enlarge(Image image, int width, int height) {
   if (image.width == width && image.height == height) return image;
   const std::vector<Place> columns = places(width, image.width), rows = places(height, image.height);
   const auto row_length = static_cast<std::size_t>(image.width);
@@ -45,7 +45,6 @@ Image enlarge(const Image& image, int width, int height) {
 }
 
 Image shrink(const Image& large, int n) {
-  if (n == 1) return large;
   Image image{large.width / n, large.height / n, {}};
   image.pixels.reserve(large.pixels.size() / static_cast<std::size_t>(n * n));
   const auto mean = [n](int sum) { return static_cast<std::uint8_t>((sum + n * n / 2) / (n * n)); };

@@ -126,16 +126,20 @@ std::vector<StalePixels> StalePixels::in_bands(int supersample, int focus) const
 }
 
 void FrameCache::keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, std::span<const PixelRect> rects,
-                      std::span<const Image> shrunk, std::vector<PixelRect> missing) {
+                      std::span<Image> shrunk, std::vector<PixelRect> missing) {
   BH_ASSERT(rects.size() == shrunk.size());
   const Vec2i size = drawn / supersample_;
-  if (!missing.empty() && !picture_.pixels.empty()) picture_ = enlarge(picture_, size.x, size.y);
-  picture_.width = size.x;
-  picture_.height = size.y;
-  picture_.pixels.resize(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y));
-  for (std::size_t n = 0; n < shrunk.size(); ++n) {
-    const PixelRect& r = rects[n];
-    paste(shrunk[n], {r.lo / supersample_, r.hi / supersample_}, picture_);
+  if (!missing.empty() && !picture_.pixels.empty()) picture_ = enlarge(std::move(picture_), size.x, size.y);
+  if (shrunk.size() == 1 && Vec2i(shrunk[0].width, shrunk[0].height) == size) {
+    std::swap(picture_, shrunk[0]);
+  } else {
+    picture_.width = size.x;
+    picture_.height = size.y;
+    picture_.pixels.resize(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y));
+    for (std::size_t n = 0; n < shrunk.size(); ++n) {
+      const PixelRect& r = rects[n];
+      paste(shrunk[n], {r.lo / supersample_, r.hi / supersample_}, picture_);
+    }
   }
   key_ = std::move(key);
   tool_ = tool;

@@ -62,10 +62,11 @@ class FrameCache {
   /// over a copy of the picture of the bone; then hits can be relit, if `reach.occlusion` is not 0.
   [[nodiscard]] StalePixels find_stale(const FrameKey& key, const Vec2i& drawn, const std::optional<DrawnTool>& tool,
                                        const std::optional<Affine>& world_from_index, const Reach& reach, bool layers) const;
-  /// Stores the drawn parts of the picture. @param shrunk one image per rectangle, in pixels of the picture. @param missing what was not
-  /// drawn of the stale pixels, disjoint: the next find_stale() returns it again.
+  /// Stores the drawn parts of the picture. @param shrunk one image per rectangle, in pixels of the picture; of one that is the whole
+  /// picture the memory is taken, and that of the last picture is left in its place. @param missing what was not drawn of the stale pixels,
+  /// disjoint: the next find_stale() returns it again.
   void keep(FrameKey key, const Vec2i& drawn, const std::optional<DrawnTool>& tool, std::span<const PixelRect> rects,
-            std::span<const Image> shrunk, std::vector<PixelRect> missing = {});
+            std::span<Image> shrunk, std::vector<PixelRect> missing = {});
   [[nodiscard]] const Image& picture() const noexcept { return picture_; }
 
  private:

@@ -74,15 +74,27 @@ void GlTarget::bind() const {
 
 void GlTarget::bind_for_light() const { gl_->BindFramebuffer(GL_FRAMEBUFFER, light_framebuffer_.name()); }
 
-Image GlTarget::read_part(const PixelRect& part) const {
+Image GlTarget::read_picture() const {
+  Image image;
+  read_part({Vec2i(0), Vec2i(width_, height_)}, nullptr, image);
+  return image;
+}
+
+void GlTarget::read_part(const PixelRect& part, ReadBuffer* through, Image& out) const {
   const Vec2i size = part.size();
-  Image image{size.x, size.y, {}};
-  image.pixels.resize(static_cast<std::size_t>(part.count()));
+  out.width = size.x;
+  out.height = size.y;
+  out.pixels.resize(static_cast<std::size_t>(part.count()));
   gl_->NamedFramebufferReadBuffer(framebuffer_.name(), GL_COLOR_ATTACHMENT0);
   gl_->BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
-  gl_->ReadPixels(part.lo.x, part.lo.y, size.x, size.y, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
-  flip_rows(image.pixels, size.x, size.y);
-  return image;
+  if (const auto rows = through ? through->read(part) : std::span<const Rgba8>(); !rows.empty()) {
+    const auto width = static_cast<std::ptrdiff_t>(size.x);
+    auto to = out.pixels.begin();
+    for (auto from = rows.end(); from != rows.begin(); to += width) std::copy_n(from -= width, width, to);
+    return;
+  }
+  gl_->ReadPixels(part.lo.x, part.lo.y, size.x, size.y, GL_RGBA, GL_UNSIGNED_BYTE, out.pixels.data());
+  flip_rows(out.pixels, size.x, size.y);
 }
 
 void GlTarget::make_depth_copy() {

@@ -6,6 +6,7 @@
 
 #include "app/render/footprint.h"
 #include "app/render/gl_object.h"
+#include "app/render/read_buffer.h"
 #include "app/view/view.h"
 #include "core/base/result.h"
 
@@ -27,9 +28,10 @@ class GlTarget {
   void bind_for_light() const;  ///< picture and depth only; the hit depth can then be read as texture hits()
   [[nodiscard]] std::int64_t pixels() const noexcept { return std::int64_t{width_} * height_; }
   [[nodiscard]] GLuint hits() const noexcept { return hits_.name(); }
-  [[nodiscard]] Image read_picture() const { return read_part({Vec2i(0), Vec2i(width_, height_)}); }
-  [[nodiscard]] Image read_part(const PixelRect& part) const;  ///< row 0 at the top
-  [[nodiscard]] std::vector<glm::fvec4> read_probe() const;    ///< row 0 at the top; @pre the target is `probed`
+  [[nodiscard]] Image read_picture() const;
+  /// Reads a part into `out`, row 0 at the top. @param through null: at once.
+  void read_part(const PixelRect& part, ReadBuffer* through, Image& out) const;
+  [[nodiscard]] std::vector<glm::fvec4> read_probe() const;  ///< row 0 at the top; @pre the target is `probed`
   /// Copies to the same position in a texture. @returns its name. @pre make_depth_copy() was called.
   GLuint copy_depth(const PixelRect& part) const;
   void copy_picture(const GlTarget& to, const PixelRect& part) const;  ///< to the same position. @pre the scissor contains the part

@@ -144,7 +144,6 @@ Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int h
   fill_changed(block.value(), stale.changed);
   const int focus = drawn_tool ? (drawn_tool->footprint.lo.y + drawn_tool->footprint.hi.y) / 2 : drawn.y / 2;
   std::vector<PixelRect> rects;
-  std::vector<Image> parts;
   std::vector<PixelRect> missing;
   for (const StalePixels& step : seconds ? stale.in_bands(n, focus) : std::vector{stale}) {
     if (!rects.empty() && std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > seconds.value_or(INFINITY)) {
@@ -157,14 +156,17 @@ Result<PictureStep> Renderer::Impl::draw(const FrameView& view, int width, int h
       return relit.error();
     }
     for (const PixelRect& part : step.all()) {
+      if (rects.size() == read_parts.size()) read_parts.emplace_back();
+      Image& read = read_parts[rects.size()];
+      (over_copy ? shown : target).read_part(part, read_buffer ? &*read_buffer : nullptr, read);
+      if (n > 1) read = shrink(read, n);
       rects.push_back(part);
-      parts.push_back(shrink((over_copy ? shown : target).read_part(part), n));
     }
     for (const PixelRect& part : step.drawn) counters.drawn_pixels += static_cast<std::uint64_t>(part.count() / (n * n));
     counters.drawn_pixels += *relit / static_cast<std::uint64_t>(n * n);
   }
   const bool whole = missing.empty();
-  cache.keep(std::move(key), drawn, drawn_tool, rects, parts, std::move(missing));
+  cache.keep(std::move(key), drawn, drawn_tool, rects, std::span(read_parts).first(rects.size()), std::move(missing));
   may_grow = false;
   if (whole) ++counters.frames;
   for (const PixelRect& part : stale.tool) counters.tool_pixels += static_cast<std::uint64_t>(part.count() / (n * n));
@@ -177,7 +179,7 @@ Result<PictureStep> Renderer::Impl::draw_sized(const FrameView& view, int width,
     return out_of_range("a picture must be 1 to " + std::to_string(kMaxSide / n) + " pixels wide and high");
   const auto drawn_side = [&](int side) { return std::max(1, static_cast<int>(std::lround(options.resolution * side))); };
   auto drawn = draw(view, drawn_side(width), drawn_side(height), seconds);
-  if (drawn) drawn->image = enlarge(drawn->image, width, height);
+  if (drawn) drawn->image = enlarge(std::move(drawn->image), width, height);
   return drawn;
 }
 

@@ -48,9 +48,9 @@ struct RenderOptions {
   /// The 0.5 surface is drawn as triangles (app/view/bone_mesh.h), made from the texels and updated by those of update(). No texture of the
   /// volume is made, except one of its colours when a cut is first drawn. `specular` and `finish` apply, other options of Appearance do not.
   bool mesh = false;
-  /// Whether changed texels are sent through a ring of mapped buffers (upload_ring.h). Absent: true on a GPU, where a copy would wait until
-  /// drawing ends; false with a software renderer, which copies at once.
-  std::optional<bool> upload_ring{};
+  /// Whether changed texels are sent and pictures are read through mapped buffers (upload_ring.h, read_buffer.h). Absent: true on a GPU,
+  /// where a copy would wait until drawing ends; false with a software renderer, which copies at once. The picture is the same.
+  std::optional<bool> mapped_buffers{};
   GlBackend gl = GlBackend::automatic;    ///< back end of OpenGL
   std::filesystem::path shader_folder{};  ///< folder of shaders that create() reads and checks; empty: the built-in shaders
 };

@@ -11,6 +11,7 @@
 #include "app/render/frame_cache.h"
 #include "app/render/gl_context.h"
 #include "app/render/gl_target.h"
+#include "app/render/read_buffer.h"
 #include "app/render/renderer.h"
 #include "app/render/shader_program.h"
 #include "app/render/skin_mesh.h"
@@ -47,10 +48,12 @@ struct Renderer::Impl {
   std::optional<BoneBuffer> mesh_buffer;
   std::optional<GlObject> section_colors;  ///< a texture of its voxels' colours, made when a cut is first drawn
   std::optional<UploadRing> ring;
+  std::optional<ReadBuffer> read_buffer;
   std::optional<ToolMesh> tool;
   std::optional<ToolDepth> tool_depth;  ///< made when the tool's shadow is first drawn
   std::optional<SkinMesh> skin;         ///< drawn where has_layers()
   FrameCache cache;
+  std::vector<Image> read_parts;          ///< drawn parts of the last picture, whose memory the next ones take
   bool may_grow = false;                  ///< forget() came since the last picture
   std::optional<CameraView> last_camera;  ///< of draw_at_pace
 
@@ -67,7 +70,10 @@ struct Renderer::Impl {
     detail_buffer = make_buffer(gl);
     gl.NamedBufferStorage(detail_buffer.name(), sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
     count_query = make_count_query(gl);
-    if (!options.mesh && options.upload_ring.value_or(!context.is_software())) ring.emplace(gl);
+    if (options.mapped_buffers.value_or(!context.is_software())) {
+      if (!options.mesh) ring.emplace(gl);
+      read_buffer.emplace(gl);
+    }
     if (options.skip_empty && !options.slices && !options.mesh) seen_from = kSolidOpacity;
     if (!options.translucent) return;
     const TransferTable table = make_transfer_table(*options.translucent);

@@ -97,7 +97,7 @@ TEST_CASE("errors: a shader folder that is missing or holds a faulty shader is n
   const std::filesystem::path folder = test::in_build("test-shaders-faulty");
   std::filesystem::create_directories(folder);
   for (const auto& [name, text] : embedded_shaders())
-    std::ofstream(folder / name) << text << (name == "raycast.frag" ? "\nnonsense\n" : "");
+    std::ofstream(folder / name) << text << (name == "raycast.frag" ? "\nnonsense;\n" : "");
   const auto faulty = Renderer::create({.shader_folder = folder});
   REQUIRE_FALSE(faulty.ok());
   CHECK(faulty.error().code == ErrorCode::bad_input);

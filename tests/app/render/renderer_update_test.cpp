@@ -57,9 +57,9 @@ TEST_CASE("update: a box of 20^3 sends 20^3 texels of six bytes and nothing else
   CHECK(renderer.counters().skip_map_bytes == skip_map);
 }
 
-TEST_CASE("update: through a ring of buffers the same bytes arrive, however often it turns and where a box does not fit") {
-  Renderer ring = require_renderer({.growth_is_reported = true, .upload_ring = true});
-  Renderer plain = require_renderer({.growth_is_reported = true, .upload_ring = false});
+TEST_CASE("update: through mapped buffers the same bytes arrive and are read, however often the ring turns and where a box does not fit") {
+  Renderer ring = require_renderer({.growth_is_reported = true, .mapped_buffers = true});
+  Renderer plain = require_renderer({.growth_is_reported = true, .mapped_buffers = false});
   for (Renderer* renderer : {&ring, &plain}) REQUIRE(renderer->set_volume(ball_on_plate()).ok());
   Image before = drawn(plain);
   const auto both = [&](const VoxelBox& box) {
