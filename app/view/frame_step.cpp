@@ -96,6 +96,7 @@ std::optional<FrameView::Cut> make_scene_cut(const CutConfig& cut, const CameraV
 
 FrameStep::FrameStep(const DisplayConfig& display, const Pose& world_from_bone, const Approach& approach, Voxmap& voxmap, FrameSink& sink)
     : display_(display),
+      at_rest_(world_from_bone),
       world_from_bone_(world_from_bone),
       world_from_approach_(world_from_bone * approach.bone_from_approach),
       thickness_(approach.thickness),
@@ -279,7 +280,9 @@ Status FrameStep::send_batch() {
 }
 
 FrameView FrameStep::view_of(const std::optional<Pose>& world_from_tool, bool cut, bool overview) const {
-  FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach_, thickness_, cut);
+  // The camera stays in the world; a cut through the approach, and the camera before it, go with the bone.
+  const Pose world_from_approach = cut ? world_from_bone_ * at_rest_.inverse() * world_from_approach_ : world_from_approach_;
+  FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach, thickness_, cut);
   view.table = find_table(display_, voxmap_->bone(), world_from_bone_, world_from_approach_);
   if (overview) {
     const Vec3 direction = glm::normalize(view.camera.eye - view.camera.target);
