@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "core/base/units.h"
+#include "core/measure/largest_part.h"
 #include "volumes/read/readable_path.h"
 
 namespace burrhole {
@@ -153,6 +154,11 @@ std::string mm_text(const Vec3& v) {
   return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", v.x / kMillimetre, v.y / kMillimetre, v.z / kMillimetre);
 }
 
+std::string spans_text(const Vec3& lo, const Vec3& hi) {
+  const Vec3 a = lo / kMillimetre, b = hi / kMillimetre;
+  return fmt::format("x {:.1f} to {:.1f}, y {:.1f} to {:.1f}, z {:.1f} to {:.1f} mm", a.x, b.x, a.y, b.y, a.z, b.z);
+}
+
 /// Meshes, fog volumes and bone models have occupancy values only.
 bool knows_values(const ImportReport& report) { return report.facts.has_values; }
 
@@ -236,7 +242,16 @@ Result<ImportedBone> import_bone(const ImportRequest& given, const std::function
   return out;
 }
 
+void find_largest_part(const BoneModel& bone, ImportReport& report) {
+  if (bone.bone_voxels() == 0) return;
+  const LargestPart::Extent extent = LargestPart(bone).extent(bone);
+  const Bounds box = bounds_of(extent.box, bone.bone_from_index());
+  report.largest = {box.lo, box.hi, static_cast<double>(extent.voxels) / static_cast<double>(bone.bone_voxels())};
+}
+
 std::string import_json(const ImportReport& r) {
+  Json largest = nullptr;
+  if (r.largest) largest = {{"share", r.largest->share}, {"from_mm", in_mm(r.largest->lo)}, {"to_mm", in_mm(r.largest->hi)}};
   Json direction = Json::array();
   for (std::size_t c = 0; c < 3; ++c) direction.push_back({r.grid.direction[c].x, r.grid.direction[c].y, r.grid.direction[c].z});
   Json skipped = Json::array(), kept = Json::object();
@@ -265,6 +280,7 @@ std::string import_json(const ImportReport& r) {
                 {"share", r.bone_share},
                 {"from_mm", in_mm(r.bone_lo)},
                 {"to_mm", in_mm(r.bone_hi)},
+                {"largest_part", largest},
                 {"bytes", r.bytes}}},
               {"assumed", r.scan.assumed},
               {"skipped", skipped},
@@ -288,9 +304,10 @@ std::string import_text(const ImportReport& r) {
                       r.resampled ? fmt::format(" of {:.3g} mm", r.bone_spacing / kMillimetre) : " as they are", r.bone_voxels,
                       100.0 * r.bone_share, static_cast<double>(r.bytes) / kMegabyte);
   if (glm::any(glm::greaterThan(r.bone_hi, r.bone_lo)))
-    text += fmt::format("  bone spans x {:.1f} to {:.1f}, y {:.1f} to {:.1f}, z {:.1f} to {:.1f} mm (patient: left, posterior, superior)\n",
-                        r.bone_lo.x / kMillimetre, r.bone_hi.x / kMillimetre, r.bone_lo.y / kMillimetre, r.bone_hi.y / kMillimetre,
-                        r.bone_lo.z / kMillimetre, r.bone_hi.z / kMillimetre);
+    text += fmt::format("  bone spans {} (patient: left, posterior, superior)\n", spans_text(r.bone_lo, r.bone_hi));
+  if (r.largest && r.largest->share < 1.0)
+    text += fmt::format("  its largest connected part spans {}, {:.2f} % of it; the rest, a head rest for example, is bone too\n",
+                        spans_text(r.largest->lo, r.largest->hi), 100.0 * r.largest->share);
   for (const std::string& line : r.scan.assumed) text += "  assumed    " + line + "\n";
   for (const Skipped& s : r.scan.skipped) text += fmt::format("  skipped    {} x {}\n", s.count, s.reason);
   for (const KeptField& field : r.scan.kept) text += fmt::format("  kept       {} = {}\n", field.name, field.value);

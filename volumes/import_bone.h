@@ -47,6 +47,12 @@ struct ImportReport {
   double bone_spacing = 0.0;        ///< [m] edge of the cube with the volume of a voxel
   Vec3 bone_edges{0.0};             ///< [m] distances of voxel centres along i, j, k
   std::uint64_t bone_voxels = 0, bytes = 0;
+  /// The largest connected part of the bone (core/measure/largest_part.h), by find_largest_part().
+  struct Part {
+    Vec3 lo{0.0}, hi{0.0};  ///< [m] box around the centres of its voxels, bone frame
+    double share = 0.0;     ///< [-] of the bone voxels as loaded
+  };
+  std::optional<Part> largest{};
   std::optional<Enclosure> enclosure{};  ///< of the whole scan, at the site; of a bone model, of its bone as loaded
 };
 
@@ -62,6 +68,10 @@ struct ImportedBone {
 /// is used unchanged; a .vdb of another program needs a unit. Options that the format does not use are errors. @param say is called with one
 /// line on the memory that the bone needs, before it is allocated; may be empty. @returns bad_input with the path as place.
 [[nodiscard]] Result<ImportedBone> import_bone(const ImportRequest& request, const std::function<void(const std::string&)>& say);
+
+/// Finds the largest connected part of the bone for the report; nothing without bone. A scan may hold others, a head rest for example. Takes a
+/// few seconds for a head at 0.25 mm.
+void find_largest_part(const BoneModel& bone, ImportReport& report);
 
 /// {schema, source, format, series[], dims, spacing_mm, direction, shear_deg, oblique_deg, values{..}, bone{..}, assumed[], skipped[],
 /// kept{}}

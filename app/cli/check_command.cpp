@@ -104,6 +104,8 @@ void add_check(CLI::App& app, int& exit_code) {
     if (!built) return;
     const LoadedScene& loaded = *built->loaded;
     for (const std::string& warning : make_plan(loaded).warnings) print_warning(loaded.scene.file, warning);
+    if (loaded.scene.tool.spin == 0.0 && loaded.scene.effects.needs(loaded.scene).removes)
+      print_warning(loaded.scene.file, "tool.spin_rpm = 0: the bit does not spin, so nothing is cut; set tool.spin_rpm above 0");
     const Approach& approach = built->simulation->approach();
     const double thickness_mm = approach.thickness / kMillimetre, angle_deg = approach.angle / kDegree;
     if (angle_deg > kGrazing)

@@ -30,7 +30,7 @@ ComparedView compare_view(const std::vector<RunResults>& runs, const std::string
   std::vector<std::string> same;
   const std::string first = (fs::path(runs.front().folder) / (name + ".png")).string();
   for (std::size_t n = 1; n < runs.size(); ++n) {
-    if (std::ranges::find(runs[n].pictures, name) == runs[n].pictures.end()) continue;
+    if (std::ranges::find(runs[n].pictures, name) == runs[n].pictures.end() || !has_same_bone(runs.front(), runs[n])) continue;
     const std::string other = (fs::path(runs[n].folder) / (name + ".png")).string();
     const std::string file =
         (fs::path(folder) / (runs.size() == 2 ? name + "_difference.png" : fmt::format("{}_difference_{}.png", name, n))).string();
@@ -96,6 +96,10 @@ int run_compare(const Options& option) {
       print_line(run.name + ": no curves: " + run.no_curves);
   }
   if (!option.folder.empty()) {
+    for (const RunResults& run : runs)
+      if (!has_same_bone(runs.front(), run))
+        print_line(fmt::format("{}: warning: another bone than that of {}: their pictures are not compared; compare runs of one bone",
+                               run.name, runs.front().name));
     const auto lock = take_output_folder(option.folder);
     if (!lock) return report(lock.error());
     const auto views = compare_views(runs, option.folder, issues);
@@ -117,7 +121,8 @@ void add_compare(CLI::App& app, int& exit_code) {
            "that differ, and of two runs the last column is the second minus the first. A setting that a run did not override is the "
            "scene's. feed_mm_per_s is depth_mm over breakthrough_s, the approach included. With --out it also writes compare.html with "
            "force and depth of all runs over each other (compare.svg), and for each picture of the first run those of the others that "
-           "differ, with the place of their differences. A summary.json, session or picture that is damaged is left out: the exit code is "
+           "differ, with the place of their differences; pictures of different bones are not compared. A summary.json, session or picture "
+           "that is damaged is left out: the exit code is "
            "then 2.",
        .examples = {"burrhole compare out/soft out/hard", "burrhole compare out/soft out/hard --out out/compared",
                     "burrhole compare out/* --json | jq '.runs[].figures.plunge_mm'"},

@@ -20,10 +20,23 @@ namespace {
 
 constexpr const char* kResumes = "An interrupted call is resumed.";
 
-/// Measures all rows of `cost contact` and writes them with three plots.
-Status measure_contact(const StudyFolder& folder, std::size_t& row_count) {
+/// @returns bad_input if the bit of `cost contact` is neither a shipped tool nor a tool file.
+Status check_contact_bit(const std::string& bit) {
+  const std::filesystem::path path(bit);
+  std::error_code ignored;
+  const bool is_file = path.extension() == ".toml" && std::filesystem::exists(path, ignored);
+  const bool is_shipped =
+      path.filename() == path && std::filesystem::exists(std::filesystem::path(share_folder()) / "tools" / (bit + ".toml"), ignored);
+  if (is_file || is_shipped) return {};
+  return bad_input(
+      fmt::format("--bit \"{}\" is no shipped tool (burrhole tools lists them) and no tool file (.toml): give one of these", bit));
+}
+
+/// Measures all rows of `cost contact` and writes them with three plots. @param bit presses alone; empty: the shipped three.
+Status measure_contact(const std::string& bit, const StudyFolder& folder, std::size_t& row_count) {
   ContactAccuracyOptions options;
   options.tool_folder = (std::filesystem::path(share_folder()) / "tools").string();
+  if (!bit.empty()) options.tools = {bit};
   SlidingOptions slides;
   slides.tool_folder = options.tool_folder;
   const auto subjects = sliding_subjects(slides);
@@ -81,17 +94,27 @@ void add_contact(CLI::App& cost, int& exit_code) {
   CLI::App* command = add_command(
       cost, "contact", "Subjects",
       {.summary = "Error of the contact force on plate, sphere and wedge",
-       .about = std::string("Presses bits into generated bone, without and with noise, and compares the force with its closed form. Then "
+       .about = std::string("Presses bits, the shipped three or that of --bit, into generated bone, without and with noise, and "
+                            "compares the force with its closed form. Then "
                             "slides a round burr over tilted plates, where the exact force is constant, and tables the variation of the "
                             "force. ") +
                 kResumes,
-       .examples = {"burrhole cost contact --out out/cost"},
+       .examples = {"burrhole cost contact --out out/cost", "burrhole cost contact --bit my_bit.toml --out out/my_bit"},
        .exits = {}});
+  auto bit = std::make_shared<std::string>();
+  command->add_option("--bit", *bit, "bit that is pressed: a shipped tool, or a tool file of your own; default: three shipped ones")
+      ->type_name(kToolValue);
   auto folder = std::make_shared<StudyFolder>(StudyFolder{.folder = "out/cost", .partial = "partial_contact.txt"});
   add_study_options(*command, *folder, "cost.csv and the plots");
   add_simd_option(*command);
-  command->callback([folder, &exit_code] {
-    exit_code = run_study(*folder, measure_contact, "plots contact_error.svg, contact_force.svg and sliding.svg");
+  command->callback([folder, bit, command, &exit_code] {
+    if (command->count("--bit") > 0)
+      if (const Status known = check_contact_bit(*bit); !known) {
+        exit_code = report(known.error());
+        return;
+      }
+    const auto measure = [&](const StudyFolder& into, std::size_t& rows) { return measure_contact(*bit, into, rows); };
+    exit_code = run_study(*folder, measure, "plots contact_error.svg, contact_force.svg and sliding.svg");
   });
 }
 
@@ -100,7 +123,7 @@ void add_surface(CLI::App& cost, int& exit_code) {
       cost, "surface", "Subjects",
       {.summary = "Error of the surface records by their bits and voxel size",
        .about = std::string("Compares distance and normal of surface records with the closed form of generated bone, for records of 8 and "
-                            "16 bits and voxels from 0.18 to 0.5 mm, and times the look-up. ") +
+                            "16 bits and voxels from 0.18 to 0.5 mm, and times the look-up. No bit is involved. ") +
                 kResumes,
        .examples = {"burrhole cost surface --out out/cost_surface"},
        .exits = {}});
@@ -116,7 +139,8 @@ void add_multirate(CLI::App& cost, int& exit_code) {
                   {.summary = "Accuracy of the multi-rate schemes by the rate of contact",
                    .about = std::string("Slides and drills with contact at 1 kHz down to 20 Hz. For each scheme: the error of the "
                                         "force against servo and contact at 4 kHz, the "
-                                        "share of the maximum stable stiffness that remains, and the time of a servo step. ") +
+                                        "share of the maximum stable stiffness that remains, and the time of a servo step. The tool is a "
+                                        "ball, whose forces have a closed form, so there is no --bit. ") +
                             kResumes,
                    .examples = {"burrhole cost multirate --out out/cost_multirate"},
                    .exits = {}});

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string input, volume, series, unit, band, offset, spacing, region, centre, overview, suggest, gl = "auto";
   std::vector<std::string> keep;
-  bool json = false, quiet = false, volume_given = false;
+  bool json = false, quiet = false, force = false, volume_given = false;
 };
 
 /// @returns the numbers of an option, each in [min, max]; bad_input with the option's name otherwise.
@@ -68,48 +68,87 @@ Status read_bone_options(const Options& option, BoneOptions& bone) {
   return {};
 }
 
-/// Checks the output path before the long read. @returns bad_input if the file cannot be written there.
-Status check_output(const std::string& volume, bool given) {
-  if (volume.empty()) return given ? Status(bad_input("--volume is empty: it names the file to write")) : Status();
+/// @returns bad_input with the path if a file is there already and may not be replaced.
+Status check_free(const std::string& path, bool force) {
+  std::error_code ignored;
+  if (force || !fs::exists(path, ignored)) return {};
+  return bad_input("is there already: choose another name, or --force", path);
+}
+
+/// @returns the file of the overview: the path itself, or overview.png in a folder.
+std::string overview_file(const std::string& path) {
+  return fs::path(path).extension() == ".png" ? path : (fs::path(path) / "overview.png").string();
+}
+
+/// Checks the output paths before the long read. @returns bad_input if a file cannot be written there.
+Status check_output(const Options& option) {
+  const std::string& volume = option.volume;
+  if (!option.overview.empty())
+    if (Status is_free = check_free(overview_file(option.overview), option.force); !is_free) return is_free;
+  if (volume.empty()) return option.volume_given ? Status(bad_input("--volume is empty: it names the file to write")) : Status();
   if (fs::path(volume).extension() != ".vdb") return bad_input("--volume " + volume + " must end in .vdb");
   const fs::path folder = fs::path(volume).parent_path();
   std::error_code ignored;
   if (!folder.empty() && !fs::is_directory(folder, ignored))
     return bad_input("--volume " + volume + ": there is no folder " + folder.string() + "; make it, or give another");
-  return {};
+  return check_free(volume, option.force);
 }
 
-/// @returns the file of the overview: the path itself, or overview.png in a folder, which is created.
-Result<std::string> overview_file(const std::string& path) {
-  if (fs::path(path).extension() == ".png") return path;
+/// Makes the folder of the overview. @returns bad_input if the path is neither a folder nor ends in .png.
+Status make_overview_folder(const std::string& path) {
+  if (fs::path(path).extension() == ".png") return {};
   std::error_code error;
   fs::create_directories(path, error);
-  if (!fs::is_directory(path)) return bad_input("--overview " + path + " must end in .png or be a folder");
-  return (fs::path(path) / "overview.png").string();
+  return fs::is_directory(path) ? Status() : Status(bad_input("--overview " + path + " must end in .png or be a folder"));
 }
 
-/// Draws slices and a view of the bone, with the box around it.
+/// @returns the box around the largest part of the bone.
+Bounds part_box(const ImportReport& report, const BoneModel& bone) {
+  return report.largest ? Bounds{report.largest->lo, report.largest->hi} : bounds_of(bone.bone_box(), bone.bone_from_index());
+}
+
+/// Draws slices and a view of the bone, with the box around its largest part.
 Status draw_overview(const Options& option, const BoneModel& bone, const ImportReport& report) {
   if (bone.bone_voxels() == 0) return bad_input("has no bone to draw: give the band of its bone by --bone-hu LO,HI", option.input);
-  const auto file = overview_file(option.overview);
-  if (!file) return file.error();
+  if (Status made = make_overview_folder(option.overview); !made) return made;
+  const std::string file = overview_file(option.overview);
   VolumePicture picture;
   picture.gl = option.gl;
   picture.display.orientation = knows_directions(report);
   picture.display.height = picture.display.width;
-  const auto driver = write_volume_sheet(*file, bone, picture);
+  const auto driver = write_volume_sheet(file, bone, part_box(report, bone), picture);
   if (!driver) return driver.error();
-  if (!option.quiet) note(fmt::format("{}\n{} written\n", driver_text(*driver), *file));
+  if (!option.quiet) note(fmt::format("{}\n{} written\n", driver_text(*driver), file));
   return {};
 }
 
-nlohmann::ordered_json site_json(const DrillSite& site) {
+/// A site, and what a person must know of it.
+struct SuggestedSite {
+  DrillSite site;
+  double moved = 0.0;  ///< [m] from the point that was given
+  double edge = 0.0;   ///< [m] to the nearest end of the volume, from the axis within the bone
+};
+
+/// @returns the warning of a site near the end of the volume; empty elsewhere.
+std::string edge_warning(const SuggestedSite& found) {
+  constexpr double kNear = 0.010;  // [m] half of a 14 mm perforator, and a rim of 3 mm in which the bone is known
+  if (found.edge >= kNear) return {};
+  return fmt::format("the volume ends {:.1f} mm from the hole, and bone beyond it is missing: choose a point further inside",
+                     found.edge / kMillimetre);
+}
+
+nlohmann::ordered_json site_json(const SuggestedSite& found) {
+  const DrillSite& site = found.site;
   const auto list = [](const Vec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
-  return {{"entry_mm", list(site.entry / kMillimetre)}, {"axis", list(site.axis)}, {"thickness_mm", site.thickness / kMillimetre}};
+  return {{"entry_mm", list(site.entry / kMillimetre)},
+          {"axis", list(site.axis)},
+          {"thickness_mm", site.thickness / kMillimetre},
+          {"moved_mm", found.moved / kMillimetre},
+          {"volume_edge_mm", found.edge / kMillimetre}};
 }
 
 /// Prints the report, and the site if one was asked for: its TOML alone goes to stdout then, so that it can be appended to a scene.
-void print_results(const Options& option, const ImportReport& report, const std::optional<DrillSite>& site) {
+void print_results(const Options& option, const ImportReport& report, const std::optional<SuggestedSite>& site) {
   if (option.json) {
     auto json = nlohmann::ordered_json::parse(import_json(report));
     if (site) json["suggested"] = site_json(*site);
@@ -117,7 +156,13 @@ void print_results(const Options& option, const ImportReport& report, const std:
   }
   if (!site) return print(import_text(report));
   if (!option.quiet) note(import_text(report));
-  print(fmt::format("# {:.2f} mm of bone along the axis\n{}", site->thickness / kMillimetre, approach_text(*site)));
+  const std::string warning = edge_warning(*site);
+  if (!warning.empty()) note(fmt::format("{}: warning: {}\n", report.source, warning));
+  print(fmt::format(
+      "# {:.2f} mm of bone along the axis; the entry is {:.1f} mm from the point that was given. This table replaces the scene's "
+      "own [approach].\n{}{}",
+      site->site.thickness / kMillimetre, site->moved / kMillimetre, warning.empty() ? "" : "# Warning: " + warning + ".\n",
+      approach_text(site->site)));
 }
 
 /// Saves a bone, with what was drilled of it. A stop ends the writing, which may take long.
@@ -146,7 +191,7 @@ int import_input(const Options& option) {
   if (!option.unit.empty()) request.read.unit = length_unit(option.unit);
   if (const Status read = read_bone_options(option, request.bone); !read) return report(read.error());
   request.read.pitch = request.bone.spacing;
-  if (const Status fits = check_output(option.volume, option.volume_given); !fits) return report(fits.error());
+  if (const Status fits = check_output(option); !fits) return report(fits.error());
   std::optional<Vec3> near;
   if (!option.suggest.empty()) {
     const auto point = numbers_of("--suggest", option.suggest, 3, -1e5, 1e5);
@@ -167,14 +212,15 @@ int import_input(const Options& option) {
     if (stop_requested()) return report_stopped(option.volume);
   }
   const BoneModel& bone = *imported->bone;
+  find_largest_part(bone, imported->report);
   if (!option.overview.empty())
     if (const Status drawn = draw_overview(option, bone, imported->report); !drawn) return report(drawn.error());
   if (stop_requested()) return report_stopped(option.volume);
-  std::optional<DrillSite> site;
+  std::optional<SuggestedSite> site;
   if (near) {
     const auto found = suggest_site(bone, *near);
     if (!found) return report(Error{found.error().code, found.error().message, imported->report.source});
-    site = *found;
+    site = {*found, glm::length(found->entry - *near), distance_to_edge(bone, *found)};
   }
   print_results(option, imported->report, site);
   return kDone;
@@ -191,9 +237,10 @@ void add_import(CLI::App& app, int& exit_code) {
            "Checks positions of slices, sizes and lengths; keeps shear and gantry tilt; does not copy data that identify a patient. "
            "Without --volume it prints the report only. --overview draws the bone. --suggest prints a table [approach]: an entry near a "
            "point, "
-           "and the axis square to the bone there. A scene may also name the scan itself as [volume] source.",
+           "and the axis square to the bone there; it replaces the scene's own [approach]. A scene may also name the scan itself as "
+           "[volume] source.",
        .examples = {"burrhole import scan/", "burrhole import scan/ --series 3 --volume head.vdb",
-                    "burrhole import scan/ --overview head.png", "burrhole import scan/ --suggest 62,80,790 >> scene.toml",
+                    "burrhole import scan/ --overview head.png", "burrhole import scan/ --suggest 62,80,790 >> scene_without_approach.toml",
                     "burrhole import scan/ --spacing-mm 0.3 --region-mm 48,48,48 --centre-mm 54,100,797 --volume site.vdb",
                     "burrhole import skull.stl --unit mm --spacing-mm 0.5 --volume skull.vdb"},
        .exits = ""});
@@ -224,6 +271,7 @@ void add_import(CLI::App& app, int& exit_code) {
   command->add_option("--suggest", option->suggest, "print [approach] for the place of the skull nearest to this point, LPS in mm")
       ->type_name("X,Y,Z");
   add_gl_option(*command, option->gl);
+  command->add_flag("--force", option->force, "replace the files of --volume and --overview");
   command->add_flag("--json", option->json, "print only the report on stdout, as JSON");
   command->add_flag("--quiet", option->quiet, "no progress on stderr");
   command->callback([option, command, &exit_code] {

@@ -20,7 +20,7 @@ Result<std::string> write_volume_picture(const std::string&, const BoneModel&, c
   return Error{ErrorCode::unavailable, "this program was built without the renderer, so it cannot draw a volume", {}};
 }
 
-Result<std::string> write_volume_sheet(const std::string&, const BoneModel&, const VolumePicture&) {
+Result<std::string> write_volume_sheet(const std::string&, const BoneModel&, const Bounds&, const VolumePicture&) {
   return Error{ErrorCode::unavailable, "this program was built without the renderer, so it cannot draw a volume", {}};
 }
 

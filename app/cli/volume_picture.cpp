@@ -64,14 +64,13 @@ Result<std::string> write_volume_picture(const std::string& file, const BoneMode
   return drawn->driver;
 }
 
-Result<std::string> write_volume_sheet(const std::string& file, const BoneModel& bone, const VolumePicture& picture) {
+Result<std::string> write_volume_sheet(const std::string& file, const BoneModel& bone, const Bounds& box, const VolumePicture& picture) {
   const int width = picture.display.width, height = picture.display.height;
   const double letter = std::max(8.0, height / 80.0);
   const int below = static_cast<int>(2.4 * letter);
   const CellLayout layout = square_cells(width, height, below);
-  Image sheet = draw_tip_slices(make_middle_slices(bone, layout.size), layout, {});
-  const Bounds box = bounds_of_bone(bone);
-  auto drawn = draw_outside(bone, picture, box.corners(), layout.size, layout.size);
+  Image sheet = draw_tip_slices(make_middle_slices(bone, box, layout.size), layout, {});
+  auto drawn = draw_outside(bone, picture, bounds_of_bone(bone).corners(), layout.size, layout.size);
   if (!drawn) return drawn.error();
   draw_box(drawn->image, drawn->frame.camera, box);
   const int step = layout.size + layout.gap;

@@ -20,7 +20,9 @@ struct VolumePicture {
 /// Draws all of a bone from outside, with scale bar and the directions of the patient. @returns the name of the renderer.
 [[nodiscard]] Result<std::string> write_volume_picture(const std::string& file, const BoneModel& bone, const VolumePicture& picture);
 
-/// Draws a sheet: axial, coronal and sagittal slices through the middle of the bone, the bone from outside, and the box around it in each.
-[[nodiscard]] Result<std::string> write_volume_sheet(const std::string& file, const BoneModel& bone, const VolumePicture& picture);
+/// Draws a sheet: axial, coronal and sagittal slices through the middle of a box, the bone from outside, and the box in each.
+/// @param box in the bone frame, around the bone or its largest part.
+[[nodiscard]] Result<std::string> write_volume_sheet(const std::string& file, const BoneModel& bone, const Bounds& box,
+                                                     const VolumePicture& picture);
 
 }  // namespace burrhole::cli

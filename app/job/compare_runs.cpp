@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -82,6 +83,12 @@ void add_facts(const Json& json, RunResults& out) {
   const Json factors = object_of(made, "erosion_factors_per_rev"), hashes = object_of(made, "hash");
   for (const auto& [region, factor] : factors.items()) add(("erosion factor of the " + region).c_str(), factor);
   for (const auto& [of, hash] : hashes.items()) add(("hash of the " + of).c_str(), hash);
+}
+
+void add_volume(const Json& json, RunResults& out) {
+  const Json volume = object_of(json, "volume");
+  out.volume_format = text_of(volume.value("format", Json()));
+  if (const Json spacing = volume.value("spacing_mm", Json()); spacing.is_number()) out.spacing_mm = spacing.get<double>();
 }
 
 void add_figures(const Json& json, RunResults& out) {
@@ -165,28 +172,38 @@ Result<std::string> add_curves(const Json& json, RunResults& out) {
   if (!fs::is_regular_file(path, ignored)) return std::string("no session.sqlite");
   const auto session = SessionReader::open(path);
   if (!session) return session.error();
-  const SessionStream* contact = session->stream(kContactStream);
-  const auto has = [&](const char* name) {
-    return contact != nullptr && std::ranges::find(contact->columns, name, &SessionColumn::name) != contact->columns.end();
+  const auto has = [&](const char* stream, const char* name) {
+    const SessionStream* const found = session->stream(stream);
+    return found != nullptr && std::ranges::find(found->columns, name, &SessionColumn::name) != found->columns.end();
   };
-  if (!has("force_x") || !has("hand_tick")) return std::string("the session has no force");
+  if (!has(kServoStream, "sent_x") || !has(kServoStream, "hand_tick")) return std::string("the session has no force");
   const auto scene = TomlDocument::parse(session->meta().scene, path);
   if (!scene) return scene.error();
   Issues unread;
   const auto servo_hz = static_cast<double>(scene->root(unread).integer("servo_hz", 1000, 1, 1'000'000, ""));
-  std::map<std::string, std::vector<double>> columns;
-  for (const char* name : {"hand_tick", "force_x", "force_y", "force_z", "tool_x", "tool_y", "tool_z"}) {
-    auto read = session->column(kContactStream, name);
-    if (!read) return read.error();
-    columns[name] = std::move(read).value();
-  }
+  const auto vectors = [&](const char* stream, std::array<const char*, 3> names, std::vector<double>& times) -> Result<std::vector<Vec3>> {
+    std::array<std::vector<double>, 4> columns;
+    for (std::size_t c = 0; c < 4; ++c) {
+      auto read = session->column(stream, c < 3 ? names[c] : "hand_tick");
+      if (!read) return read.error();
+      columns[c] = std::move(read).value();
+    }
+    std::vector<Vec3> found;
+    for (std::size_t n = 0; n < columns[3].size(); ++n) {
+      times.push_back(columns[3][n] / servo_hz);
+      found.emplace_back(columns[0][n], columns[1][n], columns[2][n]);
+    }
+    return found;
+  };
+  const auto forces = vectors(kServoStream, {"sent_x", "sent_y", "sent_z"}, out.time_s);
+  if (!forces) return forces.error();
+  for (const Vec3& force : *forces) out.force_N.push_back(glm::length(force));
   const Json approach = object_of(json, "approach");
   const auto entry = vector_of(approach.value("entry_mm", Json())), axis = vector_of(approach.value("axis", Json()));
-  for (std::size_t n = 0; n < columns["hand_tick"].size(); ++n) {
-    const auto at = [&](const char* x, const char* y, const char* z) { return Vec3(columns[x][n], columns[y][n], columns[z][n]); };
-    out.time_s.push_back(columns["hand_tick"][n] / servo_hz);
-    out.force_N.push_back(glm::length(at("force_x", "force_y", "force_z")));
-    if (entry && axis) out.depth_mm.push_back(glm::dot(at("tool_x", "tool_y", "tool_z") * 1e3 - *entry, *axis));
+  if (entry && axis && has(kContactStream, "tool_x")) {
+    const auto tips = vectors(kContactStream, {"tool_x", "tool_y", "tool_z"}, out.depth_time_s);
+    if (!tips) return tips.error();
+    for (const Vec3& tip : *tips) out.depth_mm.push_back(glm::dot(tip * 1e3 - *entry, *axis));
   }
   return out.time_s.empty() ? std::string("the session has no row") : std::string();
 }
@@ -215,7 +232,7 @@ Plot make_plot(std::span<const RunResults> runs) {
       depth{.y_label = "Depth (mm)", .series = {}, .bands = {}, .y_down = true};
   for (const RunResults& run : runs) {
     if (!run.time_s.empty()) force.series.push_back({run.name, run.time_s, run.force_N});
-    if (!run.depth_mm.empty()) depth.series.push_back({run.name, run.time_s, run.depth_mm});
+    if (!run.depth_mm.empty()) depth.series.push_back({run.name, run.depth_time_s, run.depth_mm});
   }
   if (!force.series.empty()) plot.panels.push_back(force);
   if (!depth.series.empty()) plot.panels.push_back(depth);
@@ -256,6 +273,7 @@ Result<RunResults> read_run(const std::string& path) {
     return bad_input("is not a summary.json of burrhole drill, or a damaged one: the run is left out", file);
   add_facts(json, out);
   add_settings(json, out);
+  add_volume(json, out);
   add_figures(json, out);
   const auto curves = add_curves(json, out);
   out.no_curves = curves ? *curves : "the session cannot be read: " + curves.error().message;
@@ -264,6 +282,19 @@ Result<RunResults> read_run(const std::string& path) {
     if (at->path().extension() == ".png") out.pictures.push_back(at->path().stem().string());
   std::ranges::sort(out.pictures);
   return out;
+}
+
+bool has_same_bone(const RunResults& a, const RunResults& b) {
+  constexpr double kSame = 1e-9;  // [mm]
+  const auto hash_of = [](const RunResults& run, const char* of) { return value_of(run.facts, std::string("hash of the ") + of); };
+  const std::string one = hash_of(a, "volume"), other = hash_of(b, "volume");
+  if (!one.empty() && one == other) return true;
+  if (!a.volume_format.empty() && !b.volume_format.empty() && a.volume_format != b.volume_format) return false;
+  if (one.empty() || other.empty()) return true;
+  const auto set_by = [](const RunResults& run, const char* key) { return value_of(run.overrides, std::string(key)); };
+  const bool resized = a.spacing_mm && b.spacing_mm && std::abs(*a.spacing_mm - *b.spacing_mm) > kSame;
+  const bool same_source = set_by(a, "volume.source") == set_by(b, "volume.source") && set_by(a, "volume.seed") == set_by(b, "volume.seed");
+  return resized && same_source && hash_of(a, "scene") == hash_of(b, "scene");
 }
 
 namespace {
@@ -426,6 +457,9 @@ Status write_comparison(std::span<const RunResults> runs, const std::vector<Comp
   HtmlPage page("Comparison of runs", fmt::format("{}", fmt::join(names, " · ")));
   add_table(runs, names, page);
   if (Status drawn = add_plot(runs, folder, page); !drawn) return drawn;
+  for (const RunResults& run : runs)
+    if (!has_same_bone(runs.front(), run))
+      page.paragraph(fmt::format("{}: another bone than that of {}: their pictures are not compared.", run.name, runs.front().name));
   if (Status added = add_views(views, page); !added) return added;
   return write_file((fs::path(folder) / "compare.html").string(), page.text());
 }

@@ -22,7 +22,10 @@ struct RunResults {
   std::vector<std::pair<std::string, std::string>> overrides;          ///< keys of scene and tool with their values; see compared_rows()
   std::vector<std::pair<std::string, std::string>> used;               ///< bit, spin and push of the run, by their keys of the scene
   std::vector<std::pair<std::string, std::optional<double>>> figures;  ///< names with units; nothing: null in summary.json
-  std::vector<double> time_s, force_N, depth_mm;                       ///< of the session; depth empty without an approach
+  std::string volume_format;                                           ///< as in summary.json
+  std::optional<double> spacing_mm;                                    ///< of the voxels
+  std::vector<double> time_s, force_N;                                 ///< of the session: ticks of the servo, force on the hand
+  std::vector<double> depth_time_s, depth_mm;                          ///< ticks of contact; depth empty without an approach
   std::string no_curves;                                               ///< why there are none; empty: there are
   bool damaged = false;                                                ///< its session is, which is why there are no curves
   std::vector<std::string> pictures;                                   ///< names without ending, in alphabetical order
@@ -30,6 +33,10 @@ struct RunResults {
 
 /// @param path a folder with summary.json, or that file. A run without a session, or with a damaged one, has no curves.
 [[nodiscard]] Result<RunResults> read_run(const std::string& path);
+
+/// @returns whether two runs drilled the same bone, so that their pictures can be compared: by the hashes of the voxels, or of one scene and
+/// source at another size of voxels. What is not known counts as the same.
+[[nodiscard]] bool has_same_bone(const RunResults& a, const RunResults& b);
 
 /// A row of the comparison; empty cells do not apply.
 struct ComparedRow {

@@ -120,6 +120,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.hole_diameter_mm = summary.hole_diameter_mm;
   r.inner_diameter_mm = summary.inner_diameter_mm;
   r.breakthrough_s = summary.breakthrough_s;
+  r.tip_out_s = summary.tip_out_s;
   r.support_lost_s = summary.support_lost_s;
   const RunOutcome outcome = outcome_of(summary);
   r.result = name_of(outcome.result);
@@ -199,7 +200,7 @@ std::optional<std::string> undone_warning(const Simulation& simulation, const Ru
   const auto first = std::ranges::find(events, "breakthrough", &RunEvent::kind);
   if (first == events.end()) return std::nullopt;
   return fmt::format("the bone was drilled through at {:.3f} s before bone was brought back; the tip came {:.2f} mm beyond the bone",
-                     first->time, std::max(0.0, summary.reached_mm - summary.thickness_mm));
+                     first->time, std::max(0.0, simulation.progress().undone * 1e3 - summary.thickness_mm));
 }
 
 /// @returns the hash of the bone as loaded, of one that is read from a file: a replay reads it again.

@@ -36,8 +36,9 @@ with `--quiet`) show them. A replay has the figures of bone and tool of its run;
 - **Beyond**: the largest depth of the tip beyond the bone on the axis, cut or fallen. Published plunge depths of bicortical drilling are this distance
   (Clement et al. 2012, Ding and Marmor 2019), so compare them with it.
 
-These come in this order: the tip passes the bone (`passed_s`), the axis is clear (`breakthrough_s`), support is lost (`support_lost_s`), and
-the tip is deepest. The result and the flag `plunged` do not depend on the second.
+These come in this order: no bone is left on the axis ahead of the tip (`passed_s`), the axis is clear (`breakthrough_s`), support is lost
+(`support_lost_s`), and the tip is deepest. The result and the flag `plunged` do not depend on the second. Bone within the engaged depth is cut
+ahead of the tip, so the tip itself is beyond the bone as loaded later than `passed_s`, at `tip_out_s`.
 
 ## Results
 The first criterion that holds is the result. Results that nothing later takes back come first; an interruption comes before those that a longer

@@ -53,7 +53,7 @@ OutcomeFigures figures_of(const RunSummary& s) {
 /// @returns the sentence of a run that drilled through.
 std::string through_text(const RunSummary& s) {
   if (s.open_axis) return fmt::format("The hole was there before the run, which removed {:.1f} mm3 of bone round it.", s.removed_mass_mm3);
-  return exit_sentence(s.breakthrough_s, s.support_lost_s, s.plunge_mm) + ".";
+  return exit_sentence({s.breakthrough_s, s.tip_out_s, s.support_lost_s, s.plunge_mm}) + ".";
 }
 
 std::string short_text(const RunSummary& s) {
@@ -118,11 +118,11 @@ std::string result_line(const RunSummary& summary) {
 std::optional<std::string> unfinished_warning(const RunSummary& s) {
   const bool through = s.breakthrough_s || s.passed_s, stop_reached = s.bench && s.end == "done";
   if (!drills(s) || s.end == "stopped" || through || stop_reached || s.by_user) return std::nullopt;
-  return "hand: " +
-         std::string(s.end == "done" ? "it detected a breakthrough"
-                     : s.bench       ? "its stop was not reached"
-                                     : "the time ended") +
-         fmt::format(" {:.2f} mm deep in {:.2f} mm of bone, which is not drilled through", s.reached_mm, s.thickness_mm);
+  const bool detected = s.end == "done";
+  const char* const what = detected ? "it detected a breakthrough" : s.bench ? "its stop was not reached" : "the time ended";
+  const char* const next = detected ? "hand.kind = \"feed\" drills on, to hand.stop_mm" : "raise duration_s";
+  return fmt::format("hand: {} {:.2f} mm deep in {:.2f} mm of bone, which is not drilled through: {}", what, s.reached_mm, s.thickness_mm,
+                     next);
 }
 
 std::vector<std::string> outcome_warnings(const RunSummary& s) {

@@ -90,8 +90,8 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   if (progress.breakthrough_depth) out.inner_diameter_mm = in_mm(hole.inner_diameter);  // no hole in the inner surface before
   out.thickness_mm = simulation.approach().thickness * kMm;
   out.angle_deg = simulation.approach().angle / kDegree;
-  out.peak_force_N = progress.peak_force;
-  out.reached_mm = progress.deepest * kMm;
+  out.peak_force_N = simulation.stage().servo->largest_output();
+  out.reached_mm = (progress.deepest > -1.0 ? progress.deepest : progress.depth) * kMm;  // an undo may be the last that happens
   out.open_axis = progress.open_axis;
   const Pose world_from_approach = simulation.stage().world_from_approach();
   out.entry_mm = world_from_approach.translation * kMm;
@@ -105,6 +105,7 @@ void add_drilling(RunSummary& out, Simulation& simulation) {
   if (progress.passed_time || progress.open_axis) out.beyond_mm = std::max(0.0, out.reached_mm - out.thickness_mm);
   if (progress.passed_time) out.plunge_mm = progress.loss ? progress.loss->plunge * kMm : 0.0;
   out.passed_s = progress.passed_time;
+  out.tip_out_s = progress.out_time;
   if (progress.passed_time) out.removed_at_passing = progress.removed_at_passing;
   if (progress.largest_ahead > -1.0) out.largest_ahead_mm = progress.largest_ahead * kMm;
 }
@@ -293,6 +294,7 @@ std::string summary_json(const RunSummary& s) {
                       {"peak_force_N", s.peak_force_N},
                       {"angle_deg", s.angle_deg},
                       {"passed_s", optional_number(s.passed_s)},
+                      {"tip_out_s", optional_number(s.tip_out_s)},
                       {"axis_removed_at_passing", optional_number(s.removed_at_passing)},
                       {"largest_ahead_of_engagement_mm", optional_number(s.largest_ahead_mm)}};
   for (const auto& [name, t] : s.timing)

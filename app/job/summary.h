@@ -47,7 +47,8 @@ struct RunSummary {
          section_radius_mm = 0.0;  ///< [mm^2], [mm] of the bit's cross-section (cross_section.h); 0 without erosion points
   bool section_on_axis = true;     ///< false for a crown
   std::optional<double> cleared_share, uncut_share;  ///< [-] SectionMeasure
-  std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, passed_s, removed_at_passing, largest_ahead_mm;
+  std::optional<double> hole_diameter_mm, inner_diameter_mm, depth_mm, breakthrough_s, passed_s, tip_out_s, removed_at_passing;
+  std::optional<double> largest_ahead_mm;
   std::optional<double> plunge_mm, support_lost_s, support_lost_mm;  ///< SupportLoss
   std::optional<double> beyond_mm;                         ///< deepest position of the tip beyond the bone, of a bit that passed it
   std::vector<std::pair<std::string, StepTiming>> timing;  ///< in the order of the JSON

@@ -33,7 +33,7 @@ Result<std::vector<LabTool>> load_tools(const ContactAccuracyOptions& options) {
   std::vector<LabTool> tools;
   for (const std::string& name : options.tools) {
     Issues issues;
-    const std::string file = options.tool_folder + "/" + name + ".toml";
+    const std::string file = name.ends_with(".toml") ? name : options.tool_folder + "/" + name + ".toml";
     // Erosion points are not used here: coarse ones are made quickly.
     auto tool = load_tool(file, {.erosion_pitch = 1e-3}, issues);
     if (!tool) return issues.front();

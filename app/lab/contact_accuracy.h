@@ -15,7 +15,7 @@ namespace burrhole {
 
 struct ContactAccuracyOptions {
   std::string tool_folder;  ///< of the tool files
-  /// Names of tool files in that folder, without the extension.
+  /// Names of tool files in that folder, without the extension; or paths of tool files, which end in .toml.
   std::vector<std::string> tools{"acosta_liu_round", "acosta_liu_perforator", "round_burr_4mm"};
   std::vector<double> depths_voxel{0.25, 0.5, 1.0, 2.0, 4.0, 6.0};  ///< [voxels] of the tip below the surface
   double pitch = 0.25e-3;                                           ///< [m] voxel edge of the bones

@@ -25,9 +25,10 @@ std::vector<HtmlTile> key_figures(const DrillReport& report) {
   std::vector<HtmlTile> tiles;
   add_tile(tiles, "Plunge, without support", report.plunge_mm, 2, "mm", plunged);
   add_tile(tiles, "Tip beyond the bone", report.beyond_mm, 2, "mm");
-  add_tile(tiles, "Tip out of the bone", report.breakthrough_s, 2, "s");
+  add_tile(tiles, "Axis clear of bone", report.breakthrough_s, 2, "s");
+  add_tile(tiles, "Tip out of the bone", report.tip_out_s, 2, "s");
   add_tile(tiles, "Support lost", report.support_lost_s, 2, "s");
-  add_tile(tiles, "Depth when the tip came out", report.depth_mm_at_breakthrough, 2, "mm");
+  add_tile(tiles, "Depth when the axis was clear", report.depth_mm_at_breakthrough, 2, "mm");
   add_tile(tiles, "Bone thickness", report.thickness_mm, 2, "mm");
   add_tile(tiles, "Peak force", report.peak_force_N, 2, "N");
   add_tile(tiles, "Angle to the surface normal", report.angle_deg, 1, "°");
@@ -44,7 +45,7 @@ std::vector<HtmlTile> key_figures(const DrillReport& report) {
 std::string verdict(const DrillReport& report) {
   if (!report.through || !report.breakthrough_s)
     return report.outcome.empty() ? "The run ended before the bone was drilled through." : report.outcome;
-  const std::string out = exit_sentence(report.breakthrough_s, report.support_lost_s, report.plunge_mm);
+  const std::string out = exit_sentence({report.breakthrough_s, report.tip_out_s, report.support_lost_s, report.plunge_mm});
   if (!report.plunge_mm) return out + ".";
   const bool more = *report.plunge_mm > report.plunge_limit_mm;
   return out + fmt::format(", which is {} {:.2f} mm.", more ? "more than" : "within", report.plunge_limit_mm);
@@ -181,7 +182,7 @@ void add_tables(const DrillReport& report, HtmlPage& page) {
     page.table({"Event", "Time (s)"}, rows);
   }
   if (!report.timing.empty()) {
-    page.heading("Computation time");
+    page.begin_details("Computation time");
     std::vector<std::vector<std::string>> rows;
     for (const DrillReport::Timing& step : report.timing) {
       rows.push_back({step.name, std::to_string(step.count), fmt::format("{:.1f}", step.p50_us), fmt::format("{:.1f}", step.p99_us),
@@ -189,6 +190,7 @@ void add_tables(const DrillReport& report, HtmlPage& page) {
     }
     page.table({"Step", "Calls", "Median (µs)", "99th percentile (µs)", "99.9th (µs)", "Longest (µs)"}, rows);
     page.paragraph(missed_text(report));
+    page.end_details();
   }
   if (!report.hashes.empty()) {
     page.heading("Hashes of the results");
@@ -206,12 +208,14 @@ void add_tables(const DrillReport& report, HtmlPage& page) {
 
 }  // namespace
 
-std::string exit_sentence(std::optional<double> breakthrough_s, std::optional<double> support_lost_s, std::optional<double> plunge_mm) {
+std::string exit_sentence(const ExitFigures& exit) {
   std::string out = "The bone was drilled through";
-  out += breakthrough_s ? fmt::format(": the tip came out after {:.2f} s", *breakthrough_s) : std::string(" round a core");
-  if (!plunge_mm) return out;
-  if (!support_lost_s) return out + ", the bone carried the thrust to the end, and the plunge is 0.00 mm";
-  return out + fmt::format(", the bone carried the thrust until {:.2f} s, and the tip then plunged {:.2f} mm", *support_lost_s, *plunge_mm);
+  out += exit.breakthrough_s ? fmt::format(": the axis was clear after {:.2f} s", *exit.breakthrough_s) : std::string(" round a core");
+  if (exit.tip_out_s) out += fmt::format(", the tip came out after {:.2f} s", *exit.tip_out_s);
+  if (!exit.plunge_mm) return out;
+  if (!exit.support_lost_s) return out + ", the bone carried the thrust to the end, and the plunge is 0.00 mm";
+  return out + fmt::format(", the bone carried the thrust until {:.2f} s, and the tip then plunged {:.2f} mm", *exit.support_lost_s,
+                           *exit.plunge_mm);
 }
 
 Result<std::string> make_drill_report(const DrillReport& report) {

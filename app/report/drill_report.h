@@ -68,7 +68,7 @@ struct DrillReport {
 
   std::optional<double> thickness_mm, depth_mm_at_breakthrough, plunge_mm, beyond_mm, peak_force_N, angle_deg;
   std::optional<double> removed_mm3, removed_mass_mm3, hole_diameter_mm, inner_diameter_mm;
-  std::optional<double> breakthrough_s, support_lost_s, duration_s;
+  std::optional<double> breakthrough_s, tip_out_s, support_lost_s, duration_s;
   std::optional<double> cleared_percent;  ///< [%] of the bit's cross-section that is clear of bone
   double plunge_limit_mm = 0.5;           ///< a larger plunge is shown as an alert; drill() sets it from the scene
 
@@ -77,10 +77,15 @@ struct DrillReport {
   std::vector<Hash> hashes;
 };
 
-/// @returns a sentence without its full stop on a bone that was drilled through. @param breakthrough_s [s] absent where a core is left.
-/// @param support_lost_s [s] at which the loss of support began (core/measure/support_loss.h); absent: there was none. @param plunge_mm [mm].
-[[nodiscard]] std::string exit_sentence(std::optional<double> breakthrough_s, std::optional<double> support_lost_s,
-                                        std::optional<double> plunge_mm);
+/// Figures of the exit from the bone; absent if they do not apply.
+struct ExitFigures {
+  std::optional<double> breakthrough_s;  ///< absent where a core is left
+  std::optional<double> tip_out_s;       ///< at which the tip was beyond the bone as loaded
+  std::optional<double> support_lost_s;  ///< at which the loss of support began (core/measure/support_loss.h); absent: there was none
+  std::optional<double> plunge_mm;
+};
+/// @returns a sentence without its full stop on a bone that was drilled through.
+[[nodiscard]] std::string exit_sentence(const ExitFigures& exit);
 /// @returns the page. Without gnuplot a sentence replaces the plot; a picture that cannot be read is an error (bad_input).
 [[nodiscard]] Result<std::string> make_drill_report(const DrillReport& report);
 

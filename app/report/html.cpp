@@ -29,6 +29,8 @@ th, td { padding: .3rem .9rem .3rem 0; text-align: right; border-bottom: 1px sol
          font-variant-numeric: tabular-nums; }
 th { color: #666; font-weight: 600; }
 th:first-child, td:first-child { text-align: left; white-space: normal; }
+details { margin: 2.2rem 0 0; }
+summary { font-size: 1.15rem; font-weight: 600; border-bottom: 1px solid #ddd; padding-bottom: .25rem; cursor: pointer; }
 figure { margin: 0; }
 figcaption { margin-top: .3rem; font-size: .85rem; color: #666; }
 figure svg { width: 100%; height: auto; display: block; }
@@ -134,6 +136,10 @@ void HtmlPage::table(const std::vector<std::string>& columns, const std::vector<
   for (const std::vector<std::string>& cells : rows) body_ += row(cells, "td");
   body_ += "</tbody></table></div>\n";
 }
+
+void HtmlPage::begin_details(std::string_view summary) { body_ += "<details>" + element("summary", summary) + '\n'; }
+
+void HtmlPage::end_details() { body_ += "</details>\n"; }
 
 void HtmlPage::svg(std::string_view document, std::string_view caption) {
   body_ += "<figure>" + std::string(svg_element(document)) + caption_element(caption) + "</figure>\n";

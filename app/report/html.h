@@ -33,6 +33,9 @@ class HtmlPage {
   void tiles(const std::vector<HtmlTile>& tiles);
   /// The first column is text, the others are numbers (right-aligned).
   void table(const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows);
+  /// What lies between begin and end is folded away under a line, until a reader opens it.
+  void begin_details(std::string_view summary);
+  void end_details();
   void svg(std::string_view document, std::string_view caption);
   /// The same plot drawn for a wide and for a narrow page; the page shows the one that fits.
   void svg(std::string_view wide, std::string_view narrow, std::string_view caption);

@@ -1,6 +1,7 @@
 #include "app/run/live_run.h"
 
 #include <chrono>
+#include <deque>
 #include <exception>
 #include <new>
 #include <thread>
@@ -88,6 +89,8 @@ class Loops {
   Status run_audio();
   Status drain_servo();
   Status drain_contact();
+  /// @returns the magnitude [N] of the force on the hand in a servo tick, or in the latest one that was reported. Call it with ticks in order.
+  double force_at(std::uint64_t tick);
   Status drain_bone();
 
   Stage* parts_;
@@ -107,7 +110,8 @@ class Loops {
   SpscQueue<ServoRow, 1 << 14> servo_rows_;
   SpscQueue<ContactRow, 1 << 14> contact_rows_;
   SpscQueue<BoneRow, 1 << 12> bone_rows_;
-  Hash64 sent_;  // servo thread
+  Hash64 sent_;                                               // servo thread
+  std::deque<std::pair<std::uint64_t, double>> sent_forces_;  // tick and magnitude [N], from the tick of the latest contact row on
   std::vector<double> row_;
   DrillProgress progress_;
   LiveState state_;
@@ -272,7 +276,9 @@ Status Loops::drain_servo() {
     report_->servo_skipped += row.skipped;
     report_->faults |= row.faults;
     state_.hand = row.hand;
+    state_.force = row.force;
     state_.faults = row.faults;
+    sent_forces_.emplace_back(row.hand.tick, glm::length(row.force));
     state_.servo_us = row.compute_us;
     state_.servo_late_us = row.late_us;
     if (Status noted = log_->record_faults(row.faults, static_cast<double>(row.hand.tick) * parts_->period, options_.warn); !noted)
@@ -283,6 +289,11 @@ Status Loops::drain_servo() {
     if (Status written = log_->session()->append(kServoRows, row_); !written) return written;
   }
   return {};
+}
+
+double Loops::force_at(std::uint64_t tick) {
+  while (sent_forces_.size() > 1 && sent_forces_.front().first < tick) sent_forces_.pop_front();
+  return sent_forces_.empty() ? 0.0 : sent_forces_.front().second;
 }
 
 Status Loops::drain_contact() {
@@ -298,15 +309,13 @@ Status Loops::drain_contact() {
     state_.progress = row.progress;
     state_.world_from_tool = row.world_from_tool;
     state_.world_from_rest = row.world_from_rest;
-    state_.force = row.force;
     state_.contact_us = row.compute_us;
     if (log_->session() != nullptr) {
       put(row, *parts_, row_);
       if (Status written = log_->session()->append(kContactRows, row_); !written) return written;
     }
-    if (Status seen = log_->record_contact({row.time, glm::length(row.force), row.progress.depth}, row.progress, row.world_from_tool);
-        !seen)
-      return seen;
+    const RunSample sample{row.time, force_at(row.hand_tick), row.progress.depth};
+    if (Status seen = log_->record_contact(sample, row.progress, row.world_from_tool); !seen) return seen;
     if (options_.progress && row.time - progress_time_ >= kProgressEvery) {
       progress_time_ = row.time;
       options_.progress(row.time, row.progress);

@@ -70,7 +70,8 @@ Status RunLog::record_contact(const RunSample& sample, const DrillProgress& prog
   if (!noted_passing_ && progress.passed_time) {
     noted_passing_ = true;
     if (!progress.breakthrough_time)
-      if (Status noted = record_event(sample.time, "passed", "the tip is beyond the bone, but the axis is not clear of bone"); !noted)
+      if (Status noted = record_event(sample.time, "passed", "no bone is left on the axis ahead of the tip, but some is left behind it");
+          !noted)
         return noted;
   }
   if (!progress.breakthrough_time) noted_breakthrough_ = false;  // an undo

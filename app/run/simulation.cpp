@@ -105,7 +105,7 @@ Status Simulation::run_lockstep() {
     if (Status noted = log_->record_hand(servo_now_.hand); !noted) return noted;
     if (Status noted = log_->record_faults(servo_now_.faults, time(), options_.warn); !noted) return noted;
     if (steps.ran_contact()) {
-      const RunSample sample{contact.time(), glm::length(contact.felt_force()), contact.progress().depth};
+      const RunSample sample{contact.time(), glm::length(servo_now_.force), contact.progress().depth};
       if (Status seen = log_->record_contact(sample, contact.progress(), contact.state().world_from_tool); !seen) return seen;
     }
     if (film_every > 0 && tick_ % film_every == 0)

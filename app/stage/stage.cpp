@@ -210,7 +210,10 @@ void Stage::bone_was_changed() {
   if (AxisBone* const axis = bone->axis()) axis->set(on_axis);
   place_effects(contact->state().world_from_tool);
   servo->restart();
+  notify_hand();
 }
+
+void Stage::notify_hand() { hand->scene_changed(hand_config(config, needs, *tool, voxel_edge()).softest); }
 
 Status Stage::change_tool(const Tool& other) {
   const ContactState before = contact->state();
@@ -225,6 +228,7 @@ Status Stage::change_tool(const Tool& other) {
   contact->resume(before);
   place_effects(before.world_from_tool);
   servo->restart();
+  notify_hand();
   return frame_ != nullptr ? frame_->change_tool(other) : Status();
 }
 

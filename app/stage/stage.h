@@ -159,6 +159,7 @@ class Stage {
   void watch_spin(double command);
   void place_effects(const Pose& world_from_tool);
   void bone_was_changed();
+  void notify_hand();  ///< HandSource::scene_changed() with the present tool
 
   Outside outside_;
   std::vector<MadeEffect> effects_;

@@ -152,8 +152,7 @@ std::vector<BoxEdge> seen_edges(const Bounds& box, const Vec3& eye) {
   return out;
 }
 
-TipSlices make_middle_slices(const BoneModel& bone, int size) {
-  const Bounds box = bounds_of_bone(bone);
+TipSlices make_middle_slices(const BoneModel& bone, const Bounds& box, int size) {
   const Vec3 middle = 0.5 * (box.lo + box.hi), extent = box.hi - box.lo;
   const double half = 0.5 * kSliceMargin * std::max({extent.x, extent.y, extent.z, 1e-3});
   std::vector<MineralBox> planes;

@@ -48,7 +48,7 @@ struct BoxEdge {
 /// @returns the edges of the faces that are seen from a point: nothing in the box hides them.
 [[nodiscard]] std::vector<BoxEdge> seen_edges(const Bounds& box, const Vec3& eye);
 
-/// @returns slices through the middle of the bone; the lines of each are the box around it. @param size [pixels] of the edge of a slice.
-[[nodiscard]] TipSlices make_middle_slices(const BoneModel& bone, int size);
+/// @returns slices through the middle of a box, whose outline is the lines of each. @param box in the bone frame. @param size [pixels] of the edge of a slice.
+[[nodiscard]] TipSlices make_middle_slices(const BoneModel& bone, const Bounds& box, int size);
 
 }  // namespace burrhole

@@ -104,7 +104,7 @@ class Replayer {
     const ContactState& contact = simulation_->contact_state();
     now.world_from_tool = contact.world_from_tool;
     now.world_from_rest = contact.bone.world_from_rest;
-    now.force = contact.on_hand.force;
+    now.force = stage.servo->output().force;
     now.progress = simulation_->progress();
     now.time = time;
     state_->see(now);

@@ -69,6 +69,15 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+/// @returns a message of the parser; of a table that is there twice, as after a proposed [approach] was pasted, with what to do.
+std::string with_next_step(std::string message) {
+  constexpr std::string_view kTwice = "cannot redefine existing table '";
+  const auto at = message.find(kTwice), end = message.rfind('\'');
+  if (at == std::string::npos || end < at + kTwice.size()) return message;
+  const std::string name = message.substr(at + kTwice.size(), end - at - kTwice.size());
+  return fmt::format("the file has the table [{0}] twice: replace the scene's own [{0}] by this one, or leave this one out", name);
+}
+
 /// The value of an assignment as a table with the one key "v": TOML syntax, or a bare word or path taken as text.
 std::optional<toml::table> parse_value(std::string_view value) {
   if (value.empty() || value.find_first_of("\r\n") != std::string_view::npos) return std::nullopt;
@@ -197,7 +206,7 @@ Result<toml::table> parse_table(std::string_view text, const std::string& file) 
     return toml::parse(text, std::string_view(file));
   } catch (const toml::parse_error& error) {
     const auto begin = error.source().begin;
-    return bad_input(one_line(error.description(), 300), fmt::format("{}:{}:{}", file, begin.line, begin.column));
+    return bad_input(with_next_step(one_line(error.description(), 300)), fmt::format("{}:{}:{}", file, begin.line, begin.column));
   } catch (const std::exception& error) {  // toml++ reports invalid UTF-8 and the like by its own type, memory by std
     return bad_input(one_line(error.what(), 300), file);
   }

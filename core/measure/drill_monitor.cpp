@@ -24,6 +24,7 @@ void DrillMonitor::follow(const Tip& tip, double voxel_edge, const Solid& solid)
   progress_.deepest = std::max(progress_.deepest, progress_.depth);
   progress_.peak_force = std::max(progress_.peak_force, tip.force);
   if (!progress_.breakthrough_time) follow_axis(tip, at, voxel_edge, speed, solid);
+  if (progress_.passed_time && !progress_.out_time && depth > a.thickness) progress_.out_time = tip.time;
   support_.look(tip.time, depth, tip.thrust, progress_.passed_time.has_value());
   progress_.loss = support_.worst();
 }
@@ -79,7 +80,7 @@ void DrillMonitor::bone_grew(std::span<const std::uint8_t> bone) noexcept {
   support_.forget();
   DrillProgress now;
   now.depth = progress_.depth;
-  now.deepest = progress_.deepest;
+  now.undone = std::max(progress_.undone, progress_.deepest);
   now.front = first < cut_.size() ? approach_->axis_depth[first] : approach_->thickness;
   now.peak_force = progress_.peak_force;
   now.largest_ahead = progress_.largest_ahead;

@@ -15,21 +15,23 @@
 
 namespace burrhole {
 
-/// After breakthrough only depth, deepest, peak_force and loss are updated.
+/// After breakthrough only depth, deepest, peak_force, out_time and loss are updated.
 struct DrillProgress {
   double depth = 0.0;           ///< [m] of the tip now
   double front = 0.0;           ///< [m] cutting front: depth of the first remaining bone on the axis; the thickness if none is left
-  double deepest = -1e9;        ///< [m] greatest depth of the tip so far
-  double peak_force = 0.0;      ///< [N] largest force magnitude so far
+  double deepest = -1e9;        ///< [m] greatest depth of the tip since bone last grew on the axis
+  double undone = -1e9;         ///< [m] greatest depth of the tip before bone last grew on the axis
+  double peak_force = 0.0;      ///< [N] largest force of contact so far, before the limits of the servo
   double largest_ahead = -1e9;  ///< [m] greatest (tip - cutting front - engagement) up to breakthrough; more than a voxel is tunnelling
   /// [s] first tick with no bone left on the axis, or with the tip beyond the last bone and only the bone left in which the bit is engaged
   std::optional<double> breakthrough_time;
   std::optional<double> breakthrough_depth;  ///< [m] of the tip at breakthrough_time
-  std::optional<double> passed_time;         ///< [s] first tick with the tip beyond the last bone on the axis, by cutting or not
-  double removed_at_passing = 0.0;           ///< [-] share of the axis samples of bone at the start that were cut at passed_time
-  bool open_axis = false;                    ///< no bone was on the axis at the start: there is no breakthrough, and nothing to pass
-  std::optional<SupportLoss> loss;           ///< of support beyond the bone, that with the greatest plunge; never with open_axis
-  double largest_aside = 0.0;                ///< [m] greatest distance of the tip from the axis, in contact, up to passed_time
+  std::optional<double> passed_time;  ///< [s] first tick with the tip beyond the last bone that is left on the axis, by cutting or not
+  std::optional<double> out_time;     ///< [s] first tick from passed_time on with the tip beyond the bone on the axis as loaded
+  double removed_at_passing = 0.0;    ///< [-] share of the axis samples of bone at the start that were cut at passed_time
+  bool open_axis = false;             ///< no bone was on the axis at the start: there is no breakthrough, and nothing to pass
+  std::optional<SupportLoss> loss;    ///< of support beyond the bone, that with the greatest plunge; never with open_axis
+  double largest_aside = 0.0;         ///< [m] greatest distance of the tip from the axis, in contact, up to passed_time
 };
 
 /// [N] Force on the hand above which the tip counts as in contact for DrillProgress::largest_aside.
@@ -47,8 +49,8 @@ class DrillMonitor {
   void look(const ContactView& bone, const Vec3& tip_bone, const Vec3& force, double engagement, double time) noexcept;
   /// The same in a scene without contact: force and engagement are 0. @param voxel_edge [m].
   void look(const AxisSamples& axis, double voxel_edge, const Vec3& tip_bone, double time) noexcept;
-  /// Bone may have grown, as by an undo. If it did on the axis, it is not drilled through any more; depth, deepest and force stay. Call it
-  /// while no clock runs.
+  /// Bone may have grown, as by an undo. If it did on the axis, it is not drilled through any more, and the greatest depth counts from the
+  /// next tick on; depth and force stay. Call it while no clock runs.
   /// @param bone as bone_on_axis().
   void bone_grew(std::span<const std::uint8_t> bone) noexcept;
   [[nodiscard]] const DrillProgress& progress() const noexcept { return progress_; }

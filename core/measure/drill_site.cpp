@@ -197,6 +197,21 @@ Result<DrillSite> suggest_site(const BoneModel& bone, const Vec3& near) {
   return no_site(bone, near, why.empty() ? way_to_bone(bone, near) : why);
 }
 
+double distance_to_edge(const BoneModel& bone, const DrillSite& site) {
+  const Affine index_from_bone = bone.bone_from_index().inverse();
+  const Vec3 last = Vec3(bone.dims() - 1);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Vec3& end : {site.entry, site.entry + site.thickness * site.axis}) {
+    const Vec3 index = index_from_bone * end;
+    for (std::size_t c = 0; c < 3; ++c) {
+      // Faces of equal index c are planes, 1 / |gradient of the index| apart, in a sheared grid too.
+      const Vec3 gradient(index_from_bone.linear[0][c], index_from_bone.linear[1][c], index_from_bone.linear[2][c]);
+      nearest = std::min(nearest, std::min(index[c], last[c] - index[c]) / glm::length(gradient));
+    }
+  }
+  return std::max(0.0, nearest);
+}
+
 std::string approach_text(const DrillSite& site) {
   const Vec3 entry = site.entry / kMillimetre;
   return fmt::format(

@@ -36,6 +36,9 @@ struct DrillSite {
 /// the bone, seen from outside, whose axis leads into the skull, through 20 mm of bone at most. @param near [m]. @returns bad_input with the
 /// box of the bone if there is none within 30 mm.
 [[nodiscard]] Result<DrillSite> suggest_site(const BoneModel& bone, const Vec3& near);
+/// @returns the distance [m] from the axis of a site, from its entry to its end in bone, to the nearest end of the volume, in which bone is
+/// known; at least 0.
+[[nodiscard]] double distance_to_edge(const BoneModel& bone, const DrillSite& site);
 /// @returns the table [approach] of a scene with this site.
 [[nodiscard]] std::string approach_text(const DrillSite& site);
 

@@ -52,6 +52,22 @@ void LargestPart::mark_bone(const BoneModel& bone) {
   });
 }
 
+LargestPart::Extent LargestPart::extent(const BoneModel& bone) const {
+  Extent out;
+  std::vector<float> occupancy;
+  bone.for_each_region([&](const VoxelBox& region) {
+    const VoxelBox inside = region.intersect(bone.bounds());
+    occupancy.resize(inside.count());
+    bone.read_occupancy(inside, occupancy);
+    for_each_voxel(inside, [&](const Vec3i& v) {
+      if (occupancy[inside.offset_of(v)] < kSurfaceLevel || state_[cubes_.offset_of(cube_of(v, cube_))] != kLargest) return;
+      out.box.include(v);
+      ++out.voxels;
+    });
+  });
+  return out;
+}
+
 std::vector<std::size_t> LargestPart::take_part(std::size_t first) {
   std::vector<std::size_t> part{first};
   state_[first] = kSeen;

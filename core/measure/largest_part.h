@@ -15,6 +15,13 @@ class LargestPart {
   explicit LargestPart(const BoneModel& bone);
   /// The voxels round it, to whole cubes; empty without bone.
   [[nodiscard]] const VoxelBox& box() const noexcept { return box_; }
+  /// Its voxels of bone, and the box round them.
+  struct Extent {
+    VoxelBox box;
+    std::uint64_t voxels = 0;
+  };
+  /// @returns its extent to the voxel. @param bone the one of the constructor, which is read once more.
+  [[nodiscard]] Extent extent(const BoneModel& bone) const;
   /// @returns whether a point lies in it or less than a cube beside it.
   [[nodiscard]] bool is_near(const Vec3& index) const noexcept;
 

@@ -41,6 +41,12 @@ Result<HandScript> HandScript::create(const HandScriptConfig& config, double mas
   return HandScript(config, mass, period);
 }
 
+void HandScript::scene_changed(double softest) noexcept {
+  if (std::isfinite(softest) && softest >= 0.0) config_.softest = softest;
+  starts_anew_ = true;
+  drive_changed();
+}
+
 Vec3 HandScript::tremor() const noexcept {
   const double t = static_cast<double>(tick_) * period_;
   // Two axes with slightly different frequencies and seeded phases, so that the path is not a line.
@@ -108,9 +114,10 @@ bool HandScript::loses_bone(double felt) noexcept {
 
 bool HandScript::feels_nothing(double felt, double height, double climb) noexcept {
   // A hand that a strong damper throws back feels nothing either, nor does it feel an impact before contact has answered.
-  if (felt > kNothing * config_.contact_force || climb >= 0.0 || height >= lowest_) {
-    lowest_ = std::min(lowest_, height);
+  if (starts_anew_ || felt > kNothing * config_.contact_force || climb >= 0.0 || height >= lowest_) {
+    lowest_ = starts_anew_ ? height : std::min(lowest_, height);
     lowest_tick_ = tick_;
+    starts_anew_ = false;
   }
   return config_.detects && height < lowest_ - kLeastAdvance && seconds_since(lowest_tick_) > kFilter;
 }

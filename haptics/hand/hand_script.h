@@ -75,6 +75,9 @@ class HandScript {
     held_ = false;
     feed_.clear();
   }
+  /// To be called when another tool is held or bone has come back: as drive_changed(), and all rules compare with what the hand feels from now
+  /// on. @param softest as in HandScriptConfig, of the present tool; a value that is negative or not finite is ignored.
+  void scene_changed(double softest) noexcept;
   [[nodiscard]] HandPhase phase() const noexcept { return phase_; }
   /// Number of ticks since creation.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
@@ -102,6 +105,7 @@ class HandScript {
   bool held_ = false;               // bone carries the thrust: the rules of force and feed act
   std::uint64_t steady_ticks_ = 0;  // number of ticks for which the hand has not been accelerated
   std::uint64_t drive_tick_ = 0;    // of the last change of the drive
+  bool starts_anew_ = false;        // the depth at which bone was felt does not count any more
   std::uint64_t tick_ = 0, lean_tick_ = 0, lowest_tick_ = 0, give_tick_ = 0, release_tick_ = 0;
   double release_thrust_ = 0.0;  // [N] at the start of the release
   HandGoal goal_;

@@ -26,6 +26,7 @@ class SimulatedHand final : public HandSource {
   /// Advances one tick under a wrench in the world frame. It uses the force [N] and ignores the torque.
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
   void drive_changed() noexcept BH_REALTIME override { script_.drive_changed(); }
+  void scene_changed(double softest) noexcept override { script_.scene_changed(softest); }
 
  private:
   SimulatedHand(const HandConfig& config, const Pose& world_from_approach, const HandScript& script, const MassSpringDamper& body);

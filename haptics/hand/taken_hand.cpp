@@ -24,4 +24,8 @@ void TakenHand::drive_changed() noexcept {
   if (!taken_) script_.drive_changed();
 }
 
+void TakenHand::scene_changed(double softest) noexcept {
+  if (!taken_) script_.scene_changed(softest);
+}
+
 }  // namespace burrhole

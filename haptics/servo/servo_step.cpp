@@ -211,6 +211,7 @@ const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
     faults_ |= kServoSwinging;
     ++counts_.swinging;
   }
+  largest_output_ = std::max(largest_output_, glm::length(output_.force));
   output_.gain = gain_.gain();
   output_.faults = faults_;
   ++counts_.ticks;

@@ -103,10 +103,13 @@ class ServoStep {
   /// Restarts the soft start. Call it while no clock runs, when the scene may have changed abruptly.
   void restart() noexcept { restart_softly(); }
   [[nodiscard]] const HandState& hand() const noexcept { return output_.hand; }  ///< of the last sense()
+  [[nodiscard]] const ServoOutput& output() const noexcept { return output_; }   ///< of the last act()
   /// As MultiRate::use_tangential_law(). Call it while the servo is parked.
   void use_tangential_law(TangentialLaw* law) noexcept { multi_rate_.use_tangential_law(law); }
   [[nodiscard]] std::uint32_t faults() const noexcept { return faults_; }
   [[nodiscard]] const ServoCounts& counts() const noexcept { return counts_; }
+  /// [N] Largest magnitude of ServoOutput::force since construction.
+  [[nodiscard]] double largest_output() const noexcept { return largest_output_; }
   /// Durations of the part of a tick that computes the force from the latest contact result: by its local planes, or another scheme.
   [[nodiscard]] const StepTimer& multi_rate_timer() const noexcept { return multi_rate_timer_; }
   [[nodiscard]] const Swing& swing() const noexcept { return swings_.largest(); }  ///< largest limit cycle since construction
@@ -141,6 +144,7 @@ class ServoStep {
   bool jumped_ = false;            // in the last reading
   std::uint32_t hand_faults_ = 0;  // of the last reading
   std::uint32_t faults_ = 0;
+  double largest_output_ = 0.0;  // [N]
   ServoCounts counts_;
   ServoOutput output_;
 };

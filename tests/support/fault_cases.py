@@ -38,7 +38,7 @@ def cases(folder):
         Case("drill", drill, cleared=True, draws=True),
         Case("drill --live", lambda out, who: drill(out, who, "--live"), cleared=True, draws=True),
         Case("drill without pictures", lambda out, who: drill(out, who, "--live", "--no-pictures"), cleared=True),
-        Case("import", lambda out, who: ["import", scans[who], "--volume", out / "bone.vdb"]),
+        Case("import", lambda out, who: ["import", scans[who], "--volume", out / "bone.vdb", "--force"]),
         Case("export", lambda out, who: ["export", scans[who], "-o", out / "bone.stl", "--force"]),
         Case("render", lambda out, who: ["render", SCENE, "--size", f"{160 + 16 * who}x120", "--image", out / "picture.png"], draws=True),
         Case("tools", lambda out, who: ["tools", TOOLS[who], "--image", out / "bit.png"], draws=True, other_program=True),

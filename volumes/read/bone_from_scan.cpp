@@ -9,6 +9,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/units.h"
+#include "core/voxel/block_store.h"
 #include "volumes/read/memory_check.h"
 #include "volumes/read/resample.h"
 
@@ -224,27 +225,25 @@ ResampleRule resample_rule(const Scan& scan, const Rule& rule, const BoneGrid& g
           .half_band = 0.5 * width};
 }
 
-/// Estimated share of the voxels of the grid in blocks with bone: the share of the scan within a voxel of bone. Blocks of the sparse grids
-/// reach about as far beyond bone.
-double share_near_bone(const Scan& scan, const Rule& rule) {
-  const VoxelBox all{Vec3i(0), scan.dims};
+/// Estimated share of the voxels of the grid in blocks of 8^3 with bone: those that a bone voxel of the scan reaches, and a voxel of the grid
+/// more, since occupancy is above 0 that far beyond the surface. Blocks at the end of the grid count as whole ones, as they take memory.
+double share_near_bone(const Scan& scan, const Rule& rule, const BoneGrid& grid) {
+  const VoxelBox all{Vec3i(0), scan.dims}, blocks{Vec3i(0), (grid.dims + (kBlockEdge - 1)) / kBlockEdge};
   const auto middle = static_cast<float>(0.5 * (rule.band[0] + rule.band[1]) - rule.offset);
-  std::vector<std::uint8_t> near(scan.values.size());
-  for (std::size_t n = 0; n < near.size(); ++n) near[n] = scan.values[n] > middle ? 1 : 0;
-  std::size_t stride = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    std::vector<std::uint8_t> grown = near;
-    const auto length = static_cast<std::size_t>(scan.dims[axis]);
-    for (std::size_t n = 0; n < near.size(); ++n) {
-      const std::size_t at = n / stride % length;
-      if (at > 0) grown[n] |= near[n - stride];
-      if (at + 1 < length) grown[n] |= near[n + stride];
-    }
-    near = std::move(grown);
-    stride *= length;
-  }
-  const auto count = std::count(near.begin(), near.end(), std::uint8_t{1});
-  return static_cast<double>(count) / static_cast<double>(all.count());
+  const Affine grid_from_scan = grid.bone_from_index.inverse() * scan.bone_from_index;
+  Vec3 half(0.5);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t axis = 0; axis < 3; ++axis) half[c] += 0.5 * std::abs(grid_from_scan.linear[axis][c]);
+  std::vector<std::uint8_t> has_bone(blocks.count());
+  for_each_voxel(all, [&](const Vec3i& v) {
+    if (!(scan.values[all.offset_of(v)] > middle)) return;
+    const Vec3 at = grid_from_scan * Vec3(v);
+    const Vec3 lo = glm::ceil(at - half), hi = glm::floor(at + half);
+    const VoxelBox reached = VoxelBox{floor_int(lo / double{kBlockEdge}), floor_int(hi / double{kBlockEdge}) + 1}.intersect(blocks);
+    for_each_voxel(reached, [&](const Vec3i& block) { has_bone[blocks.offset_of(block)] = 1; });
+  });
+  const auto count = static_cast<double>(std::count(has_bone.begin(), has_bone.end(), std::uint8_t{1}));
+  return count * static_cast<double>(kBlockVoxels) / static_cast<double>(VoxelBox{Vec3i(0), grid.dims}.count());
 }
 
 }  // namespace
@@ -343,7 +342,7 @@ Result<BoneFromScan> make_bone(const Scan& scan, const BoneOptions& options, std
 
   const bool given = scan.quantity == Quantity::occupancy;
   const Rule rule{given ? kOccupancyBand : meaning.band, meaning.offset, given, meaning.hounsfield, options.hardness};
-  if (!options.region && !given) grid->bone_share = share_near_bone(scan, rule);
+  grid->bone_share = share_near_bone(scan, rule, *grid);
   const Result<BoneStorage> storage = place ? place(*grid) : BoneStorage();
   if (!storage) return storage.error();
   auto builder = BoneModelBuilder::create(grid->dims, grid->bone_from_index, *storage);

@@ -282,7 +282,7 @@ class Volumes(Drilled):
     def test_density_comes_back_as_occupancy_without_being_told(self):
         for name in ("a.nrrd", "a.nii.gz"):
             first = self.exported(name)
-            imported = run("import", first, "--volume", self.folder / "again.vdb", "--json", "--quiet")
+            imported = run("import", first, "--volume", self.folder / "again.vdb", "--json", "--quiet", "--force")
             self.assertEqual(imported.returncode, 0, imported.stderr)
             self.assertIn("occupancy", json.loads(imported.stdout)["assumed"][0])
             again = nibabel.load(self.exported("again.nii", source=self.folder / "again.vdb"))
@@ -313,7 +313,7 @@ class Meshes(Drilled):
         for name in ("a.stl", "a.ply", "a.obj"):
             path = self.exported(name)
             self.assertIn(b"SPACE=LPS", path.read_bytes()[:200])
-            again = run("import", path, "--unit", "mm", "--spacing-mm", "0.2", "--volume", self.folder / "again.vdb", "--json", "--quiet")
+            again = run("import", path, "--unit", "mm", "--spacing-mm", "0.2", "--volume", self.folder / "again.vdb", "--json", "--quiet", "--force")
             self.assertEqual(again.returncode, 0, again.stderr)
             bone = json.loads(again.stdout)["bone"]
             # The last centres lie up to a voxel inside the plate: 8 x 7 mm, from the entry's height down to 1.2 mm.

@@ -283,10 +283,28 @@ class Interrupted(WithRuns):
         forces = [(int(row["hand_tick"]), math.hypot(*(float(row[f"force_{axis}_N"]) for axis in "xyz"))) for row in streams["contact"]]
         felt = max(force for tick, force in forces if tick <= faded)
         self.assertGreater(max(force for tick, force in forces), 1.5 * felt, "the hand did not press on")
+        self.check_peak(streams["servo"])
+
+    def check_peak(self, servo):
+        """The peak in summary and report is the largest force sent to the hand. Rows hold forces as floats."""
+        sent = max(math.hypot(*(float(row[f"sent_{axis}_N"]) for axis in "xyz")) for row in servo)
         peak = json.loads((self.out / "summary.json").read_text())["drilling"]["peak_force_N"]
-        # Rows hold forces as floats; contact may have read the motion of a tick before the stop once more.
-        self.assertAlmostEqual(peak, felt, delta=1e-5 * felt)
+        self.assertAlmostEqual(peak, sent, delta=1e-5 * sent)
         self.assertIn(f"{peak:.2f}", (self.out / "report.html").read_text())
+        return peak
+
+    def test_the_peak_force_of_a_soft_start_is_that_on_the_hand(self):
+        """After a tool change the force returns through the soft start, while the hand presses the bit deeper: contact's force is larger."""
+        inputs = self.folder / "inputs.toml"
+        inputs.write_text('[[input]]\ntime_s = 1.5\nkind = "tool"\nname = "pin_2mm.toml"\n')
+        shutil.copy(QUICK.parent / "pin_2mm.toml", self.folder)
+        for live in ([], ["--live"]):
+            result = run("drill", QUICK, "--no-pictures", "--offscreen", "--inputs", inputs, "--set", "tool.spin_rpm=0", "--set", "duration_s=2",
+                         "--set", "servo.soft_start_s=0.2", "--out", self.out, "--force", "--quiet", *live)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            peak = self.check_peak(self.stream("servo"))
+            contact = max(math.hypot(*(float(row[f"force_{axis}_N"]) for axis in "xyz")) for row in self.stream("contact"))
+            self.assertGreater(contact, 1.2 * peak)
 
     def stream(self, name):
         result = run("session", self.out, "--csv", "--stream", name)

@@ -125,7 +125,7 @@ cutting_N_per_m = 25e3
         scan.write_bytes(head.encode() + values.tobytes())
         out.mkdir()
         (out / "bone.vdb").write_bytes(b"a bone")
-        process = subprocess.Popen([PROGRAM, "import", str(scan), "--bone-hu", "250,400", "--hu-offset", "0", "--volume", str(out / "bone.vdb"), "--quiet"],
+        process = subprocess.Popen([PROGRAM, "import", str(scan), "--bone-hu", "250,400", "--hu-offset", "0", "--volume", str(out / "bone.vdb"), "--quiet", "--force"],
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.kill)
         while process.poll() is None and not list(out.glob("*.tmp")):

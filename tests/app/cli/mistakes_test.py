@@ -153,6 +153,8 @@ MISTAKES = [
     (["drill", "quick.toml", "--expect", "forces<3N"], 2, ['no figure: "forces"', "peak-force", "burrhole docs outcome"]),
     (["drill", "quick.toml", "--expect", "peak_forc_N<3N"], 2, ['did you mean "peak_force_N"?']),
     (["cost", "drilling", "--bit", "my bit"], 2, ["my bit", "ball 6 mm, ball 2 mm, flat 4 mm", "no shipped tool", "no tool file"]),
+    (["cost", "contact", "--bit", "my bit"], 2, ["my bit", "no shipped tool", "burrhole tools", "no tool file"]),
+    (["cost", "contact", "--bit", ""], 2, ["no shipped tool", "no tool file"]),
     (["cost", "drilling", "--bit", "burr.stl"], 2, ["burr.stl", "is a mesh", "closed form", "tool file"]),
     (["cost", "drilling", "--knob", "erosion.rate"], 2, ["erosion.rate", "erosion.rate_hz"]),
 ]

@@ -187,7 +187,7 @@ class Drill(WithFolder):
     def test_a_warning_is_printed_even_so_where_bone_is_not_drilled_through(self):
         result = run("drill", QUICK, "--out", self.folder, "--set", "duration_s=0.1", "--quiet")
         self.assertEqual(result.returncode, 0)
-        self.assertRegex(result.stderr, r"^\S+: warning: hand: the time ended -?\d+\.\d\d mm deep in \d+\.\d\d mm of bone, which is not drilled through\n$")
+        self.assertRegex(result.stderr, r"^\S+: warning: hand: the time ended -?\d+\.\d\d mm deep in \d+\.\d\d mm of bone, which is not drilled through: raise duration_s\n$")
 
     def test_a_picture_of_an_earlier_run_does_not_stay(self):
         again = ("drill", QUICK, "--out", self.folder, "--set", "duration_s=0.1", "--quiet")

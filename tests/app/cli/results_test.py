@@ -235,6 +235,9 @@ class Documented(WithFolder):
         named = {word.split(".")[-1] for word in re.findall(r"`([^`]+)`", page)}
         for table in ("provenance", "approach", "volume", "tool", "drilling", "live", "display", "memory", "counters", "hash"):
             self.assertEqual([key for key in summary[table] if key not in named], [], table)
+        self.assertEqual([step for step in summary["timing"] if step not in named], [])
+        for effect in summary["effects"]:
+            self.assertEqual([figure for figure in effect["figures"] or () if figure not in named], [], effect["name"])
 
 
 class Compare(WithFolder):
@@ -272,6 +275,17 @@ class Compare(WithFolder):
         self.assertEqual(re.findall(r"<p>(\w+): no difference between ", page), sorted(same))
         self.assertLess(page.index("<h2>Figures</h2>"), page.index("<h2>Curves</h2>"))
         self.assertLess(page.index("<h2>Curves</h2>"), page.index("<h2>Pictures</h2>"))
+
+    def test_pictures_of_another_bone_are_not_compared_and_those_at_another_voxel_size_are(self):
+        for key, value, same in (("thickness_mm", "1.6", False), ("spacing_mm", "0.25", True)):
+            other, out = self.folder / key, self.folder / f"compared_{key}"
+            result = run("drill", QUICK, "--out", other, "--quiet", "--set", f"volume.{key}={value}", "--set", "duration_s=0.3")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            result = run("compare", self.runs[0], other, "--out", out)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual((out / "before_difference.png").exists(), same, key)
+            self.assertEqual(f"{other}: warning: another bone than that of {self.runs[0]}" in result.stderr, not same, result.stderr)
+            self.assertEqual("another bone than that of" in (out / "compare.html").read_text(), not same)
 
     def test_each_override_that_differs_is_a_row_and_none_is_cut(self):
         long = "[" + ", ".join(["0.123456789"] * 3 + ["0.5"] * 20) + "]"

@@ -5,6 +5,7 @@ Run by ctest with the program's path in BURRHOLE_PROGRAM. The volume is a hollow
 import collections
 import json
 import math
+import re
 import struct
 import unittest
 
@@ -32,10 +33,20 @@ def ball():
 BALL = ball()
 
 
-def nrrd(path):
+def with_rest(values):
+    """The ball, and a cube of four voxels in a corner, which is no part of it."""
+    out = bytearray(values)
+    for k in range(4):
+        for j in range(4):
+            at = 2 * SIZE[0] * (j + SIZE[1] * k)
+            out[at:at + 8] = struct.pack("<h", 1650) * 4
+    return bytes(out)
+
+
+def nrrd(path, values=BALL):
     head = ("NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: {} {} {}\n"
             "space directions: ({e},0,0) (0,{e},0) (0,0,{e})\nspace origin: ({},{},{})\nencoding: raw\nendian: little\n\n")
-    path.write_bytes(head.format(*SIZE, *ORIGIN, e=EDGE_MM).encode() + BALL)
+    path.write_bytes(head.format(*SIZE, *ORIGIN, e=EDGE_MM).encode() + values)
     return path
 
 
@@ -157,6 +168,67 @@ class Volume(WithFolder):
         self.assertLess(math.dist(found["entry_mm"], [c + RADIUS_MM * w for c, w in zip(CENTRE, way)]), 0.7)
         self.assertGreater(-sum(a * w for a, w in zip(found["axis"], way)), math.cos(math.radians(2)))
         self.assertAlmostEqual(found["thickness_mm"], WALL_MM, delta=0.2)
+
+    def test_a_proposed_approach_says_how_far_it_is_and_warns_at_the_end_of_the_volume(self):
+        near = (CENTRE[0] + RADIUS_MM + 7.0, CENTRE[1], CENTRE[2])
+        result = run("import", self.volume, "--suggest", ",".join(map(str, near)), "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stdout, r"the entry is 7\.\d mm from the point that was given")
+        end = 0.5 * (SIZE[0] - 1) * EDGE_MM - RADIUS_MM
+        pattern = r"the volume ends (\d+\.\d) mm from the hole"
+        for text in (result.stdout, result.stderr):
+            self.assertAlmostEqual(float(re.search(pattern, text)[1]), end, delta=0.7)
+        found = json.loads(run("import", self.volume, "--suggest", ",".join(map(str, near)), "--json", "--quiet").stdout)["suggested"]
+        self.assertAlmostEqual(found["moved_mm"], math.dist(found["entry_mm"], near), places=6)
+        self.assertAlmostEqual(found["volume_edge_mm"], end, delta=0.7)
+        way = (0.6, -0.48, 0.64)
+        inside = run("import", self.volume, "--suggest", ",".join(str(c + RADIUS_MM * w) for c, w in zip(CENTRE, way)), "--quiet")
+        self.assertEqual((inside.returncode, inside.stderr), (0, ""))
+        self.assertNotIn("the volume ends", inside.stdout)
+
+    def test_a_table_that_is_pasted_beside_that_of_the_scene_names_what_to_replace(self):
+        proposed = run("import", self.volume, "--suggest", ",".join(str(c + RADIUS_MM * w) for c, w in zip(CENTRE, (0.6, -0.48, 0.64))), "--quiet").stdout
+        self.assertIn("replaces the scene's own [approach]", proposed)
+        scene = self.scene(f"[volume]\nsource = \"{self.volume}\"\n[approach]\nentry_mm = [0, 0, 0]\n" + PLATE + proposed)
+        message = self.refused("check", scene)
+        self.assertRegex(message, r"scene\.toml:\d+:\d+: the file has the table \[approach\] twice: replace the scene's own \[approach\]")
+        self.assertEqual(len(message.strip().splitlines()), 1, message)
+
+    def test_files_are_replaced_only_by_force(self):
+        bone, sheet = self.folder / "bone.vdb", self.folder / "sheet.png"
+        for file, option in ((bone, "--volume"), (sheet, "--overview")):
+            file.write_bytes(b"mine")
+            message = self.refused("import", self.volume, option, file, "--quiet")
+            self.assertIn(f"{file}: is there already: choose another name, or --force", message)
+            self.assertEqual(file.read_bytes(), b"mine")
+            result = run("import", self.volume, option, file, "--quiet", "--force")
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            self.assertNotEqual(file.read_bytes(), b"mine")
+        (self.folder / "sheets").mkdir()
+        (self.folder / "sheets" / "overview.png").write_bytes(b"mine")
+        self.assertIn("is there already", self.refused("import", self.volume, "--overview", self.folder / "sheets"))
+
+    def test_the_memory_of_the_bone_is_predicted(self):
+        for options in ([], ["--spacing-mm", "0.5"], ["--spacing-mm", "0.5", "--region-mm", "20,20,20", "--centre-mm", "10,-20,328"]):
+            result = run("import", self.volume, "--json", *options)
+            predicted = float(re.search(r"takes about (\d+\.\d) MB", result.stderr)[1])
+            self.assertAlmostEqual(predicted, json.loads(result.stdout)["bone"]["bytes"] / 1e6, delta=0.2 * predicted, msg=str(options))
+
+    def test_a_head_rest_is_not_in_the_box_of_the_largest_part(self):
+        both = nrrd(self.folder / "both.nrrd", with_rest(BALL))
+        alone, found = (json.loads(run("import", path, "--json", "--quiet").stdout)["bone"] for path in (self.volume, both))
+        self.assertEqual(alone["largest_part"], {"share": 1.0, "from_mm": alone["from_mm"], "to_mm": alone["to_mm"]})
+        self.assertEqual([found["largest_part"][key] for key in ("from_mm", "to_mm")], [alone["from_mm"], alone["to_mm"]])
+        self.assertEqual(found["from_mm"], list(ORIGIN))
+        self.assertAlmostEqual(found["largest_part"]["share"], alone["voxels"] / (alone["voxels"] + 4 ** 3), places=9)
+        self.assertIn("its largest connected part spans", run("import", both, "--quiet").stdout)
+        self.assertNotIn("largest connected part", run("import", self.volume, "--quiet").stdout)
+        sheets = []
+        for path in (self.volume, both):
+            image = self.folder / f"{path.stem}.png"
+            self.assertEqual(run("import", path, "--overview", image, "--quiet").returncode, 0)
+            sheets.append([row[:560] for row in pixels_of(image)[:560]])
+        self.assertEqual(*sheets, "the axial slice goes through the middle of the ball, framed by its box")
 
     def test_a_point_far_from_bone_is_refused_with_where_the_bone_is(self):
         error = self.refused("import", self.volume, "--suggest", "10,-20,500", "--quiet")

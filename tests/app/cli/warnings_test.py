@@ -15,6 +15,15 @@ PELVIS = pathlib.Path(os.environ.get("BURRHOLE_DATA", "/none")) / "nifti" / "exa
 HEAD = PELVIS.parents[1] / "head_ct_dicom_phantom_1mm"
 
 
+class NoSpin(WithFolder):
+    def test_check_warns_of_a_bit_that_does_not_spin_where_bone_would_be_cut(self):
+        warning = "tool.spin_rpm = 0: the bit does not spin, so nothing is cut; set tool.spin_rpm above 0"
+        for arguments, warns in ((["--set", "tool.spin_rpm=0"], True), ([], False), (["--set", "tool.spin_rpm=0", "--unset", "erosion"], False)):
+            result = run("check", QUICK, *arguments)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(warning in result.stderr, warns, result.stderr)
+
+
 @unittest.skipUnless(PELVIS.is_file() and HEAD.is_dir(), "$BURRHOLE_DATA holds no head, or no pelvis")
 class NoSkull(WithFolder):
     """Dura and brain are drawn under the bone of a scan: that is said where the bone does not close round the site."""

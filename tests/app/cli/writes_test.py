@@ -47,7 +47,7 @@ class Writes(WithFolder):
     def single(self):
         """Commands that write one file: name of the file, arguments without it."""
         bone, session, render = self.run_folder / "bone.vdb", self.run_folder / "session.sqlite", ("render", QUICK, "--size", "64x48")
-        out = {"import.vdb": ("import", bone, "--quiet", "--volume"), "overview.png": ("import", bone, "--quiet", "--overview"),
+        out = {"import.vdb": ("import", bone, "--quiet", "--force", "--volume"), "overview.png": ("import", bone, "--quiet", "--force", "--overview"),
                "sound.wav": ("replay", session, "--quiet", "--wav"), "picture.png": (*render, "--image"),
                "slices.png": (*render, "--slices-through-tip", "--image"),
                "video.mp4": ("drill", QUICK, "--out", self.folder / "filmed", "--video-fps", "50", *SHORT, "--video")}
@@ -148,7 +148,7 @@ class Writes(WithFolder):
             processes = []
             for source in sources:
                 delay = f"sleep {dice.random() * 0.05:.4f}; exec \"$@\""
-                processes.append(subprocess.Popen(["sh", "-c", delay, "sh", PROGRAM, "import", str(source), "--volume", str(target), "--quiet"],
+                processes.append(subprocess.Popen(["sh", "-c", delay, "sh", PROGRAM, "import", str(source), "--volume", str(target), "--quiet", "--force"],
                                                   env=without_display(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True))
             for process in processes:
                 message = process.communicate(timeout=60)[1]

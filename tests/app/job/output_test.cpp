@@ -89,9 +89,13 @@ TEST_CASE("output: a run that drills and ends with the bit in bone says so, and 
     of.end = end, of.bench = bench;
     return unfinished_warning(of).value_or("");
   };
-  CHECK(warning(s, "done", false) == "hand: it detected a breakthrough 3.18 mm deep in 7.04 mm of bone, which is not drilled through");
-  CHECK(warning(s, "duration", false) == "hand: the time ended 3.18 mm deep in 7.04 mm of bone, which is not drilled through");
-  CHECK(warning(s, "duration", true) == "hand: its stop was not reached 3.18 mm deep in 7.04 mm of bone, which is not drilled through");
+  CHECK(warning(s, "done", false) ==
+        "hand: it detected a breakthrough 3.18 mm deep in 7.04 mm of bone, which is not drilled through: "
+        "hand.kind = \"feed\" drills on, to hand.stop_mm");
+  CHECK(warning(s, "duration", false) ==
+        "hand: the time ended 3.18 mm deep in 7.04 mm of bone, which is not drilled through: raise duration_s");
+  CHECK(warning(s, "duration", true) ==
+        "hand: its stop was not reached 3.18 mm deep in 7.04 mm of bone, which is not drilled through: raise duration_s");
   CHECK(warning(s, "done", true).empty());  // a blind hole
   CHECK(warning(s, "stopped", false).empty());
   CHECK(outcome_text([&] {

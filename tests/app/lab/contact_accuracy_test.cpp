@@ -228,6 +228,24 @@ TEST_CASE("contact accuracy: table and plots are written") {
   CHECK(std::filesystem::file_size(folder.file("contact_force.svg")) > 1000);
 }
 
+TEST_CASE("contact accuracy: a tool file outside the folder gives the rows of the same bit in it") {
+  const test::TemporaryFolder folder;
+  const std::string own = folder.file("mine.toml");
+  std::filesystem::copy_file(test::in_source("app/tools/acosta_liu_round.toml"), own);
+  ContactAccuracyOptions options = quick();
+  options.depths_voxel = {1.0};
+  const auto shipped = measure_contact_accuracy(options);
+  options.tools = {own};
+  const auto mine = measure_contact_accuracy(options);
+  REQUIRE(shipped);
+  REQUIRE(mine);
+  REQUIRE(mine->rows.size() == shipped->rows.size());
+  for (std::size_t n = 0; n < mine->rows.size(); ++n) {
+    CHECK(mine->rows[n].subject.starts_with(own));
+    CHECK(mine->rows[n].error == shipped->rows[n].error);
+  }
+}
+
 TEST_CASE("contact accuracy: what cannot be measured is refused with a reason") {
   const auto code = [](auto change) {
     ContactAccuracyOptions options = quick();

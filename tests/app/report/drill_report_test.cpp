@@ -44,6 +44,20 @@ TEST_CASE("drill report: shows what applies, escaped, and nothing that does not"
   CHECK_FALSE(contains(*page, "Time taken by the steps"));
 }
 
+TEST_CASE("drill report: times of the steps are folded away, results are not") {
+  DrillReport report = make_report();
+  report.timing = {{.name = "servo", .count = 10}};
+  const auto page = make_drill_report(report);
+  REQUIRE(page);
+  const std::size_t open = page->find("<details>"), close = page->find("</details>"), table = page->find("99th percentile");
+  REQUIRE(open != std::string::npos);
+  CHECK(open < table);
+  CHECK(table < close);
+  CHECK(page->find("<details", open + 1) == std::string::npos);
+  CHECK(page->find("0123456789abcdef") > close);
+  CHECK(page->find("Events") < open);
+}
+
 TEST_CASE("drill report: a plunge beyond the limit is marked, one within it is not") {
   DrillReport report = make_report();
   CHECK(contains(*make_drill_report(report), "class=\"tile alert\""));
@@ -86,15 +100,18 @@ std::vector<std::string> plots_of(const std::string& page) {
 }
 
 TEST_CASE("drill report: a hole is drilled through where the tip came out, and plunges where support was lost, not before") {
-  CHECK(exit_sentence(27.9, 30.3, 0.4) ==
-        "The bone was drilled through: the tip came out after 27.90 s, the bone carried the thrust until 30.30 s, and the tip then plunged "
-        "0.40 mm");
-  CHECK(exit_sentence(27.9, std::nullopt, 0.0).ends_with("the bone carried the thrust to the end, and the plunge is 0.00 mm"));
-  CHECK(exit_sentence(std::nullopt, 9.2, 5.6).starts_with("The bone was drilled through round a core, the bone carried"));
-  CHECK(exit_sentence(27.9, std::nullopt, std::nullopt).ends_with("came out after 27.90 s"));
+  CHECK(exit_sentence({27.9, 28.3, 30.3, 0.4}) ==
+        "The bone was drilled through: the axis was clear after 27.90 s, the tip came out after 28.30 s, the bone carried the thrust until "
+        "30.30 s, and the tip then plunged 0.40 mm");
+  CHECK(exit_sentence({.breakthrough_s = 27.9, .plunge_mm = 0.0})
+            .ends_with("the bone carried the thrust to the end, and the plunge is 0.00 mm"));
+  CHECK(
+      exit_sentence({.support_lost_s = 9.2, .plunge_mm = 5.6}).starts_with("The bone was drilled through round a core, the bone carried"));
+  CHECK(exit_sentence({.breakthrough_s = 27.9}).ends_with("the axis was clear after 27.90 s"));
   DrillReport report = make_report();
-  report.support_lost_s = 3.75, report.beyond_mm = 2.125;
-  for (const char* part : {"until 3.75 s, and the tip then plunged 1.25 mm, which is more than 0.50 mm.", "Support lost", "2.12"})
+  report.tip_out_s = 3.625, report.support_lost_s = 3.75, report.beyond_mm = 2.125;
+  for (const char* part : {"until 3.75 s, and the tip then plunged 1.25 mm, which is more than 0.50 mm.", "Support lost", "2.12",
+                           "Tip out of the bone", "came out after 3.62 s"})
     CHECK_MESSAGE(contains(*make_drill_report(report), part), part);
 }
 

@@ -56,6 +56,18 @@ bool drills_through(LoadedScene loaded, const Sabotage& sabotage = {}) {
   return deepest > approach->thickness;
 }
 
+/// @returns whether the hand of the parietal scene, which starts with a perforator, drills through before it withdraws. @param inputs in order.
+bool drills_through_with(std::vector<Input> inputs) {
+  SimulationOptions options;
+  options.inputs = std::move(inputs);
+  options.history = true;
+  DrillRun run(load_parietal({}), options);
+  run.run();
+  const Simulation& simulation = run.simulation();
+  CHECK(simulation.inputs_left().empty());
+  return simulation.progress().deepest > simulation.approach().thickness;
+}
+
 /// A plate and a bit of the drilling study.
 LoadedScene plate(const char* bit, double spacing_mm, double push, const Sets& sets = {}) {
   const TemporaryFolder folder;
@@ -87,6 +99,19 @@ TEST_CASE("hand: a round burr crosses the pores of the diploe, where it is faste
   const Sets burr{"tool.name=round_burr_4mm"};
   CHECK(drills_through(load_parietal(burr)));
   CHECK_FALSE(drills_through(load_parietal(burr), [](HandConfig& hand) { hand.softest = 4.0; }));
+}
+
+TEST_CASE("hand: a burr that replaces a perforator crosses the pores too: the limit of the feed is that of the tool in hand") {
+  auto burr = read_tool_text("round_burr_4mm", "parietal.toml", test_context());
+  REQUIRE(burr);
+  CHECK(drills_through_with({{100, InputKind::tool, 0.0, "round_burr_4mm", *burr}}));
+}
+
+TEST_CASE("hand: bone that comes back under a spinning bit, and its soft start, are no breakthrough") {
+  auto perforator = read_tool_text("perforator_14_11", "parietal.toml", test_context());
+  REQUIRE(perforator);
+  CHECK(drills_through_with({{4000, InputKind::undo, 0.0, {}, {}}}));
+  CHECK(drills_through_with({{4000, InputKind::tool, 0.0, "perforator_14_11", *perforator}}));
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ TEST_CASE("whole bone: slices show the middle of a bone, and its box to the pixe
   const Bounds box = bounds_of_bone(**bone);
   CHECK(glm::length(box.lo - (Vec3(4, 3, 2) * 2e-3 + Vec3(0.01, 0.02, 0.03))) < 1e-12);
   CHECK(glm::length(box.hi - (Vec3(15, 12, 9) * 2e-3 + Vec3(0.01, 0.02, 0.03))) < 1e-12);
-  const TipSlices slices = make_middle_slices(**bone, 120);
+  const TipSlices slices = make_middle_slices(**bone, box, 120);
   const auto grey = [&](std::size_t plane, const Vec3& p) {
     const Vec3 way = (p - 0.5 * (box.lo + box.hi)) / slices.pixel + 60.0;
     const int x = static_cast<int>(plane == 2 ? way.y : way.x), y = static_cast<int>(plane == 0 ? way.y : 120.0 - way.z);

@@ -51,6 +51,9 @@ TEST_CASE("monitor: bone that grew again is bone again, near the tip or not, and
   CHECK_FALSE(monitor.progress().passed_time.has_value());
   CHECK(monitor.progress().front <= kQuarter);
   CHECK(monitor.progress().peak_force == doctest::Approx(10.0).epsilon(1e-12));
+  look(monitor, whole, 0.5e-3, 0.0, 1.5);
+  CHECK(monitor.progress().deepest == doctest::Approx(0.5e-3).epsilon(1e-9));  // not the depth in the bone that was taken back
+  CHECK(monitor.progress().undone == doctest::Approx(2.9e-3).epsilon(1e-9));
   look(monitor, plate, 2.9e-3, 0.0, 2.0);
   REQUIRE(monitor.progress().breakthrough_time.has_value());
   CHECK(*monitor.progress().breakthrough_time == 2.0);
@@ -104,6 +107,23 @@ TEST_CASE("monitor: bone left on the axis ahead of the tip is no breakthrough, n
   look(monitor, plate, 4.0e-3, 0.0, 3.0);
   CHECK(*monitor.progress().breakthrough_time == 2.0);
   CHECK(std::abs(monitor.progress().deepest - 4.0e-3) < 1e-6);
+}
+
+TEST_CASE("monitor: the tip is out of the bone once it is beyond the bone as loaded, not where the axis is clear ahead of it") {
+  ClearedPlate plate;
+  DrillMonitor monitor(plate.approach);
+  plate.clear(2e-3, 10e-3);
+  look(monitor, plate, 2.9e-3, 0.0, 1.0);
+  REQUIRE(monitor.progress().breakthrough_time == 1.0);
+  CHECK(monitor.progress().passed_time == 1.0);
+  CHECK_FALSE(monitor.progress().out_time.has_value());
+  look(monitor, plate, ClearedPlate::kThickness + 0.1e-3, 0.0, 2.0);
+  CHECK(monitor.progress().out_time == 2.0);
+  look(monitor, plate, ClearedPlate::kThickness + 0.5e-3, 0.0, 3.0);
+  CHECK(monitor.progress().out_time == 2.0);
+  ClearedPlate whole;
+  monitor.bone_grew(bone_on_axis(whole.approach, *whole.voxmap));
+  CHECK_FALSE(monitor.progress().out_time.has_value());
 }
 
 TEST_CASE("monitor: a tip ahead of the cutting front by more than it may engage is reported as tunnelling") {

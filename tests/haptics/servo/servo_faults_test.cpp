@@ -93,6 +93,18 @@ TEST_CASE("ServoStep: the first force comes through the soft start") {
   check_soft_start(bench);
 }
 
+TEST_CASE("ServoStep: the largest output is that of the hand, after cap and soft start, and is kept") {
+  Bench bench(soft());
+  for (int n = 1; n <= 5; ++n) bench.tick();
+  CHECK(bench.servo.largest_output() == doctest::Approx(2.5).epsilon(1e-12));  // half of the soft start, of 5 N
+  bench.run(20);
+  CHECK(bench.servo.largest_output() == doctest::Approx(5.0).epsilon(1e-12));
+  bench.tick(80.0);
+  CHECK(bench.servo.largest_output() == doctest::Approx(50.0).epsilon(1e-12));  // the cap
+  bench.tick(1.0);
+  CHECK(bench.servo.largest_output() == doctest::Approx(50.0).epsilon(1e-12));
+}
+
 TEST_CASE("ServoStep: a force that is not finite latches zero, is not reset while it lasts, and comes back softly after") {
   for (const double bad : {kNan, std::numeric_limits<double>::infinity()}) {
     Bench bench(soft());
