@@ -17,10 +17,8 @@ struct FormEntry {
   const char* word;
   std::unique_ptr<ContactForm> (*read)(TableReader& table);
 };
-constexpr FormEntry kForms[] = {{"surface", read_surface_form},
-                                {"gradient-plane", read_gradient_plane_form},
-                                {"voxmap", read_voxmap_form},
-                                {"mesh", read_mesh_form}};
+constexpr FormEntry kForms[] = {
+    {"surface", read_surface_form}, {"gradient-plane", read_gradient_plane_form}, {"voxmap", read_voxmap_form}, {"mesh", read_mesh_form}};
 
 class ContactEffect final : public Effect {
  public:

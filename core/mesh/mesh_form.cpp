@@ -1,9 +1,9 @@
 // The model `mesh`: its keys.
 
+#include "core/mesh/mesh_form.h"
 #include "core/config/rules.h"
 #include "core/contact/penalty_form.h"
 #include "core/mesh/mesh_contact.h"
-#include "core/mesh/mesh_form.h"
 #include "core/mesh/mesh_patch.h"
 
 namespace burrhole {

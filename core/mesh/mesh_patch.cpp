@@ -42,9 +42,7 @@ MeshPatch::Corners MeshPatch::corners_of(Id triangle) const noexcept {
     out.half_edges[n] = 3 * triangle + n;
     out.voxels[n] = edges.voxel(edges.origin(3 * triangle + n));
   }
-  const auto comes_before = [](const Vec3i& a, const Vec3i& b) {
-    return a.z != b.z ? a.z < b.z : a.y != b.y ? a.y < b.y : a.x < b.x;
-  };
+  const auto comes_before = [](const Vec3i& a, const Vec3i& b) { return a.z != b.z ? a.z < b.z : a.y != b.y ? a.y < b.y : a.x < b.x; };
   const auto lowest = std::ranges::min_element(out.voxels, comes_before) - out.voxels.begin();
   std::ranges::rotate(out.half_edges, out.half_edges.begin() + lowest);
   std::ranges::rotate(out.voxels, out.voxels.begin() + lowest);
@@ -53,8 +51,7 @@ MeshPatch::Corners MeshPatch::corners_of(Id triangle) const noexcept {
 
 PatchTriangle MeshPatch::shape_of(const Corners& corners) const noexcept {
   PatchTriangle out;
-  for (std::size_t n = 0; n < 3; ++n)
-    out.corners[n] = Vec3f(bone_from_index_ * mesh_->position(corners.half_edges[n]) - patch_.origin);
+  for (std::size_t n = 0; n < 3; ++n) out.corners[n] = Vec3f(bone_from_index_ * mesh_->position(corners.half_edges[n]) - patch_.origin);
   if (turns_over_) std::swap(out.corners[1], out.corners[2]);
   const std::array<Vec3, 3> p{Vec3(out.corners[0]), Vec3(out.corners[1]), Vec3(out.corners[2])};
   const Vec3 across = glm::cross(p[1] - p[0], p[2] - p[0]);

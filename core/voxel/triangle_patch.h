@@ -18,9 +18,9 @@ struct MasterWindow;
 
 /// Counter-clockwise seen from outside bone. Triangles that share a vertex have the same bits there.
 struct PatchTriangle {
-  std::array<Vec3f, 3> corners{};   ///< [m]
-  std::array<float, 3> angles{};    ///< [rad] at the corners
-  Vec3f normal{0.0f};               ///< [-] unit, out of bone
+  std::array<Vec3f, 3> corners{};  ///< [m]
+  std::array<float, 3> angles{};   ///< [rad] at the corners
+  Vec3f normal{0.0f};              ///< [-] unit, out of bone
   friend bool operator==(const PatchTriangle&, const PatchTriangle&) = default;
 };
 

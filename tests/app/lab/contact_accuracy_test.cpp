@@ -189,7 +189,8 @@ TEST_CASE("contact accuracy: the paper's average loses force as a ring of points
   CHECK(largest_loss_percent({1.0, 2.0, 3.0}) == 0.0);
 }
 
-TEST_CASE("contact accuracy: the mesh is off its law by rounding on planes, by chords on a sphere, and beside an edge by what that is rounded") {
+TEST_CASE(
+    "contact accuracy: the mesh is off its law by rounding on planes, by chords on a sphere, and beside an edge by what that is rounded") {
   // Planes: the 0.5 level of the phantom is exact, its corners are found to 1e-6 voxel and stored as floats: 0.001 voxel is ample. Sphere of
   // 16 voxels, triangles of up to 1.3 voxels in circumradius (mesh_contact_test.cpp): 1 / (4 R) + 1.3^2 / (2 R) below, and a lean of 1.3 / R
   // at a depth of 3. Wedge: a triangle lies between its corners on the faces, so less than the diagonal of a voxel under the edge.

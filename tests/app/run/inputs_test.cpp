@@ -152,7 +152,8 @@ TEST_CASE("inputs: undo gives the bone before the last spin-on, to the bit; so d
                "1.5") == first);
 }
 
-TEST_CASE("inputs: after tool changes, undo and restore the triangles of the mesh model are those of the bone, and a second run is the same") {
+TEST_CASE(
+    "inputs: after tool changes, undo and restore the triangles of the mesh model are those of the bone, and a second run is the same") {
   // The last input is followed by drilling, or by none.
   const std::vector<Input> endings[] = {{}, {plain(1300, InputKind::undo)}, {plain(1300, InputKind::restore, "a")}};
   std::vector<Outcome> outcomes;

@@ -125,10 +125,9 @@ TEST_CASE("real time: free motion outside the window, and the hold before bone t
 
 TEST_CASE("real time: the penalty models, in their own form and coupled, with their planes at the servo's rate") {
   covers("core/contact/contact_model.h: step", "core/contact/penalty_model.h: evaluate", "core/contact/gradient_plane.h: evaluate",
-         "core/contact/packed_plane.h: evaluate", "core/contact/voxmap_contact.h: evaluate",
-         "core/mesh/mesh_contact.h: evaluate", "core/contact/nearest_triangle.h: distance2_to",
-         "core/contact/nearest_triangle.h: find_nearest", "core/contact/virtual_coupling.h: step",
-         "core/contact/virtual_coupling.h: describe", "core/contact/local_contact.h: list_penalty",
+         "core/contact/packed_plane.h: evaluate", "core/contact/voxmap_contact.h: evaluate", "core/mesh/mesh_contact.h: evaluate",
+         "core/contact/nearest_triangle.h: distance2_to", "core/contact/nearest_triangle.h: find_nearest",
+         "core/contact/virtual_coupling.h: step", "core/contact/virtual_coupling.h: describe", "core/contact/local_contact.h: list_penalty",
          "haptics/servo/plane_loads.h: set_penalty", "haptics/servo/plane_loads.h: extrapolate");
   for (const char* model : {"gradient-plane", "voxmap", "mesh"})
     for (const char* coupling : {"none", "virtual"})

@@ -117,12 +117,13 @@ TEST_CASE("patch: the side of the nearest place is that of the winding number, o
       MeshPatch made(frame);
       made.rebuild(window_of(bone));
       for (std::uint64_t n = 0; n < 150; ++n) {
-        const Vec3 voxel = Vec3(4.0) + Vec3(shape.bone.box.size()) * Vec3(uniform01(2, 3 * n), uniform01(2, 3 * n + 1), uniform01(2, 3 * n + 2));
+        const Vec3 voxel =
+            Vec3(4.0) + Vec3(shape.bone.box.size()) * Vec3(uniform01(2, 3 * n), uniform01(2, 3 * n + 1), uniform01(2, 3 * n + 2));
         const Vec3 p = frame.linear * voxel;
         const double turns = winding(made.patch(), p);
         const NearestTriangle found = find_nearest(made.patch(), p, std::numeric_limits<double>::infinity());
         if (found.triangle == nullptr) continue;
-        if (found.distance2 < 1e-16) continue;  // on the surface, to 10 nm
+        if (found.distance2 < 1e-16) continue;                        // on the surface, to 10 nm
         if (std::abs(turns - std::round(turns)) > 0.01) FAIL(turns);  // not closed
         if (turns > 1.5) continue;                                    // parts that overlap
         CAPTURE(voxel.x);
