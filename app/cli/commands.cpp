@@ -12,6 +12,7 @@
 
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
+#include "app/scene/other_branch.h"
 #include "core/base/simd.h"
 #include "core/config/toml_messages.h"
 
@@ -42,7 +43,9 @@ int report(const Error& error) {
   return exit_code_of(error);
 }
 
-int report(const Issues& issues) {
+int report(const Issues& found) {
+  Issues issues = found;
+  explain_unknown_keys(issues);
   int code = kDone;
   std::size_t printed = 0;
   for (const Error& issue : issues) {
@@ -75,8 +78,13 @@ std::string find_scene(const std::string& scene) {
 }
 
 void warn_of_namesake(const std::string& scene) {
-  if (find_scene(scene) == scene) return;
+  const std::string found = find_scene(scene);
+  if (found == scene) return;
   std::error_code ignored;
+  if (scene.ends_with(".toml") && fs::exists(found, ignored))
+    print_warning(scene, fmt::format("is not in the current folder, so the shipped scene is taken; burrhole scenes --copy {} writes a copy "
+                                     "to edit",
+                                     fs::path(scene).stem().string()));
   for (const std::string& name : {scene, scene + ".toml"})
     if (fs::exists(name, ignored))
       print_warning(scene, fmt::format("the shipped scene of that name is taken; for the {} in the current folder write ./{}",
@@ -159,13 +167,26 @@ Error scene_not_found(const std::string& scene) {
 Status is_a_scene(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored))
-    return bad_input("is a folder, not a scene: for a DICOM folder give --set volume.source=FOLDER with a scene, or burrhole import FOLDER",
+    return bad_input(fmt::format("is a folder, not a scene: for a DICOM folder give --set volume.source=FOLDER with a scene, or burrhole "
+                                 "import {}",
+                                 path),
                      path);
   std::string ending = fs::path(path).extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (path.ends_with(".mrk.json") || ending == ".fcsv")
+    return bad_input(
+        fmt::format("is no scene: a plan of 3D Slicer is given to a scene by --unset approach --set approach.markups={}", path), path);
+  constexpr const char* kOtherPrograms[] = {".mrml", ".mrb", ".pvsm", ".vti", ".vtp", ".vtk", ".vtu", ".mitk"};
+  if (std::ranges::find(kOtherPrograms, ending) != std::end(kOtherPrograms))
+    return bad_input("is a file of another program, not a scene: save its volume as NRRD, NIfTI or MetaImage there (burrhole import)",
+                     path);
   constexpr const char* kVolumes[] = {".vdb", ".nii", ".gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".dcm", ".stl", ".ply", ".obj", ".raw"};
   if (std::ranges::find(kVolumes, ending) == std::end(kVolumes)) return {};
-  return bad_input("is a volume or a mesh, not a scene: give it to a scene by --set volume.source=FILE, or see burrhole import FILE", path);
+  return bad_input(
+      fmt::format("is a volume or a mesh, not a scene: burrhole render {0} --image FILE.png draws it; to drill it, give it to a "
+                  "scene by --unset volume --set volume.source={0}",
+                  path),
+      path);
 }
 
 /// @returns an error for the file of a tool in place of a scene.
@@ -183,6 +204,23 @@ Status is_no_tool(const TomlDocument& document) {
 constexpr std::pair<std::string_view, const char*> kMainKeys[] = {
     {"tool", "tool.name"}, {"volume", "volume.source"}, {"hand", "hand.kind"}, {"contact", "contact.model"}};
 
+/// @returns an error for an assignment that separates its words by other signs than a dot and an equals sign.
+Status is_written_as_assignment(const std::string& assignment) {
+  const std::size_t equals = assignment.find('='), colon = assignment.find_first_of(":/");
+  if (colon == std::string::npos || colon > equals) return {};
+  std::string written = assignment;
+  for (std::size_t at = 0; at < std::min(equals, written.size()); ++at)
+    if (written[at] == '/' || (written[at] == ':' && equals != std::string::npos)) written[at] = '.';
+  if (equals == std::string::npos) {
+    const std::size_t sign = written.find(':');
+    if (sign == std::string::npos) return {};
+    const std::size_t value = written.find_first_not_of(' ', sign + 1);
+    if (value == std::string::npos) return {};
+    written = written.substr(0, sign) + "=" + written.substr(value);
+  }
+  return bad_input("must read table.key=value: write --set " + written, "--set " + assignment);
+}
+
 /// @returns an error for the value of a key that is given to its table.
 Status is_no_value_of_a_table(const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
@@ -197,7 +235,8 @@ Status is_no_value_of_a_table(const std::string& assignment) {
 }
 
 /// The keys whose values are paths of files that are read.
-constexpr const char* kPathKeys[] = {"volume.source", "approach.markups", "tool.name", "mesh.file"};
+constexpr const char* kPathKeys[] = {"volume.source", "approach.markups",         "tool.name",
+                                     "mesh.file",     "display.exterior_texture", "display.interior_texture"};
 
 /// @returns the assignment with the path of a file below the current folder made absolute; others unchanged.
 std::string from_current_folder(const std::string& assignment) {
@@ -213,7 +252,8 @@ std::string from_current_folder(const std::string& assignment) {
   if (value.size() >= 2 && value.front() == value.back() && (value.front() == '"' || value.front() == '\''))
     value = value.substr(1, value.size() - 2);
   std::error_code ignored;
-  const bool by_name = key == "tool.name" && !value.ends_with(".toml") && value.find('/') == std::string::npos;
+  const char* const ending = key == "tool.name" ? ".toml" : key.ends_with("_texture") ? ".png" : nullptr;  // of files that may be named too
+  const bool by_name = ending != nullptr && !value.ends_with(ending) && value.find('/') == std::string::npos;
   if (value.empty() || by_name || value.front() == '/' || value.front() == '$' || !fs::exists(value, ignored)) return assignment;
   return key + "=" + toml_string(fs::absolute(value, ignored).lexically_normal().string());
 }
@@ -229,7 +269,8 @@ Result<TomlDocument> SceneOption::document() const {
   if (!document) return document.error();
   if (const Status valid = is_no_tool(*document); !valid) return valid.error();
   for (const std::string& assignment : sets)
-    if (const Status valid = is_no_value_of_a_table(assignment); !valid) return valid.error();
+    for (const Status& valid : {is_written_as_assignment(assignment), is_no_value_of_a_table(assignment)})
+      if (!valid) return valid.error();
   // First what goes: --unset approach --set approach.markups=FILE gives another approach.
   std::vector<TomlChange> changes;
   for (const std::string& name : unsets) changes.push_back({name, "--unset", true});

@@ -72,6 +72,10 @@ bool has_results(const std::string& path) {
 }
 
 int run_compare(const Options& option) {
+  if (option.runs.size() < 2)
+    return report(
+        bad_input(fmt::format("compare needs two runs or more, as in burrhole compare {0} OTHER_FOLDER; figures of one run are in {0}/{1}",
+                              option.runs.front(), kReportFile)));
   std::vector<RunResults> runs;
   Issues issues;
   bool all_there = true;  // a path without results is a mistake of the call, damaged results are not
@@ -119,7 +123,7 @@ void add_compare(CLI::App& app, int& exit_code) {
                     "burrhole compare out/* --json | jq '.runs[].figures.plunge_mm'"},
        .exits = {}});
   auto option = std::make_shared<Options>();
-  command->add_option("run", option->runs, "folders of results, at least two")->type_name(kFolderValue)->required()->expected(2, 1000);
+  command->add_option("run", option->runs, "folders of results, at least two")->type_name(kFolderValue)->required()->expected(1, 1000);
   command->add_option("--out", option->folder, "folder for compare.html, compare.svg and pictures; default: only the table")
       ->type_name(kFolderValue);
   command->add_flag("--json", option->json, "print the table as JSON on stdout");

@@ -12,6 +12,7 @@
 #include "app/render/overlay.h"
 #include "app/render/png.h"
 #include "app/render/renderer.h"
+#include "app/render/texture_load.h"
 #include "app/render/tip_slices_picture.h"
 #include "app/view/picture_memory.h"
 #include "app/view/quality.h"
@@ -151,7 +152,7 @@ class OffscreenSink final : public PictureSink {
 
 namespace {
 
-RenderOptions options_of(const DisplayConfig& display, const PictureOptions& options) {
+Result<RenderOptions> options_of(const DisplayConfig& display, const PictureOptions& options) {
   RenderOptions render = make_render_options(display.quality, display.appearance);
   render.shader_folder = options.shader_folder;
   for (const GlBackend backend : gl_backends())
@@ -159,6 +160,11 @@ RenderOptions options_of(const DisplayConfig& display, const PictureOptions& opt
   if (display.method == "slices")
     render.slices = SliceOptions{.per_voxel = display.slices_per_voxel, .correct = display.opacity_correction};
   render.mesh = display.method == "mesh";
+  if (draws_textures(display)) {
+    auto textures = load_textures(display.textures);
+    if (!textures) return textures.error();
+    render.textures = std::move(textures).value();
+  }
   if (!display.transfer.empty()) render.translucent = display.transfer;
   render.growth_is_reported = true;
   return render;
@@ -167,7 +173,9 @@ RenderOptions options_of(const DisplayConfig& display, const PictureOptions& opt
 }  // namespace
 
 Result<DrawingSink> make_window_sink(const DisplayConfig& display, const PictureOptions& options, GlContext context) {
-  auto renderer = Renderer::create(options_of(display, options), std::move(context));
+  const auto render = options_of(display, options);
+  if (!render) return render.error();
+  auto renderer = Renderer::create(*render, std::move(context));
   if (!renderer) return renderer.error();
   auto sink = std::make_unique<OffscreenSink>(std::move(renderer).value(), display, options);
   Renderer* const drawing = &sink->renderer();
@@ -196,7 +204,9 @@ Result<std::unique_ptr<PictureSink>> make_picture_sink(const DisplayConfig& disp
                  "quad-buffered stereo needs a window: --stereo side-by-side or --stereo anaglyph draws two eyes into a file",
                  {}};
   if (Status fits = check_picture_memory(display); !fits) return fits.error();
-  auto renderer = Renderer::create(options_of(display, options));
+  const auto render = options_of(display, options);
+  if (!render) return render.error();
+  auto renderer = Renderer::create(*render);
   if (!renderer) return renderer.error();
   return std::unique_ptr<PictureSink>(std::make_unique<OffscreenSink>(std::move(renderer).value(), display, options));
 }

@@ -1,10 +1,15 @@
 #include "app/cli/program.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cctype>
+#include <filesystem>
 #include <string_view>
 #include <vector>
 
 #include "app/cli/commands.h"
+#include "app/cli/other_words.h"
 #include "core/config/toml_messages.h"
 
 namespace burrhole::cli {
@@ -61,13 +66,141 @@ std::string full_name(const CLI::App& app) {
   return app.get_parent() == nullptr ? app.get_name() : full_name(*app.get_parent()) + " " + app.get_name();
 }
 
-/// @returns the text of an unknown option, with the nearest that the command has.
+std::string did_you_mean(const std::string& word) { return "; did you mean \"" + word + "\"?"; }
+
+/// @returns the text of an unknown option, with the nearest that the command has, or of one letter those that begin with it.
 std::string unknown_option(const CLI::App& command, const std::string& word) {
-  std::vector<std::string> names;
+  constexpr std::size_t kShort = 2;  // "-o"
+  const bool has_image = command.get_option_no_throw("--image") != nullptr;
+  if (const auto other = option_for(word, has_image))
+    if (other->option.empty() || command.get_option_no_throw(other->option) != nullptr)
+      return fmt::format("unknown option \"{}\"; write {}", word, other->instead);
+  std::vector<std::string> names, begun;
   for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_lnames()) {
+      names.push_back("--" + name);
+      if (word.size() == kShort && name[0] == std::tolower(static_cast<unsigned char>(word[1]))) begun.push_back("--" + name);
+    }
+  if (!begun.empty()) return fmt::format("unknown option \"{}\"; did you mean {}?", word, fmt::join(begun, " or "));
   const auto near = nearest_name(word, names);
-  return "unknown option \"" + word + "\"" + (near ? "; did you mean \"" + *near + "\"?" : "");
+  return "unknown option \"" + word + "\"" + (near ? did_you_mean(*near) : "");
+}
+
+/// @returns the error of an assignment whose value is a word of its own: --set tool.spin_rpm 800, or with spaces round the sign.
+std::optional<std::string> split_assignment(const CLI::App& command, std::span<const std::string> extra) {
+  for (const char* name : {"--set", "--set-tool"}) {
+    const CLI::Option* option = command.get_option_no_throw(name);
+    if (option == nullptr) continue;
+    for (const std::string& given : option->results()) {
+      if (given.find('=') + 1 < given.size() && given.find('=') != std::string::npos) continue;
+      const std::string key = given.substr(0, given.find('='));
+      std::string value = extra.front();
+      if (value == "=" && extra.size() > 1) value = extra[1];
+      if (value.starts_with('=')) value.erase(0, 1);
+      // An assignment before the scene: its value was taken for the scene, and the scene is the word that is left.
+      const CLI::Option* scene = command.get_option_no_throw("scene");
+      if (is_scene(extra.front()) && scene != nullptr && !scene->results().empty()) value = scene->results().front();
+      return fmt::format("{0} {1} is not followed by its value: write {0} {2}={3}", name, given, key, value);
+    }
+  }
+  return std::nullopt;
+}
+
+/// @returns the path that the words of a command make if spaces join them, where that path exists.
+std::optional<std::string> path_with_spaces(const CLI::App& command, std::span<const std::string> extra) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_positional() || option->results().empty()) continue;
+    std::string path = option->results().back();
+    for (const std::string& word : extra) {
+      path += " " + word;
+      std::error_code ignored;
+      if (std::filesystem::exists(path, ignored)) return path;
+    }
+  }
+  return std::nullopt;
+}
+
+/// @returns the text of numbers that are words of their own: --size 400 300, where one word with a separator is read.
+std::optional<std::string> split_numbers_of(const CLI::App& command, std::span<const std::string> extra) {
+  const auto is_number = [](const std::string& text) { return split_numbers(text, ',', 1).has_value(); };
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string type = option->get_type_name();
+    const std::string separator = type.find(',') != std::string::npos ? "," : type == "WIDTHxHEIGHT" ? "x" : "";
+    if (separator.empty() || option->results().size() != 1 || !is_number(option->results().front())) continue;
+    std::string whole = option->results().front();
+    for (const std::string& word : extra) {
+      if (!is_number(word)) break;
+      whole += separator + word;
+    }
+    if (whole != option->results().front()) return fmt::format("unexpected \"{}\": write {} {}", extra.front(), option->get_name(), whole);
+  }
+  return std::nullopt;
+}
+
+/// @returns the text of an output that is given without its option: render parietal hole.png.
+std::optional<std::string> output_alone(const CLI::App& command, const std::string& word) {
+  std::error_code ignored;
+  if (!std::filesystem::path(word).has_extension() || std::filesystem::exists(word, ignored)) return std::nullopt;
+  for (const char* name : {"--image", "--out", "--volume"})
+    if (const CLI::Option* option = command.get_option_no_throw(name); option != nullptr && option->count() == 0)
+      return fmt::format("unexpected \"{0}\"; did you mean {1} {0}?", word, name);
+  return std::nullopt;
+}
+
+std::string unexpected_word(const CLI::App& command, const std::vector<std::string>& extra) {
+  const std::string word = extra.front().substr(0, extra.front().find('='));
+  if (word.size() > 1 && word.starts_with("-")) return unknown_option(command, word);
+  if (const auto split = split_assignment(command, extra)) return *split;
+  if (const auto path = path_with_spaces(command, extra)) return "unexpected \"" + word + "\": write the path in quotes, \"" + *path + "\"";
+  if (const auto numbers = split_numbers_of(command, extra)) return *numbers;
+  if (const auto output = output_alone(command, extra.front())) return *output;
+  for (const CLI::Option* option : command.get_options())
+    if (option->get_positional() && option->get_items_expected_max() == 1 && !option->results().empty())
+      return fmt::format("unexpected \"{}\": {} takes one {}, here \"{}\"", extra.front(), full_name(command), option->get_name(),
+                         option->results().front());
+  return "unexpected \"" + extra.front() + "\"";
+}
+
+std::vector<std::string> names_of_commands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
+  return names;
+}
+
+/// @returns the text of a command line that ends before its command, or before that of a command of commands.
+std::string missing_command(const CLI::App& app) {
+  if (app.get_parent() == nullptr) return "a command is missing, such as burrhole drill parietal";
+  return fmt::format("{} is incomplete: write {} after it", full_name(app), fmt::join(names_of_commands(app), " or "));
+}
+
+/// @returns the text of an argument that is missing, with its description.
+std::string missing_argument(const CLI::App& command, const std::string& name) {
+  if (name == "scene") return "SCENE is missing: a file, or the name of a shipped scene (burrhole scenes lists them)";
+  const CLI::Option* option = command.get_option_no_throw(name);
+  return option == nullptr ? name + " is missing" : fmt::format("{} is missing: {}", name, option->get_description());
+}
+
+/// @returns the text of an option with too few or too many values, in place of CLI11's, which counts them.
+std::string wrong_count(const CLI::App& command, const std::string& text) {
+  const CLI::Option* option = command.get_option_no_throw(text.substr(0, text.find(':')));
+  if (option == nullptr) return text;
+  const std::string name = option->get_name(), type = option->get_type_name();
+  if (option->get_items_expected_max() == 1 && option->count() > 1)
+    return fmt::format("{} is given {} times: give it once", name, option->count());
+  if (text.find("missing") == std::string::npos) return text;
+  return fmt::format("{} is not followed by its value: {} {}", name, name, type.substr(0, type.find(':')));
+}
+
+/// @returns what is wrong with an option in place of a command: --drill, or help and version as words.
+std::optional<std::string> misplaced(const std::string& word, const std::vector<std::string>& names, std::span<const char* const> rest) {
+  if (word == "help")
+    return "unknown command \"help\"; did you mean \"" +
+           (rest.empty() ? std::string("burrhole") : fmt::format("burrhole {}", rest.front())) + " --help\"?";
+  if (word == "version") return "unknown command \"version\"" + did_you_mean("burrhole --version");
+  if (!word.starts_with('-')) return std::nullopt;
+  const std::string bare = word.substr(std::min(word.find_first_not_of('-'), word.size()));
+  if (std::ranges::find(names, bare) == names.end()) return std::nullopt;
+  return "\"" + word + "\" is a command, not an option" + did_you_mean("burrhole " + bare);
 }
 
 }  // namespace
@@ -87,39 +220,40 @@ std::unique_ptr<CLI::App> make_program(int& exit_code) {
 
 std::optional<std::string> unknown_command(const CLI::App& program, std::span<const char* const> words) {
   const CLI::App* app = &program;
-  for (const std::string_view word : words) {
+  for (std::size_t n = 0; n < words.size() && app->get_require_subcommand_min() > 0; ++n) {
+    const std::string word(words[n]);
+    const std::vector<std::string> names = names_of_commands(*app);
+    if (app == &program)
+      if (const auto text = misplaced(word, names, words.subspan(n + 1))) return "burrhole: " + *text + " (--help lists the commands)";
     if (word.starts_with('-')) break;
-    std::vector<std::string> names;
-    const CLI::App* next = nullptr;
-    for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; })) {
-      names.push_back(command->get_name());
-      if (command->get_name() == word) next = command;
+    if (std::ranges::find(names, word) == names.end()) {
+      const auto near = nearest_name(word, names);
+      const auto other = app == &program ? command_for(word) : std::nullopt;
+      const std::string drilled = app == &program && is_scene(word) ? "drill " + word : other ? *other : near.value_or("");
+      const std::string next = drilled.empty() ? "" : did_you_mean(drilled);
+      if (app == &program) return "burrhole: unknown command \"" + word + "\"" + next + " (--help lists them)";
+      return fmt::format("burrhole: unknown word \"{}\" after {}, which knows {}{}", word, full_name(*app), fmt::join(names, ", "), next);
     }
-    if (app->get_require_subcommand_min() == 0) break;
-    if (next == nullptr) {
-      const std::string name(word);
-      const auto near = nearest_name(name, names);
-      const std::string drilled = app == &program && is_scene(name) ? "drill " + name : near.value_or("");
-      return "burrhole: unknown command \"" + name + "\"" + (drilled.empty() ? "" : "; did you mean \"" + drilled + "\"?") +
-             " (--help lists them)";
-    }
-    app = next;
+    app = app->get_subcommand(word);
   }
   return std::nullopt;
 }
 
 std::string usage_text(const CLI::App& program, const CLI::ParseError& error) {
+  constexpr std::string_view kRequired = " is required";
   const CLI::App& command = named_command(program);
+  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  const std::vector<std::string> extra = program.remaining(true);
   std::string text = error.what();
-  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
-    const std::vector<std::string> extra = program.remaining(true);
-    if (!extra.empty()) {
-      const std::string word = extra.front().substr(0, extra.front().find('='));
-      text = word.starts_with("-") ? unknown_option(command, word) : "unexpected \"" + word + "\"";
-    }
-  } else if (text == "scene is required") {
-    text = "SCENE is missing: a file, or the name of a shipped scene (burrhole scenes lists them)";
-  }
+  const bool option = !extra.empty() && extra.front().size() > 1 && extra.front().starts_with('-');
+  if (!extra.empty() && (code == CLI::ExitCodes::ExtrasError || (code == CLI::ExitCodes::RequiredError && option)))
+    text = unexpected_word(command, extra);
+  else if (code == CLI::ExitCodes::RequiredError && text == "A subcommand is required")
+    text = missing_command(command);
+  else if (code == CLI::ExitCodes::RequiredError && text.ends_with(kRequired))
+    text = missing_argument(command, text.substr(0, text.size() - kRequired.size()));
+  else if (code == CLI::ExitCodes::ArgumentMismatch)
+    text = wrong_count(command, text);
   return text + " (see " + full_name(command) + " --help)";
 }
 

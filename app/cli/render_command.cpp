@@ -39,8 +39,8 @@ Status apply_view(const Options& option, DisplayConfig& display) {
     display.budget.reset();
     // Slices and meshes do not support it.
     display.appearance.tissue = display.appearance.occlusion = display.appearance.shadow = false;
-    display.skin.reset();
   }
+  if (!draws_surface(display)) display.skin.reset();
   if (!option.size.empty()) {
     const auto size = split_numbers(option.size, 'x', 2);
     if (!size || !((*size)[0] >= 16 && (*size)[0] <= 8192 && (*size)[1] >= 16 && (*size)[1] <= 8192))
@@ -116,14 +116,15 @@ Status draw_slices(const Options& option, LoadedScene& loaded, const fs::path& i
       {"cross: the tip of the bit", "orange: the bit as it erodes", "grey: occupancy x hardness,", "of what bone remains"});
 }
 
-/// The options of this command may ask for more pixels than the scene did when its bone was placed.
+/// The options of this command may ask for more pixels, or a mesh, than the scene did when its bone was placed.
 Status check_memory_limit(const LoadedScene& loaded) {
   const Scene& scene = loaded.scene;
   if (!scene.memory_limit) return {};
   const MemoryPlan plan = plan_memory(scene, loaded.tool, shape_of(*loaded.bone, scene.approach), 0, {});
   if (plan.peak <= *scene.memory_limit) return {};
-  return bad_input("limits.memory_mb is exceeded: the picture may need " + plan.text() + " (a smaller --size needs less)",
-                   scene.memory_place);
+  return bad_input(
+      "limits.memory_mb is exceeded: the picture may need " + plan.text() + " (a smaller --size or another --method needs less)",
+      scene.memory_place);
 }
 
 Status draw_scene(const Options& option, LoadedScene& loaded) {
@@ -131,8 +132,9 @@ Status draw_scene(const Options& option, LoadedScene& loaded) {
   if (!loaded.scene.effects.has("display")) add_effect(loaded.scene, "display");
   DisplayConfig& display = *loaded.scene.find<DisplayConfig>();
   const std::uint64_t planned = picture_bytes(display);
+  const std::string method = display.method;
   if (Status applied = apply_view(option, display); !applied) return applied;
-  if (picture_bytes(display) > planned)
+  if (picture_bytes(display) > planned || display.method != method)
     if (Status fits = check_memory_limit(loaded); !fits) return fits;
   const fs::path image(option.image);
   if (image.extension() != ".png") return bad_input("--image " + option.image + " must end in .png");

@@ -255,6 +255,7 @@ int show_tool(const Options& options) {
   const std::vector<NamedFeed> feeds = feeds_of(*fine);
   if (!options.image.empty())
     if (Status drawn = draw_sheet(*document, *tool, feeds, options.image); !drawn) return report(drawn.error());
+  if (!options.image.empty()) print_line("picture: " + options.image);
   print(options.json ? details_json(*tool, *parts, feeds, file).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"
                      : details_text(*tool, parts->text, feeds));
   return kDone;

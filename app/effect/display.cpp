@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "app/effect/display_mesh.h"
+#include "app/effect/display_skin.h"
 #include "app/effect/registry.h"
 #include "app/stage/stage.h"
 #include "app/view/bone_mesh.h"
@@ -11,11 +13,11 @@
 #include "app/view/display_config.h"
 #include "app/view/picture_memory.h"
 #include "app/view/stereo.h"
+#include "app/view/texture_file.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
 #include "volumes/phantom/head_bone.h"
 #include "volumes/phantom/head_shape.h"
-#include "volumes/read/scan_skin.h"
 
 namespace burrhole {
 namespace {
@@ -189,40 +191,6 @@ void read_scenery(TableReader& table, const StageConfig& scene, DisplayConfig& o
   out.drape->window = window;
 }
 
-/// @returns why the volume has no skin; empty if it has one.
-std::string why_no_skin(const VolumeScene& volume) {
-  constexpr const char* kNeeds = "needs a whole head: volume.source = \"phantom:head\", or a CT without region_mm";
-  if (volume.phantom) return volume.phantom->kind == PhantomKind::head ? std::string() : kNeeds;
-  if (!volume.scan) return {};
-  if (volume.scan->region) return kNeeds;
-  const std::string& path = volume.scan->request.path;
-  for (const char* ending : {".vdb", ".stl", ".obj", ".ply"})
-    if (path.ends_with(ending)) return std::string("needs a CT: a file ") + ending + " has bone alone";
-  return {};
-}
-
-/// Reads the skin. @pre the drape was read.
-void read_skin(TableReader& table, const StageConfig& scene, DisplayConfig& out) {
-  const bool on = table.boolean("skin", false,
-                                "the skin of a whole head as a translucent shell with an opening at the entry: that of \"phantom:head\" is "
-                                "assumed, that of a CT is its surface between air and soft tissue");
-  if (!on) return;
-  SkinConfig skin;
-  if (out.drape) {
-    skin.window = out.drape->window - 2.0 * skin.shown;
-    skin.round = out.drape->round;
-    skin.reach = 3.0 * skin.shown;
-  }
-  skin.opacity = table.number("skin_opacity", {.fallback = skin.opacity, .min = 0.0, .max = 1.0},
-                              "share of the light that the skin takes where it is seen square on; it takes more at an angle");
-  skin.window =
-      table.number("skin_window_mm", {.fallback = skin.window / kMillimetre, .min = 1.0, .max = 200.0, .to_si = kMillimetre},
-                   "width of the opening, which is round, or has the shape of the drape's window and is by default smaller than it");
-  if (!draws_detail(out)) return table.fault("skin", "needs method = \"raycast\" with shading = \"surface\"");
-  if (const std::string why = why_no_skin(scene.volume); !why.empty()) return table.fault("skin", why);
-  out.skin = skin;
-}
-
 DisplayConfig read_display(TableReader& table, const StageConfig& scene) {
   DisplayConfig out;
   out.method = table.choice(
@@ -244,6 +212,7 @@ DisplayConfig read_display(TableReader& table, const StageConfig& scene) {
   }
   read_quality(table, out.method == "raycast", out.method == "raycast" && out.transfer.empty(), out);
   out.appearance = read_appearance(table, out);
+  if (out.method == "mesh") read_mesh_colors(table, scene, out);
   out.background.top = read_color(table, "background_top", out.background.top, "red, green and blue of the background at the upper edge");
   out.background.bottom =
       read_color(table, "background_bottom", out.background.bottom, "red, green and blue of the background at the lower edge");
@@ -301,7 +270,7 @@ std::string appearance_text(const Appearance& appearance) {
 std::string method_text(const DisplayConfig& display) {
   const std::string appearance = appearance_text(display.appearance);
   if (!display.transfer.empty()) return fmt::format("{}, translucent{}", display.method, appearance);
-  if (display.method != "slices") return display.method + appearance;
+  if (display.method != "slices") return display.method + (draws_textures(display) ? ", textures" : "") + appearance;
   return fmt::format("slices, {:g} a voxel{}{}", display.slices_per_voxel, display.opacity_correction ? "" : ", opacity a slice",
                      appearance);
 }
@@ -414,27 +383,6 @@ std::uint64_t coarse_bytes(const BoneShape& bone, int factor) {
   return factor == 1 ? 0 : static_cast<std::uint64_t>(static_cast<double>(bone.in_memory) / std::pow(factor, kExponent));
 }
 
-/// Sets the body of the skin. The skin of a scan is found in the scan, which is read again: the bone model does not have it.
-Status find_skin(const VolumeScene& volume, SkinConfig& skin) {
-  if (volume.phantom) {
-    skin.body = [](const Vec3& p) { return HeadShape::skin(p); };
-    skin.box = HeadShape::skin_box();
-    return {};
-  }
-  const ImportRequest& request = volume.scan->request;
-  const auto at_scan = [&](const Error& error) { return Error{error.code, "display.skin: " + error.message, request.path}; };
-  auto read = read_scan(request.path, request.read);
-  if (!read) return read.error();
-  const auto offset = find_hu_offset(read->scan, request.bone);
-  if (!offset) return at_scan(offset.error());
-  auto found = find_scan_skin(read->scan, *offset, skin.pitch);
-  if (!found) return at_scan(found.error());
-  const auto shape = std::make_shared<const ScanSkin>(std::move(found).value());
-  skin.body = [shape](const Vec3& p) { return shape->at(p); };
-  skin.box = shape->box();
-  return {};
-}
-
 class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
  public:
   DisplayPlan(TableReader& table, const StageConfig& scene) { config_ = read_display(table, scene); }
@@ -449,8 +397,10 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
     const std::uint64_t coarse = head ? 0 : coarse_bytes(context.bone, levels.factor);  // that of a head belongs to the volume
     // At the start the texels are in memory and in the textures.
     const bool mesh = config_.method == "mesh";
-    const std::uint64_t bone = mesh ? mesh_bytes(levels.voxels) : levels.voxels * (a_texel + 2);
-    const std::uint64_t drawn = bone + coarse + kDriverBytes + (config_.skin ? kSkinBytes : 0);
+    const bool textured = draws_textures(config_);
+    const std::uint64_t bone = mesh ? mesh_bytes(levels.voxels, textured) : levels.voxels * (a_texel + 2);
+    const std::uint64_t images = textured ? texture_bytes(config_.textures) : 0;
+    const std::uint64_t drawn = bone + images + coarse + kDriverBytes + (config_.skin ? kSkinBytes : 0);
     const std::string budget = config_.budget ? fmt::format(", quality for {:g} ms a picture", *config_.budget * 1e3) : std::string();
     return {.table = "display",
             .clock = Clock::frame,
@@ -460,7 +410,7 @@ class DisplayPlan final : public ConfigPlan<DisplayPlan, DisplayConfig> {
             .detail = fmt::format("{}{}{}, {} x {} pixels{}, at events", method_text(config_), levels_text(config_, context.bone, head),
                                   picture_text(config_), config_.width, config_.height, budget),
             .bytes = drawn + picture_bytes(config_) + context.window_voxels * kChangeBytes,
-            .start_bytes = drawn + levels.voxels * a_texel};
+            .start_bytes = drawn + levels.voxels * (a_texel + (textured ? sizeof(TissueTexel) : 0))};
   }
 
   Result<std::unique_ptr<Effect>> make(Stage& stage) const override {
@@ -488,7 +438,8 @@ EffectEntry display_effect() {
   return {"display",
           "pictures; without it none is drawn",
           read,
-          {"method = \"slices\"", "method = \"mesh\"", "quality = \"auto\"",
+          {"method = \"slices\"", "method = \"mesh\"", "method = \"mesh\"\ncolour = \"plain\"",
+           "method = \"mesh\"\nexterior_texture = \"bone\"\ninterior_texture = \"apple\"", "quality = \"auto\"",
            "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]", "cut = \"tip\"", "stereo = \"side-by-side\"",
            "stereo = \"top-bottom\"", "stereo = \"anaglyph\"", "stereo = \"quad\"", "workbench_mm = 300", "tissue = \"plain\"",
            "normals = \"recomputed\"", "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}};

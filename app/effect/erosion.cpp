@@ -18,8 +18,12 @@
 namespace burrhole {
 namespace {
 
-constexpr std::array<std::pair<const char*, ErosionLaw>, 3> kLaws{
-    {{"rate", ErosionLaw::rate}, {"per-update", ErosionLaw::per_update}, {"energy", ErosionLaw::energy}}};
+constexpr std::array<std::pair<const char*, ErosionLaw>, 4> kLaws{{{"rate", ErosionLaw::rate},
+                                                                   {"per-update", ErosionLaw::per_update},
+                                                                   {"energy", ErosionLaw::energy},
+                                                                   {"threshold", ErosionLaw::threshold}}};
+/// [Pa] ultimate strength, [TellesONeill10] table 1.
+constexpr std::array<std::pair<const char*, double>, 3> kMaterials{{{"bone", 170e6}, {"wood", 50e6}, {"steel", 400e6}}};
 
 const char* name_of(ErosionLaw law) {
   for (const auto& [name, value] : kLaws)
@@ -66,6 +70,7 @@ class ErosionEffect final : public Effect {
   void report(Figures& out) const override {
     out.add("removed_mass_mm3", removed_mass_ * 1e9);
     out.add("points_outside", outside_);
+    if (config_.law == ErosionLaw::threshold) out.add("largest_stress_MPa", stress_ / 1e6);
     out.add("bytes", static_cast<std::uint64_t>(voxmap_->cut().bytes()));
   }
   std::vector<NamedTimer> timers() const override { return {{"gradient", &commit_timer_, true}}; }
@@ -79,6 +84,7 @@ class ErosionEffect final : public Effect {
     if (!outcome.changed.empty()) commit_timer_([&] { voxmap_->commit(outcome.changed); });
     removed_mass_ += outcome.removed_mass;
     outside_ += outcome.outside;
+    stress_ = std::max(stress_, outcome.stress);
     const double radius = outcome.rubbing_radius > 0.0 ? outcome.rubbing_radius : tool_radius_;
     const double torque = cutting_torque(config_.energy.cutting_ratio, cut_->thrust, radius);
     *removal_ = {outcome.removed_mass, torque, true, !outcome.changed.empty(), outcome.outside};
@@ -123,6 +129,7 @@ class ErosionEffect final : public Effect {
   double tool_radius_;         // [m] of the whole tool, for laws that do not determine the radius at which it cuts
   double removed_mass_ = 0.0;  // [m^3]
   std::uint64_t outside_ = 0;
+  double stress_ = 0.0;  // [Pa] the largest so far
   StepTimer commit_timer_;
   const Cut* cut_ = nullptr;
   const double *asked_ = nullptr, *spin_ = nullptr;  // [rev/s]
@@ -140,10 +147,13 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
     const std::string law = table.choice(
         "law", name_of(c.law), words,
         "erosion law; rate: removal in proportion to spin and time, over hardness; per-update: a factor per update, [AcostaLiu07] eq. 4; "
-        "energy: by the cutting power of thrust and spin");
+        "energy: by the cutting power of thrust and spin; threshold: whole voxels in a ball inside the bit, where the stress under it "
+        "reaches "
+        "the ultimate strength, [TellesONeill10] section 4.3.4");
     for (const auto& [word, value] : kLaws)
       if (law == word) c.law = value;
-    if (c.law != ErosionLaw::per_update)
+    if (c.law == ErosionLaw::threshold) read_threshold(table);
+    if (c.law == ErosionLaw::rate || c.law == ErosionLaw::energy)
       c.subvoxel = table.boolean("subvoxel", true,
                                  "true: bone recedes from its face, whose place inside a voxel is kept, and the hole follows the tool's "
                                  "surface; false: every voxel that contains erosion points loses density gradually, so walls are rough "
@@ -185,19 +195,20 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
   }
 
   void warn(const PlanContext& context, std::vector<std::string>& out) const override {
-    const bool by_update = config_.law == ErosionLaw::per_update;
+    const bool keyless = config_.law == ErosionLaw::per_update || config_.law == ErosionLaw::threshold;  // without the key subvoxel
     if (context.needs.holds_back && context.config.tool.spin > 0.0 && !config_.subvoxel)
       out.push_back(fmt::format("{} leaves walls with a roughness of a voxel, on which the model \"surface\" may block the bit: {}",
-                                by_update ? "[erosion] law = \"per-update\"" : "[erosion] subvoxel = false",
-                                by_update ? "use another law" : "set it to true"));
+                                keyless ? std::string("[erosion] law = \"") + name_of(config_.law) + "\"" : "[erosion] subvoxel = false",
+                                keyless ? "use another law or a penalty model" : "set it to true"));
     if (context.needs.any_density && config_.subvoxel)
       out.push_back(
           "[erosion] subvoxel = true moves the face at a density of 0.5, but contact.mode = \"paper\" is in contact where density is above "
           "0, "
           "which is above that face: set erosion.subvoxel = false");
     if (context.needs.feels) return;
-    if (config_.law == ErosionLaw::energy)
-      out.push_back("[erosion] law = \"energy\" without [contact]: there is no thrust, so nothing is removed");
+    if (config_.law == ErosionLaw::energy || config_.law == ErosionLaw::threshold)
+      out.push_back(std::string("[erosion] law = \"") + name_of(config_.law) +
+                    "\" without [contact]: there is no thrust, so nothing is removed");
     out.push_back("no [contact]: no force acts on the hand, and the tool follows the script through bone");
   }
 
@@ -212,6 +223,24 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
   }
 
  private:
+  void read_threshold(TableReader& table) {
+    constexpr double kMegapascal = 1e6;
+    ThresholdConfig& c = config_.threshold;
+    std::vector<std::string> words;
+    for (const auto& [word, strength] : kMaterials) words.emplace_back(word);
+    const std::string material =
+        table.choice("material", "bone", words, "material, for its ultimate strength: bone 170 MPa, wood 50 MPa, steel 400 MPa");
+    for (const auto& [word, strength] : kMaterials)
+      if (material == word) c.ultimate_strength = strength;
+    c.ultimate_strength = table.number("ultimate_strength_MPa", above_zero(c.ultimate_strength / kMegapascal, kMegapascal, 1e5),
+                                       "largest stress that the material withstands; default: that of `material`");
+    c.reach = table.number("reach", {.fallback = c.reach, .min = 0.0, .max = 1.0, .min_open = true},
+                           "radius of the ball in which voxels are removed over the radius of the bit");
+    c.bearing_share =
+        table.number("bearing_share", {.fallback = c.bearing_share, .min = 0.0, .max = 1.0, .min_open = true},
+                     "share of the projected contact area on which cutting edges bear; the stress is thrust / (share x area)");
+  }
+
   int rate_hz_ = 50;           // [Hz]
   double pitch_voxels_ = 0.5;  // [voxels] between erosion points
 };
@@ -223,7 +252,7 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 }  // namespace
 
 EffectEntry erosion_effect() {
-  return {"erosion", "drilling; without it no bone is removed", read, {"law = \"per-update\"", "law = \"energy\""}};
+  return {"erosion", "drilling; without it no bone is removed", read, {"law = \"per-update\"", "law = \"energy\"", "law = \"threshold\""}};
 }
 
 }  // namespace burrhole

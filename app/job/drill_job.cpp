@@ -13,6 +13,7 @@
 #include "app/job/run_folder.h"
 #include "app/report/drill_report.h"
 #include "app/report/file.h"
+#include "app/report/tip_speed.h"
 #include "app/stage/result_files.h"
 #include "app/view/driver_text.h"
 #include "core/base/cpu_model.h"
@@ -59,17 +60,6 @@ std::string caption_of(const std::string& file, bool through, double removed_mm3
   return found != std::end(kCaptions) ? found->text : name;
 }
 
-/// @returns the speed of the tip [mm/s], averaged over `span` samples: over shorter spans the motion of single ticks dominates.
-std::vector<double> speeds(const std::vector<RunSample>& samples, std::size_t span) {
-  std::vector<double> out(samples.size(), 0.0);
-  for (std::size_t n = 0; n < samples.size(); ++n) {
-    const std::size_t a = n < span / 2 ? 0 : n - span / 2;
-    const std::size_t b = std::min(samples.size() - 1, n + span / 2);
-    if (b > a) out[n] = (samples[b].depth - samples[a].depth) / (samples[b].time - samples[a].time) * 1e3;
-  }
-  return out;
-}
-
 std::string setting_of(const Scene& scene, bool by_user) {
   std::string out = fmt::format("{:.0f} rpm, ", scene.tool.spin / kRevPerMinute);
   if (scene.feed_hand && !scene.feed_hand->push)
@@ -112,7 +102,7 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
     r.depth_mm.push_back(sample.depth * 1e3);
   }
   const auto rate = static_cast<int>(1.0 / simulation.stage().contact_period + 0.5);
-  r.speed_mm_s = speeds(simulation.samples(), static_cast<std::size_t>(std::max(2, rate / 10)));
+  r.speed_mm_s = tip_speed(r.time_s, r.depth_mm, static_cast<std::size_t>(std::max(2, rate / 10)));
   for (const Approach::Layer& layer : simulation.approach().layers)
     if (const std::string name = layer_name(layer.label); !name.empty()) r.layers.push_back({name, layer.from * 1e3, layer.to * 1e3});
   for (const RunEvent& event : simulation.events())

@@ -43,6 +43,17 @@ Error wrong(std::string_view term, const std::string& why) {
   return bad_input(fmt::format("--expect: \"{}\" {}; allowed: {}", term, why, allowed()));
 }
 
+/// The error of a term whose meaning is clear, with the term as it is written.
+Error write_instead(std::string_view term, const std::string& why, const std::string& instead) {
+  return bad_input(fmt::format("--expect: \"{}\" {}: write \"{}\" (burrhole docs outcome)", term, why, instead));
+}
+
+bool is_number(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && std::isfinite(value);
+}
+
 /// @returns the last part of the figure's key: its name in summary.json.
 std::string_view summary_name(const ExpectedFigure& figure) {
   const std::string_view key = figure.about;
@@ -80,6 +91,34 @@ Error no_flag(std::string_view term, std::string_view name) {
                                near ? "did you mean \"no " + *near + "\"? " : "", fmt::join(names, ", ")));
 }
 
+/// @returns the error of two terms that another word or sign than a comma joins; nothing if none does.
+std::optional<Error> joined_otherwise(std::string_view term) {
+  for (const std::string_view joint : {" and ", "&&", ";", " or ", "||"}) {
+    const std::size_t at = term.find(joint);
+    if (at == std::string_view::npos) continue;
+    if (joint == " or " || joint == "||") return wrong(term, "joins terms by or: all terms of --expect must hold");
+    return write_instead(term, "joins terms by another sign than a comma",
+                         fmt::format("{}, {}", trimmed(term.substr(0, at)), trimmed(term.substr(at + joint.size()))));
+  }
+  return std::nullopt;
+}
+
+/// @returns the error of a comparison by other signs than < and >, or with the number first; nothing for another term.
+std::optional<Error> compared_otherwise(std::string_view term) {
+  const std::size_t from = term.find_first_of("<>=!"), end = term.find_first_not_of("<>=!", from);
+  if (from == std::string_view::npos || from == 0 || end == std::string_view::npos) return std::nullopt;
+  const std::string_view left = trimmed(term.substr(0, from)), signs = term.substr(from, end - from), right = trimmed(term.substr(end));
+  const std::size_t way = signs.find_first_of("<>");
+  if (is_number(left) && figure_named(right) != nullptr && way != std::string_view::npos)
+    return write_instead(term, "has its number first", fmt::format("{}{}{}", right, signs[way] == '<' ? '>' : '<', left));
+  if (signs == "<" || signs == ">" || !is_number(right)) return std::nullopt;
+  if (way != std::string_view::npos)
+    return write_instead(term, fmt::format("compares by {}, and there are only < and >", signs),
+                         fmt::format("{}{}{}", left, signs[way], right));
+  return write_instead(term, fmt::format("compares by {}, and a figure is only below or above a number", signs),
+                       fmt::format("{0}>LOW, {0}<HIGH", left));
+}
+
 Result<ExpectedTerm> parse_comparison(std::string_view term, std::size_t sign) {
   ExpectedTerm out;
   out.text = term;
@@ -90,18 +129,25 @@ Result<ExpectedTerm> parse_comparison(std::string_view term, std::size_t sign) {
   out.figure = found;
   const auto [end, error] = std::from_chars(right.data(), right.data() + right.size(), out.value);
   if (error != std::errc() || !std::isfinite(out.value)) return wrong(term, "has no number after " + std::string(1, term[sign]));
-  const std::string_view unit = trimmed(right.substr(static_cast<std::size_t>(end - right.data())));
+  const std::string_view number = right.substr(0, static_cast<std::size_t>(end - right.data()));
+  const std::string_view unit = trimmed(right.substr(number.size()));
   // A name of summary.json holds its unit; a share is in [0, 1] there.
   if (unit.empty() && name.ends_with(summary_name(*found))) {
     if (name.ends_with("_share")) out.value *= 100.0;
     return out;
   }
-  if (unit != found->unit) return wrong(term, fmt::format("needs the unit {} after its number", found->unit));
+  if (!unit.empty() && unit != found->unit)
+    return bad_input(fmt::format("--expect: \"{}\" has the unit {}: {} is in {} (burrhole docs outcome)", term, unit, name, found->unit));
+  if (unit != found->unit)
+    return write_instead(term, fmt::format("needs the unit {} after its number", found->unit),
+                         fmt::format("{}{}{}{}", name, term[sign], number, found->unit));
   return out;
 }
 
 Result<ExpectedTerm> parse_term(std::string_view term) {
   if (term.empty()) return wrong(term, "is an empty term");
+  if (const auto joined = joined_otherwise(term)) return *joined;
+  if (const auto compared = compared_otherwise(term)) return *compared;
   if (const auto sign = term.find_first_of("<>"); sign != std::string_view::npos) return parse_comparison(term, sign);
   ExpectedTerm out;
   out.text = term;
@@ -110,6 +156,11 @@ Result<ExpectedTerm> parse_term(std::string_view term) {
     if (!out.no_flag) return no_flag(term, trimmed(term.substr(3)));
     return out;
   }
+  for (const std::string_view negated : {"not ", "!", "without "})
+    if (term.starts_with(negated))
+      if (const std::string_view name = trimmed(term.substr(negated.size())); flag_named(name))
+        return write_instead(term, "excludes a flag in other words", fmt::format("no {}", name));
+  if (flag_named(term)) return write_instead(term, "is a flag, which can only be excluded", fmt::format("no {}", term));
   out.result = term == "through" ? DrillResult::drilled_through : result_named(term);
   if (!out.result) {
     std::vector<std::string> words{"through"};

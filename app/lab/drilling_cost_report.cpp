@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/lab/drilling_cost.h"
 #include "app/report/file.h"
@@ -11,7 +12,9 @@
 namespace burrhole {
 namespace {
 
-constexpr double kFloor = 0.01;  // of the axis of errors: smaller ones are drawn there
+constexpr double kFloor = 0.01;  // of the axis of errors: smaller ones are drawn as bounds there
+constexpr int kDownwards = 10;   // gnuplot's open triangle that points down
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// The points of one knob, in the order of their settings.
 using KnobPoints = std::vector<DrillingPoint>;
@@ -96,15 +99,22 @@ PlotPanel panel_of(const KnobPoints& points, double top) {
   panel.x_range = {0.85 * points.front().setting, 1.18 * points.back().setting};
   panel.series.push_back({"default", {shipped.setting, shipped.setting}, {0.8 * kFloor, top}, line_style("#000000", "(4,3)", 1.0)});
   for (const Curve& curve : kErrors) {
-    PlotSeries series{curve.name, {}, {}, nested_style(curve.colour, static_cast<std::size_t>(&curve - kErrors), std::size(kErrors))};
+    const auto n = static_cast<std::size_t>(&curve - kErrors);
+    PlotSeries series{curve.name, {}, {}, nested_style(curve.colour, n, std::size(kErrors))};
+    PlotSeries bounds{"", {}, {}, point_style(curve.colour, kDownwards, 0.8 + 0.3 * static_cast<double>(std::size(kErrors) - n), 1.2)};
     for (const DrillingPoint& point : points) {
+      const double error = std::abs(point.*curve.value), own = curve.own != nullptr ? point.own.*curve.own : 0.0;
+      const double bound = std::fmax(own, kFloor);  // of an own error that is not known, the floor
+      const bool known = !(error < bound);
       series.x.push_back(point.setting);
-      double error = std::abs(point.*curve.value);
-      if (curve.own != nullptr && error < point.own.*curve.own) error = point.own.*curve.own;
-      series.y.push_back(error < kFloor ? kFloor : error);  // NaN breaks the curve
+      series.y.push_back(known ? error : kNone);  // NaN breaks the curve
+      bounds.x.push_back(point.setting);
+      bounds.y.push_back(known ? kNone : bound);
     }
     panel.series.push_back(std::move(series));
+    panel.series.push_back(std::move(bounds));
   }
+  panel.series.push_back({"upper bound of an error", {}, {}, point_style(kPlotGrey, kDownwards, 1.2, 1.2)});
   PlotSeries cpu{"CPU time over the default [-]", {}, {}, line_style(kPlotGrey, "(8,4)", 2.0)};
   for (const DrillingPoint& point : points) {
     cpu.x.push_back(point.setting);
@@ -195,8 +205,9 @@ Status write_drilling_cost(const std::vector<DrillingPoint>& points, const std::
   if (const Status written = write_file(folder + "/drilling.svg", *svg); !written) return written;
   HtmlPage html("What drilling costs", "One setting at a time round the defaults: a hole of the " + bit + " bit through a plate");
   html.svg(*svg,
-           "Absolute errors, those below 0.01 drawn at 0.01; dashed lines mark the defaults. Volume against the closed form; time and "
-           "plunge against a finer run, those below its own error drawn at it. CPU time and memory of the run with the default hand, over "
+           "Absolute errors; dotted lines mark the defaults. A triangle that points down is an upper bound: the error is below the finer "
+           "run's own, or below 0.01. Volume against the closed form; time and plunge against a finer run. CPU time and memory of the run "
+           "with the default hand, over "
            "the default.");
   html.heading("Setting by setting");
   for (const std::string& sentence : drilling_sentences(points)) html.paragraph(sentence);

@@ -10,8 +10,8 @@ constexpr std::uint32_t kMostAtOnce = 4096;  // [triangles] of the staging memor
 
 void describe(const GladGLContext& gl, GLuint array) {
   gl.VertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, offsetof(MeshVertex, position));
-  gl.VertexArrayAttribFormat(array, 1, 3, GL_SHORT, GL_TRUE, offsetof(MeshVertex, normal));
-  gl.VertexArrayAttribFormat(array, 2, 3, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(MeshVertex, color));
+  gl.VertexArrayAttribFormat(array, 1, 4, GL_SHORT, GL_TRUE, offsetof(MeshVertex, normal));
+  gl.VertexArrayAttribFormat(array, 2, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(MeshVertex, color));
   for (const GLuint attribute : {0u, 1u, 2u}) {
     gl.EnableVertexArrayAttrib(array, attribute);
     gl.VertexArrayAttribBinding(array, attribute, 0);
@@ -34,34 +34,53 @@ Status BoneBuffer::grow(std::uint32_t slots) {
   return {};
 }
 
-std::uint64_t BoneBuffer::write(const BoneMesh& mesh, const TriangleRange& range) {
-  for (std::uint32_t begin = range.begin; begin < range.end; begin += kMostAtOnce) {
-    const std::uint32_t end = std::min(range.end, begin + kMostAtOnce);
+std::uint64_t BoneBuffer::write(const BoneMesh& mesh, const TriangleRange& places) {
+  for (std::uint32_t begin = places.begin; begin < places.end; begin += kMostAtOnce) {
+    const std::uint32_t end = std::min(places.end, begin + kMostAtOnce);
     staging_.clear();
-    for (std::uint32_t number = begin; number < end; ++number) staging_.push_back(mesh.triangle(number));
+    for (std::uint32_t place = begin; place < end; ++place) {
+      staging_.push_back(mesh.triangle(chunks_.number_at(place)));
+      chunks_.set(place, staging_.back());
+    }
     gl_->NamedBufferSubData(vertices_.name(), static_cast<GLintptr>(begin) * static_cast<GLintptr>(sizeof(MeshTriangle)),
                             static_cast<GLsizeiptr>(staging_.size() * sizeof(MeshTriangle)), staging_.data());
   }
-  return range.size() * sizeof(MeshTriangle);
+  return places.size() * sizeof(MeshTriangle);
 }
 
 Result<BoneBuffer::Sent> BoneBuffer::send(BoneMesh& mesh) {
   Sent sent;
   const std::vector<TriangleRange> changed = mesh.take_changed();
-  slots_ = mesh.slots();
-  if (slots_ > capacity_) {
-    if (Status grown = grow(slots_); !grown) return grown.error();
-    sent.whole = write(mesh, {0, slots_});
+  const std::uint32_t slots = mesh.slots();
+  if (slots > capacity_) {
+    if (Status grown = grow(slots); !grown) return grown.error();
+    chunks_.arrange(mesh);
+    sent.whole = write(mesh, {0, slots});
     return sent;
   }
-  for (const TriangleRange& range : changed) sent.changed += write(mesh, {range.begin, std::min(range.end, slots_)});
+  chunks_.extend(slots);
+  places_.clear();
+  for (const TriangleRange& range : changed)
+    for (std::uint32_t number = range.begin; number < std::min(range.end, slots); ++number) places_.push_back(chunks_.place_of(number));
+  std::ranges::sort(places_);
+  for (std::size_t n = 0; n < places_.size();) {
+    const std::size_t first = n++;
+    while (n < places_.size() && places_[n] == places_[n - 1] + 1) ++n;
+    sent.changed += write(mesh, {places_[first], places_[n - 1] + 1});
+  }
   return sent;
 }
 
-void BoneBuffer::draw() const {
-  if (slots_ == 0) return;
+void BoneBuffer::draw(const CameraRays& rays, const Affine& world_from_bone, const PixelRect& part, const Vec2i& picture) {
+  firsts_.clear();
+  counts_.clear();
+  for (const TriangleRange& range : chunks_.find(rays, world_from_bone, part, picture)) {
+    firsts_.push_back(static_cast<GLint>(3 * range.begin));
+    counts_.push_back(static_cast<GLsizei>(3 * range.size()));
+  }
+  if (firsts_.empty()) return;
   gl_->BindVertexArray(array_.name());
-  gl_->DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * slots_));
+  gl_->MultiDrawArrays(GL_TRIANGLES, firsts_.data(), counts_.data(), static_cast<GLsizei>(firsts_.size()));
 }
 
 }  // namespace burrhole

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <sstream>
 
@@ -17,9 +18,11 @@ namespace burrhole {
 namespace {
 
 constexpr Rgba8 kNear{250, 250, 250, 255}, kFar{150, 160, 172, 255}, kBox{255, 214, 120, 255};
-constexpr double kLeastNote = 7.0;   // [pixels] height of letters that can be read
-constexpr double kShortest = 0.30;   // [-] of a half axis that has a letter
-constexpr double kLetterRoom = 1.5;  // [letters] between the middles of two
+constexpr double kLeastNote = 7.0;  // [pixels] height of letters that can be read
+constexpr double kShortest = 0.30;  // [-] of a half axis that has a letter
+// [letters] least distances of a letter's middle from that of another, from the axes of others and from its own; and its own from the mark.
+constexpr double kLetterRoom = 1.35, kAxisRoom = 0.75, kOwnRoom = 0.8, kFarthest = 4.1;
+constexpr double kBehind = -0.05;  // [-] depth of a direction that is drawn as far
 constexpr std::array kSides{"R-L", "A-P", "I-S"};
 
 double letter_height(const Image& image) { return std::clamp(image.height / 50.0, 7.0, 40.0); }
@@ -57,6 +60,42 @@ class Projection {
   PixelPoint size_;
 };
 
+double distance_to_axis(const glm::dvec2& p, const glm::dvec2& end) {
+  const double squared = glm::dot(end, end);
+  return glm::length(p - (squared > 0.0 ? std::clamp(glm::dot(p, end) / squared, 0.0, 1.0) : 0.0) * end);
+}
+
+/// @returns by how much a place of a letter is too near to other letters and to the axes [letters]; 0 for a free one.
+double crowded(const std::array<PatientDirection, 6>& directions, std::size_t own, const glm::dvec2& at,
+               const std::array<std::optional<glm::dvec2>, 6>& others) {
+  double out = 0.0;
+  for (std::size_t n = 0; n < directions.size(); ++n) {
+    const double room = n == own ? kOwnRoom : kAxisRoom;
+    out += std::max(0.0, room - distance_to_axis(at, kMarkRadius * directions[n].end));
+    if (others[n]) out += std::max(0.0, kLetterRoom - glm::length(*others[n] - at));
+  }
+  return out;
+}
+
+/// @returns the best place round the end of a direction.
+glm::dvec2 place_letter(const std::array<PatientDirection, 6>& directions, std::size_t own,
+                        const std::array<std::optional<glm::dvec2>, 6>& others) {
+  constexpr std::array kAway{0.95, 1.2, 1.5, 1.9, 2.4};                         // [letters] from the end
+  constexpr double kTurn = 0.35, kPerTurn = 0.8, kCrowded = 20.0, kMost = 6.0;  // [rad], and costs
+  const glm::dvec2 end = kMarkRadius * directions[own].end;
+  const double outward = std::atan2(end.y, end.x);
+  glm::dvec2 best = end;
+  double least = INFINITY;
+  for (const double away : kAway)
+    for (double turn = -kMost * kTurn; turn < (kMost + 0.5) * kTurn; turn += kTurn) {
+      const glm::dvec2 at = end + away * glm::dvec2(std::cos(outward + turn), std::sin(outward + turn));
+      if (std::max(std::abs(at.x), std::abs(at.y)) > kFarthest) continue;
+      const double cost = away + kPerTurn * std::abs(turn) + kCrowded * crowded(directions, own, at, others);
+      if (cost < least) least = cost, best = at;
+    }
+  return best;
+}
+
 }  // namespace
 
 std::array<PatientDirection, 6> patient_directions(const CameraView& camera, const Pose& world_from_patient) {
@@ -75,26 +114,29 @@ std::array<PatientDirection, 6> patient_directions(const CameraView& camera, con
   return out;
 }
 
+std::array<std::optional<glm::dvec2>, 6> place_letters(const std::array<PatientDirection, 6>& directions) {
+  std::array<std::size_t, 6> order{0, 1, 2, 3, 4, 5};
+  std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t n) { return glm::length(directions[n].end); });
+  std::array<std::optional<glm::dvec2>, 6> out;
+  for (const std::size_t n : order)
+    if (glm::length(directions[n].end) >= kShortest) out[n] = place_letter(directions, n, out);
+  return out;
+}
+
 void draw_orientation(Image& image, const CameraView& camera, const Pose& world_from_patient) {
-  const double letter = letter_height(image), radius = 2.3 * letter, width = std::max(1.2, letter / 8.0);
+  const double letter = letter_height(image), radius = kMarkRadius * letter, width = std::max(1.2, letter / 8.0);
   const PixelPoint middle(image.width - 1.6 * letter - radius - letter, image.height - 1.6 * letter - radius - letter);
   const std::array<PatientDirection, 6> directions = patient_directions(camera, world_from_patient);
-  std::vector<PixelPoint> letters;
-  for (const PatientDirection& one : directions) {
-    const PixelPoint end = middle + radius * PixelPoint(one.end.x, -one.end.y);
-    const Rgba8& color = one.depth > -0.05 ? kNear : kFar;
-    draw_rimmed(image, {{middle, end}}, one.depth > -0.05 ? 1.5 * width : width, color);
-    const double length = glm::length(one.end);
-    if (length < kShortest) continue;
-    const PixelPoint outward = letter * PixelPoint(one.end.x, -one.end.y) / length;
-    PixelPoint beyond = end + 0.95 * outward;
-    const auto is_free = [&](const PixelPoint& at) {
-      return std::ranges::none_of(letters, [&](const PixelPoint& other) { return glm::length(other - at) < kLetterRoom * letter; });
-    };
-    for (int n = 0; n < 5 && !is_free(beyond); ++n) beyond += 0.5 * outward;
-    letters.push_back(beyond);
-    const std::string name(1, one.letter);
-    draw_rimmed(image, write_text(name, beyond + PixelPoint(-0.5 * text_width(name, letter), 0.5 * letter), letter), width, color);
+  const auto places = place_letters(directions);
+  const auto pixel = [&](const glm::dvec2& from_middle) { return middle + letter * PixelPoint(from_middle.x, -from_middle.y); };
+  for (const PatientDirection& one : directions)
+    draw_rimmed(image, {{middle, pixel(kMarkRadius * one.end)}}, one.depth > kBehind ? 1.5 * width : width,
+                one.depth > kBehind ? kNear : kFar);
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    if (!places[n]) continue;
+    const std::string name(1, directions[n].letter);
+    const PixelPoint start = pixel(*places[n]) + PixelPoint(-0.5 * text_width(name, letter), 0.5 * letter);
+    draw_rimmed(image, write_text(name, start, letter), width, directions[n].depth > kBehind ? kNear : kFar);
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 #include "app/view/view.h"
@@ -19,6 +20,10 @@ struct PatientDirection {
 };
 /// @returns the six directions A P L R S I as a camera sees them, by parallel projection, the farthest first.
 [[nodiscard]] std::array<PatientDirection, 6> patient_directions(const CameraView& camera, const Pose& world_from_patient);
+inline constexpr double kMarkRadius = 2.3;  ///< [letter heights] of the orientation mark
+/// @returns where the letters of the directions stand, in the same order: their middles [letter heights] from the middle of the mark, x
+/// right, y up. No letter is near another or on the axis of another; nothing for a direction that is too short in the picture.
+[[nodiscard]] std::array<std::optional<glm::dvec2>, 6> place_letters(const std::array<PatientDirection, 6>& directions);
 /// Draws them into the lower right corner.
 void draw_orientation(Image& image, const CameraView& camera, const Pose& world_from_patient);
 

@@ -9,6 +9,8 @@
 namespace burrhole {
 namespace {
 
+constexpr png_uint_32 kLongestPicture = 16384;  // [pixels] as the renderer draws
+
 png_image make_header(int width, int height) {
   png_image header;
   std::memset(&header, 0, sizeof header);
@@ -44,6 +46,12 @@ Status write_png(const std::filesystem::path& path, const Image& image) {
 Result<Image> read_png(const std::filesystem::path& path) {
   png_image header = make_header(0, 0);
   if (png_image_begin_read_from_file(&header, path.c_str()) == 0) return bad_input(header.message, path.string());
+  if (header.width > kLongestPicture || header.height > kLongestPicture) {
+    const std::string size = std::to_string(header.width) + " x " + std::to_string(header.height);
+    png_image_free(&header);
+    return bad_input("has " + size + " pixels, more than the " + std::to_string(kLongestPicture) + " of an edge that a picture may have",
+                     path.string());
+  }
   header.format = PNG_FORMAT_RGBA;
   Image image{static_cast<int>(header.width), static_cast<int>(header.height), {}};
   image.pixels.resize(static_cast<std::size_t>(header.width) * header.height);

@@ -13,6 +13,7 @@
 
 #include "app/render/dynamic_resolution.h"
 #include "app/render/gl_context.h"
+#include "app/view/bone_texture.h"
 #include "app/view/tip_slices.h"
 #include "app/view/view.h"
 #include "core/base/result.h"
@@ -46,8 +47,10 @@ struct RenderOptions {
   std::optional<SliceOptions> slices{};           ///< if set: slices instead of rays
   std::optional<TransferFunction> translucent{};  ///< if set: bone as a translucent body, front to back, instead of its surface; no finish
   /// The 0.5 surface is drawn as triangles (app/view/bone_mesh.h), made from the texels and updated by those of update(). No texture of the
-  /// volume is made, except one of its colours when a cut is first drawn. `specular` and `finish` apply, other options of Appearance do not.
+  /// volume is made, except one of its colours when a cut is first drawn. `specular`, `labels` and `finish` apply, other options of Appearance do not.
   bool mesh = false;
+  /// Of a mesh: images in place of the voxels' colours, where bone was not cut and where it was. Null: no texture, no upload and no branch of it.
+  std::shared_ptr<const BoneTextures> textures{};
   /// Whether changed texels are sent and pictures are read through mapped buffers (upload_ring.h, read_buffer.h). Absent: true on a GPU,
   /// where a copy would wait until drawing ends; false with a software renderer, which copies at once. The picture is the same.
   std::optional<bool> mapped_buffers{};
@@ -65,6 +68,7 @@ struct RenderCounters {
   std::uint64_t update_boxes = 0;       ///< number of calls of update()
   std::uint64_t mesh_bytes = 0;         ///< vertices sent before the first picture, and again when their buffer grew
   std::uint64_t mesh_update_bytes = 0;  ///< vertices of changed triangles sent before later pictures
+  std::uint64_t texture_bytes = 0;      ///< texels of RenderOptions::textures sent by the last set_volume(), without their coarser levels
   std::uint64_t skip_map_bytes = 0;     ///< sent for empty space skipping by all calls: by set_volume(), and by update() where bone grew
   std::uint64_t frames = 0;             ///< pictures drawn, those of probe() included
   /// By draw() and draw_at_pace(), at the drawn resolution, without pixels that were kept; pixels that were only lit again count.

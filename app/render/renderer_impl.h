@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "app/render/bone_buffer.h"
+#include "app/render/bone_paint.h"
 #include "app/render/frame_block.h"
 #include "app/render/frame_cache.h"
 #include "app/render/gl_context.h"
@@ -46,6 +47,7 @@ struct Renderer::Impl {
   /// The bone as triangles, in place of the volume; all absent unless RenderOptions::mesh.
   std::optional<BoneMesh> mesh;
   std::optional<BoneBuffer> mesh_buffer;
+  std::optional<BonePaint> paint;          ///< its textures; absent: none
   std::optional<GlObject> section_colors;  ///< a texture of its voxels' colours, made when a cut is first drawn
   std::optional<UploadRing> ring;
   std::optional<ReadBuffer> read_buffer;
@@ -121,7 +123,7 @@ struct Renderer::Impl {
   [[nodiscard]] Status set_mesh(const VolumeView& view);
   /// Sends what of the mesh has changed, and before the first cut the colours of its section. Nothing without a mesh.
   [[nodiscard]] Status send_mesh(bool cut);
-  void draw_mesh(GLuint background, GLuint program) const;
+  void draw_mesh(const PixelRect& part, const FrameBlock& block, GLuint background, GLuint program);
   [[nodiscard]] Status link_asked(const std::filesystem::path& folder);
   void scissor(const PixelRect& part) const;
   void draw_screen(GLuint program) const;
@@ -150,7 +152,7 @@ struct Renderer::Impl {
   /// Makes `into` a target of that size and kind. @param spare keeps the last larger one, and gives it back; null: none is kept.
   Status prepare(GlTarget& into, GlTarget* spare, int width, int height, TargetKind kind);
   [[nodiscard]] std::optional<DrawnTool> place_tool(const FrameView& view, const FrameBlock& block, const Vec2i& drawn) const;
-  void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const;
+  void draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool);
   /// @param drawn_tool where it meets the part; absent: not at all.
   void draw_layer(const PixelRect& part, const Programs& used, const std::optional<DrawnTool>& drawn_tool) const;
   /// @returns the number of drawn pixels that were only lit again.

@@ -4,8 +4,14 @@
 namespace burrhole {
 
 Status Renderer::Impl::set_mesh(const VolumeView& view) {
-  auto made = BoneMesh::create(view);
+  auto made = BoneMesh::create(view, {.labels = options.appearance.labels, .find_cuts = options.textures != nullptr});
   if (!made) return made.error();
+  std::optional<BonePaint> painted;
+  if (options.textures) {
+    auto of_bone = BonePaint::create(gl, *options.textures, made->loaded_box());
+    if (!of_bone) return of_bone.error();
+    painted = std::move(of_bone).value();
+  }
   std::optional<SkinMesh> shell;
   if (view.skin) {
     auto of_skin = SkinMesh::create(gl, *view.skin);
@@ -15,6 +21,8 @@ Status Renderer::Impl::set_mesh(const VolumeView& view) {
   skin = std::move(shell);
   mesh = std::move(made).value();
   mesh_buffer.emplace(gl);
+  paint = std::move(painted);
+  counters.texture_bytes = paint ? paint->bytes() : 0;
   section_colors.reset();
   cache.forget();
   counters.volume_bytes = 0;
@@ -44,7 +52,14 @@ std::string Renderer::Impl::shader_names(bool cut) const {
 }
 
 ShaderVariant Renderer::Impl::bone_mesh_variant(bool cut, bool probe) const {
-  return mesh_variant({.cut = cut, .probe = probe, .finish = options.finish, .specular = options.appearance.specular, .fog = has_fog});
+  const BoneTextures* textures = options.textures.get();
+  return mesh_variant({.cut = cut,
+                       .probe = probe,
+                       .finish = options.finish,
+                       .specular = options.appearance.specular,
+                       .fog = has_fog,
+                       .exterior = textures != nullptr && !textures->exterior.pixels.empty(),
+                       .interior = textures != nullptr && !textures->interior.pixels.empty()});
 }
 
 Result<Renderer::Impl::Programs> Renderer::Impl::find_mesh_programs(bool cut, ToolPass pass) {
@@ -64,13 +79,15 @@ Result<Renderer::Impl::Programs> Renderer::Impl::find_mesh_programs(bool cut, To
 }
 
 /// The background has no hit, so only its picture is written.
-void Renderer::Impl::draw_mesh(GLuint background, GLuint program) const {
+void Renderer::Impl::draw_mesh(const PixelRect& part, const FrameBlock& block, GLuint background, GLuint program) {
   target.bind_for_light();
   draw_screen(background);
   target.bind();
   gl.UseProgram(program);
   if (section_colors) gl.BindTextureUnit(1, section_colors->name());
-  mesh_buffer->draw();
+  if (paint) paint->bind();
+  const glm::dmat4 place(block.world_from_bone_at);
+  mesh_buffer->draw(rays_of(block), {Mat3(place), Vec3(place[3])}, part, {static_cast<int>(block.lens.z), static_cast<int>(block.lens.w)});
 }
 
 }  // namespace burrhole

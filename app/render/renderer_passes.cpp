@@ -299,11 +299,11 @@ std::optional<DrawnTool> Renderer::Impl::place_tool(const FrameView& view, const
 }
 
 /// The same fragments as in a whole picture: OpenGL does not let the scissor's place change what is drawn inside (4.5 core, appendix A.3).
-void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) const {
+void Renderer::Impl::draw_part(const PixelRect& part, const FrameBlock& block, const Programs& used, bool with_tool) {
   scissor(part);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   if (mesh) {
-    draw_mesh(used.background, used.volume);
+    draw_mesh(part, block, used.background, used.volume);
     if (with_tool) draw_tool(used.tool);
     return;
   }

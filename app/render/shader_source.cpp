@@ -182,6 +182,9 @@ ShaderVariant mesh_variant(const MeshChoice& choice) {
   add_define(variant, choice.finish, "FINISH", "_finish");
   add_define(variant, choice.specular, "SPECULAR", "_specular");
   add_define(variant, choice.fog, "FOG", "_fog");
+  if (choice.exterior || choice.interior) variant.defines.emplace_back("TEXTURED");
+  add_define(variant, choice.exterior, "EXTERIOR", "_exterior");
+  add_define(variant, choice.interior, "INTERIOR", "_interior");
   return variant;
 }
 
@@ -264,9 +267,14 @@ std::vector<ShaderVariant> all_shader_variants() {
                                        .normals = bit(bits, 3) ? NormalSource::recomputed : NormalSource::texture}));
   for (unsigned bits = 0; bits < 8; ++bits)
     variants.push_back(skin_variant({.cut = bit(bits, 0), .fog = bit(bits, 1), .rim = bit(bits, 2)}));
-  for (unsigned bits = 0; bits < 32; ++bits)
-    variants.push_back(
-        mesh_variant({.cut = bit(bits, 0), .probe = bit(bits, 1), .finish = bit(bits, 2), .specular = bit(bits, 3), .fog = bit(bits, 4)}));
+  for (unsigned bits = 0; bits < 128; ++bits)
+    variants.push_back(mesh_variant({.cut = bit(bits, 0),
+                                     .probe = bit(bits, 1),
+                                     .finish = bit(bits, 2),
+                                     .specular = bit(bits, 3),
+                                     .fog = bit(bits, 4),
+                                     .exterior = bit(bits, 5),
+                                     .interior = bit(bits, 6)}));
   add_fog_variants(options(kDefault), options(kAllOptions), variants);
   return variants;
 }

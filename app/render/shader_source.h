@@ -82,6 +82,8 @@ struct MeshChoice {
   bool finish = false;
   bool specular = false;
   bool fog = false;
+  bool exterior = false;  ///< a texture on the surface as loaded
+  bool interior = false;  ///< a texture where bone was cut
 };
 
 [[nodiscard]] ShaderVariant raycast_variant(const RaycastChoice& choice);

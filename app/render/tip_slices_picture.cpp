@@ -11,7 +11,19 @@
 namespace burrhole {
 namespace {
 
-constexpr Rgba8 kGround{24, 28, 34, 255}, kHair{96, 150, 190, 255}, kTool{255, 150, 40, 255};
+constexpr Rgba8 kGround{24, 28, 34, 255}, kTextGround{0, 0, 0, 255}, kHair{96, 150, 190, 255}, kTool{255, 150, 40, 255};
+
+/// Darkens the ground of a line of text, so that no line of the drawing runs through it, and writes it.
+void write_on_ground(Image& image, const std::string& text, const PixelPoint& start, double letter) {
+  const double room = 0.35 * letter;
+  const auto first = [](double at) { return std::max(0, static_cast<int>(std::floor(at))); };
+  const int right = std::min(image.width, static_cast<int>(std::ceil(start.x + text_width(text, letter) + room)));
+  const int below = std::min(image.height, static_cast<int>(std::ceil(start.y + room)));
+  for (int y = first(start.y - letter - room); y < below; ++y)
+    for (int x = first(start.x - room); x < right; ++x)
+      image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)] = kTextGround;
+  draw_text(image, text, start, letter);
+}
 
 /// Draws one slice: grey values, a cross hair with a gap at the tip, the tool's outline, labels of the plane and of the four sides.
 Image draw_slice(const TipSlice& slice, const TipSlices& all) {
@@ -29,14 +41,14 @@ Image draw_slice(const TipSlice& slice, const TipSlices& all) {
   paint(image, outline, std::max(1.5, size / 250.0), kTool);
 
   const double letter = std::max(8.0, size / 32.0), edge = 0.7 * letter;
-  const auto side = [&](char name, double x, double y) { draw_text(image, std::string(1, name), {x, y}, letter); };
+  const auto side = [&](char name, double x, double y) { write_on_ground(image, std::string(1, name), {x, y}, letter); };
   const double wide = text_width("R", letter);
   side(slice.left, edge, middle + 0.5 * letter);
   side(slice.right, size - edge - wide, middle + 0.5 * letter);
   side(slice.bottom, middle - 0.5 * wide, size - edge);
   side(slice.top, middle - 0.5 * wide, 3.2 * letter);
   const double at = std::round(10.0 * slice.at / kMillimetre) / 10.0 + 0.0;  // no negative zero
-  draw_text(image, fmt::format("{}, {} = {:.1f} mm", slice.name, slice.axis, at), {edge, edge + letter}, letter);
+  write_on_ground(image, fmt::format("{}, {} = {:.1f} mm", slice.name, slice.axis, at), {edge, edge + letter}, letter);
   return image;
 }
 

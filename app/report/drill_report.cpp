@@ -77,7 +77,8 @@ std::optional<std::pair<double, double>> feed_axis(const DrillReport& report, do
   const auto deepest = static_cast<std::size_t>(std::ranges::max_element(report.depth_mm) - report.depth_mm.begin());
   std::vector<double> feeds;
   for (std::size_t n = 0; n <= deepest && n < count; ++n)
-    if (report.time_s[n] >= from && report.force_N[n] > kFeedContact && report.speed_mm_s[n] > 0.0) feeds.push_back(report.speed_mm_s[n]);
+    if (report.time_s[n] >= from && report.force_N[n] > kFeedContact && report.speed_mm_s[n] > 0.0 && std::isfinite(report.speed_mm_s[n]))
+      feeds.push_back(report.speed_mm_s[n]);
   if (feeds.empty()) return std::nullopt;
   std::ranges::sort(feeds);
   const double top = kFeedRoom * feeds[static_cast<std::size_t>(kFeedQuantile * static_cast<double>(feeds.size() - 1))];
@@ -90,6 +91,10 @@ void clip_feed(PlotPanel& panel, const std::pair<double, double>& axis) {
   PlotSeries beyond{"", feed.x, feed.y, line_style(kPlotOrange, "1", 4.0)};
   double least = 0.0, most = 0.0;
   for (std::size_t n = 0; n < feed.y.size(); ++n) {
+    if (!std::isfinite(feed.y[n])) {
+      beyond.y[n] = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
     const bool inside = feed.y[n] >= axis.first && feed.y[n] <= axis.second;
     least = std::min(least, feed.y[n]);
     most = std::max(most, feed.y[n]);

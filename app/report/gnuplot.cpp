@@ -1,6 +1,7 @@
 #include "app/report/gnuplot.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -30,7 +31,8 @@ int run_on_files(const std::string& program, const std::string& script, const st
   std::string words[] = {program, script};
   char* arguments[] = {words[0].data(), words[1].data(), nullptr};
   pid_t child = 0;
-  const int code = ::posix_spawnp(&child, program.c_str(), &streams, ChildAttributes().get(), arguments, environ);
+  const ChildAttributes own_group(true);  // Ctrl-C ends this program in order, with its report
+  const int code = ::posix_spawnp(&child, program.c_str(), &streams, own_group.get(), arguments, environ);
   posix_spawn_file_actions_destroy(&streams);
   if (code != 0) return code;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
@@ -61,6 +63,8 @@ Result<std::string> run_gnuplot(std::string_view script, const std::string& prog
   int status = 0;
   const int code = run_on_files(program, folder.file("plot.gp"), folder.file("out"), folder.file("complaint"), status);
   if (code != 0) return Error{ErrorCode::unavailable, program + " cannot be run (" + std::strerror(code) + "); plots need gnuplot", {}};
+  if (WIFSIGNALED(status))
+    return Error{ErrorCode::unavailable, fmt::format("{} was ended by signal {}: try again", program, WTERMSIG(status)), {}};
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     const Result<std::string> complaint = read_file(folder.file("complaint"));
     return Error{ErrorCode::internal, program + " refused a plot: " + first_line(complaint ? *complaint : ""), {}};

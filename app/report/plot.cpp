@@ -15,15 +15,18 @@
 #include "app/report/file.h"
 #include "app/report/gnuplot.h"
 #include "app/report/plot_labels.h"
+#include "app/report/plot_range.h"
+#include "app/report/plot_style.h"
 #include "core/base/assert.h"
 
 namespace burrhole {
 namespace {
 
-// Sizes [px]. The right margin contains the names of the bands, the top margin the rows of event names.
-constexpr int kLeft = 84, kRight = 118, kBottom = 58, kTop = 14, kGap = 16;
+// Sizes [px]. The right margin contains the names of the bands, if there are any, the top margin the rows of event names.
+constexpr int kLeft = 84, kRightOfBands = 118, kRight = 26, kBottom = 58, kTop = 14, kGap = 16;
 constexpr int kTitle = 30, kGridRight = 14;  // in a grid: above each panel, and to its right
-constexpr int kLegendAbove = 26;             // height of a legend above a grid
+constexpr double kFarAway = 1e6;             // of what lies outside a frame
+constexpr int kLegendAbove = 26;             // height of a legend of one row above a grid
 constexpr int kAxisName = 18;                // centre of the name of a y axis
 constexpr int kRowHeight = 16, kFontSize = 12;
 constexpr int kNameFont = 10;         // of the names of points
@@ -37,63 +40,17 @@ constexpr double kLegendRow = 19.0;    // height of a row of the legend
 constexpr double kKeySample = 46.0;    // the line sample of a legend, with the space before and after it
 constexpr std::size_t kUsualRows = 3;  // of a legend: the height of a panel holds these
 
-constexpr const char* kLineColors[] = {kPlotBlue, kPlotOrange, kPlotGreen, kPlotViolet, kPlotGrey};
-// One for each round of the colours: with these, 15 lines of a panel differ. Each pattern repeats in the sample of the legend.
-constexpr const char* kLineDashes[] = {"1", "(8,4)", "(2,3)"};
+constexpr double kCoincide = 0.005;  // [-] of the axis: curves nearer than this cover each other
 constexpr const char* kBandColors[] = {"#f1e7d4", "#f9f4ea"};
-
-struct Range {
-  double lo = std::numeric_limits<double>::infinity();
-  double hi = -std::numeric_limits<double>::infinity();
-
-  void include(double value) {
-    if (!std::isfinite(value)) return;
-    lo = std::min(lo, value);
-    hi = std::max(hi, value);
-  }
-  /// A range with a positive length.
-  [[nodiscard]] Range drawable() const {
-    if (lo > hi) return {0.0, 1.0};
-    if (lo == hi) return {lo - 0.5, hi + 0.5};
-    return *this;
-  }
-};
 
 /// Where a panel's frame lies on the picture [px from the left and the bottom].
 struct Place {
   double left = 0.0, right = 0.0, bottom = 0.0, top = 0.0;
 };
 
-bool can_be_drawn(double value, bool log) { return std::isfinite(value) && (!log || value > 0.0); }
-
-/// Of one panel, or of all that share an axis.
-Range x_range(std::span<const PlotPanel> panels, bool log) {
-  Range range;
-  for (const PlotPanel& panel : panels) {
-    if (panel.x_range) return {panel.x_range->first, panel.x_range->second};
-    for (const PlotSeries& series : panel.series)
-      for (const double x : series.x)
-        if (can_be_drawn(x, log)) range.include(x);
-  }
-  return range.drawable();
-}
-
-Range y_range(const PlotPanel& panel, bool log) {
-  if (panel.y_range) return {panel.y_range->first, panel.y_range->second};
-  Range range;
-  for (const PlotSeries& series : panel.series)
-    for (const double y : series.y)
-      if (can_be_drawn(y, log)) range.include(y);
-  for (const PlotBand& band : panel.bands) {
-    range.include(band.from);
-    range.include(band.to);
-  }
-  if (panel.from_zero) range.include(0.0);
-  range = range.drawable();
-  if (log) return range.lo > 0.0 ? Range{range.lo / 1.2, range.hi * 1.2} : Range{0.1, 1.0};
-  // Room for the line's own width; an axis that starts at zero keeps its zero on the frame.
-  const double room = 0.06 * (range.hi - range.lo);
-  return {panel.from_zero && range.lo == 0.0 ? 0.0 : range.lo - room, range.hi + room};
+/// The right margin of stacked panels, which share it.
+int right_margin(const Plot& plot) {
+  return std::ranges::any_of(plot.panels, [](const PlotPanel& panel) { return !panel.bands.empty(); }) ? kRightOfBands : kRight;
 }
 
 /// The name of an event: its text runs to the right of the event's line.
@@ -104,8 +61,8 @@ struct Flag {
 };
 
 /// From right to left, each name is placed one row above every line that its text would cross, so that no line crosses a name.
-std::vector<Flag> make_flags(const Plot& plot, const Range& x) {
-  const double px_per_x = (plot.width_px - kLeft - kRight) / (x.hi - x.lo);
+std::vector<Flag> make_flags(const Plot& plot, const PlotRange& x) {
+  const double px_per_x = (plot.width_px - kLeft - right_margin(plot)) / (x.hi - x.lo);
   std::vector<Flag> flags(plot.events.size());
   std::vector<std::size_t> order(flags.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -113,7 +70,7 @@ std::vector<Flag> make_flags(const Plot& plot, const Range& x) {
   for (std::size_t n = 0; n < order.size(); ++n) {
     Flag& flag = flags[order[n]];
     const double width = kCharWidth * static_cast<double>(plot.events[order[n]].label.size() + 1);
-    flag.pole_px = kLeft + (plot.events[order[n]].x - x.lo) * px_per_x;
+    flag.pole_px = std::clamp(kLeft + (plot.events[order[n]].x - x.lo) * px_per_x, -kFarAway, kFarAway);
     flag.text_px = std::min(flag.pole_px - 2.0, plot.width_px - width);
     for (std::size_t later = 0; later < n; ++later) {
       const Flag& other = flags[order[later]];
@@ -137,17 +94,35 @@ std::string data_block(const Plot& plot, const PlotSeries& series, const std::st
   return out + "\n1e300 1e300\nEOD\n";
 }
 
-std::string fill_block(const PlotFill& fill, const Range& y, const std::string& name) {
+std::string fill_block(const Plot& plot, const PlotFill& fill, const PlotRange& y, const std::string& name) {
   BH_ASSERT(fill.x.size() == fill.from.size() && fill.x.size() == fill.to.size());
   std::string out = name + " << EOD\n";
-  for (std::size_t n = 0; n < fill.x.size(); ++n)
-    out += fmt::format("{} {} {}\n", shortest_number(fill.x[n]), shortest_number(std::clamp(fill.from[n], y.lo, y.hi)),
-                       shortest_number(std::clamp(fill.to[n], y.lo, y.hi)));
-  return out + "EOD\n";
+  bool has_points = false;
+  for (std::size_t n = 0; n < fill.x.size(); ++n) {
+    const bool drawn = can_be_drawn(fill.x[n], plot.log_x) && !std::isnan(fill.from[n]) && !std::isnan(fill.to[n]);
+    has_points = has_points || drawn;
+    out += drawn ? fmt::format("{} {} {}\n", shortest_number(fill.x[n]), shortest_number(std::clamp(fill.from[n], y.lo, y.hi)),
+                               shortest_number(std::clamp(fill.to[n], y.lo, y.hi)))
+                 : "\n";
+  }
+  return out + (has_points ? "EOD\n" : "1e300 1e300 1e300\nEOD\n");  // as in data_block()
+}
+
+/// @returns whether a panel has nothing to draw.
+bool is_empty(const Plot& plot, const PlotPanel& panel) {
+  const auto can = [&](const PlotSeries& series) {
+    for (std::size_t n = 0; n < series.x.size(); ++n)
+      if (can_be_drawn(series.x[n], plot.log_x) && can_be_drawn(series.y[n], plot.log_y)) return true;
+    return false;
+  };
+  const auto fills = [&](const PlotFill& fill) {
+    return std::ranges::any_of(fill.x, [&](double x) { return can_be_drawn(x, plot.log_x); });
+  };
+  return std::ranges::none_of(panel.series, can) && std::ranges::none_of(panel.fills, fills);
 }
 
 /// Shaded bands with their names to the right, separated where bands are thin.
-std::string band_commands(const PlotPanel& panel, const Range& y, const Place& place, int width_px, int height_px) {
+std::string band_commands(const PlotPanel& panel, const PlotRange& y, const Place& place, int width_px, int height_px) {
   std::string out;
   const double px_per_y = (place.top - place.bottom) / (y.hi - y.lo);
   std::vector<std::size_t> order(panel.bands.size());
@@ -160,10 +135,10 @@ std::string band_commands(const PlotPanel& panel, const Range& y, const Place& p
     out += fmt::format(
         "set object {} rectangle from graph 0, first {} to graph 1, first {} behind fillcolor rgb \"{}\" fillstyle solid noborder\n", n + 1,
         shortest_number(band.from), shortest_number(band.to), kBandColors[n % std::size(kBandColors)]);
-    last = std::max((middle(order[n]) - y.lo) * px_per_y, last + kLabelPitch);
+    last = std::max(std::clamp((middle(order[n]) - y.lo) * px_per_y, -kFarAway, kFarAway), last + kLabelPitch);
     const double y_px = panel.y_down ? place.top - last : place.bottom + last;
     out += fmt::format("set label {} at screen {:.5f}, screen {:.5f} left textcolor rgb \"#6b5d42\" font \",11\"\n",
-                       gnuplot_quoted(band.label), (width_px - kRight + 8.0) / width_px, y_px / height_px);
+                       gnuplot_quoted(band.label), (width_px - kRightOfBands + 8.0) / width_px, y_px / height_px);
   }
   return out;
 }
@@ -189,7 +164,7 @@ std::size_t legend_rows(const Plot& plot, const PlotPanel& panel) {
   if (count < 2) return 0;
   std::size_t longest = 0;
   for (const PlotSeries& series : panel.series) longest = std::max(longest, series.name.size());
-  const double room = plot.width_px - kLeft - kRight, column = kKeySample + kCharWidth * static_cast<double>(longest);
+  const double room = plot.width_px - kLeft - right_margin(plot), column = kKeySample + kCharWidth * static_cast<double>(longest);
   const std::size_t columns = std::max<std::size_t>(1, static_cast<std::size_t>(room / column));
   return std::max(std::min(count, kUsualRows), (count + columns - 1) / columns);
 }
@@ -202,20 +177,22 @@ int stacked_height(const Plot& plot) {
 }
 
 /// The legend has its own space above the data, so that it covers no line.
-Range with_legend_room(const Range& y, const PlotPanel& panel, std::size_t rows, int panel_height_px) {
+PlotRange with_legend_room(const PlotRange& y, const PlotPanel& panel, std::size_t rows, int panel_height_px) {
   const double taken = kLegendRow * static_cast<double>(rows);
   const double room = (y.hi - y.lo) * taken / (panel_height_px - taken);
-  return panel.y_down ? Range{y.lo - room, y.hi} : Range{y.lo, y.hi + room};
+  return panel.y_down ? PlotRange{y.lo - room, y.hi} : PlotRange{y.lo, y.hi + room};
 }
 
 /// Share of the length of an axis at a value.
-double share_of(const Range& axis, bool log, double value) {
-  return log ? std::log(value / axis.lo) / std::log(axis.hi / axis.lo) : (value - axis.lo) / (axis.hi - axis.lo);
+double share_of(const PlotRange& axis, bool log, double value) {
+  const double share =
+      log ? (std::log(value) - std::log(axis.lo)) / (std::log(axis.hi) - std::log(axis.lo)) : (value - axis.lo) / (axis.hi - axis.lo);
+  return std::clamp(share, -kFarAway, kFarAway);
 }
 
 /// Axes of a panel on the picture.
 struct Axes {
-  Range x, y;
+  PlotRange x, y;
   bool log_x = false, log_y = false, y_down = false;
   Place place;
 
@@ -289,13 +266,8 @@ PlotBox legend_box(const PlotPanel& panel, const std::string& where, const Place
 
 std::string titled(const std::string& name) { return name.empty() ? "notitle" : "title " + gnuplot_quoted(name); }
 
-/// The style of the series of that number: colours in turn, and after each round of them the next dash.
-std::string turn_style(std::size_t number) {
-  constexpr std::size_t kColors = std::size(kLineColors), kDashes = std::size(kLineDashes);
-  return line_style(kLineColors[number % kColors], kLineDashes[number / kColors % kDashes], 1.6);
-}
-
-std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
+/// @param layers of the series, from curve_layers().
+std::string series_commands(const PlotPanel& panel, std::size_t panel_index, const std::vector<CurveLayer>& layers) {
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < panel.fills.size(); ++i)
     parts.push_back(fmt::format("$f{}_{} using 1:2:3 with filledcurves linecolor rgb \"{}\" {}", panel_index, i, kBandColors[0],
@@ -303,8 +275,10 @@ std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const PlotSeries& series = panel.series[i];
     const std::string block = fmt::format("$p{}_{}", panel_index, i);
-    parts.push_back(fmt::format("{} using 1:2 {} {}", block, series.style.empty() ? turn_style(i) : series.style, titled(series.name)));
+    parts.push_back(
+        fmt::format("{} using 1:2 {} {}", block, series.style.empty() ? turn_style(i, layers[i]) : series.style, titled(series.name)));
   }
+  if (parts.empty()) parts.emplace_back("NaN notitle");  // gnuplot refuses a plot of nothing
   std::string out = "plot ";
   for (const std::string& part : parts) out += (&part == parts.data() ? "" : ", \\\n     ") + part;
   return out + '\n';
@@ -312,11 +286,12 @@ std::string series_commands(const PlotPanel& panel, std::size_t panel_index) {
 
 /// Room for the frame, the y axis and its name. A label of our own: gnuplot's ylabel moves with the width of the numbers, so those of
 /// stacked panels would not line up.
-std::string frame_commands(const Plot& plot, const PlotPanel& panel, const Range& y, const Place& place, int height_px) {
+std::string frame_commands(const Plot& plot, const PlotPanel& panel, const PlotRange& y, const Place& place, int height_px) {
   std::string out = "unset object\nunset label\nunset arrow\n";
   for (const auto& [side, at] : {std::pair{'l', place.left / plot.width_px}, std::pair{'r', place.right / plot.width_px},
                                  std::pair{'b', place.bottom / height_px}, std::pair{'t', place.top / height_px}})
     out += fmt::format("set {}margin at screen {:.5f}\n", side, at);
+  if (is_empty(plot, panel)) out += "set label \"no data\" at graph 0.5, graph 0.5 center textcolor rgb \"#666666\"\n";
   out += fmt::format("set yrange [{}:{}]\n", shortest_number(panel.y_down ? y.hi : y.lo), shortest_number(panel.y_down ? y.lo : y.hi));
   return out + fmt::format("set label {} at screen {:.5f}, screen {:.5f} center rotate\n", gnuplot_quoted(panel.y_label),
                            (place.left - kLeft + kAxisName) / plot.width_px, 0.5 * (place.bottom + place.top) / height_px);
@@ -325,19 +300,20 @@ std::string frame_commands(const Plot& plot, const PlotPanel& panel, const Range
 std::string stacked_panel(const Plot& plot, std::size_t index, const std::vector<Flag>& flags, const Place& place, int height_px) {
   const PlotPanel& panel = plot.panels[index];
   const std::size_t rows = legend_rows(plot, panel);
-  const Range y = with_legend_room(y_range(panel, plot.log_y), panel, rows, stacked_height(plot));
+  const PlotRange y = with_legend_room(y_axis_of(panel, plot.log_y), panel, rows, stacked_height(plot));
   std::string out = frame_commands(plot, panel, y, place, height_px);
   out += index + 1 == plot.panels.size() ? fmt::format("set format x \"%g\"\nset xlabel {} offset 0,0.3\n", gnuplot_quoted(plot.x_label))
                                          : "set format x \"\"\nunset xlabel\n";
   out += band_commands(panel, y, place, plot.width_px, height_px);
   out += event_commands(plot, flags, index == 0, place, height_px);
-  out += name_commands(plot, panel, {x_range(plot.panels, plot.log_x), y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, {});
-  const char* const sample = panel.series.size() > std::size(kLineColors) ? "4" : "2";  // long enough for a dash
+  out += name_commands(plot, panel, {x_axis_of(plot.panels, plot.log_x), y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, {});
+  const std::vector<CurveLayer> layers = curve_layers(panel, kCoincide * (y.hi - y.lo));
+  const char* const sample = has_dashes(layers) ? "4" : "2";  // long enough for a dash
   out += rows > 0 ? fmt::format("set key top left Left reverse vertical maxrows {} samplen {}\n", rows, sample) : "unset key\n";
-  return out + series_commands(panel, index);
+  return out + series_commands(panel, index, layers);
 }
 
-std::string log_tics(const Range& x, std::span<const double> steps, int& count) {
+std::string log_tics(const PlotRange& x, std::span<const double> steps, int& count) {
   std::string out;
   count = 0;
   for (double decade = std::pow(10.0, std::floor(std::log10(x.lo))); decade <= x.hi; decade *= 10.0)
@@ -350,7 +326,7 @@ std::string log_tics(const Range& x, std::span<const double> steps, int& count) 
 }
 
 /// Marks at 1, 2 and 5 times the powers of ten; at more multiples where these are fewer than three.
-std::string log_tics(const Range& x) {
+std::string log_tics(const PlotRange& x) {
   constexpr double kCoarse[] = {1.0, 2.0, 5.0}, kFine[] = {1.0, 1.5, 2.0, 3.0, 5.0, 7.0};
   int count = 0;
   const std::string coarse = log_tics(x, kCoarse, count);
@@ -359,8 +335,8 @@ std::string log_tics(const Range& x) {
 
 std::string grid_panel(const Plot& plot, std::size_t index, const Place& place, int height_px) {
   const PlotPanel& panel = plot.panels[index];
-  const Range x = x_range({&panel, 1}, plot.log_x);
-  const Range y = y_range(panel, plot.log_y);
+  const PlotRange x = x_axis_of({&panel, 1}, plot.log_x);
+  const PlotRange y = y_axis_of(panel, plot.log_y);
   std::string out = frame_commands(plot, panel, y, place, height_px);
   out += fmt::format("set title {} offset 0,-0.6\nset xlabel {} offset 0,0.5\nset xrange [{}:{}]\n", gnuplot_quoted(panel.title),
                      gnuplot_quoted(plot.x_label), shortest_number(x.lo), shortest_number(x.hi));
@@ -369,7 +345,7 @@ std::string grid_panel(const Plot& plot, std::size_t index, const Place& place, 
   const std::optional<PlotBox> legend = index == 0 && !above ? std::optional(legend_box(panel, plot.legend, place)) : std::nullopt;
   out += name_commands(plot, panel, {x, y, plot.log_x, plot.log_y, panel.y_down, place}, height_px, legend);
   out += index > 0 || above ? "unset key\n" : "set key opaque " + plot.legend + " Left reverse samplen 2 maxrows 8 font \",10\"\n";
-  return out + series_commands(panel, index);
+  return out + series_commands(panel, index, std::vector<CurveLayer>(panel.series.size()));
 }
 
 /// What all panels share, and their data.
@@ -381,7 +357,7 @@ std::string opening(const Plot& plot, int height_px) {
     const PlotPanel& panel = plot.panels[p];
     for (std::size_t s = 0; s < panel.series.size(); ++s) out += data_block(plot, panel.series[s], fmt::format("$p{}_{}", p, s));
     for (std::size_t f = 0; f < panel.fills.size(); ++f)
-      out += fill_block(panel.fills[f], y_range(panel, plot.log_y), fmt::format("$f{}_{}", p, f));
+      out += fill_block(plot, panel.fills[f], y_axis_of(panel, plot.log_y), fmt::format("$f{}_{}", p, f));
   }
   out += std::string("set multiplot\n") + kAxesStyle;
   if (plot.log_x) out += "set logscale x\n";
@@ -390,7 +366,7 @@ std::string opening(const Plot& plot, int height_px) {
 }
 
 std::string stacked_script(const Plot& plot) {
-  const Range x = x_range(plot.panels, plot.log_x);
+  const PlotRange x = x_axis_of(plot.panels, plot.log_x);
   const std::vector<Flag> flags = make_flags(plot, x);
   std::size_t row_count = 0;
   for (const Flag& flag : flags) row_count = std::max(row_count, flag.row + 1);
@@ -401,38 +377,54 @@ std::string stacked_script(const Plot& plot) {
   out += fmt::format("set xrange [{}:{}]\n", shortest_number(x.lo), shortest_number(x.hi));
   for (std::size_t p = 0; p < plot.panels.size(); ++p) {
     const double panel_top = height - top - static_cast<double>(p) * (panel_height + kGap);
-    const Place place{kLeft, double(plot.width_px - kRight), panel_top - panel_height, panel_top};
+    const Place place{kLeft, double(plot.width_px - right_margin(plot)), panel_top - panel_height, panel_top};
     out += stacked_panel(plot, p, flags, place, height);
   }
   return out;
 }
 
-/// The legend of the first panel in one row over a grid: gnuplot breaks a row at the width of a panel, so it is a panel of its own without axes.
-std::string legend_above(const PlotPanel& panel, int height_px) {
+/// Rows of a legend over a grid: as many as its names need.
+std::size_t rows_above(const Plot& plot) {
+  double longest = 0.0, count = 0.0;
+  for (const PlotSeries& series : plot.panels.front().series) {
+    longest = std::max(longest, static_cast<double>(series.name.size()));
+    count += series.name.empty() ? 0.0 : 1.0;
+  }
+  const double columns = std::max(1.0, std::floor(0.98 * plot.width_px / (kKeySample + kCharWidth * longest)));
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(count / columns)));
+}
+
+int height_above(const Plot& plot) { return kLegendAbove + static_cast<int>(kLegendRow * static_cast<double>(rows_above(plot) - 1)); }
+
+/// The legend of the first panel over a grid: gnuplot breaks a row at the width of a panel, so it is a panel of its own without axes.
+std::string legend_above(const Plot& plot, int height_px) {
+  const PlotPanel& panel = plot.panels.front();
   std::string out =
       "unset border\nunset xtics\nunset ytics\nunset grid\nset lmargin at screen 0.01\nset rmargin at screen 0.99\nset tmargin at screen "
       "1\n";
-  out += fmt::format("set bmargin at screen {:.5f}\nset xrange [1:2]\nset yrange [1:2]\n", 1.0 - double(kLegendAbove) / height_px);
+  out += fmt::format("set bmargin at screen {:.5f}\nset xrange [1:2]\nset yrange [1:2]\n", 1.0 - double(height_above(plot)) / height_px);
   std::size_t longest = 0;
   for (const PlotSeries& series : panel.series) longest = std::max(longest, series.name.size());
   // gnuplot reserves a third more than a name is wide.
-  out += fmt::format("set key center center horizontal Left reverse samplen 3 maxrows 1 width -{} font \",11\"\nplot ", longest / 4);
+  out += fmt::format("set key center center horizontal Left reverse samplen 3 maxrows {} width -{} font \",11\"\nplot ", rows_above(plot),
+                     longest / 4);
   for (std::size_t n = 0; n < panel.series.size(); ++n) {
     const PlotSeries& series = panel.series[n];
     if (series.name.empty()) continue;
-    const std::string style = series.style.empty() ? line_style(kLineColors[n % std::size(kLineColors)], "1", 1.6) : series.style;
+    const std::string style = series.style.empty() ? turn_style(n) : series.style;
     out += fmt::format("{}NaN {} {}", out.ends_with("plot ") ? "" : ", ", style, titled(series.name));
   }
+  if (out.ends_with("plot ")) out += "NaN notitle";
   return out + "\nset xtics\nset ytics\n" + kAxesStyle;
 }
 
 std::string grid_script(const Plot& plot) {
   const int count = static_cast<int>(plot.panels.size()), rows = (count + plot.columns - 1) / plot.columns;
-  const int row_height = kTitle + plot.panel_height_px + kBottom, above = plot.legend == "above" ? kLegendAbove : 0;
+  const int row_height = kTitle + plot.panel_height_px + kBottom, above = plot.legend == "above" ? height_above(plot) : 0;
   const int height = above + rows * row_height;
   const double width = double(plot.width_px) / plot.columns;
   std::string out = opening(plot, height);
-  if (above > 0) out += legend_above(plot.panels.front(), height);
+  if (above > 0) out += legend_above(plot, height);
   for (int p = 0; p < count; ++p) {
     const double left = width * (p % plot.columns), top = height - above - row_height * (p / plot.columns) - kTitle;
     out +=
@@ -443,24 +435,18 @@ std::string grid_script(const Plot& plot) {
 
 }  // namespace
 
-std::string line_style(const char* colour, const char* dash, double width) {
-  return fmt::format("with lines linewidth {} linecolor rgb \"{}\" dashtype {}", width, colour, dash);
+std::string plot_script(const Plot& plot) {
+  const auto no_event = [&](const PlotEvent& event) { return !can_be_drawn(event.x, plot.log_x); };
+  const auto no_band = [&](const PlotBand& band) { return !can_be_drawn(band.from, plot.log_y) || !can_be_drawn(band.to, plot.log_y); };
+  const auto has_no_band = [&](const PlotPanel& panel) { return std::ranges::any_of(panel.bands, no_band); };
+  if (std::ranges::any_of(plot.events, no_event) || std::ranges::any_of(plot.panels, has_no_band)) {
+    Plot drawn = plot;
+    std::erase_if(drawn.events, no_event);
+    for (PlotPanel& panel : drawn.panels) std::erase_if(panel.bands, no_band);
+    return plot_script(drawn);
+  }
+  return (plot.columns > 0 ? grid_script(plot) : stacked_script(plot)) + "unset multiplot\n";
 }
-std::string linked_point_style(const char* colour, int type) {
-  return fmt::format("with linespoints linewidth 1.2 linecolor rgb \"{}\" pointtype {} pointsize {}", colour, type, type < 7 ? 1.0 : 0.6);
-}
-std::string nested_style(const char* colour, std::size_t n, std::size_t count) {
-  constexpr int kOpen[] = {4, 6, 8, 12};
-  BH_ASSERT(n < count && count <= std::size(kOpen));
-  const double above = static_cast<double>(count - 1 - n);
-  return fmt::format("with linespoints linewidth {} linecolor rgb \"{}\" pointtype {} pointsize {}", 1.0 + 0.7 * above, colour, kOpen[n],
-                     0.6 + 0.3 * above);
-}
-std::string point_style(const char* colour, int type, double size, double width) {
-  return fmt::format("with points pointtype {} pointsize {} linewidth {} linecolor rgb \"{}\"", type, size, width, colour);
-}
-
-std::string plot_script(const Plot& plot) { return (plot.columns > 0 ? grid_script(plot) : stacked_script(plot)) + "unset multiplot\n"; }
 
 Result<std::string> draw_svg(const Plot& plot, const std::string& gnuplot) {
   Result<std::string> svg = run_gnuplot(plot_script(plot), gnuplot, "</svg>");

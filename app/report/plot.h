@@ -1,5 +1,6 @@
 /// app/report/plot.h: panels of lines and points, drawn by gnuplot as SVG: stacked over one shared x axis, or in a grid.
-///   Units  as the labels say; the caller converts. A value that is not finite, or not above 0 on a logarithmic axis, breaks a line.
+///   Units  as the labels say; the caller converts. A value that no axis can show (plot_range.h) breaks a line; an event or band of one is
+///   left out, and a range of one is that of the data. A panel without a value that can be drawn says "no data".
 #pragma once
 
 #include <optional>

@@ -40,6 +40,7 @@ ContactRow contact_row(const Stage& stage, std::uint64_t window) noexcept {
   row.window = window;
   row.time = contact.time();
   row.world_from_tool = state.world_from_tool;
+  row.world_from_rest = state.bone.world_from_rest;
   row.force = contact.felt_force();
   row.progress = contact.progress();
   row.step_us = contact.step_us();

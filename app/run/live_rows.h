@@ -36,7 +36,7 @@ struct ContactRow {
   std::uint64_t hand_tick = 0;
   std::uint64_t window = 0;  ///< number of the copy of bone used
   double time = 0.0;         ///< [s] of the hand motion used
-  Pose world_from_tool;
+  Pose world_from_tool, world_from_rest;
   Vec3 force{0.0};  ///< [N] that reaches the hand (ContactTick::felt_force())
   std::uint32_t skipped = 0;
   EffectValues effects;

@@ -297,6 +297,7 @@ Status Loops::drain_contact() {
     progress_ = row.progress;
     state_.progress = row.progress;
     state_.world_from_tool = row.world_from_tool;
+    state_.world_from_rest = row.world_from_rest;
     state_.force = row.force;
     state_.contact_us = row.compute_us;
     if (log_->session() != nullptr) {

@@ -26,6 +26,7 @@ struct StepPrice {
 struct LiveState {
   HandState hand;        ///< of the latest servo tick that was reported
   Pose world_from_tool;  ///< of the latest contact result
+  Pose world_from_rest;  ///< of the bone in that result (BoneMotion)
   Vec3 force{0.0};       ///< [N] of the drill on the hand, before the force scale
   DrillProgress progress;
   double time = 0.0;                                         ///< [s] simulated, of the servo

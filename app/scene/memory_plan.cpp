@@ -10,6 +10,7 @@
 #include "core/tool/cutting_field.h"
 #include "core/voxel/bone_history.h"
 #include "core/voxel/bone_prefetch.h"
+#include "core/voxel/surface_memory.h"
 
 namespace burrhole {
 namespace {
@@ -127,6 +128,8 @@ MemoryPlan plan_memory(const Scene& scene, const Tool& tool, const BoneShape& bo
   plan.import = import;
   plan.items = {{"program", kProgramBytes}, {"volume", volume_bytes(bone, context.window_voxels)}, {"tool", of_tools}};
   if (const std::uint64_t copies = publish_bytes(context); copies > 0) plan.items.push_back({"publish", copies});
+  if (needs.reads_window && needs.fields.records)
+    plan.items.push_back({"surface records", record_scratch_bytes(grown_window_voxels(context.window_voxels), bone.bone_from_index)});
   if (needs.feels) plan.items.push_back({"coarse distance", CoarseDistance::bytes_for(bone.dims)});
   const std::uint64_t history = run.inputs ? BoneHistoryConfig{}.memory : 0;
   std::uint64_t start = kProgramBytes + bone.bytes + of_tools + history;

@@ -61,7 +61,7 @@ bool read_site(TableReader& table, const VolumeScene& volume, ApproachScene& out
   const std::string name = table.text("site", "", kSiteAbout);
   out.place = table.place_of("site");
   for (const char* key : {"entry_mm", "axis"})
-    if (table.has(key)) table.fault(key, "is given by site: remove one of the two");
+    if (table.has(key)) table.fault(key, "is given by site: remove one of the two, or give --unset approach");
   const auto& phantom = volume.phantom;
   if (!phantom || phantom->kind != PhantomKind::head) {
     table.fault("site", "needs a volume that knows its sites, such as \"phantom:head\": give entry_mm and axis");
@@ -86,7 +86,7 @@ bool read_plan(TableReader& table, const std::string& scene_file, ApproachScene&
   const std::string written = table.text("markups", "", kMarkupsAbout);
   out.place = table.place_of("markups");
   for (const char* key : {"entry_mm", "axis"})
-    if (table.has(key)) table.fault(key, "is given by markups: remove one of the two");
+    if (table.has(key)) table.fault(key, "is given by markups: remove one of the two, or give --unset approach");
   const auto path = written_path(written, scene_file, "");
   if (!path) {
     table.fault("markups", "cannot be found: " + path.error().message);
@@ -106,7 +106,8 @@ bool read_plan(TableReader& table, const std::string& scene_file, ApproachScene&
 
 ApproachScene read_approach(TableReader table, const VolumeScene& volume, const std::string& scene_file) {
   ApproachScene out;
-  if (table.has("site") && table.has("markups")) table.fault("site", "is given by markups: remove one of the two");
+  if (table.has("site") && table.has("markups"))
+    table.fault("site", "is given by markups: remove one of the two, or give --unset approach");
   if (read_plan(table, scene_file, out) || read_site(table, volume, out)) {
     table.finish();
     return out;

@@ -23,7 +23,7 @@ BoneView ContactBone::view() const {
 }
 
 ContactTick::ContactTick(StepGraph& graph, const Approach& approach, const ContactTickConfig& config)
-    : graph_(&graph), config_(config), monitor_(approach) {}
+    : graph_(&graph), config_(config), monitor_(approach), at_rest_(config.bone.world_from_bone) {}
 
 void ContactTick::bind() {
   touch_ = graph_->provide(Clock::contact, slots::kTouch);
@@ -36,6 +36,10 @@ const ContactState& ContactTick::operator()(const HandState& hand) noexcept {
   ContactState& state = *state_;
   if (stalled_.load(std::memory_order_relaxed)) return state;
   graph_->receive(Clock::contact);
+  if (mover_ != nullptr) {
+    moved_ = mover_->move(hand);
+    config_.bone.world_from_bone = moved_.world_from_rest * at_rest_;
+  }
   const BoneView view = config_.bone.view();
   const AxisSamples* const axis = config_.bone.axis != nullptr ? &config_.bone.axis->exchange().latest() : nullptr;
   window_ = config_.bone.number();
@@ -48,11 +52,13 @@ const ContactState& ContactTick::operator()(const HandState& hand) noexcept {
     state.tick = hand.tick;
   }
   step_us_ = std::chrono::duration<float, std::micro>(Timer::now() - start).count();
+  if (mover_ != nullptr) state.bone = moved_;
   state.spin = hand.spin;
   state.hand_velocity = hand.velocity;
   ++state.number;
   state.cutting_sum += state.cutting_force;
-  state.position_sum += state.world_from_tool.translation;
+  state.position_sum +=
+      mover_ != nullptr ? state.bone.world_from_rest.inverse() * state.world_from_tool.translation : state.world_from_tool.translation;
   flags_seen_ |= state.flags;
   hash_.add(state.on_hand.force);
   hash_.add(state.on_hand.torque);

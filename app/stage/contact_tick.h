@@ -31,6 +31,14 @@ struct ContactBone {
   [[nodiscard]] std::uint64_t number() const noexcept;
 };
 
+/// Moves the bone: [motion].
+class BoneMover {
+ public:
+  virtual ~BoneMover() = default;
+  /// @returns the motion of the bone at the time of `hand`. Called once for each evaluation, before it.
+  [[nodiscard]] virtual BoneMotion move(const HandState& hand) noexcept BH_REALTIME = 0;
+};
+
 struct ContactTickConfig {
   ContactBone bone;
   double servo_period = 1e-3;    ///< [s] of one tick of the hand
@@ -52,6 +60,9 @@ class ContactTick {
   void bone_grew(std::span<const std::uint8_t> bone) noexcept { monitor_.bone_grew(bone); }
   /// Sets the bone's pose from the next evaluation on; see BoneStep::move_bone().
   void move_bone(const Pose& world_from_bone) noexcept { config_.bone.world_from_bone = world_from_bone; }
+  /// From the next evaluation on, `mover` determines the bone's pose; it must outlive the run. Null: none.
+  void follow(BoneMover* mover) noexcept { mover_ = mover; }
+  [[nodiscard]] bool bone_moves() const noexcept { return mover_ != nullptr; }
   /// Replaces the bound of the distance outside the window; null: nothing is known there (labs).
   void know(const CoarseDistance* coarse) noexcept { config_.bone.coarse = coarse; }
   /// Simulates a stalled contact thread (tests and labs): nothing is evaluated, and the last result remains while its age grows. Any
@@ -77,6 +88,9 @@ class ContactTick {
   DrillMonitor monitor_;
   Touch* touch_ = nullptr;
   ContactState* state_ = nullptr;
+  BoneMover* mover_ = nullptr;
+  BoneMotion moved_;
+  Pose at_rest_;        // world from bone, as the scene places it
   bool owned_ = false;  // [contact] owns the state; otherwise the tool's pose is that of the hand
   Hash64 hash_;
   double time_ = 0.0;

@@ -77,6 +77,7 @@ inline const SlotKey<Tangential> kTangential{"tangential"};     ///< owned by on
 inline const SlotKey<Constraints> kConstraints{"constraints"};  ///< add
 // simulation clock
 inline const SlotKey<Cut> kCut{"cut"};                  ///< the stage's
+inline const SlotKey<BoneMotion> kBone{"bone"};         ///< the stage's: motion of the bone; at rest without [motion]
 inline const SlotKey<double> kSpin{"spin"};             ///< [rev/s] owned by [spindle]; otherwise the stage's, equal to spin_asked
 inline const SlotKey<double> kSpinAsked{"spin_asked"};  ///< [rev/s] the stage's: command times the scene's spin
 inline const SlotKey<BoneRemoval> kRemoval{"removal"};  ///< owned by [erosion]

@@ -61,6 +61,17 @@ Result<std::unique_ptr<HandSource>> make_hand(const StageConfig& config, const N
   return std::unique_ptr<HandSource>(std::make_unique<TakenHand>(std::move(taken).value()));
 }
 
+/// @returns a result as seen from the bone at rest: the simulation moves the tool about a bone that stays in place.
+ContactState seen_at_rest(const ContactState& found) noexcept {
+  const Pose rest_from_world = found.bone.world_from_rest.inverse();
+  ContactState out = found;
+  out.world_from_tool = rest_from_world * found.world_from_tool;
+  out.world_from_hand = rest_from_world * found.world_from_hand;
+  out.hand_velocity = rest_from_world.rotate(found.hand_velocity - found.bone.velocity_at(found.world_from_hand.translation));
+  out.on_hand = {rest_from_world.rotate(found.on_hand.force), rest_from_world.rotate(found.on_hand.torque)};
+  return out;
+}
+
 Stage::Stage(const StageConfig& from, const Needs& asked, const Tool& with, const Outside& outside)
     : config(from), tool(&with), needs(asked), period(1.0 / from.servo_hz), outside_(outside) {
   const auto ticks = [&](int rate_hz) { return static_cast<std::uint64_t>(config.servo_hz / rate_hz); };
@@ -123,7 +134,8 @@ Status Stage::build(const EffectPlans& plans, std::shared_ptr<const BoneModel> m
 
   const Pose start{world_from_approach().rotation, world_from_approach() * Vec3(0.0, 0.0, config.hand.standoff)};
   if (needs.feels) coarse_ = std::make_unique<CoarseDistance>(*model);
-  auto step = BoneStep::create(config, needs, *tool, *voxmap, start, graph, approach, coarse_.get(), outside_.one_thread);
+  auto step = BoneStep::create(config, needs, *tool, *voxmap, world_from_rest_.inverse() * start, graph, approach, coarse_.get(),
+                               outside_.one_thread);
   if (!step) return Error{step.error().code, step.error().message, config.tool.place};
   bone.emplace(std::move(step).value());
   if (outside_.runs) bone->publish();
@@ -150,7 +162,8 @@ void Stage::place_effects(const Pose& world_from_tool) {
 Status Stage::place(const Pose& world_from_tool) {
   contact->place(world_from_tool);
   place_effects(world_from_tool);
-  return bone->place(world_from_tool);
+  const ContactState& last = contact->state();
+  return bone->place((last.number > 0 ? last.bone.world_from_rest : world_from_rest_).inverse() * world_from_tool);
 }
 
 Status Stage::bind() {
@@ -163,6 +176,7 @@ Status Stage::bind() {
   graph.reads(Clock::contact, slots::kContact);
   graph.reads(Clock::simulation, slots::kSpin);
   graph.reads(Clock::simulation, slots::kRemoval);
+  bone_slot_ = graph.is_read(slots::kBone.name) ? graph.provide(Clock::simulation, slots::kBone) : nullptr;
   added_force_ = graph.is_written(slots::kAddedForce.name) ? graph.find(slots::kAddedForce) : nullptr;
   contact->bind();
   bone->bind();
@@ -180,6 +194,11 @@ void Stage::watch_spin(double command) {
 
 void Stage::cut(const ContactState& found) {
   if (history_) watch_spin(found.spin);
+  if (contact->bone_moves()) {
+    if (bone_slot_ != nullptr) *bone_slot_ = found.bone;
+    (*bone)(seen_at_rest(found), thrust_(found), bone_period);
+    return;
+  }
   (*bone)(found, thrust_(found), bone_period);
 }
 

@@ -37,6 +37,9 @@ class MeanThrust {
   std::uint64_t number_ = 0;
 };
 
+/// @returns a result as seen from the bone at rest (BoneMotion).
+[[nodiscard]] ContactState seen_at_rest(const ContactState& found) noexcept;
+
 /// @returns the servo's configuration with the limits required by the effects, at the rates of the scene. @param voxel_edge [m].
 [[nodiscard]] ServoConfig servo_config(const StageConfig& config, const Needs& needs, double voxel_edge);
 /// @returns the script's configuration of [hand]. If a constrained tool drills, the values of breakthrough detection follow from the scene:
@@ -97,6 +100,8 @@ class Stage {
   void offer_hand(HandSource& offered) noexcept { offered_hand_ = &offered; }
   /// For effects, in make(): sets the frame step that draws.
   void offer_frame(FrameStep& offered) noexcept { frame_ = &offered; }
+  /// For effects, in make(): sets where the bone is at the start. @param world_from_rest as in BoneMotion.
+  void offer_bone_pose(const Pose& world_from_rest) noexcept { world_from_rest_ = world_from_rest; }
   /// For effects, in make(): requests a session file. @param path relative to the output folder. @param timer receives the time in which
   /// the rows of each servo tick are recorded.
   void offer_record(std::string path, StepTimer& timer) {
@@ -168,6 +173,8 @@ class Stage {
   MeanThrust thrust_;
   HandState* hand_slot_ = nullptr;
   const Vec3* added_force_ = nullptr;
+  Pose world_from_rest_;             // at the start
+  BoneMotion* bone_slot_ = nullptr;  // null: nothing reads it
   Picture* picture_slot_ = nullptr;
   Status** picture_error_ = nullptr;
   std::uint64_t servo_tick_ = 0, pictures_ = 0, gathered_ = 0;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "app/view/bone_texture.h"
 #include "app/view/view.h"
 #include "core/base/bounds.h"
 #include "core/base/units.h"
@@ -47,13 +48,14 @@ struct SkinConfig {
 
 /// [display]
 struct DisplayConfig {
-  std::string method = "raycast";  ///< "raycast" or "slices"
+  std::string method = "raycast";  ///< "raycast", "slices" or "mesh"
   double slices_per_voxel = 1.0;   ///< [1/voxel]
   bool opacity_correction = true;
   TransferFunction transfer;                 ///< empty: bone is drawn as a surface; key shading = "translucent"
   DrawingQuality quality{.supersample = 2};  ///< four rays per pixel: anti-aliased edges
   std::optional<double> budget;  ///< [s] time of one picture, used to select `quality` (quality = "auto"); absent: `quality` is used
   Appearance appearance{.tissue = true, .occlusion = true};
+  TextureConfig textures;  ///< of method = "mesh"
   /// [voxels] largest texture of a whole bone. A larger bone is drawn at coarser voxels, and by rays to a surface also a part around the
   /// entry at its own voxels. Key whole_voxels.
   std::size_t whole_voxels = 32'000'000;
@@ -83,6 +85,16 @@ struct DisplayConfig {
 /// @returns whether a large bone has a detail: rays to a surface. Slices and translucent bone show coarse voxels alone.
 [[nodiscard]] inline bool draws_detail(const DisplayConfig& display) noexcept {
   return display.method == "raycast" && display.transfer.empty();
+}
+
+/// @returns whether skin may be drawn over the bone, which is an opaque surface.
+[[nodiscard]] inline bool draws_surface(const DisplayConfig& display) noexcept {
+  return display.method != "slices" && display.transfer.empty();
+}
+
+/// @returns whether the drawn bone has textures.
+[[nodiscard]] inline bool draws_textures(const DisplayConfig& display) noexcept {
+  return display.method == "mesh" && display.textures.any();
 }
 
 }  // namespace burrhole

@@ -96,6 +96,7 @@ std::optional<FrameView::Cut> make_scene_cut(const CutConfig& cut, const CameraV
 
 FrameStep::FrameStep(const DisplayConfig& display, const Pose& world_from_bone, const Approach& approach, Voxmap& voxmap, FrameSink& sink)
     : display_(display),
+      at_rest_(world_from_bone),
       world_from_bone_(world_from_bone),
       world_from_approach_(world_from_bone * approach.bone_from_approach),
       thickness_(approach.thickness),
@@ -123,7 +124,7 @@ Result<FrameStep> FrameStep::create(const DisplayConfig& display, const Pose& wo
 
 Result<VolumeView> FrameStep::make_levels(const Pose& bone_from_approach) {
   const BoneModel& bone = voxmap_->bone();
-  const bool tissue = display_.appearance.tissue;
+  const bool tissue = display_.appearance.tissue || draws_textures(display_);  // its bone as loaded shows what was cut
   const Surroundings* around = bone.surroundings();
   const int factor = around != nullptr ? around->factor : coarse_factor(bone.dims(), display_.whole_voxels);
   const double edge = bone.bone_from_index().mean_edge();
@@ -279,7 +280,9 @@ Status FrameStep::send_batch() {
 }
 
 FrameView FrameStep::view_of(const std::optional<Pose>& world_from_tool, bool cut, bool overview) const {
-  FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach_, thickness_, cut);
+  // The camera stays in the world; a cut through the approach, and the camera before it, go with the bone.
+  const Pose world_from_approach = cut ? world_from_bone_ * at_rest_.inverse() * world_from_approach_ : world_from_approach_;
+  FrameView view = make_frame_view(display_, world_from_bone_, world_from_approach, thickness_, cut);
   view.table = find_table(display_, voxmap_->bone(), world_from_bone_, world_from_approach_);
   if (overview) {
     const Vec3 direction = glm::normalize(view.camera.eye - view.camera.target);

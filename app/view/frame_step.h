@@ -54,6 +54,8 @@ class FrameStep {
   void gather(double turned = 0.0);
   /// The same without a budget: the queue is empty afterwards.
   void gather_rest(double turned = 0.0);
+  /// Moves the bone in the pictures from now on. @param world_from_rest maps the bone as the scene places it to its place now.
+  void move_bone(const Pose& world_from_rest) noexcept { world_from_bone_ = world_from_rest * at_rest_; }
   /// Sends the batch without drawing, to a sink that draws by itself.
   [[nodiscard]] Status send() { return send_changes(); }
   /// Sends the batch, then draws. @param world_from_tool absent: the tool is not drawn. @param cut clips bone and bit at a plane through the
@@ -83,7 +85,7 @@ class FrameStep {
 
   FrameStep(const DisplayConfig& display, const Pose& world_from_bone, const Approach& approach, Voxmap& voxmap, FrameSink& sink);
   DisplayConfig display_;
-  Pose world_from_bone_, world_from_approach_;
+  Pose at_rest_, world_from_bone_, world_from_approach_;  // the approach is that of the bone at rest
   double thickness_;
   Vec3 tip_;           // [m] world, of the latest picture
   bool turns_ = true;  // whether the bit rotates about its axis

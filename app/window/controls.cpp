@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/window/text_scale.h"
+#include "haptics/hand/bone_drive.h"
 
 namespace burrhole {
 namespace {
@@ -236,6 +237,20 @@ void Controls::move_by_keys(double dt) {
   goal_.tilt_away += tilt.y;
 }
 
+void Controls::move_bone_by_keys() {
+  if (!setup_.bone_moves) return;
+  // In pairs, positive first: along the bone's axes x, y, z, then about them.
+  constexpr Key kKeys[BoneSwitch::kDirections] = {Key::d,  Key::a,    Key::w,         Key::s,       Key::e,    Key::q,
+                                                  Key::up, Key::down, Key::page_down, Key::page_up, Key::left, Key::right};
+  std::uint32_t wanted = 0;
+  if (has_bone() && runs_ && !paused_ && !goal_.ends && !setup_.transport)
+    for (int n = 0; n < BoneSwitch::kDirections; ++n)
+      if (held(kKeys[n])) wanted |= BoneSwitch::bit(n);
+  if (wanted == switches_) return;
+  switches_ = wanted;
+  inputs_.push_back({0, InputKind::switches, static_cast<double>(wanted), {}, {}});
+}
+
 void Controls::move_by_pad(double dt, const PadState& pad) {
   if (!pad.present) return;
   const double idle = config_.pad_idle;
@@ -297,8 +312,9 @@ void Controls::step(double dt, const LiveState& now, const PadState& pad) {
   press_pad(pad);
   turn_by_keys(dt);
   if (setup_.transport) setup_.transport->advance(dt);
+  move_bone_by_keys();
   if (moves()) {
-    move_by_keys(dt);
+    if (!has_bone()) move_by_keys(dt);
     move_by_pad(dt, pad);
     relax_push(dt);
     keep_in_reach();

@@ -48,6 +48,7 @@ struct ControlsSetup {
   double deepest = 0.1;                  ///< [m] of the goal below the entry
   std::vector<ToolText> tools;           ///< the first ten have the keys 1 to 9 and 0
   bool demonstration = false;            ///< the scene's script drills until the person takes over
+  bool bone_moves = false;               ///< the scene has [motion]: with Alt, keys move the bone
   double text_scale = 1.0;               ///< [-] of texts, of the desktop's own scale
   std::optional<Transport> transport{};  ///< of a watched session: keys and mouse move its head and the camera, and no goal
 };
@@ -130,6 +131,9 @@ class Controls {
   void move_by_keys(double dt);
   void press_pad(const PadState& pad);
   void move_by_pad(double dt, const PadState& pad);
+  [[nodiscard]] bool has_bone() const { return setup_.bone_moves && (held(Key::left_alt) || held(Key::right_alt)); }
+  /// Asks for the switches that the held keys stand for, if they have changed.
+  void move_bone_by_keys();
   void keep_in_reach();
   /// Without a key or trigger that presses, the goal in contact moves back until the push is that which is held.
   void relax_push(double dt);
@@ -156,6 +160,7 @@ class Controls {
   double thrust_ = 0.0;  // [N] as last seen
   PadState pad_before_;
   std::deque<Input> inputs_;
+  std::uint32_t switches_ = 0;  // BoneSwitch, as asked for last
 };
 
 }  // namespace burrhole

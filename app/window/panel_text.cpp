@@ -42,12 +42,14 @@ std::string depth_text(const DrillProgress& progress) {
 }
 
 double beside_plan(const WindowPlan& plan, const LiveState& live) {
-  const Vec3 tip = (plan.world_from_bone * plan.approach.bone_from_approach).inverse() * live.world_from_tool.translation;
+  const Vec3 tip =
+      (live.world_from_rest * plan.world_from_bone * plan.approach.bone_from_approach).inverse() * live.world_from_tool.translation;
   return std::hypot(tip.x, tip.y);
 }
 
 double angle_to_surface(const WindowPlan& plan, const LiveState& live) {
-  const Vec3 shaft = live.world_from_tool.rotate(Vec3(0.0, 0.0, 1.0)), normal = plan.world_from_bone.rotate(plan.approach.normal);
+  const Vec3 shaft = live.world_from_tool.rotate(Vec3(0.0, 0.0, 1.0)),
+             normal = (live.world_from_rest * plan.world_from_bone).rotate(plan.approach.normal);
   return std::acos(std::clamp(glm::dot(shaft, normal), -1.0, 1.0));
 }
 

@@ -103,6 +103,7 @@ class Replayer {
     if (const HandState* hand = hand_->at(std::min<std::uint64_t>(tick, hand_->ticks() - 1))) now.hand = *hand;
     const ContactState& contact = simulation_->contact_state();
     now.world_from_tool = contact.world_from_tool;
+    now.world_from_rest = contact.bone.world_from_rest;
     now.force = contact.on_hand.force;
     now.progress = simulation_->progress();
     now.time = time;

@@ -243,6 +243,7 @@ void Viewer::send_texels() {
 
 Viewer::Change Viewer::find_change(const WindowView& view, int width, int height) const {
   Change out{*base_};
+  out.frame.world_from_bone = view.live.world_from_rest * base_->world_from_bone;
   out.frame.camera = view.camera;
   if (view.live.hand.tick > 0 || view.transport)
     out.frame.world_from_tool = tool_turns_ ? turned_tool(view.live.world_from_tool, view.turned) : view.live.world_from_tool;
@@ -254,7 +255,8 @@ Viewer::Change Viewer::find_change(const WindowView& view, int width, int height
   const auto plane = [](const std::optional<FrameView::Cut>& cut) {
     return cut ? std::optional(std::pair(cut->normal, cut->offset)) : std::nullopt;
   };
-  out.camera = out.turned || plane(out.frame.cut) != plane(last_plane_);
+  const bool bone_moved = !last_bone_ || differ(out.frame.world_from_bone, *last_bone_);
+  out.camera = out.turned || bone_moved || plane(out.frame.cut) != plane(last_plane_);
   out.tool = tool.has_value() != last_tool_.has_value() || (tool && differ(*tool, *last_tool_));
   out.bone = bone_changed_;
   out.size = width != picture_width_ || height != picture_height_;
@@ -401,6 +403,7 @@ void Viewer::draw_picture(const WindowView& view, int width, int height) {
   last_camera_ = change.frame.camera;
   last_plane_ = change.frame.cut;
   last_tool_ = change.frame.world_from_tool;
+  last_bone_ = change.frame.world_from_bone;
   picture_width_ = width;
   picture_height_ = height;
   bone_changed_ = false;
@@ -442,7 +445,7 @@ void Viewer::draw_slices(const WindowView& view) {
     return;
   }
   const auto now = Steady::now();
-  const Pose bone_from_tool = base_->world_from_bone.inverse() * view.live.world_from_tool;
+  const Pose bone_from_tool = (view.live.world_from_rest * base_->world_from_bone).inverse() * view.live.world_from_tool;
   const bool moved = glm::length(bone_from_tool.translation - sliced_at_.translation) > kSliceStep ||
                      std::abs(glm::dot(bone_from_tool.rotation, sliced_at_.rotation)) < kSliceTurn;
   if (slices_ && !((moved || slices_stale_) && seconds(now - sliced_) > kSliceEvery)) return;

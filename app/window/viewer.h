@@ -86,7 +86,7 @@ class Viewer {
   struct Change {
     FrameView frame;
     bool turned = false;                                            // the camera
-    bool camera = false, tool = false, bone = false, size = false;  // camera: or the cut
+    bool camera = false, tool = false, bone = false, size = false;  // camera: or the cut, or the pose of the bone
   };
   [[nodiscard]] Change find_change(const WindowView& view, int width, int height) const;
   /// Decides on one ray a pixel or on the scene's quality. @returns whether it changed.
@@ -147,6 +147,7 @@ class Viewer {
   std::optional<CameraView> last_camera_;
   std::optional<FrameView::Cut> last_plane_;
   std::optional<Pose> last_tool_;
+  std::optional<Pose> last_bone_;   // of the last picture
   std::optional<Pose> still_tool_;  // where the tool has rested since the last change
   std::vector<TexelBox> texels_;    // of changed bone, not sent to the renderer yet
   double bone_time_ = 0.0;          // [s] of the last picture with changed bone

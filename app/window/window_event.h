@@ -50,8 +50,10 @@ enum class Key : int {
   pad_plus = 334,
   left_shift = 340,
   left_control = 341,
+  left_alt = 342,
   right_shift = 344,
-  right_control = 345
+  right_control = 345,
+  right_alt = 346
 };
 
 enum class MouseButton : int { left = 0, right = 1, middle = 2 };

@@ -22,6 +22,7 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   const Pose world_from_approach = stage.world_from_approach();
   const double thickness = stage.approach.thickness;
   ControlsSetup setup;
+  setup.bone_moves = loaded.scene.effects.has("motion");
   if (loaded.scene.goal_hand) setup.hand = *loaded.scene.goal_hand;
   setup.world_from_approach = world_from_approach;
   setup.tools = start.tools;

@@ -41,7 +41,7 @@ class ContactModel {
   virtual ~ContactModel() = default;
   /// Moves the tool to a pose without a query of bone: at the start, after a tool change, an undo or a reset.
   virtual void place(const Pose& world_from_tool) noexcept = 0;
-  /// One contact period. Writes all members of `out` except hand_velocity, tick, number, spin, cutting_sum and position_sum, which the caller
+  /// One contact period. Writes all members of `out` except bone, hand_velocity, tick, number, spin, cutting_sum and position_sum, which the caller
   /// sets. Where bone near the tool has not been read, the tool is held in place by a spring, and flags has kContactOutsideWindow.
   virtual void step(const ContactInput& in, ContactState& out) noexcept BH_REALTIME = 0;
   /// Number of points of the shell.

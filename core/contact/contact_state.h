@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "core/base/geometry.h"
+#include "core/contact/bone_motion.h"
 #include "core/contact/local_contact.h"
 
 namespace burrhole {
@@ -22,9 +23,10 @@ struct ContactState {
   /// [N] sum of cutting_force over all evaluations up to this one. Between two states, (difference of cutting_sum) / (difference of number)
   /// is the mean of cutting_force over the evaluations after the first state.
   double cutting_sum = 0.0;
-  /// [m] sum of world_from_tool.translation over all evaluations up to this one. Its differences give mean positions, exact to a nanometre
-  /// after ten hours at 1 kHz.
+  /// [m] sum of world_from_tool.translation, as seen from a bone at rest, over all evaluations up to this one. Its differences give mean
+  /// positions, exact to a nanometre after ten hours at 1 kHz.
   Vec3 position_sum{0.0};
+  BoneMotion bone;           ///< of the bone in this result; at rest without [motion]
   double spin = 1.0;         ///< [-] spin command at `tick`, as a fraction of the scene's spin, 0..1
   std::uint64_t tick = 0;    ///< servo tick of world_from_hand
   std::uint64_t number = 0;  ///< number of the evaluation, from 1; 0: none yet

@@ -7,6 +7,7 @@
 #include "core/drill/engaged_removal.h"
 #include "core/drill/face_removal.h"
 #include "core/drill/removal_pass.h"
+#include "core/drill/threshold_removal.h"
 
 namespace burrhole {
 namespace {
@@ -38,8 +39,13 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
   for (std::size_t n = 0; n < points.size(); ++n)
     if (!is_finite(points.positions[n]) || !(points.factors[n] >= 0.0f) || !std::isfinite(points.factors[n]))
       return refuse("an erosion point is not finite or its factor is negative");
-  Erosion erosion(config, points, !config.subvoxel && config.law != ErosionLaw::energy);
-  if (config.subvoxel) {
+  const bool by_points = config.law == ErosionLaw::rate || config.law == ErosionLaw::per_update;
+  Erosion erosion(config, points, !config.subvoxel && by_points);
+  if (config.law == ErosionLaw::threshold) {
+    auto ball = ThresholdRemoval::create(config.threshold, points);
+    if (!ball) return ball.error();
+    erosion.ball_ = std::make_unique<ThresholdRemoval>(std::move(ball).value());
+  } else if (config.subvoxel) {
     auto face = FaceRemoval::create(config, std::move(field));
     if (!face) return face.error();
     erosion.face_ = std::make_unique<FaceRemoval>(std::move(face).value());
@@ -68,6 +74,7 @@ ErosionOutcome Erosion::step(Voxmap& voxmap, const ErosionPath& path, const Cutt
   ErosionOutcome outcome;
   const double spin = load.spin;
   if (!(spin > 0.0) || count_ == 0 || !(dt > 0.0)) return outcome;
+  if (ball_) return ball_->step(voxmap, path, substeps_for(path), load);
   if (face_) return face_->step(voxmap, path, substeps_for(path), load, dt);
   if (engaged_) return engaged_->step(voxmap, path, substeps_for(path), load, dt);
   const MasterWindow& window = voxmap.window();

@@ -33,12 +33,22 @@ enum class ErosionLaw {
   /// Cutting power (energy.h): the force F and the rubbing speed v_rel do the work mu F v_rel dt in a step, and removal takes u0 h per
   /// volume of bone, so the volume rate is mu F v_rel / (u0 h).
   energy,
+  /// Whole voxels whose centres lie in a ball inside the cutting part, where the stress under it reaches the strength of the material
+  /// (threshold_removal.h); [TellesONeill10] section 4.3.4 and table 1.
+  threshold,
 };
 
 /// Parameters of law `energy`.
 struct EnergyConfig {
   double specific_energy = 1e8;  ///< [J/m^3] > 0: u0, at hardness 1; cortical bone: about 0.1 J/mm^3 (not verified)
   double cutting_ratio = 0.5;    ///< [-] > 0: mu, cutting force over normal force (an assumption)
+};
+
+/// Parameters of law `threshold`.
+struct ThresholdConfig {
+  double ultimate_strength = 170e6;  ///< [Pa] > 0: largest stress that the material withstands; [TellesONeill10] table 1, bone (limb)
+  double reach = 0.75;               ///< [-] in (0, 1]: radius of the ball of removed voxels over that of the bit's; sec. 4.3.4
+  double bearing_share = 0.002;      ///< [-] in (0, 1]: share of the projected contact area on which cutting edges bear (an assumption)
 };
 
 /// How the exposure of voxels is computed from points, for the laws `rate` and `per_update` by whole voxels; not used otherwise.
@@ -54,6 +64,7 @@ struct ErosionConfig {
   double longest_substep = 0.5;   ///< [voxels] in (0, 1]: longest path of a point of the tool in a sub-step, so that no bone is skipped
   bool subvoxel = false;          ///< laws `rate` and `energy`: the face of bone, which may lie inside a voxel, recedes (cut_face.h)
   EnergyConfig energy{};
+  ThresholdConfig threshold{};
 };
 
 /// Result of one step.
@@ -68,7 +79,8 @@ struct ErosionOutcome {
   /// exposure; 0 if none is engaged. Sub-voxel removal: of the removed bone, weighted by mass; if nothing was removed, that of the last
   /// removal, 0 before the first. Laws `rate` and `per_update` by whole voxels: always 0.
   double rubbing_radius = 0.0;
-  VoxelBoxes changed;  ///< disjoint boxes of all changed voxels; the caller passes them to Voxmap::commit()
+  double stress = 0.0;  ///< [Pa] law `threshold`: the largest under the bit in this step; 0 for other laws and without contact
+  VoxelBoxes changed;   ///< disjoint boxes of all changed voxels; the caller passes them to Voxmap::commit()
 };
 
 /// The straight path of one step; tool poses in index coordinates of the bone: p_index = linear * p_tool + offset.
@@ -83,13 +95,15 @@ struct ErosionPath {
 
 /// Load on the tool.
 struct CuttingLoad {
-  double spin = 0.0;             ///< [rev/s] 0 removes nothing
-  double force = 0.0;            ///< [N] normal force on the cutting part; used by law `energy` only: 0 removes nothing
-  Vec3 reaction{0.0, 0.0, 1.0};  ///< [-] unit, tool frame: direction of the force of bone on the tool; used by `subvoxel`
+  double spin = 0.0;   ///< [rev/s] 0 removes nothing
+  double force = 0.0;  ///< [N] normal force on the cutting part; used by the laws `energy` and `threshold` only: 0 removes nothing
+  Vec3 reaction{0.0, 0.0,
+                1.0};  ///< [-] unit, tool frame: direction of the force of bone on the tool; used by `subvoxel` and law `threshold`
 };
 
 class EngagedRemoval;
 class FaceRemoval;
+class ThresholdRemoval;
 struct CuttingField;
 
 /// Applies the erosion points of a tool. One instance per tool and window; scratch memory is kept between steps.
@@ -128,6 +142,7 @@ class Erosion {
   TileMarks marks_;                          // of voxels changed in the current step
   std::unique_ptr<FaceRemoval> face_;        // sub-voxel removal; null otherwise
   std::unique_ptr<EngagedRemoval> engaged_;  // law `energy` by whole voxels; null otherwise
+  std::unique_ptr<ThresholdRemoval> ball_;   // law `threshold`; null otherwise
 };
 
 }  // namespace burrhole

@@ -101,6 +101,18 @@ std::optional<ApproachStart> valid_start(const BoneModel& bone, const ApproachSt
   return ApproachStart{found->bone_from_approach.translation, axis};
 }
 
+/// @returns the start in LPS of an approach that was written in RAS, if bone is there.
+std::optional<ApproachStart> start_in_ras(const BoneModel& bone, const ApproachScene& scene) {
+  const Vec3 lps_from_ras(-1.0, -1.0, 1.0);
+  ApproachScene mirrored = scene;
+  mirrored.entry = lps_from_ras * scene.entry;
+  mirrored.axis = lps_from_ras * scene.axis;
+  Miss miss = Miss::none;
+  const auto found = measure_approach(bone, mirrored, miss);
+  if (!found || leaves_skull(bone, *found)) return std::nullopt;
+  return ApproachStart{mirrored.entry, mirrored.axis};
+}
+
 }  // namespace
 
 double sample_occupancy(const BoneModel& bone, const Vec3& index) {
@@ -116,6 +128,9 @@ Result<Approach> make_approach(const BoneModel& bone, const ApproachScene& scene
   if (out || miss == Miss::none) return out;
   std::string message = out.error().message;
   if (const std::string way = way_to_bone(bone, scene.entry); miss == Miss::no_bone && !way.empty()) message += ": " + way;
+  if (const auto mirrored = miss == Miss::no_bone ? start_in_ras(bone, scene) : std::nullopt)
+    return bad_input(message + "; if the entry was written in RAS, as 3D Slicer shows points, the same place in LPS is " +
+                     start_text(*mirrored));
   for (const ApproachStart& possible : possible_starts(bone, scene))
     if (const auto start = valid_start(bone, possible)) return bad_input(message + "; bone begins at " + start_text(*start));
   return bad_input(message);

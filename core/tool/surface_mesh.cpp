@@ -161,12 +161,14 @@ std::optional<std::string> index_error(const SurfaceMesh& mesh) {
 
 std::optional<std::string> edge_error(const MeshCheck& check) {
   if (check.open_edges > 0)
-    return fmt::format("open: {} edges without a neighbour in {} hole{}, the longest {:.3g} mm around", check.open_edges, check.holes,
-                       check.holes == 1 ? "" : "s", check.longest_hole * 1e3);
+    return fmt::format("open: {} edges without a neighbour in {} hole{}, the longest {:.3g} mm around; close them in a mesh editor",
+                       check.open_edges, check.holes, check.holes == 1 ? "" : "s", check.longest_hole * 1e3);
   if (check.non_manifold_edges > 0)
-    return fmt::format("not a solid: {} edges are shared by more than two triangles", check.non_manifold_edges);
+    return fmt::format("not a solid: {} edges are shared by more than two triangles; delete doubled faces and part bodies that touch there",
+                       check.non_manifold_edges);
   if (check.flipped_edges > 0)
-    return fmt::format("wound both ways: the triangles at {} edges do not agree on which side is outside", check.flipped_edges);
+    return fmt::format("wound both ways: the triangles at {} edges do not agree on which side is outside; turn all normals outwards",
+                       check.flipped_edges);
   return std::nullopt;
 }
 
@@ -227,7 +229,7 @@ std::optional<std::string> mesh_error(const SurfaceMesh& mesh) {
   if (auto error = edge_error(check)) return error;
   if (check.volume < 0.0)
     return fmt::format("inside-out: its normals point inwards; flip them (signed volume {:.3g} cm3)", check.volume * 1e6);
-  if (!(check.volume > 0.0)) return "flat: it encloses no volume";
+  if (!(check.volume > 0.0)) return "flat: it encloses no volume; give a closed surface";
   const std::vector<Id> first = first_at_place(mesh.positions);
   return part_error(mesh, find_parts(whole_triangles(mesh, first), mesh.positions));
 }

@@ -7,6 +7,7 @@
 #include "core/base/assert.h"
 #include "core/voxel/box_parts.h"
 #include "core/voxel/cut_surface.h"
+#include "core/voxel/surface_memory.h"
 #include "core/voxel/surface_tile.h"
 
 // How a record is made (own derivation). Lengths are metric: M = linear / mean_edge takes index differences to voxel edges.
@@ -103,8 +104,11 @@ void SurfaceTile::lay_out(const VoxelBox& to_make, const VoxelBox& window, const
   row = size.x;
   slab = size.x * size.y;
   const std::size_t count = padded.count() + 4 * kMaxLanes;
-  const auto make_room = [](auto& field, std::size_t least) {
-    if (field.size() < least) field.resize(least);
+  // Nothing of an earlier tile is read, so its memory is released before a larger array is made, which then has no room that is not used.
+  const auto make_room = []<class Field>(Field& field, std::size_t least) {
+    if (field.size() >= least) return;
+    Field().swap(field);
+    field.resize(least);
   };
   make_room(density, count);
   make_room(samples, count);
@@ -118,6 +122,25 @@ void SurfaceTile::lay_out(const VoxelBox& to_make, const VoxelBox& window, const
   const std::size_t slab_words = static_cast<std::size_t>(size.y * words);
   for (auto* bits : {&solid, &wanted}) make_room(*bits, slab_words * static_cast<std::size_t>(size.z));
   make_room(widened, 2 * slab_words);
+}
+
+std::uint64_t SurfaceTile::bytes() const noexcept {
+  const auto of = [](const auto&... fields) { return ((fields.capacity() * sizeof(fields[0])) + ...); };
+  return of(density, plane, samples, solid, wanted, widened, cell_offsets, surfels, surfel_at, nearest, voxels, low, high);
+}
+
+std::uint64_t record_scratch_bytes(std::uint64_t window_voxels, const Affine& bone_from_index) noexcept {
+  constexpr std::uint64_t kPaddedVoxel = sizeof(float) + sizeof(FieldSample) + sizeof(std::uint32_t) + sizeof(std::int32_t);
+  constexpr std::uint64_t kCell = sizeof(std::int32_t), kRecord = sizeof(std::int32_t) + 2 * sizeof(std::uint32_t);
+  const double records = std::min(static_cast<double>(window_voxels), static_cast<double>(kMostInTile)), edge = std::cbrt(records);
+  const SurfaceMap map(bone_from_index);
+  double padded = 1.0, cells = 1.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    cells *= edge + 2.0 * map.spread[axis] + 1.0;
+    padded *= edge + 2.0 * map.spread[axis] + 8.0;
+  }
+  return static_cast<std::uint64_t>(padded) * kPaddedVoxel + static_cast<std::uint64_t>(cells) * kCell +
+         static_cast<std::uint64_t>(records) * kRecord;
 }
 
 struct SurfaceRecords::Work {

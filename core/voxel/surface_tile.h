@@ -76,7 +76,8 @@ struct SurfaceTile {
   std::vector<std::int32_t> voxels;      // their packed positions, padded likewise
   std::vector<std::uint32_t> low, high;  // their records; bits16: low = distance, x and high = y, z; bits8: low = all four
 
-  /// Sets the boxes and resizes the arrays; allocates only if the tile is larger than any earlier one.
+  [[nodiscard]] std::uint64_t bytes() const noexcept;  ///< [bytes] of all arrays
+  /// Sets the boxes and resizes the arrays; allocates only if the tile is larger than any earlier one. What the arrays held is lost.
   void lay_out(const VoxelBox& to_make, const VoxelBox& window, const SurfaceMap& map);
   [[nodiscard]] int offset_of(const Vec3i& v) const noexcept {
     return (v.x - padded.lo.x) + row * (v.y - padded.lo.y) + slab * (v.z - padded.lo.z);

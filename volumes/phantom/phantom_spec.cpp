@@ -15,10 +15,10 @@ using Kinds = unsigned;
 constexpr Kinds only(PhantomKind kind) { return 1u << static_cast<unsigned>(kind); }
 constexpr Kinds kPatch = only(PhantomKind::skull_patch), kBlock = only(PhantomKind::block), kPlate = only(PhantomKind::plate),
                 kSphere = only(PhantomKind::sphere), kWedge = only(PhantomKind::wedge), kPit = only(PhantomKind::pit),
-                kHead = only(PhantomKind::head);
-constexpr Kinds kGrid = kPatch | kBlock | kPlate | kSphere | kWedge | kPit, kLayers = kPatch | kHead, kEvery = kGrid | kHead;
+                kCapsule = only(PhantomKind::capsule), kHead = only(PhantomKind::head);
+constexpr Kinds kGrid = kPatch | kBlock | kPlate | kSphere | kWedge | kPit | kCapsule, kLayers = kPatch | kHead, kEvery = kGrid | kHead;
 
-constexpr std::array<std::string_view, 7> kNames{"skull_patch", "block", "plate", "sphere", "wedge", "pit", "head"};
+constexpr std::array<std::string_view, 8> kNames{"skull_patch", "block", "plate", "sphere", "wedge", "pit", "capsule", "head"};
 
 /// One scalar key: its numbers are as written in a file, `to_si` makes them SI.
 struct NumberField {
@@ -56,7 +56,9 @@ constexpr std::array kNumbers{
                 "relative mineral density of the diploe in its pores"},
     NumberField{"surroundings_mm", &S::surroundings, 1.5, 0.0, 5.0, true, kMm, kHead,
                 "edge of the voxels of the head outside the region, rounded to whole voxels; they are drawn only"},
-    NumberField{"radius_mm", &S::sphere_radius, 6.0, 0.0, 250.0, true, kMm, kSphere, "radius of the sphere"},
+    NumberField{"radius_mm", &S::sphere_radius, 6.0, 0.0, 250.0, true, kMm, kSphere | kCapsule, "radius of the sphere or capsule"},
+    NumberField{"length_mm", &S::capsule_length, 30.0, 0.0, 500.0, true, kMm, kCapsule,
+                "length of the capsule along x, with its round ends"},
     NumberField{"wedge_deg", &S::wedge_angle, 90.0, 20.0, 170.0, false, kDegree, kWedge, "angle inside the bone between the faces"},
     NumberField{"hole_radius_mm", &S::hole_radius, 3.0, 0.0, 100.0, true, kMm, kPit, "radius of the blind hole"},
     NumberField{"hole_depth_mm", &S::hole_depth, 4.0, 0.0, 100.0, true, kMm, kPit, "depth of the blind hole"},
@@ -136,6 +138,7 @@ Thinnest thinnest_part(const PhantomSpec& spec) {
     case PhantomKind::block:
       return {"block_mm", std::min({spec.block_size.x, spec.block_size.y, spec.block_size.z})};
     case PhantomKind::sphere:
+    case PhantomKind::capsule:
       return {"radius_mm", 2.0 * spec.sphere_radius};
     case PhantomKind::wedge:
       return {"extent_mm", spec.extent.z - spec.above};
@@ -198,6 +201,12 @@ void check_plate(const PhantomSpec& spec, Findings& found) {
     found.push_back({"plate_normal", {}, fmt::format("= [{:g}, {:g}, {:g}] must point up: z at least 0.05 of its length", n.x, n.y, n.z)});
 }
 
+void check_capsule(const PhantomSpec& spec, Findings& found) {
+  if (spec.capsule_length < 2.0 * spec.sphere_radius)
+    found.push_back({"length_mm", spec.capsule_length / kMm,
+                     fmt::format("must be at least twice volume.radius_mm = {:g}, for the round ends", spec.sphere_radius / kMm)});
+}
+
 void check_pit(const PhantomSpec& spec, Findings& found) {
   if (spec.hole_depth >= spec.thickness)
     found.push_back({"hole_depth_mm", spec.hole_depth / kMm,
@@ -215,6 +224,7 @@ Findings find_errors(const PhantomSpec& spec) {
     check_grid(spec, found);
   if (spec.kind == PhantomKind::skull_patch || spec.kind == PhantomKind::head) check_patch(spec, found);
   if (spec.kind == PhantomKind::pit) check_pit(spec, found);
+  if (spec.kind == PhantomKind::capsule) check_capsule(spec, found);
   if (found.empty()) check_resolution(spec, found);
   return found;
 }

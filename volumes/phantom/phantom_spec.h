@@ -25,6 +25,7 @@ enum class PhantomKind : std::uint8_t {
   sphere,       ///< ball; its top is the origin
   wedge,        ///< two half-spaces that meet in an edge along y, symmetric about z, edge up
   pit,          ///< level plate with a cylindrical blind hole on the z axis
+  capsule,      ///< cylinder along x with round ends, as a cucumber; its middle is below the origin, which it touches
   head          ///< whole skull with the layers of skull_patch, of which a region round the approach is felt; head_bone.h
 };
 
@@ -60,11 +61,13 @@ struct PhantomSpec {
   double pore_hardness = 0.12;             ///< [-] in [0, 1]                                       key pore_hardness
 
   Vec3 block_size{20.0 * kMillimetre, 20.0 * kMillimetre, 8.0 * kMillimetre};  ///< [m] each in (0, 500]      key block_mm
-  Vec3 plate_normal{0.0, 0.0, 1.0};          ///< [-] any length, z > 0; outward normal of the outer face            key plate_normal
-  double sphere_radius = 6.0 * kMillimetre;  ///< [m] in (0, 250]                                             key radius_mm
-  double wedge_angle = 90.0 * kDegree;       ///< [rad] between the faces inside the bone, in [20, 170] degrees  key wedge_deg
-  double hole_radius = 3.0 * kMillimetre;    ///< [m] in (0, 100]                                             key hole_radius_mm
-  double hole_depth = 4.0 * kMillimetre;     ///< [m] in (0, 100], less than thickness                        key hole_depth_mm
+  Vec3 plate_normal{0.0, 0.0, 1.0};  ///< [-] any length, z > 0; outward normal of the outer face            key plate_normal
+  double sphere_radius =
+      6.0 * kMillimetre;  ///< [m] in (0, 250]                                             key radius_mm (sphere, capsule)
+  double capsule_length = 30.0 * kMillimetre;  ///< [m] of the whole, ends included, in (0, 500]              key length_mm
+  double wedge_angle = 90.0 * kDegree;         ///< [rad] between the faces inside the bone, in [20, 170] degrees  key wedge_deg
+  double hole_radius = 3.0 * kMillimetre;      ///< [m] in (0, 100]                                             key hole_radius_mm
+  double hole_depth = 4.0 * kMillimetre;       ///< [m] in (0, 100], less than thickness                        key hole_depth_mm
 
   // head
   Vec3 region{40.0 * kMillimetre, 40.0 * kMillimetre,

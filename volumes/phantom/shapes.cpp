@@ -92,6 +92,28 @@ RaySpans BallShape::along(const Ray& ray, const RaySpan& span) const noexcept {
   return subtract(clip_ball(span, ray, centre, radius), {0.0, 0.0});
 }
 
+SurfaceDistance CapsuleShape::nearest(const Vec3& p) const noexcept {
+  const Vec3 q(p.x - std::clamp(p.x, -half, half), p.y, p.z + radius);
+  const double r = glm::length(q);
+  return {r - radius, r > 0.0 ? q / r : Vec3(0.0, 0.0, 1.0)};
+}
+
+RaySpans CapsuleShape::along(const Ray& ray, const RaySpan& span) const noexcept {
+  // The solid is convex and the union of two balls and a cylinder, so its part of the ray reaches from the first to the last of theirs.
+  const auto turned = [](const Vec3& v) { return Vec3(v.z, v.y, v.x); };  // the cylinder's axis becomes z
+  const Ray upright{turned(ray.origin + Vec3(0.0, 0.0, radius)), turned(ray.direction)};
+  const Vec3 up(0.0, 0.0, 1.0);
+  const RaySpan parts[] = {clip_ball(span, ray, Vec3(-half, 0.0, -radius), radius), clip_ball(span, ray, Vec3(half, 0.0, -radius), radius),
+                           clip_half_space(clip_half_space(clip_cylinder(span, upright, radius), upright, up, half), upright, -up, half)};
+  RaySpan whole{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const RaySpan& part : parts) {
+    if (part.empty()) continue;
+    whole.enter = std::min(whole.enter, part.enter);
+    whole.exit = std::max(whole.exit, part.exit);
+  }
+  return subtract(whole.empty() ? RaySpan{0.0, 0.0} : whole, {0.0, 0.0});
+}
+
 SurfaceDistance WedgeShape::nearest(const Vec3& p) const noexcept {
   // By symmetry fold to x >= 0. The face starts at the edge along (sine, -cosine); `down` is the position of the foot of p on it.
   const Vec2 q(std::abs(p.x), p.z);

@@ -39,6 +39,14 @@ struct BallShape {
   [[nodiscard]] RaySpans along(const Ray& ray, const RaySpan& span) const noexcept;
 };
 
+/// All points within `radius` of the part -half <= x <= half of the line y = 0, z = -radius.
+struct CapsuleShape {
+  double half;    ///< [m]
+  double radius;  ///< [m]
+  [[nodiscard]] SurfaceDistance nearest(const Vec3& p) const noexcept;
+  [[nodiscard]] RaySpans along(const Ray& ray, const RaySpan& span) const noexcept;
+};
+
 /// Below both faces: dot((+-cosine, 0, sine), p) <= 0, sine and cosine of half the angle inside the bone.
 struct WedgeShape {
   double sine;    ///< [-]

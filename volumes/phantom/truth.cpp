@@ -8,7 +8,7 @@
 namespace burrhole {
 namespace {
 
-std::variant<ShellShape, BoxShape, SlabShape, BallShape, WedgeShape, PitShape> shape_of(const PhantomSpec& spec) {
+std::variant<ShellShape, BoxShape, SlabShape, BallShape, CapsuleShape, WedgeShape, PitShape> shape_of(const PhantomSpec& spec) {
   switch (spec.kind) {
     case PhantomKind::block:
       return BoxShape{Vec3(0.0, 0.0, -0.5 * spec.block_size.z), 0.5 * spec.block_size};
@@ -16,6 +16,8 @@ std::variant<ShellShape, BoxShape, SlabShape, BallShape, WedgeShape, PitShape> s
       return SlabShape{spec.plate_normal / glm::length(spec.plate_normal), spec.thickness};
     case PhantomKind::sphere:
       return BallShape{Vec3(0.0, 0.0, -spec.sphere_radius), spec.sphere_radius};
+    case PhantomKind::capsule:
+      return CapsuleShape{0.5 * spec.capsule_length - spec.sphere_radius, spec.sphere_radius};
     case PhantomKind::wedge:
       return WedgeShape{portable_sin(0.5 * spec.wedge_angle), portable_cos(0.5 * spec.wedge_angle)};
     case PhantomKind::pit:

@@ -40,7 +40,7 @@ class Truth {
  private:
   [[nodiscard]] RaySpans stretches(const Vec3& origin, const Vec3& direction) const noexcept;
 
-  std::variant<ShellShape, BoxShape, SlabShape, BallShape, WedgeShape, PitShape> shape_;
+  std::variant<ShellShape, BoxShape, SlabShape, BallShape, CapsuleShape, WedgeShape, PitShape> shape_;
   Vec3 box_lo_{0.0};
   Vec3 box_hi_{0.0};
   PhantomSpec spec_;

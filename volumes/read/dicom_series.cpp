@@ -14,6 +14,7 @@
 
 #include "core/base/units.h"
 #include "core/config/toml_messages.h"
+#include "volumes/read/raw_template.h"
 #include "volumes/read/scan_geometry.h"
 
 namespace burrhole {
@@ -65,8 +66,7 @@ Error nothing_left(const std::string& path, const std::vector<std::string>& file
   const bool lone = files.size() == 1 && files.front() == path;
   // Headerless voxels are what such a folder most often holds.
   if (!lone)
-    return bad_input(fmt::format("none of {} files is a slice of a scan: {} (raw voxels are read by a .toml that describes them)",
-                                 files.size(), counts_text(skipped)),
+    return bad_input(fmt::format("none of {} files is a slice of a scan: {}; {}", files.size(), counts_text(skipped), raw_template(files)),
                      path);
   const std::string& reason = skipped.front().reason;
   return bad_input(reason == "not DICOM" ? "the file is not DICOM" : fmt::format("the file is not a slice of a scan: {}", reason), path);

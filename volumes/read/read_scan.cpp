@@ -10,6 +10,7 @@
 #include "volumes/read/nifti_header.h"
 #include "volumes/read/number_text.h"
 #include "volumes/read/pixels.h"
+#include "volumes/read/raw_template.h"
 #include "volumes/read/readable_path.h"
 #include "volumes/read/scan.h"
 #include "volumes/read/scan_geometry.h"
@@ -56,6 +57,7 @@ Result<Reader> by_content(const std::string& path) {
   if (text.starts_with(std::string_view(" BDV\0\0\0\0", 8))) return Reader{read_foreign_vdb};
   if (!packed && !mesh_format(path).empty()) return Reader{read_mesh_scan};
   if (!packed && starts_like_dicom(head.value())) return Reader{read_dicom};
+  if (named_as_raw(path)) return bad_input("is not in a supported format; " + raw_template({&path, 1}), path);
   return bad_input(fmt::format("is not in a supported format: {}", kKinds), path);
 }
 

@@ -230,7 +230,7 @@ class OtherCommands(WithFolder):
             self.skipTest("no gnuplot: nothing can be drawn")
         picture = self.folder / "new" / "bit.png"
         result = run("tools", "round_burr_4mm", "--image", picture)
-        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertEqual((result.returncode, result.stderr), (0, f"picture: {picture}\n"))
         data = picture.read_bytes()
         self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
         self.assertEqual(struct.unpack(">II", data[16:24]), (1540, 780))

@@ -25,12 +25,59 @@ MISTAKES = [
     (["drill", "quick.toml", "parietal"], 2, ['unexpected "parietal"', "burrhole drill --help"]),
     (["drill", "quick.toml", "--window", "--offscreen"], 2, ["--window", "not valid with --offscreen"]),
     (["render", "quick.toml", "--gl", "vulkan"], 2, ["--gl", "auto,window,osmesa,egl"]),
-    (["compare", "one"], 2, ["run", "2 required", "burrhole compare --help"]),
+    (["compare", "one"], 2, ["compare needs two runs", "burrhole compare one OTHER_FOLDER", "one/report.html"]),
+    (["compare"], 2, ["run is missing", "folders of results, at least two", "burrhole compare --help"]),
+    (["--drill"], 2, ['"--drill" is a command', 'did you mean "burrhole drill"?']),
+    (["--drill", "parietal"], 2, ['"--drill" is a command', 'did you mean "burrhole drill"?']),
+    (["completion", "tcsh"], 2, ['unknown word "tcsh" after burrhole completion', "bash, zsh, fish"]),
+    (["completion"], 2, ["burrhole completion is incomplete", "bash or zsh or fish"]),
+    (["drill", "quick.toml", "--set", "hand.push_N", "40"], 2, ["--set hand.push_N is not followed by its value", "write --set hand.push_N=40"]),
+    (["drill", "quick.toml", "--set", "hand.push_N", "=", "40"], 2, ["write --set hand.push_N=40"]),
+    (["drill", "quick.toml", "--set", "hand.push_N=", "40", "--quiet"], 2, ["write --set hand.push_N=40"]),
+    (["drill", "--set-tool", "region.pin.diameter_mm", "3", "quick.toml"], 2, ["--set-tool", "write --set-tool region.pin.diameter_mm=3"]),
+    (["drill", "my", "scan.toml"], 2, ['unexpected "scan.toml"', 'write the path in quotes, "my scan.toml"']),
+    # habits of git, ParaView, 3D Slicer and other programs
+    (["help"], 2, ['did you mean "burrhole --help"?']),
+    (["help", "drill"], 2, ['did you mean "burrhole drill --help"?']),
+    (["version"], 2, ['did you mean "burrhole --version"?']),
+    (["-V"], 2, ['unknown option "-V"', "--version"]),
+    (["list"], 2, ['unknown command "list"', 'did you mean "scenes"?']),
+    (["init"], 2, ['unknown command "init"', 'did you mean "scenes --copy"?']),
+    (["run", "parietal"], 2, ['unknown command "run"', 'did you mean "drill"?']),
+    (["open", "head.nii"], 2, ['unknown command "open"', 'did you mean "render"?']),
+    (["diff", "one", "two"], 2, ['unknown command "diff"', 'did you mean "compare"?']),
+    (["convert", "head.nii", "head.vdb"], 2, ['unknown command "convert"', 'did you mean "export"?']),
+    (["Drill", "quick.toml"], 2, ['did you mean "drill"?']),
+    (["docs", "scene.md"], 2, ['unknown word "scene.md" after burrhole docs', 'did you mean "scene"?']),
+    (["drill", "quick.toml", "-o", "there"], 2, ['unknown option "-o"', "--out"]),
+    (["drill", "quick.toml", "--output", "there"], 2, ['did you mean "--out"?']),
+    (["drill", "quick.toml", "-out", "there"], 2, ['did you mean "--out"?']),
+    (["drill", "--scene", "quick.toml"], 2, ['unknown option "--scene"', "the path of the scene alone"]),
+    (["drill", "quick.toml", "--tool", "round_burr_4mm"], 2, ['unknown option "--tool"', "write --set tool.name=NAME"]),
+    (["drill", "quick.toml", "--headless"], 2, ['unknown option "--headless"', "write --offscreen"]),
+    (["drill", "quick.toml", "--out", "a", "--out", "b"], 2, ["--out is given 2 times", "give it once"]),
+    (["drill", "quick.toml", "--out"], 2, ["--out is not followed by its value", "--out FOLDER"]),
+    (["check", "quick.toml", "other.toml"], 2, ['unexpected "other.toml"', "burrhole check takes one scene", '"quick.toml"']),
+    (["import", "--input", "head.nii"], 2, ['unknown option "--input"', "the path alone"]),
+    (["import", "head.nii", "out.vdb"], 2, ['unexpected "out.vdb"', "did you mean --volume out.vdb?"]),
+    (["export", "quick.toml", "x.nrrd"], 2, ["--out is missing", ".nrrd"]),
+    (["render", "quick.toml", "hole.png"], 2, ['unexpected "hole.png"', "did you mean --image hole.png?"]),
+    (["render", "quick.toml", "-o", "hole.png"], 2, ['unknown option "-o"', "write --image FILE"]),
+    (["render", "quick.toml", "--size", "400", "300"], 2, ['unexpected "300"', "write --size 400x300"]),
+    (["render", "quick.toml", "--camera", "20", "30", "70"], 2, ["write --camera 20,30,70"]),
+    (["check", "quick.toml", "--set", "tool/spin_rpm=800"], 2, ["--set tool/spin_rpm=800", "write --set tool.spin_rpm=800"]),
+    (["check", "quick.toml", "--set", "tool.spin_rpm: 800"], 2, ["write --set tool.spin_rpm=800"]),
+    (["drill", "plan.mrk.json"], 2, ["plan.mrk.json", "a plan of 3D Slicer", "--unset approach --set approach.markups=plan.mrk.json"]),
+    (["drill", "case.mrml"], 2, ["case.mrml", "a file of another program", "NRRD"]),
     # scenes and files
     (["drill", "parietl"], 2, ["scene not found in the current folder", 'did you mean "parietal"?']),
     (["check", "nowhere/my.toml"], 2, ["nowhere/my.toml", "scene not found in nowhere"]),
     (["check", "."], 2, ["is a folder, not a scene", "burrhole import"]),
-    (["drill", "head.nii"], 2, ["head.nii", "not a scene", "--set volume.source="]),
+    (["drill", "head.nii"], 2, ["head.nii", "not a scene", "burrhole render head.nii", "--set volume.source=head.nii"]),
+    (["drill", "head.vdb"], 2, ["head.vdb", "not a scene", "burrhole render head.vdb --image", "--unset volume --set volume.source=head.vdb"]),
+    (["check", "rawdir"], 2, ["rawdir", "is a folder, not a scene", "burrhole import rawdir"]),
+    (["import", "rawdir"], 2, ["rawdir: none of 3 files", "write rawdir/scan.toml", 'files = "slice_*.raw"', "dims = [I, J, 3]", "burrhole docs raw"]),
+    (["import", "scan.raw"], 2, ["scan.raw", "write scan.toml", 'data = "scan.raw"', "dims = [I, J, K]", "burrhole docs raw"]),
     (["drill", "notes.txt"], 2, ["notes.txt:1:"]),
     (["scenes", "--copy", "parietl"], 2, ['did you mean "parietal"?']),
     (["export", "parietl", "-o", "x.nrrd"], 2, ["parietl", "no such file", 'did you mean "parietal"?']),
@@ -64,6 +111,12 @@ MISTAKES = [
     (["check", "quick.toml", "--set", "volume.source=ct/skull.nii"], 2, ["volume.source", "is not there: tried", "ct/skull.nii"]),
     (["check", "quick.toml", "--set", "volume.source=$NOT_SET_HERE/ct"], 2, ["NOT_SET_HERE", "--set volume.source=PATH"]),
     (["check", "quick.toml", "--unset", "dispaly"], 2, ["--unset dispaly", 'did you mean "display"?']),
+    # keys of another kind
+    (["check", "quick.toml", "--set", "hand.stop_mm=3"], 2, ["hand.stop_mm is read only with kind = feed", "remove the key, or change that choice"]),
+    (["check", "quick.toml", "--set", "hand.run_up_s=3"], 2, ["hand.run_up_s is read only with kind = mouse"]),
+    (["check", "quick.toml", "--set", "volume.radius_mm=3"], 2, ["volume.radius_mm is read only with source = phantom:sphere"]),
+    (["check", "parietal", "--set", "volume.source=empty"], 2, ["parietal.toml:", "volume.seed is not read with source = SCAN"]),
+    (["tools", "odd_pin.toml"], 2, ["odd_pin.toml:", "width_mm is read only with shape = box"]),
     # tools
     (["tools", "perforater_14_11"], 2, ["tool not found in the current folder", 'did you mean "perforator_14_11"?']),
     (["tools", "perforator"], 2, ['did you mean "perforator_14_11"?']),
@@ -86,7 +139,17 @@ MISTAKES = [
     (["render", "quick.toml", "--size", "400"], 2, ["--size 400", "WIDTHxHEIGHT"]),
     (["render", "quick.toml", "--image", "hole.jpg"], 2, ["hole.jpg", "must end in .png"]),
     (["drill", "quick.toml", "--expect", "thruogh"], 2, ["thruogh", 'did you mean "through"?']),
-    (["drill", "quick.toml", "--expect", "plunge<0.5cm"], 2, ["plunge<0.5cm", "mm"]),
+    (["drill", "quick.toml", "--expect", "plunge<0.5cm"], 2, ["plunge<0.5cm", "has the unit cm", "plunge is in mm"]),
+    (["drill", "quick.toml", "--expect", "plunge<=1mm"], 2, ["compares by <=", 'write "plunge<1mm"']),
+    (["drill", "quick.toml", "--expect", "through, plunge >= 1 mm"], 2, ["compares by >=", 'write "plunge>1 mm"']),
+    (["drill", "quick.toml", "--expect", "plunge==1mm"], 2, ["compares by ==", 'write "plunge>LOW, plunge<HIGH"']),
+    (["drill", "quick.toml", "--expect", "plunge < 1"], 2, ["needs the unit mm", 'write "plunge<1mm"']),
+    (["drill", "quick.toml", "--expect", "1mm > plunge"], 2, ["has its number first", 'write "plunge<1mm"']),
+    (["drill", "quick.toml", "--expect", "through and plunge<1mm"], 2, ["another sign than a comma", 'write "through, plunge<1mm"']),
+    (["drill", "quick.toml", "--expect", "through; plunge<1mm"], 2, ["another sign than a comma", 'write "through, plunge<1mm"']),
+    (["drill", "quick.toml", "--expect", "through or plunged"], 2, ["all terms of --expect must hold"]),
+    (["drill", "quick.toml", "--expect", "not plunged"], 2, ['write "no plunged"']),
+    (["drill", "quick.toml", "--expect", "!core-left"], 2, ['write "no core-left"']),
     (["drill", "quick.toml", "--expect", "forces<3N"], 2, ['no figure: "forces"', "peak-force", "burrhole docs outcome"]),
     (["drill", "quick.toml", "--expect", "peak_forc_N<3N"], 2, ['did you mean "peak_force_N"?']),
     (["cost", "drilling", "--bit", "my bit"], 2, ["my bit", "ball 6 mm, ball 2 mm, flat 4 mm", "no shipped tool", "no tool file"]),
@@ -103,10 +166,18 @@ class Mistakes(WithFolder):
         (self.folder / "taken").mkdir()
         (self.folder / "taken" / "summary.json").write_text('{"schema": 1, "scene": "head.toml"}')
         (self.folder / "notes.txt").write_text("these are notes, no scene\n")
-        (self.folder / "head.nii").write_bytes(b"\x5c\x01\0\0" + b"\xff" * 400)
+        for name in ("head.nii", "head.vdb"):
+            (self.folder / name).write_bytes(b"\x5c\x01\0\0" + b"\xff" * 400)
+        (self.folder / "rawdir").mkdir()
+        for name in ("rawdir/slice_001.raw", "rawdir/slice_002.raw", "rawdir/slice_003.raw", "scan.raw"):
+            (self.folder / name).write_bytes(bytes(8192))
+        for name in ("my scan.toml", "plan.mrk.json", "case.mrml"):
+            (self.folder / name).write_text("no scene\n")
         shutil.copy(self.folder / "pin_2mm.toml", self.folder / "my_pin.toml")
         (self.folder / "my_mesh.toml").write_text('[mesh]\nfile = "bit.stl"\n')
         (self.folder / "bit.stl").write_text("solid\n")
+        pin = (self.folder / "pin_2mm.toml").read_text()
+        (self.folder / "odd_pin.toml").write_text(pin.replace("[[region]]\n", "[[region]]\nwidth_mm = 3\n", 1))
 
     def test_each_message_names_the_mistake_and_the_next_step(self):
         before = {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()}
@@ -230,6 +301,16 @@ class Habits(WithFolder):
             self.assertIn("--force", refused.stderr)
             self.assertEqual((out / "summary.json").read_text(), text)
         self.assertEqual(run("drill", self.quick(), *short, "--out", out, "--force").returncode, 0)
+
+    def test_a_scene_file_that_is_only_shipped_is_taken_with_a_warning(self):
+        plain = run("check", "parietal", cwd=self.folder)
+        result = run("check", "parietal.toml", cwd=self.folder)
+        self.assertEqual((result.returncode, result.stdout), (0, plain.stdout), result.stderr)
+        self.assertEqual(len(lines(result.stderr)), 1, result.stderr)
+        for needle in ("parietal.toml: warning:", "not in the current folder", "shipped scene", "burrhole scenes --copy parietal"):
+            self.assertIn(needle, result.stderr)
+        run("scenes", "--copy", "parietal", cwd=self.folder)
+        self.assertEqual(run("check", "parietal.toml", cwd=self.folder).stderr, "")
 
     def test_a_shipped_scene_is_not_hidden_by_what_has_its_name(self):
         plain = run("check", "parietal", cwd=self.folder)

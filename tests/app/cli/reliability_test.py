@@ -1,11 +1,12 @@
 """Faults of the machine, a seeded part of them; scripts/reliability runs them all. tests/support/faults.py says what must hold after each."""
+import json
 import pathlib
 import random
 import sys
 import unittest
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "support"))
-from faults import Bench, chosen, missing_tool  # noqa: E402
+from faults import Bench, chosen, missing_tool, PERHAPS  # noqa: E402
 from fault_cases import cases, SCENE  # noqa: E402
 from program_support import main, PROGRAM, run, WithFolder, without_display  # noqa: E402
 
@@ -62,6 +63,23 @@ class Reliability(WithFolder):
         self.assertEqual(self.bench._not_written(), sorted(p.name for p in self.bench.old.iterdir()))
         (self.bench.out / "after.png.123.tmp").write_bytes(b"")
         self.assertIn("leaves", self.bench._left(case))
+        self.bench.reset()
+        # Of an earlier run that did not get as far as half the depth.
+        for name in PERHAPS:
+            (self.bench.old / name).unlink(missing_ok=True)
+        self.bench.reset()
+        during = self.bench.out / "during.png"
+        during.write_bytes((self.bench.old / "before.png").read_bytes())
+        self.assertIn("leaves during.png without", self.bench._left(case) or "", "older results are beside it")
+        summary = self.bench.out / "summary.json"
+        summary.write_text(json.dumps({**json.loads(summary.read_text()), "created": "later"}))
+        (self.bench.out / "session.sqlite").unlink()
+        self.assertIsNone(self.bench._left(case), "those of its run are beside it")
+        during.write_bytes(during.read_bytes()[:100])
+        self.assertIn("during.png is not whole", self.bench._left(case) or "")
+        summary.unlink()
+        during.write_bytes((self.bench.old / "before.png").read_bytes())
+        self.assertIn("leaves during.png without", self.bench._left(case) or "", "no results are beside it")
         self.bench.reset()
         if not missing_tool():
             before = self.bench.trials

@@ -69,11 +69,37 @@ TEST_CASE("expectation: a wrong term is one line with what is allowed") {
     CHECK(no_figure == (std::string(text).starts_with("depht") || std::string(text).starts_with("through plunge")));
     const bool no_flag = terms.error().message.find("names no flag") != std::string::npos;
     CHECK(no_flag == (std::string(text) == "no plunge"));
-    const char* const listed = no_figure ? "figures: plunge, depth, "
-                               : no_flag ? "did you mean \"no plunged\"? flags: plunged, "
-                                         : "; allowed: through, faulted";
+    const std::string term = text;
+    const char* const listed = no_figure                                           ? "figures: plunge, depth, "
+                               : no_flag                                           ? "did you mean \"no plunged\"? flags: plunged, "
+                               : term == "plunge<0.5"                              ? ": write \"plunge<0.5mm\""
+                               : term == "plunge<0.5cm" || term == "plunge<0.5mm2" ? ": plunge is in mm"
+                               : term == "plunge=1mm"                              ? ": write \"plunge>LOW, plunge<HIGH\""
+                               : term == "plunge<<1mm"                             ? ": write \"plunge<1mm\""
+                                                                                   : "; allowed: through, faulted";
     CHECK(terms.error().message.find(listed) != std::string::npos);
     CHECK(terms.error().message.find('\n') == std::string::npos);
+  }
+}
+
+TEST_CASE("expectation: a term in the words of other languages is refused with the term to write, which is valid") {
+  for (const auto& [text, instead] :
+       {std::pair("plunge<=1mm", "plunge<1mm"), std::pair("plunge >= 1 mm", "plunge>1 mm"), std::pair("plunge=<1mm", "plunge<1mm"),
+        std::pair("1mm>plunge", "plunge<1mm"), std::pair("1 mm < plunge", "plunge>1 mm"), std::pair("plunge<1", "plunge<1mm"),
+        std::pair("through and no plunged", "through, no plunged"), std::pair("through && plunge<1mm", "through, plunge<1mm"),
+        std::pair("through;plunge<1mm", "through, plunge<1mm"), std::pair("not plunged", "no plunged"), std::pair("!plunged", "no plunged"),
+        std::pair("plunged", "no plunged")}) {
+    CAPTURE(std::string(text));
+    const auto terms = parse_expectation(text);
+    REQUIRE_FALSE(terms.ok());
+    CHECK_MESSAGE(terms.error().message.find("write \"" + std::string(instead) + "\"") != std::string::npos, terms.error().message);
+    CHECK(terms.error().message.size() < 200);  // one line that is read
+    CHECK(parse_expectation(instead).ok());
+  }
+  for (const char* text : {"through or no plunged", "through || no plunged"}) {
+    const auto terms = parse_expectation(text);
+    REQUIRE_FALSE(terms.ok());
+    CHECK(terms.error().message.find("all terms of --expect must hold") != std::string::npos);
   }
 }
 

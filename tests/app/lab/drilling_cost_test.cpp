@@ -177,6 +177,12 @@ TEST_CASE("drilling cost: a row per point and figure, a sentence per setting, an
   std::ostringstream text;
   text << svg.rdbuf();
   CHECK(text.str().find("default") != std::string::npos);
+  // Bounds are other marks than errors: one of time, three of plunge, three of the ripple, and the sample in the legend.
+  const std::string drawn = text.str();
+  std::size_t bounds = 0;
+  for (std::size_t at = drawn.find("href='#gpPt9' transform"); at != std::string::npos; at = drawn.find("href='#gpPt9' transform", at + 1))
+    ++bounds;
+  CHECK(bounds == 8);
 }
 
 TEST_CASE("drilling cost: the reference's own error is its difference from a second run, half as fine, drilled by itself") {

@@ -196,6 +196,53 @@ TEST_CASE("orientation: it follows the pose of the bone and has unit axes in eve
   for (const auto& one : after) CHECK(glm::dot(one.end, one.end) + one.depth * one.depth == doctest::Approx(1.0));
 }
 
+TEST_CASE("orientation: no letter is on another or on the axis of another, from any side") {
+  const auto to_axis = [](const glm::dvec2& p, const glm::dvec2& end) {
+    const double squared = glm::dot(end, end);
+    return glm::length(p - (squared > 0.0 ? std::clamp(glm::dot(p, end) / squared, 0.0, 1.0) : 0.0) * end);
+  };
+  double letters = 1e9, axes = 1e9, own = 0.0;
+  constexpr int kSides = 3000;
+  for (int n = 0; n < kSides; ++n) {
+    const double z = 1.0 - (2.0 * n + 1.0) / kSides, turn = 2.399963 * n, flat = std::sqrt(1.0 - z * z);  // a spiral over the sphere
+    const double roll = 0.7 * n;
+    const Vec3 eye(flat * std::cos(turn), flat * std::sin(turn), z);
+    const Vec3 up(std::cos(roll) * 0.3, std::sin(roll) * 0.3, 1.0);
+    const auto directions = patient_directions({.eye = 0.4 * eye, .target = Vec3(0.0), .up = up}, Pose{});
+    const auto places = place_letters(directions);
+    for (std::size_t a = 0; a < 6; ++a) {
+      CHECK(places[a].has_value() == (glm::length(directions[a].end) >= 0.3));
+      if (!places[a]) continue;
+      own = std::max(own, glm::length(*places[a] - kMarkRadius * directions[a].end));
+      for (std::size_t b = 0; b < 6; ++b) {
+        if (b == a) continue;
+        axes = std::min(axes, to_axis(*places[a], kMarkRadius * directions[b].end));
+        if (places[b]) letters = std::min(letters, glm::length(*places[a] - *places[b]));
+      }
+    }
+  }
+  // [letter heights] A letter is 1 high and two thirds wide: their diagonals are 1.2, so two that are farther apart do not touch.
+  CHECK(letters > 1.2);
+  CHECK(axes > 0.6);
+  CHECK(own < 2.5);
+}
+
+TEST_CASE("slices: no line of the drawing runs through a title or a letter of a side") {
+  TipSlices slices{.size = 320, .pixel = 1e-4, .planes = {}};
+  for (std::size_t n = 0; n < 3; ++n) {
+    slices.planes[n] = {"axial", 'z', 0.0, 'R', 'L', 'A', 'P', std::vector<std::uint8_t>(320 * 320, 90), {}};
+    for (int x = 2; x < 320; x += 6) slices.planes[n].tool.push_back({glm::dvec2(x, 0.0), glm::dvec2(x, 320.0)});
+  }
+  const Image image = draw_tip_slices(slices);
+  const auto title = find_text(image, "axial, z = 0.0 mm", 10.0, kWhite);
+  CHECK(title.share > kRead);
+  int orange = 0;
+  for (double y = title.start.y - 10.0; y < title.start.y; y += 1.0)
+    for (double x = title.start.x; x < title.start.x + text_width("axial, z = 0.0 mm", 10.0); x += 1.0)
+      orange += at(image, x, y).r > at(image, x, y).b + 60 ? 1 : 0;
+  CHECK(orange == 0);
+}
+
 TEST_CASE("orientation: a mark changes the lower right corner and nothing else") {
   Image image{400, 300, std::vector<Rgba8>(400 * 300, Rgba8{90, 90, 90, 255})};
   const std::vector<Rgba8> before = image.pixels;

@@ -2,7 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -114,6 +116,26 @@ TEST_CASE("drill report: the axis of the feed is that of drilling; a fast approa
   CHECK_FALSE(contains(plot, "700<"));
   report.speed_mm_s.assign(report.speed_mm_s.size(), 0.4);
   CHECK_FALSE(contains(plots_of(*make_drill_report(report)).front(), "beyond the axis"));
+}
+
+TEST_CASE("drill report: infinite and unknown speeds, as of samples at one time, draw a page with the axis of those that are known") {
+  DrillReport report = make_report();
+  report.force_N.assign(report.force_N.size(), 20.0);
+  for (const double strange : {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+                               std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::max()}) {
+    INFO(strange);
+    report.speed_mm_s.assign(report.speed_mm_s.size(), strange);
+    report.speed_mm_s[7] = 0.4;
+    const Result<std::string> page = make_drill_report(report);
+    REQUIRE_MESSAGE(page.ok(), page.error().text());
+    if (contains(*page, "No plot: ")) return;  // no gnuplot
+    CHECK_FALSE(contains(plots_of(*page).front(), "inf mm/s"));
+    CHECK(contains(plots_of(*page).front(), "0.4<"));
+    report.speed_mm_s[7] = strange;
+    REQUIRE(make_drill_report(report));
+  }
+  report.speed_mm_s.assign(report.speed_mm_s.size(), std::numeric_limits<double>::quiet_NaN());
+  CHECK(contains(*make_drill_report(report), "no data"));
 }
 
 /// A run of 20 s with a large force in its first second only.

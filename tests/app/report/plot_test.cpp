@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <regex>
 #include <set>
@@ -114,6 +115,80 @@ TEST_CASE("plot: a legend of many long names takes rows, and its panel grows by 
   CHECK(height_of(many) - height_of(usual) == (15 - 3) * 19);  // [px] of a row
 }
 
+/// Numbers that follow a word in a script, in order.
+std::vector<double> numbers_after(const std::string& script, const std::string& word) {
+  const std::regex number(word + "(-?[0-9.]+)");
+  std::vector<double> out;
+  for (std::sregex_iterator at(script.begin(), script.end(), number); at != std::sregex_iterator(); ++at)
+    out.push_back(std::stod((*at)[1]));
+  return out;
+}
+
+TEST_CASE("plot: there is room at the right for the names of bands only where there are bands") {
+  Plot bare = make_many(2, 6);
+  CHECK(numbers_after(plot_script(bare), "set rmargin at screen ").front() * bare.width_px > bare.width_px - 40.0);
+  CHECK(numbers_after(plot_script(make_plot()), "set rmargin at screen ").front() * bare.width_px < bare.width_px - 100.0);
+}
+
+TEST_CASE("plot: a curve that runs along zero lies above the frame, one that only begins there does not move it") {
+  const auto lower_end = [](const std::vector<double>& y) {
+    Plot plot;
+    plot.panels.push_back({.y_label = "Force (N)", .series = {{"a", {0.0, 1.0, 2.0}, y}}, .bands = {}, .from_zero = true});
+    return numbers_after(plot_script(plot), "set yrange \\[").front();
+  };
+  CHECK(lower_end({0.0, 1.0, 2.0}) == 0.0);
+  CHECK(lower_end({2.0, 0.0, 0.0}) < -0.05);
+  CHECK(lower_end({2.0, 0.004, 0.003}) < -0.05);  // within the width of the line
+}
+
+TEST_CASE("plot: of curves that coincide the upper ones are dashed and the lowest is wider, others are plain") {
+  const auto styles = [](const std::vector<double>& second, const std::vector<double>& third) {
+    Plot plot;
+    plot.panels.push_back({.y_label = "Force (N)",
+                           .series = {{"a", {0.0, 1.0, 2.0, 3.0}, {0.0, 1.0, 2.0, 3.0}},
+                                      {"b", {0.0, 1.0, 2.0, 3.0}, second},
+                                      {"c", {0.0, 1.0, 2.0, 3.0}, third}},
+                           .bands = {}});
+    const std::string script = plot_script(plot);
+    const std::regex style("with lines linewidth ([0-9.]+) linecolor rgb \"#[0-9a-f]{6}\" dashtype ([^ ]+) title");
+    std::vector<std::string> out;
+    for (std::sregex_iterator at(script.begin(), script.end(), style); at != std::sregex_iterator(); ++at)
+      out.push_back(std::string((*at)[1]) + " " + std::string((*at)[2]));
+    return out;
+  };
+  using Styles = std::vector<std::string>;
+  CHECK(styles({3.0, 2.5, 2.5, 2.5}, {1.0, 0.5, 0.5, 0.5}) == Styles{"1.6 1", "1.6 1", "1.6 1"});
+  CHECK(styles({0.0, 1.0, 2.0, 3.0}, {1.0, 0.5, 0.5, 0.5}) == Styles{"3.4 1", "1.6 (8,4)", "1.6 1"});
+  CHECK(styles({0.0, 1.0, 2.0, 3.0}, {0.0, 1.0, 2.0, 3.0}) == Styles{"3.4 1", "1.6 (8,4)", "1.6 (2,3)"});
+  CHECK(styles({0.0, 1.0, 9.0, 9.0}, {1.0, 0.5, 0.5, 0.5}) == Styles{"3.4 1", "1.6 (8,4)", "1.6 1"});  // on one segment of three
+  CHECK(styles({0.0, 9.0, 9.0, 9.0}, {1.0, 0.5, 0.5, 0.5}) == Styles{"1.6 1", "1.6 1", "1.6 1"});      // a common start
+}
+
+TEST_CASE("plot: a legend over a grid has the rows that its names need, all inside the picture") {
+  const auto legend = [](std::size_t count) {
+    Plot plot = make_many(count, 22);
+    plot.columns = 1;
+    plot.legend = "above";
+    const Result<std::string> svg = draw_svg(plot);
+    REQUIRE_MESSAGE(svg.ok(), (svg ? "" : svg.error().text()));
+    const std::regex name(
+        R"re(<g transform="translate\(([-0-9.]+),([-0-9.]+)\)"[^>]*>\s*<text><!\[CDATA\[run1|<g transform="translate\(([-0-9.]+),([-0-9.]+)\)"[^>]*>\s*<text>run1)re");
+    std::set<double> rows;
+    int names = 0;
+    for (std::sregex_iterator at(svg->begin(), svg->end(), name); at != std::sregex_iterator(); ++at, ++names) {
+      const double x = std::stod((*at)[1].matched ? (*at)[1] : (*at)[3]), y = std::stod((*at)[2].matched ? (*at)[2] : (*at)[4]);
+      rows.insert(y);
+      CHECK(x >= 0.0);
+      CHECK(x < plot.width_px);
+      CHECK(y > 11.0);  // [px] the letters' height: the base line of the first row
+    }
+    CHECK(names == static_cast<int>(count));
+    return rows.size();
+  };
+  CHECK(legend(3) == 1);
+  CHECK(legend(8) >= 2);
+}
+
 TEST_CASE("plot: without gnuplot the error says what lacks") {
   const Result<std::string> svg = draw_svg(make_plot(), "no-such-gnuplot");
   REQUIRE_FALSE(svg);
@@ -125,6 +200,17 @@ TEST_CASE("plot: a program that fails is an error with its words, or says that t
   const Result<std::string> svg = draw_svg(make_plot(), "false");
   REQUIRE_FALSE(svg);
   CHECK(svg.error().message.find("no reason given") != std::string::npos);
+}
+
+TEST_CASE("plot: a program that a signal ends is not at hand, which is no error of the plot") {
+  const TemporaryFolder folder;
+  const std::string killed = folder.file("killed");
+  REQUIRE(write_file(killed, "#!/bin/sh\nkill -KILL $$\n"));
+  std::filesystem::permissions(killed, std::filesystem::perms::owner_all);
+  const Result<std::string> svg = draw_svg(make_plot(), killed);
+  REQUIRE_FALSE(svg);
+  CHECK(svg.error().code == ErrorCode::unavailable);
+  CHECK(svg.error().message == killed + " was ended by signal 9: try again");
 }
 
 TEST_CASE("plot: an unwritable path is bad input with the path") {

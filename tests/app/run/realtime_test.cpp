@@ -152,6 +152,15 @@ TEST_CASE("real time: friction in every form of contact, at contact's rate and a
   }
 }
 
+TEST_CASE("real time: a bone that moves, by keyframes and by the hand, under a bit that vibrates") {
+  covers("haptics/hand/bone_drive.h: move", "app/stage/contact_tick.h: move", "haptics/servo/tip_vibration.h: operator()");
+  const SmallScene scene = pressed(kHeldKeys);
+  const std::string moves =
+      "\n[vibration]\n[motion]\n[[motion.key]]\ntime_s = 0\n[[motion.key]]\ntime_s = 2\naxis = [0, 1, 1]\nangle_deg = 8\n";
+  LoadedScene loaded = load_text(scene_text(scene) + moves, scene.sets);
+  check_clean(drive(loaded));
+}
+
 TEST_CASE("real time: every limit of the servo") {
   covers("haptics/servo/energy_observer.h: operator()", "haptics/servo/energy_observer.h: damping_force",
          "haptics/servo/swing_detector.h: operator()", "haptics/servo/force_limits.h: shortened",

@@ -252,4 +252,29 @@ TEST_CASE("approach: an axis that misses is given a valid start, from outside th
 }
 
 }  // namespace
+TEST_CASE("approach: an entry written in RAS is named with the same place in LPS, which is valid; a miss in both is not") {
+  auto phantom = make_phantom(patch());
+  REQUIRE(phantom);
+  const Vec3 aside(60e-3, -40e-3, 0.0);
+  phantom->bone.bone_from_index.offset += aside;
+  const auto bone = BoneModel::create(phantom->bone);
+  REQUIRE(bone);
+  ApproachScene scene;
+  scene.entry = Vec3(-aside.x, -aside.y, 0.0);
+  scene.axis = glm::normalize(Vec3(0.1, 0.2, -1.0));
+  const auto missed = make_approach(**bone, scene);
+  REQUIRE_FALSE(missed.ok());
+  const ApproachStart lps{aside, glm::normalize(Vec3(-0.1, -0.2, -1.0))};
+  CHECK_MESSAGE(missed.error().message.find("if the entry was written in RAS") != std::string::npos, missed.error().message);
+  CHECK_MESSAGE(missed.error().message.ends_with(start_text(lps)), missed.error().message);
+  ApproachScene corrected;
+  corrected.entry = lps.entry;
+  corrected.axis = lps.axis;
+  CHECK(make_approach(**bone, corrected).ok());
+  scene.entry = Vec3(-aside.x, aside.y, 0.0);  // on neither side
+  const auto elsewhere = make_approach(**bone, scene);
+  REQUIRE_FALSE(elsewhere.ok());
+  CHECK(elsewhere.error().message.find("RAS") == std::string::npos);
+}
+
 }  // namespace burrhole

@@ -57,21 +57,24 @@ TEST_CASE("check_mesh: the volume of a sphere of chords tends to the ball's from
 
 TEST_CASE("mesh_error: holes are counted and measured") {
   // A face of 20 x 40 mm missing: its rim is 120 mm. One triangle more on the far side: 20 + 40 + its diagonal.
-  CHECK(fault_of(without_triangles(kBox, 0, 2)) == "open: 4 edges without a neighbour in 1 hole, the longest 120 mm around");
+  CHECK(fault_of(without_triangles(kBox, 0, 2)) ==
+        "open: 4 edges without a neighbour in 1 hole, the longest 120 mm around; close them in a mesh editor");
   CHECK(fault_of(without_triangles(without_triangles(kBox, 2, 1), 0, 2)) ==
-        "open: 7 edges without a neighbour in 2 holes, the longest 120 mm around");
+        "open: 7 edges without a neighbour in 2 holes, the longest 120 mm around; close them in a mesh editor");
 }
 
 TEST_CASE("mesh_error: inside-out, wound both ways, doubled and flat surfaces are distinguished") {
   CHECK(fault_of(inside_out(kBox)) == "inside-out: its normals point inwards; flip them (signed volume -48 cm3)");
   SurfaceMesh one_turned = kBox;
   std::swap(one_turned.indices[0], one_turned.indices[1]);
-  CHECK(fault_of(one_turned) == "wound both ways: the triangles at 3 edges do not agree on which side is outside");
+  CHECK(fault_of(one_turned) ==
+        "wound both ways: the triangles at 3 edges do not agree on which side is outside; turn all normals outwards");
   SurfaceMesh doubled = kBox;
   doubled.indices.insert(doubled.indices.end(), {0, 2, 1});
-  CHECK(fault_of(doubled) == "not a solid: 3 edges are shared by more than two triangles");
+  CHECK(fault_of(doubled) ==
+        "not a solid: 3 edges are shared by more than two triangles; delete doubled faces and part bodies that touch there");
   const SurfaceMesh flat{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 2, 0, 2, 1}};
-  CHECK(fault_of(flat) == "flat: it encloses no volume");
+  CHECK(fault_of(flat) == "flat: it encloses no volume; give a closed surface");
 }
 
 TEST_CASE("mesh_error: a part wound inward is a cavity inside another and an error outside") {
@@ -96,7 +99,7 @@ TEST_CASE("mesh_error: triangles with fewer than three places do no harm, thin o
   mesh.positions.push_back(0.5 * (mesh.positions[0] + mesh.positions[1]));
   mesh.indices.erase(mesh.indices.begin(), mesh.indices.begin() + 3);  // 0, 2, 1
   mesh.indices.insert(mesh.indices.end(), {0, 2, 8, 8, 2, 1});
-  CHECK(fault_of(mesh) == "open: 3 edges without a neighbour in 1 hole, the longest 40 mm around");
+  CHECK(fault_of(mesh) == "open: 3 edges without a neighbour in 1 hole, the longest 40 mm around; close them in a mesh editor");
   mesh.indices.insert(mesh.indices.end(), {0, 8, 1});
   CHECK(fault_of(mesh) == "");
 }

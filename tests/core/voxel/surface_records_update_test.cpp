@@ -6,6 +6,8 @@
 
 #include "core/base/random.h"
 #include "core/base/simd.h"
+#include "core/voxel/surface_memory.h"
+#include "core/voxel/surface_tile.h"
 #include "tests/core/voxel/surface_cases.h"
 #include "tests/core/voxel/voxel_cases.h"
 
@@ -217,4 +219,19 @@ TEST_CASE("surface records: windows of any size, and updates that miss them") {
     CHECK(records.update(window, VoxelBox{Vec3i(-50), Vec3i(-40)}).empty());
     CHECK(records.update(window, box.grown(3)) == box);
   }
+}
+
+TEST_CASE("surface records: the memory of a tile is that which is predicted, and a larger tile leaves none of a smaller one") {
+  // What is found decides the surfels alone, which are not made here. A voxel of a cube's edge more or less is 4 % of its volume.
+  for (const Affine& map : {kEven, uneven()})
+    for (const int edge : {20, 40, 54}) {
+      SurfaceTile grown, at_once;
+      for (int smaller = 8; smaller < edge; smaller += 3)
+        grown.lay_out({Vec3i(0), Vec3i(smaller)}, {Vec3i(-50), Vec3i(150)}, SurfaceMap(map));
+      for (SurfaceTile* tile : {&grown, &at_once}) tile->lay_out({Vec3i(0), Vec3i(edge)}, {Vec3i(-50), Vec3i(150)}, SurfaceMap(map));
+      CHECK(grown.bytes() == at_once.bytes());
+      const auto predicted = static_cast<double>(record_scratch_bytes(static_cast<std::uint64_t>(edge) * edge * edge, map));
+      CHECK(predicted == doctest::Approx(static_cast<double>(at_once.bytes())).epsilon(0.05));
+    }
+  CHECK(record_scratch_bytes(1'000'000, kEven) == record_scratch_bytes(10'000'000, kEven));  // a larger window is made in several tiles
 }

@@ -35,6 +35,7 @@ inline std::vector<Case> every_shape() {
       {"plate", with(PhantomKind::plate, [](PhantomSpec&) {})},
       {"oblique plate", with(PhantomKind::plate, [](PhantomSpec& s) { s.plate_normal = Vec3(1.0, -2.0, 3.0); })},
       {"sphere", with(PhantomKind::sphere, [](PhantomSpec& s) { s.sphere_radius = 0.0045; })},
+      {"capsule", with(PhantomKind::capsule, [](PhantomSpec& s) { s.sphere_radius = 0.0035, s.capsule_length = 0.011; })},
       {"acute wedge", with(PhantomKind::wedge, [](PhantomSpec& s) { s.wedge_angle = 50.0 * kDegree; })},
       {"obtuse wedge", with(PhantomKind::wedge, [](PhantomSpec& s) { s.wedge_angle = 140.0 * kDegree; })},
       {"pit", with(PhantomKind::pit, [](PhantomSpec&) {})},

@@ -307,10 +307,51 @@ TEST_CASE("read_mesh_scan: refusals say what and how much") {
   SurfaceMesh open = box;
   open.indices.resize(open.indices.size() - 3);
   CHECK(refusal(write_mesh(folder.file("open"), open, MeshForm::ply), options(kMm)) ==
-        "open: 3 edges without a neighbour in 1 hole, the longest 44.4 mm around");
+        "open: 3 edges without a neighbour in 1 hole, the longest 44.4 mm around; close them in a mesh editor");
   CHECK(refusal(write_mesh(folder.file("in"), inside_out(box), MeshForm::obj), options(kMm)) ==
         "inside-out: its normals point inwards; flip them (signed volume -1.6 cm3)");
   CHECK(refusal(folder.file("none.stl"), options(kMm)) == "cannot be read: No such file or directory");
+}
+
+TEST_CASE("read_mesh_scan: triangles without area and doubled vertices are repaired by name, other bad edges are refused in one line") {
+  const TemporaryFolder folder;
+  const SurfaceMesh box = box_mesh({10 * kMm, 10 * kMm, 10 * kMm});
+  const auto path_of = [&](const SurfaceMesh& mesh) { return write_mesh(folder.file("mesh"), mesh, MeshForm::ply); };
+  const auto whole = read_mesh_scan(path_of(box), options(kMm, 1 * kMm));
+  REQUIRE(whole.ok());
+  SurfaceMesh soup;  // each corner of each triangle is a vertex of its own
+  for (const auto index : box.indices) {
+    soup.indices.push_back(static_cast<std::uint32_t>(soup.positions.size()));
+    soup.positions.push_back(box.positions[index]);
+  }
+  SurfaceMesh thin = box;
+  for (const std::uint32_t n : {0u, 0u, 1u, 2u, 3u, 3u}) thin.indices.push_back(n);
+  for (const SurfaceMesh* mesh : {&soup, &thin}) {
+    const auto read = read_mesh_scan(path_of(*mesh), options(kMm, 1 * kMm));
+    REQUIRE_MESSAGE(read.ok(), (read ? "" : read.error().text()));
+    CHECK(read->report.skipped.size() == (mesh == &thin ? 1u : 0u));
+    if (mesh == &thin) CHECK((read->report.skipped[0].reason == "triangle without area" && read->report.skipped[0].count == 2));
+    CHECK(read->scan.dims == whole->scan.dims);
+    for_each_voxel({Vec3i(0), read->scan.dims}, [&](const Vec3i& v) { REQUIRE(at(read->scan, v) == at(whole->scan, v)); });
+  }
+  SurfaceMesh doubled = box, touching = box, fin = box, mixed = box, flat = box;
+  doubled.indices.insert(doubled.indices.end(), box.indices.begin(), box.indices.begin() + 3);
+  for (const auto index : box.indices) touching.indices.push_back(index + static_cast<std::uint32_t>(box.positions.size()));
+  for (const auto& p : box.positions) touching.positions.push_back(p + Vec3(20 * kMm, 20 * kMm, 0.0));  // one edge is the other's
+  fin.positions.push_back(Vec3(0.0, 0.0, 50 * kMm));
+  for (const auto n : {box.indices[0], box.indices[1], static_cast<std::uint32_t>(box.positions.size())}) fin.indices.push_back(n);
+  std::swap(mixed.indices[0], mixed.indices[1]);
+  for (auto& p : flat.positions) p.z = 0.0;
+  const auto refused = [&](const SurfaceMesh& mesh, const std::string& words) {
+    const std::string text = refusal(path_of(mesh), options(kMm, 1 * kMm));
+    CHECK_MESSAGE(text.find(words) != std::string::npos, text);
+    CHECK(text.find('\n') == std::string::npos);
+  };
+  refused(doubled, "not a solid: 3 edges are shared by more than two triangles; delete");
+  refused(touching, "not a solid: 1 edges are shared");
+  refused(fin, "open: 2 edges without a neighbour");
+  refused(mixed, "wound both ways: the triangles at 3 edges do not agree");
+  CHECK(!read_mesh_scan(path_of(flat), options(kMm, 1 * kMm)).ok());
 }
 
 TEST_CASE("read_mesh_scan: real bones keep their volume") {

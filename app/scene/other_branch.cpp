@@ -1,0 +1,76 @@
+#include "app/scene/other_branch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "app/scene/schema_doc.h"
+
+namespace burrhole {
+namespace {
+
+Schema schema_of(SchemaFile file) {
+  std::vector<KeyLog> logs;
+  std::vector<std::string> names;
+  for (const SchemaSample& sample : schema_samples(file)) {
+    logs.push_back(read_sample(file, sample.text).log);
+    names.push_back(sample.name);
+  }
+  return merge_logs(logs, names);
+}
+
+/// "region[0]" -> "region[]", as the rows of a schema name tables.
+std::string in_schema(std::string_view path) {
+  std::string out(path);
+  for (std::size_t at = out.find('['); at != std::string::npos; at = out.find('[', at + 1)) out.erase(at + 1, out.find(']', at) - at - 1);
+  return out;
+}
+
+/// The words of a TableReader: unknown key "KEY" in [TABLE]; in a file without tables only the key.
+std::optional<std::pair<std::string, std::string>> unknown_key(const std::string& message) {
+  constexpr std::string_view kBefore = "unknown key \"", kBetween = "\" in [";
+  if (!message.starts_with(kBefore)) return std::nullopt;
+  const std::size_t end = message.find('"', kBefore.size());
+  if (end == std::string::npos) return std::nullopt;
+  const std::string key = message.substr(kBefore.size(), end - kBefore.size());
+  if (message.compare(end, kBetween.size(), kBetween) != 0) return std::pair(std::string(), key);
+  const std::size_t from = end + kBetween.size(), to = message.find("];", from);
+  const std::string path = message.substr(from, to == std::string::npos ? message.size() - 1 - from : to - from);
+  return std::pair(path, key);
+}
+
+/// A condition of the reference without the marks of Markdown.
+std::string plain(std::string text) {
+  std::erase_if(text, [](char c) { return c == '`' || c == '\\'; });
+  return text;
+}
+
+}  // namespace
+
+std::optional<std::string> when_read(std::string_view path, std::string_view key) {
+  const std::string table = in_schema(path);
+  static const std::array<Schema, 3> kSchemas{schema_of(SchemaFile::scene), schema_of(SchemaFile::tool), schema_of(SchemaFile::raw)};
+  for (const Schema& schema : kSchemas)
+    for (const SchemaRow& row : schema.rows)
+      if (row.key.table == table && row.key.key == key && !row.condition.empty()) return plain(row.condition);
+  return std::nullopt;
+}
+
+void explain_unknown_keys(Issues& issues) {
+  for (Error& issue : issues) {
+    const auto unknown = unknown_key(issue.message);
+    if (!unknown) continue;
+    const auto& [path, key] = *unknown;
+    const auto condition = when_read(path, key);
+    if (!condition) continue;
+    const std::string name = path.empty() ? key : path + "." + key;
+    const bool not_with = condition->starts_with("not ");
+    issue.message = fmt::format("{} is {} {}: remove the key, or change that choice", name, not_with ? "not read" : "read",
+                                not_with ? condition->substr(std::string_view("not ").size()) : *condition);
+  }
+}
+
+}  // namespace burrhole
