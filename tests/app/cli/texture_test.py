@@ -26,9 +26,9 @@ def noise(x, y):
 
 
 class Textures(WithFolder):
-    def draw(self, *arguments):
+    def draw(self, *arguments, scene=QUICK):
         image = self.folder / "picture.png"
-        done = run("render", QUICK, "--image", image, "--size", "64x48", "--no-tool", *MESH, *arguments, cwd=self.folder)
+        done = run("render", scene, "--image", image, "--size", "64x48", "--no-tool", *MESH, *arguments, cwd=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         return image.read_bytes()
 
@@ -47,7 +47,7 @@ class Textures(WithFolder):
     def test_each_texture_by_name_or_file_is_another_picture(self):
         (self.folder / "flat.png").write_bytes(png(16, 16, noise))
         (self.folder / "column.png").write_bytes(png(4, 16, noise))
-        ways = {"voxels": (), "plain": ("--set", "display.colour=plain"), "bone": ("--set", "display.exterior_texture=bone"),
+        ways = {"voxels": (), "bone": ("--set", "display.exterior_texture=bone"),
                 "apple": ("--set", "display.exterior_texture=apple"), "file": ("--set", "display.exterior_texture=flat.png"),
                 "larger": ("--set", "display.exterior_texture=flat.png", "--set", "display.exterior_mm=60"),
                 "axis": ("--set", "display.exterior_texture=flat.png", "--set", "display.texture_axis=x"),
@@ -58,7 +58,13 @@ class Textures(WithFolder):
         # Whole bone has no inside to be seen, and another colour leaves textures out.
         self.assertEqual(self.draw("--set", "display.interior_texture=apple"), drawn["voxels"])
         self.assertEqual(self.draw("--set", "display.exterior_texture=bone", "--set", "display.colour=voxel"), drawn["voxels"])
-        self.assertEqual(self.draw("--set", "display.label_colours=false"), drawn["plain"])
+
+    def test_one_colour_is_that_of_both_keys(self):
+        # The section of a skull has several colours, unlike the plate.
+        patch = ("--cut", "--set", "volume.spacing_mm=0.5")
+        plain = self.draw(*patch, "--set", "display.colour=plain", scene="parietal")
+        self.assertNotEqual(plain, self.draw(*patch, scene="parietal"))
+        self.assertEqual(plain, self.draw(*patch, "--set", "display.label_colours=false", scene="parietal"))
 
     def test_a_drilled_hole_has_the_inside_also_after_a_checkpoint(self):
         out = self.folder / "run"

@@ -67,7 +67,7 @@ TEST_CASE("display mesh: what is no texture is refused at its key, with the next
   std::ofstream(folder.file("text.png")) << "no image";
   refuses("exterior_texture = \"appel\"\n", "did you mean \"apple\"?");
   refuses("exterior_texture = \"stone\"\n", "must be \"bone\", \"apple\", \"cucumber\", or the path of a PNG file");
-  refuses("interior_texture = \"none/such.png\"\n", "none/such.png is not there: tried ");
+  refuses("interior_texture = \"none/such.png\"\n", "is not there: tried none/such.png");
   refuses("exterior_texture = \"" + folder.file("text.png") + "\"\n", "is not a PNG image: convert it to PNG");
   refuses("exterior_texture = \"" + folder.path().string() + "\"\n", "is a folder: give a file");
   refuses("interior_texture = \"/dev/null\"\n", "is a device: give a regular file");
