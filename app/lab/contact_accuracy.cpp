@@ -188,12 +188,12 @@ Status measure_bone(const LabBone& bone, const std::vector<LabTool>& tools, cons
                     std::vector<CostRow>& rows) {
   auto rig = ContactRig::create(bone.spec);
   if (!rig) return rig.error();
-  const BoneForm forms[] = {{kShippedForm, rig->word_view(), rig->word_bytes()},
-                            {"gradient-plane, floats", rig->float_view(), rig->float_bytes()},
-                            {"gradient-plane, vdb", rig->vdb_view(), std::numeric_limits<double>::quiet_NaN()},
-                            {"mesh", rig->mesh_view(), rig->mesh_bytes(), &LabTool::mesh},
-                            {"mesh, deepest", rig->mesh_view(), rig->mesh_bytes(), &LabTool::deepest, exact_deepest_force,
-                             kDeepestReference}};
+  const BoneForm forms[] = {
+      {kShippedForm, rig->word_view(), rig->word_bytes()},
+      {"gradient-plane, floats", rig->float_view(), rig->float_bytes()},
+      {"gradient-plane, vdb", rig->vdb_view(), std::numeric_limits<double>::quiet_NaN()},
+      {"mesh", rig->mesh_view(), rig->mesh_bytes(), &LabTool::mesh},
+      {"mesh, deepest", rig->mesh_view(), rig->mesh_bytes(), &LabTool::deepest, exact_deepest_force, kDeepestReference}};
   for (const LabTool& tool : tools)
     for (const double depth : options.depths_voxel)
       for (const BoneForm& form : forms) {
@@ -302,7 +302,8 @@ Result<ContactAccuracy> measure_contact_accuracy(const ContactAccuracyOptions& o
   if (!curves) return curves.error();
   out.curves = std::move(curves).value();
   for (const ForceCurve& curve : out.curves)
-    for (const auto& [model, force] : {std::pair{kShippedForm, &curve.model_N}, {"exact average", &curve.law_N}, {"mesh, deepest", &curve.mesh_N}}) {
+    for (const auto& [model, force] :
+         {std::pair{kShippedForm, &curve.model_N}, {"exact average", &curve.law_N}, {"mesh, deepest", &curve.mesh_N}}) {
       CostRow row;
       row.subject = curve.tool + " pressed into plate, level";
       row.model = model;
