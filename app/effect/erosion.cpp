@@ -233,7 +233,7 @@ class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {
     for (const auto& [word, strength] : kMaterials)
       if (material == word) c.ultimate_strength = strength;
     c.ultimate_strength = table.number("ultimate_strength_MPa", above_zero(c.ultimate_strength / kMegapascal, kMegapascal, 1e5),
-                                       "largest stress that the material withstands; default: that of `material`");
+                                       "largest stress that the material withstands; default: that of the material");
     c.reach = table.number("reach", {.fallback = c.reach, .min = 0.0, .max = 1.0, .min_open = true},
                            "radius of the ball in which voxels are removed over the radius of the bit");
     c.bearing_share =

@@ -81,9 +81,10 @@ class MotionPlan final : public ConfigPlan<MotionPlan, MotionConfig> {
     const auto pivot =
         table.optional_numbers("pivot_mm", 3, length, "point about which the bone turns, bone frame; absent: the middle of the volume");
     if (pivot) config_.pivot = Vec3((*pivot)[0], (*pivot)[1], (*pivot)[2]);
-    config_.speed =
-        table.number("speed_mm_s", above_zero(config_.speed / kMillimetre, kMillimetre, 1e3), "speed of the bone while a switch moves it");
-    config_.turn_rate = table.number("turn_deg_s", above_zero(45.0, kDegree, 3600.0), "speed of rotation while a switch turns the bone");
+    config_.speed = table.number("speed_mm_per_s", above_zero(config_.speed / kMillimetre, kMillimetre, 1e3),
+                                 "speed of the bone while a switch moves it");
+    config_.turn_rate =
+        table.number("turn_deg_per_s", above_zero(45.0, kDegree, 3600.0), "speed of rotation while a switch turns the bone");
     for (TableReader& key : table.tables("key", "keyframes of the bone's pose relative to its pose in the scene, in the order of time")) {
       PoseKey one;
       one.time = key.number("time_s", {.min = 0.0, .max = 1e5}, "simulated time");
