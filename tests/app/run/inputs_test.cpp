@@ -154,8 +154,8 @@ TEST_CASE("inputs: undo gives the bone before the last spin-on, to the bit; so d
 
 TEST_CASE(
     "inputs: after tool changes, undo and restore the triangles of the mesh model are those of the bone, and a second run is the same") {
-  // The last input is followed by drilling, or by none.
-  const std::vector<Input> endings[] = {{}, {plain(1300, InputKind::undo)}, {plain(1300, InputKind::restore, "a")}};
+  // The last input is followed by 50 ms of drilling.
+  const std::vector<Input> endings[] = {{}, {plain(1250, InputKind::undo)}, {plain(1250, InputKind::restore, "a")}};
   std::vector<Outcome> outcomes;
   for (const std::vector<Input>& ending : endings) {
     SimulationOptions options;
