@@ -79,10 +79,10 @@ struct DrillReport {
 
 /// Figures of the exit from the bone; absent if they do not apply.
 struct ExitFigures {
-  std::optional<double> breakthrough_s;  ///< absent where a core is left
-  std::optional<double> tip_out_s;       ///< at which the tip was beyond the bone as loaded
-  std::optional<double> support_lost_s;  ///< at which the loss of support began (core/measure/support_loss.h); absent: there was none
-  std::optional<double> plunge_mm;
+  std::optional<double> breakthrough_s{};  ///< absent where a core is left
+  std::optional<double> tip_out_s{};       ///< at which the tip was beyond the bone as loaded
+  std::optional<double> support_lost_s{};  ///< at which the loss of support began (core/measure/support_loss.h); absent: there was none
+  std::optional<double> plunge_mm{};
 };
 /// @returns a sentence without its full stop on a bone that was drilled through.
 [[nodiscard]] std::string exit_sentence(const ExitFigures& exit);

@@ -229,7 +229,7 @@ TEST_CASE("contact accuracy: table and plots are written") {
 }
 
 TEST_CASE("contact accuracy: a tool file outside the folder gives the rows of the same bit in it") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string own = folder.file("mine.toml");
   std::filesystem::copy_file(test::in_source("app/tools/acosta_liu_round.toml"), own);
   ContactAccuracyOptions options = quick();

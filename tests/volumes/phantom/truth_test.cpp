@@ -35,6 +35,11 @@ bool inside(const PhantomSpec& s, const Vec3& p) {
       return std::abs(p.x) <= -p.z * std::tan(0.5 * s.wedge_angle);
     case PhantomKind::pit:
       return p.z <= 0.0 && p.z >= -s.thickness && !(rho < s.hole_radius && p.z > -s.hole_depth);
+    case PhantomKind::capsule: {  // a cylinder and a ball at each of its ends
+      const double straight = 0.5 * s.capsule_length - s.sphere_radius, beyond = std::max(0.0, std::abs(p.x) - straight);
+      const double height = p.z + s.sphere_radius;
+      return beyond * beyond + p.y * p.y + height * height <= s.sphere_radius * s.sphere_radius;
+    }
   }
   return false;
 }
