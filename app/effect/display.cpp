@@ -439,7 +439,9 @@ EffectEntry display_effect() {
           "pictures; without it none is drawn",
           read,
           {"method = \"slices\"", "method = \"mesh\"", "method = \"mesh\"\ncolour = \"plain\"",
-           "method = \"mesh\"\nexterior_texture = \"bone\"\ninterior_texture = \"apple\"", "quality = \"auto\"",
+           "method = \"mesh\"\nexterior_texture = \"bone\"\ninterior_texture = \"apple\"",
+           "method = \"mesh\"\nexterior_texture = \"cucumber\"\ntexture_axis = \"x\"\ncolour = \"texture\"",
+           "method = \"mesh\"\nexterior_texture = \"bone\"\ntexture_axis = \"y\"\ncolour = \"voxel\"", "quality = \"auto\"",
            "cut = \"plane\"\ncut_point_mm = [0, 0, 0]\ncut_normal = [0, -1, 0]", "cut = \"tip\"", "stereo = \"side-by-side\"",
            "stereo = \"top-bottom\"", "stereo = \"anaglyph\"", "stereo = \"quad\"", "workbench_mm = 300", "tissue = \"plain\"",
            "normals = \"recomputed\"", "shading = \"translucent\"\n[[display.transfer]]\ndensity = 0\nopacity_per_mm = 0"}};

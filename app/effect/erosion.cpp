@@ -252,7 +252,11 @@ std::unique_ptr<EffectPlan> read(TableReader& table, const StageConfig& stage, I
 }  // namespace
 
 EffectEntry erosion_effect() {
-  return {"erosion", "drilling; without it no bone is removed", read, {"law = \"per-update\"", "law = \"energy\"", "law = \"threshold\""}};
+  return {"erosion",
+          "drilling; without it no bone is removed",
+          read,
+          {"law = \"per-update\"", "law = \"energy\"", "law = \"threshold\"", "law = \"threshold\"\nmaterial = \"wood\"",
+           "law = \"threshold\"\nmaterial = \"steel\""}};
 }
 
 }  // namespace burrhole

@@ -25,6 +25,7 @@ OutcomeFigures figures_of(const RunSummary& s) {
   OutcomeFigures out;
   out.end = end_of(s);
   out.by_user = s.by_user;
+  out.bone_moves = s.bone_moves;
   out.spins = drills(s);
   out.latched_faults = s.latched_faults.size();
   out.reached_mm = s.reached_mm;
@@ -86,6 +87,8 @@ std::string outcome_text(const RunSummary& s) {
   switch (outcome.result) {
     case DrillResult::faulted:
       return "A latched servo fault ended the force on the hand: " + s.latched_faults.front() + ".";
+    case DrillResult::carved:
+      return fmt::format("The bone was carved: {}.", outcome.reason);
     case DrillResult::skated_off:
       return fmt::format("The bit skated off: {}. This is not a burrhole at the entry.", outcome.reason);
     case DrillResult::passed_uncut:
@@ -117,7 +120,7 @@ std::string result_line(const RunSummary& summary) {
 
 std::optional<std::string> unfinished_warning(const RunSummary& s) {
   const bool through = s.breakthrough_s || s.passed_s, stop_reached = s.bench && s.end == "done";
-  if (!drills(s) || s.end == "stopped" || through || stop_reached || s.by_user) return std::nullopt;
+  if (!drills(s) || s.end == "stopped" || through || stop_reached || s.by_user || s.bone_moves) return std::nullopt;
   const bool detected = s.end == "done";
   const char* const what = detected ? "it detected a breakthrough" : s.bench ? "its stop was not reached" : "the time ended";
   const char* const next = detected ? "hand.kind = \"feed\" drills on, to hand.stop_mm" : "raise duration_s";

@@ -163,7 +163,7 @@ void add_outcome(RunSummary& out, Simulation& simulation) {
       !out.breakthrough_s && std::ranges::find(simulation.events(), "breakthrough", &RunEvent::kind) != simulation.events().end();
   const DrillResult result = outcome_of(out).result;
   if (out.open_axis || result == DrillResult::passed_uncut) out.plunge_mm = out.beyond_mm;
-  if (!out.breakthrough_s && result == DrillResult::skated_off) out.plunge_mm.reset();
+  if (out.bone_moves || (!out.breakthrough_s && result == DrillResult::skated_off)) out.plunge_mm.reset();
 }
 
 Json figures_json(const Figures& figures) {
@@ -193,6 +193,7 @@ RunSummary make_summary(const LoadedScene& loaded, Simulation& simulation, const
   out.push_N = loaded.scene.hand.push;
   out.bench = loaded.scene.feed_hand.has_value();
   out.by_user = loaded.scene.goal_hand.has_value();
+  out.bone_moves = simulation.stage().contact->bone_moves();
   for (const std::string& warning : plan.warnings) out.warnings.push_back(without_folders(warning));
   out.limits = loaded.scene.outcome;
   out.end = end_name(simulation.end());

@@ -30,6 +30,7 @@ struct RunSummary {
   double spin_rpm = 0.0, push_N = 0.0;
   bool bench = false;                 ///< hand.kind = "feed"
   bool by_user = false;               ///< a user moved the hand and ended the run
+  bool bone_moves = false;            ///< by [motion]
   std::vector<std::string> warnings;  ///< of the plan; drill() appends those of the run
   Vec3i dims{0};
   double spacing_mm = 0.0;

@@ -22,10 +22,12 @@ double cut_depth_mm(const OutcomeFigures& f) { return f.section_mm2 > 0.0 ? f.re
 /// @returns the distance from the axis from which on the bit has skated [mm].
 double aside_limit_mm(const OutcomeFigures& f, const OutcomeLimits& limits) { return std::max(f.section_radius_mm, limits.aside_mm); }
 
-bool skated(const OutcomeFigures& f, const OutcomeLimits& limits) { return !f.by_user && f.aside_mm > aside_limit_mm(f, limits); }
+bool skated(const OutcomeFigures& f, const OutcomeLimits& limits) {
+  return !f.by_user && !f.bone_moves && f.aside_mm > aside_limit_mm(f, limits);
+}
 
 bool uncut(const OutcomeFigures& f, const OutcomeLimits& limits) {
-  if (!f.passed || f.by_user) return false;  // a user may drill beside the planned axis
+  if (!f.passed || f.by_user || f.bone_moves) return false;  // a user may drill beside the planned axis
   return f.uncut_share ? *f.uncut_share > limits.uncut_share : f.axis_removed < limits.uncut_share;
 }
 
@@ -33,12 +35,14 @@ bool holds(DrillResult result, const OutcomeFigures& f, const OutcomeLimits& lim
   switch (result) {
     case DrillResult::faulted:
       return f.latched_faults > 0;
+    case DrillResult::carved:
+      return f.bone_moves && f.end != DrillEnd::stopped && cut_depth_mm(f) >= limits.cut_depth_mm;
     case DrillResult::skated_off:
       return skated(f, limits);
     case DrillResult::passed_uncut:
       return uncut(f, limits);
     case DrillResult::drilled_through:
-      return f.cleared_share.value_or(0.0) >= limits.through_share;
+      return !f.bone_moves && f.cleared_share.value_or(0.0) >= limits.through_share;
     case DrillResult::interrupted:
       return f.end == DrillEnd::stopped;
     case DrillResult::did_not_cut:
@@ -71,6 +75,8 @@ std::string reason_of(DrillResult result, const OutcomeFigures& f) {
     case DrillResult::faulted:
       return fmt::format("{} servo fault{} latched, and the force on the hand was zero from then on", f.latched_faults,
                          f.latched_faults == 1 ? " was" : "s were");
+    case DrillResult::carved:
+      return fmt::format("{:.1f} mm3 of bone were removed while it was moved", f.removed_mass_mm3);
     case DrillResult::skated_off:
       return fmt::format("in contact the tip was {:.1f} mm beside the axis; the radius of the bit is {:.2f} mm", f.aside_mm,
                          f.section_radius_mm);
@@ -105,7 +111,7 @@ bool is_set(OutcomeFlag flag, DrillResult result, const OutcomeFigures& f, const
     case kFlagCoreLeft:
       return through && !f.axis_clear && !f.axis_open;
     case kFlagTunnelled:
-      return f.section_on_axis && !skated(f, limits) && f.ahead_mm.value_or(0.0) > f.voxel_mm;
+      return f.section_on_axis && !f.bone_moves && !skated(f, limits) && f.ahead_mm.value_or(0.0) > f.voxel_mm;
     case kFlagBroughtBack:
       return f.brought_back;
     case kFlagMissedSteps:
@@ -131,8 +137,8 @@ RunOutcome judge(const OutcomeFigures& figures, const OutcomeLimits& limits) {
 }
 
 const char* name_of(DrillResult result) noexcept {
-  constexpr std::array<const char*, kDrillResults> kNames{"faulted",     "skated-off",  "passed-uncut", "drilled-through",
-                                                          "interrupted", "did-not-cut", "stopped-short"};
+  constexpr std::array<const char*, kDrillResults> kNames{"faulted",         "carved",      "skated-off",  "passed-uncut",
+                                                          "drilled-through", "interrupted", "did-not-cut", "stopped-short"};
   return kNames[static_cast<std::size_t>(result)];
 }
 
@@ -185,6 +191,10 @@ std::vector<std::string> contact_flag_texts(std::uint32_t flags) {
 std::vector<OutcomeRow> result_rows(const OutcomeLimits& limits) {
   const std::array<std::string, kDrillResults> criteria{
       "a servo fault was latched; from then on the force on the hand was zero",
+      fmt::format("the bone was moved by `[motion]`, the run was not interrupted, and it did cut (did-not-cut: {:g} mm). There is no axis "
+                  "of a burrhole "
+                  "then: skated-off, passed-uncut, drilled-through and tunnelled are not judged, and there is no plunge",
+                  limits.cut_depth_mm),
       fmt::format(
           "in contact, and before the tip passed the bone, `drilling.aside_mm` was more than the radius of the bit's cross-section and "
           "than {:g} mm; not for a hand that a user moves",

@@ -2,14 +2,15 @@
 ///   The first result below whose criterion holds is the result of the run. Results that nothing later can take back come first; an
 ///   interruption comes before those that a longer run could have changed. docs/outcome.md is generated from the same table.
 ///     1 faulted          a servo fault was latched: from then on the force on the hand was zero
-///     2 skated-off       in contact and before the tip passed the bone, the tip was farther from the axis than the bit's radius and than
+///     2 carved           the bone was moved during the run ([motion]), which was not interrupted and did cut; what follows asks for a burrhole
+///     3 skated-off       in contact and before the tip passed the bone, the tip was farther from the axis than the bit's radius and than
 ///                        1 mm; not for a hand that a user moves
-///     3 passed-uncut     the tip passed the bone, and more than half of the columns that the bit passed are not clear of bone; without
+///     4 passed-uncut     the tip passed the bone, and more than half of the columns that the bit passed are not clear of bone; without
 ///                        columns: less than half of the bone on the axis was removed when the tip passed it; not for a hand that a user moves
-///     4 drilled-through  at least half of the bit's cross-section is clear
-///     5 interrupted      a signal or a user ended the run
-///     6 did-not-cut      the removed bone, spread over the bit's cross-section, is less than 0.1 mm deep
-///     7 stopped-short    any other run
+///     5 drilled-through  at least half of the bit's cross-section is clear
+///     6 interrupted      a signal or a user ended the run
+///     7 did-not-cut      the removed bone, spread over the bit's cross-section, is less than 0.1 mm deep
+///     8 stopped-short    any other run
 ///   Columns and cross-section: core/measure/cross_section.h. Flags are independent of each other.
 ///   Units  in the names of the members.   Frame  none.   Errors  none.   Thread  any; a pure function.   Source  own definition.
 #pragma once
@@ -26,8 +27,17 @@
 namespace burrhole {
 
 /// In order of precedence.
-enum class DrillResult : std::uint8_t { faulted, skated_off, passed_uncut, drilled_through, interrupted, did_not_cut, stopped_short };
-inline constexpr std::size_t kDrillResults = 7;
+enum class DrillResult : std::uint8_t {
+  faulted,
+  carved,
+  skated_off,
+  passed_uncut,
+  drilled_through,
+  interrupted,
+  did_not_cut,
+  stopped_short
+};
+inline constexpr std::size_t kDrillResults = 8;
 
 /// Bits of RunOutcome::flags.
 enum OutcomeFlag : std::uint32_t {
@@ -60,8 +70,9 @@ enum class DrillEnd : std::uint8_t {
 /// What is measured on a run. A figure that does not apply is absent.
 struct OutcomeFigures {
   DrillEnd end = DrillEnd::time;
-  bool by_user = false;  ///< a user moved the hand
-  bool spins = true;     ///< the spindle turned and the scene removes bone
+  bool by_user = false;     ///< a user moved the hand
+  bool bone_moves = false;  ///< the bone was moved: there is no axis of a burrhole
+  bool spins = true;        ///< the spindle turned and the scene removes bone
   std::uint64_t latched_faults = 0;
   double reached_mm = 0.0;                           ///< greatest depth of the tip
   double thickness_mm = 0.0;                         ///< of bone on the axis

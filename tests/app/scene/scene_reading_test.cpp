@@ -83,7 +83,7 @@ const BadScene kBadScenes[] = {
     {"phantom:plate",
      "phantom:plat",
      {"bad.toml:5:1: volume.source = \"phantom:plat\" names no phantom: did you mean \"phantom:plate\"?; known: skull_patch, block, plate, "
-      "sphere, wedge, pit, head"}},
+      "sphere, wedge, pit, capsule, head"}},
     {"[hand]",
      "[hand]\nkind = \"device\"",
      {"bad.toml:20:1: hand.kind = \"device\" needs a force device; this version supports none, only \"script\", \"feed\" and \"mouse\""}},

@@ -115,6 +115,19 @@ TEST_CASE("outcome: the first criterion that holds is the result") {
   CHECK(judge(f, kLimits).result == DrillResult::faulted);
 }
 
+TEST_CASE("outcome: a bone that was moved is carved, whatever lies on the axis") {
+  OutcomeFigures f = through();
+  f.bone_moves = true, f.aside_mm = 200.0, f.uncut_share = 1.0, f.ahead_mm = 7.0;
+  CHECK(judge(f, kLimits).result == DrillResult::carved);
+  CHECK(judge(f, kLimits).flags == 0);
+  f.end = DrillEnd::stopped;
+  CHECK(judge(f, kLimits).result == DrillResult::interrupted);
+  f.end = DrillEnd::time, f.removed_mass_mm3 = 0.0;
+  CHECK(judge(f, kLimits).result == DrillResult::did_not_cut);
+  f.latched_faults = 1;
+  CHECK(judge(f, kLimits).result == DrillResult::faulted);
+}
+
 TEST_CASE("outcome: each flag on both sides of its threshold") {
   CHECK_FALSE(has(through(), kFlagPlunged, [](auto& f) { f.plunge_mm = kLimits.plunge_mm; }));
   CHECK(has(through(), kFlagPlunged, [](auto& f) { f.plunge_mm = above(kLimits.plunge_mm); }));

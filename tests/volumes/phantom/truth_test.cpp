@@ -194,7 +194,7 @@ TEST_CASE("truth: down the axis every shape is as thick as its parameters say") 
     const Truth truth(c.spec);
     double thickness = c.spec.thickness, entry = 0.0015;
     if (c.spec.kind == PhantomKind::block) thickness = c.spec.block_size.z;
-    if (c.spec.kind == PhantomKind::sphere) thickness = 2.0 * c.spec.sphere_radius;
+    if (c.spec.kind == PhantomKind::sphere || c.spec.kind == PhantomKind::capsule) thickness = 2.0 * c.spec.sphere_radius;
     if (c.spec.kind == PhantomKind::wedge) thickness = c.spec.extent.z - c.spec.above;  // to the bottom of the grid
     if (c.name == "oblique plate") thickness = c.spec.thickness * std::sqrt(14.0) / 3.0;
     if (c.spec.kind == PhantomKind::pit) thickness -= c.spec.hole_depth, entry += c.spec.hole_depth;
