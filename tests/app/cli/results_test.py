@@ -487,10 +487,8 @@ class Carved(WithFolder):
         drilling = json.loads(result.stdout)["drilling"]
         self.assertIsNone(drilling["plunge_mm"])
         # Three turns of a groove round a body of 36 mm, 340 mm long: one as wide as the ball of removal, 4.4 mm, and 1 to 1.5 mm deep.
-        self.assertGreater(drilling["removed_mass_mm3"], 340 * 4.4 * 1.0 * 0.6)
-        self.assertLess(drilling["removed_mass_mm3"], 340 * 4.4 * 1.5 * 1.4)
-        again = run("replay", self.folder / "out" / "session.sqlite")
-        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertTrue(340 * 4.4 * 1.0 * 0.6 < drilling["removed_mass_mm3"] < 340 * 4.4 * 1.5 * 1.4)
+        self.assertEqual(run("replay", self.folder / "out" / "session.sqlite").returncode, 0)
 
     def test_a_bone_that_moves_out_of_reach_is_not_carved(self):
         result = run("drill", "carved_cucumber", "--no-pictures", "--out", self.folder / "out", "--quiet", "--set", "hand.standoff_mm=20",
