@@ -28,7 +28,8 @@ Error at(Error error, const std::string& path) {
 
 /// Estimated bytes of the three fields, and of the nodes of the sparse grids.
 double likely_bytes(const BoneGrid& grid) {
-  constexpr double kFields = 3.0, kNodes = 1.1, kRoots = 0.2e6;
+  // A node of each upper level of an OpenVDB grid: 16^3 and 32^3 pointers, with two bits for each.
+  constexpr double kFields = 3.0, kNodes = 1.1, kRoots = (16.0 * 16.0 * 16.0 + 32.0 * 32.0 * 32.0) * (sizeof(void*) + 0.25);
   return kFields * (kNodes * sizeof(float) * grid.bone_share * grid.dims.x * grid.dims.y * grid.dims.z + kRoots);
 }
 

@@ -102,7 +102,7 @@ void add_contact(CLI::App& cost, int& exit_code) {
        .examples = {"burrhole cost contact --out out/cost", "burrhole cost contact --bit my_bit.toml --out out/my_bit"},
        .exits = {}});
   auto bit = std::make_shared<std::string>();
-  command->add_option("--bit", *bit, "bit that is pressed: a shipped tool, or a tool file of your own; default: three shipped ones")
+  command->add_option("--bit", *bit, "bit that is pressed: a shipped tool or a tool file; default: three shipped ones")
       ->type_name(kToolValue);
   auto folder = std::make_shared<StudyFolder>(StudyFolder{.folder = "out/cost", .partial = "partial_contact.txt"});
   add_study_options(*command, *folder, "cost.csv and the plots");

@@ -225,15 +225,16 @@ ResampleRule resample_rule(const Scan& scan, const Rule& rule, const BoneGrid& g
           .half_band = 0.5 * width};
 }
 
-/// Estimated share of the voxels of the grid in blocks of 8^3 with bone: those that a bone voxel of the scan reaches, and a voxel of the grid
-/// more, since occupancy is above 0 that far beyond the surface. Blocks at the end of the grid count as whole ones, as they take memory.
+/// Estimated share of the voxels of the grid in blocks of 8^3 with bone: those that a bone voxel of the scan reaches,
+/// and at least a voxel of the grid, since occupancy is above 0 that far beyond the surface. Blocks at the end of the grid count as whole ones, as they take memory.
 double share_near_bone(const Scan& scan, const Rule& rule, const BoneGrid& grid) {
   const VoxelBox all{Vec3i(0), scan.dims}, blocks{Vec3i(0), (grid.dims + (kBlockEdge - 1)) / kBlockEdge};
   const auto middle = static_cast<float>(0.5 * (rule.band[0] + rule.band[1]) - rule.offset);
   const Affine grid_from_scan = grid.bone_from_index.inverse() * scan.bone_from_index;
-  Vec3 half(0.5);
+  Vec3 half(0.0);  // trilinear interpolation carries a value as far as the next voxel of the scan
   for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t axis = 0; axis < 3; ++axis) half[c] += 0.5 * std::abs(grid_from_scan.linear[axis][c]);
+    for (std::size_t axis = 0; axis < 3; ++axis) half[c] += std::abs(grid_from_scan.linear[axis][c]);
+  half = glm::max(half, Vec3(1.0));
   std::vector<std::uint8_t> has_bone(blocks.count());
   for_each_voxel(all, [&](const Vec3i& v) {
     if (!(scan.values[all.offset_of(v)] > middle)) return;

@@ -225,7 +225,7 @@ class BadInput(WithFolder):
             ([("name = \"pin_2mm\"", "name = \"pin_3mm\"")], "not found in "),
             ([("[hand]", "[hand]\nkind = \"replay\"")], "is not in this version"),
             ([("[contact]", "[contact]\ntool = \"device\"")], "unknown key \"tool\" in [contact]"),
-            ([("size = [160, 120]", "method = \"mesh\"\nbisections = 3")], "unknown key \"bisections\" in [display]"),
+            ([("size = [160, 120]", "method = \"mesh\"\nbisections = 3")], "display.bisections is read only with shading = surface and quality = fixed: remove the key"),
             ([("[contact]", "[heat]\n[contact]")], "is an effect that is not in this version"),
             ([("[contact]", "[contact]\nrate_hz = 333")], "must divide servo_hz"),
             ([("title = \"Quick plate\"", "title = \"Quick plate")], "scene.toml:1:"),
@@ -323,7 +323,7 @@ class BadInput(WithFolder):
         result = run("drill", QUICK, "--out", out, "--expect", "through, plunge<0.5")
         self.assertEqual((result.returncode, result.stdout, len(lines(result.stderr))), (2, "", 1), result.stderr)
         self.assertIn("needs the unit mm", result.stderr)
-        self.assertIn("allowed: through, faulted", result.stderr)
+        self.assertIn("allowed: through, faulted, carved", run("drill", QUICK, "--out", out, "--expect", "thru").stderr)
         self.assertFalse(out.exists())
         for terms, code, needle in (("through, plunge<99mm, peak-force>1N", 0, None), ("through, plunge<0.001mm", 3, "expected plunge<0.001mm: plunge is "),
                                     ("stopped-short", 3, "expected stopped-short: the result is drilled-through: ")):
