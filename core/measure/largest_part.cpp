@@ -19,6 +19,19 @@ Vec3i place_of(const VoxelBox& box, std::size_t n) {
 
 Vec3i cube_of(const Vec3i& voxel, const Vec3i& edge) { return floor_int(Vec3(voxel) / Vec3(edge)); }
 
+template <class F>
+void for_each_bone_voxel(const BoneModel& bone, F f) {
+  std::vector<float> occupancy;
+  bone.for_each_region([&](const VoxelBox& region) {
+    const VoxelBox inside = region.intersect(bone.bounds());
+    occupancy.resize(inside.count());
+    bone.read_occupancy(inside, occupancy);
+    for_each_voxel(inside, [&](const Vec3i& v) {
+      if (occupancy[inside.offset_of(v)] >= kSurfaceLevel) f(v);
+    });
+  });
+}
+
 }  // namespace
 
 LargestPart::LargestPart(const BoneModel& bone) {
@@ -41,29 +54,15 @@ LargestPart::LargestPart(const BoneModel& bone) {
 }
 
 void LargestPart::mark_bone(const BoneModel& bone) {
-  std::vector<float> occupancy;
-  bone.for_each_region([&](const VoxelBox& region) {
-    const VoxelBox inside = region.intersect(bone.bounds());
-    occupancy.resize(inside.count());
-    bone.read_occupancy(inside, occupancy);
-    for_each_voxel(inside, [&](const Vec3i& v) {
-      if (occupancy[inside.offset_of(v)] >= kSurfaceLevel) state_[cubes_.offset_of(cube_of(v, cube_))] = kBone;
-    });
-  });
+  for_each_bone_voxel(bone, [&](const Vec3i& v) { state_[cubes_.offset_of(cube_of(v, cube_))] = kBone; });
 }
 
 LargestPart::Extent LargestPart::extent(const BoneModel& bone) const {
   Extent out;
-  std::vector<float> occupancy;
-  bone.for_each_region([&](const VoxelBox& region) {
-    const VoxelBox inside = region.intersect(bone.bounds());
-    occupancy.resize(inside.count());
-    bone.read_occupancy(inside, occupancy);
-    for_each_voxel(inside, [&](const Vec3i& v) {
-      if (occupancy[inside.offset_of(v)] < kSurfaceLevel || state_[cubes_.offset_of(cube_of(v, cube_))] != kLargest) return;
-      out.box.include(v);
-      ++out.voxels;
-    });
+  for_each_bone_voxel(bone, [&](const Vec3i& v) {
+    if (state_[cubes_.offset_of(cube_of(v, cube_))] != kLargest) return;
+    out.box.include(v);
+    ++out.voxels;
   });
   return out;
 }
