@@ -146,6 +146,7 @@ void add_overrides(const Json& changes, std::string_view prefix, Texts& out) {
 void add_settings(const Json& json, RunResults& out) {
   const Json made = json.value("provenance", Json()), tool = json.value("tool", Json());
   if (made.is_object()) {
+    out.scene_place = text_of(made.value("scene_place", Json()));
     add_overrides(made.value("overrides", Json()), {}, out.overrides);
     add_overrides(made.value("tool_overrides", Json()), kToolKey, out.overrides);
   }
@@ -291,10 +292,15 @@ bool has_same_bone(const RunResults& a, const RunResults& b) {
   if (!one.empty() && one == other) return true;
   if (!a.volume_format.empty() && !b.volume_format.empty() && a.volume_format != b.volume_format) return false;
   if (one.empty() || other.empty()) return true;
-  const auto set_by = [](const RunResults& run, const char* key) { return value_of(run.overrides, std::string(key)); };
+  const auto set_by = [](const RunResults& run) {  // overrides of the volume but for its spacing
+    Texts out;
+    for (const auto& change : run.overrides)
+      if (change.first.starts_with("volume.") && change.first != "volume.spacing_mm") out.push_back(change);
+    std::ranges::sort(out);
+    return out;
+  };
   const bool resized = a.spacing_mm && b.spacing_mm && std::abs(*a.spacing_mm - *b.spacing_mm) > kSame;
-  const bool same_source = set_by(a, "volume.source") == set_by(b, "volume.source") && set_by(a, "volume.seed") == set_by(b, "volume.seed");
-  return resized && same_source && hash_of(a, "scene") == hash_of(b, "scene");
+  return resized && !a.scene_place.empty() && a.scene_place == b.scene_place && set_by(a) == set_by(b);
 }
 
 namespace {

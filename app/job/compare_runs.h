@@ -20,6 +20,7 @@ struct RunResults {
   std::string folder;
   std::vector<std::pair<std::string, std::string>> facts;              ///< title, result, program, overrides, ...
   std::vector<std::pair<std::string, std::string>> overrides;          ///< keys of scene and tool with their values; see compared_rows()
+  std::string scene_place;                                             ///< hash of the path of the scene; empty: unknown
   std::vector<std::pair<std::string, std::string>> used;               ///< bit, spin and push of the run, by their keys of the scene
   std::vector<std::pair<std::string, std::optional<double>>> figures;  ///< names with units; nothing: null in summary.json
   std::string volume_format;                                           ///< as in summary.json
@@ -34,8 +35,8 @@ struct RunResults {
 /// @param path a folder with summary.json, or that file. A run without a session, or with a damaged one, has no curves.
 [[nodiscard]] Result<RunResults> read_run(const std::string& path);
 
-/// @returns whether two runs drilled the same bone, so that their pictures can be compared: by the hashes of the voxels, or of one scene and
-/// source at another size of voxels. What is not known counts as the same.
+/// @returns whether two runs drilled the same bone, so that their pictures can be compared: by the hashes of the voxels, or by one scene whose
+/// overrides of the volume are equal but for the size of voxels. What is not known counts as the same.
 [[nodiscard]] bool has_same_bone(const RunResults& a, const RunResults& b);
 
 /// A row of the comparison; empty cells do not apply.

@@ -89,10 +89,11 @@ class Bench(unittest.TestCase):
             if status == 4:
                 continue  # not here, and said so
             self.assertEqual(status, 0, errors)
-            self.assertEqual([row["unit"] for row in rows], ["frames/s", "frames/s"])
+            self.assertEqual([row["unit"] for row in rows], 6 * ["frames/s"])  # three methods, each still and after changes
             table = (Path(self.out) / "render_frames.csv").read_text().splitlines()
-            self.assertEqual(table[0], "driver,method,voxels_along_edge,width,height,eyes,median_ms,p99_ms,frames_per_s,paper_hz")
-            self.assertEqual(len(table), 3)
+            self.assertEqual(table[0], "driver,method,voxels_along_edge,width,height,eyes,median_ms,p99_ms,frames_per_s,changed_median_ms,"
+                                       "changed_p99_ms,paper_hz")
+            self.assertEqual(len(table), 4)
             self.assertTrue(all(gl + ": 4." in line for line in table[1:]), table)
         for wrong in (["--gl", "glide"], ["--gl", "egl", "--size", "9x9"], ["contact", "--gl", "egl"]):
             status, errors, _ = run("render", *wrong, out=self.out)

@@ -56,7 +56,7 @@ class Interrupts(Traced):
         drilled = self.folder / "run"
         done = run(*DRILL, "--set", "duration_s=1", "--out", drilled)
         self.assertEqual(done.returncode, 0, done.stderr)
-        command = ("import", drilled / "bone.vdb", "--quiet", "--volume", self.out / "bone.vdb")
+        command = ("import", drilled / "bone.vdb", "--quiet", "--force", "--volume", self.out / "bone.vdb")
         done, calls = self.traced(*command)
         self.assertEqual(done.returncode, 0, done.stderr)
         whole = (self.out / "bone.vdb").read_bytes()

@@ -114,7 +114,7 @@ MISTAKES = [
     # keys of another kind
     (["check", "quick.toml", "--set", "hand.stop_mm=3"], 2, ["hand.stop_mm is read only with kind = feed", "remove the key, or change that choice"]),
     (["check", "quick.toml", "--set", "hand.run_up_s=3"], 2, ["hand.run_up_s is read only with kind = mouse"]),
-    (["check", "quick.toml", "--set", "volume.radius_mm=3"], 2, ["volume.radius_mm is read only with source = phantom:sphere"]),
+    (["check", "quick.toml", "--set", "volume.radius_mm=3"], 2, ["volume.radius_mm is read only with source = phantom:capsule, phantom:sphere"]),
     (["check", "parietal", "--set", "volume.source=empty"], 2, ["parietal.toml:", "volume.seed is not read with source = SCAN"]),
     (["tools", "odd_pin.toml"], 2, ["odd_pin.toml:", "width_mm is read only with shape = box"]),
     # tools
@@ -154,7 +154,7 @@ MISTAKES = [
     (["drill", "quick.toml", "--expect", "peak_forc_N<3N"], 2, ['did you mean "peak_force_N"?']),
     (["cost", "drilling", "--bit", "my bit"], 2, ["my bit", "ball 6 mm, ball 2 mm, flat 4 mm", "no shipped tool", "no tool file"]),
     (["cost", "contact", "--bit", "my bit"], 2, ["my bit", "no shipped tool", "burrhole tools", "no tool file"]),
-    (["cost", "contact", "--bit", ""], 2, ["no shipped tool", "no tool file"]),
+    (["cost", "contact", "--bit", ""], 2, ["--bit: must name a file or a folder: the text is empty"]),
     (["cost", "drilling", "--bit", "burr.stl"], 2, ["burr.stl", "is a mesh", "closed form", "tool file"]),
     (["cost", "drilling", "--knob", "erosion.rate"], 2, ["erosion.rate", "erosion.rate_hz"]),
 ]
