@@ -22,15 +22,15 @@ namespace fs = std::filesystem;
 constexpr const char* kUsersHand = R"(hand={kind="mouse"})";
 constexpr const char* kUsersTime = "duration_s=3600";  // a person ends the run; a session holds an hour
 
-/// @returns why a scene does not open a window by itself; empty: it does. Reads the push of the script.
-std::string why_not(const TomlDocument& document, double& push) {
+/// @returns why a scene does not open a window by itself; empty: it does. Reads the kind of its hand, and the push of a script.
+std::string why_not(const TomlDocument& document, std::string& kind, double& push) {
   Issues ignored;
   TableReader root = document.root(ignored);
   if (!root.has("display")) return "the scene has no [display]";
   if (root.has("device")) return "the scene has a [device]";
   auto hand = root.table("hand", "");
-  const std::string kind = hand ? hand->text("kind", "script", "") : "script";
-  if (kind != "script" && kind != "mouse") return "hand.kind is \"" + kind + "\"";
+  kind = hand ? hand->text("kind", "script", "") : "script";
+  if (kind != "script" && kind != "mouse" && kind != "feed") return "hand.kind is \"" + kind + "\"";
   if (hand && kind == "script") push = hand->number("push_N", {.fallback = HandConfig{}.push}, "");
   return {};
 }
@@ -90,7 +90,8 @@ Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool qui
   }
   const auto document = scene.document();
   if (!document) return document.error();
-  if (const std::string why = why_not(*document, options.reference_push); !why.empty()) {
+  std::string kind;
+  if (const std::string why = why_not(*document, kind, options.reference_push); !why.empty()) {
     if (options.asked) return bad_input("no window: " + why, document->file_name());
     if (!quiet) note(fmt::format("no window: {}\n", why));
     return false;
@@ -98,10 +99,11 @@ Result<bool> prepare_window(WindowOptions& options, SceneOption& scene, bool qui
   const auto is_set = [&](const char* key) {
     return std::ranges::any_of(scene.sets, [&](const std::string& set) { return set.starts_with(key); });
   };
-  if (options.demonstration && options.reference_push == 0.0)
-    return bad_input("--demo needs a script, and hand.kind is \"mouse\": leave --demo out, or --set hand.kind=script",
+  if (options.demonstration && kind != "script")
+    return bad_input(fmt::format("--demo needs a script, and hand.kind is \"{}\": leave --demo out{}", kind,
+                                 kind == "mouse" ? ", or --set hand.kind=script" : ""),
                      document->file_name());
-  if (options.reference_push > 0.0 && !options.demonstration)
+  if (kind != "mouse" && !options.demonstration)
     scene.sets.insert(scene.sets.begin(), kUsersHand);  // else the scene has a person's hand already
   if (!is_set("duration_s")) scene.sets.emplace_back(kUsersTime);
   return true;
