@@ -8,6 +8,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <tuple>
 
 #include "app/cli/commands.h"
 #include "app/cli/drilling.h"
@@ -67,9 +68,9 @@ std::string results_of(const std::string& name) {
 
 Words drill_words(const std::string& scene, const std::string& folder) { return {"drill", scene, "--window", "--out", folder}; }
 
-/// The shipped scenes, those without further data first.
+/// The shipped scenes: those without further data first, and of them burrholes before bone that is moved.
 std::vector<Item> scenes() {
-  std::vector<Item> out;
+  std::vector<std::pair<bool, Item>> found;
   for (const fs::path& path : entries_of(fs::path(share_folder()) / "scenes")) {
     if (path.extension() != ".toml") continue;
     const auto document = TomlDocument::load(path.string());
@@ -82,10 +83,13 @@ std::vector<Item> scenes() {
     const std::string source = volume ? volume->text("source", "", "") : "", bit = tool ? tool->text("name", "", "") : "";
     const std::string made = source.starts_with("phantom:") ? "generated bone" : "bone from a scan";
     const std::string folder = results_of(name);
-    out.push_back({{{}, title, fmt::format("{}, {}; results in {}", made, tool_title(bit), folder), missing_data(path, source)},
-                   drill_words(name, folder)});
+    found.push_back({root.has("motion"),
+                     {{{}, title, fmt::format("{}, {}; results in {}", made, tool_title(bit), folder), missing_data(path, source)},
+                      drill_words(name, folder)}});
   }
-  std::ranges::sort(out, {}, [](const Item& item) { return std::pair(!item.choice.missing.empty(), item.words[1]); });
+  std::ranges::sort(found, {}, [](const auto& f) { return std::tuple(!f.second.choice.missing.empty(), f.first, f.second.words[1]); });
+  std::vector<Item> out;
+  for (auto& [moves, item] : found) out.push_back(std::move(item));
   if (!out.empty()) out.front().choice.heading = "DRILL";
   return out;
 }

@@ -19,7 +19,7 @@ class Chooser(WindowTest):
         self.start_program()
         self.find_window()
         time.sleep(1.0)
-        self.press(*["Down"] * 2, "Return")  # below the two scenes that need no scan
+        self.press(*["Down"] * 3, "Return")  # below the three scenes that need no scan
         time.sleep(0.5)
 
     def test_a_scan_is_opened_a_place_is_chosen_and_its_scene_drills_again(self):
@@ -96,7 +96,7 @@ class Chooser(WindowTest):
         self.start_program()
         self.find_window()
         time.sleep(1.0)
-        self.press(*["Down"] * 6, "Return")  # the last line: the session
+        self.press(*["Down"] * 10, "Return")  # the last line: the session
         self.wait_until(lambda: "window: ready" in self.log.read_text(), "the session")
         self.find_window()
         self.press("Escape")

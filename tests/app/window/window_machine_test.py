@@ -60,7 +60,7 @@ class Machine(WindowTest):
         self.start_program()
         self.find_window()
         time.sleep(1.0)
-        self.press(*["Down"] * 2, "Return")  # opens files
+        self.press(*["Down"] * 3, "Return")  # opens files
         time.sleep(1.0)
         self.press("Return")
         self.interrupt_when_ready()
@@ -79,7 +79,7 @@ class Machine(WindowTest):
         self.start_program()
         self.find_window()
         time.sleep(1.0)
-        self.press(*["Down"] * 2, "Return")
+        self.press(*["Down"] * 3, "Return")
         time.sleep(0.5)
         self.press("Return")
         time.sleep(5.0)
