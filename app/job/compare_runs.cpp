@@ -292,7 +292,7 @@ bool has_same_bone(const RunResults& a, const RunResults& b) {
   if (!one.empty() && one == other) return true;
   if (!a.volume_format.empty() && !b.volume_format.empty() && a.volume_format != b.volume_format) return false;
   if (one.empty() || other.empty()) return true;
-  const auto set_by = [](const RunResults& run) {  // overrides of the volume but for its spacing
+  const auto set_by = [](const RunResults& run) {  // overrides of the volume, without its spacing
     Texts out;
     for (const auto& change : run.overrides)
       if (change.first.starts_with("volume.") && change.first != "volume.spacing_mm") out.push_back(change);

@@ -36,7 +36,7 @@ struct RunResults {
 [[nodiscard]] Result<RunResults> read_run(const std::string& path);
 
 /// @returns whether two runs drilled the same bone, so that their pictures can be compared: by the hashes of the voxels, or by one scene whose
-/// overrides of the volume are equal but for the size of voxels. What is not known counts as the same.
+/// overrides of the volume are equal, the size of voxels apart. What is not known counts as the same.
 [[nodiscard]] bool has_same_bone(const RunResults& a, const RunResults& b);
 
 /// A row of the comparison; empty cells do not apply.
