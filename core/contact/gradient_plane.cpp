@@ -94,16 +94,8 @@ bool GradientPlane::find_surface(const ContactView& bone, const Vec3& index, con
 }
 
 void GradientPlane::evaluate(const ContactView& bone, const Pose& world_from_tool, ContactResult& out) const noexcept {
-  out.wrench = {};
-  out.force_gradient = Mat3(0.0);
-  out.contacts.clear();
-  out.touching = 0;
-  out.deepest = 0.0;
-  out.flags = 0;
-  const Quat& turn = world_from_tool.rotation;
-  if (!is_finite(world_from_tool.translation) || !std::isfinite(turn.w + turn.x + turn.y + turn.z))
-    out.flags = kContactNotFinite;
-  else if (bone.words() != nullptr)
+  if (!begin_evaluation(world_from_tool, out)) return;
+  if (bone.words() != nullptr)
     packed_.evaluate(config_, bone, world_from_tool, out);
   else
     evaluate_points(bone, world_from_tool, out);

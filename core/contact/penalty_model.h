@@ -3,6 +3,7 @@
 ///   Frame  world.   Units  SI.   Thread  that of the caller; no state. penalty_contact.h and coupled_contact.h make a ContactModel of one.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -33,6 +34,20 @@ struct ContactResult {
   std::uint32_t flags = 0;
   bool list_contacts = true;  ///< in: false leaves `contacts` empty where a model need not list them (saves a fifth of the time)
 };
+
+/// Clears `out` except list_contacts. @returns whether the pose is finite; if it is not, kContactNotFinite is set.
+[[nodiscard]] inline bool begin_evaluation(const Pose& world_from_tool, ContactResult& out) noexcept {
+  out.wrench = {};
+  out.force_gradient = Mat3(0.0);
+  out.contacts.clear();
+  out.touching = 0;
+  out.deepest = 0.0;
+  const Quat& turn = world_from_tool.rotation;
+  const bool finite = is_finite(world_from_tool.translation) && std::isfinite(turn.w + turn.x + turn.y + turn.z);
+  out.flags = 0;
+  if (!finite) out.flags = kContactNotFinite;
+  return finite;
+}
 
 class PenaltyModel {
  public:

@@ -64,19 +64,9 @@ std::uint32_t VoxmapContact::find_surface(const ContactView& bone, const Vec3& i
 }
 
 void VoxmapContact::evaluate(const ContactView& bone, const Pose& world_from_tool, ContactResult& out) const noexcept {
-  out.wrench = {};
-  out.force_gradient = Mat3(0.0);
-  out.contacts.clear();
-  out.touching = 0;
-  out.deepest = 0.0;
-  out.flags = 0;
-  const Quat& turn = world_from_tool.rotation;
-  if (!is_finite(world_from_tool.translation) || !std::isfinite(turn.w + turn.x + turn.y + turn.z)) {
-    out.flags = kContactNotFinite;
-    return;
-  }
+  if (!begin_evaluation(world_from_tool, out)) return;
   // Most points are in air: one map gives their voxels, and only colliding points compute more.
-  const Mat3 rotation = glm::mat3_cast(turn);
+  const Mat3 rotation = glm::mat3_cast(world_from_tool.rotation);
   const Affine index_from_tool{{bone.index_direction(rotation[0]), bone.index_direction(rotation[1]), bone.index_direction(rotation[2])},
                                bone.index_of(world_from_tool.translation)};
   for (std::size_t n = 0; n < shell_.size(); ++n) {

@@ -57,15 +57,6 @@ void push(const Contact& contact, double stiffness, const Vec3& tool_origin, Con
   if (contact.depth > 0.0) out.force_gradient -= glm::outerProduct(contact.normal, contact.normal) * stiffness;
 }
 
-void clear(ContactResult& out) noexcept {
-  out.wrench = {};
-  out.force_gradient = Mat3(0.0);
-  out.contacts.clear();
-  out.touching = 0;
-  out.deepest = 0.0;
-  out.flags = 0;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<PenaltyModel>> MeshContact::create(const MeshContactConfig& config, PointShell shell) {
@@ -76,12 +67,7 @@ Result<std::unique_ptr<PenaltyModel>> MeshContact::create(const MeshContactConfi
 }
 
 void MeshContact::evaluate(const ContactView& bone, const Pose& world_from_tool, ContactResult& out) const noexcept {
-  clear(out);
-  const Quat& turn = world_from_tool.rotation;
-  if (!is_finite(world_from_tool.translation) || !std::isfinite(turn.w + turn.x + turn.y + turn.z)) {
-    out.flags = kContactNotFinite;
-    return;
-  }
+  if (!begin_evaluation(world_from_tool, out)) return;
   const TrianglePatch* patch = bone.triangles();
   if (patch == nullptr) {
     out.flags = kContactOutsideWindow;  // nothing has been published

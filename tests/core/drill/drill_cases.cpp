@@ -84,6 +84,21 @@ Affine turned_pose(double voxel_pitch, const Vec3& tip, std::uint64_t seed) {
 Affine upright_pose(double voxel_pitch, const Vec3& tip) { return {Mat3(1.0 / voxel_pitch), tip}; }
 Affine moved(const Affine& pose, const Vec3& by) { return {pose.linear, pose.offset + by}; }
 
+void drill_step(Voxmap& voxmap, Erosion& erosion, const Affine& start, const Vec3& way, int n, int steps) {
+  const auto at = [&](int m) { return moved(start, way * (static_cast<double>(m) / steps)); };
+  voxmap.commit(erosion.step(voxmap, {at(n), at(n + 1)}, 1.0, 1e-3).changed);
+}
+
+void bring_back(Voxmap& voxmap) {
+  voxmap.write_back();
+  std::vector<BlockChange> changes;
+  const VoxelBox box = voxmap.changed_bounds();
+  for_each_voxel({Vec3i(glm::floor(Vec3(box.lo) / 8.0)), Vec3i(glm::ceil(Vec3(box.hi) / 8.0))}, [&](const Vec3i& block) {
+    changes.push_back({block, nullptr});
+  });
+  voxmap.put_blocks(changes);
+}
+
 Drilling drill(Voxmap& voxmap, Erosion& erosion, const ErosionPath& path, double spin, double duration, int steps) {
   Drilling sum;
   const auto at = [&](int n) { return moved(path.from, (path.to.offset - path.from.offset) * (static_cast<double>(n) / steps)); };

@@ -47,6 +47,9 @@ struct Ball {
 /// A tool pose along the grid's axes.
 [[nodiscard]] Affine upright_pose(double voxel_pitch, const Vec3& tip);
 [[nodiscard]] Affine moved(const Affine& pose, const Vec3& by);  ///< by [voxels]
+/// Does step n of `steps` along a way [voxels] from `start`, at spin 1, and commits it.
+void drill_step(Voxmap& voxmap, Erosion& erosion, const Affine& start, const Vec3& way, int n, int steps);
+void bring_back(Voxmap& voxmap);  ///< all bone, as an undo does
 
 struct Drilling {
   double mass = 0.0;  ///< [m^3]

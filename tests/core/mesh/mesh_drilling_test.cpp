@@ -42,22 +42,6 @@ class WindowMesh {
 
 void check_same(const BallMesh& mesh, const BallMesh& full) { CHECK(moved_triangles(mesh) == moved_triangles(full)); }
 
-void step(Voxmap& voxmap, Erosion& erosion, const Affine& start, const Vec3& way, int n, int steps) {
-  const auto at = [&](int m) { return moved(start, way * (static_cast<double>(m) / steps)); };
-  voxmap.commit(erosion.step(voxmap, {at(n), at(n + 1)}, 1.0, 1e-3).changed);
-}
-
-/// Brings back all bone.
-void undo(Voxmap& voxmap) {
-  voxmap.write_back();
-  std::vector<BlockChange> changes;
-  const VoxelBox box = voxmap.changed_bounds();
-  for_each_voxel({Vec3i(glm::floor(Vec3(box.lo) / 8.0)), Vec3i(glm::ceil(Vec3(box.hi) / 8.0))}, [&](const Vec3i& block) {
-    changes.push_back({block, nullptr});
-  });
-  voxmap.put_blocks(changes);
-}
-
 }  // namespace
 
 TEST_CASE("mesh while drilling: after each step, and after undo, the mesh is that of a full pivoting of the window") {
@@ -73,7 +57,7 @@ TEST_CASE("mesh while drilling: after each step, and after undo, the mesh is tha
       const PlainTriangles before = triangles_of(window.mesh());
       const double volume = take_census(window.mesh()).volume;
       for (int n = 0; n < 6; ++n) {
-        step(voxmap, erosion, solid.from, solid.way, n, 6);
+        drill_step(voxmap, erosion, solid.from, solid.way, n, 6);
         window.follow();
         CHECK(mesh_error_of(window.mesh(), window.bone()) == "");
         check_same(window.mesh(), window.full());
@@ -83,7 +67,7 @@ TEST_CASE("mesh while drilling: after each step, and after undo, the mesh is tha
       const double removed = volume - take_census(window.mesh()).volume;
       MESSAGE("removed by the mesh ", removed, ", closed form ", solid.volume(), " voxel^3");
       CHECK(std::abs(removed / solid.volume() - 1.0) < 0.1);
-      undo(voxmap);
+      bring_back(voxmap);
       window.follow();
       check_same(window.mesh(), window.full());
       CHECK(triangles_of(window.mesh()) == before);
@@ -103,7 +87,7 @@ TEST_CASE("mesh while drilling: a burr through a skull patch makes one handle an
   Erosion erosion = make_erosion(lattice(Cylinder{3e-3, 6e-3}, 0.2e-3, 1e12f));
   const Affine start = upright_pose(spec.pitch, 0.5 * Vec3(voxmap.bone().bounds().lo + voxmap.bone().bounds().hi) + Vec3(0.0, 0.0, 9.0));
   for (int n = 0; n < 8; ++n) {
-    step(voxmap, erosion, start, Vec3(0.0, 0.0, -24.0), n, 8);
+    drill_step(voxmap, erosion, start, Vec3(0.0, 0.0, -24.0), n, 8);
     window.follow();
     CHECK(mesh_error_of(window.mesh(), window.bone()) == "");
     check_same(window.mesh(), window.full());

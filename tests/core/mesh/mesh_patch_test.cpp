@@ -181,18 +181,11 @@ TEST_CASE("patch: after each step of a drilling, and after undo, it is the patch
       };
       check();
       for (int n = 0; n < 6; ++n) {
-        const auto at = [&](int m) { return moved(solid.from, solid.way * (static_cast<double>(m) / 6.0)); };
-        voxmap.commit(erosion.step(voxmap, {at(n), at(n + 1)}, 1.0, 1e-3).changed);
+        drill_step(voxmap, erosion, solid.from, solid.way, n, 6);
         if (n == 3) REQUIRE(voxmap.place_window({whole.lo + Vec3i(1, 0, 2), whole.hi + Vec3i(1, 0, 2)}).ok());
         if (n != 1) check();  // a step that is not published is caught up
       }
-      voxmap.write_back();
-      std::vector<BlockChange> changes;
-      const VoxelBox box = voxmap.changed_bounds();
-      for_each_voxel({Vec3i(glm::floor(Vec3(box.lo) / 8.0)), Vec3i(glm::ceil(Vec3(box.hi) / 8.0))}, [&](const Vec3i& block) {
-        changes.push_back({block, nullptr});
-      });
-      voxmap.put_blocks(changes);
+      bring_back(voxmap);
       check();
     }
 }
