@@ -277,6 +277,8 @@ Status SessionWriter::close() {
   // The checkpoint puts all rows into the file itself; when the database is closed, SQLite would do so without reporting an error.
   if (status && !(state_->write_ends() && execute(state_->database.get(), "COMMIT; PRAGMA wal_checkpoint(TRUNCATE)")))
     status = state_->failed_to("close");
+  // A file in WAL mode needs a folder that can be written to even for reading. A reader that has it open keeps the mode: no error.
+  if (status) (void)execute(state_->database.get(), "PRAGMA journal_mode = DELETE");
   state_->database.reset();
   return status;
 }

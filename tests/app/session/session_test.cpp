@@ -118,21 +118,50 @@ TEST_CASE("session: any range of rows equals that part of the whole") {
   }
 }
 
-TEST_CASE("session: the file is in WAL mode and a destroyed writer has closed it") {
+/// @returns bytes 18 and 19 of an SQLite file, which say the journal it uses: 1 a rollback journal, 2 a WAL (SQLite's file format, section
+/// 1.3).
+std::pair<int, int> journal_bytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(18);
+  const int write = file.get();
+  return {write, file.get()};
+}
+
+TEST_CASE("session: the file is in WAL mode while it is written, and a destroyed writer has closed it as one file") {
   const TemporaryFolder folder;
   const std::string path = folder.file("run.session");
   {
     SessionWriter writer = make_writer(path);
     REQUIRE(writer.append(0, any_bits(0)));
     REQUIRE(writer.append(0, any_bits(1)));
+    CHECK(journal_bytes(path) == std::pair(2, 2));
+    CHECK(std::filesystem::exists(path + "-wal"));
   }
   CHECK(open_reader(path).row_count("servo") == 2);
-  CHECK_FALSE(std::filesystem::exists(path + "-wal"));
-  // Bytes 18 and 19 of an SQLite file say which journal it uses; 2 is WAL (SQLite's file format, section 1.3).
-  std::ifstream file(path, std::ios::binary);
-  file.seekg(18);
-  CHECK(file.get() == 2);
-  CHECK(file.get() == 2);
+  CHECK(journal_bytes(path) == std::pair(1, 1));
+  for (const char* suffix : {"-wal", "-shm", "-journal"}) CHECK_FALSE(std::filesystem::exists(path + suffix));
+}
+
+/// @returns whether SQLite itself, as other programs use it, reads rows of the file.
+bool plain_sqlite_reads(const std::string& path) {
+  sqlite3* database = nullptr;
+  const bool read = sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READONLY, nullptr) == SQLITE_OK &&
+                    sqlite3_exec(database, "SELECT count(*) FROM blocks", nullptr, nullptr, nullptr) == SQLITE_OK;
+  sqlite3_close(database);
+  return read;
+}
+
+TEST_CASE("session: a writer that closes beside a reader keeps the WAL, and every row is there") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("run.session");
+  SessionWriter writer = make_writer(path);
+  REQUIRE(writer.append(0, any_bits(0)));
+  sqlite3* reader = nullptr;
+  REQUIRE(sqlite3_open_v2(path.c_str(), &reader, SQLITE_OPEN_READONLY, nullptr) == SQLITE_OK);
+  REQUIRE(sqlite3_exec(reader, "SELECT count(*) FROM blocks", nullptr, nullptr, nullptr) == SQLITE_OK);
+  CHECK(writer.close());
+  sqlite3_close(reader);
+  CHECK(open_reader(path).row_count("servo") == 1);
 }
 
 TEST_CASE("session: a reader that opens the new file at once, as a backup does, does not end the run") {
@@ -299,6 +328,7 @@ TEST_CASE("session: a closed session on a medium that cannot be written is read"
         return reader.ok() && reader->row_count("servo") == 1;
       },
       path));
+  CHECK(as_ordinary_user(plain_sqlite_reads, path));
   std::filesystem::permissions(folder.path(), std::filesystem::perms(0755));
 }
 
