@@ -10,9 +10,11 @@
 #include <string_view>
 #include <utility>
 
+#include "app/cli/given_paths.h"
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
 #include "app/scene/other_branch.h"
+#include "app/stage/result_files.h"
 #include "core/base/simd.h"
 #include "core/config/toml_messages.h"
 
@@ -166,6 +168,11 @@ Error scene_not_found(const std::string& scene) {
 /// @returns an error for what is likely a volume or a mesh in place of a scene.
 Status is_a_scene(const std::string& path) {
   std::error_code ignored;
+  if (fs::is_directory(path, ignored) && fs::exists(fs::path(path) / kSummaryFile, ignored))
+    return bad_input(fmt::format("is the folder of a run, not a scene: burrhole replay {0} computes it again; to drill on from its bone, "
+                                 "give its scene and --restore {1}",
+                                 path, (fs::path(path) / kBoneFile).string()),
+                     path);
   if (fs::is_directory(path, ignored))
     return bad_input(fmt::format("is a folder, not a scene: for a DICOM folder give --set volume.source=FOLDER with a scene, or burrhole "
                                  "import {}",
@@ -176,6 +183,14 @@ Status is_a_scene(const std::string& path) {
   if (path.ends_with(".mrk.json") || ending == ".fcsv")
     return bad_input(
         fmt::format("is no scene: a plan of 3D Slicer is given to a scene by --unset approach --set approach.markups={}", path), path);
+  if (ending == ".sqlite")
+    return bad_input(fmt::format("is a recorded session, not a scene: burrhole replay {0} computes it again, burrhole session {0} "
+                                 "describes it",
+                                 path),
+                     path);
+  constexpr const char* kNoText[] = {".json", ".html", ".png", ".csv", ".wav", ".md"};
+  if (std::ranges::find(kNoText, ending) != std::end(kNoText))
+    return bad_input("is no scene: a scene is a TOML file (burrhole scenes --copy NAME writes one to edit)", path);
   constexpr const char* kOtherPrograms[] = {".mrml", ".mrb", ".pvsm", ".vti", ".vtp", ".vtk", ".vtu", ".mitk"};
   if (std::ranges::find(kOtherPrograms, ending) != std::end(kOtherPrograms))
     return bad_input("is a file of another program, not a scene: save its volume as NRRD, NIfTI or MetaImage there (burrhole import)",
@@ -234,6 +249,17 @@ Status is_no_value_of_a_table(const std::string& assignment) {
   return {};
 }
 
+/// @returns an error for a tool file of the current folder that is given by its name alone, as shipped tools are.
+Status is_a_shipped_tool(const std::string& assignment, const fs::path& scene_folder) {
+  constexpr std::string_view kKey = "tool.name=";
+  if (!assignment.starts_with(kKey)) return {};
+  const std::string name = assignment.substr(kKey.size()), here = tool_file_here(name);
+  std::error_code ignored;
+  if (here.empty() || fs::exists(scene_folder / here, ignored)) return {};
+  return bad_input(fmt::format("no shipped tool has that name; for the file in the current folder write --set tool.name={}", here),
+                   "--set " + assignment);
+}
+
 /// The keys whose values are paths of files that are read.
 constexpr const char* kPathKeys[] = {"volume.source", "approach.markups",         "tool.name",
                                      "mesh.file",     "display.exterior_texture", "display.interior_texture"};
@@ -269,7 +295,8 @@ Result<TomlDocument> SceneOption::document() const {
   if (!document) return document.error();
   if (const Status valid = is_no_tool(*document); !valid) return valid.error();
   for (const std::string& assignment : sets)
-    for (const Status& valid : {is_written_as_assignment(assignment), is_no_value_of_a_table(assignment)})
+    for (const Status& valid : {is_written_as_assignment(assignment), is_no_value_of_a_table(assignment),
+                                is_a_shipped_tool(assignment, fs::path(path).parent_path())})
       if (!valid) return valid.error();
   // First what goes: --unset approach --set approach.markups=FILE gives another approach.
   std::vector<TomlChange> changes;

@@ -10,6 +10,7 @@
 #include "app/cli/drill_window.h"
 #include "app/cli/drilling.h"
 #include "app/cli/film.h"
+#include "app/cli/given_paths.h"
 #include "app/cli/progress.h"
 #include "app/job/drill_job.h"
 #include "app/job/earlier_run.h"
@@ -258,7 +259,8 @@ void add_drill(CLI::App& app, int& exit_code) {
   option->scene.add_to(*command);
   add_stereo_options(*command, option->scene);
   command->add_option("--out", option->files.folder, "folder for the results")->type_name(kFolderValue)->capture_default_str();
-  command->add_option("--restore", option->files.restore_path, "start from this checkpoint: the bone.vdb of an earlier run")
+  command->add_option("--restore", option->files.restore_path, "start from this checkpoint: the bone.vdb of an earlier run, or its folder")
+      ->transform([](const std::string& given) { return bone_of(given); })
       ->type_name(kFileValue);
   command->add_option("--inputs", option->files.inputs, "TOML file of timed inputs: spin, tool, undo, checkpoint, ... (docs/inputs.md)")
       ->type_name(kFileValue);

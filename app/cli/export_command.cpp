@@ -5,6 +5,7 @@
 #include "app/cli/command_text.h"
 #include "app/cli/commands.h"
 #include "app/cli/drilling.h"
+#include "app/cli/given_paths.h"
 #include "app/cli/progress.h"
 #include "app/scene/volume_scene.h"
 #include "core/base/units.h"
@@ -49,6 +50,17 @@ bool has_remaining(const std::string& path) {
   const auto content = read_vdb(path);
   return content &&
          std::any_of(content->grids.begin(), content->grids.end(), [](const FloatVdb& grid) { return grid.name() == "remaining"; });
+}
+
+/// @returns an error for files of which the names show that they are of another kind.
+Status check_names(const Options& option) {
+  const std::string& input = option.input.scene;
+  if (lower(input).ends_with(".sqlite"))
+    return bad_input(fmt::format("is a recorded session and holds no bone: burrhole session {} --csv prints its rows", input), input);
+  if (lower(option.output).ends_with(".seg.nrrd") && option.field != "labels")
+    return bad_input("is the name of a segmentation of 3D Slicer, which holds labels: add --field labels, or end in .nrrd alone",
+                     option.output);
+  return {};
 }
 
 Status check_paths(const Options& option) {
@@ -165,6 +177,7 @@ Status export_volume(const Options& option, const Source& source, Progress& prog
 }
 
 int export_input(const Options& option) {
+  if (const Status names = check_names(option); !names) return report(names.error());
   const bool plan = is_markups_path(option.output);
   const Status valid = plan ? check_markups(option) : check_request(request_of(option));
   if (!valid) return report(valid.error());
@@ -209,7 +222,9 @@ void add_export(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember(export_field_names()));
   command->add_flag("--undrilled", option->undrilled, "the bone as loaded, without holes");
   command->add_flag("--crop", option->crop, "only the box round the bone; it stays where it is in the patient");
-  command->add_option("--restore", option->restore, "checkpoint with the holes: the bone.vdb of a run of this bone")->type_name(kFileValue);
+  command->add_option("--restore", option->restore, "checkpoint with the holes: the bone.vdb of a run of this bone, or its folder")
+      ->transform([](const std::string& given) { return bone_of(given); })
+      ->type_name(kFileValue);
   command->add_option("--set", option->input.sets, "override a key of a scene, e.g. --set volume.spacing_mm=0.5 (repeatable)")
       ->type_name("TABLE.KEY=VALUE")
       ->allow_extra_args(false);

@@ -20,7 +20,7 @@ constexpr std::array<OtherWord, 25> kCommands{
 struct OtherName {
   std::string_view name, instead, option;
 };
-constexpr std::array<OtherName, 22> kOptions{{{"--tool", "--set tool.name=NAME", "--set"},
+constexpr std::array<OtherName, 25> kOptions{{{"--tool", "--set tool.name=NAME", "--set"},
                                               {"--bit", "--set tool.name=NAME", "--set"},
                                               {"--spin", "--set tool.spin_rpm=RPM", "--set"},
                                               {"--rpm", "--set tool.spin_rpm=RPM", "--set"},
@@ -41,18 +41,40 @@ constexpr std::array<OtherName, 22> kOptions{{{"--tool", "--set tool.name=NAME",
                                               {"--batch", "--offscreen", "--offscreen"},
                                               {"--gui", "--window", "--window"},
                                               {"--silent", "--quiet", "--quiet"},
-                                              {"-q", "--quiet", "--quiet"}}};
+                                              {"-q", "--quiet", "--quiet"},
+                                              {"--csv", "burrhole session RUN --csv, which prints the rows", "--stills"},
+                                              {"--json", "--csv", "--stream"},
+                                              {"--out", "> FILE after --csv: rows are printed on stdout", "--stream"}}};
 constexpr std::array<std::string_view, 4> kOutputs{"-o", "--out", "--output", "--outfile"};
 
+/// What is done by more than one command, or by none.
+constexpr std::string_view kResults = "drill writes report.html into its folder, and compare lays runs side by side";
+constexpr std::string_view kSweep =
+    "a sweep is a loop of the shell: drill --set KEY=VALUE --out FOLDER for each value, then compare the folders";
+constexpr std::array<OtherWord, 9> kAdvice{{{"report", kResults},
+                                            {"score", kResults},
+                                            {"result", kResults},
+                                            {"results", kResults},
+                                            {"plot", "compare ONE OTHER --out FOLDER draws curves; report.html has those of one run"},
+                                            {"sweep", kSweep},
+                                            {"batch", kSweep},
+                                            {"gui", "burrhole alone opens the window"},
+                                            {"window", "burrhole alone opens the window"}}};
+
 }  // namespace
+
+std::optional<std::string> advice_for(std::string_view word) {
+  const auto found = std::ranges::find(kAdvice, word, &OtherWord::word);
+  return found == kAdvice.end() ? std::nullopt : std::optional(std::string(found->instead));
+}
 
 std::optional<std::string> command_for(std::string_view word) {
   const auto found = std::ranges::find(kCommands, word, &OtherWord::word);
   return found == kCommands.end() ? std::nullopt : std::optional(std::string(found->instead));
 }
 
-std::optional<OtherOption> option_for(std::string_view option, bool has_image) {
-  if (has_image && std::ranges::find(kOutputs, option) != kOutputs.end()) return OtherOption{"--image FILE", "--image"};
+std::optional<OtherOption> option_for(std::string_view option, const std::string& output) {
+  if (!output.empty() && std::ranges::find(kOutputs, option) != kOutputs.end()) return OtherOption{output + " FILE", output};
   const auto found = std::ranges::find(kOptions, option, &OtherName::name);
   if (found == kOptions.end()) return std::nullopt;
   return OtherOption{std::string(found->instead), std::string(found->option)};

@@ -71,8 +71,9 @@ std::string did_you_mean(const std::string& word) { return "; did you mean \"" +
 /// @returns the text of an unknown option, with the nearest that the command has, or of one letter those that begin with it.
 std::string unknown_option(const CLI::App& command, const std::string& word) {
   constexpr std::size_t kShort = 2;  // "-o"
-  const bool has_image = command.get_option_no_throw("--image") != nullptr;
-  if (const auto other = option_for(word, has_image))
+  const auto has = [&](const char* name) { return command.get_option_no_throw(name) != nullptr; };
+  if (has(word.c_str())) return fmt::format("{1} comes before its command: options follow it, {0} ... {1}", full_name(command), word);
+  if (const auto other = option_for(word, has("--image") ? "--image" : has("--volume") ? "--volume" : ""))
     if (other->option.empty() || command.get_option_no_throw(other->option) != nullptr)
       return fmt::format("unknown option \"{}\"; write {}", word, other->instead);
   std::vector<std::string> names, begun;
@@ -147,12 +148,25 @@ std::optional<std::string> output_alone(const CLI::App& command, const std::stri
   return std::nullopt;
 }
 
+/// @returns the text of a stream or a shipped scene that is given without its option: session out --csv servo, scenes parietal.
+std::optional<std::string> value_alone(const CLI::App& command, const std::string& word) {
+  const std::vector<std::string_view> streams = {"servo", "contact", "bone", "audio", "events", "inputs"};
+  if (command.get_option_no_throw("--stream") != nullptr && std::ranges::find(streams, word) != streams.end())
+    return fmt::format("unexpected \"{0}\": write --csv --stream {0}", word);
+  const CLI::Option* copy = command.get_option_no_throw("--copy");
+  if (copy == nullptr) return std::nullopt;
+  if (copy->count() > 0) return fmt::format("unexpected \"{0}\": write --out {0}", word);
+  return fmt::format("unexpected \"{0}\": --copy {0} copies a shipped scene, burrhole explain {0} describes it", word);
+}
+
 std::string unexpected_word(const CLI::App& command, const std::vector<std::string>& extra) {
   const std::string word = extra.front().substr(0, extra.front().find('='));
-  if (word.size() > 1 && word.starts_with("-")) return unknown_option(command, word);
+  const auto numbers = split_numbers_of(command, extra);  // a negative one begins like an option
+  if (word.size() > 1 && word.starts_with("-")) return numbers ? *numbers : unknown_option(command, word);
   if (const auto split = split_assignment(command, extra)) return *split;
   if (const auto path = path_with_spaces(command, extra)) return "unexpected \"" + word + "\": write the path in quotes, \"" + *path + "\"";
-  if (const auto numbers = split_numbers_of(command, extra)) return *numbers;
+  if (numbers) return *numbers;
+  if (const auto chosen = value_alone(command, extra.front())) return *chosen;
   if (const auto output = output_alone(command, extra.front())) return *output;
   for (const CLI::Option* option : command.get_options())
     if (option->get_positional() && option->get_items_expected_max() == 1 && !option->results().empty())
@@ -230,8 +244,10 @@ std::optional<std::string> unknown_command(const CLI::App& program, std::span<co
       const auto near = nearest_name(word, names);
       const auto other = app == &program ? command_for(word) : std::nullopt;
       const std::string drilled = app == &program && is_scene(word) ? "drill " + word : other ? *other : near.value_or("");
-      const std::string next = drilled.empty() ? "" : did_you_mean(drilled);
+      std::string next = drilled.empty() ? "" : did_you_mean(drilled);
+      if (const auto advice = app == &program ? advice_for(word) : std::nullopt) next = "; " + *advice;
       if (app == &program) return "burrhole: unknown command \"" + word + "\"" + next + " (--help lists them)";
+      if (next.empty() && app->get_name() == "docs") next = "; other pages are the files docs/*.md of the source";
       return fmt::format("burrhole: unknown word \"{}\" after {}, which knows {}{}", word, full_name(*app), fmt::join(names, ", "), next);
     }
     app = app->get_subcommand(word);

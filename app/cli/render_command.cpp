@@ -4,6 +4,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/drilling.h"
+#include "app/cli/given_paths.h"
 #include "app/cli/picture_sink.h"
 #include "app/cli/volume_picture.h"
 #include "app/cli/volume_source.h"
@@ -211,6 +212,13 @@ Status draw_volume(const Options& option) {
   return {};
 }
 
+/// @returns the exit code; names the picture, or the error.
+int end_of(const Status& drawn, const Options& option) {
+  if (!drawn) return report(drawn.error());
+  if (option.mesh.empty()) print_line("picture: " + option.image);
+  return kDone;
+}
+
 }  // namespace
 
 void add_render(CLI::App& app, int& exit_code) {
@@ -240,7 +248,9 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--method", option->method, "how bone is drawn; default: the scene's")
       ->type_name("METHOD")
       ->check(CLI::IsMember({"raycast", "slices", "mesh"}));
-  command->add_option("--restore", option->restore, "checkpoint: the bone.vdb of an earlier run")->type_name(kFileValue);
+  command->add_option("--restore", option->restore, "checkpoint: the bone.vdb of an earlier run, or its folder")
+      ->transform([](const std::string& given) { return bone_of(given); })
+      ->type_name(kFileValue);
   add_gl_option(*command, option->gl);
   add_shader_option(*command, option->shader_folder);
   command->add_flag("--cut", option->cut, "section through the axis");
@@ -259,8 +269,7 @@ void add_render(CLI::App& app, int& exit_code) {
       return;
     }
     if (is_volume(find_scene(option->scene.scene))) {
-      const Status drawn = draw_volume(*option);
-      exit_code = drawn ? kDone : report(drawn.error());
+      exit_code = end_of(draw_volume(*option), *option);
       return;
     }
     if (!option->unit.empty()) {
@@ -270,8 +279,7 @@ void add_render(CLI::App& app, int& exit_code) {
     auto loaded = load_or_report(option->scene, exit_code);
     if (!loaded) return;
     if (!loaded->paged_note.empty()) print_warning(loaded->scene.file, "[limits] " + loaded->paged_note);
-    const Status drawn = draw_scene(*option, *loaded);
-    exit_code = drawn ? kDone : report(drawn.error());
+    exit_code = end_of(draw_scene(*option, *loaded), *option);
   });
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/commands.h"
+#include "app/cli/given_paths.h"
 #include "app/report/tool_sheet.h"
 #include "core/base/units.h"
 #include "core/drill/removal_rate.h"
@@ -229,6 +230,8 @@ Status is_a_tool(const std::string& name) {
   if (const auto mesh = mesh_as_tool(name))
     return bad_input(*mesh + (fs::exists(name, ignored) ? "" : "; the mesh is not there either"), name);
   if (!find_tool_file(name).empty()) return {};
+  if (const std::string here = tool_file_here(name); !here.empty())
+    return bad_input(fmt::format("no shipped tool has that name; for the file in the current folder write {}", here), name);
   const auto near = nearest_name(fs::path(name).stem().string(), shipped_names("tools"));
   return bad_input(fmt::format("tool not found in the current folder, {}{}", (fs::path(share_folder()) / "tools").string(),
                                near ? "; did you mean \"" + *near + "\"?" : " (burrhole tools lists the shipped ones)"),

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -93,6 +94,11 @@ Error no_flag(std::string_view term, std::string_view name) {
 
 /// @returns the error of two terms that another word or sign than a comma joins; nothing if none does.
 std::optional<Error> joined_otherwise(std::string_view term) {
+  const std::string_view first = term.substr(0, term.find(' '));
+  const std::string_view after = trimmed(term.substr(first.size()));
+  if (first == "through" && !after.empty() && std::isalpha(static_cast<unsigned char>(after.front())) != 0 && !after.starts_with("and ") &&
+      !after.starts_with("or "))
+    return write_instead(term, "joins terms by a blank", fmt::format("{}, {}", first, after));
   for (const std::string_view joint : {" and ", "&&", ";", " or ", "||"}) {
     const std::size_t at = term.find(joint);
     if (at == std::string_view::npos) continue;

@@ -42,7 +42,7 @@ Status make_output_folder(const std::string& folder, const std::string& option) 
   auto probe = OutputFile::create((fs::path(folder) / kProbeFile).string());
   Status written = probe ? probe->write("probe") : Status(probe.error());
   if (written) written = probe->seek(0);  // writes what is buffered
-  if (!written) return bad_input("the output folder cannot be written to: " + written.error().message, folder);
+  if (!written) return bad_input("the output folder: " + written.error().message, folder);
   return {};
 }
 

@@ -48,12 +48,24 @@ std::string plain(std::string text) {
   return text;
 }
 
+const std::array<Schema, 3>& schemas() {
+  static const std::array<Schema, 3> kSchemas{schema_of(SchemaFile::scene), schema_of(SchemaFile::tool), schema_of(SchemaFile::raw)};
+  return kSchemas;
+}
+
+/// @returns the word after `burrhole docs` of the reference that lists the keys of a table; nothing if none has it.
+std::optional<std::string_view> reference_of(const std::string& table) {
+  constexpr std::array<std::string_view, 3> kWords{"scene", "tool", "raw"};
+  for (std::size_t n = 0; n < kWords.size(); ++n)
+    if (std::ranges::any_of(schemas()[n].rows, [&](const SchemaRow& row) { return row.key.table == table; })) return kWords[n];
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::string> when_read(std::string_view path, std::string_view key) {
   const std::string table = in_schema(path);
-  static const std::array<Schema, 3> kSchemas{schema_of(SchemaFile::scene), schema_of(SchemaFile::tool), schema_of(SchemaFile::raw)};
-  for (const Schema& schema : kSchemas)
+  for (const Schema& schema : schemas())
     for (const SchemaRow& row : schema.rows)
       if (row.key.table == table && row.key.key == key && !row.condition.empty()) return plain(row.condition);
   return std::nullopt;
@@ -65,7 +77,11 @@ void explain_unknown_keys(Issues& issues) {
     if (!unknown) continue;
     const auto& [path, key] = *unknown;
     const auto condition = when_read(path, key);
-    if (!condition) continue;
+    if (!condition) {
+      const auto reference = path.empty() || !issue.message.ends_with(']') ? std::nullopt : reference_of(in_schema(path));
+      if (reference) issue.message += fmt::format("; burrhole docs {} lists its keys", *reference);
+      continue;
+    }
     const std::string name = path.empty() ? key : path + "." + key;
     const bool not_with = condition->starts_with("not ");
     issue.message = fmt::format("{} is {} {}: remove the key, or change that choice", name, not_with ? "not read" : "read",

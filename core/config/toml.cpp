@@ -23,15 +23,24 @@ namespace {
 
 constexpr std::size_t kLongestText = 4096;  // [bytes] of a value: as long as a path of Linux may be
 
-/// A value as messages print it.
-std::string value_text(const toml::node& node) {
+/// A value as messages print it, without what it holds.
+std::string element_text(const toml::node& node) {
   if (const auto* text = node.as_string()) return '"' + one_line(text->get(), 60) + '"';
   if (const auto* whole = node.as_integer()) return fmt::format("{}", whole->get());
   if (const auto* real = node.as_floating_point()) return number_text(real->get());
   if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
   if (node.is_table()) return "{table}";
-  if (node.is_array()) return "[array]";
-  return "a date or time";
+  return node.is_array() ? "[array]" : "a date or time";
+}
+
+/// The same, with up to four elements of an array.
+std::string value_text(const toml::node& node) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr) return element_text(node);
+  constexpr std::size_t kMost = 4;  // elements that are shown
+  std::string out;
+  for (std::size_t i = 0; i < std::min(array->size(), kMost); ++i) out += (i > 0 ? ", " : "") + element_text(*array->get(i));
+  return "[" + out + (array->size() > kMost ? ", ...]" : "]");
 }
 
 std::optional<double> as_number(const toml::node& node) {

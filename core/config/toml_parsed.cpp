@@ -69,8 +69,24 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// @returns a message of the parser; of a table that is there twice, as after a proposed [approach] was pasted, with what to do.
-std::string with_next_step(std::string message) {
+/// Whether the parser found the end of a line inside a text in quotes.
+bool ends_inside_text(std::string_view message, std::string_view text, const toml::source_position& at) {
+  if (message.find("parsing string") == std::string_view::npos || message.find("control characters") == std::string_view::npos)
+    return false;
+  std::size_t start = 0;
+  for (toml::source_index line = 1; line < at.line; ++line) {
+    const std::size_t end = text.find('\n', start);
+    if (end == std::string_view::npos) return false;
+    start = end + 1;
+  }
+  // Columns count characters, and bytes in front of them are no fewer: the end of the line is the error if no other control is in it.
+  const std::string_view row = text.substr(start, text.find('\n', start) - start);
+  return std::ranges::all_of(row, [](char c) { return static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\r'; });
+}
+
+/// @returns a message of the parser; of a text that is not closed, and of a table that is there twice, as after a proposed [approach] was pasted, with what to do.
+std::string with_next_step(std::string message, std::string_view text, const toml::source_position& at_error) {
+  if (ends_inside_text(message, text, at_error)) return "a text in quotes has no closing quote on its line";
   constexpr std::string_view kTwice = "cannot redefine existing table '";
   const auto at = message.find(kTwice), end = message.rfind('\'');
   if (at == std::string::npos || end < at + kTwice.size()) return message;
@@ -180,8 +196,15 @@ std::string wrong_path(toml::table& root, std::string_view path) {
 }
 
 /// @returns the error of a value that cannot be parsed.
-std::string wrong_value(std::string_view key, std::string_view value) {
-  return number_without_unit(key, value).value_or("the part after '=' is not a TOML value; put text in quotes");
+std::string wrong_value(std::string_view key, std::string_view value, const std::string& option) {
+  if (const auto number = number_without_unit(key, value)) return *number;
+  const std::size_t comma = value.find_first_of(",;"), equals = value.find('=');
+  if (comma != std::string_view::npos && equals != std::string_view::npos && comma < equals && value.find_first_of("[{\"'") > equals)
+    return fmt::format("holds a second assignment: give each its own {0}, as in {0} {1}={2} {0} {3}", option, key,
+                       one_line(trimmed(value.substr(0, comma)), 60), one_line(trimmed(value.substr(comma + 1)), 60));
+  if (comma != std::string_view::npos && value.find_first_not_of("0123456789.,-+eE ") == std::string_view::npos)
+    return fmt::format("is no number: write a point for decimals, or [{}] for an array", one_line(value, 60));
+  return "the part after '=' is not a TOML value; put text in quotes";
 }
 
 }  // namespace
@@ -206,7 +229,8 @@ Result<toml::table> parse_table(std::string_view text, const std::string& file) 
     return toml::parse(text, std::string_view(file));
   } catch (const toml::parse_error& error) {
     const auto begin = error.source().begin;
-    return bad_input(with_next_step(one_line(error.description(), 300)), fmt::format("{}:{}:{}", file, begin.line, begin.column));
+    return bad_input(with_next_step(one_line(error.description(), 300), text, begin),
+                     fmt::format("{}:{}:{}", file, begin.line, begin.column));
   } catch (const std::exception& error) {  // toml++ reports invalid UTF-8 and the like by its own type, memory by std
     return bad_input(one_line(error.what(), 300), file);
   }
@@ -228,7 +252,7 @@ Status assign(ParsedFile& parsed, const Assignment& assignment) {
     return bad_input(assignment.removes ? "must read table or table.key" : wrong_path(parsed.root, path), place);
   const std::string_view written = assignment.removes ? std::string_view() : trimmed(text.substr(equals + 1));
   const auto value = assignment.removes ? std::optional(toml::table()) : parse_value(written);
-  if (!value) return bad_input(wrong_value(path, written), place);
+  if (!value) return bad_input(wrong_value(path, written, assignment.option), place);
   const auto table = descend(parsed.root, *steps, !assignment.removes);
   if (!table) return bad_input(table.error().message, place);
   if (steps->back().index) return bad_input("must read table.key", place);

@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string_view>
 
+#include "core/base/units.h"
+#include "volumes/read/byte_stream.h"
 #include "volumes/read/memory_check.h"
 #include "volumes/read/mesh_file.h"
 #include "volumes/read/mesh_to_occupancy.h"
@@ -34,6 +38,15 @@ MeshSize size_of(const SurfaceMesh& mesh) {
 }
 
 std::string size_text(const Vec3& size) { return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", size.x * 1e3, size.y * 1e3, size.z * 1e3); }
+
+/// @returns the unit [m] in the header of a mesh that burrhole has exported (volumes/write/mesh_writer.cpp); nothing of other meshes.
+std::optional<double> own_unit(const std::string& path) {
+  constexpr std::size_t kHeader = 300;  // [bytes]
+  const Result<std::vector<std::byte>> head = read_head(path, false, kHeader);
+  if (!head) return std::nullopt;
+  const std::string_view text(reinterpret_cast<const char*>(head->data()), head->size());
+  return text.find("burrhole, bone surface. SPACE=LPS, unit mm") != std::string_view::npos ? std::optional(kMillimetre) : std::nullopt;
+}
 
 Status check_options(const ReadOptions& options, const std::string& path) {
   if (!options.unit) return bad_input("mesh files carry no unit of length: give mm, cm, m or in (--unit; unit in a scene)", path);
@@ -67,7 +80,9 @@ Status check_grid(const MeshSize& mesh, double pitch, std::optional<double> memo
 
 }  // namespace
 
-Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& options) {
+Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& given) {
+  ReadOptions options = given;
+  if (!options.unit) options.unit = own_unit(path);
   if (const Status usable = check_options(options, path); !usable) return usable.error();
   const Result<SurfaceMesh> mesh = read_mesh(path, *options.unit);
   if (!mesh) return mesh.error();
@@ -82,7 +97,8 @@ Result<ReadScan> read_mesh_scan(const std::string& path, const ReadOptions& opti
   ReadScan out{std::move(scan).value(), {}};
   out.report.format = mesh_format(path);
   out.report.assumed.push_back("mesh coordinates are patient LPS: +x left, +y back, +z up");
-  out.report.assumed.push_back(fmt::format("one unit of the file is {:g} mm: the mesh is {}", *options.unit * 1e3, size_text(size.size)));
+  out.report.assumed.push_back(fmt::format("one unit of the file is {:g} mm{}: the mesh is {}", *options.unit * 1e3,
+                                           given.unit ? "" : ", by its header, which burrhole has written", size_text(size.size)));
   if (!options.pitch) out.report.assumed.push_back(fmt::format("pitch {:.4g} mm: longest side / {:g}", pitch * 1e3, kDefaultVoxels));
   const MeshCheck check = check_mesh(*mesh);
   out.report.assumed.push_back(

@@ -84,6 +84,19 @@ void read_files(TableReader& root, RawSidecar& out) {
       root.integer("offset_bytes", 0, 0, static_cast<std::int64_t>(kMostOffset), "bytes to skip at the start of each file"));
 }
 
+/// @returns an error for a scene or the file of a tool in place of the description of a volume.
+Status describes_voxels(const TomlDocument& document) {
+  Issues unread;
+  const TableReader root = document.root(unread);
+  const std::string& file = document.file_name();
+  if (root.has("dims") || root.has("type") || root.has("data") || root.has("files")) return {};
+  if (root.has("region") || root.has("mesh"))
+    return bad_input(fmt::format("is a tool file, not a volume: burrhole tools {} describes it", file), file);
+  if (root.has("volume") || root.has("approach") || root.has("tool"))
+    return bad_input(fmt::format("is a scene, not a volume: burrhole explain {0} describes it, burrhole drill {0} drills it", file), file);
+  return {};
+}
+
 }  // namespace
 
 std::vector<std::string> raw_type_names() {
@@ -93,6 +106,7 @@ std::vector<std::string> raw_type_names() {
 }
 
 Result<RawSidecar> parse_raw_sidecar(const TomlDocument& document, KeyLog* log) {
+  if (const Status valid = describes_voxels(document); !valid) return valid.error();
   Issues issues;
   TableReader root = document.root(issues, log);
   RawSidecar out;

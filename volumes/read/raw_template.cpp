@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
+#include <utility>
 
 #include "core/config/toml_messages.h"
 #include "volumes/read/number_text.h"
@@ -37,11 +39,25 @@ Pattern pattern_of(const std::string& name) {
 
 std::string name_of(const std::string& path) { return fs::path(path).filename().string(); }
 
+/// @returns a file of the longest numbered row of names; without a row the first that is named as raw voxels are, or the first.
+const std::string& likeliest(std::span<const std::string> files) {
+  std::map<std::pair<std::string, std::string>, std::size_t> counts;
+  const auto count_of = [&](const std::string& file) -> std::size_t& {
+    const Pattern pattern = pattern_of(name_of(file));
+    return counts[{pattern.before, pattern.after}];
+  };
+  for (const std::string& file : files) ++count_of(file);
+  const auto most = std::ranges::max_element(files, {}, count_of);  // the first of equals
+  if (count_of(*most) > 1) return *most;
+  const auto raw = std::ranges::find_if(files, named_as_raw);
+  return raw == files.end() ? files.front() : *raw;
+}
+
 }  // namespace
 
 std::string raw_template(std::span<const std::string> files) {
   if (files.empty()) return {};
-  const std::string name = name_of(files.front());
+  const std::string name = name_of(likeliest(files));
   const Pattern pattern = pattern_of(name);
   const auto slices = std::ranges::count_if(files, [&](const std::string& file) { return pattern.fits(name_of(file)); });
   const bool stack = slices > 1;

@@ -113,6 +113,10 @@ class OtherCommands(WithFolder):
         image.parent.mkdir()
         result = run("render", QUICK, "--image", image, "--size", "64x48", "--cut")
         self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn(f"picture: {image}\n", result.stderr)
+        default = run("render", QUICK, "--size", "64x48", "--cut", cwd=self.folder)
+        self.assertIn("picture: burrhole.png\n", default.stderr)
+        self.assertEqual((self.folder / "burrhole.png").read_bytes(), image.read_bytes())
         self.assertEqual(struct.unpack(">II", image.read_bytes()[16:24]), (64, 48))
 
     def test_two_eyes_are_one_picture_twice_as_large(self):

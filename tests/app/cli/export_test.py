@@ -292,6 +292,8 @@ class Volumes(Drilled):
     def test_a_scene_with_a_checkpoint_and_a_file_of_changes_alone(self):
         first = self.exported("first.nrrd").read_bytes()
         self.assertEqual(self.exported("a.nrrd", "--restore", self.bone, source=self.scene_path).read_bytes(), first)
+        folder = self.exported("folder.nrrd", "--restore", self.bone.parent, source=self.scene_path)
+        self.assertEqual(folder.read_bytes(), first, "the folder of a run stands for its bone")
         self.assertEqual(self.exported("b.nrrd", source=self.scene_path).read_bytes(), self.exported("c.nrrd", "--undrilled").read_bytes())
         done = run("drill", self.scene_path, "--offscreen", "--out", self.folder / "small", "--quiet", "--set", "output.whole_bone=false")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -319,6 +321,15 @@ class Meshes(Drilled):
             # The last centres lie up to a voxel inside the plate: 8 x 7 mm, from the entry's height down to 1.2 mm.
             for got, meant in zip(bone["from_mm"] + bone["to_mm"], (-4, -3.5, -1.2, 4, 3.5, 0)):
                 self.assertAlmostEqual(got, meant, delta=1.01 * SPACING_MM)
+            # The header holds the unit; a given one counts, and a mesh without that header has none.
+            plain = run("import", path, "--spacing-mm", "0.2", "--json", "--quiet")
+            self.assertEqual(plain.returncode, 0, plain.stderr)
+            self.assertEqual(json.loads(plain.stdout)["bone"]["from_mm"], bone["from_mm"])
+            other = self.folder / ("other" + path.suffix)
+            other.write_bytes(path.read_bytes().replace(b"burrhole, bone", b"anything, bone"))
+            unknown = run("import", other, "--spacing-mm", "0.2", "--quiet")
+            self.assertEqual(unknown.returncode, 2)
+            self.assertIn("--unit", unknown.stderr)
 
 
 class Plans(Drilled):

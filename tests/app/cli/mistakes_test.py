@@ -135,7 +135,44 @@ MISTAKES = [
     (["drill", "my_mesh.toml"], 2, ["my_mesh.toml", "is a tool file"]),
     (["check", "quick.toml", "--set", "tool=my_pin.toml"], 2, ["--set tool=my_pin.toml", "write --set tool.name=my_pin.toml"]),
     (["check", "quick.toml", "--set", "volume = head.nii"], 2, ["write --set volume.source=head.nii"]),
+    # options before the command, and values without their option
+    (["--out", "there", "drill", "quick.toml"], 2, ["--out comes before its command", "burrhole drill ... --out"]),
+    (["import", "head.nii", "-o", "head2.vdb"], 2, ['unknown option "-o"', "write --volume FILE"]),
+    (["import", "head.nii", "--suggest", "50", "-20", "90"], 2, ['unexpected "-20"', "write --suggest 50,-20,90"]),
+    (["session", "empty", "--csv", "contact"], 2, ['unexpected "contact"', "write --csv --stream contact"]),
+    (["session", "empty", "--json"], 2, ['unknown option "--json"', "write --csv"]),
+    (["session", "empty", "--csv", "--out", "x.csv"], 2, ['unknown option "--out"', "> FILE"]),
+    (["replay", "empty", "--csv"], 2, ['unknown option "--csv"', "burrhole session RUN --csv"]),
+    (["scenes", "parietal"], 2, ['unexpected "parietal"', "--copy parietal", "burrhole explain parietal"]),
+    (["scenes", "--copy", "parietal", "there"], 2, ['unexpected "there"', "write --out there"]),
+    # what no command does by that name
+    (["report", "taken"], 2, ['unknown command "report"', "report.html", "compare"]),
+    (["score", "taken"], 2, ['unknown command "score"', "report.html"]),
+    (["sweep", "quick.toml"], 2, ['unknown command "sweep"', "--set KEY=VALUE --out FOLDER", "compare"]),
+    (["plot", "taken"], 2, ['unknown command "plot"', "compare ONE OTHER --out FOLDER"]),
+    (["docs", "window"], 2, ['unknown word "window"', "docs/*.md"]),
+    # results in place of a scene or a bone
+    (["check", "taken"], 2, ["taken: is the folder of a run", "burrhole replay taken", "--restore taken/bone.vdb"]),
+    (["drill", "taken/summary.json"], 2, ["summary.json: is no scene", "TOML"]),
+    (["check", "run.sqlite"], 2, ["run.sqlite: is a recorded session", "burrhole replay run.sqlite"]),
+    (["export", "run.sqlite", "-o", "rows.csv"], 2, ["run.sqlite", "burrhole session run.sqlite --csv"]),
+    (["export", "quick.toml", "-o", "hole.seg.nrrd"], 2, ["hole.seg.nrrd", "segmentation", "--field labels"]),
+    (["import", "my_pin.toml"], 2, ["my_pin.toml: is a tool file, not a volume", "burrhole tools my_pin.toml"]),
+    (["import", "quick.toml"], 2, ["quick.toml: is a scene, not a volume", "burrhole drill quick.toml"]),
+    (["import", "rowdir"], 2, ['files = "CThead.*"', "dims = [I, J, 3]"]),
+    (["import", "lonedir"], 2, ['data = "head.raw"', "dims = [I, J, K]"]),
+    # more values and keys
+    (["tools", "my_pin"], 2, ["no shipped tool has that name", "write my_pin.toml"]),
+    (["check", "parietal", "--set", "tool.name=my_pin"], 2, ["no shipped tool has that name", "write --set tool.name=my_pin.toml"]),
+    (["check", "quick.toml", "--set", "hand.push_N = 28, tool.spin_rpm = 800"], 2, ["a second assignment", "--set hand.push_N=28 --set tool.spin_rpm = 800"]),
+    (["check", "quick.toml", "--set", "hand.push_N=2,8"], 2, ["write a point for decimals", "[2,8] for an array"]),
+    (["check", "quick.toml", "--set-tool", "region.pin.erosion_factor=0.2,0.3"], 2, ["--set-tool", "write a point for decimals"]),
+    (["check", "quick.toml", "--set", "approach.depth_mm=-3"], 2, ['unknown key "depth_mm" in [approach]', "burrhole docs scene lists its keys"]),
+    (["check", "quick.toml", "--set", "approach.entry_mm=[54, 100]"], 2, ["approach.entry_mm = [54, 100]", "3 numbers"]),
+    (["check", "quick.toml", "--set-tool", "region.pin.colour=3"], 2, ['unknown key "colour" in [region[0]]', "burrhole docs tool lists its keys"]),
+    (["tools", "open_pin.toml"], 2, ["open_pin.toml:1:", "no closing quote"]),
     # pictures and expectations
+    (["drill", "quick.toml", "--expect", "through plunge<1mm"], 2, ["joins terms by a blank", 'write "through, plunge<1mm"']),
     (["render", "quick.toml", "--size", "400"], 2, ["--size 400", "WIDTHxHEIGHT"]),
     (["render", "quick.toml", "--image", "hole.jpg"], 2, ["hole.jpg", "must end in .png"]),
     (["drill", "quick.toml", "--expect", "thruogh"], 2, ["thruogh", 'did you mean "through"?']),
@@ -173,6 +210,11 @@ class Mistakes(WithFolder):
         (self.folder / "rawdir").mkdir()
         for name in ("rawdir/slice_001.raw", "rawdir/slice_002.raw", "rawdir/slice_003.raw", "scan.raw"):
             (self.folder / name).write_bytes(bytes(8192))
+        for name in ("rowdir/Announcement.txt", "rowdir/CThead.1", "rowdir/CThead.2", "rowdir/CThead.10", "lonedir/about.txt", "lonedir/head.raw"):
+            (self.folder / name).parent.mkdir(exist_ok=True)
+            (self.folder / name).write_bytes(b"\x01\x02" * 4096)
+        (self.folder / "run.sqlite").write_bytes(b"SQLite format 3\0" + bytes(100))
+        (self.folder / "open_pin.toml").write_text('title = "My pin\n[[region]]\n')
         for name in ("my scan.toml", "plan.mrk.json", "case.mrml"):
             (self.folder / name).write_text("no scene\n")
         shutil.copy(self.folder / "pin_2mm.toml", self.folder / "my_pin.toml")

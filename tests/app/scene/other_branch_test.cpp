@@ -54,7 +54,7 @@ TEST_CASE("key of another choice: names the choice that reads it") {
 
 TEST_CASE("key of another choice: a key that nobody reads keeps its message, with the nearest name") {
   CHECK(about_hand("pusch_N = 3") == "unknown key \"pusch_N\" in [hand]; did you mean \"push_N\"?");
-  CHECK(about_hand("nonsense = 3") == "unknown key \"nonsense\" in [hand]");
+  CHECK(about_hand("nonsense = 3") == "unknown key \"nonsense\" in [hand]; burrhole docs scene lists its keys");
   CHECK_FALSE(when_read("hand", "nonsense").has_value());
   CHECK_FALSE(when_read("tool", "spin_rpm").has_value());  // always read
 }

@@ -165,6 +165,9 @@ TEST_CASE("set: bad assignments are refused and leave the document as it was") {
       {"a.b=5mm", "--set a.b=5mm: the unit is in the key's name: write a.b_mm=5"},
       {"a.b=[1,", "--set a.b=[1,: the part after '=' is not a TOML value; put text in quotes"},
       {"a.b=one, two", "--set a.b=one, two: the part after '=' is not a TOML value; put text in quotes"},
+      {"a.b=2,8", "--set a.b=2,8: is no number: write a point for decimals, or [2,8] for an array"},
+      {"a.b = 28, c.d = 800",
+       "--set a.b = 28, c.d = 800: holds a second assignment: give each its own --set, as in --set a.b=28 --set c.d = 800"},
       {"a.b=1\nc=2", "--set a.b=1\\nc=2: the part after '=' is not a TOML value; put text in quotes"},
   };
   for (const auto& [assignment, line] : table) {
