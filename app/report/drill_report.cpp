@@ -53,7 +53,8 @@ std::string verdict(const DrillReport& report) {
 
 std::string result_text(const DrillReport& report) {
   const std::string line = fmt::format("Result: {} ({})", report.result, report.reason);
-  return report.flags.empty() ? line + "." : fmt::format("{}. Flags: {}.", line, fmt::join(report.flags, ", "));
+  return report.flags.empty() ? line + "."
+                              : fmt::format("{}. Flags: {} (burrhole docs outcome defines them).", line, fmt::join(report.flags, ", "));
 }
 
 /// All clocks count: a step of simulation that is missed cuts no bone, although the servo was on time.
@@ -86,7 +87,7 @@ std::optional<std::pair<double, double>> feed_axis(const DrillReport& report, do
   return std::pair{-0.25 * top, top};
 }
 
-/// Speeds beyond the axis are drawn at its end, as a curve of their own that says how far they go.
+/// Speeds off the scale are drawn at its end, as a curve of their own that says how far they go.
 void clip_feed(PlotPanel& panel, const std::pair<double, double>& axis) {
   PlotSeries& feed = panel.series.front();
   PlotSeries beyond{"", feed.x, feed.y, line_style(kPlotOrange, "1", 4.0)};
@@ -105,9 +106,8 @@ void clip_feed(PlotPanel& panel, const std::pair<double, double>& axis) {
   panel.from_zero = false;
   panel.y_range = axis;
   if (least >= axis.first && most <= axis.second) return;
-  beyond.name = least < axis.first && most > axis.second
-                    ? fmt::format("beyond the axis, {:.3g} to {:.3g} mm/s", least, most)
-                    : fmt::format("beyond the axis, to {:.3g} mm/s", least < axis.first ? least : most);
+  beyond.name = least < axis.first && most > axis.second ? fmt::format("off the scale, {:.3g} to {:.3g} mm/s", least, most)
+                                                         : fmt::format("off the scale, to {:.3g} mm/s", least < axis.first ? least : most);
   panel.series.push_back(std::move(beyond));
 }
 

@@ -14,7 +14,7 @@ const char* name_of(HandPhase phase) {
     case HandPhase::lean:
       return "lean";
     case HandPhase::give_felt:
-      return "give felt";
+      return "breakthrough detected";
     case HandPhase::release:
       return "release";
     case HandPhase::withdraw:

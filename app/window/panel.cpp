@@ -406,9 +406,7 @@ void Panel::end_screen(int width, int height) {
     text(failure);
   }
   if (const auto summary = state_->summary()) {
-    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26.0f);
-    text(outcome_text(*summary));
-    ImGui::PopTextWrapPos();
+    paragraph(outcome_text(*summary), ImGui::GetFontSize() * 26.0f);
     ImGui::Separator();
     if (ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit)) {
       for (const auto& [name, value] : end_figures(*summary)) {
@@ -421,9 +419,9 @@ void Panel::end_screen(int width, int height) {
       ImGui::EndTable();
     }
     for (const std::string& line : summary->warnings) {
-      ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26.0f);
-      ImGui::TextColored(color(gui_->colors().orange), "%s", printable_text(line).c_str());
-      ImGui::PopTextWrapPos();
+      ImGui::PushStyleColor(ImGuiCol_Text, color(gui_->colors().orange));
+      paragraph(line, ImGui::GetFontSize() * 26.0f);
+      ImGui::PopStyleColor();
     }
   }
   if (!report_.empty() && failure.empty()) {

@@ -1,5 +1,6 @@
 #include "app/window/panel_parts.h"
 
+#include "app/window/panel_text.h"
 #include "core/config/toml_messages.h"
 
 namespace burrhole {
@@ -11,6 +12,10 @@ ImVec4 color(unsigned rgb, float alpha) {
 ImU32 paint(unsigned rgb, float alpha) { return ImGui::ColorConvertFloat4ToU32(color(rgb, alpha)); }
 
 void text(const std::string& line) { ImGui::TextUnformatted(printable_text(line).c_str()); }
+
+void paragraph(const std::string& line, float width) {
+  text(broken_lines(printable_text(line), width, [](const std::string& row) { return ImGui::CalcTextSize(row.c_str()).x; }));
+}
 
 void caption(const Gui& gui, const char* words) {
   ImGui::PushFont(gui.small());

@@ -18,6 +18,8 @@ inline constexpr float kOverPicture = 0.9f;
 
 /// Text without a format; bytes that are not UTF-8, as of a file's name, are shown escaped.
 void text(const std::string& line);
+/// The same in rows of at most that width, broken as broken_lines() does.
+void paragraph(const std::string& line, float width);
 /// A small caption above what follows.
 void caption(const Gui& gui, const char* words);
 

@@ -1,6 +1,7 @@
 #include "app/window/panel_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spawn.h>
 #include <unistd.h>
 
@@ -158,13 +159,34 @@ std::string tool_title(const std::string& name) {
 
 std::vector<std::pair<std::string, std::string>> end_figures(const RunSummary& s) {
   const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f} mm", *value) : std::string("-"); };
-  return {{"bone on the plan", fmt::format("{:.2f} mm", s.thickness_mm)},
+  const RunOutcome outcome = outcome_of(s);
+  const std::vector<std::string> flags = flag_names(outcome.flags);
+  return {{"result", fmt::format("{}{}{}", name_of(outcome.result), flags.empty() ? "" : ", ", fmt::join(flags, ", "))},
+          {"bone on the plan", fmt::format("{:.2f} mm", s.thickness_mm)},
           {"deepest", fmt::format("{:.2f} mm", s.reached_mm)},
           {"plunge, without support", mm(s.plunge_mm)},
           {"hole outside, inside", mm(s.hole_diameter_mm) + ", " + mm(s.inner_diameter_mm)},
           {"largest force", fmt::format("{:.1f} N", s.peak_force_N)},
           {"bone removed", fmt::format("{:.1f} mm3", s.removed_mm3)},
           {"time", fmt::format("{:.1f} s", s.duration_s)}};
+}
+
+std::string broken_lines(const std::string& line, float width, const std::function<float(const std::string&)>& width_of) {
+  std::string out, row;
+  std::size_t at = 0;
+  while (at < line.size()) {
+    const std::size_t end = std::min(line.find(' ', at), line.size());
+    const std::string word = line.substr(at, end - at);
+    const std::string longer = row.empty() ? word : row + " " + word;
+    if (!row.empty() && width_of(longer) > width) {
+      out += row + "\n";
+      row = word;
+    } else {
+      row = longer;
+    }
+    at = end + 1;
+  }
+  return out + row;
 }
 
 bool open_file(const std::string& path) {

@@ -2,6 +2,7 @@
 ///   Units  SI in, text out.   Errors  none.   Thread  any.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -37,6 +38,9 @@ namespace burrhole {
 [[nodiscard]] std::string tool_title(const std::string& name);
 /// Name and value of the main figures of a run.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> end_figures(const RunSummary& summary);
+/// @returns the line broken at blanks alone, so that "40.12 s" is no sentence that ends after "40.", in rows of at most that width. A longer
+/// word has a row of its own.
+[[nodiscard]] std::string broken_lines(const std::string& line, float width, const std::function<float(const std::string&)>& width_of);
 /// Opens a file with the desktop's program for it; where there is one.
 /// @returns whether it could be started.
 bool open_file(const std::string& path);

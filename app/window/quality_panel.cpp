@@ -75,7 +75,7 @@ void draw_quality(const Gui& gui, WindowState& state, const DisplayFigures& figu
       state.with_controls([&](Controls& controls) { controls.requests().lights = *lights; });
   ImGui::PushTextWrapPos(kWide * ImGui::GetFontSize());
   text(quality_text(figures.at_rest, false));
-  text(figures.full_ms ? fmt::format("price: {:.0f} ms for all pixels, measured here", *figures.full_ms) : "price: not measured yet");
+  text(figures.full_ms ? fmt::format("time: {:.0f} ms for all pixels, measured here", *figures.full_ms) : "time: not measured yet");
   const auto known = known_psnr(figures.front, figures.at_rest);
   const bool lit = figures.lights && (figures.lights->shadow || figures.lights->specular);
   text(known ? fmt::format("error: {:.1f} dB to the best, on a skull patch{} (docs/drawing.md)", *known,

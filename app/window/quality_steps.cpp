@@ -40,7 +40,7 @@ DrawingQuality next_quality(std::span<const QualityPoint> front, const DrawingQu
 }
 
 std::string lights_text(const std::optional<LightsChange>& change) {
-  if (!change) return "shadows, highlights: price and difference are measured when one is changed at rest";
+  if (!change) return "shadows, highlights: time and difference are measured when one is changed at rest";
   const std::string differs = change->psnr ? fmt::format("{:.1f} dB to the picture before", *change->psnr) : "no pixel differs";
   return fmt::format("shadows, highlights: the last change took {:+.0f} ms; {}, measured here", change->more_ms, differs);
 }

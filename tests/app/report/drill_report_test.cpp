@@ -69,7 +69,8 @@ TEST_CASE("drill report: result, reason and flags are in one line, and missed st
   DrillReport report = make_report();
   report.result = "stopped-short", report.reason = "the hand withdrew", report.flags = {"plunged", "missed-steps"};
   report.timing = {{.name = "servo", .count = 10}};
-  CHECK(contains(*make_drill_report(report), "Result: stopped-short (the hand withdrew). Flags: plunged, missed-steps."));
+  CHECK(contains(*make_drill_report(report),
+                 "Result: stopped-short (the hand withdrew). Flags: plunged, missed-steps (burrhole docs outcome defines them)."));
   CHECK(contains(*make_drill_report(report), "Missed steps: none, in lockstep."));
   report.missed = {{"servo", 0, 44040}, {"contact", 3, 44040}, {"simulation", 972, 4404}};
   CHECK(contains(*make_drill_report(report),
@@ -128,11 +129,11 @@ TEST_CASE("drill report: the axis of the feed is that of drilling; a fast approa
   const Result<std::string> page = make_drill_report(report);
   if (contains(*page, "No plot: ")) return;  // no gnuplot
   const std::string plot = plots_of(*page).front();
-  CHECK(contains(plot, "beyond the axis, -45 to 700 mm/s"));
+  CHECK(contains(plot, "off the scale, -45 to 700 mm/s"));
   CHECK(contains(plot, "0.4<"));  // a tic of an axis up to 0.6 mm/s
   CHECK_FALSE(contains(plot, "700<"));
   report.speed_mm_s.assign(report.speed_mm_s.size(), 0.4);
-  CHECK_FALSE(contains(plots_of(*make_drill_report(report)).front(), "beyond the axis"));
+  CHECK_FALSE(contains(plots_of(*make_drill_report(report)).front(), "off the scale"));
 }
 
 TEST_CASE("drill report: infinite and unknown speeds, as of samples at one time, draw a page with the axis of those that are known") {

@@ -109,6 +109,21 @@ TEST_CASE("panel: beside the plan, bone left and layer are unknown and are not s
   CHECK_FALSE(has(warnings_of(plan(), view), "press less"));
 }
 
+TEST_CASE("panel: the end shows the result in the words of the report, with its flags") {
+  RunSummary summary;
+  const auto result_of = [](const RunSummary& s) {
+    const auto figures = end_figures(s);
+    REQUIRE(figures.front().first == "result");
+    return figures.front().second;
+  };
+  CHECK(result_line(summary).starts_with(result_of(summary) + ": "));
+  summary.plunge_mm = 3.0;
+  summary.limits.plunge_mm = 1.5;
+  const std::string shown = result_of(summary);
+  CHECK(shown.ends_with(", plunged"));
+  CHECK(result_line(summary).starts_with(shown.substr(0, shown.find(',')) + ": "));
+}
+
 TEST_CASE("panel: names of tools are read as words") {
   CHECK(tool_title("round_burr_4mm") == "round burr 4 mm");
   CHECK(tool_title("twist_drill_2_5mm") == "twist drill 2.5 mm");
