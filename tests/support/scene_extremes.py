@@ -36,20 +36,26 @@ BASE = {
     "hand": {"standoff_mm": "0.02"},
     "contact": {}, "erosion": {}, "record": {},
 }
+SITE = '"parietal_left"'                # of the phantom of a head
+HEADS = re.compile("skin|drape|inset")  # what is drawn of a whole head
 PLATE_ONLY = ("extent_mm", "thickness_mm", "above_mm", "spacing_mm")  # dropped where the source is another
 
 
 class Key:
     """@param table "" for the top of the file. @param condition text of the conditions of its table and row."""
 
-    def __init__(self, table, listed, name, value, condition):
-        self.table, self.listed, self.name, self.value, self.condition = table, listed, name, value, condition
+    def __init__(self, table, listed, name, value, required, condition):
+        self.table, self.listed, self.name, self.value, self.required, self.condition = table, listed, name, value, required, condition
 
     def __str__(self):
         return f"{self.table}.{self.name}".lstrip(".")
 
     def choices(self):
         return re.findall(r'`("[^"]*")`', self.value.split(";")[0])
+
+    def filler(self):
+        """@returns a value of a key that must be there beside another."""
+        return "[0, 0, 1]" if "3 numbers" in self.value else "1"
 
     def values(self):
         """@returns values at the ends of the range, beyond them, every choice, and those of any key."""
@@ -72,7 +78,7 @@ def keys_of(reference):
         elif line.startswith("## "):
             table, listed, condition = "", False, ""
         elif row := ROW.match(line):
-            out.append(Key(table, listed, row[1], row[2], condition + row[4]))
+            out.append(Key(table, listed, row[1], row[2], "**required**" in row[3], condition + row[4]))
         elif line and not line.startswith("|"):
             condition += line
     return out
@@ -114,9 +120,9 @@ class Scenes:
         for name in PLATE_ONLY:
             volume.pop(name, None)
         volume["source"] = source
-        if "phantom" not in source:
-            scene["approach"] = {"entry_mm": "[0, 0, 0]"}
-        elif "head" not in source:
+        if "head" in source:
+            scene["approach"] = {"site": SITE}
+        if "phantom" in source:
             volume["spacing_mm"] = "0.4"
 
     def _satisfy(self, scene, key):
@@ -133,6 +139,11 @@ class Scenes:
             default = owner.choices()[0] if owner.choices() else None
             if (now or default) in refused:
                 scene.setdefault(owner.table, {})[name] = next(one for one in owner.choices() if one not in refused)
+        for one in self.keys:
+            if one.required and not key.listed and one.table == key.table and one is not key and ONLY.findall(one.condition) == ONLY.findall(key.condition):
+                scene.setdefault(one.table, {}).setdefault(one.name, one.filler())
+        if key.table == "display" and HEADS.search(key.name):
+            self._set_source(scene, ['"phantom:head"'])
         for table, name, value in EXAMPLE.findall(key.condition):
             if value and (table or key.table, name) != (key.table, key.name):
                 scene.setdefault(table or key.table, {})[name] = value
@@ -151,6 +162,9 @@ class Scenes:
             listed = f"[[{key.table}]]\n" + "".join(f"{name} = {text}\n" for name, text in (required | {key.name: value}).items())
         else:
             scene[key.table][key.name] = value
+            for one in self.keys:  # what a choice requires
+                if one.required and one.table == key.table and f"`{key.name}` = `{value}`".replace('"', "") in one.condition:
+                    scene[key.table].setdefault(one.name, one.filler())
             if key.name in ("site", "markups"):
                 scene["approach"].pop("entry_mm", None)
         top = "".join(f"{name} = {text}\n" for name, text in scene.pop("").items())
