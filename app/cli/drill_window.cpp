@@ -151,6 +151,7 @@ Result<ViewedSession> view_session_in_window(const std::string& path, const Wind
                  {}};
   auto session = SessionReader::open(path);
   if (!session) return session.error();
+  if (lacks_rows(*session)) return ViewedSession::lacking_rows;
   if (!has_order(*session))
     return bad_input("a session of schema 1 cannot be shown: it has no order of steps; leave --view out to replay it", path);
   auto hand = RecordedHand::create(*session);

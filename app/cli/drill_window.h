@@ -29,9 +29,10 @@ void add_window_options(CLI::App& command, WindowOptions& options);
                                                        bool quiet);
 /// What came of showing a session.
 enum class ViewedSession {
-  shown,           ///< to its end with the results of the run, or until the person closed the window before
-  different,       ///< to its end, with other results
-  without_results  ///< the run was cut short, so nothing can be compared
+  shown,            ///< to its end with the results of the run, or until the person closed the window before
+  different,        ///< to its end, with other results
+  without_results,  ///< the run was cut short, so nothing can be compared
+  lacking_rows      ///< not shown: rows of the run were lost, so its steps cannot be repeated
 };
 /// Shows a recorded session until the person closes the window. bad_input: the session has no order of steps, or its scene no [display].
 [[nodiscard]] Result<ViewedSession> view_session_in_window(const std::string& session, const WindowOptions& options, bool quiet);

@@ -8,6 +8,7 @@
 #include "app/cli/progress.h"
 #include "app/cli/recorded_scene.h"
 #include "app/job/wav_file.h"
+#include "app/run/live_replay.h"
 #include "app/run/simulation.h"
 #include "app/session/recorded_hand.h"
 #include "core/base/cpu_model.h"
@@ -30,6 +31,14 @@ int nothing_compared(const std::string& session, bool allow_partial) {
   return allow_partial ? kDone : kCheckFailed;
 }
 
+/// Says that rows of a session were lost. @returns the exit code.
+int rows_were_lost(const std::string& session) {
+  print_line(session +
+             ": nothing was compared: rows of the recorded run were lost, since its log was full, so its steps cannot be repeated; "
+             "record it again with fewer other programs, or a lower servo_hz");
+  return kCheckFailed;
+}
+
 struct Comparison {
   std::string name, recorded, replayed;
   [[nodiscard]] bool same() const { return recorded == replayed; }
@@ -43,6 +52,7 @@ struct ReplayOptions {
 };
 
 struct Replayed {
+  bool lacks_rows = false;  // then nothing else is set
   std::vector<Comparison> rows;
   std::string changed_bone;  // one line; empty: the bone is that of the run
   SessionMeta recorded;
@@ -100,6 +110,7 @@ Result<Replayed> replay(const ReplayOptions& option) {
   const std::string& path = option.session;
   auto session = SessionReader::open(path);
   if (!session) return session.error();
+  if (lacks_rows(*session)) return Replayed{.lacks_rows = true, .rows = {}, .changed_bone = {}, .recorded = {}, .renderer = {}};
   auto hand = RecordedHand::create(*session);
   if (!hand) return Error{hand.error().code, hand.error().message, path};
   auto loaded = load_recorded(*session, hand->ticks(), option.stills || !option.film.path.empty());
@@ -158,7 +169,7 @@ Result<Replayed> replay(const ReplayOptions& option) {
       const bool drawn = n < simulation->redrawn().size();
       rows.push_back({"still " + still.name, still.hash, drawn ? simulation->redrawn()[n].hash : std::string("(not reached)")});
     }
-  return Replayed{std::move(rows), changed_bone(*session, *loaded), session->meta(), sink ? sink->driver() : std::string()};
+  return Replayed{false, std::move(rows), changed_bone(*session, *loaded), session->meta(), sink ? sink->driver() : std::string()};
 }
 
 }  // namespace
@@ -168,18 +179,18 @@ void add_replay(CLI::App& app, int& exit_code) {
     bool view = false, allow_partial = false;
     WindowOptions window;
   };
-  CLI::App* command =
-      add_command(app, "replay", kDrillGroup,
-                  {.summary = "Runs a recorded session again and compares the results bit for bit",
-                   .about = "Runs the same steps with the recorded hand motion and compares voxels, contact forces and forces "
-                            "sent to the hand with those of the recorded run. The session contains scene, tool and "
-                            "checkpoint; only the scan of an imported bone is read from its file. With --view it is shown in a window "
-                            "with a time line: run, pause, step, speed, jump.",
-                   .examples = {"burrhole replay out/session.sqlite", "burrhole replay out/session.sqlite --view",
-                                "burrhole replay out/session.sqlite --video session.mp4"},
-                   .exits = "Exit 3 if the bone that the scene names, voxels or forces differ, or if nothing could be compared because the "
-                            "recorded run was cut short (not "
-                            "with --allow-partial), 4 if --view finds no display or a video needs ffmpeg, 130 after Ctrl-C."});
+  CLI::App* command = add_command(
+      app, "replay", kDrillGroup,
+      {.summary = "Runs a recorded session again and compares the results bit for bit",
+       .about = "Runs the same steps with the recorded hand motion and compares voxels, contact forces and forces "
+                "sent to the hand with those of the recorded run. The session contains scene, tool and "
+                "checkpoint; only the scan of an imported bone is read from its file. With --view it is shown in a window "
+                "with a time line: run, pause, step, speed, jump.",
+       .examples = {"burrhole replay out/session.sqlite", "burrhole replay out/session.sqlite --view",
+                    "burrhole replay out/session.sqlite --video session.mp4"},
+       .exits = "Exit 3 if the bone that the scene names, voxels or forces differ, or if nothing could be compared because the "
+                "recorded run was cut short (not "
+                "with --allow-partial) or rows of it were lost, 4 if --view finds no display or a video needs ffmpeg, 130 after Ctrl-C."});
   auto option = std::make_shared<Options>();
   command->add_option("session", option->session, "session file, or folder of results")->type_name(kFileValue)->required();
   add_simd_option(*command);
@@ -205,12 +216,17 @@ void add_replay(CLI::App& app, int& exit_code) {
       const auto viewed = view_session_in_window(option->session, option->window, option->quiet);
       exit_code = !viewed ? report(viewed.error()) : *viewed == ViewedSession::different ? kCheckFailed : kDone;
       if (viewed && *viewed == ViewedSession::without_results) exit_code = nothing_compared(option->session, option->allow_partial);
+      if (viewed && *viewed == ViewedSession::lacking_rows) exit_code = rows_were_lost(option->session);
       if (exit_code == kDone && stop_requested().load()) exit_code = kInterrupted;
       return;
     }
     const auto replayed = replay(*option);
     if (!replayed) {
       exit_code = report(replayed.error());
+      return;
+    }
+    if (replayed->lacks_rows) {
+      exit_code = rows_were_lost(option->session);
       return;
     }
     if (stop_requested().load()) {

@@ -21,6 +21,9 @@ std::string why_no_path(const std::string& path) {
   if (leaves) return "leaves the output folder: give a path below it, without a leading / and without ..";
   if (!plain.has_filename() || plain == ".") return "names no file";
   if (is_result_name(plain.begin()->string())) return "is the name of another result of a run: choose another";
+  // SQLite keeps files of these names beside a session, and would read one into the next session of the folder.
+  for (const char* ending : {"-wal", "-shm", "-journal"})
+    if (plain.filename().string().ends_with(ending)) return "ends as a file that SQLite keeps beside a session: choose another";
   return {};
 }
 

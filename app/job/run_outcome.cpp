@@ -137,6 +137,11 @@ std::vector<std::string> outcome_warnings(const RunSummary& s) {
         out.push_back(
             fmt::format("live: {} of {} steps of the {} clock were missed ({:.1f} %): times of this run are wrong by about as much",
                         clock.missed, clock.all, clock.clock, 100.0 * clock.share()));
+  if (s.live && s.live->unrecorded > 0)
+    out.push_back(fmt::format(
+        "live: {} rows of the session were not recorded, since the log was full: this run cannot be replayed; end other programs, or lower "
+        "servo_hz",
+        s.live->unrecorded));
   if ((outcome.flags & kFlagContactDegraded) != 0)
     out.push_back(fmt::format("[contact] {} of {} evaluations were degraded: {}", s.contact_degraded, s.contact_evaluations,
                               fmt::join(contact_flag_texts(s.contact_flags), "; ")));

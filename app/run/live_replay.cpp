@@ -248,7 +248,12 @@ bool has_order(const SessionReader& session) noexcept {
   return session.stream(kContactStream) != nullptr && session.stream(kBoneStream) != nullptr;
 }
 
+bool lacks_rows(const SessionReader& session) noexcept {
+  return std::ranges::find(session.events(), kUnrecordedEvent, &SessionEvent::kind) != session.events().end();
+}
+
 Result<LiveReplayed> replay_live(Stage& parts, RecordedHand& hand, const SessionReader& session, const ReplayHooks& hooks) {
+  if (lacks_rows(session)) return bad_input("rows of this run were not recorded: its steps cannot be repeated");
   auto order = read_order(session, parts.graph);
   if (!order) return order.error();
   const std::size_t ticks = order->servo_contact.size();

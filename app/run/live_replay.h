@@ -31,8 +31,13 @@ struct LiveReplayed {
 /// @returns whether the session records the order of its steps. A lockstep session of schema 1 does not; it is replayed in lockstep.
 [[nodiscard]] bool has_order(const SessionReader& session) noexcept;
 
-/// @param parts must be created with `hand`, from the same session. bad_input: the rows are inconsistent (some are missing or changed). A
-/// session of a killed run has no hashes; its consistent rows are replayed.
+/// Kind of the event that a live run records once rows of its steps were lost, since the log was full.
+inline constexpr const char* kUnrecordedEvent = "unrecorded";
+/// @returns whether rows of steps were lost while the session was recorded: its steps cannot be repeated.
+[[nodiscard]] bool lacks_rows(const SessionReader& session) noexcept;
+
+/// @param parts must be created with `hand`, from the same session. bad_input: the rows are inconsistent (some are missing or changed), or
+/// lacks_rows(). A session of a killed run has no hashes; its consistent rows are replayed.
 [[nodiscard]] Result<LiveReplayed> replay_live(Stage& parts, RecordedHand& hand, const SessionReader& session, const ReplayHooks& hooks);
 
 }  // namespace burrhole

@@ -6,6 +6,7 @@
 #include <new>
 #include <thread>
 
+#include "app/run/live_replay.h"
 #include "app/run/live_rows.h"
 #include "core/base/caught_error.h"
 #include "core/base/hash.h"
@@ -92,6 +93,8 @@ class Loops {
   /// @returns the magnitude [N] of the force on the hand in a servo tick, or in the latest one that was reported. Call it with ticks in order.
   double force_at(std::uint64_t tick);
   Status drain_bone();
+  /// Records, once, that rows were lost: a session that lacks rows must say so even if the process is killed later.
+  Status record_losses();
 
   Stage* parts_;
   RunLog* log_;
@@ -115,6 +118,7 @@ class Loops {
   std::vector<double> row_;
   DrillProgress progress_;
   LiveState state_;
+  bool recorded_losses_ = false;
   double priced_ = 0.0;            // [s] of the latest prices
   double progress_time_ = 0.0;     // [s] simulated time of the last progress report
   std::uint64_t audio_ticks_ = 0;  // blocks of sound so far
@@ -256,6 +260,7 @@ void Loops::halt() noexcept {
   for (std::thread* thread : {&servo_, &contact_, &bone_, &prefetch_thread_})
     if (thread->joinable()) thread->join();
   parts_->voxmap->set_prefetch(nullptr);
+  report_->unrecorded = unrecorded_.load();
 }
 
 Status Loops::report_refusals(const std::string& memory) {
@@ -341,7 +346,15 @@ Status Loops::drain_bone() {
 Status Loops::drain() {
   if (Status done = drain_servo(); !done) return done;
   if (Status done = drain_contact(); !done) return done;
-  return drain_bone();
+  if (Status done = drain_bone(); !done) return done;
+  return record_losses();
+}
+
+Status Loops::record_losses() {
+  if (recorded_losses_ || unrecorded_.load(std::memory_order_relaxed) == 0) return {};
+  recorded_losses_ = true;
+  const double time = static_cast<double>(servo_ticks_.load(std::memory_order_relaxed)) * parts_->period;
+  return log_->record_event(time, kUnrecordedEvent, "rows of steps before this were lost, since the log was full");
 }
 
 Status Loops::park() {
@@ -427,7 +440,6 @@ Status Loops::run() {
       if (Status parked = park(); !parked) return parked;
   }
   halt();
-  report_->unrecorded = unrecorded_.load();
   report_->prefetched_blocks = prefetch_.hits();
   report_->prefetch_misses = prefetch_.misses();
   report_->done = report_->last.hand.phase == HandPhase::done;
@@ -435,8 +447,6 @@ Status Loops::run() {
   if (Status drained = drain(); !drained) return drained;
   if (Status sounded = run_audio(); !sounded) return sounded;
   if (broken_.load(std::memory_order_acquire)) return error_of_simulation();
-  if (report_->unrecorded > 0 && options_.warn)
-    options_.warn(std::to_string(report_->unrecorded) + " rows were not recorded, as the log was full: this session cannot be replayed");
   return {};
 }
 

@@ -248,7 +248,9 @@ class Names(WithRuns):
                              ("./bone.vdb", "another result"), ("bone.vdb/session", "another result"), ("sound.wav", "another result"),
                              ("after.png", "another result"), (".burrhole-run", "another result"), ("bone.earlier.vdb", "another result"),
                              ("scene.toml", "another result"), ("/tmp/session", "leaves the output folder"), ("../session", "leaves the output folder"),
-                             ("a/../../session", "leaves the output folder"), ("", "names no file"), (".", "names no file"), ("a/", "names no file")):
+                             ("a/../../session", "leaves the output folder"), ("", "names no file"), (".", "names no file"), ("a/", "names no file"),
+                             ("session.sqlite-wal", "ends as a file that SQLite keeps"), ("a/mine-shm", "ends as a file that SQLite keeps"),
+                             ("x-journal", "ends as a file that SQLite keeps")):
             with self.subTest(path):
                 scene = self.quick([("[record]\n", f"[record]\npath = {json.dumps(path)}\n")])
                 line = scene.read_text().splitlines().index(f"path = {json.dumps(path)}") + 1
