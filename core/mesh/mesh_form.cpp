@@ -38,7 +38,9 @@ class MeshForm final : public ContactForm {
     out.cutting_stiffness = tool_.cutting_stiffness;
     return out;
   }
-  std::string text() const override { return held_ ? "mesh, tool held back by triangles" : penalty_text("mesh", false, coupling_.has_value()); }
+  std::string text() const override {
+    return held_ ? "mesh, tool held back by triangles" : penalty_text("mesh", false, coupling_.has_value());
+  }
   Result<std::unique_ptr<ContactModel>> make(const PointShell& shell, const ContactOptions& options) const override {
     if (held_) return make_mesh_tool(tool_, shell, options);
     return step_penalty(MeshContact::create(model_, shell), coupling_, options);

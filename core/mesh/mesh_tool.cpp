@@ -17,14 +17,14 @@ namespace burrhole {
 namespace {
 
 // Of constrained_tool.cpp, which says how each was found.
-constexpr double kLookAhead = 0.6;     // [voxel edges] a move knows all planes nearer than this
-constexpr double kLongestMove = 0.4;   // [voxel edges] of any point near bone
-constexpr double kSettled = 0.05;      // [voxel edges] a last move below this needs no new probe
-constexpr double kTolerance = 0.002;   // [voxel edges] of the planes
-constexpr double kOwnGive = 0.05;      // [-] share of a cutting plane's compliance that is its own
-constexpr double kClearance = 0.75;    // [voxel edges] largest clearance of a spinning tool across the push
-constexpr double kClearanceRise = 4.0;  // [-] clearance over engaged depth below that: first contact is at the tool's pose
-constexpr double kTurnsRound = 0.2;    // [voxel edges] a force reversal nearer to the equilibrium of the springs is suppressed
+constexpr double kLookAhead = 0.6;       // [voxel edges] a move knows all planes nearer than this
+constexpr double kLongestMove = 0.4;     // [voxel edges] of any point near bone
+constexpr double kSettled = 0.05;        // [voxel edges] a last move below this needs no new probe
+constexpr double kTolerance = 0.002;     // [voxel edges] of the planes
+constexpr double kOwnGive = 0.05;        // [-] share of a cutting plane's compliance that is its own
+constexpr double kClearance = 0.75;      // [voxel edges] largest clearance of a spinning tool across the push
+constexpr double kClearanceRise = 4.0;   // [-] clearance over engaged depth below that: first contact is at the tool's pose
+constexpr double kTurnsRound = 0.2;      // [voxel edges] a force reversal nearer to the equilibrium of the springs is suppressed
 constexpr double kFineTolerance = 1e-4;  // [-] factor on the tolerance with a tangential law
 constexpr std::size_t kDirections = 24;  // of planes without load that the servo gets: six sides of a cube, in quarters
 
@@ -101,10 +101,10 @@ class MeshTool final : public ContactModel {
   TangentialStep slip_;
   ContactAdditions added_;
   Pose world_from_tool_, bone_from_tool_, world_from_bone_;
-  Vec3 engaged_{0.0};        // [m] bone frame: offset from the tool's pose to the pose at which cutting points are tested
-  Vec3 on_hand_{0.0};        // [N] world, of the last step
+  Vec3 engaged_{0.0};         // [m] bone frame: offset from the tool's pose to the pose at which cutting points are tested
+  Vec3 on_hand_{0.0};         // [N] world, of the last step
   Vec3 push_{0.0, 0.0, 1.0};  // unit, tool frame: opposite to the thrust
-  double clearance_ = 0.0;   // [m]
+  double clearance_ = 0.0;    // [m]
   HoldMove since_look_;
   std::uint32_t flags_ = 0;
   bool placed_ = false, spinning_ = false;
@@ -136,8 +136,7 @@ class MeshTool::Candidates final : public HoldCandidates {
 
 MeshTool::Pull MeshTool::pull_of(const HandMotion& hand, double dt) const noexcept {
   const double damping = config_.coupling_damping / dt, stiffness = config_.coupling_stiffness + damping;
-  return {(config_.coupling_stiffness * hand.world_from_hand.translation +
-           damping * (world_from_tool_.translation + hand.velocity * dt)) /
+  return {(config_.coupling_stiffness * hand.world_from_hand.translation + damping * (world_from_tool_.translation + hand.velocity * dt)) /
               stiffness,
           stiffness};
 }
@@ -162,8 +161,7 @@ HoldPlane MeshTool::plane_of(const MeshGap& gap) const noexcept {
 
 void MeshTool::look(const ContactView& bone, double reach) noexcept {
   gaps_.begin(bone, reach);
-  for (std::uint32_t n = 0; n < shell_.size(); ++n)
-    gaps_.probe(n, bone_from_tool_ * position_of(n) + (cuts(n) ? engaged_ : Vec3(0.0)));
+  for (std::uint32_t n = 0; n < shell_.size(); ++n) gaps_.probe(n, bone_from_tool_ * position_of(n) + (cuts(n) ? engaged_ : Vec3(0.0)));
 }
 
 HoldMove MeshTool::solve(const Pose& bone_from_target, const Pull& pull, bool first) noexcept {
@@ -201,7 +199,8 @@ void MeshTool::sweep(const BoneView& bone, const Pose& bone_from_target, const P
   bool at_rest = false;
   for (int moves = 0; !at_rest && moves < config_.max_moves; ++moves) {
     look(bone.voxels, kLookAhead * edge_);
-    if (gaps_.outside() && (bone.coarse == nullptr || cover_.reaches_unread(bone.voxels, *bone.coarse, bone.world_from_bone * bone_from_tool_))) {
+    if (gaps_.outside() &&
+        (bone.coarse == nullptr || cover_.reaches_unread(bone.voxels, *bone.coarse, bone.world_from_bone * bone_from_tool_))) {
       flags_ |= kContactOutsideWindow;
       bone_from_tool_.translation -= since_look_.translation;
       return;
@@ -209,9 +208,12 @@ void MeshTool::sweep(const BoneView& bone, const Pose& bone_from_target, const P
     const HoldMove move = solve(bone_from_target, pull, moves == 0);
     if (!solver_.converged()) flags_ |= kContactUnsettled;
     const Vec3 engaging = move.engagement - engaged_;
-    const double length = std::max(glm::length(move.translation), glm::length(move.translation + engaging)) + glm::length(move.turn) * reach_;
+    const double length =
+        std::max(glm::length(move.translation), glm::length(move.translation + engaging)) + glm::length(move.turn) * reach_;
     const double free = std::max(kLongestMove * edge_, gaps_.nearest() - kLookAhead * edge_);
-    if (glm::dot(move.translation, last.translation) + glm::dot(engaging, last.engagement) + reach_ * reach_ * glm::dot(move.turn, last.turn) < 0.0)
+    if (glm::dot(move.translation, last.translation) + glm::dot(engaging, last.engagement) +
+            reach_ * reach_ * glm::dot(move.turn, last.turn) <
+        0.0)
       relaxation = std::max(0.125, 0.5 * relaxation);
     const double part = std::min(relaxation, length > free ? free / length : 1.0);
     bone_from_tool_.translation += move.translation * part;
@@ -350,10 +352,8 @@ void MeshTool::step(const ContactInput& in, ContactState& out) noexcept {
     describe(in.bone, glm::length(in.hand.velocity) * options_.foresight, out.local);
     out.force_gradient = force_gradient(out.local);
   }
-  if ((flags_ & kContactOutsideWindow) != 0)
-    out.force_gradient = Mat3(out.on_hand.force != Vec3(0.0) ? -config_.coupling_stiffness : 0.0);
-  if (law_ != nullptr)
-    law_->end_step((flags_ & (kContactUnsettled | kContactOutsideWindow)) == 0 ? slip_.moved : tangential_.move());
+  if ((flags_ & kContactOutsideWindow) != 0) out.force_gradient = Mat3(out.on_hand.force != Vec3(0.0) ? -config_.coupling_stiffness : 0.0);
+  if (law_ != nullptr) law_->end_step((flags_ & (kContactUnsettled | kContactOutsideWindow)) == 0 ? slip_.moved : tangential_.move());
   added_ = {};  // its span is valid for the step only
 }
 
