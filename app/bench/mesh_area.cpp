@@ -62,7 +62,7 @@ double volume_of(const SurfaceMesh& mesh) { return check_mesh(mesh).volume; }
 /// Times a full pivoting. The baseline is OpenVDB's dual contouring of the same density, whose volume must agree. The triangles must be
 /// those of another mesh to which the burr's ball grows back.
 Status compare_full(Bench& bench, const Patch& patch, bool subvoxel) {
-  const BallMeshConfig config{.subvoxel = subvoxel, .rules = {}};
+  const BallMeshConfig config{.subvoxel = subvoxel};
   auto mesh = BallMesh::create(patch.box, config), grown = BallMesh::create(patch.box, config);
   if (!mesh) return mesh.error();
   if (!grown) return grown.error();
@@ -92,7 +92,7 @@ Status compare_full(Bench& bench, const Patch& patch, bool subvoxel) {
 
 /// Times the update after a burr in 20^3 voxels. The baseline is a full pivoting; the triangles must be the same.
 Status compare_update(Bench& bench, const Patch& patch, bool subvoxel) {
-  const BallMeshConfig config{.subvoxel = subvoxel, .rules = {}};
+  const BallMeshConfig config{.subvoxel = subvoxel};
   auto mesh = BallMesh::create(patch.box, config), full = BallMesh::create(patch.box, config);
   if (!mesh) return mesh.error();
   if (!full) return full.error();

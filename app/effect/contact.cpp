@@ -105,8 +105,8 @@ class ContactPlan final : public EffectPlan {
         table.choice("model", words.front(), words,
                      "contact model; surface: a tool that is constrained by the bone's surface; gradient-plane: a penalty force by tangent "
                      "planes from the density gradient; voxmap: a penalty force by planes perpendicular to the tool's inward normals; "
-                     "mesh: a penalty force by the nearest triangles of a mesh of the surface; a large thrust can push the tool through "
-                     "bone against a penalty force");
+                     "mesh: the nearest triangles of a mesh of the surface constrain the tool, or push it by a penalty force (key tool); a "
+                     "large thrust can push the tool through bone against a penalty force");
     for (const FormEntry& entry : kForms)
       if (word_ == entry.word) form_ = entry.read(table);
     rate_hz_ = read_rate(table, stage, rate_hz_, 20, "rate of contact evaluations; divides servo_hz");
@@ -205,8 +205,8 @@ EffectEntry contact_effect() {
            "model = \"gradient-plane\"\nmode = \"paper\"", "model = \"gradient-plane\"\nstorage = \"vdb\"",
            "model = \"voxmap\"\nstacking = \"sum\"", "model = \"voxmap\"\nstacking = \"sum-limited\"",
            "model = \"voxmap\"\nstacking = \"average\"", "model = \"voxmap\"\nstacking = \"deepest\"",
-           "model = \"voxmap\"\nplane = \"surface\"", "model = \"mesh\"", "model = \"mesh\"\nstacking = \"deepest\"",
-           "model = \"mesh\"\ncoupling = \"virtual\""}};
+           "model = \"voxmap\"\nplane = \"surface\"", "model = \"mesh\"", "model = \"mesh\"\ntool = \"hand\"",
+           "model = \"mesh\"\ntool = \"hand\"\nstacking = \"deepest\"", "model = \"mesh\"\ntool = \"hand\"\ncoupling = \"virtual\""}};
 }
 
 }  // namespace burrhole

@@ -26,7 +26,7 @@ double cpu_now() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-Result<BallMesh> make_ball_mesh(const VoxelBox& box, bool subvoxel) { return BallMesh::create(box, {.subvoxel = subvoxel, .rules = {}}); }
+Result<BallMesh> make_ball_mesh(const VoxelBox& box, bool subvoxel) { return BallMesh::create(box, {.subvoxel = subvoxel}); }
 
 /// @returns the mesh of a body after the update.
 Result<SurfaceMesh> mesh_of(const MeshBody& body, MeshKind kind) {

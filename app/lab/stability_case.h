@@ -39,7 +39,7 @@ enum class StabilityMeasure {
 /// Models to which a bound applies.
 enum class ForModels {
   all,
-  constrained,  ///< the default model only: a penalty model permits penetration by its law
+  constrained,  ///< models that constrain a tool only: a penalty model permits penetration by its law
 };
 
 struct StabilityCheck {
@@ -105,7 +105,7 @@ struct StabilityCase {
 struct StabilityModel {
   std::string name;
   std::string keys;          ///< TOML
-  bool constrained = false;  ///< the default model
+  bool constrained = false;  ///< bone constrains a tool with its own pose
 };
 
 /// @returns the models, the default model first.

@@ -9,14 +9,15 @@
 namespace burrhole {
 
 std::span<const StabilityModel> stability_models() {
-  static const std::array<StabilityModel, 7> models{
+  static const std::array<StabilityModel, 8> models{
       {{.name = "surface", .keys = "model = \"surface\"\n", .constrained = true},
        {.name = "gradient-plane", .keys = "model = \"gradient-plane\"\n"},
        {.name = "voxmap", .keys = "model = \"voxmap\"\n"},
-       {.name = "mesh", .keys = "model = \"mesh\"\n"},
+       {.name = "mesh", .keys = "model = \"mesh\"\n", .constrained = true},
+       {.name = "mesh, tool at the hand", .keys = "model = \"mesh\"\ntool = \"hand\"\n"},
        {.name = "gradient-plane, virtual coupling", .keys = "model = \"gradient-plane\"\ncoupling = \"virtual\"\n"},
        {.name = "voxmap, virtual coupling", .keys = "model = \"voxmap\"\ncoupling = \"virtual\"\n"},
-       {.name = "mesh, virtual coupling", .keys = "model = \"mesh\"\ncoupling = \"virtual\"\n"}}};
+       {.name = "mesh, virtual coupling", .keys = "model = \"mesh\"\ntool = \"hand\"\ncoupling = \"virtual\"\n"}}};
   return models;
 }
 

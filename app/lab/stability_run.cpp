@@ -86,7 +86,7 @@ Result<std::vector<Job>> jobs_of(const std::vector<StabilityCase>& cases, const 
     if (!options.only_case.empty() && subject.name != options.only_case) continue;
     for (const StabilityModel& model : stability_models()) {
       if (!options.only_model.empty() && model.name != options.only_model) continue;
-      if (options.sabotage && (!model.constrained || subject.sabotage.what.empty())) continue;
+      if (options.sabotage && (&model != stability_models().data() || subject.sabotage.what.empty())) continue;
       out.push_back({&subject, &model});
     }
   }

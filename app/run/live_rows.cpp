@@ -52,6 +52,7 @@ BoneRow bone_row(Stage& stage, std::uint64_t contact) noexcept {
   row.contact = contact;
   row.published = stage.bone->published();
   row.effects = effect_values(stage.graph, Clock::simulation);
+  row.removed = stage.bone->removed_mass();
   return row;
 }
 

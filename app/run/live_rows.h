@@ -48,6 +48,7 @@ struct BoneRow {
   std::uint64_t published = 0;  ///< number of copies of bone published, including that of this step
   std::uint32_t skipped = 0;
   EffectValues effects;
+  double removed = 0.0;  ///< [m^3] BoneStep::removed_mass()
   float compute_us = 0.0f;
 };
 

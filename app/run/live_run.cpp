@@ -335,6 +335,7 @@ Status Loops::drain_bone() {
     report_->bone.add(row.compute_us);
     report_->bone_skipped += row.skipped;
     state_.bone_us = row.compute_us;
+    state_.removed = row.removed;
     ++state_.steps;
     if (log_->session() == nullptr) continue;
     put(row, *parts_, row_);

@@ -61,7 +61,7 @@ BoneMesh::BoneMesh(BallMesh mesh, const VolumeView& volume, const BoneMeshOption
 }
 
 Result<BoneMesh> BoneMesh::create(const VolumeView& volume, const BoneMeshOptions& options) {
-  auto mesh = BallMesh::create({Vec3i(0), volume.dims}, {.subvoxel = true, .report = true, .rules = {}});
+  auto mesh = BallMesh::create({Vec3i(0), volume.dims}, {.subvoxel = true, .report = true});
   if (!mesh)
     return Error{
         mesh.error().code,

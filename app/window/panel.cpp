@@ -135,6 +135,12 @@ void Panel::big(const char* label, const std::string& value, unsigned rgb) {
 
 void Panel::figures_of(const WindowView& view) {
   const double half = ImGui::GetContentRegionAvail().x * 0.5f;
+  if (plan_.bone_moves) {
+    big("REMOVED", removed_text(view.live), gui_->colors().sky);
+    ImGui::SameLine(static_cast<float>(half) + 2.0f * ImGui::GetStyle().WindowPadding.x);
+    big("BONE TURNED", turned_text(view.live), gui_->colors().sky);
+    return;
+  }
   big("DEPTH", depth_text(view.live.progress), beyond_bone(plan_, view.live) > 0.0 ? gui_->colors().red : gui_->colors().sky);
   ImGui::SameLine(static_cast<float>(half) + 2.0f * ImGui::GetStyle().WindowPadding.x);
   big("BONE LEFT", bone_left_text(plan_, view.live),
@@ -142,6 +148,11 @@ void Panel::figures_of(const WindowView& view) {
 }
 
 void Panel::layers(const WindowView& view) {
+  if (plan_.bone_moves) {
+    caption(*gui_, "BONE MOVED");
+    text(moved_text(plan_, view.live));
+    return;
+  }
   caption(*gui_, "UNDER THE TIP");
   ImGui::PushStyleColor(ImGuiCol_Text, color(gui_->colors().green));
   text(layer_under_tip(plan_, view.live));
@@ -254,10 +265,12 @@ void Panel::lab(const WindowView& view, const DisplayFigures& figures) {
                      ImVec2(ImGui::GetContentRegionAvail().x * 0.75f, 46.0f * gui_->scale()));
   };
   plot("force", history_.force(), "N");
-  plot("depth", history_.depth(), "mm");
-  text(fmt::format("feed {:.2f} mm/s, {:.1f} deg off the bone's normal", history_.feed(), angle_to_surface(plan_, view.live) / kDegree));
-  text(fmt::format("plan: {:.1f} mm of bone, {:.1f} deg off its normal", plan_.approach.thickness / kMillimetre,
-                   plan_.approach.angle / kDegree));
+  if (!plan_.bone_moves) {
+    plot("depth", history_.depth(), "mm");
+    text(fmt::format("feed {:.2f} mm/s, {:.1f} deg off the bone's normal", history_.feed(), angle_to_surface(plan_, view.live) / kDegree));
+    text(fmt::format("plan: {:.1f} mm of bone, {:.1f} deg off its normal", plan_.approach.thickness / kMillimetre,
+                     plan_.approach.angle / kDegree));
+  }
   if (!view.transport) {
     constexpr double kHigh = 0.99;
     text(fmt::format("servo {:.0f} us (p99 {:.0f}), contact {:.0f} us (p99 {:.0f}),", view.live.servo_us, servo_us_.at(kHigh),
@@ -374,7 +387,7 @@ void Panel::help(bool watches, int width, int height) {
   const bool is_low = static_cast<float>(height) < 30.0f * ImGui::GetFontSize();
   if (is_low) ImGui::PushFont(gui_->small());
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-    for (const auto& [key, meaning] : watches ? watching_keys() : key_table()) {
+    for (const auto& [key, meaning] : watches ? watching_keys() : key_table(plan_.bone_moves)) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       ImGui::TextColored(color(gui_->colors().sky), "%s", key);

@@ -12,6 +12,7 @@
 #include <filesystem>
 
 #include "core/base/child_attributes.h"
+#include "core/base/rotation.h"
 #include "core/base/units.h"
 
 namespace burrhole {
@@ -22,6 +23,18 @@ constexpr double kBesidePlan = 3e-3;  // [m] of the tip from the axis along whic
 constexpr double kTouch = 0.5;        // [N]
 constexpr double kMuchPush = 0.9;     // [-] of the arm's largest force
 constexpr double kMuchLean = 15.0 * kDegree;
+
+/// Of the bone along the planned axis.
+void add_warnings_of_plan(const WindowPlan& plan, const LiveState& live, std::vector<std::string>& out) {
+  if (const double away = beside_plan(plan, live); away > kBesidePlan && live.progress.depth > 0.0)
+    out.push_back(fmt::format("{:.1f} mm beside the plan: bone left is unknown", away / kMillimetre));
+  else if (const double beyond = beyond_bone(plan, live); beyond > kNearExit)
+    out.push_back(fmt::format("{:.0f} mm beyond the bone, where dura and brain are: move back", beyond / kMillimetre));
+  else if (live.progress.breakthrough_time && live.hand.spin > 0.0)
+    out.emplace_back("Through the bone: stop the drill and move back");
+  else if (is_near_exit(plan.approach, live.progress))
+    out.push_back(fmt::format("{:.1f} mm of bone left: press less", bone_left(plan.approach, live.progress) / kMillimetre));
+}
 
 }  // namespace
 
@@ -71,20 +84,27 @@ std::string layer_under_tip(const WindowPlan& plan, const LiveState& live) {
   return "bone";
 }
 
+std::string removed_text(const LiveState& live) {
+  const double mm3 = live.removed / (kMillimetre * kMillimetre * kMillimetre);
+  return mm3 < 10.0 ? fmt::format("{:.1f} mm3", mm3) : fmt::format("{:.0f} mm3", mm3);
+}
+
+std::string turned_text(const LiveState& live) {
+  return fmt::format("{:.0f} deg", glm::length(rotation_vector(live.world_from_rest.rotation)) / kDegree);
+}
+
+std::string moved_text(const WindowPlan& plan, const LiveState& live) {
+  const Vec3 entry = plan.world_from_approach.translation;
+  return fmt::format("{:.1f} mm", glm::length(live.world_from_rest * entry - entry) / kMillimetre);
+}
+
 std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& view) {
   std::vector<std::string> out;
   const LiveState& live = view.live;
-  if (const double away = beside_plan(plan, live); away > kBesidePlan && live.progress.depth > 0.0)
-    out.push_back(fmt::format("{:.1f} mm beside the plan: bone left is unknown", away / kMillimetre));
-  else if (const double beyond = beyond_bone(plan, live); beyond > kNearExit)
-    out.push_back(fmt::format("{:.0f} mm beyond the bone, where dura and brain are: move back", beyond / kMillimetre));
-  else if (live.progress.breakthrough_time && live.hand.spin > 0.0)
-    out.emplace_back("Through the bone: stop the drill and move back");
-  else if (is_near_exit(plan.approach, live.progress))
-    out.push_back(fmt::format("{:.1f} mm of bone left: press less", bone_left(plan.approach, live.progress) / kMillimetre));
+  if (!plan.bone_moves) add_warnings_of_plan(plan, live, out);
   if (plan.largest_push > 0.0 && live.hand.thrust > kMuchPush * plan.largest_push) out.emplace_back("The arm is at its largest force");
   // A bit that leans skates before it cuts, and its hole is oval.
-  if (const double angle = angle_to_surface(plan, live); angle > kMuchLean && !view.transport)
+  if (const double angle = angle_to_surface(plan, live); angle > kMuchLean && !view.transport && !plan.bone_moves)
     out.push_back(fmt::format("The drill stands {:.0f} degrees off the bone's normal", angle / kDegree));
   for (const ServoFault fault :
        {kServoForceNotFinite, kServoHandNotFinite, kServoHandLost, kServoContactStale, kServoEnergy, kServoSwinging})
@@ -92,8 +112,8 @@ std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& v
   return out;
 }
 
-std::span<const std::pair<const char*, const char*>> key_table() {
-  static constexpr std::array<std::pair<const char*, const char*>, 24> kKeys{{
+std::span<const std::pair<const char*, const char*>> key_table(bool bone_moves) {
+  static constexpr std::array<std::pair<const char*, const char*>, 26> kKeys{{
       {"Space (hold), X", "drill on; X keeps it on"},
       {"W; S", "advance and press, and rest lightly when released; move back"},
       {"wheel; G", "advance and press, and hold that; relax"},
@@ -118,8 +138,11 @@ std::span<const std::pair<const char*, const char*>> key_table() {
       {"Esc", "end the run"},
       {"pad: triggers", "left advances, right drills; right bumper moves back"},
       {"pad: sticks", "left moves, right leans; B undo, X straight, Y view, Start pause"},
+      {"Alt + D, A, W, S, E, Q", "move the bone along its axes x, y, z"},
+      {"Alt + arrows, page keys", "turn the bone"},
   }};
-  return kKeys;
+  constexpr std::size_t kOfBone = 2;
+  return std::span(kKeys).first(kKeys.size() - (bone_moves ? 0 : kOfBone));
 }
 
 std::span<const std::pair<const char*, const char*>> watching_keys() {

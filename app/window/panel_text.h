@@ -28,10 +28,16 @@ namespace burrhole {
 [[nodiscard]] std::string bone_left_text(const WindowPlan& plan, const LiveState& live);
 /// @returns the layer at the cutting front, "air" above the bone, "through" behind it; "beside the plan" where the tip is too far from it.
 [[nodiscard]] std::string layer_under_tip(const WindowPlan& plan, const LiveState& live);
+/// @returns the volume of bone removed, with few digits where it is large.
+[[nodiscard]] std::string removed_text(const LiveState& live);
+/// @returns the angle by which the bone is turned from where it was loaded.
+[[nodiscard]] std::string turned_text(const LiveState& live);
+/// @returns how far the planned entry has moved with the bone.
+[[nodiscard]] std::string moved_text(const WindowPlan& plan, const LiveState& live);
 /// What a person should heed now, one line each.
 [[nodiscard]] std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& view);
-/// Keys and what they do.
-[[nodiscard]] std::span<const std::pair<const char*, const char*>> key_table();
+/// Keys and what they do. @param bone_moves the scene has [motion], whose keys come last.
+[[nodiscard]] std::span<const std::pair<const char*, const char*>> key_table(bool bone_moves);
 /// The same for a watched session.
 [[nodiscard]] std::span<const std::pair<const char*, const char*>> watching_keys();
 /// @returns a tool's name as a person reads it: "round_burr_4mm" is "round burr 4 mm".

@@ -106,6 +106,7 @@ class Replayer {
     now.world_from_rest = contact.bone.world_from_rest;
     now.force = stage.servo->output().force;
     now.progress = simulation_->progress();
+    now.removed = simulation_->bone_step().removed_mass();
     now.time = time;
     state_->see(now);
     shown_ = time;

@@ -40,6 +40,7 @@ void start_window(WindowState& state, Viewer& viewer, const LoadedScene& loaded,
   plan.largest_push = loaded.scene.goal_hand ? loaded.scene.goal_hand->push : 2.0 * loaded.scene.hand.push;
   plan.users_push = setup.hand.push;
   plan.demonstration = start.demonstration;
+  plan.bone_moves = setup.bone_moves;
   plan.one_eye = display.stereo.mode == StereoMode::off && !display.stereo.workbench;
   plan.marks = start.marks;
   state.begin(plan, setup, OrbitCamera(world_from_approach, display.azimuth, display.elevation, display.distance, 0.8 * thickness),

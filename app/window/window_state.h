@@ -43,6 +43,7 @@ struct WindowPlan {
   double users_push = 0.0;           ///< [N] of the arm of a person who takes a demonstration over
   bool one_eye = true;               ///< the picture is that of the camera: no stereo, no workbench
   bool demonstration = false;        ///< the scene's script drills
+  bool bone_moves = false;           ///< the scene has [motion]: depth, layers and bone left along the planned axis have no meaning
   std::vector<MessageLine> marks{};  ///< of a watched session: what happened when [s]; empty in a run
 };
 

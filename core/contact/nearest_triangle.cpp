@@ -62,7 +62,7 @@ class Search {
     const double reach = std::sqrt(limit2_);
     const VoxelBox range = VoxelBox{block_at(point_, -reach), block_at(point_, reach) + 1}.intersect(blocks);
     if (!round.contains(range)) visit_groups(range, round);
-    out_.inside = out_.triangle != nullptr && glm::dot(normals_, from_place_) < 0.0;
+    out_.inside = out_.triangle != nullptr && glm::dot(out_.normals, out_.from_place) < 0.0;
     return out_;
   }
 
@@ -108,13 +108,11 @@ class Search {
     const double distance2 = glm::dot(nearest.from_place, nearest.from_place);
     if (distance2 > limit2_) return;
     if (out_.triangle == nullptr || widened(distance2) < out_.distance2) {  // nearer than all before
-      out_ = {&triangle, distance2, depth, false};
-      normals_ = nearest.weight * normal;
-      from_place_ = nearest.from_place;
+      out_ = {&triangle, distance2, depth, false, nearest.from_place, nearest.weight * normal};
       limit2_ = std::min(limit2_, widened(distance2));
       return;
     }
-    normals_ += nearest.weight * normal;
+    out_.normals += nearest.weight * normal;
     if (depth > out_.depth) {
       out_.triangle = &triangle;
       out_.depth = depth;
@@ -125,7 +123,6 @@ class Search {
   const Vec3 point_;
   double limit2_;  // [m^2]
   NearestTriangle out_;
-  Vec3 normals_{0.0}, from_place_{0.0};
 };
 
 }  // namespace

@@ -15,6 +15,8 @@ struct NearestTriangle {
   double distance2 = 0.0;                   ///< [m^2] from the point to the triangle
   double depth = 0.0;                       ///< [m] below its plane; < 0: above
   bool inside = false;                      ///< the point is on the inner side of the surface at its nearest place
+  Vec3 from_place{0.0};                     ///< [m] from the nearest place of the surface to the point
+  Vec3 normals{0.0};                        ///< [rad] sum of the normals there, each times its angle
 };
 
 /// @returns the squared distance [m^2] from a point to a triangle.

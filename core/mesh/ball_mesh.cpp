@@ -6,6 +6,7 @@
 
 #include "core/base/assert.h"
 #include "core/base/bounds.h"
+#include "core/mesh/pivot_rules.h"
 #include "core/mesh/surface_offset.h"
 
 namespace burrhole {
@@ -16,11 +17,19 @@ Result<BallMesh> BallMesh::create(const VoxelBox& box, const BallMeshConfig& con
     return Error{ErrorCode::out_of_range,
                  fmt::format("a mesh of {} x {} x {} voxels: mesh a box of 1 to {} per edge", size.x, size.y, size.z, kLongestBox),
                  {}};
-  return BallMesh(box, config);
+  return BallMesh(box, config, TieRule::lowest_corner);
 }
 
-BallMesh::BallMesh(const VoxelBox& box, const BallMeshConfig& config)
-    : config_(config), tables_(std::make_shared<const BallTables>(config.rules.tie)), solid_(box), vertices_(box) {
+Result<BallMesh> make_sabotaged_mesh(const VoxelBox& box, const BallMeshConfig& config, const PivotRules& rules) {
+  auto mesh = BallMesh::create(box, config);
+  if (!mesh) return mesh;
+  BallMesh out(box, config, rules.tie);
+  out.missed_glue_ = rules.missed_glue;
+  return out;
+}
+
+BallMesh::BallMesh(const VoxelBox& box, const BallMeshConfig& config, TieRule tie)
+    : config_(config), tables_(std::make_shared<const BallTables>(tie)), solid_(box), vertices_(box) {
   is_marked_.assign(solid_.index_end() / 64, 0);
 }
 
@@ -180,7 +189,7 @@ void BallMesh::roll(Id half_edge) {
   if (reverse == HalfEdgeMesh::kNone) {
     reverse = 3 * add_triangle({b, a, c});
   } else {
-    if (++work_.glued == config_.rules.missed_glue) return mesh_.leave_open(half_edge);
+    if (++work_.glued == missed_glue_) return mesh_.leave_open(half_edge);
   }
   if (mesh_.partner(reverse) != HalfEdgeMesh::kFront) return mesh_.leave_open(half_edge);
   mesh_.glue(half_edge, reverse);

@@ -24,16 +24,9 @@
 
 namespace burrhole {
 
-/// What a test may break: with other values than these the mesh is wrong.
-struct PivotRules {
-  TieRule tie = TieRule::lowest_corner;
-  std::uint64_t missed_glue = 0;  ///< the edge that would be glued as this one, counted from 1, is left open; 0: none is
-};
-
 struct BallMeshConfig {
   bool subvoxel = false;  ///< vertices are moved from the centres to the 0.5 surface, by offset_to_surface()
   bool report = false;    ///< changed triangles are listed, see take_changed()
-  PivotRules rules;
 };
 
 /// Work since the mesh was created.
@@ -54,6 +47,8 @@ struct FrontEdge {
   Vec3i opposite{0};     ///< [voxels] third vertex of its triangle
   Vec3 ball{0.0};        ///< [voxels] centre of the ball on the triangle
 };
+
+struct PivotRules;
 
 class BallMesh {
  public:
@@ -107,7 +102,8 @@ class BallMesh {
 
  private:
   using Id = HalfEdgeMesh::Id;
-  BallMesh(const VoxelBox& box, const BallMeshConfig& config);
+  friend Result<BallMesh> make_sabotaged_mesh(const VoxelBox& box, const BallMeshConfig& config, const PivotRules& rules);  // pivot_rules.h
+  BallMesh(const VoxelBox& box, const BallMeshConfig& config, TieRule tie);
 
   void list(Id triangle);
   void mark_cells(std::size_t index);
@@ -138,6 +134,7 @@ class BallMesh {
   std::vector<Id> changed_;                 // triangles; empty without report
   std::vector<std::uint64_t> is_listed_;    // one bit per triangle: in changed_
   MeshWork work_;
+  std::uint64_t missed_glue_ = 0;  // 0; pivot_rules.h
 };
 
 }  // namespace burrhole

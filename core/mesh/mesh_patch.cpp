@@ -87,7 +87,7 @@ void MeshPatch::lay_out(const VoxelBox& box) {
 }
 
 void MeshPatch::rebuild(const MasterWindow& window) {
-  auto mesh = BallMesh::create(window.box, {.subvoxel = true, .report = true, .rules = {}});
+  auto mesh = BallMesh::create(window.box, {.subvoxel = true, .report = true});
   BH_ASSERT(mesh.ok());  // a window is shorter than BallMesh::kLongestBox
   mesh_.emplace(std::move(mesh).value());
   mesh_->fill({window.box, window.density});

@@ -1,4 +1,5 @@
 #include "haptics/device/device_hand.h"
+#include "haptics/hand/bone_drive.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,6 +32,7 @@ const HandState& DeviceHand::read() noexcept {
   state_.velocity = map_.world_from_device.rotate(reading.velocity) * map_.position_scale;
   state_.flags = reading.lost ? kHandLost : 0u;
   buttons_ = reading.buttons;
+  state_.switches = (buttons_ & kGraspButton) != 0 ? BoneSwitch::kGrasp : 0u;
   return state_;
 }
 

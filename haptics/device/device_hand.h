@@ -33,6 +33,9 @@ struct DeviceMap {
 /// @returns the scale that maps `world_force` [N] to the largest force of the device; at most 1.
 [[nodiscard]] double fitting_force_scale(const DeviceInfo& device, double world_force) noexcept;
 
+/// Button of the grip with which the hand grasps the bone, in a scene with [motion].
+inline constexpr std::uint32_t kGraspButton = 1u << 1;
+
 /// A hand source that reads a device, real or simulated. The phase is always `approach`: the intention of the user is unknown.
 class DeviceHand final : public HandSource {
  public:

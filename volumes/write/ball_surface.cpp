@@ -13,7 +13,7 @@ Result<SurfaceMesh> make_ball_surface(const DensitySource& density) {
   for (const VoxelBox& region : density.regions) box = box.unite(region);
   if (box.empty()) return bad_input("there is no bone, so it has no surface");
   box = box.grown(1);  // a vertex may leave its voxel, whose density falls to 0 in the next
-  auto mesh = BallMesh::create(box, {.subvoxel = true, .report = false, .rules = {}});
+  auto mesh = BallMesh::create(box, {.subvoxel = true, .report = false});
   if (!mesh) {
     const Vec3i size = box.size();
     return bad_input(

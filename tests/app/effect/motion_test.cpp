@@ -6,8 +6,11 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 
 #include "core/base/rotation.h"
+#include "haptics/device/device_hand.h"
+#include "haptics/device/device_model.h"
 #include "haptics/hand/bone_drive.h"
 #include "tests/support/drill_scene.h"
 #include "tests/support/temporary_folder.h"
@@ -139,6 +142,54 @@ TEST_CASE("motion: a hand that moves bone and tool as one body cuts nothing; wit
       CHECK(removed > 0.1);
     }
   }
+}
+
+/// The grip of a simulated device, which a spring moves away from bone while a button is pressed.
+class GraspingDevice final : public HandSource {
+ public:
+  static constexpr std::uint64_t kFrom = 200, kTo = 600;  ///< [ticks] with the button
+  GraspingDevice(SimulatedDevice device, std::uint32_t button) : device_(std::move(device)), button_(button) {
+    hand_.emplace(*DeviceHand::create(device_, {}));
+    device_.place(Vec3(0.0, 0.0, 5e-3));
+  }
+  const HandState& read() noexcept override {
+    device_.set_buttons(tick_ >= kFrom && tick_ < kTo ? button_ : 0u);
+    device_.set_goal({.rest = Vec3(0.0, 8e-6 * static_cast<double>(tick_), 5e-3)});
+    const HandState& out = hand_->read();
+    if (tick_ == kFrom) from_ = out.world_from_hand.translation;
+    if (tick_ == kTo - 1) to_ = out.world_from_hand.translation;
+    return out;
+  }
+  void apply(const Wrench& on_hand) noexcept override {
+    hand_->apply(on_hand);
+    ++tick_;
+  }
+  [[nodiscard]] Vec3 moved() const { return to_ - from_; }
+
+ private:
+  SimulatedDevice device_;
+  std::optional<DeviceHand> hand_;
+  std::uint32_t button_;
+  std::uint64_t tick_ = 0;
+  Vec3 from_{0.0}, to_{0.0};
+};
+
+TEST_CASE("motion: the grip of a device moves the bone while its button is pressed, and no other button does") {
+  const auto moved = [](std::uint32_t button) {
+    auto device = SimulatedDevice::create(make_simulated_config(**find_device("generic"), **find_hand("firm")), 1e-3);
+    REQUIRE(device.ok());
+    GraspingDevice hand(*device, button);
+    SimulationOptions options;
+    options.hand = &hand;
+    DrillRun run(scene_of({.erosion = false, .sets = {"duration_s=0.8"}}, "\n[motion]\n"), options);
+    run.run();
+    return std::pair(run.simulation().contact_state().bone.world_from_rest.translation, hand.moved());
+  };
+  const auto [bone, hand] = moved(kGraspButton);
+  CHECK(glm::length(hand) > 2e-3);
+  CHECK(glm::length(bone - hand) < 0.1e-3);  // the pose at the press may be a position step and a reading later than here
+  CHECK(moved(kGraspButton << 1).first == Vec3(0.0));
+  CHECK(moved(kGraspButton >> 1).first == Vec3(0.0));
 }
 
 TEST_CASE("motion: bone that turns under a tool at rest drags it by friction, the way it moves there") {

@@ -162,7 +162,8 @@ TEST_CASE(
     options.inputs = {tool(300, "pin"), plain(500, InputKind::checkpoint, "a"), tool(700, "ball")};
     options.inputs.insert(options.inputs.end(), ending.begin(), ending.end());
     options.history = true;
-    const SmallScene scene{.contact_keys = "model = \"mesh\"\nstiffness_N_per_m = 20e3\n", .sets = {"duration_s=1.3", "hand.push_N=5"}};
+    const SmallScene scene{.contact_keys = "model = \"mesh\"\ntool = \"hand\"\nstiffness_N_per_m = 20e3\n",
+                           .sets = {"duration_s=1.3", "hand.push_N=5"}};
     DrillRun run(scene, options), again(scene, options);
     Simulation& simulation = run.run().simulation();
     BoneStep& bone = simulation.bone_step();

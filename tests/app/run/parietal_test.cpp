@@ -154,6 +154,16 @@ TEST_CASE("parietal: the shipped scene breaks through, leaves a ledged 14/11 mm 
   CHECK(again.simulation().force_hash() == run.simulation().force_hash());
 }
 
+TEST_CASE("parietal: with the contact of the mesh too, the shipped scene breaks through and leaves a ledged 14/11 mm hole") {
+  DrillRun run(load_parietal({"contact.model=mesh"}));
+  run.run();
+  CHECK(run.simulation().end() == RunEnd::done);
+  CHECK(run.simulation().contact_flags() == 0);
+  CHECK(figure(run.simulation(), "erosion", "points_outside") == 0.0);
+  check_breakthrough(run);
+  check_hole(run);
+}
+
 TEST_CASE("parietal: the perforator at rest under 40 N does not pass an inner table of 1.7 mm") {
   LoadedScene loaded = load_text(scene_text({.volume = kInnerTableKeys}), {"tool.name=perforator_14_11", "volume.extent_mm=[20,20,6]",
                                                                            "tool.spin_rpm=0", "hand.push_N=40", "duration_s=3"});

@@ -135,9 +135,18 @@ TEST_CASE("real time: the penalty models, in their own form and coupled, with th
         CAPTURE(model);
         CAPTURE(coupling);
         CAPTURE(scheme);
-        const std::string keys = std::string("model = \"") + model + "\"\nstiffness_N_per_m = 20e3\ncoupling = \"" + coupling + "\"\n";
+        const std::string form = std::string(model) == "mesh" ? "\"\ntool = \"hand" : "";
+        const std::string keys =
+            std::string("model = \"") + model + form + "\"\nstiffness_N_per_m = 20e3\ncoupling = \"" + coupling + "\"\n";
         check_clean(drive(load_small(pressed(keys, {std::string("servo.multirate=\"") + scheme + "\"", "contact.rate_hz=500"}))));
       }
+}
+
+TEST_CASE("real time: the tool that triangles constrain, with its planes at the servo's rate, and with friction") {
+  covers("core/mesh/mesh_gaps.h: probe");
+  const std::string keys = "model = \"mesh\"\n" + std::string(kHeldKeys);
+  check_clean(drive(load_small(pressed(keys, {"contact.rate_hz=500"}))));
+  check_clean(drive(load_small(pressed(keys, {"friction.static_coefficient=0.4", "contact.rate_hz=200"}))));
 }
 
 TEST_CASE("real time: friction in every form of contact, at contact's rate and at the servo's") {

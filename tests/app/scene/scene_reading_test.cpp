@@ -104,7 +104,7 @@ const BadScene kBadScenes[] = {
       "bad.toml:22:2: [device] has no effect on hand.kind = \"feed\", only on \"script\""}},
     {"push_N = 20.0", "give_mm_per_s = 2", {"~bad.toml:20:1: "}},
     {"[contact]",
-     "[contact]\nmodel = \"mesh\"\nstacking = \"sum\"",
+     "[contact]\nmodel = \"mesh\"\ntool = \"hand\"\nstacking = \"sum\"",
      {"~contact.stacking = \"sum\" must be one of \"average\", \"deepest\"", "~unknown key \"cutting_N_per_m\""}},
     // A key of another branch is as unknown as one that was never there.
     {"[contact]", "[contact]\nmodel = \"gradient-plane\"", {"~unknown key \"cutting_N_per_m\" in [contact]"}},

@@ -124,6 +124,36 @@ TEST_CASE("panel: the end shows the result in the words of the report, with its 
   CHECK(result_line(summary).starts_with(shown.substr(0, shown.find(',')) + ": "));
 }
 
+TEST_CASE("panel: where bone moves, the panel has its motion and what was cut, and no warning speaks of the plan") {
+  WindowPlan moving = plan();
+  moving.bone_moves = true;
+  moving.world_from_approach.translation = Vec3(10e-3, 0.0, 0.0);
+  WindowView view;
+  view.live = at(5.2e-3, 5e-3);
+  view.live.world_from_tool.translation = Vec3(30e-3, 0.0, 0.0);
+  view.live.world_from_tool.rotation = glm::angleAxis(40.0 * kDegree, Vec3(1.0, 0.0, 0.0));
+  view.live.world_from_rest.rotation = glm::angleAxis(90.0 * kDegree, Vec3(0.0, 0.0, 1.0));
+  view.live.removed = 117.2e-9;
+  CHECK(warnings_of(plan(), view).size() == 2);  // beside the plan, and off the normal
+  CHECK(warnings_of(moving, view).empty());
+  view.live.hand.thrust = 79.0;
+  CHECK(has(warnings_of(moving, view), "largest force"));
+  CHECK(removed_text(view.live) == "117 mm3");
+  view.live.removed = 2.34e-9;
+  CHECK(removed_text(view.live) == "2.3 mm3");
+  CHECK(turned_text(view.live) == "90 deg");
+  CHECK(moved_text(moving, view.live) == "14.1 mm");  // a quarter round the origin: 10 mm times the root of 2
+}
+
+TEST_CASE("panel: the keys of the bone are listed where it moves, and nowhere else") {
+  const auto lists = [](bool bone_moves) {
+    return std::ranges::count_if(key_table(bone_moves), [](const auto& row) { return std::string(row.first).starts_with("Alt"); });
+  };
+  CHECK(lists(true) == 2);
+  CHECK(lists(false) == 0);
+  CHECK(key_table(true).size() == key_table(false).size() + 2);
+}
+
 TEST_CASE("panel: names of tools are read as words") {
   CHECK(tool_title("round_burr_4mm") == "round burr 4 mm");
   CHECK(tool_title("twist_drill_2_5mm") == "twist drill 2.5 mm");

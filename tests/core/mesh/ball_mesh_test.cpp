@@ -130,9 +130,9 @@ TEST_CASE("ball mesh: solid is a density of one half or more") {
 TEST_CASE("ball mesh, sabotage: a tie that depends on the edge, and a missed glue, are found by the checks") {
   const MeshBone bone = small_shapes(1)[1].bone;
   CHECK(mesh_error_of(make_mesh(bone), bone) == "");
-  const BallMesh other_tie = make_mesh(bone, {.rules = {.tie = TieRule::first_found}});
+  const BallMesh other_tie = make_mesh(bone, {}, {.tie = TieRule::first_found});
   CHECK(mesh_error_of(other_tie, bone) != "");
   CHECK(twin_error(other_tie, bone) != "");
-  for (const std::uint64_t missed : {1u, 2u, 100u}) CHECK(mesh_error_of(make_mesh(bone, {.rules = {.missed_glue = missed}}), bone) != "");
-  CHECK(mesh_error_of(make_mesh(bone, {.rules = {.missed_glue = 100'000}}), bone) == "");  // there are not that many
+  for (const std::uint64_t missed : {1u, 2u, 100u}) CHECK(mesh_error_of(make_mesh(bone, {}, {.missed_glue = missed}), bone) != "");
+  CHECK(mesh_error_of(make_mesh(bone, {}, {.missed_glue = 100'000}), bone) == "");  // there are not that many
 }

@@ -22,7 +22,8 @@ struct Pair {
   MeshBone bone;
   BallMesh mesh;
 
-  explicit Pair(const MeshBone& start, const BallMeshConfig& config = {}) : bone(start), mesh(make_mesh(start, config)) {}
+  explicit Pair(const MeshBone& start, const BallMeshConfig& config = {}, const PivotRules& rules = {})
+      : bone(start), mesh(make_mesh(start, config, rules)) {}
   void set(const Vec3i& voxel, bool solid) {
     bone.set(voxel, solid);
     solid ? mesh.add(voxel) : mesh.remove(voxel);
@@ -246,7 +247,7 @@ TEST_CASE("ball mesh, sabotage: a wrong tie and a missed glue are found where on
       whole_voxels(Vec3i(9), [](const Vec3i& v) { return std::abs(v.x - 4) + std::abs(v.y - 4) + std::abs(v.z - 4) <= 4; });
   const std::uint64_t glued = make_mesh(start).work().glued;
   const auto error_after = [&](const PivotRules& rules, bool cut) {
-    Pair pair(start, {.rules = rules});
+    Pair pair(start, {}, rules);
     for (int y = 3; cut && y < 6; ++y)
       for (int x = 3; x < 6; ++x)
         for (int z = 6; z < 9; ++z) pair.set(start.box.lo + Vec3i(x, y, z), false);

@@ -69,8 +69,8 @@ std::vector<MeshShape> small_shapes(std::uint64_t seed) {
   return out;
 }
 
-BallMesh make_mesh(const MeshBone& bone, const BallMeshConfig& config) {
-  auto mesh = BallMesh::create(bone.box, config);
+BallMesh make_mesh(const MeshBone& bone, const BallMeshConfig& config, const PivotRules& rules) {
+  auto mesh = make_sabotaged_mesh(bone.box, config, rules);
   REQUIRE(mesh.ok());
   mesh->fill(bone.block());
   return std::move(mesh).value();

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh/ball_mesh.h"
+#include "core/mesh/pivot_rules.h"
 
 namespace burrhole::test {
 
@@ -36,7 +36,7 @@ struct MeshShape {
 /// at a corner, and noise.
 [[nodiscard]] std::vector<MeshShape> small_shapes(std::uint64_t seed);
 
-[[nodiscard]] BallMesh make_mesh(const MeshBone& bone, const BallMeshConfig& config = {});
+[[nodiscard]] BallMesh make_mesh(const MeshBone& bone, const BallMeshConfig& config = {}, const PivotRules& rules = {});
 /// @returns the elements in a random order.
 [[nodiscard]] std::vector<Vec3i> shuffled(std::vector<Vec3i> voxels, std::uint64_t seed);
 

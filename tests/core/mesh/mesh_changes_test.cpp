@@ -85,7 +85,7 @@ TEST_CASE("mesh changes: a copy to which the listed triangles are applied is the
       CAPTURE(seed);
       const MeshBone loaded = slab();
       MeshBone bone = loaded;
-      BallMesh mesh = make_mesh(bone, {.subvoxel = subvoxel, .report = true, .rules = {}});
+      BallMesh mesh = make_mesh(bone, {.subvoxel = subvoxel, .report = true});
       Copy copy;
       copy.apply(mesh, taken(mesh));
       CHECK(copy.sorted() == sorted_surface(mesh));
@@ -113,7 +113,7 @@ TEST_CASE("mesh changes: a copy to which the listed triangles are applied is the
 
 TEST_CASE("mesh changes: a refill lists the triangles of before too, and a box without vertices lists none") {
   const MeshBone thick = slab();
-  BallMesh mesh = make_mesh(thick, {.subvoxel = true, .report = true, .rules = {}});
+  BallMesh mesh = make_mesh(thick, {.subvoxel = true, .report = true});
   Copy copy;
   copy.apply(mesh, taken(mesh));
   const MeshBone ball = ramp({30, 28, 18}, [](const Vec3& p) { return glm::length(p - Vec3(14.0, 14.0, 9.0)) - 5.0; });
@@ -128,7 +128,7 @@ TEST_CASE("mesh changes: a refill lists the triangles of before too, and a box w
 
 TEST_CASE("mesh changes: nothing is listed unless it is asked for") {
   const MeshBone bone = slab();
-  BallMesh mesh = make_mesh(bone, {.subvoxel = true, .report = false, .rules = {}});
+  BallMesh mesh = make_mesh(bone, {.subvoxel = true, .report = false});
   mesh.list_vertices(bone.box);
   CHECK(taken(mesh).empty());
 }

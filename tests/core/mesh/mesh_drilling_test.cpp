@@ -25,7 +25,7 @@ class WindowMesh {
   [[nodiscard]] const BallMesh& mesh() const { return mesh_; }
   /// @returns the mesh by a full pivoting.
   [[nodiscard]] BallMesh full() const {
-    auto out = BallMesh::create(voxmap_.window().box, {.subvoxel = true, .rules = {}});
+    auto out = BallMesh::create(voxmap_.window().box, {.subvoxel = true});
     REQUIRE(out.ok());
     out->fill(block());
     return std::move(out).value();

@@ -15,7 +15,7 @@ using namespace burrhole::test;
 
 namespace {
 
-constexpr BallMeshConfig kSubvoxel{.subvoxel = true, .rules = {}};
+constexpr BallMeshConfig kSubvoxel{.subvoxel = true};
 
 /// Density ramps whose 0.5 level encloses a known volume [voxel^3].
 struct Body {

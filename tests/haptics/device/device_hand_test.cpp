@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/random.h"
+#include "haptics/hand/bone_drive.h"
 #include "haptics/hand/simulated_hand.h"
 
 using namespace burrhole;
@@ -94,6 +95,7 @@ TEST_CASE("DeviceHand: places, velocities and rotations of the grip come out in 
     CHECK(glm::length(state.world_from_hand.translation - place) < 1e-15);
     CHECK(glm::length(state.velocity - map.position_scale * turned(turn, device.reading.velocity)) < 1e-14);
     CHECK(hand->buttons() == n);
+    CHECK(state.switches == ((n & 2) != 0 ? BoneSwitch::kGrasp : 0));
     CHECK(glm::length(map.device(state.world_from_hand.translation) - device.reading.device_from_grip.translation) < 1e-15);
     const Vec3 along(0.3, -0.4, 1.2);  // of the drill
     const Vec3 in_grip = turned(device.reading.device_from_grip.rotation, turned(map.grip_from_tool, along));
