@@ -147,6 +147,8 @@ HandConfig read_script(TableReader& table) {
   out.contact_force =
       table.number("contact_N", above_zero(out.contact_force, 1.0, 100.0), "force on the hand above which it is in contact");
   out.detects = table.boolean("detects", out.detects, "whether the hand detects breakthrough; false for comparison only");
+  out.resumes = table.boolean("resumes", out.resumes,
+                              "whether the hand drills on after a release if bone is left ahead of the tip; false: it withdraws");
   out.reach = table.number("reach_mm", above_zero(out.reach / kMillimetre, kMillimetre, 1e3),
                            "depth below the entry at which the thrust is released, with or without breakthrough");
   out.follow_time = table.number("follow_s", above_zero(out.follow_time, 1.0, 60.0),

@@ -71,6 +71,7 @@ const ContactState& ContactTick::operator()(const HandState& hand) noexcept {
     monitor_.look(*axis, view.voxels.voxel_edge(), tip, time_);
   else
     monitor_.look(view.voxels, tip, bone_from_world.rotate(felt_force()), state.engagement, time_);
+  bone_ahead_.store(mover_ == nullptr && !progress().open_axis && !progress().passed_time, std::memory_order_relaxed);
   return state;
 }
 

@@ -72,6 +72,8 @@ class ContactTick {
   const ContactState& operator()(const HandState& hand) noexcept BH_REALTIME;
 
   [[nodiscard]] const ContactState& state() const noexcept { return *state_; }
+  /// Whether bone is left on the planned axis ahead of the tip, and the bone is at rest. Any thread.
+  [[nodiscard]] bool bone_ahead() const noexcept { return bone_ahead_.load(std::memory_order_relaxed); }
   [[nodiscard]] const DrillProgress& progress() const noexcept { return monitor_.progress(); }
   /// [N] The latest force, world frame; zero if it does not reach the hand (kHandUnopposed), which then moves as if there were no bone.
   [[nodiscard]] Vec3 felt_force() const noexcept { return opposed_ ? state_->on_hand.force : Vec3(0.0); }
@@ -101,6 +103,7 @@ class ContactTick {
   float step_us_ = 0.0f;
   bool opposed_ = true;
   std::atomic<bool> stalled_{false};
+  std::atomic<bool> bone_ahead_{false};
 };
 
 }  // namespace burrhole

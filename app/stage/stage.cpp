@@ -258,6 +258,7 @@ Status Stage::restore(const std::string& name) {
 }
 
 const ServoOutput& Stage::act() noexcept {
+  hand->bone_ahead(contact->bone_ahead());
   if (graph.empty(Clock::servo)) return servo->act();
   *hand_slot_ = servo->hand();
   graph.receive(Clock::servo);

@@ -71,6 +71,7 @@ class ScriptedDeviceHand final : public HandSource {
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
   void drive_changed() noexcept BH_REALTIME override { script_.drive_changed(); }
   void scene_changed(double softest) noexcept override { script_.scene_changed(softest); }
+  void bone_ahead(bool left) noexcept BH_REALTIME override { script_.bone_ahead(left); }
 
  private:
   ScriptedDeviceHand(SimulatedDevice& device, const DeviceHand& hand, const DeviceMap& map, const HandScript& script,

@@ -15,6 +15,7 @@ constexpr double kSettles = 0.1;           // [s] about one oscillation of the h
 constexpr double kEngages = 0.5;           // [s] after a change of the drive's speed
 constexpr double kSmooth = 0.025;          // [s] time constant of the depth by which feed is measured: an oscillation is no advance
 constexpr double kPartOfDepth = 0.75;      // [-] of the engaged depth, over which feed is measured: pores take a third of it
+constexpr double kLastPart = 0.25;         // [-] of the thrust: below it a release does not show any more whether bone carries it
 constexpr double kNothing = 0.1;           // [-] of the force that counts as contact
 constexpr double kLeastAdvance = 1.5e-4;   // [m] a bit that slips off a voxel advances by less
 
@@ -81,14 +82,9 @@ void HandScript::follow(double felt, double height, double climb) noexcept {
     case HandPhase::give_felt:
       lean(felt, height, climb);
       break;
-    case HandPhase::release: {
-      // The rest position follows the hand while the thrust falls. If it stopped at once, the springs of arm and drill would eject the bit.
-      const double left = config_.release > 0.0 ? 1.0 - seconds_since(release_tick_) / config_.release : 0.0;
-      goal_.thrust = release_thrust_ * std::max(0.0, left);
-      goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
-      if (left <= 0.0) phase_ = HandPhase::withdraw;
+    case HandPhase::release:
+      release(felt, height);
       break;
-    }
     case HandPhase::withdraw:
       goal_height_ += 2.0 * config_.feed * period_;
       // The friction of a device may hold the grip below its rest position, which rises until the grip is there.
@@ -100,6 +96,23 @@ void HandScript::follow(double felt, double height, double climb) noexcept {
     case HandPhase::done:
       break;
   }
+}
+
+void HandScript::release(double felt, double height) noexcept {
+  // The rest position follows the hand while the thrust falls. If it stopped at once, the springs of arm and drill would eject the bit.
+  const double left = config_.release > 0.0 ? 1.0 - seconds_since(release_tick_) / config_.release : 0.0;
+  goal_.thrust = release_thrust_ * std::max(0.0, left);
+  goal_height_ += (height - goal_height_) * std::min(1.0, period_ / config_.follow_time);
+  if (left > kLastPart) carried_ = felt > 0.5 * goal_.thrust;
+  if (left > 0.0) return;
+  if (!(config_.resumes && gave_ && carried_ && ahead_)) {
+    phase_ = HandPhase::withdraw;
+    return;
+  }
+  phase_ = HandPhase::lean;
+  lean_tick_ = tick_;
+  starts_anew_ = true;
+  drive_changed();
 }
 
 bool HandScript::loses_bone(double felt) noexcept {
@@ -145,6 +158,8 @@ void HandScript::lean(double felt, double height, double climb) noexcept {
   const bool reacts = phase_ == HandPhase::give_felt && seconds_since(give_tick_) >= config_.reaction;
   if (!reacts && -height < config_.reach) return;
   phase_ = HandPhase::release;
+  gave_ = reacts;
+  carried_ = felt > 0.5 * goal_.thrust;
   release_tick_ = tick_;
   release_thrust_ = goal_.thrust;
 }

@@ -1,5 +1,5 @@
 /// haptics/hand/hand_script.h: the goal of a surgeon's hand at each servo tick of a burrhole, computed from the felt force and the motion:
-///   approach, lean, detect breakthrough, release, withdraw. A simulated hand, or the hand on a simulated device, follows the goal.
+///   approach, lean, detect breakthrough, release, lean again or withdraw. A simulated hand, or the hand on a simulated device, follows the goal.
 ///   Frame  approach frame: origin at the entry point, +z up the shaft, away from bone; depth = -z.   Units SI.   Thread servo.
 ///   The thrust rises along the path of least jerk, as a person's does [FlashHogan85]. A linear ramp ends in a kink, which makes a hand on
 ///   a soft coupling oscillate.
@@ -13,6 +13,9 @@
 ///     Feed      The feed over three quarters of the engaged depth, at least 0.15 mm, exceeds `softest` times the usual feed
 ///               (feed_memory.h). This finds an exit at a thin or oblique rim, where bone ends gradually and no force is missing. The rule
 ///               acts at full thrust, while the force rule acts.
+///   A bit that is not much wider than the pores of the diploe falls into them as it falls out of bone, and no rule can distinguish the two. So
+///   the script does what a surgeon does: after the release it checks the hole. If bone has carried the falling thrust and is left ahead of the
+///   tip, the script leans on the drill again, and the rules start anew. Otherwise it withdraws.
 ///   Source own work; times and forces are assumptions.
 #pragma once
 
@@ -34,6 +37,7 @@ struct HandScriptConfig {
   double release = 0.3;        ///< [s] over which the thrust falls to zero after the release begins
   double contact_force = 1.0;  ///< [N] force on the hand that counts as contact
   bool detects = true;         ///< false: breakthrough is not detected, and the thrust ends at `reach`
+  bool resumes = true;         ///< false: after the release the script withdraws, whatever is left ahead of the tip
   /// [-] in (0, 1]: force rule, least share of the thrust that bone ceases to carry when the bit loses all bone in which it is engaged.
   /// K / (K + K_cut) if the next face of the bit then engages, K the stiffness of the coupling from hand to tool; 1 if this is unknown.
   double exit_drop = 1.0;
@@ -78,6 +82,8 @@ class HandScript {
   /// To be called when another tool is held or bone has come back: as drive_changed(), and all rules compare with what the hand feels from now
   /// on. @param softest as in HandScriptConfig, of the present tool; a value that is negative or not finite is ignored.
   void scene_changed(double softest) noexcept;
+  /// As HandSource::bone_ahead(). Without a call no bone is left ahead.
+  void bone_ahead(bool left) noexcept { ahead_ = left; }
   [[nodiscard]] HandPhase phase() const noexcept { return phase_; }
   /// Number of ticks since creation.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
@@ -86,6 +92,7 @@ class HandScript {
   HandScript(const HandScriptConfig& config, double mass, double period);
   void follow(double felt, double height, double climb) noexcept;
   void lean(double felt, double height, double climb) noexcept;
+  void release(double felt, double height) noexcept;
   [[nodiscard]] bool loses_bone(double felt) noexcept;
   [[nodiscard]] bool feels_nothing(double felt, double height, double climb) noexcept;
   [[nodiscard]] bool runs_ahead(double height) noexcept;
@@ -105,6 +112,9 @@ class HandScript {
   bool held_ = false;               // bone carries the thrust: the rules of force and feed act
   std::uint64_t steady_ticks_ = 0;  // number of ticks for which the hand has not been accelerated
   std::uint64_t drive_tick_ = 0;    // of the last change of the drive
+  bool ahead_ = false;              // bone is left ahead of the tip
+  bool gave_ = false;               // the release follows a breakthrough detection
+  bool carried_ = false;            // during the release bone carries the thrust
   bool starts_anew_ = false;        // the depth at which bone was felt does not count any more
   std::uint64_t tick_ = 0, lean_tick_ = 0, lowest_tick_ = 0, give_tick_ = 0, release_tick_ = 0;
   double release_thrust_ = 0.0;  // [N] at the start of the release

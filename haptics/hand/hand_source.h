@@ -16,7 +16,7 @@ enum class HandPhase : std::uint32_t {
   approach,   ///< moves towards bone, until the force on the hand counts as contact
   lean,       ///< presses the drill onto bone
   give_felt,  ///< breakthrough was detected; the thrust goes on for the reaction time
-  release,    ///< the thrust falls to zero
+  release,    ///< the thrust falls to zero; lean comes again if bone is left ahead of the tip
   withdraw,   ///< moves back, out of the hole
   done        ///< at its start again; the run ends
 };
@@ -54,6 +54,9 @@ class HandSource {
   /// Called while no clock runs, when another tool is held or bone has come back, as by an undo: the bit engages anew, and a script must not
   /// take this for a breakthrough. @param softest HandScriptConfig::softest of the present tool.
   virtual void scene_changed(double softest) noexcept { static_cast<void>(softest); }
+  /// Called once per tick before apply(). @param left whether bone is left on the planned axis ahead of the tip: what a surgeon sees, or feels
+  /// with a probe, in the hole.
+  virtual void bone_ahead(bool left) noexcept BH_REALTIME { static_cast<void>(left); }
 };
 
 }  // namespace burrhole

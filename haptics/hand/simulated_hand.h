@@ -27,6 +27,7 @@ class SimulatedHand final : public HandSource {
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
   void drive_changed() noexcept BH_REALTIME override { script_.drive_changed(); }
   void scene_changed(double softest) noexcept override { script_.scene_changed(softest); }
+  void bone_ahead(bool left) noexcept BH_REALTIME override { script_.bone_ahead(left); }
 
  private:
   SimulatedHand(const HandConfig& config, const Pose& world_from_approach, const HandScript& script, const MassSpringDamper& body);

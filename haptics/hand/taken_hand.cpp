@@ -28,4 +28,8 @@ void TakenHand::scene_changed(double softest) noexcept {
   if (!taken_) script_.scene_changed(softest);
 }
 
+void TakenHand::bone_ahead(bool left) noexcept {
+  if (!taken_) script_.bone_ahead(left);
+}
+
 }  // namespace burrhole

@@ -18,6 +18,7 @@ class TakenHand final : public HandSource {
   void apply(const Wrench& on_hand) noexcept BH_REALTIME override;
   void drive_changed() noexcept BH_REALTIME override;
   void scene_changed(double softest) noexcept override;
+  void bone_ahead(bool left) noexcept BH_REALTIME override;
 
  private:
   TakenHand(const SimulatedHand& script, const GoalHand& user, GoalMailbox& goals) : script_(script), user_(user), goals_(&goals) {}

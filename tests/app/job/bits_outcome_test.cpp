@@ -39,12 +39,13 @@ const std::vector<BitOutcome> kBurrs{
     {"round_burr_6mm", "through, plunge<0.1mm, beyond<3mm, cleared>90%", {}},
     {"acosta_liu_round", "through, plunge>20mm, cleared>90%", {"plunged"}},
 };
-// The craniotome has a footplate below its router and cannot enter whole bone. The hand takes the diploe under the thin drill for the end of bone.
+// The craniotome has a footplate below its router and cannot enter whole bone. The twist drill falls into the diploe, where the hand stops, checks
+// the hole and drills on.
 const std::vector<BitOutcome> kOthers{
     {"acorn_burr_7_5mm", "through, plunge<0.1mm, beyond<4mm, cleared>80%", {"shelf-left"}},
     {"sagittal_saw_12mm", "through, plunge>10mm, cleared>95%", {"plunged"}},
     {"craniotome_2_3mm", "did-not-cut, depth<0.1mm, removed<0.1mm3", {}},
-    {"twist_drill_2_5mm", "stopped-short, depth<6mm", {}},
+    {"twist_drill_2_5mm", "through, plunge>20mm, cleared>85%", {"plunged"}},
 };
 
 LoadedScene shipped_with(const std::string& bit) {

@@ -1,5 +1,6 @@
 // The hand of a scene takes no bone for its end: not a point that rests on few voxels, nor a coupling so soft that hardly any force is
-// missing where a bit leaves bone, nor a pore of the diploe under a round burr, which cuts least there.
+// missing where a bit leaves bone, nor a pore of the diploe under a round burr, which cuts least there. Where it does, it checks the hole and
+// drills on.
 
 #include <doctest/doctest.h>
 
@@ -44,6 +45,7 @@ bool drills_through(LoadedScene loaded, const Sabotage& sabotage = {}) {
   const auto approach = make_approach(*loaded.bone, scene.approach);
   REQUIRE(approach);
   HandConfig config = hand_config(scene, scene.effects.needs(scene), loaded.tool, loaded.bone->bone_from_index().mean_edge());
+  config.resumes = false;  // a hand that checks the hole drills on
   if (sabotage) sabotage(config);
   auto hand = SimulatedHand::create(config, scene.volume.world_from_bone * approach->bone_from_approach, 1.0 / scene.servo_hz);
   REQUIRE(hand);
@@ -61,7 +63,7 @@ bool drills_through_with(std::vector<Input> inputs) {
   SimulationOptions options;
   options.inputs = std::move(inputs);
   options.history = true;
-  DrillRun run(load_parietal({}), options);
+  DrillRun run(load_parietal({"hand.resumes=false"}), options);
   run.run();
   const Simulation& simulation = run.simulation();
   CHECK(simulation.inputs_left().empty());
@@ -112,6 +114,23 @@ TEST_CASE("hand: bone that comes back under a spinning bit, and its soft start, 
   REQUIRE(perforator);
   CHECK(drills_through_with({{4000, InputKind::undo, 0.0, {}, {}}}));
   CHECK(drills_through_with({{4000, InputKind::tool, 0.0, "perforator_14_11", *perforator}}));
+}
+
+TEST_CASE(
+    "hand: a narrow bit that falls into the diploe is no breakthrough to a hand that checks the hole: it goes on to the end of bone") {
+  for (const double push : {15.0, 20.0, 28.0}) {
+    for (const int seed : {1, 2}) {
+      CAPTURE(push);
+      CAPTURE(seed);
+      const Sets sets{"tool.name=twist_drill_2_5mm", "hand.push_N=" + std::to_string(push), "hand.seed=" + std::to_string(seed)};
+      DrillRun run(load_parietal(sets));
+      run.run();
+      CHECK(run.simulation().progress().deepest > run.simulation().approach().thickness);
+      CHECK(run.simulation().progress().breakthrough_time.has_value());
+    }
+  }
+  // One that does not check stops there.
+  CHECK_FALSE(drills_through(load_parietal({"tool.name=twist_drill_2_5mm"})));
 }
 
 }  // namespace

@@ -185,7 +185,9 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
          "haptics/device/device_hand.h: apply", "haptics/device/device_hand.h: drive_changed", "haptics/hand/hand_source.h: drive_changed",
          "haptics/hand/simulated_hand.h: drive_changed", "haptics/hand/feed_hand.h: read", "haptics/hand/feed_hand.h: apply",
          "haptics/hand/goal_hand.h: read", "haptics/hand/goal_hand.h: apply", "haptics/hand/goal_hand.h: start_from",
-         "haptics/hand/taken_hand.h: read", "haptics/hand/taken_hand.h: apply", "haptics/hand/taken_hand.h: drive_changed");
+         "haptics/hand/taken_hand.h: read", "haptics/hand/taken_hand.h: apply", "haptics/hand/taken_hand.h: drive_changed",
+         "haptics/device/device_hand.h: bone_ahead", "haptics/hand/hand_source.h: bone_ahead", "haptics/hand/simulated_hand.h: bone_ahead",
+         "haptics/hand/taken_hand.h: bone_ahead");
   check_clean(drive(load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}))));
 
   const LoadedScene loaded = load_small(pressed(kHeldKeys, {"device.name=\"falcon\""}));
@@ -214,6 +216,7 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
       if (n == 50) takers.publish({.spins = true, .takes_over = true});
       static_cast<void>(taken->read());
       taken->drive_changed();
+      taken->bone_ahead(n % 2 == 0);
       taken->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
       device->set_goal({.rest = Vec3(0.0, 0.0, -1e-5 * n), .thrust = Vec3(0.0, 0.0, -1.0)});
       static_cast<void>(hand->read());
@@ -221,8 +224,10 @@ TEST_CASE("real time: a simulated device, moved by the script and as a person's"
       hand->apply({Vec3(0.0, 0.0, 2.0), Vec3(0.0)});
       static_cast<void>(bench->read());
       bench->apply({Vec3(0.0, 0.0, n > 20 && n < 40 ? 1.5 : 0.0), Vec3(0.0)});
-      for (HandSource* source : {static_cast<HandSource*>(&*hand), static_cast<HandSource*>(&*script), static_cast<HandSource*>(&*alone)})
+      for (HandSource* source : {static_cast<HandSource*>(&*hand), static_cast<HandSource*>(&*script), static_cast<HandSource*>(&*alone)}) {
         source->drive_changed();
+        source->bone_ahead(n % 2 == 0);
+      }
     }
   });
   CHECK(trapped().allocations == 0);

@@ -143,6 +143,60 @@ TEST_CASE("SimulatedHand: no breakthrough detection and no release while the wal
   CHECK(first_in(states, HandPhase::give_felt) == 0);
 }
 
+// A pore: from one tick on the wall stands three millimetres deeper, so that it carries less than two thirds of the thrust for a moment.
+namespace {
+struct Pore {
+  std::uint64_t opens = kOpens, ends = std::numeric_limits<std::uint64_t>::max();
+  double depth = 3e-3;  ///< [m]
+};
+
+std::vector<HandState> run_in_pore(const HandConfig& config, const Pore& pore, bool left, int ticks) {
+  SimulatedHand hand = make(config);
+  std::vector<HandState> states{hand.read()};
+  for (int n = 0; n < ticks; ++n) {
+    const HandState& state = states.back();
+    const double wall = state.tick < pore.opens ? 0.0 : -pore.depth, height = state.world_from_hand.translation.z;
+    const double push = state.tick < pore.ends && height < wall ? kWall * (wall - height) : 0.0;
+    hand.bone_ahead(left && state.tick < pore.ends);
+    hand.apply({{0.0, 0.0, push}, Vec3(0.0)});
+    states.push_back(hand.read());
+  }
+  return states;
+}
+
+/// The phases from the first lean on, each as often as it begins.
+std::vector<HandPhase> phases_from_lean(const std::vector<HandState>& states) {
+  std::vector<HandPhase> out;
+  for (const HandState& state : states)
+    if (state.phase != HandPhase::approach && (out.empty() || out.back() != state.phase)) out.push_back(state.phase);
+  return out;
+}
+}  // namespace
+
+TEST_CASE("SimulatedHand: after a release in a pore it drills on, where bone is left ahead and carries the falling thrust") {
+  using enum HandPhase;
+  const std::vector<HandPhase> on{lean, give_felt, release, lean}, back{lean, give_felt, release, withdraw, done};
+  const auto phases = [](const HandConfig& config, const Pore& pore, bool left, int ticks = kTicks) {
+    return phases_from_lean(run_in_pore(config, pore, left, ticks));
+  };
+  CHECK(phases({}, {}, true) == on);
+  CHECK(phases({}, {}, false) == back);  // the hole is open
+  HandConfig stubborn;
+  stubborn.resumes = false;
+  CHECK(phases(stubborn, {}, true) == back);
+  // Nothing carries the thrust: the bit is beside the bone that is left.
+  CHECK(phases({}, {.depth = 1.0}, true) == back);
+  // What ends at its reach is at its end.
+  HandConfig near;
+  near.detects = false;
+  near.reach = 5e-3;
+  CHECK(phases(near, {}, true) == std::vector<HandPhase>{lean, release, withdraw, done});
+  // Thrust and detection are those of a first lean.
+  const auto states = run_in_pore({}, {.ends = 8000}, true, 14000);
+  CHECK(states[7900].thrust == HandConfig().push);
+  CHECK(phases_from_lean(states) == std::vector<HandPhase>{lean, give_felt, release, lean, give_felt, release, withdraw, done});
+}
+
 // A bit of two faces in a cutting law of its own: the drill, without mass, is engaged by F / K_cut, on a coupling K to the hand, and the
 // face that carries it recedes in proportion to the force. Where that face leaves bone the bit falls by what is lost of its engagement.
 namespace {
