@@ -87,7 +87,7 @@ class ErosionEffect final : public Effect {
     stress_ = std::max(stress_, outcome.stress);
     const double radius = outcome.rubbing_radius > 0.0 ? outcome.rubbing_radius : tool_radius_;
     const double torque = cutting_torque(config_.energy.cutting_ratio, cut_->thrust, radius);
-    *removal_ = {outcome.removed_mass, torque, true, !outcome.changed.empty(), outcome.outside};
+    *removal_ = {outcome.removed_mass, outcome.energy, torque, true, !outcome.changed.empty(), outcome.outside};
     return outcome;
   }
 
