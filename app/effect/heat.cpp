@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/effect/registry.h"
+#include "app/stage/coolant.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
 #include "core/heat/bone_cells.h"
@@ -26,7 +28,13 @@ struct HeatScene {
 class HeatEffect final : public Effect {
  public:
   HeatEffect(const HeatScene& scene, HeatField field, Stage& stage)
-      : scene_(scene), field_(std::move(field)), cells_(scene.cell_voxels), voxmap_(stage.voxmap.get()), listener_(voxmap_->add_listener()) {
+      : scene_(scene),
+        field_(std::move(field)),
+        cells_(scene.cell_voxels),
+        voxmap_(stage.voxmap.get()),
+        listener_(voxmap_->add_listener()),
+        index_from_approach_(stage.voxmap->bone().bone_from_index().inverse() * Affine::from_pose(stage.approach.bone_from_approach)),
+        depth_(stage.approach.thickness) {
     read_bone(field_.domain());
     field_.forget_losses();
   }
@@ -35,6 +43,8 @@ class HeatEffect final : public Effect {
     auto step = graph.step(
         Clock::simulation, "heat", "heat", [](void* self, const Tick& tick) { static_cast<HeatEffect*>(self)->run(tick); }, this);
     removal_ = step.now_if_written(slots::kRemoval);
+    cut_ = step.now(slots::kCut);
+    coolant_ = step.now_if_written(slots::kCoolant);
     step.column("hottest", "C", &hottest_);
     return {};
   }
@@ -53,6 +63,7 @@ class HeatEffect final : public Effect {
     out.add("released_J", b.input);
     out.add("in_bone_J", in_bone);
     out.add("chips_J", b.chips);
+    out.add("coolant_J", b.cooled);
     out.add("edge_J", b.edge);
     out.add("unplaced_J", b.unplaced);
     out.add("balance_error", b.input > 0.0 ? std::abs(b.input - in_bone - b.chips - b.cooled - b.edge - b.unplaced) / b.input : 0.0);
@@ -70,7 +81,37 @@ class HeatEffect final : public Effect {
                                 100.0 * (b.edge + b.unplaced) / b.input));
   }
 
+  /// The highest temperature on a plane through the drilled line.
+  std::vector<ValueMap> maps() const override {
+    constexpr double kMm = 1e3;
+    const double pitch = std::min({field_.edges().x, field_.edges().y, field_.edges().z});
+    const double side = std::min(scene_.reach, kMapSide), top = -0.1 * depth_ - pitch, bottom = depth_ + kMapBelow;
+    ValueMap map{.title = "Highest temperature of the bone that is left",
+                 .caption = fmt::format("Section through the drilled line. {:.3g} mm³ of the bone that is left had at least {:g} equivalent "
+                                        "minutes at 43 °C, which kill it. {:.3g} J were released in bone, of {:.3g} J of cutting work.",
+                                        field_.volume_with_dose(scene_.damage_dose) * 1e9, scene_.damage_dose, field_.balance().input, work_),
+                 .x_label = "Distance from the axis (mm)",
+                 .y_label = "Depth (mm)",
+                 .unit = "Temperature (°C)",
+                 .x = -side * kMm,
+                 .y = top * kMm,
+                 .pitch = pitch * kMm,
+                 .columns = static_cast<std::size_t>(2.0 * side / pitch) + 1,
+                 .rows = static_cast<std::size_t>((bottom - top) / pitch) + 1,
+                 .values = {}};
+    for (std::size_t row = 0; row < map.rows; ++row)
+      for (std::size_t column = 0; column < map.columns; ++column) {
+        const Vec3 at(-side + pitch * static_cast<double>(column), 0.0, -(top + pitch * static_cast<double>(row)));
+        const Vec3i cell = cells_.cell_of(voxel_of(index_from_approach_ * at));
+        map.values.push_back(field_.share(cell) >= 0.5f ? static_cast<float>(scene_.field.body) + field_.peak(cell)
+                                                        : std::numeric_limits<float>::quiet_NaN());
+      }
+    return {std::move(map)};
+  }
+
  private:
+  static constexpr double kMapSide = 0.014, kMapBelow = 2e-3;  // [m] from the axis; below the inner surface
+
   void run(const Tick& tick) {
     read_bone(voxmap_->take_dirty(listener_));
     if (removal_->mass > 0.0) {
@@ -78,7 +119,16 @@ class HeatEffect final : public Effect {
       work_ += work;
       field_.release(scene_.share * work);
     }
-    field_.advance(tick.dt);
+    if (coolant_->flow > 0.0) {
+      const Cooling cooling{.centre = cells_.place_of(cut_->path.to.offset),
+                            .radius = coolant_->reach,
+                            .film = coolant_->film,
+                            .rise = coolant_->celsius - scene_.field.body,
+                            .arriving = kWaterCapacity * coolant_->flow};
+      field_.advance(tick.dt, &cooling);
+    } else {
+      field_.advance(tick.dt);
+    }
     highest_ = std::max(highest_, field_.hottest());
     hottest_ = scene_.field.body + field_.hottest();
   }
@@ -101,11 +151,15 @@ class HeatEffect final : public Effect {
   BoneCells cells_;
   Voxmap* voxmap_;
   std::size_t listener_;
+  Affine index_from_approach_;
+  double depth_;                         // [m] of bone along the axis
   std::vector<float> density_, shares_;  // scratch
   double work_ = 0.0;                    // [J]
   double highest_ = 0.0;                 // [K] of all steps
   double hottest_ = 0.0;                 // [C] now
   const BoneRemoval* removal_ = nullptr;
+  const Cut* cut_ = nullptr;
+  const Coolant* coolant_ = nullptr;
 };
 
 class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
@@ -128,6 +182,8 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
     c.field.fourier = table.number("fourier", above_zero(c.field.fourier, 1.0, 1e3),
                                    "length of a step of conduction: diffusivity x time / (edge of a cell)^2; above 1/3 with a larger error");
   }
+
+  void add_needs(const StageConfig&, Needs& needs) const override { needs.warms = true; }
 
   PlanRow row(const PlanContext& context) const override {
     const VoxelBox domain = domain_of(drilling_way(context.config, context.bone), context.bone.bone_from_index, context.bone.dims);

@@ -17,6 +17,12 @@ class BoneCells {
   [[nodiscard]] VoxelBox cells_of(const VoxelBox& voxels) const noexcept {
     return {down(voxels.lo), down(voxels.hi - 1) + 1};
   }
+  [[nodiscard]] Vec3i cell_of(const Vec3i& voxel) const noexcept { return down(voxel); }
+  /// @returns a point of index coordinates in those of the cells, whose centres are whole numbers.
+  [[nodiscard]] Vec3 place_of(const Vec3& index) const noexcept {
+    const auto edge = static_cast<double>(edge_);
+    return (index - 0.5 * (edge - 1.0)) / edge;
+  }
   [[nodiscard]] VoxelBox voxels_of(const VoxelBox& cells) const noexcept { return {cells.lo * edge_, cells.hi * edge_}; }
 
   /// Means of the densities of each cell's voxels. @param density over voxels_of(cells), i fastest. @param share over `cells`.

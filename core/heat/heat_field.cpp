@@ -130,14 +130,15 @@ void HeatField::cool(const Cooling& cooling, double dt) {
         warmest = std::max(warmest, rise);
       }
     });
-    const double most = cooling.arriving * (warmest - cooling.rise);
+    const double most = cooling.arriving * dt * (warmest - cooling.rise);
     if (wanted > most) scale = most / wanted;
   }
 }
 
-void HeatField::advance(double dt) {
+void HeatField::advance(double dt, const Cooling* cooling) {
   waiting_ += dt;
   while (waiting_ >= longest_) {
+    if (cooling != nullptr) cool(*cooling, longest_);
     step(longest_);
     waiting_ -= longest_;
   }

@@ -48,7 +48,7 @@ struct Cooling {
   double radius = 0.0; ///< [m]
   double film = 0.0;   ///< [W/(m^2 K)] heat transfer coefficient
   double rise = 0.0;   ///< [K] temperature of the coolant above the body's; usually below 0
-  /// [J/K] heat capacity of the coolant that arrives in the step: it takes no more than warms it to the hottest bone that it wets.
+  /// [W/K] flow of heat capacity that arrives: it takes no more heat than warms it to the hottest bone that it wets.
   double arriving = 0.0;
 };
 
@@ -74,8 +74,9 @@ class HeatField {
   /// Cools the free surface for `dt` [s].
   void cool(const Cooling& cooling, double dt);
 
-  /// Conducts for `dt` [s] in steps of at most longest_step(). A rest that is shorter than it waits for the next call.
-  void advance(double dt);
+  /// Conducts for `dt` [s] in steps of longest_step(), and cools before each. A rest that is shorter waits for the next call.
+  /// @param cooling null: none.
+  void advance(double dt, const Cooling* cooling = nullptr);
   /// One step of any length [s] > 0. For tests of the integration, and for advance().
   void step(double dt);
   [[nodiscard]] double longest_step() const noexcept { return longest_; }  ///< [s]

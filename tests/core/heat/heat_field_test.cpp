@@ -242,8 +242,8 @@ TEST_CASE("heat: energy is balanced while bone is drilled, cooled and put back")
       field.set_bone(cut, std::vector<float>(cut.count(), static_cast<float>(quarter) * 0.25f));
       field.release(0.4);
       removed += static_cast<double>(cut.count()) * 0.25;
-      field.cool({.centre = Vec3(12.0, 12.0, layer + 1), .radius = 6e-3, .film = 3000.0, .rise = -15.0, .arriving = 2.0}, 0.25);
-      field.advance(0.25);
+      const Cooling water{.centre = Vec3(12.0, 12.0, layer + 1), .radius = 6e-3, .film = 3000.0, .rise = -15.0, .arriving = 8.0};
+      field.advance(0.25, &water);
       const HeatBalance& b = field.balance();
       const double found = field.in_bone() + b.chips + b.cooled + b.edge + b.unplaced;
       CHECK(std::abs(b.input - found) < 1e-4 * b.input);
@@ -280,9 +280,9 @@ TEST_CASE("heat: a coolant takes no more than warms it to the hottest bone that 
   CHECK(static_cast<double>(wet.rise(Vec3i(10, 10, 3))) == doctest::Approx(expected).epsilon(1e-5));
   CHECK(wet.rise(Vec3i(10, 10, 2)) == doctest::Approx(10.0));  // under the face: only by conduction
   HeatField scarce = warm();
-  const double arriving = 0.005;
+  const double arriving = 0.1;  // [W/K]
   scarce.cool({.centre = Vec3(10.0, 10.0, 3.0), .radius = 1.0, .film = film, .rise = -17.0, .arriving = arriving}, dt);
-  CHECK(scarce.balance().cooled == doctest::Approx(arriving * 27.0).epsilon(1e-5));
+  CHECK(scarce.balance().cooled == doctest::Approx(arriving * dt * 27.0).epsilon(1e-5));
   CHECK(scarce.balance().cooled < wet.balance().cooled);
 }
 
