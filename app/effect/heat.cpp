@@ -73,8 +73,9 @@ class HeatEffect final : public Effect {
   void warn(std::vector<std::string>& out) const override {
     const double dead = field_.volume_with_dose(scene_.damage_dose) * 1e9;
     if (dead > 0.0)
-      out.push_back(fmt::format("[heat] {:.3g} mm3 of the bone that is left had a dose of {:g} min at 43 C and more, up to {:.0f} C: it dies",
-                                dead, scene_.damage_dose, scene_.field.body + field_.highest_peak()));
+      out.push_back(
+          fmt::format("[heat] {:.3g} mm3 of the bone that is left had a dose of {:g} min at 43 C and more, up to {:.0f} C: it dies", dead,
+                      scene_.damage_dose, scene_.field.body + field_.highest_peak()));
     const HeatBalance& b = field_.balance();
     if (b.edge + b.unplaced > 0.05 * b.input)
       out.push_back(fmt::format("[heat] {:.0f} % of the heat left the box in which it is computed: increase heat.reach_mm",
@@ -86,19 +87,20 @@ class HeatEffect final : public Effect {
     constexpr double kMm = 1e3;
     const double pitch = std::min({field_.edges().x, field_.edges().y, field_.edges().z});
     const double side = std::min(scene_.reach, kMapSide), top = -0.1 * depth_ - pitch, bottom = depth_ + kMapBelow;
-    ValueMap map{.title = "Highest temperature of the bone that is left",
-                 .caption = fmt::format("Section through the drilled line. {:.3g} mm³ of the bone that is left had at least {:g} equivalent "
-                                        "minutes at 43 °C, which kill it. {:.3g} J were released in bone, of {:.3g} J of cutting work.",
-                                        field_.volume_with_dose(scene_.damage_dose) * 1e9, scene_.damage_dose, field_.balance().input, work_),
-                 .x_label = "Distance from the axis (mm)",
-                 .y_label = "Depth (mm)",
-                 .unit = "Temperature (°C)",
-                 .x = -side * kMm,
-                 .y = top * kMm,
-                 .pitch = pitch * kMm,
-                 .columns = static_cast<std::size_t>(2.0 * side / pitch) + 1,
-                 .rows = static_cast<std::size_t>((bottom - top) / pitch) + 1,
-                 .values = {}};
+    ValueMap map{
+        .title = "Highest temperature of the bone that is left",
+        .caption = fmt::format("Section through the drilled line. {:.3g} mm³ of the bone that is left had at least {:g} equivalent "
+                               "minutes at 43 °C, which kill it. {:.3g} J were released in bone, of {:.3g} J of cutting work.",
+                               field_.volume_with_dose(scene_.damage_dose) * 1e9, scene_.damage_dose, field_.balance().input, work_),
+        .x_label = "Distance from the axis (mm)",
+        .y_label = "Depth (mm)",
+        .unit = "Temperature (°C)",
+        .x = -side * kMm,
+        .y = top * kMm,
+        .pitch = pitch * kMm,
+        .columns = static_cast<std::size_t>(2.0 * side / pitch) + 1,
+        .rows = static_cast<std::size_t>((bottom - top) / pitch) + 1,
+        .values = {}};
     for (std::size_t row = 0; row < map.rows; ++row)
       for (std::size_t column = 0; column < map.columns; ++column) {
         const Vec3 at(-side + pitch * static_cast<double>(column), 0.0, -(top + pitch * static_cast<double>(row)));
@@ -121,6 +123,7 @@ class HeatEffect final : public Effect {
     }
     if (coolant_->flow > 0.0) {
       const Cooling cooling{.centre = cells_.place_of(cut_->path.to.offset),
+                            .up = glm::normalize(cut_->path.to.linear[2] * field_.edges()),
                             .radius = coolant_->reach,
                             .film = coolant_->film,
                             .rise = coolant_->celsius - scene_.field.body,
@@ -171,16 +174,19 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
     c.specific_energy =
         table.number("specific_energy_J_per_mm3", above_zero(c.specific_energy / kPerCubicMillimetre, kPerCubicMillimetre, 1e3),
                      "work to remove 1 mm^3 of bone, with laws that state none (all but energy)");
-    c.field.conductivity = table.number("conductivity_W_per_m_K", above_zero(c.field.conductivity, 1.0, 1e3), "conductivity of bone; 0.31 to 0.80");
+    c.field.conductivity =
+        table.number("conductivity_W_per_m_K", above_zero(c.field.conductivity, 1.0, 1e3), "conductivity of bone; 0.31 to 0.80");
     c.field.density = table.number("density_kg_per_m3", above_zero(c.field.density, 1.0, 1e5), "density of bone");
     c.field.capacity = table.number("capacity_J_per_kg_K", above_zero(c.field.capacity, 1.0, 1e5), "specific heat capacity of bone");
     c.field.body = table.number("body_C", within(c.field.body, 0.0, 60.0), "temperature of bone before the run");
     c.damage_dose = table.number("damage_dose_min", above_zero(c.damage_dose, 1.0, 1e6),
                                  "equivalent minutes at 43 C that kill bone; 16: 47 C for 1 min; 64: 50 C for 30 s");
     c.cell_voxels = static_cast<int>(table.integer("cell_voxels", c.cell_voxels, 1, 16, "edge of a cell of the temperature, in voxels"));
-    c.reach = table.number("reach_mm", above_zero(c.reach / kMm, kMm, 200.0), "distance from the drilled line up to which heat is computed");
-    c.field.fourier = table.number("fourier", above_zero(c.field.fourier, 1.0, 1e3),
-                                   "length of a step of conduction: diffusivity x time / (edge of a cell)^2; above 1/3 with a larger error");
+    c.reach =
+        table.number("reach_mm", above_zero(c.reach / kMm, kMm, 200.0), "distance from the drilled line up to which heat is computed");
+    c.field.fourier =
+        table.number("fourier", above_zero(c.field.fourier, 1.0, 1e3),
+                     "length of a step of conduction: diffusivity x time / (edge of a cell)^2; above 1/3 with a larger error");
   }
 
   void add_needs(const StageConfig&, Needs& needs) const override { needs.warms = true; }
@@ -206,7 +212,8 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
     const BoneModel& bone = stage.voxmap->bone();
     const BoneShape shape{.dims = bone.dims(), .bone_from_index = bone.bone_from_index(), .thickness = stage.approach.thickness};
     const Affine& frame = shape.bone_from_index;
-    const Vec3 edges = Vec3(glm::length(frame.linear[0]), glm::length(frame.linear[1]), glm::length(frame.linear[2])) * static_cast<double>(config_.cell_voxels);
+    const Vec3 edges = Vec3(glm::length(frame.linear[0]), glm::length(frame.linear[1]), glm::length(frame.linear[2])) *
+                       static_cast<double>(config_.cell_voxels);
     auto field = HeatField::create(config_.field, edges, domain_of(drilling_way(stage.config, shape), frame, shape.dims));
     if (!field) return field.error();
     return std::unique_ptr<Effect>(std::make_unique<HeatEffect>(config_, std::move(field).value(), stage));
@@ -216,7 +223,8 @@ class HeatPlan final : public ConfigPlan<HeatPlan, HeatScene> {
   /// @returns the cells within reach of the drilled line, inside the grid.
   [[nodiscard]] VoxelBox domain_of(const DrillingWay& way, const Affine& bone_from_index, const Vec3i& dims) const {
     const Vec3 entry = way.index_from_tool.offset, end = entry + way.along;
-    const Vec3 margin = Vec3(config_.reach) / Vec3(glm::length(bone_from_index.linear[0]), glm::length(bone_from_index.linear[1]), glm::length(bone_from_index.linear[2]));
+    const Vec3 margin = Vec3(config_.reach) / Vec3(glm::length(bone_from_index.linear[0]), glm::length(bone_from_index.linear[1]),
+                                                   glm::length(bone_from_index.linear[2]));
     VoxelBox voxels{floor_int(glm::min(entry, end) - margin), floor_int(glm::max(entry, end) + margin) + 1};
     voxels = voxels.intersect({Vec3i(0), dims});
     if (voxels.empty()) voxels = {Vec3i(0), Vec3i(1)};

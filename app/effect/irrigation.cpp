@@ -26,8 +26,8 @@ class IrrigationEffect final : public Effect {
 
   Status bind(StepGraph& graph) override {
     auto step = graph.step(
-        Clock::simulation, "irrigation", "irrigation", [](void* self, const Tick& tick) { static_cast<IrrigationEffect*>(self)->run(tick); },
-        this);
+        Clock::simulation, "irrigation", "irrigation",
+        [](void* self, const Tick& tick) { static_cast<IrrigationEffect*>(self)->run(tick); }, this);
     asked_ = step.now(slots::kSpinAsked);
     coolant_ = step.own(slots::kCoolant);
     return {};
@@ -59,7 +59,8 @@ class IrrigationPlan final : public ConfigPlan<IrrigationPlan, IrrigationConfig>
     c.flow = table.number("flow_ml_per_min", above_zero(c.flow / kMillilitrePerMinute, kMillilitrePerMinute, 1e4), "flow of saline");
     c.celsius = table.number("temperature_C", within(c.celsius, 0.0, 60.0), "temperature of the saline where it reaches bone");
     c.film = table.number("film_W_per_m2_K", above_zero(c.film, 1.0, 1e6), "heat transfer coefficient from wet bone to saline");
-    c.reach = table.number("reach_mm", above_zero(c.reach * 1e3, 1e-3, 200.0), "distance from the tip up to which the free surface of bone is wet");
+    c.reach = table.number("reach_mm", above_zero(c.reach * 1e3, 1e-3, 200.0),
+                           "distance from the tip up to which the free surface of bone is wet");
     c.always = table.boolean("always", c.always, "true: it also flows while the drill does not turn");
   }
 

@@ -28,9 +28,9 @@ std::string map_script(const ValueMap& map, int width_px) {
   const int field = width_px - kLeft - kRight;
   const double shape = static_cast<double>(map.rows) / static_cast<double>(std::max<std::size_t>(1, map.columns));
   const int height = std::clamp(static_cast<int>(std::lround(static_cast<double>(field) * shape)), 80, 900);
-  std::string out = fmt::format(
-      "set encoding utf8\nset terminal svg size {},{} dynamic noenhanced font \"Helvetica,{}\" background \"white\"\n", width_px,
-      height + kTop + kBottom, kFontSize);
+  std::string out =
+      fmt::format("set encoding utf8\nset terminal svg size {},{} dynamic noenhanced font \"Helvetica,{}\" background \"white\"\n",
+                  width_px, height + kTop + kBottom, kFontSize);
   out += "$map << EOD\n";
   for (std::size_t row = 0; row < map.rows; ++row) {
     for (std::size_t column = 0; column < map.columns; ++column) {
@@ -41,14 +41,15 @@ std::string map_script(const ValueMap& map, int width_px) {
   }
   out += "EOD\n";
   const double all = static_cast<double>(height + kTop + kBottom), wide = static_cast<double>(width_px);
-  out += fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset bmargin at screen {:.5f}\nset tmargin at screen {:.5f}\n",
-                     kLeft / wide, (width_px - kRight) / wide, kBottom / all, (kBottom + height) / all);
+  out += fmt::format(
+      "set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset bmargin at screen {:.5f}\nset tmargin at screen {:.5f}\n",
+      kLeft / wide, (width_px - kRight) / wide, kBottom / all, (kBottom + height) / all);
   out += "set border linecolor rgb \"#666666\"\nset tics nomirror out scale 0.6\nunset key\n";
   out += kPalette;
-  out += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\nset cblabel {}\n", gnuplot_quoted(map.title), gnuplot_quoted(map.x_label),
+  out += fmt::format("set title {} offset 0,-0.5\nset xlabel {}\nset ylabel {}\nset cblabel {}\n", gnuplot_quoted(map.title), gnuplot_quoted(map.x_label),
                      gnuplot_quoted(map.y_label), gnuplot_quoted(map.unit));
-  out += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset cbrange [{}:{}]\n", map.x - half, right - half, below - half, map.y - half,
-                     scale.lo, scale.hi);
+  out += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset cbrange [{}:{}]\n", map.x - half, right - half, below - half,
+                     map.y - half, scale.lo, scale.hi);
   out += fmt::format("plot $map matrix using ({0}+$1*{2}):({1}+$2*{2}):3 with image pixels\n", map.x, map.y, map.pitch);
   return out;
 }

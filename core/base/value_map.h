@@ -14,7 +14,7 @@ struct ValueMap {
   double x = 0.0, y = 0.0;             ///< [unit of the axes] centre of the first value
   double pitch = 1.0;                  ///< [unit of the axes] between values, both ways; y increases downwards
   std::size_t columns = 0, rows = 0;
-  std::vector<float> values;  ///< row by row, columns x rows; NaN: nothing is drawn
+  std::vector<float> values;  ///< [unit] row by row, columns x rows; NaN: nothing is drawn
 };
 
 }  // namespace burrhole

@@ -14,9 +14,7 @@ class BoneCells {
   explicit BoneCells(int edge) : edge_(edge) {}
 
   /// @returns the cells that hold any voxel of a box.
-  [[nodiscard]] VoxelBox cells_of(const VoxelBox& voxels) const noexcept {
-    return {down(voxels.lo), down(voxels.hi - 1) + 1};
-  }
+  [[nodiscard]] VoxelBox cells_of(const VoxelBox& voxels) const noexcept { return {down(voxels.lo), down(voxels.hi - 1) + 1}; }
   [[nodiscard]] Vec3i cell_of(const Vec3i& voxel) const noexcept { return down(voxel); }
   /// @returns a point of index coordinates in those of the cells, whose centres are whole numbers.
   [[nodiscard]] Vec3 place_of(const Vec3& index) const noexcept {

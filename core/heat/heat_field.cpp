@@ -30,7 +30,8 @@ HeatField::HeatField(const HeatConfig& config, const Vec3& edges, const VoxelBox
 
 Result<HeatField> HeatField::create(const HeatConfig& config, const Vec3& edges, const VoxelBox& domain) {
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
-  for (const double value : {config.conductivity, config.density, config.capacity, config.fourier, config.least_rise, edges.x, edges.y, edges.z})
+  for (const double value :
+       {config.conductivity, config.density, config.capacity, config.fourier, config.least_rise, edges.x, edges.y, edges.z})
     if (!(value > 0.0 && std::isfinite(value))) return refuse("the heat field's numbers must be above 0");
   if (!std::isfinite(config.body)) return refuse("the body's temperature must be a number");
   if (domain.empty()) return refuse("the heat field has no cell");
@@ -79,6 +80,10 @@ void HeatField::release(double joule) {
   }
   for (const Loss& loss : losses_) {
     const double part = joule * static_cast<double>(loss.share) / lost;
+    if (share(loss.cell) >= kLeastShare) {
+      add(domain_.offset_of(loss.cell), loss.cell, part);
+      continue;
+    }
     const VoxelBox around = VoxelBox{loss.cell, loss.cell + 1}.grown(1).intersect(domain_);
     double bone = 0.0;
     for_each_voxel(around, [&](const Vec3i& cell) { bone += share(cell) >= kLeastShare ? static_cast<double>(share(cell)) : 0.0; });
@@ -99,7 +104,8 @@ double HeatField::free_area(const Vec3i& cell) const noexcept {
   const double volume = edges_.x * edges_.y * edges_.z;
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3i step = kAxes[static_cast<std::size_t>(axis)];
-    const float least = std::min({here, domain_.contains(cell - step) ? share(cell - step) : here, domain_.contains(cell + step) ? share(cell + step) : here});
+    const float least = std::min(
+        {here, domain_.contains(cell - step) ? share(cell - step) : here, domain_.contains(cell + step) ? share(cell + step) : here});
     const double area = static_cast<double>(here - least) * volume / edges_[axis];
     square += area * area;
   }
@@ -110,12 +116,13 @@ void HeatField::cool(const Cooling& cooling, double dt) {
   const Vec3 reach = Vec3(cooling.radius) / edges_;
   const VoxelBox box = VoxelBox{floor_int(cooling.centre - reach), floor_int(cooling.centre + reach) + 2}.intersect(domain_);
   // Twice: the heat that the film would take, then, scaled to what the arriving coolant can take, the heat that it takes.
+  const double deep = std::max({edges_.x, edges_.y, edges_.z});
   double wanted = 0.0, warmest = cooling.rise, scale = 1.0;
   for (const bool takes : {false, true}) {
     for_each_voxel(box, [&](const Vec3i& cell) {
       const Vec3 from = (Vec3(cell) - cooling.centre) * edges_;
       const float here = share(cell);
-      if (here < kLeastShare || glm::dot(from, from) > cooling.radius * cooling.radius) return;
+      if (here < kLeastShare || glm::dot(from, from) > cooling.radius * cooling.radius || glm::dot(from, cooling.up) < -deep) return;
       const double area = free_area(cell);
       if (!(area > 0.0)) return;
       const std::size_t at = domain_.offset_of(cell);
@@ -138,8 +145,8 @@ void HeatField::cool(const Cooling& cooling, double dt) {
 void HeatField::advance(double dt, const Cooling* cooling) {
   waiting_ += dt;
   while (waiting_ >= longest_) {
-    if (cooling != nullptr) cool(*cooling, longest_);
     step(longest_);
+    if (cooling != nullptr) cool(*cooling, longest_);
     waiting_ -= longest_;
   }
 }
@@ -177,7 +184,8 @@ double HeatField::edge_flow(std::size_t row, std::size_t lines, std::size_t besi
 // row by row of lines, then back substitution (Thomas). rest_ is 1 - slope of the row before, without the cancellation of that difference.
 void HeatField::sweep(int axis, const VoxelBox& box, double lambda) {
   const Vec3i size = box.size(), full = domain_.size();
-  const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(full.x), static_cast<std::size_t>(full.x) * static_cast<std::size_t>(full.y)};
+  const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(full.x),
+                                          static_cast<std::size_t>(full.x) * static_cast<std::size_t>(full.y)};
   const int inner = axis == 0 ? 1 : 0, outer = axis == 2 ? 1 : 2;  // lines side by side; planes of lines
   const auto length = static_cast<std::size_t>(size[axis]), lines = static_cast<std::size_t>(size[inner]);
   const std::size_t next = stride[static_cast<std::size_t>(axis)], beside = stride[static_cast<std::size_t>(inner)];

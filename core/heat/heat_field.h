@@ -23,12 +23,13 @@
 namespace burrhole {
 
 struct HeatConfig {
-  double conductivity = 0.5;   ///< [W/(m K)] > 0; cortical bone 0.31 to 0.80
-  double density = 1810.0;     ///< [kg/m^3] > 0, cortical bone
-  double capacity = 1250.0;    ///< [J/(kg K)] > 0, cortical bone
-  double body = 37.0;          ///< [C]
-  double fourier = 0.2236;     ///< [-] > 0: lambda of a step, h the shortest edge of a cell; 1 / sqrt(20): of sixth order; above 1/3: backward Euler
-  double least_rise = 0.01;    ///< [K] > 0: cells with a smaller rise are outside the box in which heat is conducted
+  double conductivity = 0.5;  ///< [W/(m K)] > 0; cortical bone 0.31 to 0.80
+  double density = 1810.0;    ///< [kg/m^3] > 0, cortical bone
+  double capacity = 1250.0;   ///< [J/(kg K)] > 0, cortical bone
+  double body = 37.0;         ///< [C]
+  double fourier =
+      0.2236;  ///< [-] > 0: lambda of a step, h the shortest edge of a cell; 1 / sqrt(20): of sixth order; above 1/3: backward Euler
+  double least_rise = 0.01;  ///< [K] > 0: cells with a smaller rise are outside the box in which heat is conducted
   /// @returns k / (rho c) [m^2/s].
   [[nodiscard]] double diffusivity() const noexcept { return conductivity / (density * capacity); }
 };
@@ -42,12 +43,13 @@ struct HeatBalance {
   double unplaced = 0.0;  ///< [J] released where no bone was left to take it, or outside the domain
 };
 
-/// A coolant that wets the free surface of bone in a ball.
+/// A coolant that wets the free surface of bone in a ball, above its centre: it lies round the bit, and not on the far side of bone.
 struct Cooling {
-  Vec3 centre{0.0};    ///< [cells] centre of the ball
-  double radius = 0.0; ///< [m]
-  double film = 0.0;   ///< [W/(m^2 K)] heat transfer coefficient
-  double rise = 0.0;   ///< [K] temperature of the coolant above the body's; usually below 0
+  Vec3 centre{0.0};        ///< [cells] centre of the ball
+  Vec3 up{0.0, 0.0, 1.0};  ///< [-] unit, axes of the cells: cells that lie more than a cell below the centre stay dry
+  double radius = 0.0;     ///< [m]
+  double film = 0.0;       ///< [W/(m^2 K)] heat transfer coefficient
+  double rise = 0.0;       ///< [K] temperature of the coolant above the body's; usually below 0
   /// [W/K] flow of heat capacity that arrives: it takes no more heat than warms it to the hottest bone that it wets.
   double arriving = 0.0;
 };
@@ -64,8 +66,8 @@ class HeatField {
   /// Sets the share of bone in a box of cells, i fastest; parts outside the domain are ignored. Bone that vanishes takes its heat with it
   /// (chips), and the loss is remembered for release(). Bone that appears is at body temperature.
   void set_bone(const VoxelBox& box, std::span<const float> share);
-  /// Releases heat [J] at the bone that was removed since the last call: each cell's part in proportion to its loss, to it and its 26
-  /// neighbours, in proportion to the bone that is left in them.
+  /// Releases heat [J] at the bone that was removed since the last call: each cell's part in proportion to its loss, to the cell, or, if
+  /// it is empty, to its 26 neighbours, in proportion to the bone that is left in them.
   void release(double joule);
   /// Forgets losses that are no cutting, as after an undo.
   void forget_losses() noexcept { losses_.clear(); }
@@ -74,7 +76,7 @@ class HeatField {
   /// Cools the free surface for `dt` [s].
   void cool(const Cooling& cooling, double dt);
 
-  /// Conducts for `dt` [s] in steps of longest_step(), and cools before each. A rest that is shorter waits for the next call.
+  /// Conducts for `dt` [s] in steps of longest_step(), and cools after each. A rest that is shorter waits for the next call.
   /// @param cooling null: none.
   void advance(double dt, const Cooling* cooling = nullptr);
   /// One step of any length [s] > 0. For tests of the integration, and for advance().
@@ -90,9 +92,9 @@ class HeatField {
   [[nodiscard]] float dose(const Vec3i& cell) const noexcept { return at(dose_, cell); }    ///< [min]
   [[nodiscard]] double hottest() const noexcept { return hottest_; }                        ///< [K] largest rise after the last step
   [[nodiscard]] const HeatBalance& balance() const noexcept { return balance_; }
-  [[nodiscard]] double in_bone() const noexcept;                        ///< [J] above body temperature; visits all cells
-  [[nodiscard]] double volume_with_dose(double minutes) const noexcept; ///< [m^3] of bone with at least that dose; visits all cells
-  [[nodiscard]] double highest_peak() const noexcept;                   ///< [K] of the bone that is left; visits all cells
+  [[nodiscard]] double in_bone() const noexcept;                         ///< [J] above body temperature; visits all cells
+  [[nodiscard]] double volume_with_dose(double minutes) const noexcept;  ///< [m^3] of bone with at least that dose; visits all cells
+  [[nodiscard]] double highest_peak() const noexcept;                    ///< [K] of the bone that is left; visits all cells
   [[nodiscard]] std::uint64_t steps() const noexcept { return steps_; }
   [[nodiscard]] std::uint64_t conducted_cells() const noexcept { return conducted_; }  ///< sum over the steps
 
@@ -117,8 +119,8 @@ class HeatField {
   HeatConfig config_;
   Vec3 edges_;
   VoxelBox domain_, warm_;
-  double unit_;     // [J/K] capacity of a cell full of bone
-  double longest_;  // [s]
+  double unit_;           // [J/K] capacity of a cell full of bone
+  double longest_;        // [s]
   double waiting_ = 0.0;  // [s] not conducted yet
   double hottest_ = 0.0;
   std::vector<float> rise_, share_, peak_, dose_;

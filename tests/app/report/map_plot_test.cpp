@@ -40,7 +40,8 @@ TEST_CASE("map: it is drawn with any values, with none, and as one square") {
   const auto drawn = [&] {
     const auto svg = draw_map(map, 500);
     if (!svg) return svg.error().code == ErrorCode::unavailable;  // without gnuplot
-    return svg->find("<svg") != std::string::npos && svg->find("Temperature") != std::string::npos && svg->find("Gnuplot</title>") == std::string::npos;
+    return svg->find("<svg") != std::string::npos && svg->find("Temperature") != std::string::npos &&
+           svg->find("Gnuplot</title>") == std::string::npos;
   };
   CHECK(drawn());
   map.values.assign(6, std::numeric_limits<float>::quiet_NaN());

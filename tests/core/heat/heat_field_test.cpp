@@ -94,8 +94,8 @@ TEST_CASE("heat: a source that moves at constant speed approaches Rosenthal's fi
     return sum;
   };
   double worst = 0.0, largest = 0.0;
-  for (const Vec3i at : {Vec3i(3, 0, 0), Vec3i(-3, 0, 0), Vec3i(0, 3, 0), Vec3i(0, 0, 3), Vec3i(0, 2, 2), Vec3i(-10, 2, 2), Vec3i(-5, 4, 0), Vec3i(0, 6, 0),
-                         Vec3i(-15, 3, 0), Vec3i(4, 3, 3)}) {
+  for (const Vec3i at : {Vec3i(3, 0, 0), Vec3i(-3, 0, 0), Vec3i(0, 3, 0), Vec3i(0, 0, 3), Vec3i(0, 2, 2), Vec3i(-10, 2, 2), Vec3i(-5, 4, 0),
+                         Vec3i(0, 6, 0), Vec3i(-15, 3, 0), Vec3i(4, 3, 3)}) {
     const double closed = expected(Vec3(at) * edge);
     largest = std::max(largest, closed);
     worst = std::max(worst, std::abs(static_cast<double>(field.rise(Vec3i(last, 0, 0) + at)) - closed));
@@ -126,7 +126,8 @@ void twin_sweep(const Uneven& bone, std::vector<double>& rise, int axis, double 
   const int length = bone.domain.size()[axis];
   for_each_voxel(bone.domain, [&](const Vec3i& start) {
     if (start[axis] != 0) return;
-    std::vector<std::vector<double>> matrix(static_cast<std::size_t>(length), std::vector<double>(static_cast<std::size_t>(length) + 1, 0.0));
+    std::vector<std::vector<double>> matrix(static_cast<std::size_t>(length),
+                                            std::vector<double>(static_cast<std::size_t>(length) + 1, 0.0));
     const auto place = [&](int n) {
       Vec3i cell = start;
       cell[axis] = n;
@@ -279,6 +280,9 @@ TEST_CASE("heat: a coolant takes no more than warms it to the hottest bone that 
   const double expected = 10.0 - 27.0 * film * edge * edge * dt / (capacity + film * edge * edge * dt);
   CHECK(static_cast<double>(wet.rise(Vec3i(10, 10, 3))) == doctest::Approx(expected).epsilon(1e-5));
   CHECK(wet.rise(Vec3i(10, 10, 2)) == doctest::Approx(10.0));  // under the face: only by conduction
+  HeatField below = warm();                                    // the coolant lies below bone
+  below.cool({.centre = Vec3(10.0, 10.0, 6.0), .up = Vec3(0.0, 0.0, 1.0), .radius = 1.0, .film = film, .rise = -17.0, .arriving = 1e9}, dt);
+  CHECK(below.balance().cooled == 0.0);
   HeatField scarce = warm();
   const double arriving = 0.1;  // [W/K]
   scarce.cool({.centre = Vec3(10.0, 10.0, 3.0), .radius = 1.0, .film = film, .rise = -17.0, .arriving = arriving}, dt);
