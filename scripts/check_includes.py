@@ -16,7 +16,7 @@ BASE = ["core/base"]
 CONFIG = BASE + ["core/config"]
 VALUES = CONFIG + ["core/voxel", "core/tool"]
 ACTING = VALUES + ["core/contact", "core/drill"]
-CORE = ACTING + ["core/measure", "core/mesh", "core/sound"]
+CORE = ACTING + ["core/heat", "core/measure", "core/mesh", "core/sound"]
 INPUT = CORE + ["haptics", "volumes"]
 VIEW = ["app/view"]
 STAGE = INPUT + VIEW + ["app/stage"]
@@ -31,6 +31,7 @@ SEES = {
     "core/tool": CONFIG,
     "core/contact": VALUES,
     "core/drill": VALUES,
+    "core/heat": BASE,
     "core/measure": ACTING,
     "core/mesh": VALUES + ["core/contact"],
     "core/sound": BASE,

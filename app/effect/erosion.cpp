@@ -87,7 +87,8 @@ class ErosionEffect final : public Effect {
     stress_ = std::max(stress_, outcome.stress);
     const double radius = outcome.rubbing_radius > 0.0 ? outcome.rubbing_radius : tool_radius_;
     const double torque = cutting_torque(config_.energy.cutting_ratio, cut_->thrust, radius);
-    *removal_ = {outcome.removed_mass, torque, true, !outcome.changed.empty(), outcome.outside};
+    const double work = config_.law == ErosionLaw::energy ? outcome.energy : 0.0;
+    *removal_ = {outcome.removed_mass, work, torque, true, !outcome.changed.empty(), outcome.outside};
     return outcome;
   }
 

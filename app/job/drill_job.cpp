@@ -128,6 +128,10 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
   r.flags = flag_names(outcome.flags);
   r.through = outcome.result == DrillResult::drilled_through;
   for (const std::string& file : pictures) r.pictures.push_back({file, caption_of(file, r.through, summary.removed_mm3)});
+  for (const Stage::MadeEffect& made : simulation.stage().effects()) {
+    std::vector<ValueMap> maps = made.effect->maps();
+    std::ranges::move(maps, std::back_inserter(r.maps));
+  }
   r.outcome = outcome_text(summary);
   r.plunge_limit_mm = summary.limits.plunge_mm;
   if (summary.cleared_share) r.cleared_percent = 100.0 * *summary.cleared_share;

@@ -9,6 +9,7 @@
 
 #include "app/report/file.h"
 #include "app/report/html.h"
+#include "app/report/map_plot.h"
 #include "app/report/plot.h"
 
 namespace burrhole {
@@ -164,6 +165,21 @@ Status add_plots(const DrillReport& report, HtmlPage& page) {
   return {};
 }
 
+Status add_maps(const DrillReport& report, HtmlPage& page) {
+  for (const ValueMap& map : report.maps) {
+    const auto wide = draw_map(map, kWide);
+    const auto narrow = wide ? draw_map(map, kNarrow) : wide;
+    if (!narrow && narrow.error().code == ErrorCode::unavailable) {
+      page.paragraph("No map: " + narrow.error().message + ".");
+      return {};
+    }
+    if (!narrow) return narrow.error();
+    if (&map == &report.maps.front()) page.heading("Maps");
+    page.svg(*wide, *narrow, map.caption);
+  }
+  return {};
+}
+
 Status add_pictures(const DrillReport& report, HtmlPage& page) {
   if (report.pictures.empty()) return {};
   page.heading("Pictures");
@@ -226,6 +242,7 @@ Result<std::string> make_drill_report(const DrillReport& report) {
   for (const std::string& warning : report.warnings) page.paragraph("Warning: " + warning + ".");
   page.tiles(key_figures(report));
   if (const Status added = add_plots(report, page); !added) return added.error();
+  if (const Status added = add_maps(report, page); !added) return added.error();
   if (const Status added = add_pictures(report, page); !added) return added.error();
   add_tables(report, page);
   return page.text();

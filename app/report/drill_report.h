@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/value_map.h"
 
 namespace burrhole {
 
@@ -65,6 +66,7 @@ struct DrillReport {
   std::vector<Layer> layers;
   std::vector<Event> events;
   std::vector<Picture> pictures;
+  std::vector<ValueMap> maps;  ///< of effects, such as the temperature of bone
 
   std::optional<double> thickness_mm, depth_mm_at_breakthrough, plunge_mm, beyond_mm, peak_force_N, angle_deg;
   std::optional<double> removed_mm3, removed_mass_mm3, hole_diameter_mm, inner_diameter_mm;

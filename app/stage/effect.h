@@ -18,6 +18,7 @@
 
 #include "app/stage/stage_config.h"
 #include "app/stage/step_graph.h"
+#include "core/base/value_map.h"
 #include "core/config/toml.h"
 #include "core/drill/erosion_memory.h"
 #include "core/tool/tool.h"
@@ -43,6 +44,7 @@ struct Needs {
   bool any_density = false;           ///< bone of any density above 0 collides: contact.mode = "paper"; otherwise from 0.5 on
   bool holds_back = false;            ///< contact has a constrained tool (model "surface"); otherwise a penalty model, or no contact
   bool removes = false;               ///< bone is removed
+  bool warms = false;                 ///< the temperature of bone is computed
   /// A step reads what a tooth cuts, slots::kChipLoad; otherwise it is not computed. An effect may set it in make() as well.
   bool chip_load = false;
   double coupling_stiffness = 0.0;  ///< [N/m] from hand to constrained tool; 0 without one
@@ -120,6 +122,8 @@ class Effect {
   virtual void place(const Pose&) noexcept {}
   /// Adds figures of the run for summary.json, explain --measure and the report.
   virtual void report(Figures&) const {}
+  /// @returns sections for the report of a run that has ended.
+  [[nodiscard]] virtual std::vector<ValueMap> maps() const { return {}; }
   /// Adds warnings of a run that has ended, one line each.
   virtual void warn(std::vector<std::string>&) const {}
   /// @returns timers in addition to those of its steps.

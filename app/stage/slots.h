@@ -33,6 +33,7 @@ struct Cut {
 /// Result of erosion in a simulation step.
 struct BoneRemoval {
   double mass = 0.0;          ///< [m^3] removed mass of this step, in volume of full bone
+  double work = 0.0;          ///< [J] of the removal, law `energy`; 0: the law states none
   double torque = 0.0;        ///< [N m] load of cutting on the spindle
   bool cutting = false;       ///< a spin is commanded (spin_asked > 0); the spindle itself may still be at rest
   bool changed = false;       ///< bone was removed and committed to the voxmap

@@ -1,0 +1,133 @@
+/// core/heat/heat_field.h: temperature of bone in a grid of cells: conduction, sources, chips, cooling, thermal dose.
+///   A cell has a share f of bone, 0..1. Its heat capacity is c V f, its conductivity k f; between two cells the harmonic mean holds:
+///   conductance k (A / d) 2 f1 f2 / (f1 + f2). A cell with f < kLeastShare holds no heat. A free surface is insulated unless it is cooled.
+///   Beyond the domain, bone is at body temperature.
+///   Integration  along one axis after the other (locally one-dimensional), the order reversed from step to step. Along an axis of the
+///           number lambda = k dt / (rho c h^2), a share s of the step is implicit: s = 1/2 - 1 / (12 lambda), at least 0, for lambda up to
+///           1/3, which is of fourth order in h in even bone (Crandall 1955, Douglas 1956); s = 1, backward Euler, above. Each sweep keeps
+///           the energy, and makes no new extremum, at any length of the step.
+///   Frame   cells, i fastest.   Units  SI; temperatures as the rise above the body's [K]; dose [min] of thermal_dose.h.
+///   Errors  out_of_range from create().   Thread  one.
+///   Source  own derivation from the heat equation; values of bone: [facts] heat.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/base/result.h"
+
+namespace burrhole {
+
+struct HeatConfig {
+  double conductivity = 0.5;  ///< [W/(m K)] > 0; cortical bone 0.31 to 0.80
+  double density = 1810.0;    ///< [kg/m^3] > 0, cortical bone
+  double capacity = 1250.0;   ///< [J/(kg K)] > 0, cortical bone
+  double body = 37.0;         ///< [C]
+  double fourier =
+      0.2236;  ///< [-] > 0: lambda of a step, h the shortest edge of a cell; 1 / sqrt(20): of sixth order; above 1/3: backward Euler
+  double least_rise = 0.01;  ///< [K] > 0: cells with a smaller rise are outside the box in which heat is conducted
+  /// @returns k / (rho c) [m^2/s].
+  [[nodiscard]] double diffusivity() const noexcept { return conductivity / (density * capacity); }
+};
+
+/// Where heat came from and went to; input = in bone + chips + cooled + edge + unplaced.
+struct HeatBalance {
+  double input = 0.0;     ///< [J] released by cutting
+  double chips = 0.0;     ///< [J] left with removed bone
+  double cooled = 0.0;    ///< [J] taken by the coolant
+  double edge = 0.0;      ///< [J] left through the edge of the domain
+  double unplaced = 0.0;  ///< [J] released where no bone was left to take it, or outside the domain
+};
+
+/// A coolant that wets the free surface of bone in a ball, above its centre: it lies round the bit, and not on the far side of bone.
+struct Cooling {
+  Vec3 centre{0.0};        ///< [cells] centre of the ball
+  Vec3 up{0.0, 0.0, 1.0};  ///< [-] unit, axes of the cells: cells that lie more than a cell below the centre stay dry
+  double radius = 0.0;     ///< [m]
+  double film = 0.0;       ///< [W/(m^2 K)] heat transfer coefficient
+  double rise = 0.0;       ///< [K] temperature of the coolant above the body's; usually below 0
+  /// [W/K] flow of heat capacity that arrives: it takes no more heat than warms it to the hottest bone that it wets.
+  double arriving = 0.0;
+};
+
+class HeatField {
+ public:
+  static constexpr float kLeastShare = 0.02f;  ///< [-] cells with less bone hold no heat
+
+  /// @param edges [m] of a cell. @param domain in cells; without bone at first, all at body temperature.
+  [[nodiscard]] static Result<HeatField> create(const HeatConfig& config, const Vec3& edges, const VoxelBox& domain);
+  /// @returns the memory [bytes] of a domain of that many cells.
+  [[nodiscard]] static std::uint64_t bytes_of(std::uint64_t cells) noexcept { return cells * 4 * sizeof(float); }
+
+  /// Sets the share of bone in a box of cells, i fastest; parts outside the domain are ignored. Bone that vanishes takes its heat with it
+  /// (chips), and the loss is remembered for release(). Bone that appears is at body temperature.
+  void set_bone(const VoxelBox& box, std::span<const float> share);
+  /// Releases heat [J] at the bone that was removed since the last call: each cell's part in proportion to its loss, to the cell, or, if
+  /// it is empty, to its 26 neighbours, in proportion to the bone that is left in them.
+  void release(double joule);
+  /// Forgets losses that are no cutting, as after an undo.
+  void forget_losses() noexcept { losses_.clear(); }
+  /// Releases heat [J] in a cell.
+  void release_at(const Vec3i& cell, double joule);
+  /// Cools the free surface for `dt` [s].
+  void cool(const Cooling& cooling, double dt);
+
+  /// Conducts for `dt` [s] in steps of longest_step(), and cools after each. A rest that is shorter waits for the next call.
+  /// @param cooling null: none.
+  void advance(double dt, const Cooling* cooling = nullptr);
+  /// One step of any length [s] > 0. For tests of the integration, and for advance().
+  void step(double dt);
+  [[nodiscard]] double longest_step() const noexcept { return longest_; }  ///< [s]
+
+  [[nodiscard]] const VoxelBox& domain() const noexcept { return domain_; }
+  [[nodiscard]] const VoxelBox& warm() const noexcept { return warm_; }  ///< holds every cell with a rise of at least least_rise
+  [[nodiscard]] const Vec3& edges() const noexcept { return edges_; }
+  [[nodiscard]] float rise(const Vec3i& cell) const noexcept { return at(rise_, cell); }    ///< [K]; 0 outside
+  [[nodiscard]] float share(const Vec3i& cell) const noexcept { return at(share_, cell); }  ///< [-]; 0 outside
+  [[nodiscard]] float peak(const Vec3i& cell) const noexcept { return at(peak_, cell); }    ///< [K] largest rise so far
+  [[nodiscard]] float dose(const Vec3i& cell) const noexcept { return at(dose_, cell); }    ///< [min]
+  [[nodiscard]] double hottest() const noexcept { return hottest_; }                        ///< [K] largest rise after the last step
+  [[nodiscard]] const HeatBalance& balance() const noexcept { return balance_; }
+  [[nodiscard]] double in_bone() const noexcept;                         ///< [J] above body temperature; visits all cells
+  [[nodiscard]] double volume_with_dose(double minutes) const noexcept;  ///< [m^3] of bone with at least that dose; visits all cells
+  [[nodiscard]] double highest_peak() const noexcept;                    ///< [K] of the bone that is left; visits all cells
+  [[nodiscard]] std::uint64_t steps() const noexcept { return steps_; }
+  [[nodiscard]] std::uint64_t conducted_cells() const noexcept { return conducted_; }  ///< sum over the steps
+
+ private:
+  HeatField(const HeatConfig& config, const Vec3& edges, const VoxelBox& domain);
+  [[nodiscard]] float at(const std::vector<float>& field, const Vec3i& cell) const noexcept {
+    return domain_.contains(cell) ? field[domain_.offset_of(cell)] : 0.0f;
+  }
+  void add(std::size_t at, const Vec3i& cell, double joule);
+  void sweep(int axis, const VoxelBox& box, double lambda);
+  /// @returns the implicit share of a step along an axis [-].
+  [[nodiscard]] static double implicit_share(double lambda) noexcept;
+  /// @returns the flow through an outer face of a row of lines [K], for lambda = 1.
+  [[nodiscard]] double edge_flow(std::size_t row, std::size_t lines, std::size_t beside) const noexcept;
+  void finish(const VoxelBox& box, double dt);
+  [[nodiscard]] double free_area(const Vec3i& cell) const noexcept;
+
+  struct Loss {
+    Vec3i cell;
+    float share;  // [-] of bone that was removed
+  };
+  HeatConfig config_;
+  Vec3 edges_;
+  VoxelBox domain_, warm_;
+  double unit_;           // [J/K] capacity of a cell full of bone
+  double longest_;        // [s]
+  double waiting_ = 0.0;  // [s] not conducted yet
+  double hottest_ = 0.0;
+  std::vector<float> rise_, share_, peak_, dose_;
+  std::vector<float> slope_, partial_, rest_;  // scratch of a sweep
+  std::vector<Loss> losses_;
+  HeatBalance balance_;
+  std::uint64_t steps_ = 0, conducted_ = 0;
+};
+
+}  // namespace burrhole

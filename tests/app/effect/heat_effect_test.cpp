@@ -1,0 +1,203 @@
+// [heat] in a scene: what is released and where it goes, against a one-dimensional twin; undo; what is absent.
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/drill/energy.h"
+#include "core/drill/erosion.h"
+#include "tests/support/drill_scene.h"
+
+namespace burrhole::test {
+namespace {
+
+constexpr double kFeed = 0.15e-3;  // [m/s] about that of a burrhole of 7 mm in 45 s
+constexpr double kDepth = 3e-3;    // [m] of a post of 4 mm
+constexpr double kDiffusivity = 0.5 / (1810.0 * 1250.0), kHeat = 1810.0 * 1250.0;
+
+/// A post that is drilled at a fixed feed by a flat bit wider than it: heat flows along the axis alone.
+LoadedScene post(const std::string& heat, const std::vector<std::string>& sets = {}) {
+  std::string text = scene_text({.volume = kPostKeys, .contact = false});
+  const std::string hand = "push_N = 20.0\nramp_s = 0.1\nstandoff_mm = 0.5\ntremor_mm = 0.0\n";
+  const std::size_t at = text.find(hand);
+  REQUIRE(at != std::string::npos);
+  text.replace(at, hand.size(), "kind = \"feed\"\nstandoff_mm = 0.01\nstop_mm = 3\nfeed_mm_per_s = 0.15\n");
+  std::vector<std::string> all{"tool.name=\"punch\"", "tool.erosion_scale=1000", "duration_s=20.0"};
+  all.insert(all.end(), sets.begin(), sets.end());
+  return load_text(text + heat, all);
+}
+
+struct Twin {
+  double in_bone = 0.0, chips = 0.0;  // [J/m^2]
+};
+
+/// A column of thin slices. The first receives `flow` [W/m^2]; each time that the bit has advanced by a slice, it leaves with its heat.
+/// Explicit steps.
+Twin column(double flow, double seconds) {
+  const double slice = 0.02e-3, dt = 0.2 * slice * slice / kDiffusivity;
+  std::vector<double> rise(static_cast<std::size_t>(std::lround(4e-3 / slice)), 0.0);
+  std::size_t first = 0;
+  Twin out;
+  for (double t = 0.0; t < seconds; t += dt) {
+    rise[first] += flow * dt / (kHeat * slice);
+    std::vector<double> next = rise;
+    for (std::size_t n = first; n + 1 < rise.size(); ++n) {
+      const double moved = kDiffusivity * dt / (slice * slice) * (rise[n] - rise[n + 1]);
+      next[n] -= moved;
+      next[n + 1] += moved;
+    }
+    rise = next;
+    if ((t + dt) * kFeed < slice * static_cast<double>(first + 1)) continue;
+    out.chips += slice * kHeat * rise[first];
+    ++first;
+  }
+  for (std::size_t n = first; n < rise.size(); ++n) out.in_bone += slice * kHeat * rise[n];
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("heat: the split of the heat between bone and chips follows a one-dimensional twin, nearer with smaller cells") {
+  const double area = 4e-6, share = 0.5, released = share * EnergyConfig{}.specific_energy * area * kDepth;
+  const double seconds = kDepth / kFeed;
+  const Twin twin = column(share * EnergyConfig{}.specific_energy * kFeed, seconds);
+  // The twin keeps the energy itself.
+  REQUIRE((twin.in_bone + twin.chips) * area == doctest::Approx(released).epsilon(0.01));
+  double before = 1.0;
+  for (const int cell : {4, 2, 1}) {
+    DrillRun run(post("[heat]\ncell_voxels = " + std::to_string(cell) + "\n"));
+    run.run();
+    const Simulation& simulation = run.simulation();
+    CHECK(figure(simulation, "heat", "released_J") == doctest::Approx(share * figure(simulation, "heat", "work_J")).epsilon(1e-9));
+    CHECK(figure(simulation, "heat", "work_J") ==
+          doctest::Approx(EnergyConfig{}.specific_energy * figure(simulation, "erosion", "removed_mass_mm3") * 1e-9).epsilon(1e-6));
+    CHECK(figure(simulation, "heat", "balance_error") < 1e-4);
+    // Chips leave at the mean temperature of their cell, not at that of its surface: lower by the rise across half a cell, v h / (2 alpha).
+    const double bound = kFeed * cell * 0.25e-3 / (2.0 * kDiffusivity);
+    const double error = std::abs(figure(simulation, "heat", "in_bone_J") / (twin.in_bone * area) - 1.0);
+    MESSAGE("cells of " << cell << " voxels: " << error * 100.0 << " %, bound " << bound * 100.0 << " %");
+    CHECK(error < bound);
+    CHECK(error < before);
+    before = error;
+  }
+}
+
+TEST_CASE("heat: it depends little on the rate of the bone steps, from 10 ms to 200 ms") {
+  std::vector<double> in_bone;
+  for (const char* const rate : {"erosion.rate_hz=5", "erosion.rate_hz=20", "erosion.rate_hz=100"}) {
+    DrillRun run(post("[heat]\n", {rate}));
+    run.run();
+    CHECK(figure(run.simulation(), "heat", "balance_error") < 1e-4);
+    in_bone.push_back(figure(run.simulation(), "heat", "in_bone_J"));
+  }
+  // A step of 0.2 s is 0.03 mm of feed, of cells of 0.5 mm: 6 % of a cell is at most in another state.
+  CHECK(in_bone[0] == doctest::Approx(in_bone[2]).epsilon(0.06));
+  CHECK(in_bone[1] == doctest::Approx(in_bone[2]).epsilon(0.015));
+}
+
+TEST_CASE("heat: each key changes what it names") {
+  const auto run = [](const std::string& keys, const char* name) {
+    DrillRun drilled(post("[heat]\n" + keys, {"duration_s=6.0"}));
+    drilled.run();
+    return figure(drilled.simulation(), "heat", name);
+  };
+  const double released = run("", "released_J"), hottest = run("", "hottest_C");
+  CHECK(run("share = 0.25\n", "released_J") == doctest::Approx(0.5 * released).epsilon(1e-6));
+  CHECK(run("specific_energy_J_per_mm3 = 0.3\n", "released_J") == doctest::Approx(3.0 * released).epsilon(1e-6));
+  CHECK(run("body_C = 20\n", "hottest_C") == doctest::Approx(hottest - 17.0).epsilon(1e-6));
+  CHECK(run("conductivity_W_per_m_K = 0.8\n", "hottest_C") < hottest - 0.5);
+  CHECK(run("density_kg_per_m3 = 905\n", "hottest_C") > hottest + 2.0);
+  CHECK(run("capacity_J_per_kg_K = 625\n", "hottest_C") == doctest::Approx(run("density_kg_per_m3 = 905\n", "hottest_C")).epsilon(1e-6));
+  CHECK(run("damage_dose_min = 1e-6\n", "dead_bone_mm3") > run("damage_dose_min = 1e6\n", "dead_bone_mm3"));
+  CHECK(run("reach_mm = 1\n", "cells") < run("", "cells"));
+}
+
+TEST_CASE("heat: bone that an undo brings back is cold, and the energy stays balanced") {
+  DrillRun run(post("[heat]\n", {"duration_s=6.0"}), {.history = true});
+  run.run();
+  Simulation& simulation = run.simulation();
+  const double before = figure(simulation, "heat", "in_bone_J");
+  REQUIRE(before > 0.0);
+  REQUIRE(simulation.stage().reset());
+  CHECK(figure(simulation, "heat", "in_bone_J") == doctest::Approx(before).epsilon(1e-5));
+  CHECK(figure(simulation, "heat", "balance_error") < 1e-4);
+}
+
+TEST_CASE(
+    "irrigation: the saline that arrives is flow x time of turning; it cools no more than its warming allows, and the energy is balanced") {
+  const std::string heat = "[heat]\n";
+  DrillRun dry(post(heat)), wet(post(heat + "[irrigation]\nflow_ml_per_min = 30\n")),
+      drops(post(heat + "[irrigation]\nflow_ml_per_min = 0.02\n"));
+  for (DrillRun* run : {&dry, &wet, &drops}) run->run();
+  const auto of = [](DrillRun& run, const char* table, const char* name) { return figure(run.simulation(), table, name); };
+  const double on = of(wet, "irrigation", "on_s");
+  CHECK(on == doctest::Approx(20.0).epsilon(0.05));  // [s] the bit turns from the entry to the stop
+  CHECK(of(wet, "irrigation", "delivered_ml") == doctest::Approx(30.0 / 60.0 * on).epsilon(1e-9));
+  CHECK(of(dry, "heat", "coolant_J") == 0.0);
+  CHECK(of(wet, "heat", "coolant_J") > 0.1 * of(wet, "heat", "released_J"));
+  // Saline of 20 C that leaves at most at the temperature of the hottest bone.
+  const double warming = of(drops, "heat", "hottest_C") - 20.0;
+  CHECK(of(drops, "heat", "coolant_J") <= 0.02e-6 / 60.0 * of(drops, "irrigation", "on_s") * 995.7 * 4180.0 * warming * (1.0 + 1e-6));
+  CHECK(of(wet, "heat", "hottest_C") < of(drops, "heat", "hottest_C"));
+  CHECK(of(drops, "heat", "hottest_C") < of(dry, "heat", "hottest_C") + 1e-6);
+  for (DrillRun* run : {&dry, &wet, &drops}) CHECK(of(*run, "heat", "balance_error") < 1e-4);
+}
+
+TEST_CASE("irrigation: each key changes what it names") {
+  const auto run = [](const std::string& keys, const char* table, const char* name) {
+    DrillRun drilled(post("[heat]\n[irrigation]\n" + keys, {"duration_s=8.0"}));
+    drilled.run();
+    return figure(drilled.simulation(), table, name);
+  };
+  const double taken = run("", "heat", "coolant_J");
+  CHECK(run("flow_ml_per_min = 0.05\n", "heat", "coolant_J") < 0.9 * taken);
+  CHECK(run("temperature_C = 37\n", "heat", "coolant_J") < 0.5 * taken);
+  CHECK(run("film_W_per_m2_K = 500\n", "heat", "coolant_J") < 0.8 * taken);
+  CHECK(run("reach_mm = 0.6\n", "heat", "coolant_J") < 0.9 * taken);
+  CHECK(run("always = true\n", "irrigation", "on_s") == doctest::Approx(8.0).epsilon(1e-9));
+}
+
+TEST_CASE("heat: without the table there is no step, no column and no figure of it") {
+  DrillRun without(post(""));
+  DrillRun with(post("[heat]\n"));
+  const auto columns = [](DrillRun& run) {
+    std::size_t count = 0;
+    for (const StepColumn& column : run.simulation().stage().graph.columns(Clock::simulation)) count += column.name == "hottest" ? 1 : 0;
+    return count;
+  };
+  CHECK(columns(without) == 0);
+  CHECK(columns(with) == 1);
+  CHECK_FALSE(without.simulation().stage().figure("heat", "hottest_C").has_value());
+}
+
+TEST_CASE("heat: the section for the report has the hole, and values between body and hottest bone") {
+  DrillRun run(post("[heat]\n"));
+  run.run();
+  std::vector<ValueMap> maps;
+  for (const Stage::MadeEffect& made : run.simulation().stage().effects())
+    for (ValueMap& map : made.effect->maps()) maps.push_back(std::move(map));
+  REQUIRE(maps.size() == 1);
+  const ValueMap& map = maps.front();
+  REQUIRE(map.values.size() == map.columns * map.rows);
+  const double most = figure(run.simulation(), "heat", "bone_at_most_C");
+  std::size_t empty = 0;
+  double largest = 0.0;
+  for (std::size_t row = 0; row < map.rows; ++row)
+    for (std::size_t column = 0; column < map.columns; ++column) {
+      const float value = map.values[row * map.columns + column];
+      if (std::isnan(value)) {
+        ++empty;
+        continue;
+      }
+      CHECK(map.y + static_cast<double>(row) * map.pitch > 2.4);  // only the last millimetre of the post is left
+      CHECK(value >= 37.0f);
+      largest = std::max(largest, static_cast<double>(value));
+    }
+  CHECK(empty > map.values.size() / 2);
+  // The section does not pass every cell, and leaves out those that are less than half full.
+  CHECK(largest <= most + 1e-4);
+  CHECK(largest - 37.0 > 0.5 * (most - 37.0));
+}
+
+}  // namespace burrhole::test
