@@ -26,7 +26,20 @@ void main() {
 #ifdef CORRECT
   opacity = 1.0 - pow(1.0 - opacity, spacing / slices.w);
 #endif
-  vec3 normal = is_face ? cut.xyz : surface_normal(index, to_eye);
+#ifdef CUT
+  vec3 face = cut.xyz;
+#else
+  vec3 face = to_eye;
+#endif
+  // Where bone goes on to the end of the volume, the first slice of a ray shows a face too: density has no gradient across it.
+  vec3 way = (index - eye_index.xyz) / max(abs(index[axis] - eye_index[axis]), 1e-6) * dims[axis] / slices.y;
+  vec3 outside = max(-0.5 - (index - way), index - way - (dims.xyz - 0.5)) / max(abs(way), vec3(1e-6));
+  int by = outside.x >= outside.y && outside.x >= outside.z ? 0 : (outside.y >= outside.z ? 1 : 2);
+  if (!is_face && outside[by] > 0.0) {
+    is_face = true;
+    face = -sign(way[by]) * normalize(index_rows[by].xyz);
+  }
+  vec3 normal = is_face ? face : surface_normal(index, to_eye);
   picture = vec4(shade(index, world, normal, to_eye, is_face), opacity);
 #ifdef FOG
   picture.rgb = fogged(picture.rgb, 1.0 / gl_FragCoord.w);

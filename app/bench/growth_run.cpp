@@ -207,9 +207,10 @@ class Drilling {
     for (int n = 0; n < repetitions(); ++n) {
       if (n > 0)
         if (Status restored = stage_->restore("drilled"); !restored) return restored;
-      bool done = false;
+      Result<bool> done = false;
       undone.push_back(seconds_of([&] { done = stage_->undo(); }));
-      if (!done) return Error{ErrorCode::internal, "there was nothing to undo", {}};
+      if (!done) return done.error();
+      if (!*done) return Error{ErrorCode::internal, "there was nothing to undo", {}};
     }
     out.undo = median(undone);
     out.hashes.push_back(hash_round_entry());

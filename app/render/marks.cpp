@@ -21,7 +21,7 @@ constexpr Rgba8 kNear{250, 250, 250, 255}, kFar{150, 160, 172, 255}, kBox{255, 2
 constexpr double kLeastNote = 7.0;  // [pixels] height of letters that can be read
 constexpr double kShortest = 0.30;  // [-] of a half axis that has a letter
 // [letters] least distances of a letter's middle from that of another, from the axes of others and from its own; and its own from the mark.
-constexpr double kLetterRoom = 1.35, kAxisRoom = 0.75, kOwnRoom = 0.8, kFarthest = 4.1;
+constexpr double kLetterRoom = 2.0, kAxisRoom = 0.75, kOwnRoom = 0.8, kFarthest = 4.1;
 constexpr double kBehind = -0.05;  // [-] depth of a direction that is drawn as far
 constexpr std::array kSides{"R-L", "A-P", "I-S"};
 

@@ -152,8 +152,11 @@ Status Simulation::apply(const Input& input) {
       tools_.erase(tools_.begin(), tools_.end() - 1);  // nothing refers to the one before any more
       return log_->record_event(time, "tool", input.text);
     }
-    case InputKind::undo:
-      return parts_->undo() ? log_->record_event(time, "undo", "") : refused("there is nothing to undo");
+    case InputKind::undo: {
+      const Result<bool> undone = parts_->undo();
+      if (!undone) return undone.error();
+      return *undone ? log_->record_event(time, "undo", "") : refused("there is nothing to undo");
+    }
     case InputKind::reset:
       if (Status done = parts_->reset(); !done) return refused(done.error().message);
       return log_->record_event(time, "reset", "");

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "app/stage/force_loop.h"
+#include "app/stage/free_place.h"
 #include "core/drill/removal_rate.h"
 #include "haptics/hand/taken_hand.h"
 #include "haptics/servo/contact_age.h"
@@ -202,15 +203,32 @@ void Stage::cut(const ContactState& found) {
   (*bone)(found, thrust_(found), bone_period);
 }
 
-void Stage::bone_was_changed() {
+Status Stage::bone_was_changed() {
   spun_ = false;
   const std::vector<std::uint8_t> on_axis = bone_on_axis(approach, *voxmap);
   contact->bone_grew(on_axis);
   bone->publish();
   if (AxisBone* const axis = bone->axis()) axis->set(on_axis);
-  place_effects(contact->state().world_from_tool);
+  if (Status placed = free_tool(); !placed) return placed;
   servo->restart();
   notify_hand();
+  return {};
+}
+
+Status Stage::free_tool() {
+  const ContactState& now = contact->state();
+  // Without a pose of its own the tool is where the hand is.
+  const bool own_pose = needs.holds_back || now.world_from_tool.translation != now.world_from_hand.translation;
+  if (!own_pose) {
+    place_effects(now.world_from_tool);
+    return {};
+  }
+  const Pose world_from_bone = (now.number > 0 ? now.bone.world_from_rest : world_from_rest_) * config.volume.world_from_bone;
+  const double from = std::max(0.0, contact->progress().depth) + config.hand.standoff;
+  const Pose free = place_free_of_bone(*voxmap, world_from_bone, *tool, now.world_from_tool, from);
+  if (free.translation != now.world_from_tool.translation) return place(free);
+  place_effects(free);
+  return {};
 }
 
 void Stage::notify_hand() { hand->scene_changed(hand_config(config, needs, *tool, voxel_edge()).softest); }
@@ -226,23 +244,22 @@ Status Stage::change_tool(const Tool& other) {
   if (Status bound = bind(); !bound) return bound;
   graph.keep_timings(old);
   contact->resume(before);
-  place_effects(before.world_from_tool);
+  if (Status placed = free_tool(); !placed) return placed;
   servo->restart();
   notify_hand();
   return frame_ != nullptr ? frame_->change_tool(other) : Status();
 }
 
-bool Stage::undo() {
+Result<bool> Stage::undo() {
   if (!history_ || !history_->undo()) return false;
-  bone_was_changed();
+  if (Status changed = bone_was_changed(); !changed) return changed.error();
   return true;
 }
 
 Status Stage::reset() {
   if (!history_) return bad_input("reset: this run keeps no history");
   history_->reset();
-  bone_was_changed();
-  return {};
+  return bone_was_changed();
 }
 
 Status Stage::checkpoint(const std::string& name) {
@@ -253,8 +270,7 @@ Status Stage::checkpoint(const std::string& name) {
 Status Stage::restore(const std::string& name) {
   if (!history_) return bad_input("restore: this run keeps no history");
   if (Status restored = history_->restore(name); !restored) return restored;
-  bone_was_changed();
-  return {};
+  return bone_was_changed();
 }
 
 const ServoOutput& Stage::act() noexcept {

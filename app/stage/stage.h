@@ -84,11 +84,12 @@ class Stage {
   /// Frame thread: draws the next frame of the run's film, which is not one of its pictures.
   [[nodiscard]] Status film(const Pose& world_from_tool);
 
-  // Inputs of a user between two ticks, while no clock runs. Changes are published at once, and the force is ramped up again.
+  // Inputs of a user between two ticks, while no clock runs. Changes are published at once, and the force is ramped up again. A tool that would
+  // be inside bone is placed outside it (free_place.h); a penalty model without coupling has the pose of its hand.
   /// Replaces the tool, which must outlive the stage. out_of_range: too large for the bone's voxels. After an error the run must end.
   [[nodiscard]] Status change_tool(const Tool& other);
-  /// Restores the bone before the last start of the spindle. @returns false if there is nothing to undo, or no history.
-  [[nodiscard]] bool undo();
+  /// Restores the bone before the last start of the spindle. @returns false if there is nothing to undo, or no history. Errors as place().
+  [[nodiscard]] Result<bool> undo();
   /// Restores the bone as loaded.
   [[nodiscard]] Status reset();
   /// Stores or restores a checkpoint. Errors as BoneHistory; bad_input without a history.
@@ -158,8 +159,9 @@ class Stage {
   [[nodiscard]] Status draw_picture(const Picture& picture);
   void watch_spin(double command);
   void place_effects(const Pose& world_from_tool);
-  void bone_was_changed();
-  void notify_hand();  ///< HandSource::scene_changed() with the present tool
+  [[nodiscard]] Status bone_was_changed();
+  [[nodiscard]] Status free_tool();  ///< takes the tool out of bone that it does not cut
+  void notify_hand();                ///< HandSource::scene_changed() with the present tool
 
   Outside outside_;
   std::vector<MadeEffect> effects_;

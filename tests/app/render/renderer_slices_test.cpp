@@ -338,6 +338,22 @@ TEST_CASE("slices: a cut shows the colour inside, lit by the face's own normal")
   CHECK(std::abs(below.g - 40.0 * light) <= 2.0);
 }
 
+TEST_CASE("slices: where bone goes on to the end of the volume, its sides are lit by the normals of the faces, as by rays") {
+  Renderer slices = sliced({}), rays = require_renderer();
+  for (Renderer* renderer : {&slices, &rays}) REQUIRE(renderer->set_volume(plate()).ok());
+  FrameView view;  // both sides are seen at 45 degrees, so that neither normal is the direction to the eye
+  view.camera = {.eye = {0.07, -0.07, 0.0}, .target = {0.0, 0.0, 0.0}, .up = {0.0, 0.0, 1.0}, .vertical_fov = 0.35};
+  view.light = {.ambient = 0.3, .diffuse = 0.5, .fill = 0.0, .direction_to_light = {0.0, -1.0, 0.0}};
+  const Image sliced_image = drawn(slices, view, 100, 100), cast_image = drawn(rays, view, 100, 100);
+  for (const auto& [column, light] : {std::pair(25, 0.3 + 0.5), std::pair(75, 0.3)}) {
+    CAPTURE(column);
+    const auto place = static_cast<std::size_t>(80 * 100 + column);
+    // One level for rounding the colour, one for the driver's 8-bit filter.
+    CHECK(std::abs(sliced_image.pixels[place].r - 180.0 * light) <= 2.0);
+    CHECK(std::abs(sliced_image.pixels[place].r - cast_image.pixels[place].r) <= 2);
+  }
+}
+
 TEST_CASE("slices: a turned, sheared volume gives the picture of the rays, except for its soft edge") {
   VolumeView volume = white_ball();
   for (Rgba8& color : volume.color) color = {200, 184, 160, 0};

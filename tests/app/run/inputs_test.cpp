@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <functional>
 #include <ostream>
 
 #include "app/session/recorded_hand.h"
@@ -275,6 +277,89 @@ TEST_CASE("inputs: those that the run ends before are known") {
   const auto left = run.simulation().inputs_left();  // ticks 0 to 99
   REQUIRE(left.size() == 2);
   CHECK(left.front().tick == 100);
+}
+
+/// The scene's own hand, which knows of inputs, with an eye on every servo tick.
+class InformedHand final : public HandSource {
+ public:
+  InformedHand(const SimulatedHand& hand, std::function<void()> watch) : hand_(hand), watch_(std::move(watch)) {}
+  [[nodiscard]] const HandState& read() noexcept override { return hand_.read(); }
+  void apply(const Wrench& on_hand) noexcept override {
+    watch_();
+    hand_.apply(on_hand);
+  }
+  void drive_changed() noexcept override { hand_.drive_changed(); }
+  void scene_changed(double softest) noexcept override { hand_.scene_changed(softest); }
+
+ private:
+  SimulatedHand hand_;
+  std::function<void()> watch_;
+};
+
+/// Where a flat pin of 2 mm goes after an input 2 mm deep in a plate of 3 mm.
+struct AfterInput {
+  double before = 0.0;   ///< [m] depth of the tip at the input
+  double at_once = 0.0;  ///< [m] depth with the first contact result after it
+  double aside = 0.0;    ///< [m] greatest distance of the tip from the axis in the 0.3 s after it
+  double force = 0.0;    ///< [N] largest of contact in the 5 ms after it, in which the soft start has hardly moved the hand
+  double depth = 0.0;    ///< [m] at the end
+};
+
+AfterInput after(const Input& input, double tick_s, std::vector<Input> more = {}) {
+  Input timed = input;
+  Simulation* simulation = nullptr;
+  AfterInput out;
+  timed.tick = static_cast<std::uint64_t>(tick_s * 1000.0);
+  more.push_back(timed);
+  const SmallScene scene{.sets = {"tool.name=\"pin\"", "tool.erosion_scale=4", "duration_s=2.5", "hand.tremor_mm=0.04", "hand.ramp_s=0.2"}};
+  LoadedScene loaded = load_small(scene);
+  std::uint64_t ticks = 0;
+  const Scene& s = loaded.scene;
+  const auto approach = make_approach(*loaded.bone, s.approach);
+  REQUIRE(approach);
+  auto own = SimulatedHand::create(hand_config(s, s.effects.needs(s), loaded.tool, loaded.bone->bone_from_index().mean_edge()),
+                                   s.volume.world_from_bone * approach->bone_from_approach, 1.0 / s.servo_hz);
+  REQUIRE(own);
+  InformedHand hand(*own, [&] {
+    const ContactState& now = simulation->stage().contact->state();
+    const Vec3 at = simulation->stage().world_from_approach().inverse() * now.world_from_tool.translation;
+    ++ticks;
+    if (ticks < timed.tick) out.before = -at.z;
+    if (ticks == timed.tick + 3) out.at_once = -at.z;
+    // Later the soft start lets the thrust move the hand further from the tool.
+    if (ticks > timed.tick && ticks < timed.tick + 5) out.force = std::max(out.force, glm::length(now.on_hand.force));
+    if (ticks > timed.tick && ticks < timed.tick + 300) out.aside = std::max(out.aside, std::hypot(at.x, at.y));
+    out.depth = -at.z;
+  });
+  SimulationOptions options;
+  options.hand = &hand;
+  options.history = true;
+  options.inputs = std::move(more);
+  DrillRun run(std::move(loaded), options);
+  simulation = &run.simulation();
+  run.run();
+  CHECK(run.simulation().inputs_left().empty());
+  return out;
+}
+
+TEST_CASE("inputs: bone that comes back round the bit puts it back along its shaft, and it drills down again where it was") {
+  for (const Input& input :
+       {plain(0, InputKind::undo), plain(0, InputKind::reset), plain(0, InputKind::restore, "whole"), tool(0, "punch")}) {
+    const std::string kind = name_of(input.kind);
+    CAPTURE(kind);
+    const AfterInput found = after(input, 0.9, {plain(5, InputKind::checkpoint, "whole")});
+    MESSAGE(found.before * 1e3 << " mm, then " << found.at_once * 1e3 << " mm, aside " << found.aside * 1e3 << " mm, " << found.force
+                               << " N, at the end " << found.depth * 1e3 << " mm");
+    CHECK(found.before > 0.5e-3);
+    // The spring of the coupling from the hand, where it was, to the bone: 20 N, and 5 N a millimetre. Its damper and the arm add less than 5 N.
+    const double spring = 20.0 + 5e3 * found.before + 5.0;
+    CHECK(found.force < spring);
+    CHECK(found.at_once < spring / 40e3);  // engaged in the bone as it is now (kHeldKeys)
+    CHECK(found.at_once > -0.5e-3);        // two voxels above it
+    // The bit's clearance and the tremor. Half of the bit's radius would be a bit beside its hole.
+    CHECK(found.aside < 0.3e-3);
+    CHECK(found.depth > 0.5e-3);
+  }
 }
 
 std::vector<std::string> faults_of(const std::string& text) {
