@@ -1,7 +1,7 @@
 /// app/session/session.h: a recorded run in one SQLite file: scene and tool, every input, inputs and results of each step, events.
 /// A replay can run the same steps again in the same order. SQLite is accessed through sqlite_file.h only.
 ///
-/// Schema 2, in WAL mode, application id "burr", user_version = schema:
+/// Schema 2, in WAL mode while it is written and a single file once closed, application id "burr", user_version = schema:
 ///   meta(key, value)                            schema, physics_version, program, scene_path, scene, tool, seed, created, cpu, renderer
 ///   streams(position, name)                     of rows: "servo" has one row a servo tick; "contact" and "bone" one row a step
 ///   columns(stream, position, name, unit, keep) of a stream's rows; stream = streams.position; keep is "exact" or "coarse"
