@@ -46,8 +46,8 @@ std::string map_script(const ValueMap& map, int width_px) {
       kLeft / wide, (width_px - kRight) / wide, kBottom / all, (kBottom + height) / all);
   out += "set border linecolor rgb \"#666666\"\nset tics nomirror out scale 0.6\nunset key\n";
   out += kPalette;
-  out += fmt::format("set title {} offset 0,-0.5\nset xlabel {}\nset ylabel {}\nset cblabel {}\n", gnuplot_quoted(map.title), gnuplot_quoted(map.x_label),
-                     gnuplot_quoted(map.y_label), gnuplot_quoted(map.unit));
+  out += fmt::format("set title {} offset 0,-0.5\nset xlabel {}\nset ylabel {}\nset cblabel {}\n", gnuplot_quoted(map.title),
+                     gnuplot_quoted(map.x_label), gnuplot_quoted(map.y_label), gnuplot_quoted(map.unit));
   out += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\nset cbrange [{}:{}]\n", map.x - half, right - half, below - half,
                      map.y - half, scale.lo, scale.hi);
   out += fmt::format("plot $map matrix using ({0}+$1*{2}):({1}+$2*{2}):3 with image pixels\n", map.x, map.y, map.pitch);

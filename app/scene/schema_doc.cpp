@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <sstream>
 #include <tuple>
@@ -64,6 +65,8 @@ Rows collect_rows(std::span<const KeyLog> logs) {
 /// Values of one key in the samples that have a row, and in those that do not. It determines the condition if no value is in both.
 struct Split {
   std::set<std::string> with, without;
+  /// Whether the key is merely read in one case and not in the other: that says nothing of its value.
+  [[nodiscard]] bool is_presence() const { return with.contains("") || (with.size() > 1 && without.size() == 1 && without.contains("")); }
   [[nodiscard]] bool explains() const {
     return !with.empty() && !without.empty() &&
            std::none_of(with.begin(), with.end(), [&](const std::string& word) { return without.contains(word); });
@@ -96,7 +99,7 @@ std::string two_conditions(std::span<const KeyLog> logs, const SchemaRow& row, c
   for (const SchemaRow& other : rows)
     if (other.key.table == row.key.table && other.key.key != row.key.key && has_word(other.key)) {
       Split split = split_by(logs, row, other.key.table, other.key.key);
-      if (!split.with.contains("")) choices.emplace_back(other.key.key, std::move(split.with));
+      if (!split.is_presence()) choices.emplace_back(other.key.key, std::move(split.with));
     }
   const auto holds = [&](std::size_t sample, const auto& choice) {
     const KeyInfo* info = find(logs[sample], row.key.table, choice.first);
@@ -113,6 +116,38 @@ std::string two_conditions(std::span<const KeyLog> logs, const SchemaRow& row, c
         return fmt::format("only with {} = {} and {} = {}", markdown_code(choices[a].first), listed(choices[a].second),
                            markdown_code(choices[b].first), listed(choices[b].second));
     }
+  return {};
+}
+
+/// @returns "only with A = a, b, or c with B = d": a key of the row's own table whose value determines the condition except for one value, with
+/// which another key does; empty if there are no such keys.
+std::string nested_condition(std::span<const KeyLog> logs, const SchemaRow& row, const Rows& rows) {
+  const auto is_other = [&](const SchemaRow& other) {
+    return other.key.table == row.key.table && other.key.key != row.key.key && has_word(other.key);
+  };
+  for (const SchemaRow& outer : rows) {
+    if (!is_other(outer)) continue;
+    Split split = split_by(logs, row, outer.key.table, outer.key.key);
+    std::vector<std::string> both;
+    std::ranges::set_intersection(split.with, split.without, std::back_inserter(both));
+    if (both.size() != 1 || both.front().empty() || split.with.contains("") || split.with.size() < 2) continue;
+    std::vector<KeyLog> inside;
+    SchemaRow inner_row{row.key, {}, {}};
+    for (std::size_t n = 0; n < logs.size(); ++n) {
+      const KeyInfo* info = find(logs[n], outer.key.table, outer.key.key);
+      if (info == nullptr || info->word != both.front()) continue;
+      if (std::ranges::find(row.samples, n) != row.samples.end()) inner_row.samples.push_back(inside.size());
+      inside.push_back(logs[n]);
+    }
+    for (const SchemaRow& inner : rows) {
+      if (!is_other(inner) || inner.key.key == outer.key.key) continue;
+      const Split part = split_by(inside, inner_row, inner.key.table, inner.key.key);
+      if (!part.explains() || part.is_presence()) continue;
+      split.with.erase(both.front());
+      return fmt::format("only with {} = {}, or {} with {} = {}", markdown_code(outer.key.key), listed(split.with),
+                         markdown_code(both.front()), markdown_code(inner.key.key), listed(part.with));
+    }
+  }
   return {};
 }
 
@@ -144,13 +179,14 @@ std::string condition_of(std::span<const KeyLog> logs, std::span<const std::stri
       if (other.key.table != table || (other.key.table == row.key.table && other.key.key == row.key.key)) continue;
       if (!has_word(other.key) && !is_table(other.key)) continue;
       const Split split = split_by(logs, row, table, other.key.key);
-      if (!split.explains()) continue;
+      if (!split.explains() || (!is_table(other.key) && split.is_presence())) continue;
       if (is_table(other.key))
         return (split.with.contains("there") ? "only with " : "only without ") + markdown_code("[" + other.key.key + "]");
       const bool few = split.with.size() <= split.without.size() || split.without.contains("");
       return fmt::format("{} with {} = {}", few ? "only" : "not", markdown_code(other.key.key), listed(few ? split.with : split.without));
     }
   if (const std::string both = two_conditions(logs, row, rows); !both.empty()) return both;
+  if (std::string nested = nested_condition(logs, row, rows); !nested.empty()) return nested;
   if (std::string without = absent_keys(logs, row, rows); !without.empty()) return without;
   std::set<std::string> with, without;
   for (std::size_t n = 0; n < logs.size(); ++n)

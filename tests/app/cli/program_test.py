@@ -224,7 +224,7 @@ class BadInput(WithFolder):
             ([("[erosion]", "[contact.label_stiffness]\ndiploe = 2\n[erosion]")], "must be in [0.01, 1]"),
             ([("name = \"pin_2mm\"", "name = \"pin_3mm\"")], "not found in "),
             ([("[hand]", "[hand]\nkind = \"replay\"")], "is not in this version"),
-            ([("[contact]", "[contact]\ntool = \"device\"")], "unknown key \"tool\" in [contact]"),
+            ([("[contact]", "[contact]\nbit = \"device\"")], "unknown key \"bit\" in [contact]"),
             ([("size = [160, 120]", "method = \"mesh\"\nbisections = 3")], "display.bisections is read only with shading = surface and quality = fixed: remove the key"),
             ([("[contact]", "[dust]\n[contact]")], "is an effect that is not in this version"),
             ([("[contact]", "[contact]\nrate_hz = 333")], "must divide servo_hz"),

@@ -55,7 +55,7 @@ const BadScene kBadScenes[] = {
     {"push_N = 20.0", "push_N = -3", {"bad.toml:20:1: hand.push_N = -3 must be in [0, 500]"}},
     {"push_N = 20.0", "push_N = nan", {"bad.toml:20:1: hand.push_N = nan must be a finite number"}},
     {"push_N = 20.0", "push_N = \"hard\"", {"bad.toml:20:1: hand.push_N = \"hard\" must be a number"}},
-    {"spacing_mm = 0.25", "spacing_mm = [1, 2]", {"bad.toml:6:1: volume.spacing_mm = [array] must be a number"}},
+    {"spacing_mm = 0.25", "spacing_mm = [1, 2]", {"bad.toml:6:1: volume.spacing_mm = [1, 2] must be a number"}},
     {"[hand]", "[hande]", {"~hand is missing: every scene needs this table", "bad.toml:19:2: unknown table [hande]; did you mean [hand]?"}},
     {"spin_rpm = 1000.0\n", "", {"bad.toml:12:2: tool.spin_rpm is missing (speed of the spindle)"}},
     {"\"ball\"", "\"perforator_14\"", {"~bad.toml:13:1: tool.name = \"perforator_14\" not found in the current folder, "}},

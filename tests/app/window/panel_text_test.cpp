@@ -116,12 +116,12 @@ TEST_CASE("panel: the end shows the result in the words of the report, with its 
     REQUIRE(figures.front().first == "result");
     return figures.front().second;
   };
-  CHECK(result_line(summary).starts_with(result_of(summary) + ": "));
+  CHECK(result_line(summary).starts_with("result: " + result_of(summary) + ": "));
   summary.plunge_mm = 3.0;
   summary.limits.plunge_mm = 1.5;
   const std::string shown = result_of(summary);
   CHECK(shown.ends_with(", plunged"));
-  CHECK(result_line(summary).starts_with(shown.substr(0, shown.find(',')) + ": "));
+  CHECK(result_line(summary).starts_with("result: " + shown.substr(0, shown.find(',')) + ": "));
 }
 
 TEST_CASE("panel: where bone moves, the panel has its motion and what was cut, and no warning speaks of the plan") {

@@ -68,7 +68,7 @@ TEST_CASE("errors: each kind is one line with its place") {
       {"[tool]\nradius_mm = nan", kRadius, {"skull.toml:2:1: tool.radius_mm = nan must be a finite number"}},
       {"[tool]\nradius_mm = -inf", kRadius, {"skull.toml:2:1: tool.radius_mm = -inf must be a finite number"}},
       {"[tool]\nradius_mm = \"5\"", kRadius, {"skull.toml:2:1: tool.radius_mm = \"5\" must be a number"}},
-      {"[tool]\nradius_mm = [1]", kRadius, {"skull.toml:2:1: tool.radius_mm = [array] must be a number"}},
+      {"[tool]\nradius_mm = [1]", kRadius, {"skull.toml:2:1: tool.radius_mm = [1] must be a number"}},
       {"[tool]\nradius_mm = 2020-01-01", kRadius, {"skull.toml:2:1: tool.radius_mm = a date or time must be a number"}},
       {"[tool]\n", kRadius, {"skull.toml:1:2: tool.radius_mm is missing (radius of the head)"}},
       // units
@@ -92,7 +92,7 @@ TEST_CASE("errors: each kind is one line with its place") {
       // shapes of tables
       {"contact = 5", kVolume, {"skull.toml:1:1: contact = 5 must be a table: [contact]"}},
       {"[region]", kVolume, {"skull.toml:1:2: region = {table} must be an array of tables: [[region]]"}},
-      {"region = [1, 2]", kVolume, {"skull.toml:1:1: region = [array] must be an array of tables: [[region]]"}},
+      {"region = [1, 2]", kVolume, {"skull.toml:1:1: region = [1, 2] must be an array of tables: [[region]]"}},
       // choices
       {"model = \"petrsik\"",
        kModel,
@@ -105,7 +105,7 @@ TEST_CASE("errors: each kind is one line with its place") {
       {"count = 0", kMisc, {"skull.toml:1:1: count = 0 must be a whole number in [1, 9]"}},
       {"on = 1", kMisc, {"skull.toml:1:1: on = 1 must be true or false"}},
       {"title = true", kMisc, {"skull.toml:1:1: title = true must be text in quotes"}},
-      {"size_mm = [1, 2]", kMisc, {"skull.toml:1:1: size_mm = [array] must be an array of 3 numbers"}},
+      {"size_mm = [1, 2]", kMisc, {"skull.toml:1:1: size_mm = [1, 2] must be an array of 3 numbers"}},
       {"size_mm = 1", kMisc, {"skull.toml:1:1: size_mm = 1 must be an array of 3 numbers"}},
       {"size_mm = [1,\n  nan, -3]",
        kMisc,

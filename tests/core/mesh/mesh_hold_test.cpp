@@ -76,7 +76,8 @@ TEST_CASE("mesh hold: a tool at rest stays on the surface under any thrust, and 
   }
 }
 
-TEST_CASE("mesh hold: where the force at the hand's place has turned over on the far side, the constrained tool is still on the near side") {
+TEST_CASE(
+    "mesh hold: where the force at the hand's place has turned over on the far side, the constrained tool is still on the near side") {
   auto penalty = MeshContact::create({}, ball());
   REQUIRE(penalty.ok());
   const FeltBone bone(phantom_of(kPlate).bone, {}, 0.08f, {}, kFields);
