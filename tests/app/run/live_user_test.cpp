@@ -134,7 +134,7 @@ TEST_CASE("a user drills, pauses, changes the tool, undoes and ends; a replay of
   CHECK(user.heard_.size() == 2);
   CHECK(user.most_thrust_ > 1.0);
   CHECK(user.last_.steps > 10);
-  CHECK(user.last_.progress.deepest > 0.4e-3);
+  CHECK(user.last_.progress.undone > 0.4e-3);
   CHECK(sink.tools_ == 1);
   CHECK(sink.forgotten_ > 0);
   // Changes reached the display while the run went on, without a picture that asked for them; pictures at events were not drawn.
