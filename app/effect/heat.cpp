@@ -35,7 +35,9 @@ class HeatEffect final : public Effect {
         listener_(voxmap_->add_listener()),
         index_from_approach_(stage.voxmap->bone().bone_from_index().inverse() * Affine::from_pose(stage.approach.bone_from_approach)),
         depth_(stage.approach.thickness) {
-    read_bone(field_.domain());
+    const VoxelBox& all = field_.domain();
+    for (int k = all.lo.z; k < all.hi.z; ++k)  // layer by layer: the densities of all voxels would take more memory than the field
+      read_bone({Vec3i(all.lo.x, all.lo.y, k), Vec3i(all.hi.x, all.hi.y, k + 1)});
     field_.forget_losses();
   }
 
