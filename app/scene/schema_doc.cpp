@@ -185,7 +185,7 @@ std::string condition_of(std::span<const KeyLog> logs, std::span<const std::stri
       const bool few = split.with.size() <= split.without.size() || split.without.contains("");
       return fmt::format("{} with {} = {}", few ? "only" : "not", markdown_code(other.key.key), listed(few ? split.with : split.without));
     }
-  if (const std::string both = two_conditions(logs, row, rows); !both.empty()) return both;
+  if (std::string both = two_conditions(logs, row, rows); !both.empty()) return both;
   if (std::string nested = nested_condition(logs, row, rows); !nested.empty()) return nested;
   if (std::string without = absent_keys(logs, row, rows); !without.empty()) return without;
   std::set<std::string> with, without;
