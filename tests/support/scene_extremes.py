@@ -20,7 +20,8 @@ LONGEST = 2600      # [bytes] of the line of a refusal, as in hostile_test.py
 HEAD = re.compile(r"^## `(\[+)([\w.]+)\]+`$")
 ROW = re.compile(r"^\| `(\w+)` \| (.+?) \| (.+?) \| (.+) \|$")
 RANGE = re.compile(r"[\[(](-?[\d.e+-]+|-inf), (-?[\d.e+-]+|inf)[\])]")
-ONLY = re.compile(r"\*only with ((?:`\w+` = (?:`[^`]+`(?:, )?)+(?: and )?)+)\*")
+# Of "only with A = a, or b with B = c", the first part alone.
+ONLY = re.compile(r"\*only with ((?:`\w+` = (?:`[^`]+`(?:, )?)+(?: and )?)+)(?:or `[^`]+` with `\w+` = [^*]+)?\*")
 NOT = re.compile(r"\*not with `(\w+)` = ((?:`[^`]+`(?:, )?)+)\*")
 EXAMPLE = re.compile(r"\*only in some files: `(?:\[([\w.]+)\] )?(\w+)(?: = ([^`]+))?`")
 CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
