@@ -12,12 +12,12 @@ namespace burrhole {
 namespace {
 
 constexpr double kFarthestLook = kRecordBand - 1.0;  // [voxel edges] all eight records around a point hold their distance up to here
-constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are partly bone, and the compliance must stay bounded
-constexpr double kOwnGive = 0.02;        // [-] as kOwnGiveWholeVoxels, where the cutting part is known as a solid
-constexpr std::size_t kFlankPoints = 1200;  // enough to sample the lateral stiffness; every shipped bit has fewer cutting points
-constexpr double kSameFace = 0.94;          // [-] cosine of 20 degrees: two directions within this angle belong to one face
-constexpr double kFacing = 0.0;         // [-] cosine: least agreement of the faces of tool and bone in contact
-constexpr double kNewClearance = 0.01;  // [-] change of the push's direction from which the points are moved again
+constexpr float kLeastStiffness = 0.1f;              // [-] relative: voxels at a face are partly bone, and the compliance must stay bounded
+constexpr double kOwnGive = 0.02;                    // [-] as kOwnGiveWholeVoxels, where the cutting part is known as a solid
+constexpr std::size_t kFlankPoints = 1200;           // enough to sample the lateral stiffness; every shipped bit has fewer cutting points
+constexpr double kSameFace = 0.94;                   // [-] cosine of 20 degrees: two directions within this angle belong to one face
+constexpr double kFacing = 0.0;                      // [-] cosine: least agreement of the faces of tool and bone in contact
+constexpr double kNewClearance = 0.01;               // [-] change of the push's direction from which the points are moved again
 
 Affine moved(Affine affine, const Vec3& by) noexcept {
   affine.offset += by;

@@ -9,9 +9,9 @@
 
 namespace burrhole {
 
-inline constexpr double kLookAhead = 0.6;    ///< [voxel edges] a move knows all planes nearer than this
-inline constexpr double kLongestMove = 0.4;  ///< [voxel edges] of any point near bone: less than kLookAhead, with margin for curvature
-inline constexpr double kSettled = 0.05;     ///< [voxel edges] a last move below this needs no new probe: its error is of second order
+inline constexpr double kLookAhead = 0.6;         ///< [voxel edges] a move knows all planes nearer than this
+inline constexpr double kLongestMove = 0.4;       ///< [voxel edges] of any point near bone: less than kLookAhead, with margin for curvature
+inline constexpr double kSettled = 0.05;          ///< [voxel edges] a last move below this needs no new probe: its error is of second order
 inline constexpr double kPlaneTolerance = 0.002;  ///< [voxel edges] tolerance of the planes
 /// Factor on that tolerance with a tangential law. Friction needs the place of the load on a face: 1 um on a 3 mm face is 7e-3 N m of a
 /// coupling of 20 N m/rad, which moves the load from the middle to the edge, and friction there would drive a spinning tool sideways.
