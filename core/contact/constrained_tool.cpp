@@ -6,29 +6,18 @@
 #include "core/contact/conforming_normal.h"
 #include "core/contact/distance_slope.h"
 #include "core/contact/tool_candidates.h"
+#include "core/contact/tool_sweep.h"
 
 namespace burrhole {
 namespace {
 
-constexpr double kLookAhead = 0.6;                   // [voxel edges] a move knows all planes nearer than this
 constexpr double kFarthestLook = kRecordBand - 1.0;  // [voxel edges] all eight records around a point hold their distance up to here
-constexpr double kLongestMove = 0.4;     // [voxel edges] of any point near bone: less than the search distance, with margin for curvature
-constexpr double kSettled = 0.05;        // [voxel edges] a last move below this needs no new probe: its error is of second order
-constexpr double kTolerance = 0.002;     // [voxel edges] tolerance of the planes
-constexpr float kLeastStiffness = 0.1f;  // [-] relative: voxels at a face are partly bone, and the compliance must stay bounded
-// Fraction of a cutting plane's compliance that is its own; the rest is the shared engagement. Opposed walls act on each other through this
-// fraction alone, so it sets the clamping force on a tool slightly too wide for its hole. A face that recedes sees it as overlap.
-constexpr double kOwnGive = 0.02, kOwnGiveWholeVoxels = 0.05;
-// [voxel edges] clearance of a spinning tool in bone that is cut by whole voxels: the distance by which cutting points that face away from
-// the push move inwards, across the push (cleared_shell.h). The corner between wall and floor is rounded by a voxel.
-constexpr double kClearance = 0.75;
-constexpr std::size_t kFlankPoints = 1200;  // enough to sample the lateral stiffness; every shipped bit has fewer cutting points
-constexpr double kSameFace = 0.94;          // [-] cosine of 20 degrees: two directions within this angle belong to one face
-// [voxel edges] largest distance from the equilibrium of its springs at which a force reversal of a spinning tool is suppressed for a
-// period: it may penetrate bone that it cuts to this depth.
-constexpr double kTurnsRound = 0.2;
-constexpr double kFacing = 0.0;         // [-] cosine: least agreement of the faces of tool and bone in contact
-constexpr double kNewClearance = 0.01;  // [-] change of the push's direction from which the points are moved again
+constexpr float kLeastStiffness = 0.1f;              // [-] relative: voxels at a face are partly bone, and the compliance must stay bounded
+constexpr double kOwnGive = 0.02;                    // [-] as kOwnGiveWholeVoxels, where the cutting part is known as a solid
+constexpr std::size_t kFlankPoints = 1200;           // enough to sample the lateral stiffness; every shipped bit has fewer cutting points
+constexpr double kSameFace = 0.94;                   // [-] cosine of 20 degrees: two directions within this angle belong to one face
+constexpr double kFacing = 0.0;                      // [-] cosine: least agreement of the faces of tool and bone in contact
+constexpr double kNewClearance = 0.01;               // [-] change of the push's direction from which the points are moved again
 
 Affine moved(Affine affine, const Vec3& by) noexcept {
   affine.offset += by;
@@ -233,7 +222,7 @@ HoldMove ConstrainedTool::solve(const SurfaceView& bone, const Pose& bone_from_t
                             .stiffness = pull.stiffness,
                             .turn_stiffness = pull.turn_stiffness,
                             .cutting_stiffness = config_.cutting_stiffness / (1.0 - own_give()),
-                            .tolerance = kTolerance * edge_};
+                            .tolerance = kPlaneTolerance * edge_};
   // Bone is at rest within a sweep, so only the first move corrects penetration. Later penetration comes from planes that only approximate
   // the surface.
   if (spinning && std::isfinite(config_.push_out)) let_lie(state_.moves == 0 ? config_.push_out / pull.stiffness : 0.0);
@@ -307,22 +296,6 @@ void ConstrainedTool::sweep(const SurfaceView& bone, const Pull& pull, bool spin
     at_rest = length <= kSettled * edge_ || (relaxation <= 0.25 && length <= 4.0 * kSettled * edge_);
   }
   if (!at_rest) state_.flags |= kContactUnsettled;
-}
-
-void ConstrainedTool::pass_through_nothing(const Pose& bone_from_target, const Vec3& before) noexcept {
-  Vec3 now(0.0);
-  for (const HoldPlane& plane : solver_.planes()) now += plane.normal * plane.force;
-  if (added_.tangential != nullptr) now += tangential_.on_tool().force;
-  const Vec3 back = bone_from_target.translation - bone_from_tool_.translation;
-  if (glm::dot(now, before) >= 0.0 || glm::length(back) > kTurnsRound * edge_) return;
-  bone_from_tool_.translation += back;
-  since_look_.translation += back;
-  since_look_.engagement -= engaged_;
-  engaged_ = Vec3(0.0);
-  solver_.clear();
-  if (added_.tangential == nullptr) return;
-  added_.tangential->clear();
-  tangential_.clear();
 }
 
 void ConstrainedTool::report(const SurfaceView& bone) noexcept {
@@ -412,7 +385,14 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   measure_flanks(bone, spinning_);
   const Vec3 before = bone.world_from_bone.inverse().rotate(state_.on_hand.force);
   sweep(lying_in(bone), pull, spinning_);
-  if (spinning_) pass_through_nothing(bone.world_from_bone.inverse() * pull.world_from_target, before);
+  if (spinning_)
+    suppress_reversal({.solver = solver_,
+                       .tangential = tangential_,
+                       .law = added_.tangential,
+                       .position = bone_from_tool_.translation,
+                       .since_look = since_look_,
+                       .engaged = engaged_},
+                      (bone.world_from_bone.inverse() * pull.world_from_target).translation, before, edge_);
   report(bone);
   if ((state_.flags & kContactOutsideWindow) != 0)
     hold(pull);

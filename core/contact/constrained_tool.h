@@ -165,10 +165,6 @@ class ConstrainedTool {
   /// The result where bone has not been read: the springs hold the hand as if the tool stood at a wall.
   void hold(const Pull& pull) noexcept;
   void apply(const HoldMove& move, double part) noexcept;
-  /// Prevents a force reversal within a period. The compliance of bone under a ring of loads can move a cutting tool slightly beyond the
-  /// equilibrium of its springs; the tool then stays at the equilibrium for this period. @param before [N] bone frame: force of the last
-  /// period.
-  void pass_through_nothing(const Pose& bone_from_target, const Vec3& before) noexcept;
   void report(const SurfaceView& bone) noexcept;
 
   ConstrainedToolConfig config_;
