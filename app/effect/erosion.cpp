@@ -8,11 +8,13 @@
 #include <string>
 
 #include "app/effect/registry.h"
+#include "app/stage/drill_clutch.h"
 #include "app/stage/stage.h"
 #include "core/config/rules.h"
 #include "core/drill/cut_face.h"
 #include "core/drill/energy.h"
 #include "core/drill/erosion_memory.h"
+#include "core/drill/region_spin.h"
 #include "core/tool/cutting_field.h"
 
 namespace burrhole {
@@ -48,18 +50,22 @@ class ErosionEffect final : public Effect {
 
   Status bind(StepGraph& graph) override {
     if (stage_->needs.chip_load) teeth_ = cutting_teeth(*stage_->tool);
-    // Of two forms of the step, so that a scene in which nothing reads the chip load has no instruction of it.
-    auto step = teeth_ ? graph.step(
-                             Clock::simulation, "erosion", "erosion",
-                             [](void* self, const Tick& tick) { static_cast<ErosionEffect*>(self)->run_with_chips(tick); }, this)
-                       : graph.step(
-                             Clock::simulation, "erosion", "erosion",
-                             [](void* self, const Tick& tick) { (void)static_cast<ErosionEffect*>(self)->run(tick); }, this);
+    const bool clutched = graph.is_written(slots::kClutch.name);
+    // Of three forms of the step, so that a scene in which nothing reads the chip load, or without a clutch, has no instruction of it.
+    const StepGraph::Run call =
+        clutched ? StepGraph::Run([](void* self, const Tick& tick) { static_cast<ErosionEffect*>(self)->run_clutched(tick); })
+        : teeth_ ? StepGraph::Run([](void* self, const Tick& tick) { static_cast<ErosionEffect*>(self)->run_with_chips(tick); })
+                 : StepGraph::Run([](void* self, const Tick& tick) { (void)static_cast<ErosionEffect*>(self)->run(tick); });
+    auto step = graph.step(Clock::simulation, "erosion", "erosion", call, this);
     cut_ = step.now(slots::kCut);
     asked_ = step.now(slots::kSpinAsked);
     spin_ = step.last(slots::kSpin);
     removal_ = step.own(slots::kRemoval);
     if (teeth_) chips_ = step.own(slots::kChipLoad);
+    if (clutched) {
+      clutch_ = step.now(slots::kClutch);
+      if (Status split = split_regions(); !split) return split;
+    }
     step.column("removed_mass", "m^3", &removed_mass_, true);
     return {};
   }
@@ -79,6 +85,32 @@ class ErosionEffect final : public Effect {
   std::vector<NamedTimer> timers() const override { return {{"gradient", &commit_timer_, true}}; }
 
  private:
+  /// Gives the regions of a tool with a clutch a speed each.
+  Status split_regions() {
+    regions_.reset();
+    if (!clutch_->has_regions) return {};
+    regions_.emplace(*stage_->tool, clutch_->regions);
+    auto erosion = Erosion::create(config_, stage_->tool->erosion, regions_->field());
+    if (!erosion) return erosion.error();
+    erosion_ = std::move(erosion).value();
+    return {};
+  }
+
+  void run_clutched(const Tick& tick) {
+    if (clutch_->inner == 0.0 && clutch_->outer == 0.0) {
+      *removal_ = {};
+      if (teeth_) *chips_ = {};
+      return;
+    }
+    if (regions_) regions_->set(clutch_->inner, clutch_->outer, erosion_);
+    if (teeth_)
+      run_with_chips(tick);
+    else
+      (void)run(tick);
+    removal_->torque *= clutch_->coupled;
+    removal_->cutting = removal_->cutting && clutch_->coupled > 0.0;
+  }
+
   ErosionOutcome run(const Tick& tick) {
     ErosionOutcome outcome;
     *removal_ = {};
@@ -142,6 +174,8 @@ class ErosionEffect final : public Effect {
   BoneRemoval* removal_ = nullptr;
   std::optional<CuttingTeeth> teeth_;  // only if the chip load is read
   ChipLoad* chips_ = nullptr;
+  std::optional<RegionSpins> regions_;  // only with a clutch
+  const DrillClutch* clutch_ = nullptr;
 };
 
 class ErosionPlan final : public ConfigPlan<ErosionPlan, ErosionConfig> {

@@ -174,9 +174,8 @@ void Panel::layers(const WindowView& view) {
 }
 
 void Panel::drive(const WindowView& view) {
-  const double rpm = view.live.hand.spin * plan_.spin_rpm;
-  big("DRILL", view.live.hand.spin > 0.0 ? fmt::format("{:.0f} rpm", rpm) : std::string("off"),
-      view.live.hand.spin > 0.0 ? gui_->colors().green : gui_->colors().grey);
+  const bool turns = view.live.hand.spin > 0.0 && view.live.driven.value_or(true);
+  big("DRILL", drive_text(plan_, view.live), turns ? gui_->colors().green : gui_->colors().grey);
   ImGui::PushFont(gui_->small());
   if (view.transport)
     text("as recorded");

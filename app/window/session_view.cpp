@@ -7,6 +7,7 @@
 
 #include "app/job/provenance.h"
 #include "app/session/recorded_hand.h"
+#include "app/stage/drill_clutch.h"
 #include "app/window/start_thread.h"
 #include "core/base/caught_error.h"
 #include "core/base/hash.h"
@@ -106,6 +107,7 @@ class Replayer {
     now.world_from_rest = contact.bone.world_from_rest;
     now.force = stage.servo->output().force;
     now.progress = simulation_->progress();
+    if (const DrillClutch* const clutch = stage.graph.find(slots::kClutch)) now.driven = clutch->engaged;
     now.removed = simulation_->bone_step().removed_mass();
     now.time = time;
     state_->see(now);

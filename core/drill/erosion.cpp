@@ -62,6 +62,16 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
   return erosion;
 }
 
+void Erosion::set_factors(std::span<const float> factors) {
+  BH_ASSERT(factors.size() == count_);
+  if (engaged_) engaged_->set_factors(factors);
+  if (points_.size() == 0) return;
+  points_.factors.assign(factors.begin(), factors.end());
+  weighed_for_ = 0.0;
+  strength_ = {};
+  if (config_.form == ErosionForm::scatter) scatter_ = PointScatter(points_);
+}
+
 int Erosion::substeps_for(const ErosionPath& path) const noexcept {
   // Positions are affine in the corners, so the corner of the tool's box with the largest motion bounds every point.
   double longest = 0.0;

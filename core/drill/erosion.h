@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/bounds.h"
@@ -139,6 +140,10 @@ class Erosion {
   ErosionOutcome step(Voxmap& voxmap, const ErosionPath& path, double spin, double dt);
   /// The same with a load, for law `energy`.
   ErosionOutcome step(Voxmap& voxmap, const ErosionPath& path, const CuttingLoad& load, double dt);
+
+  /// Replaces the erosion factors [1/rev] of the points, in their order: regions of the tool have speeds of their own (region_spin.h). With
+  /// `subvoxel` the factors are those of the cutting field, and this does nothing. May allocate. @pre finite, >= 0, one for each point.
+  void set_factors(std::span<const float> factors);
 
   [[nodiscard]] const ErosionConfig& config() const noexcept { return config_; }
   [[nodiscard]] int substeps_for(const ErosionPath& path) const noexcept;
