@@ -85,7 +85,7 @@ std::string layer_under_tip(const WindowPlan& plan, const LiveState& live) {
   if (p.breakthrough_time) return "through the bone";
   for (const Approach::Layer& layer : approach.layers)
     if (p.front >= layer.from && p.front < layer.to)
-      if (std::string name = layer_name(layer.label); !name.empty()) return name;
+      if (std::string name = label_name(layer.label, plan.labels); !name.empty()) return name;
   return "bone";
 }
 

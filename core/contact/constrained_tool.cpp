@@ -64,7 +64,9 @@ ConstrainedTool::ConstrainedTool(const ConstrainedToolConfig& config, const Poin
       regions_(shell),
       places_(points_),
       cover_(shell.positions),
-      surface_(std::move(parts.surface)) {
+      surface_(std::move(parts.surface)),
+      felt_(config.felt_hardness),
+      coupling_(config.coupling_stiffness) {
   if (surface_) cells_ = ShellCells(shell_, *surface_, edge_);
   hits_.reserve(shell_.size());
 }
@@ -74,6 +76,7 @@ Result<ConstrainedTool> ConstrainedTool::create(const ConstrainedToolConfig& con
   const auto refuse = [](const char* why) { return Error{ErrorCode::out_of_range, why, {}}; };
   if (!(std::isfinite(config.flank_friction) && config.flank_friction >= 0.0))
     return refuse("the share of the lateral stiffness must be finite and at least 0");
+  if (!(config.felt_hardness >= 0.0 && config.felt_hardness < 1.0)) return refuse("the share of hardness that is felt must be in [0, 1)");
   for (const double value : {config.coupling_stiffness, config.cutting_stiffness, config.bone_stiffness, voxel_edge})
     if (!(std::isfinite(value) && value > 0.0))
       return refuse("coupling, cutting and bone stiffness and the voxel's edge must be finite and above 0");
@@ -96,6 +99,8 @@ void ConstrainedTool::place(const Pose& world_from_tool) noexcept {
   forget_places();
   flanks_.clear();
   hold_force_.clear();
+  felt_ = FeltHardness(config_.felt_hardness);
+  coupling_ = config_.coupling_stiffness;
   lying_ = 0.0;
   stop_unseen_ = spinning_ = placed_ = false;
 }
@@ -104,13 +109,12 @@ ConstrainedTool::Pull ConstrainedTool::pull_of(const HandMotion& hand, double dt
   const Pose& before = state_.world_from_tool;
   const double damping = config_.coupling_damping / dt;
   Pull pull;
-  pull.stiffness = config_.coupling_stiffness + damping;
+  pull.stiffness = coupling_ + damping;
   // K (h - t) + B (h' - (t - t_before) / dt) is zero at the target.
   pull.world_from_target.translation =
-      (config_.coupling_stiffness * hand.world_from_hand.translation + damping * (before.translation + hand.velocity * dt)) /
-      pull.stiffness;
+      (coupling_ * hand.world_from_hand.translation + damping * (before.translation + hand.velocity * dt)) / pull.stiffness;
   // Rotation likewise, with the same time constant; the hand's rotation in this period gives its rate.
-  const double share = config_.coupling_stiffness / pull.stiffness;
+  const double share = config_.coupling_stiffness / (config_.coupling_stiffness + damping);
   pull.turn_stiffness = config_.turn_stiffness / share;
   const Vec3 whole = rotation_vector(hand.world_from_hand.rotation * glm::conjugate(before.rotation));
   const Vec3 hands = rotation_vector(hand.world_from_hand.rotation * glm::conjugate(hand_before_));
@@ -327,7 +331,7 @@ void ConstrainedTool::describe(const SurfaceView& whole, double reach, LocalCont
   if ((state_.flags & (kContactOutsideWindow | kContactNotFinite)) != 0) return;
   out.kind = LocalKind::coupled;
   out.engaged = bone.world_from_bone.rotate(engaged_);
-  out.coupling_stiffness = config_.coupling_stiffness;
+  out.coupling_stiffness = coupling_;
   out.coupling_damping = config_.coupling_damping;
   out.turn_stiffness = config_.turn_stiffness;
   out.cutting_stiffness = config_.cutting_stiffness;
@@ -377,6 +381,7 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   if (bone.world_from_bone.translation != world_from_bone_.translation || bone.world_from_bone.rotation != world_from_bone_.rotation)
     since_far_look_ = 1.0;
   begin_added(added, spin.rate, dt, placed);
+  const Vec3 from = bone_from_tool_.translation + engaged_;
   const Pull pull = pull_of(hand, dt);
   const bool was_spinning = spinning_;
   spinning_ = spin.spinning;
@@ -399,6 +404,7 @@ const ConstrainedToolState& ConstrainedTool::step(const SurfaceView& bone, const
   else
     hold_force_.note(state_.on_hand.force);
   end_added();
+  if (felt_.active()) feel_hardness(bone, from, dt);
   world_from_bone_ = bone.world_from_bone;
   hand_before_ = hand.world_from_hand.rotation;
   return state_;
