@@ -16,7 +16,7 @@ BASE = ["core/base"]
 CONFIG = BASE + ["core/config"]
 VALUES = CONFIG + ["core/voxel", "core/tool"]
 ACTING = VALUES + ["core/contact", "core/drill"]
-CORE = ACTING + ["core/heat", "core/measure", "core/mesh", "core/sound"]
+CORE = ACTING + ["core/heat", "core/measure", "core/mesh", "core/sound", "core/zone"]
 INPUT = CORE + ["haptics", "volumes"]
 VIEW = ["app/view"]
 STAGE = INPUT + VIEW + ["app/stage"]
@@ -35,6 +35,7 @@ SEES = {
     "core/measure": ACTING,
     "core/mesh": VALUES + ["core/contact"],
     "core/sound": BASE,
+    "core/zone": BASE,
     "haptics": CORE,
     "volumes": CORE,
     "app/view": CORE,

@@ -7,6 +7,7 @@
 
 #include "app/job/provenance.h"
 #include "app/session/recorded_hand.h"
+#include "app/stage/zone_state.h"
 #include "app/window/start_thread.h"
 #include "core/base/caught_error.h"
 #include "core/base/hash.h"
@@ -107,6 +108,10 @@ class Replayer {
     now.force = stage.servo->output().force;
     now.progress = simulation_->progress();
     now.removed = simulation_->bone_step().removed_mass();
+    if (stage.graph.is_written(slots::kZone.name)) {
+      const ZoneState& zone = *stage.graph.find(slots::kZone);
+      now.zone = ZoneReading{zone.distance, zone.level};
+    }
     now.time = time;
     state_->see(now);
     shown_ = time;
