@@ -8,6 +8,7 @@
 #include "app/cli/given_paths.h"
 #include "app/cli/progress.h"
 #include "app/scene/volume_scene.h"
+#include "core/base/output_file.h"
 #include "core/base/units.h"
 #include "core/measure/approach.h"
 #include "core/voxel/vdb_grids.h"
@@ -65,9 +66,8 @@ Status check_names(const Options& option) {
 
 Status check_paths(const Options& option) {
   const fs::path output(option.output);
+  if (const Status folder = check_folder_of(option.output); !folder) return folder;
   std::error_code ignored;
-  if (output.has_parent_path() && !fs::is_directory(output.parent_path(), ignored))
-    return bad_input("there is no folder " + output.parent_path().string() + "; make it, or give another by --out", option.output);
   for (const std::string& read : {option.input.scene, option.restore})
     if (!read.empty() && fs::equivalent(read, output, ignored))
       return bad_input("is the file that is read: choose another name", option.output);

@@ -10,6 +10,7 @@
 #include "app/cli/volume_picture.h"
 #include "app/scene/volume_scene.h"
 #include "app/view/driver_text.h"
+#include "core/base/output_file.h"
 #include "core/base/units.h"
 #include "core/measure/drill_site.h"
 #include "core/voxel/saved_remaining.h"
@@ -87,10 +88,7 @@ Status check_output(const Options& option) {
     if (Status is_free = check_free(overview_file(option.overview), option.force); !is_free) return is_free;
   if (volume.empty()) return option.volume_given ? Status(bad_input("--volume is empty: it names the file to write")) : Status();
   if (fs::path(volume).extension() != ".vdb") return bad_input("--volume " + volume + " must end in .vdb");
-  const fs::path folder = fs::path(volume).parent_path();
-  std::error_code ignored;
-  if (!folder.empty() && !fs::is_directory(folder, ignored))
-    return bad_input("--volume " + volume + ": there is no folder " + folder.string() + "; make it, or give another");
+  if (const Status folder = check_folder_of(volume); !folder) return folder;
   return check_free(volume, option.force);
 }
 

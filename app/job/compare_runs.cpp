@@ -372,27 +372,46 @@ std::size_t length_of(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
 }
 
-/// @returns the text, or if it is longer its first characters and three dots.
-std::string cut(const std::string& text, std::size_t widest) {
-  if (length_of(text) <= widest) return text;
-  std::size_t characters = 0, end = 0;
-  for (; end < text.size(); ++end)
-    if ((static_cast<unsigned char>(text[end]) & 0xc0u) != 0x80u && characters++ == widest - 3) break;
-  return text.substr(0, end) + "...";
+/// @returns the text as lines of at most so many characters, broken at spaces where there are any.
+std::vector<std::string> broken(std::string_view text, std::size_t widest) {
+  std::vector<std::string> out;
+  while (length_of(text) > widest) {
+    std::size_t characters = 0, end = 0, space = 0;
+    for (; end < text.size(); ++end) {
+      const bool begins = (static_cast<unsigned char>(text[end]) & 0xc0u) != 0x80u;
+      if (begins && characters++ == widest) break;
+      if (text[end] == ' ') space = end;
+    }
+    if (text[end] == ' ' || space == 0) space = end;
+    out.emplace_back(text.substr(0, space));
+    text.remove_prefix(text[space] == ' ' ? space + 1 : space);
+  }
+  out.emplace_back(text);
+  return out;
 }
 
 }  // namespace
 
 std::string comparison_text(std::span<const RunResults> runs) {
-  constexpr std::size_t kWidest = 44;  // [characters] of a cell; longer ones are cut, but not settings
-  std::vector<std::vector<std::string>> lines{{"", ""}};
-  for (const RunResults& run : runs) lines.front().push_back(cut(run.name, kWidest));
-  if (runs.size() == 2) lines.front().emplace_back("difference");
+  constexpr std::size_t kWidest = 44;  // [characters] of a cell; longer ones go on below, but not settings
+  std::vector<std::vector<std::string>> lines;
+  const auto add_row = [&](const std::vector<std::vector<std::string>>& cells) {
+    std::size_t height = 0;
+    for (const auto& cell : cells) height = std::max(height, cell.size());
+    for (std::size_t n = 0; n < height; ++n) {
+      lines.emplace_back();
+      for (const auto& cell : cells) lines.back().push_back(n < cell.size() ? cell[n] : std::string());
+    }
+  };
+  std::vector<std::vector<std::string>> head{{""}, {""}};
+  for (const RunResults& run : runs) head.push_back(broken(run.name, kWidest));
+  if (runs.size() == 2) head.push_back({"difference"});
+  add_row(head);
   for (const ComparedRow& row : compared_rows(runs)) {
-    std::vector<std::string> line{row.differs ? "*" : " ", row.name};
-    for (const std::string& cell : row.cells) line.push_back(row.is_setting ? cell : cut(cell, kWidest));
-    if (runs.size() == 2) line.push_back(row.difference);
-    lines.push_back(std::move(line));
+    std::vector<std::vector<std::string>> cells{{row.differs ? "*" : " "}, {row.name}};
+    for (const std::string& cell : row.cells) cells.push_back(row.is_setting ? std::vector{cell} : broken(cell, kWidest));
+    if (runs.size() == 2) cells.push_back({row.difference});
+    add_row(cells);
   }
   std::vector<std::size_t> widths(lines.front().size(), 0);
   for (const auto& line : lines)

@@ -261,9 +261,11 @@ void read_servo(TableReader table, Scene& scene) {
   out.largest_force = table.number("force_N", above_zero(out.largest_force, 1.0, 1e4),
                                    "largest force on the hand, in the world: before the force scale of a device");
   out.largest_slew = table.number("slew_N_per_s", at_least_zero(0.0, 1.0, 1e9), "largest rate of change of the force; 0 for no limit");
-  out.soft_start = table.number("soft_start_s", at_least_zero(out.soft_start, 1.0, 60.0),
-                                "time in which the force rises from 0 at the start, after the reset of a latched fault, after a jump and "
-                                "after stale contact; the rise ends early if the computed force is 0 meanwhile");
+  out.soft_start = table.number(
+      "soft_start_s", at_least_zero(out.soft_start, 1.0, 60.0),
+      "time in which the force rises from 0 at the start, after the reset of a latched fault, after a jump and "
+      "after stale contact; the rise ends early if the computed force is 0 meanwhile; after an undo and the like the old force "
+      "fades in the same time");
   out.soft_stop = table.number("soft_stop_s", at_least_zero(out.soft_stop, 1.0, 60.0),
                                "time in which the force falls to 0 when contact is stale or a stop is requested");
   out.jump_speed = table.number("jump_m_per_s", at_least_zero(out.jump_speed, 1.0, 1e3),

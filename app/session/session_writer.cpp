@@ -14,6 +14,7 @@
 #include "app/session/sqlite_file.h"
 #include "core/base/assert.h"
 #include "core/base/descriptor.h"
+#include "core/base/output_file.h"
 
 namespace burrhole {
 namespace {
@@ -105,10 +106,16 @@ struct SessionWriter::State {
   std::int64_t parks = 0;  // of the inputs, those that parked the clocks
 
   Error failed_to(const char* doing) const {
-    const int reason = database ? sqlite3_system_errno(database.get()) : 0;
-    return bad_input(std::string("cannot ") + doing + " the session: " + (database ? sqlite3_errmsg(database.get()) : "no memory") +
-                         (reason != 0 ? std::string(": ") + std::strerror(reason) : std::string()),
-                     path);
+    if (!database) return bad_input(std::string("cannot ") + doing + " the session: no memory", path);
+    std::string message = std::string("cannot ") + doing + " the session: " + sqlite3_errmsg(database.get());
+    // SQLite keeps the system's reason of some failures only.
+    if (const int reason = sqlite3_system_errno(database.get()); reason != 0)
+      message += "; it " + write_error(path, reason).message;
+    else if (const int code = sqlite3_errcode(database.get()); code == SQLITE_FULL)
+      message += ": free space there, or name another place";
+    else if (code == SQLITE_IOERR)
+      message += "; the disk or a limit of the size of files (ulimit -f) refuses it: name another place";
+    return bad_input(std::move(message), path);
   }
   bool write_block(std::size_t stream);
   bool write_ends();

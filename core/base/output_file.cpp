@@ -15,6 +15,8 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -156,6 +158,8 @@ const char* remedy_of(int code) noexcept {
     case EPERM:
     case EROFS:
       return ": name a place that may be written";
+    case ENOTDIR:
+      return ": a part of its path is a file, not a folder";
     default:
       return "";
   }
@@ -228,6 +232,12 @@ Result<OutputFile> OutputFile::create(const std::string& path, const std::atomic
     // A rename would also replace a file that is protected against writing.
     if (is_there && ::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0) return write_error(path, errno);
     state->target = behind_link(path);
+    // That of a link's target is not made: a link into nowhere may be one to a medium that is not mounted.
+    if (const std::filesystem::path folder = std::filesystem::path(path).parent_path(); !is_there && !folder.empty()) {
+      std::error_code error;
+      std::filesystem::create_directories(folder, error);
+      if (error) return write_error(path, error.value());
+    }
     // Who may read the old file may read the new one, and nobody else, at no time.
     if (const int code = state->open_temporary(is_there ? 0600 : 0666); code != 0) return write_error(path, code);
     if (is_there) copy_rights(state->file.get(), old);
@@ -293,6 +303,15 @@ Status append_to_file(const std::string& path, std::string_view text) {
 
 Error write_error(const std::string& path, int code) {
   return bad_input(std::string("cannot be written: ") + std::strerror(code) + remedy_of(code), path);
+}
+
+Status check_folder_of(const std::string& path) {
+  std::error_code ignored;
+  std::filesystem::path folder = std::filesystem::absolute(path, ignored).parent_path();
+  while (folder.has_relative_path() && !std::filesystem::exists(folder, ignored)) folder = folder.parent_path();
+  if (!std::filesystem::is_directory(folder, ignored)) return write_error(path, ENOTDIR);
+  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0) return write_error(path, errno);
+  return {};
 }
 
 Error stopped_error(const std::string& path) {

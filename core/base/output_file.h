@@ -18,7 +18,7 @@ namespace burrhole {
 
 class OutputFile {
  public:
-  /// Opens a new temporary file in the folder of `path`; no other process has its name. A symbolic link is followed, also to a file that is
+  /// Opens a new temporary file in the folder of `path`, which is made if it is missing; no other process has its name. A symbolic link is followed, also to a file that is
   /// not there yet. The new file has the group and the permissions of the old one; other hard links keep the old content. What is no regular
   /// file (a pipe, a device) is written directly. bad_input also for a folder, and for a file that is protected against writing. @param stop once true, write() and commit() fail with
   /// `unavailable`; a signal handler may set it. Null: never. Temporary files of the same name that killed processes of this user have left
@@ -52,6 +52,10 @@ class OutputFile {
 
 /// @returns the error of a write that failed. @param code errno.
 [[nodiscard]] Error write_error(const std::string& path, int code);
+
+/// @returns the error that the folder of `path` gives: it cannot be written to, or made where it is missing. Makes nothing, so that a command
+/// can ask before long work.
+[[nodiscard]] Status check_folder_of(const std::string& path);
 
 /// @returns the error of a write that was stopped: `unavailable`.
 [[nodiscard]] Error stopped_error(const std::string& path);

@@ -130,10 +130,17 @@ bool ServoStep::reset() noexcept {
   return true;
 }
 
+void ServoStep::restart() noexcept {
+  restart_softly();
+  kept_ = output_.force;
+  kept_share_ = config_.soft_start > 0.0 ? 1.0 : 0.0;
+}
+
 void ServoStep::restart_softly() noexcept {
   multi_rate_.clear();
   slew_.clear();
   gain_.cut();
+  kept_share_ = 0.0;
   soft_since_ = output_.hand.tick;
 }
 
@@ -163,6 +170,12 @@ void ServoStep::watch(const ContactState& contact) noexcept {
   }
 }
 
+Vec3 ServoStep::fading() noexcept {
+  if (kept_share_ <= 0.0) return Vec3(0.0);
+  kept_share_ = std::max(0.0, kept_share_ - config_.period / config_.soft_start);
+  return kept_ * kept_share_;
+}
+
 Vec3 ServoStep::limited(Vec3 force) noexcept {
   const Vec3 damping = energy_.damping_force();
   if (damping != Vec3(0.0)) {
@@ -185,8 +198,9 @@ Vec3 ServoStep::limited(Vec3 force) noexcept {
   const bool on = (faults_ & (kServoContactStale | kServoStopped)) == 0;
   const double gain = gain_(on);
   // A step of the force is impossible where the force is zero, if contact used the current place of the hand.
-  if (on && output_.contact_number > 0 && contact_tick_ >= soft_since_ && glm::length(output_.wanted) <= kNothing) gain_.open();
-  return shown * gain;
+  const bool free = kept_share_ <= 0.0 && glm::length(output_.wanted) <= kNothing;
+  if (on && output_.contact_number > 0 && contact_tick_ >= soft_since_ && free) gain_.open();
+  return shown * gain + fading();
 }
 
 const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
@@ -203,6 +217,7 @@ const ServoOutput& ServoStep::act(const Vec3& added) noexcept {
   if ((faults_ & kServoLatched) != 0) {
     slew_.clear();
     gain_.cut();
+    kept_share_ = 0.0;
     output_.force = Vec3(0.0);
   } else {
     output_.force = limited(output_.wanted);

@@ -100,8 +100,9 @@ class ServoStep {
   void set_spin(double command) noexcept { spin_.store(command, std::memory_order_relaxed); }
   /// Any thread: sets bits of pedals and buttons, combined with those of the hand's source.
   void set_switches(std::uint32_t bits) noexcept { switches_.store(bits, std::memory_order_relaxed); }
-  /// Restarts the soft start. Call it while no clock runs, when the scene may have changed abruptly.
-  void restart() noexcept { restart_softly(); }
+  /// Restarts the soft start; the force of the last tick fades out meanwhile, so that the hand, which leans on it, meets no gap. Call it while
+  /// no clock runs, when the scene may have changed abruptly.
+  void restart() noexcept;
   [[nodiscard]] const HandState& hand() const noexcept { return output_.hand; }  ///< of the last sense()
   [[nodiscard]] const ServoOutput& output() const noexcept { return output_; }   ///< of the last act()
   /// As MultiRate::use_tangential_law(). Call it while the servo is parked.
@@ -123,6 +124,8 @@ class ServoStep {
   /// Sets the faults of this tick except those of the force, and the age of contact.
   void watch(const ContactState& contact) noexcept;
   [[nodiscard]] Vec3 limited(Vec3 force) noexcept;
+  /// @returns what is left of the force that was shown at restart(), one tick on.
+  [[nodiscard]] Vec3 fading() noexcept;
 
   ServoConfig config_;
   HandSource* hand_;
@@ -135,6 +138,8 @@ class ServoStep {
   SwingDetector swings_;
   SlewLimit slew_;
   SoftGain gain_;
+  Vec3 kept_{0.0};                  // [N] shown when restart() was called
+  double kept_share_ = 0.0;         // [-] of kept_ that is still shown
   std::uint64_t hand_age_ = 0;      // [ticks] for which the hand's tick has been the same
   std::uint64_t soft_since_ = 0;    // tick of the hand at the last abrupt removal of the force
   std::uint64_t contact_tick_ = 0;  // of the motion that the latest contact state belongs to

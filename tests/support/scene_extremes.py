@@ -23,7 +23,7 @@ RANGE = re.compile(r"[\[(](-?[\d.e+-]+|-inf), (-?[\d.e+-]+|inf)[\])]")
 # Of "only with A = a, or b with B = c", the first part alone.
 ONLY = re.compile(r"\*only with ((?:`\w+` = (?:`[^`]+`(?:, )?)+(?: and )?)+)(?:or `[^`]+` with `\w+` = [^*]+)?\*")
 NOT = re.compile(r"\*not with `(\w+)` = ((?:`[^`]+`(?:, )?)+)\*")
-EXAMPLE = re.compile(r"\*only in some files: `(?:\[([\w.]+)\] )?(\w+)(?: = ([^`]+))?`")
+EXAMPLE = re.compile(r"\*only with `(?:\[([\w.]+)\] )?(\w+) = ([^`]+)`")
 CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
 LONG_TEXT = '"' + 5000 * "x" + '"'
 ANY = ["0", "-1", "1", "-0.0", "1e-9", "-1e-9", "1e9", "-1e9", "5e-324", "1e308", "-1e308", "nan", "-nan", "inf", "-inf", "9223372036854775807",
@@ -146,7 +146,7 @@ class Scenes:
         if key.table == "display" and HEADS.search(key.name):
             self._set_source(scene, ['"phantom:head"'])
         for table, name, value in EXAMPLE.findall(key.condition):
-            if value and (table or key.table, name) != (key.table, key.name):
+            if (table or key.table, name) != (key.table, key.name):
                 scene.setdefault(table or key.table, {})[name] = value
 
     def write(self, key, value):

@@ -332,6 +332,11 @@ class Meshes(Drilled):
             self.assertIn("--unit", unknown.stderr)
 
 
+class Folders(Drilled):
+    def test_a_missing_folder_is_made(self):
+        self.exported("one/two/a.stl")
+
+
 class Plans(Drilled):
     def plan(self, name, *options):
         return self.exported(name, *options, source=self.scene_path)
@@ -398,7 +403,7 @@ class Refusals(Drilled):
                                  ((self.bone, "-o", f"{out}.nrrd", "--field", "densty"), "--field"),
                                  ((self.bone, "-o", f"{out}.mrk.json"), "a planned line is that of a scene"),
                                  ((self.scene_path, "-o", f"{out}.mrk.json", "--crop"), "leave out"),
-                                 ((self.bone, "-o", self.folder / "none" / "a.nrrd"), "there is no folder"),
+                                 ((self.bone, "-o", self.bone / "a.nrrd"), "is a file, not a folder"),
                                  ((self.folder / "none.vdb", "-o", f"{out}.nrrd"), "no such file"),
                                  ((self.scene_path, "-o", f"{out}.nrrd", "--restore", self.bone, "--undrilled"), "exclude each other"),
                                  ((self.bone, "-o", f"{out}.nrrd", "--set", "tool.spin_rpm=1"), "--set is for scenes"),

@@ -206,7 +206,8 @@ cutting_N_per_m = 25e3
         self.assertIn("no bone", self.refused(self.scan, "--bone-hu", "2000,2500", "--volume", out))
         self.assertIn("must increase", self.refused(self.scan, "--bone-hu", "400,250", "--volume", out))
         self.assertIn(".vdb", self.refused(self.scan, "--volume", self.folder / "bone.raw"))
-        self.assertIn("no folder", self.refused(self.scan, "--volume", self.folder / "absent" / "bone.vdb"))
+        (self.folder / "file").write_text("")
+        self.assertIn("is a file, not a folder", self.refused(self.scan, "--volume", self.folder / "file" / "bone.vdb"))
         self.assertEqual([path.name for path in self.folder.glob("*.vdb*")], [])
 
     def test_a_bone_model_knows_where_its_bone_is_and_what_was_assumed(self):

@@ -100,6 +100,7 @@ class Writes(WithFolder):
                 old = {path.name: path.read_bytes() for path in out.iterdir()}
                 result = run("drill", QUICK, "--out", out, *SHORT, "--set", "sound={sample_rate_hz=44100}", preexec_fn=limited(limit))
                 self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertIn("name a", result.stderr, "a next step: name a place, or another place")
                 self.assertEqual([path.name for path in out.rglob("*.tmp")], [])
                 new = {path.name: path.read_bytes() for path in out.iterdir()}
                 if new == old:  # it did not begin

@@ -298,11 +298,13 @@ class InformedHand final : public HandSource {
 
 /// Where a flat pin of 2 mm goes after an input 2 mm deep in a plate of 3 mm.
 struct AfterInput {
-  double before = 0.0;   ///< [m] depth of the tip at the input
-  double at_once = 0.0;  ///< [m] depth with the first contact result after it
-  double aside = 0.0;    ///< [m] greatest distance of the tip from the axis in the 0.3 s after it
-  double force = 0.0;    ///< [N] largest of contact in the 5 ms after it, in which the soft start has hardly moved the hand
-  double depth = 0.0;    ///< [m] at the end
+  double before = 0.0;      ///< [m] depth of the tip at the input
+  double at_once = 0.0;     ///< [m] depth with the first contact result after it
+  double aside = 0.0;       ///< [m] greatest distance of the tip from the axis in the 0.3 s after it
+  double force = 0.0;       ///< [N] largest of contact in the 0.3 s after it, in which the soft start ends
+  double step = 0.0;        ///< [N] largest change of the force on the hand in a tick, in the same time
+  double usual_step = 0.0;  ///< [N] the same, in the 0.3 s before
+  double depth = 0.0;       ///< [m] at the end
 };
 
 AfterInput after(const Input& input, double tick_s, std::vector<Input> more = {}) {
@@ -314,6 +316,7 @@ AfterInput after(const Input& input, double tick_s, std::vector<Input> more = {}
   const SmallScene scene{.sets = {"tool.name=\"pin\"", "tool.erosion_scale=4", "duration_s=2.5", "hand.tremor_mm=0.04", "hand.ramp_s=0.2"}};
   LoadedScene loaded = load_small(scene);
   std::uint64_t ticks = 0;
+  Vec3 last{0.0};
   const Scene& s = loaded.scene;
   const auto approach = make_approach(*loaded.bone, s.approach);
   REQUIRE(approach);
@@ -326,8 +329,13 @@ AfterInput after(const Input& input, double tick_s, std::vector<Input> more = {}
     ++ticks;
     if (ticks < timed.tick) out.before = -at.z;
     if (ticks == timed.tick + 3) out.at_once = -at.z;
-    // Later the soft start lets the thrust move the hand further from the tool.
-    if (ticks > timed.tick && ticks < timed.tick + 5) out.force = std::max(out.force, glm::length(now.on_hand.force));
+    const Vec3 shown = simulation->stage().servo->output().force;
+    if (ticks > timed.tick && ticks < timed.tick + 300) {
+      out.force = std::max(out.force, glm::length(now.on_hand.force));
+      out.step = std::max(out.step, glm::length(shown - last));
+    }
+    if (ticks > timed.tick - 300 && ticks < timed.tick) out.usual_step = std::max(out.usual_step, glm::length(shown - last));
+    last = shown;
     if (ticks > timed.tick && ticks < timed.tick + 300) out.aside = std::max(out.aside, std::hypot(at.x, at.y));
     out.depth = -at.z;
   });
@@ -354,6 +362,9 @@ TEST_CASE("inputs: bone that comes back round the bit puts it back along its sha
     // The spring of the coupling from the hand, where it was, to the bone: 20 N, and 5 N a millimetre. Its damper and the arm add less than 5 N.
     const double spring = 20.0 + 5e3 * found.before + 5.0;
     CHECK(found.force < spring);
+    // The old force fades as the new one rises, over 200 ticks, so a tick adds at most a 200th of both to what a step of drilling changes,
+    // which grows as the force does. Without the fade the first tick would take the whole push.
+    CHECK(found.step < found.usual_step * spring / 20.0 + 2.0 * spring / 200.0);
     CHECK(found.at_once < spring / 40e3);  // engaged in the bone as it is now (kHeldKeys)
     CHECK(found.at_once > -0.5e-3);        // two voxels above it
     // The bit's clearance and the tremor. Half of the bit's radius would be a bit beside its hole.

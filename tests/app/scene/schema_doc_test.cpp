@@ -240,7 +240,9 @@ TEST_CASE("reference: conditions by a table that is there, and by name where no 
   first.keys = {key("", "a", KeyKind::number, true)};
   second.keys = {key("", "b", KeyKind::number, true)};
   const std::vector<KeyLog> other{first, second};
-  CHECK(find_row(merge_logs(other, names), "", "a")->condition == "only in some files: `mesh`");
+  CHECK(find_row(merge_logs(other, names), "", "a")->condition == "only with `mesh`");
+  const std::vector<std::string> of_the_key{"a", "plain"};
+  CHECK(find_row(merge_logs(other, of_the_key), "", "a")->condition == "");  // its own condition
 }
 
 TEST_CASE("reference: one key read by two rules has two rows") {

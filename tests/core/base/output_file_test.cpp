@@ -207,10 +207,21 @@ TEST_CASE("output file: links are followed, devices are written directly, and wh
   const auto is_folder = OutputFile::create(folder.file("folder"));
   REQUIRE_FALSE(is_folder);
   CHECK(is_folder.error().message == "cannot be written: Is a directory: name a file");
-  const auto nowhere = OutputFile::create(folder.file("none/out"));
+  const auto nowhere = OutputFile::create(folder.file("real/out"));
   REQUIRE_FALSE(nowhere);
-  CHECK(nowhere.error().message == "cannot be written: No such file or directory");
+  CHECK(nowhere.error().message == "cannot be written: Not a directory: a part of its path is a file, not a folder");
   CHECK(names_in(folder) == std::set<std::string>{"real", "link", "full", "null", "folder"});
+}
+
+TEST_CASE("output file: a missing folder is made by the write, and the check before it makes nothing") {
+  const TemporaryFolder folder;
+  CHECK(check_folder_of(folder.file("one/two/out")));
+  CHECK(names_in(folder).empty());
+  REQUIRE(write_in_pieces(folder.file("one/two/out"), "text", 1));
+  CHECK(bytes_of(folder.file("one/two/out")) == "text");
+  CHECK(check_folder_of(folder.file("one/two/other")));
+  CHECK_FALSE(check_folder_of(folder.file("one/two/out/below")));
+  CHECK_FALSE(OutputFile::create("/proc/none/out"));
 }
 
 TEST_CASE("output file: permissions of the old file stay, and a name may be as long as the system allows") {

@@ -403,6 +403,34 @@ TEST_CASE("ServoStep: a position jump restarts the soft start without a latch") 
   CHECK(unguarded.tick() == 5.0);
 }
 
+TEST_CASE("ServoStep: after a restart the old force fades as the new one rises, and a fault ends both") {
+  Bench bench(soft());
+  bench.run(20);
+  REQUIRE(bench.tick(5.0) == 5.0);
+  bench.servo.restart();
+  for (int n = 1; n <= 10; ++n) CHECK(std::abs(bench.tick(8.0) - (5.0 * (10 - n) + 8.0 * n) / 10.0) < 1e-12);
+  // Nothing is felt where the bone has gone: the old force fades all the same, and no gain opens beside it.
+  bench.servo.restart();
+  for (int n = 1; n <= 10; ++n) CHECK(std::abs(bench.tick(0.0) - 8.0 * (10 - n) / 10.0) < 1e-12);
+  CHECK(bench.tick(5.0) == 5.0);
+  // A jump within the fade, and a fault, leave nothing of it.
+  bench.servo.restart();
+  static_cast<void>(bench.tick(0.0));
+  bench.hand.state.flags |= kHandLost;
+  CHECK(bench.tick(0.0) == 0.0);
+  bench.hand.state.flags = 0;
+  bench.servo.request_reset();
+  CHECK(bench.tick(0.0) == 0.0);
+  // Sabotage: without a soft start there is nothing to fade, and the force steps.
+  ServoConfig at_once = soft();
+  at_once.soft_start = 0.0;
+  Bench steps(at_once);
+  steps.run(20);
+  REQUIRE(steps.tick(5.0) == 5.0);
+  steps.servo.restart();
+  CHECK(steps.tick(8.0) == 8.0);
+}
+
 TEST_CASE("ServoStep: every servo fault has a name of its own, and no other bit has one") {
   std::set<std::string> names;
   for (unsigned bit = 0; bit < 11; ++bit) names.insert(name_of(static_cast<ServoFault>(1u << bit)));
