@@ -16,7 +16,7 @@ BASE = ["core/base"]
 CONFIG = BASE + ["core/config"]
 VALUES = CONFIG + ["core/voxel", "core/tool"]
 ACTING = VALUES + ["core/contact", "core/drill"]
-CORE = ACTING + ["core/heat", "core/measure", "core/mesh", "core/sound", "core/zone"]
+CORE = ACTING + ["core/heat", "core/measure", "core/mesh", "core/sheet", "core/sound", "core/zone"]
 INPUT = CORE + ["haptics", "volumes"]
 VIEW = ["app/view"]
 STAGE = INPUT + VIEW + ["app/stage"]
@@ -34,6 +34,7 @@ SEES = {
     "core/heat": BASE,
     "core/measure": ACTING,
     "core/mesh": VALUES + ["core/contact"],
+    "core/sheet": BASE,
     "core/sound": BASE,
     "core/zone": BASE,
     "haptics": CORE,
