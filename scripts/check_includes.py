@@ -16,7 +16,7 @@ BASE = ["core/base"]
 CONFIG = BASE + ["core/config"]
 VALUES = CONFIG + ["core/voxel", "core/tool"]
 ACTING = VALUES + ["core/contact", "core/drill"]
-CORE = ACTING + ["core/heat", "core/measure", "core/mesh", "core/sound"]
+CORE = ACTING + ["core/heat", "core/measure", "core/mesh", "core/sheet", "core/sound", "core/zone"]
 INPUT = CORE + ["haptics", "volumes"]
 VIEW = ["app/view"]
 STAGE = INPUT + VIEW + ["app/stage"]
@@ -34,7 +34,9 @@ SEES = {
     "core/heat": BASE,
     "core/measure": ACTING,
     "core/mesh": VALUES + ["core/contact"],
+    "core/sheet": BASE,
     "core/sound": BASE,
+    "core/zone": BASE,
     "haptics": CORE,
     "volumes": CORE,
     "app/view": CORE,

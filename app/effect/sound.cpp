@@ -9,10 +9,12 @@
 
 #include "app/effect/registry.h"
 #include "app/stage/stage.h"
+#include "app/stage/zone_state.h"
 #include "core/base/hash.h"
 #include "core/base/units.h"
 #include "core/config/rules.h"
 #include "core/sound/drill_sound.h"
+#include "core/sound/warning_tone.h"
 
 namespace burrhole {
 namespace {
@@ -22,7 +24,7 @@ std::size_t block_samples(const SoundConfig& config) { return static_cast<std::s
 class SoundEffect final : public Effect {
  public:
   SoundEffect(const SoundConfig& config, const DrillSound& sound, Stage& stage)
-      : config_(config), sound_(sound), sink_(stage.outside().sound), full_spin_(stage.config.tool.spin) {
+      : config_(config), sound_(sound), tone_(config.sample_rate), sink_(stage.outside().sound), full_spin_(stage.config.tool.spin) {
     if (sink_ == nullptr) return;
     stage.needs.chip_load = stage.needs.removes;
     block_.resize(block_samples(config));
@@ -35,6 +37,7 @@ class SoundEffect final : public Effect {
         Clock::audio, "sound", "sound", [](void* self, const Tick&) { static_cast<SoundEffect*>(self)->run(); }, this);
     spin_ = step.latest(slots::kSpin);
     chips_ = step.latest_if_written(slots::kChipLoad);
+    zone_ = step.latest_if_written(slots::kZone);
     return {};
   }
   Status change_tool(Stage& stage) override {
@@ -62,6 +65,7 @@ class SoundEffect final : public Effect {
                    .hardness = chips_->hardness,
                    .power = chips_->power},
                   block_);
+    tone_.add(zone_->nearness, zone_->tone * config_.volume, block_);
     for (const float sample : block_) {
       hash_.add(sample);
       const float size = std::abs(sample);
@@ -74,12 +78,14 @@ class SoundEffect final : public Effect {
 
   SoundConfig config_;
   DrillSound sound_;
+  WarningTone tone_;  // of [zones]
   SoundSink* sink_;
   double full_spin_;  // [rev/s]
   int teeth_ = 0;
   std::vector<float> block_;
   const double* spin_ = nullptr;
   const ChipLoad* chips_ = nullptr;
+  const ZoneState* zone_ = nullptr;
   Hash64 hash_;
   float peak_ = 0.0f;  // [-]
   std::uint64_t samples_ = 0, clipped_ = 0;

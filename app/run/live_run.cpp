@@ -7,6 +7,7 @@
 #include <new>
 #include <thread>
 
+#include "app/run/effect_events.h"
 #include "app/run/live_replay.h"
 #include "app/run/live_rows.h"
 #include "app/stage/drill_clutch.h"
@@ -65,6 +66,8 @@ class Loops {
         options_(options),
         hand_off_(&hand_off),
         report_(&report),
+        events_(parts.graph),
+        zone_columns_(parts.graph),
         prefetch_(parts.voxmap->bone(), parts.needs.reads_window && needs_labels(parts.needs.fields)) {}
   ~Loops() { halt(); }
 
@@ -119,6 +122,8 @@ class Loops {
   std::deque<std::pair<std::uint64_t, double>> sent_forces_;  // tick and magnitude [N], from the tick of the latest contact row on
   std::vector<double> row_;
   DrillProgress progress_;
+  EffectEvents events_;
+  ZoneColumns zone_columns_;
   LiveState state_;
   std::size_t clutch_column_ = EffectValues::kMax;  // of [clutch] in the rows of bone
   bool recorded_losses_ = false;
@@ -327,6 +332,9 @@ Status Loops::drain_contact() {
     }
     const RunSample sample{row.time, force_at(row.hand_tick), row.progress.depth};
     if (Status seen = log_->record_contact(sample, row.progress, row.world_from_tool); !seen) return seen;
+    const std::span values = std::span(row.effects.values).first(row.effects.count);
+    if (Status noted = events_.look(values, row.time, *log_); !noted) return noted;
+    state_.zone = zone_columns_.read(values);
     if (options_.progress && row.time - progress_time_ >= kProgressEvery) {
       progress_time_ = row.time;
       options_.progress(row.time, row.progress);

@@ -22,6 +22,12 @@ struct StepPrice {
   double share = 0.0;  ///< [-] of a core: that time over the period of its clock
 };
 
+/// How near the tip is to the zones of [zones].
+struct ZoneReading {
+  double distance = 0.0;  ///< [m] negative inside
+  double level = 0.0;     ///< kZoneClear, kZoneNear or kZoneInside of zone_state.h
+};
+
 /// What a person can see and feel of a live run.
 struct LiveState {
   HandState hand;        ///< of the latest servo tick that was reported
@@ -37,6 +43,7 @@ struct LiveState {
   float servo_late_us = 0.0f;                                ///< [us] lateness of the latest servo tick
   std::uint64_t missed = 0;                                  ///< ticks of servo and contact that were missed so far
   std::uint32_t faults = 0;                                  ///< ServoFault of the latest tick
+  std::optional<ZoneReading> zone{};                         ///< in a scene with [zones]
   std::shared_ptr<const std::vector<StepPrice>> prices{};    ///< of the steps in their order, twice a second; null before the first
 };
 

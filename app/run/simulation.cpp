@@ -1,5 +1,6 @@
 #include "app/run/simulation.h"
 
+#include "app/run/effect_events.h"
 #include "app/scene/load.h"
 #include "app/view/frame_step.h"
 #include "haptics/servo/realtime.h"
@@ -89,6 +90,7 @@ Status Simulation::run_lockstep() {
   const auto progress_every = static_cast<std::uint64_t>(kProgressEvery * config.servo_hz);
   const std::uint64_t film_every = film_ticks();
   Lockstep steps(*parts_);
+  EffectEvents events(parts_->graph);
   end_ = RunEnd::duration;
   while (tick_ < last) {
     if (Status applied = apply_inputs(tick_); !applied) return applied;
@@ -107,6 +109,7 @@ Status Simulation::run_lockstep() {
     if (steps.ran_contact()) {
       const RunSample sample{contact.time(), glm::length(servo_now_.force), contact.progress().depth};
       if (Status seen = log_->record_contact(sample, contact.progress(), contact.state().world_from_tool); !seen) return seen;
+      if (Status noted = events.look(parts_->graph, contact.time(), *log_); !noted) return noted;
     }
     if (film_every > 0 && tick_ % film_every == 0)
       if (Status filmed = film(); !filmed) return filmed;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/stage/zone_state.h"
 #include "app/window/over_bone.h"
 #include "app/window/panel_parts.h"
 #include "app/window/panel_text.h"
@@ -93,6 +94,7 @@ void Panel::side(const WindowView& view, const DisplayFigures& figures, int widt
   if (view.stage != RunStage::loading) {
     push_gauge(view);
     figures_of(view);
+    if (view.live.zone) zone(*view.live.zone);
     layers(view);
     drive(view);
     if (view.requests.lab) lab(view, figures);
@@ -152,6 +154,14 @@ void Panel::figures_of(const WindowView& view) {
   ImGui::SameLine(static_cast<float>(half) + 2.0f * ImGui::GetStyle().WindowPadding.x);
   big("BONE LEFT", bone_left_text(plan_, view.live),
       is_near_exit(plan_.approach, view.live.progress) ? gui_->colors().orange : gui_->colors().sky);
+}
+
+void Panel::zone(const ZoneReading& zone) {
+  const GuiColors& colors = gui_->colors();
+  big("TO THE NEAREST ZONE", zone_text(zone),
+      zone.level >= kZoneInside ? colors.red
+      : zone.level >= kZoneNear ? colors.orange
+                                : colors.green);
 }
 
 void Panel::layers(const WindowView& view) {

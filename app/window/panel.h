@@ -74,6 +74,7 @@ class Panel {
   void side(const WindowView& view, const DisplayFigures& figures, int width, int height);
   void push_gauge(const WindowView& view);
   void figures_of(const WindowView& view);
+  void zone(const ZoneReading& zone);
   void layers(const WindowView& view);
   void drive(const WindowView& view);
   void tools(const WindowView& view);

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/stage/zone_state.h"
 #include "core/base/child_attributes.h"
 #include "core/base/rotation.h"
 #include "core/base/units.h"
@@ -103,10 +104,18 @@ std::string moved_text(const WindowPlan& plan, const LiveState& live) {
   return fmt::format("{:.1f} mm", glm::length(live.world_from_rest * entry - entry) / kMillimetre);
 }
 
+std::string zone_text(const ZoneReading& zone) {
+  return fmt::format("{}{:.1f} mm", zone.distance < 0.0 ? "inside " : "", std::abs(zone.distance) / kMillimetre);
+}
+
 std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& view) {
   std::vector<std::string> out;
   const LiveState& live = view.live;
   if (!plan.bone_moves) add_warnings_of_plan(plan, live, out);
+  if (live.zone && live.zone->level >= kZoneInside)
+    out.push_back(fmt::format("{:.1f} mm inside a zone: move back", -live.zone->distance / kMillimetre));
+  else if (live.zone && live.zone->level >= kZoneNear)
+    out.push_back(fmt::format("{:.1f} mm from a zone", live.zone->distance / kMillimetre));
   if (plan.largest_push > 0.0 && live.hand.thrust > kMuchPush * plan.largest_push) out.emplace_back("The arm is at its largest force");
   // A bit that leans skates before it cuts, and its hole is oval.
   if (const double angle = angle_to_surface(plan, live); angle > kMuchLean && !view.transport && !plan.bone_moves)

@@ -36,6 +36,8 @@ namespace burrhole {
 [[nodiscard]] std::string turned_text(const LiveState& live);
 /// @returns how far the planned entry has moved with the bone.
 [[nodiscard]] std::string moved_text(const WindowPlan& plan, const LiveState& live);
+/// @returns the distance of the tip from the nearest zone; "inside" with the depth.
+[[nodiscard]] std::string zone_text(const ZoneReading& zone);
 /// What a person should heed now, one line each.
 [[nodiscard]] std::vector<std::string> warnings_of(const WindowPlan& plan, const WindowView& view);
 /// Keys and what they do. @param bone_moves the scene has [motion], whose keys come last.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/stage/zone_state.h"
 #include "core/base/rotation.h"
 #include "core/base/units.h"
 
@@ -99,6 +100,19 @@ TEST_CASE("panel: a person is warned of little bone, of the arm's limit, of lean
   CHECK(has(warnings_of(plan(), view), "20 degrees"));
   view.live.faults = kServoContactStale;
   CHECK(has(warnings_of(plan(), view), name_of(kServoContactStale)));
+}
+
+TEST_CASE("panel: a zone is shown with its distance, and warned of by its level alone") {
+  WindowView view;
+  view.live = at(3e-3, 3e-3);
+  view.live.zone = ZoneReading{2.34e-3, kZoneClear};
+  CHECK(zone_text(*view.live.zone) == "2.3 mm");
+  CHECK(warnings_of(plan(), view).empty());
+  view.live.zone = ZoneReading{0.8e-3, kZoneNear};
+  CHECK(has(warnings_of(plan(), view), "0.8 mm from a zone"));
+  view.live.zone = ZoneReading{-0.4e-3, kZoneInside};
+  CHECK(zone_text(*view.live.zone) == "inside 0.4 mm");
+  CHECK(has(warnings_of(plan(), view), "0.4 mm inside a zone: move back"));
 }
 
 TEST_CASE("panel: the angle is that between shaft and bone, also where the plan is oblique and the bone is turned") {

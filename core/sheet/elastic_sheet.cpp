@@ -1,0 +1,344 @@
+#include "core/sheet/elastic_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace burrhole {
+namespace {
+
+constexpr int kMostNewton = 25, kMostConjugate = 400, kMostHalvings = 30;
+constexpr double kForceTolerance = 1e-6;  // [N] of the sum of all nodes
+constexpr double kPoisson2 = 1.0 / 9.0;   // square of the lattice's ratio
+constexpr double kHalf = 0.5;             // [-] of a node's cell on the rim that counts for bending: the mirror has the rest
+constexpr double kDescent = 1e-4;         // [-] of the slope, least decrease of a step
+
+double dot(const std::vector<Vec3>& a, const std::vector<Vec3>& b) noexcept {
+  double sum = 0.0;
+  for (std::size_t n = 0; n < a.size(); ++n) sum += glm::dot(a[n], b[n]);
+  return sum;
+}
+
+}  // namespace
+
+ElasticSheet::ElasticSheet(const SheetConfig& config, SheetLattice lattice)
+    : config_(config),
+      lattice_(std::move(lattice)),
+      edge_stiffness_(std::sqrt(0.75) * config.modulus * config.thickness),
+      // D A (2 / (3 s^2))^2, for the sum of the differences to the neighbours
+      bending_(config.modulus * config.thickness * config.thickness * config.thickness / (12.0 * (1.0 - kPoisson2)) * lattice_.area() *
+               4.0 / (9.0 * lattice_.spacing() * lattice_.spacing() * lattice_.spacing() * lattice_.spacing())) {}
+
+Result<ElasticSheet> ElasticSheet::create(const SheetConfig& config, SheetLattice lattice, std::span<const double> height) {
+  const auto is = [](double value, bool zero_too) { return std::isfinite(value) && (value > 0.0 || (zero_too && value == 0.0)); };
+  const bool fits = is(config.modulus, false) && is(config.thickness, false) && is(config.strain_limit, false) &&
+                    is(config.support, true) && is(config.resistance, false) && is(config.adhesion, true) &&
+                    is(config.adhesion_way, false) && is(config.bone_stiffness, true) && is(config.tool_stiffness, false) &&
+                    is(config.tension, true);
+  if (!fits || height.size() != lattice.nodes())
+    return Error{ErrorCode::out_of_range, "sheet: a value of its config is out of range, or a node has no height", {}};
+  ElasticSheet out(config, std::move(lattice));
+  const SheetLattice& grid = out.lattice_;
+  const std::size_t nodes = grid.nodes();
+  for (std::size_t n = 0; n < nodes; ++n) out.rest_.emplace_back(grid.x(n), grid.y(n), height[n]);
+  out.x_ = out.before_ = out.rest_;
+  for (const SheetEdge& edge : grid.edges())
+    out.length_.push_back(glm::length(out.rest_[edge.a] - out.rest_[edge.b]) / (1.0 + config.tension));
+  out.broken_.assign(grid.edges().size(), 0);
+  out.edge_curve_.resize(grid.edges().size());
+  out.sticks_.assign(nodes, 0);
+  out.under_bone_.assign(nodes, 0);
+  out.all_.resize(nodes);
+  out.up_.resize(nodes);
+  out.diagonal_.resize(nodes);
+  for (Field* field :
+       {&out.gradient_, &out.direction_, &out.trial_, &out.residual_, &out.search_, &out.product_, &out.shift_, &out.preconditioned_})
+    field->resize(nodes);
+  return out;
+}
+
+void ElasticSheet::cover(std::size_t node, SheetCover cover) noexcept {
+  const bool bone = cover == SheetCover::bone;
+  // At the start the sheet sticks to the bone above it.
+  if (iterations_ == 0)
+    sticks_[node] = bone ? 1 : 0;
+  else if (!bone)
+    sticks_[node] = 0;
+  under_bone_[node] = bone ? 1 : 0;
+}
+
+std::size_t ElasticSheet::bytes() const noexcept {
+  return lattice_.nodes() * (14 * sizeof(Vec3) + sizeof(Mat3) + 64) + lattice_.edges().size() * (sizeof(Mat3) + 32);
+}
+
+double ElasticSheet::height_at(const SheetLattice::Place& place, const Field& x) const noexcept {
+  double out = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) out += place.weights[k] * x[place.nodes[k]].z;
+  return out;
+}
+
+void ElasticSheet::find_pressed(std::span<const Vec3> points) {
+  pressed_.clear();
+  for (const Vec3& point : points) {
+    if (!is_finite(point)) continue;
+    const auto place = lattice_.find(point.x, point.y);
+    if (!place || point.z >= height_at(*place, rest_)) continue;
+    const auto& n = place->nodes;
+    if (is_broken(lattice_.edge(n[0], n[1])) || is_broken(lattice_.edge(n[1], n[2])) || is_broken(lattice_.edge(n[2], n[0]))) continue;
+    pressed_.push_back({*place, point.z});
+  }
+  pressing_.resize(pressed_.size());
+}
+
+std::uint32_t ElasticSheet::beside(std::size_t node, std::size_t k) const noexcept {
+  const SheetLattice::Neighbours& all = lattice_.neighbours(node);
+  return all[k] != SheetLattice::kNoNode ? all[k] : all[(k + 3) % 6];
+}
+
+Vec3 ElasticSheet::bend(const Field& u, std::size_t node) const noexcept {
+  Vec3 sum(0.0);
+  for (std::size_t k = 0; k < 6; ++k)
+    if (const std::uint32_t other = beside(node, k); other != SheetLattice::kNoNode) sum += u[other] - u[node];
+  return sum;
+}
+
+void ElasticSheet::add_bending(const Field& u, Field& out) const noexcept {
+  for (std::size_t n = 0; n < u.size(); ++n) {
+    const Vec3 bent = bend(u, n) * (bending_ * (lattice_.on_rim(n) ? kHalf : 1.0));
+    for (std::size_t k = 0; k < 6; ++k) {
+      const std::uint32_t other = beside(n, k);
+      if (other == SheetLattice::kNoNode) continue;
+      out[other] += bent;
+      out[n] -= bent;
+    }
+  }
+}
+
+void ElasticSheet::hold_rim(Field& out) const noexcept {
+  for (std::size_t n = 0; n < out.size(); ++n)
+    if (lattice_.on_rim(n)) out[n] = Vec3(0.0);
+}
+
+double ElasticSheet::energy(const Field& x) noexcept {
+  const double area = lattice_.area();
+  double sum = 0.0;
+  for (std::size_t n = 0; n < x.size(); ++n) shift_[n] = x[n] - rest_[n];
+  for (std::size_t e = 0; e < length_.size(); ++e) {
+    if (broken_[e] != 0) continue;
+    const SheetEdge& edge = lattice_.edges()[e];
+    const double longer = glm::length(x[edge.a] - x[edge.b]) - length_[e];
+    sum += 0.5 * edge_stiffness_ * longer * longer;
+  }
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    const Vec3 &u = shift_[n], bent = bend(shift_, n);
+    const double share = lattice_.on_rim(n) ? kHalf : 1.0;
+    sum += 0.5 * share * bending_ * glm::dot(bent, bent) + 0.5 * area * config_.support * u.z * u.z;
+    if (sticks_[n] != 0)
+      sum += 0.5 * area * config_.adhesion / config_.adhesion_way * glm::dot(u, u);
+    else if (under_bone_[n] != 0 && u.z > 0.0)
+      sum += 0.5 * area * config_.bone_stiffness * u.z * u.z;
+  }
+  for (const Pressed& point : pressed_) {
+    const double depth = std::max(0.0, height_at(point.place, x) - point.z);
+    sum += 0.5 * config_.tool_stiffness * depth * depth;
+  }
+  return sum;
+}
+
+double ElasticSheet::merit(const Field& x, double per_dt, double pressure) noexcept {
+  const double area = lattice_.area();
+  double sum = energy(x);
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    const Vec3 moved = x[n] - before_[n];
+    sum += 0.5 * area * per_dt * glm::dot(moved, moved) - pressure * area * (x[n].z - rest_[n].z);
+  }
+  return sum;
+}
+
+void ElasticSheet::slope(const Field& x, double per_dt, double pressure, Field& out) noexcept {
+  const double area = lattice_.area();
+  Field& u = shift_;
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    u[n] = x[n] - rest_[n];
+    out[n] = area * per_dt * (x[n] - before_[n]);
+    out[n].z += area * (config_.support * u[n].z - pressure);
+    if (sticks_[n] != 0)
+      out[n] += area * config_.adhesion / config_.adhesion_way * u[n];
+    else if (under_bone_[n] != 0 && u[n].z > 0.0)
+      out[n].z += area * config_.bone_stiffness * u[n].z;
+  }
+  add_bending(u, out);
+  for (std::size_t e = 0; e < length_.size(); ++e) {
+    if (broken_[e] != 0) continue;
+    const SheetEdge& edge = lattice_.edges()[e];
+    const Vec3 along = x[edge.a] - x[edge.b];
+    const double length = glm::length(along);
+    if (length == 0.0) continue;
+    const Vec3 pull = edge_stiffness_ * (length - length_[e]) / length * along;
+    out[edge.a] += pull;
+    out[edge.b] -= pull;
+  }
+  for (const Pressed& point : pressed_) {
+    const double depth = height_at(point.place, x) - point.z;
+    if (depth <= 0.0) continue;
+    for (std::size_t k = 0; k < 3; ++k) out[point.place.nodes[k]].z += config_.tool_stiffness * depth * point.place.weights[k];
+  }
+  hold_rim(out);
+}
+
+void ElasticSheet::curve(const Field& x, double per_dt) {
+  const double area = lattice_.area();
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    all_[n] = area * per_dt;
+    up_[n] = area * config_.support;
+    if (sticks_[n] != 0)
+      all_[n] += area * config_.adhesion / config_.adhesion_way;
+    else if (under_bone_[n] != 0 && x[n].z > rest_[n].z)
+      up_[n] += area * config_.bone_stiffness;
+    diagonal_[n] = Mat3(all_[n] + 42.0 * bending_);
+    diagonal_[n][2][2] += up_[n];
+  }
+  for (std::size_t e = 0; e < length_.size(); ++e) {
+    edge_curve_[e] = Mat3(0.0);
+    if (broken_[e] != 0) continue;
+    const SheetEdge& edge = lattice_.edges()[e];
+    const Vec3 along = x[edge.a] - x[edge.b];
+    const double length = glm::length(along);
+    if (length == 0.0) continue;
+    const Vec3 unit = along / length;
+    // Across a shortened edge the second derivative is below 0; without it the sum stays convex.
+    const double across = std::max(0.0, 1.0 - length_[e] / length);
+    edge_curve_[e] = edge_stiffness_ * (across * Mat3(1.0) + (1.0 - across) * glm::outerProduct(unit, unit));
+    diagonal_[edge.a] += edge_curve_[e];
+    diagonal_[edge.b] += edge_curve_[e];
+  }
+  for (std::size_t p = 0; p < pressed_.size(); ++p) {
+    pressing_[p] = height_at(pressed_[p].place, x) > pressed_[p].z ? 1 : 0;
+    if (pressing_[p] == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k)
+      diagonal_[pressed_[p].place.nodes[k]][2][2] += config_.tool_stiffness * pressed_[p].place.weights[k] * pressed_[p].place.weights[k];
+  }
+  for (Mat3& block : diagonal_) block = glm::inverse(block);
+}
+
+void ElasticSheet::times(const Field& in, Field& out) const noexcept {
+  for (std::size_t n = 0; n < in.size(); ++n) {
+    out[n] = all_[n] * in[n];
+    out[n].z += up_[n] * in[n].z;
+  }
+  add_bending(in, out);
+  for (std::size_t e = 0; e < length_.size(); ++e) {
+    if (broken_[e] != 0) continue;
+    const SheetEdge& edge = lattice_.edges()[e];
+    const Vec3 pull = edge_curve_[e] * (in[edge.a] - in[edge.b]);
+    out[edge.a] += pull;
+    out[edge.b] -= pull;
+  }
+  for (std::size_t p = 0; p < pressed_.size(); ++p) {
+    if (pressing_[p] == 0) continue;
+    const double push = config_.tool_stiffness * height_at(pressed_[p].place, in);
+    for (std::size_t k = 0; k < 3; ++k) out[pressed_[p].place.nodes[k]].z += push * pressed_[p].place.weights[k];
+  }
+  hold_rim(out);
+}
+
+/// Conjugate gradients, with the inverse blocks of the diagonal. Each of its results goes downhill.
+void ElasticSheet::solve(const Field& right, Field& out, double tolerance) {
+  std::ranges::fill(out, Vec3(0.0));
+  residual_ = right;
+  const auto precondition = [this] {
+    for (std::size_t n = 0; n < residual_.size(); ++n) preconditioned_[n] = diagonal_[n] * residual_[n];
+  };
+  precondition();
+  search_ = preconditioned_;
+  double size = dot(residual_, preconditioned_);
+  const double enough = size * tolerance * tolerance;
+  for (int n = 0; n < kMostConjugate && size > enough && size > 0.0; ++n) {
+    times(search_, product_);
+    const double curvature = dot(search_, product_);
+    if (!(curvature > 0.0)) return;
+    const double way = size / curvature;
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      out[k] += way * search_[k];
+      residual_[k] -= way * product_[k];
+    }
+    precondition();
+    const double next = dot(residual_, preconditioned_), turn = next / size;
+    for (std::size_t k = 0; k < out.size(); ++k) search_[k] = preconditioned_[k] + turn * search_[k];
+    size = next;
+  }
+}
+
+const SheetState& ElasticSheet::step(double dt, const SheetLoad& load) {
+  const double per_dt = config_.resistance / dt;
+  const double pressure = std::isfinite(load.pressure) ? load.pressure : 0.0;
+  find_pressed(load.tool_points);
+  before_ = x_;
+  for (int n = 0; n < kMostNewton; ++n) {
+    slope(x_, per_dt, pressure, gradient_);
+    ++iterations_;
+    const double size = std::sqrt(dot(gradient_, gradient_));
+    if (!(size > kForceTolerance)) break;
+    for (Vec3& g : gradient_) g = -g;
+    curve(x_, per_dt);
+    solve(gradient_, direction_, std::min(0.1, std::sqrt(size)));
+    const double downhill = dot(gradient_, direction_), now = merit(x_, per_dt, pressure);
+    double share = 1.0;
+    int halved = 0;
+    for (; halved < kMostHalvings; ++halved, share *= 0.5) {
+      for (std::size_t k = 0; k < x_.size(); ++k) trial_[k] = x_[k] + share * direction_[k];
+      if (merit(trial_, per_dt, pressure) <= now - kDescent * share * downhill) break;
+    }
+    if (halved == kMostHalvings) break;  // as near as the digits allow
+    x_.swap(trial_);
+  }
+  measure();
+  break_edges();
+  come_off();
+  return state_;
+}
+
+void ElasticSheet::measure() {
+  state_.force = state_.indentation = state_.strain = 0.0;
+  for (const Pressed& point : pressed_) state_.force += config_.tool_stiffness * std::max(0.0, height_at(point.place, x_) - point.z);
+  for (std::size_t n = 0; n < x_.size(); ++n) state_.indentation = std::max(state_.indentation, rest_[n].z - x_[n].z);
+  for (std::size_t e = 0; e < length_.size(); ++e)
+    if (broken_[e] == 0)
+      state_.strain = std::max(state_.strain, glm::length(x_[lattice_.edges()[e].a] - x_[lattice_.edges()[e].b]) / length_[e] - 1.0);
+  state_.energy = energy(x_);
+  state_.stiffness = 0.0;
+  if (!(state_.force > 0.0)) return;
+  // The tool moves by -1 along z: its points press harder by c_p, and the sheet gives way without resistance of what is beside it.
+  curve(x_, 1e-6 * config_.resistance);
+  std::ranges::fill(gradient_, Vec3(0.0));
+  double held = 0.0;
+  for (std::size_t p = 0; p < pressed_.size(); ++p) {
+    if (pressing_[p] == 0) continue;
+    held += config_.tool_stiffness;
+    for (std::size_t k = 0; k < 3; ++k) gradient_[pressed_[p].place.nodes[k]].z -= config_.tool_stiffness * pressed_[p].place.weights[k];
+  }
+  hold_rim(gradient_);
+  solve(gradient_, direction_, 1e-3);
+  for (std::size_t p = 0; p < pressed_.size(); ++p)
+    if (pressing_[p] != 0) held += config_.tool_stiffness * height_at(pressed_[p].place, direction_);
+  state_.stiffness = std::max(0.0, held);
+}
+
+void ElasticSheet::break_edges() noexcept {
+  for (std::size_t e = 0; e < length_.size(); ++e) {
+    if (broken_[e] != 0) continue;
+    const SheetEdge& edge = lattice_.edges()[e];
+    if (glm::length(x_[edge.a] - x_[edge.b]) <= (1.0 + config_.strain_limit) * length_[e]) continue;
+    broken_[e] = 1;
+    ++state_.torn;
+  }
+}
+
+void ElasticSheet::come_off() noexcept {
+  for (std::size_t n = 0; n < x_.size(); ++n) {
+    if (sticks_[n] == 0 || glm::length(x_[n] - rest_[n]) <= config_.adhesion_way) continue;
+    sticks_[n] = 0;
+    state_.separated += lattice_.area();
+  }
+}
+
+}  // namespace burrhole
