@@ -65,6 +65,7 @@ Result<Erosion> Erosion::create(const ErosionConfig& config, const ErosionPoints
 void Erosion::set_factors(std::span<const float> factors) {
   BH_ASSERT(factors.size() == count_);
   if (engaged_) engaged_->set_factors(factors);
+  if (progressive_) progressive_->set_factors(factors);
   if (points_.size() == 0) return;
   points_.factors.assign(factors.begin(), factors.end());
   weighed_for_ = 0.0;

@@ -9,6 +9,7 @@
 ///   voxels in proportion to exposure and volume of bone; a voxel takes no more than brings it to its d. What no voxel takes removes nothing.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/drill/energy.h"
@@ -34,6 +35,8 @@ class ProgressiveRemoval {
 
   /// As Erosion::step(). The stress is the largest of the sub-steps.
   [[nodiscard]] ErosionOutcome step(Voxmap& voxmap, const ErosionPath& path, int substeps, const CuttingLoad& load, double dt);
+  /// As Erosion::set_factors().
+  void set_factors(std::span<const float> factors) { points_.factors.assign(factors.begin(), factors.end()); }
 
  private:
   ProgressiveRemoval(const ErosionConfig& config, const ErosionPoints& points) : config_(config), points_(points) {}

@@ -56,13 +56,18 @@ Voxmap dwell(const Tool& tool, const ErosionConfig& config, const Speeds& speeds
 
 const ErosionConfig kFaces{.subvoxel = true}, kPoints{}, kGather{.form = ErosionForm::gather};
 ErosionConfig updates() { return {.law = ErosionLaw::per_update}; }
+ErosionConfig progressive() {
+  ErosionConfig out{.law = ErosionLaw::progressive};
+  out.progressive.bearing_share = 1e-4;  // 10 N on the whole face exceed the strength
+  return out;
+}
 ErosionConfig energy(bool subvoxel) { return {.law = ErosionLaw::energy, .subvoxel = subvoxel}; }
 
 }  // namespace
 
 TEST_CASE("region spin: both at full speed remove what one speed removes, bit for bit, also after other speeds") {
   const Tool tool = step_tool({.voxel = kVoxel});
-  for (const ErosionConfig& config : {kFaces, kPoints, kGather, updates(), energy(true), energy(false)}) {
+  for (const ErosionConfig& config : {kFaces, kPoints, kGather, updates(), energy(true), energy(false), progressive()}) {
     Voxmap one = block();
     auto plain = Erosion::create(config, tool.erosion, tool.cutting);
     REQUIRE(plain.ok());
@@ -93,7 +98,7 @@ TEST_CASE("region spin: a drill that stands removes nothing: as a tool without t
     (void)dwell(tool, config, {}, 0.2, &both);
     CHECK(both > 1.2 * standing);  // the sabotage: a speed for all would remove this
   }
-  for (const ErosionConfig& config : {kFaces, kPoints, energy(true), energy(false)}) {
+  for (const ErosionConfig& config : {kFaces, kPoints, energy(true), energy(false), progressive()}) {
     double none = 1.0;
     CHECK(dwell(tool, config, {.inner = 0.0, .outer = 0.0}, 0.2, &none).hash() == block().hash());
     CHECK(none == 0.0);
