@@ -5,6 +5,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/cost_drilling.h"
+#include "app/cli/cost_effects.h"
 #include "app/cli/cost_mesh.h"
 #include "app/cli/cost_study.h"
 #include "app/lab/contact_accuracy.h"
@@ -227,6 +228,7 @@ void add_cost(CLI::App& app, int& exit_code) {
   add_contact(*command, exit_code);
   add_surface(*command, exit_code);
   add_drilling_cost(*command, exit_code);
+  add_effects_cost(*command, exit_code);
   add_mesh_cost(*command, exit_code);
   add_multirate(*command, exit_code);
 #ifdef BH_WITH_RENDER

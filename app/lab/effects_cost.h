@@ -1,0 +1,70 @@
+/// app/lab/effects_cost.h: what each effect costs: a scene drilled with and without it, and with each of its keys at half and at twice its default.
+///   Effects are those of the registry, so that a new one is measured too. Runs are in lockstep, as `burrhole drill` does them, without pictures.
+///   Units   in the names.   Errors   those of the scene and of a study; unavailable without gnuplot.
+///   Thread  one; times are CPU times of this thread, medians of runs that take turns with those of the scene as it is.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/lab/cost_row.h"
+#include "app/lab/study.h"
+#include "app/scene/load.h"
+
+namespace burrhole {
+
+/// What a run gives, by name with its unit. NaN where one does not apply.
+using RunFigures = std::vector<std::pair<std::string, double>>;
+
+/// One run of the scene.
+struct EffectRun {
+  double cpu_ms = 0.0;  ///< [ms] of CPU time for a simulated second; median
+  double bytes = 0.0;   ///< [bytes] that the effect reports or predicts
+  std::string bits;     ///< hash of bone and forces
+  RunFigures figures;   ///< of the run, then of the effect
+};
+
+struct EffectPrice {
+  std::string table;
+  bool named = false;      ///< the scene names it: `other` is the scene without it; otherwise the scene with it
+  std::string given;       ///< the lines of the table that were added, or "as in the scene"
+  std::string refused;     ///< why the scene cannot be drilled so; empty: it can
+  EffectRun scene, other;  ///< as it is; with the effect, or without it
+  [[nodiscard]] double added_ms() const noexcept { return named ? scene.cpu_ms - other.cpu_ms : other.cpu_ms - scene.cpu_ms; }
+};
+
+/// A key at half and at twice its default, and the figure that it changes most.
+struct EffectKnob {
+  std::string table, key;
+  double value = 0.0, fallback = 0.0;      ///< [unit of the key]
+  std::string figure;                      ///< that changes most, relative to the larger of both; empty: none does
+  double before = 0.0, after = 0.0;        ///< of that figure
+  double cpu_ms = 0.0, fallback_ms = 0.0;  ///< [ms] as EffectRun::cpu_ms
+};
+
+struct EffectsCost {
+  std::vector<EffectPrice> prices;
+  std::vector<EffectKnob> knobs;
+};
+
+struct EffectsCostOptions {
+  std::string scene_file;
+  SceneContext context;
+  int repeats = 5;          ///< of each run of the prices
+  double duration_s = 0.0;  ///< [s] of a run; 0: the scene's
+  bool knobs = true;
+  std::string only;  ///< table of the one effect that is measured; empty: all
+  StudyRuns runs;
+};
+
+[[nodiscard]] Result<EffectsCost> measure_effects_cost(const EffectsCostOptions& options);
+[[nodiscard]] std::vector<CostRow> effects_cost_rows(const EffectsCost& cost);
+/// @returns the tables as they are printed and stand in docs.
+[[nodiscard]] std::string effects_cost_tables(const EffectsCost& cost);
+/// @returns prices and knobs as JSON, schema burrhole.cost_effects/1.
+[[nodiscard]] std::string effects_cost_json(const EffectsCost& cost);
+/// Writes cost.csv, effects.md, effects.svg and effects.html into a folder. `unavailable` without gnuplot: the first two are written.
+[[nodiscard]] Status write_effects_cost(const EffectsCost& cost, const std::string& folder);
+
+}  // namespace burrhole

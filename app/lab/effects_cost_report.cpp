@@ -1,0 +1,170 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/lab/effects_cost.h"
+#include "app/report/file.h"
+#include "app/report/html.h"
+#include "app/report/plot.h"
+
+namespace burrhole {
+namespace {
+
+using Cells = std::vector<std::vector<std::string>>;
+
+double figure_of(const EffectRun& run, std::string_view name) {
+  for (const auto& [known, value] : run.figures)
+    if (known == name) return value;
+  return std::nan("");
+}
+
+std::string number_text(double value, const char* format = "{:.4g}") {
+  return std::isnan(value) ? "-" : fmt::format(fmt::runtime(format), value);
+}
+
+const std::vector<std::string> kPriceHeads{"effect",    "drilled",     "without [ms/s]",  "with [ms/s]",      "costs [ms/s]",
+                                           "share [%]", "memory [kB]", "bone and forces", "breakthrough [s]", "plunge [mm]"};
+
+Cells price_cells(const EffectsCost& cost) {
+  Cells out;
+  for (const EffectPrice& p : cost.prices) {
+    if (!p.refused.empty()) {
+      out.push_back(
+          {p.table, p.named ? "not without it: " + p.refused : "needs keys: " + p.refused, "-", "-", "-", "-", "-", "-", "-", "-"});
+      continue;
+    }
+    const EffectRun &without = p.named ? p.other : p.scene, &with = p.named ? p.scene : p.other;
+    out.push_back({p.table, p.named ? "named by the scene" : p.given, fmt::format("{:.1f}", without.cpu_ms),
+                   fmt::format("{:.1f}", with.cpu_ms), fmt::format("{:+.1f}", p.added_ms()),
+                   fmt::format("{:+.1f}", 100.0 * p.added_ms() / without.cpu_ms), fmt::format("{:.1f}", with.bytes / 1e3),
+                   with.bits == without.bits ? "same bits" : "changed", number_text(figure_of(p.other, "breakthrough_s")),
+                   number_text(figure_of(p.other, "plunge_mm"))});
+  }
+  return out;
+}
+
+const std::vector<std::string> kKnobHeads{"effect",  "key",   "default",     "value", "figure that changes most",
+                                          "default", "value", "costs [ms/s]"};
+
+Cells knob_cells(const EffectsCost& cost) {
+  Cells out;
+  for (const EffectKnob& k : cost.knobs)
+    out.push_back({k.table, k.key, number_text(k.fallback), number_text(k.value), k.figure.empty() ? "none: the run is the same" : k.figure,
+                   k.figure.empty() ? "-" : number_text(k.before), k.figure.empty() ? "-" : number_text(k.after),
+                   fmt::format("{:+.1f}", k.cpu_ms - k.fallback_ms)});
+  return out;
+}
+
+std::string markdown_table(const std::vector<std::string>& heads, const Cells& cells) {
+  std::string out = "| " + fmt::format("{}", fmt::join(heads, " | ")) + " |\n|";
+  for (std::size_t n = 0; n < heads.size(); ++n) out += "---|";
+  out += "\n";
+  for (const std::vector<std::string>& line : cells) out += "| " + fmt::format("{}", fmt::join(line, " | ")) + " |\n";
+  return out;
+}
+
+Plot price_plot(const EffectsCost& cost) {
+  Plot plot;
+  plot.x_label = "memory of the effect [kB]";
+  plot.width_px = 900;
+  plot.panel_height_px = 420;
+  plot.columns = 1;
+  plot.log_x = true;
+  PlotPanel panel;
+  panel.title = "what an effect costs";
+  panel.y_label = "CPU time it adds to a simulated second [ms]";
+  for (const EffectPrice& p : cost.prices) {
+    if (!p.refused.empty()) continue;
+    const double bytes = std::max(0.01, (p.named ? p.scene : p.other).bytes / 1e3);
+    panel.series.push_back({"", {bytes}, {p.added_ms()}, point_style(p.named ? kPlotBlue : kPlotOrange, 7, 1.2), {p.table}});
+  }
+  plot.panels.push_back(std::move(panel));
+  return plot;
+}
+
+nlohmann::ordered_json run_json(const EffectRun& run) {
+  nlohmann::ordered_json out{
+      {"cpu_ms_per_s", run.cpu_ms}, {"bytes", run.bytes}, {"hash", run.bits}, {"figures", nlohmann::ordered_json::object()}};
+  for (const auto& [name, value] : run.figures) out["figures"][name] = value;  // not a number becomes null
+  return out;
+}
+
+}  // namespace
+
+std::vector<CostRow> effects_cost_rows(const EffectsCost& cost) {
+  std::vector<CostRow> rows;
+  for (const EffectPrice& p : cost.prices) {
+    if (!p.refused.empty()) continue;
+    CostRow row{.subject = "effect " + p.table,
+                .model = p.given,
+                .knob = "",
+                .setting = 0.0,
+                .error_name = "time_added",
+                .error = p.added_ms(),
+                .unit = "ms/s",
+                .reference = "the scene without it"};
+    row.bytes = (p.named ? p.scene : p.other).bytes;
+    rows.push_back(std::move(row));
+  }
+  for (const EffectKnob& k : cost.knobs)
+    rows.push_back({.subject = "effect " + k.table,
+                    .model = "",
+                    .knob = k.key,
+                    .setting = k.value,
+                    .error_name = k.figure.empty() ? "unchanged" : k.figure,
+                    .error = k.figure.empty() ? 0.0 : k.after - k.before,
+                    .unit = "",
+                    .reference = fmt::format("{:g}, the default", k.fallback)});
+  return rows;
+}
+
+std::string effects_cost_tables(const EffectsCost& cost) {
+  std::string out = markdown_table(kPriceHeads, price_cells(cost));
+  if (!cost.knobs.empty()) out += "\n" + markdown_table(kKnobHeads, knob_cells(cost));
+  return out;
+}
+
+std::string effects_cost_json(const EffectsCost& cost) {
+  using Json = nlohmann::ordered_json;
+  Json out{{"schema", "burrhole.cost_effects/1"}, {"effects", Json::array()}, {"knobs", Json::array()}};
+  for (const EffectPrice& p : cost.prices) {
+    Json one{{"table", p.table}, {"named", p.named}, {"given", p.given}, {"refused", p.refused.empty() ? Json() : Json(p.refused)}};
+    if (p.refused.empty()) {
+      one["scene"] = run_json(p.scene);
+      one[p.named ? "without" : "with"] = run_json(p.other);
+    }
+    out["effects"].push_back(std::move(one));
+  }
+  for (const EffectKnob& k : cost.knobs)
+    out["knobs"].push_back({{"table", k.table},
+                            {"key", k.key},
+                            {"default", k.fallback},
+                            {"value", k.value},
+                            {"figure", k.figure.empty() ? Json() : Json(k.figure)},
+                            {"before", k.before},
+                            {"after", k.after},
+                            {"cpu_ms_per_s", k.cpu_ms},
+                            {"default_cpu_ms_per_s", k.fallback_ms}});
+  return out.dump(2) + "\n";
+}
+
+Status write_effects_cost(const EffectsCost& cost, const std::string& folder) {
+  if (const Status written = write_cost_csv(effects_cost_rows(cost), folder + "/cost.csv"); !written) return written;
+  if (const Status written = write_file(folder + "/effects.md", effects_cost_tables(cost)); !written) return written;
+  const auto plot = draw_svg(price_plot(cost));
+  if (!plot) return plot.error();
+  if (const Status written = write_file(folder + "/effects.svg", *plot); !written) return written;
+  HtmlPage html("The price of effects", "CPU time and memory of each effect of a scene, and what its keys change");
+  html.svg(*plot, "Blue: effects that the scene names; orange: others, added to it. Medians of runs that took turns.");
+  html.heading("With and without");
+  html.table(kPriceHeads, price_cells(cost));
+  if (!cost.knobs.empty()) {
+    html.heading("Keys at half and at twice their default");
+    html.table(kKnobHeads, knob_cells(cost));
+  }
+  return write_file(folder + "/effects.html", html.text());
+}
+
+}  // namespace burrhole
