@@ -99,7 +99,7 @@ class ZonesEffect final : public Effect {
     out.add("warnings", warnings_);
     out.add("unknown_s", unknown_);
     if (!fixture_) return;
-    const FixtureFigures& f = fixture_->figures();
+    const PassiveForceFigures& f = fixture_->figures();
     out.add("guidance_peak_N", f.peak);
     out.add("guidance_given_mJ", f.most_given * 1e3);
     out.add("guidance_limited_ticks", f.limited);
@@ -242,10 +242,10 @@ FixtureConfig read_guidance(TableReader table) {
                            "force over the speed of the hand towards the zone (an assumption)");
   c.largest =
       table.number("largest_N", above_zero(c.largest, 1.0, 1e3), "largest force on the hand; that of a small device (an assumption)");
-  c.allowance = table.number("allowance_mJ", above_zero(c.allowance * 1e3, 1e-3, 1e3),
-                             "energy that the guidance may give to the hand at most, over any motion (an assumption)");
-  c.acceleration = table.number("acceleration_m_per_s2", above_zero(c.acceleration, 1.0, 1e5),
-                                "largest acceleration of the hand for which that holds (an assumption)");
+  c.limit.allowance = table.number("allowance_mJ", above_zero(c.limit.allowance * 1e3, 1e-3, 1e3),
+                                   "energy that the guidance may give to the hand at most, over any motion (an assumption)");
+  c.limit.acceleration = table.number("acceleration_m_per_s2", above_zero(c.limit.acceleration, 1.0, 1e5),
+                                      "largest acceleration of the hand for which that holds (an assumption)");
   table.finish();
   return c;
 }

@@ -107,7 +107,9 @@ DrillReport make_report(const LoadedScene& loaded, Simulation& simulation, const
     if (const std::string name = layer_name(layer.label); !name.empty()) r.layers.push_back({name, layer.from * 1e3, layer.to * 1e3});
   for (const RunEvent& event : simulation.events())
     r.events.push_back(
-        {event.time, event.kind == "hand" || event.kind == "tool" || event.kind == "mark" || event.kind == "zone" ? event.kind + ": " + event.text : event.kind});
+        {event.time, event.kind == "hand" || event.kind == "tool" || event.kind == "mark" || event.kind == "zone" || event.kind == "dura"
+                         ? event.kind + ": " + event.text
+                         : event.kind});
   r.setting = setting_of(loaded.scene, summary.by_user);
   r.thickness_mm = summary.thickness_mm;
   r.depth_mm_at_breakthrough = summary.depth_mm;
